@@ -42,13 +42,13 @@ def test_the_seeds_so_far_are_reported_and_written(tmp_path: Path, name: str, sa
     (tmp_path / "small.yaml").write_text(WORLD, encoding="utf-8")
     (tmp_path / "sometimes.py").write_text(CONTROLLER, encoding="utf-8")
     done = shell(
-        "validate", "small.yaml", "--seeds", "0:40", "--controller", f"sometimes:{name}",
+        "validate", "small.yaml", "--seeds", "1:40", "--controller", f"sometimes:{name}",
         "--workers", "2", "--json", "study.json", folder=tmp_path,
     )  # fmt: skip
     assert done.code == 2
     found = json.loads((tmp_path / "study.json").read_text(encoding="utf-8"))
     seeds = len(found["seeds"])
-    assert 0 < seeds < 40
-    assert f"seed {seeds} failed after {seeds} of 40 seeds" in done.err
+    assert 0 < seeds < 39
+    assert f"seed {seeds + 1} failed after {seeds} of 39 seeds" in done.err
     assert said in done.err
     assert f"{seeds} runs contact-free" in done.out

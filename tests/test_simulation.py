@@ -11,13 +11,13 @@ import numpy as np
 import pytest
 
 from physim.controllers.formation import formation_energy, formation_energy_rate
-from physim.errors import ControllerError
+from physim.errors import ControllerError, Notice
 from physim.geometry.motion import arcs
 from physim.parts.controller import Decision, Observation
 from physim.record import Record
 from physim.simulation.loop import Simulation
 from physim.simulation.run import record_run, simulate
-from physim.world.file import load_world
+from physim.world.file import load_world, parse_world
 from physim.world.file.files import find_world
 from physim.world.layout.scene_builder import build_scene
 from tests.facts import facts
@@ -351,3 +351,21 @@ def test_robots_arrive_in_formation_and_stand_still() -> None:
 def test_a_name_in_place_of_a_world_is_told(world: Any) -> None:
     with pytest.raises(TypeError, match=r"World.*Scene.*(str|PosixPath).*load_world"):
         simulate(world)
+
+
+def settings_in(world: Any, controller: str) -> dict[str, Any]:
+    return dict(Simulation(world, controller=controller).scene.world.controller.settings)
+
+
+def test_a_controller_by_name_keeps_the_settings_of_its_own_type() -> None:
+    """As on the command line; they were left out in silence, and another run was compared."""
+    text = "name: x\ntime: {step: 0.05, duration: 1}\n"
+    text += "corridor: {centreline: [[0, 0], [20, 0]], width: 8}\n"
+    text += "robots: [{footprint: {length: 1.8, width: 1}, pose: [3, 0, 0]}]\ncontroller: "
+    named = parse_world(text + "{type: path_following, look_ahead: 3.0}\n")
+    assert settings_in(named, "path_following") == {"look_ahead": 3.0}
+    said = facts("look_ahead", "path_following", "not used by", "mode_switching")
+    with pytest.warns(Notice, match=said):
+        assert settings_in(named, "mode_switching") == {}
+    open_to_all = parse_world(text + "{look_ahead: 3.0}\n")
+    assert settings_in(open_to_all, "path_following") == {"look_ahead": 3.0}

@@ -61,7 +61,10 @@ def _with_streams(arguments: Sequence[str] | None, broken: Break) -> int:
         if error.filename is None and error.errno not in UNWRITTEN:
             raise
         silence(sys.stdout)
-        where = "standard output" if error.filename is None else os.fsdecode(error.filename)
+        if error.filename is not None:
+            where = os.fsdecode(error.filename)
+        else:  # numba tells no file
+            where = "standard output" if is_output else "a file (of numba's cache, perhaps)"
         _print_error(f"{where}: cannot be written ({error.strerror})")
         return 2
     return code

@@ -342,6 +342,24 @@ def test_snapshots_are_taken_when_asked(record: Record) -> None:
     assert set(texts(axis.figure, "time")) <= {"0 s", "7 s", "14 s"}
 
 
+def test_times_stand_beside_robots_of_that_moment() -> None:
+    """Of robots that come from several sides the middle is where none is, or another's at that."""
+    pose = np.zeros((101, 3, 3))
+    pose[:, 0, 0] = np.linspace(-20.0, 20.0, 101)
+    pose[:, 1, 0] = np.linspace(20.0, -20.0, 101)
+    pose[:, 2, 1] = np.linspace(30.0, -30.0, 101)
+    pose[:, 1:, 1] += 2.0
+    with history([{"step": 0, "robot": 0}], robots=3, steps_run=100, pose=pose) as made:
+        axis = trajectories(made, 0.1).axes[0]
+        wide = float(np.ptp(axis.get_xlim()))
+        told = [one for one in axis.texts if one.get_gid() == "time"]
+        for one in told:
+            step = round(float(one.get_text().removesuffix(" s")) / made.dt)
+            apart = np.hypot(*(made.pose[step, :, :2] - one.xy).T).min()
+            assert apart < 0.1 * wide
+    assert len(told) >= 5
+
+
 def test_a_crowd_is_drawn_as_bands() -> None:
     with crowd() as made:
         axis = deviation(made).axes[0]

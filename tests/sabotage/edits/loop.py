@@ -554,4 +554,13 @@ EDITS = (
         "nor can one of a batch",
         "tests/test_decision_checks.py::test_the_quick_check_passes_what_the_thorough_one_passes",
     ),
+    Edit(
+        "loop",
+        "physim/simulation/parts.py",
+        "driven_by",
+        "mine = own.type == controller or",
+        "mine =",
+        "a controller by name keeps the settings of its own type",
+        "tests/test_simulation.py::test_a_controller_by_name_keeps_the_settings_of_its_own_type",
+    ),
 )

@@ -213,4 +213,13 @@ EDITS = (
         "a backend that cannot be loaded is not needed",
         "tests/plots/test_loading.py::test_a_backend_that_cannot_be_loaded_is_not_needed",
     ),
+    Edit(
+        "plots",
+        "physim/drawing/plots/maps.py",
+        "_group",
+        ">= len(places) / 4.0",
+        ">= 0",
+        "times stand beside robots of that moment",
+        "tests/plots/test_figures.py::test_times_stand_beside_robots_of_that_moment",
+    ),
 )

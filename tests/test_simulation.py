@@ -361,11 +361,12 @@ def test_a_controller_by_name_keeps_the_settings_of_its_own_type() -> None:
     """As on the command line; they were left out in silence, and another run was compared."""
     text = "name: x\ntime: {step: 0.05, duration: 1}\n"
     text += "corridor: {centreline: [[0, 0], [20, 0]], width: 8}\n"
-    text += "robots: [{footprint: {length: 1.8, width: 1}, pose: [3, 0, 0]}]\ncontroller: "
-    named = parse_world(text + "{type: path_following, look_ahead: 3.0}\n")
-    assert settings_in(named, "path_following") == {"look_ahead": 3.0}
-    said = facts("look_ahead", "path_following", "not used by", "mode_switching")
+    text += "robots: [{name: a, footprint: {length: 1.8, width: 1}, pose: [3, 0, 0], "
+    text += "path: {offset: 0}}]\ncontroller: "
+    named = parse_world(text + "{type: path_following, speed: 0.7}\n")
+    assert settings_in(named, "path_following") == {"speed": 0.7}
+    said = facts("speed", "path_following", "not used by", "mode_switching")
     with pytest.warns(Notice, match=said):
         assert settings_in(named, "mode_switching") == {}
-    open_to_all = parse_world(text + "{look_ahead: 3.0}\n")
-    assert settings_in(open_to_all, "path_following") == {"look_ahead": 3.0}
+    open_to_all = parse_world(text + "{speed: 0.7}\n")
+    assert settings_in(open_to_all, "path_following") == {"speed": 0.7}

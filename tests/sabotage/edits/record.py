@@ -62,7 +62,7 @@ EDITS = (
     Edit(
         "record",
         "physim/record/rows.py",
-        "_file",
+        "RecordFile._file",
         "if not self._handle:",
         "if False:",
         "a record that was closed is not told as damaged",

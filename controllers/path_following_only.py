@@ -35,30 +35,31 @@ class PathFollowing:
     Settings = PathFollowingSettings
 
     def __init__(self, settings: PathFollowingSettings | None = None) -> None:
-        given = {} if settings is None else settings.model_dump(exclude_unset=True)
-        self.settings = ModeSwitchingSettings(**given)
+        self.settings = PathFollowingSettings() if settings is None else settings
+        self.paper = ModeSwitchingSettings(**self.settings.model_dump(exclude_unset=True))
+        """the paper's, of which it uses those of target chasing: it keeps no distance"""
 
     def robot_faults(self, robots: Mapping[int, Robot]) -> list[Fault]:
         """Refuse robots whose limits do not allow the rotational speeds to choose from."""
-        return omega_faults(self.settings.omegas, False, robots)
+        return omega_faults(self.paper.omegas, False, robots)
 
     def world_faults(self, world: World, where: Location) -> list[Fault]:
         """Refuse a speed of its own beside that of a formation."""
-        return speed_faults(self.settings, world, where)
+        return speed_faults(self.paper, world, where)
 
     def world_doubts(self, world: World, where: Location) -> list[Fault]:
         """Doubt speeds out of reach, and stops short of arrival."""
-        return [*speed_doubts(self.settings, world, where), *stop_doubts(self.settings, world)]
+        return [*speed_doubts(self.paper, world, where), *stop_doubts(self.paper, world)]
 
     def decide(self, observation: Observation, memory: Any) -> Decision:
         """Choose the speed pair that ends nearest to the target (5)."""
-        rules = self.settings.rules()
+        rules = self.paper.rules()
         x, y = observation.path.target(observation.station, rules.look_ahead)
         if observation.station >= observation.stop_station - rules.arrival_tolerance:
             return Decision(0.0, 0.0, hold=rules.update_period, mode=AT_STOP, rule="stop")
-        omegas = observation.omegas or self.settings.omegas
+        omegas = observation.omegas or self.paper.omegas
         formation = observation.formation
-        nu = formation.speed if formation.active else self.settings.speed
+        nu = formation.speed if formation.active else self.paper.speed
         nu = min(nu, observation.limits[0])
         pairs = speed_pairs(np.array([1.0]), nu, np.array(omegas))
         dwell = np.array([rules.update_period])

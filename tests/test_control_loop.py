@@ -77,7 +77,7 @@ class Only:
         ({"considered": [0, 9]}, ("considered", "[0, 9]", "0 to 1")),
         ({"considered": [1, 1]}, ("considered", "[1, 1]", "once")),
         ({"considered": [-1]}, ("considered", "[-1]", "0 to 1")),
-        ({"considered": [1, 0]}, ("considered", "[1, 0]", "itself", "others")),
+        ({"considered": [1, 0]}, ("considered is [1, 0]", "itself", "others")),
         ({"report": None}, ("report", "NoneType", "mapping")),
         ({"report": {"efort": 1.0}}, ("report", "'efort'", "effort")),
         ({"report": {3: 1.0}}, ("report", "3", "effort")),

@@ -7,7 +7,7 @@ import shutil
 from pathlib import Path
 
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from physim.campaigns.asked import as_stored, merged, missing, ranges_of
@@ -23,6 +23,8 @@ YARD = ("yard", "", "mode_switching")
 
 
 @given(RANGES)
+@example([range(0, 2), range(2, 4)])
+@example([range(0, 2), range(3, 4)])
 def test_ranges_hold_the_same_seeds_in_as_few_pieces_as_can_be(ranges: list[range]) -> None:
     found = merged(ranges)
     assert [k for one in found for k in one] == sorted({k for one in ranges for k in one})

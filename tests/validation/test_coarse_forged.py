@@ -8,6 +8,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import h5py
+import numpy as np
 import pytest
 
 import physim
@@ -77,6 +78,26 @@ def other_robots(file: h5py.File) -> None:
     file["considered_others"][-1] = 3 - file["considered_others"][-1]
 
 
+def killed(edit: Callable[[h5py.File], None]) -> Callable[[h5py.File], None]:
+    """Of the same versions, and marked as a run that was killed."""
+
+    def both(file: h5py.File) -> None:
+        versions = file.attrs["versions"]
+        edit(file)
+        file.attrs["versions"] = versions
+        file.attrs.modify("ended", np.bytes_("running"))
+
+    return both
+
+
+def all_arrived(file: h5py.File) -> None:
+    file["robots/arrived"][...] = 1
+
+
+def nothing(file: h5py.File) -> None:
+    pass
+
+
 def forged(record: Path, edit: Callable[[h5py.File], None]) -> Path:
     path = record.with_name("forged.h5")
     shutil.copy(record, path)
@@ -91,6 +112,9 @@ def forged(record: Path, edit: Callable[[h5py.File], None]) -> Path:
         (claimed_contact, ("/contacts, row 0", "there in the record", "not simulated again")),
         (contact_with_a_wall, ("/contacts, row 0", "there in the record", "not simulated again")),
         (better("clearance"), ("/extremes, row 0, clearance",)),
+        (killed(better("clearance")), ("/extremes, row 0, clearance",)),
+        (killed(better("boundary_clearance")), ("/extremes, row 0, boundary_clearance",)),
+        (killed(all_arrived), ("/robots/arrived, row 0",)),
         (other_robots, ("/considered_others, row", "in the record", "simulated again")),
     ],
 )
@@ -115,9 +139,21 @@ def test_a_run_with_contacts(touching, capsys, edit, said) -> None:
     assert states(out, *said)
 
 
+def test_a_killed_run_whose_distances_are_not_those_of_its_samples(tmp_path, capsys) -> None:
+    """A killed run may have noted steps after its last sample, so that less is no fault."""
+    path = tmp_path / "lane.h5"
+    physim.simulate(physim.parse_world(LANE), path=path).close()
+    assert run(capsys, forged(path, killed(nothing)))[0] == 0
+    for column in ("clearance", "boundary_clearance"):
+        code, out, _ = run(capsys, forged(path, killed(better(column))))
+        assert code == 3
+        assert "smallest distance" in out
+
+
 def test_true_records_of_other_versions_agree_up_to_the_first_contact(
     free, touching, capsys
 ) -> None:
+    assert run(capsys, forged(free, killed(nothing)))[0] == 0
     for record, code, said in ((free, 0, "the same within"), (touching, 1, "the first contact")):
         found, out, _ = run(capsys, forged(record, of_other_versions))
         assert found == code

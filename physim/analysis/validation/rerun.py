@@ -178,14 +178,15 @@ def _first(record: Record, again: Record, until: int, exact: bool, whole: bool) 
         last = [key for key in LAST if key != "ended" or record.ended != "error"]
         for found in (*_attributes(record, again, last), *_sums(record, again, exact)):
             return found
-    if not whole:
+    if not whole or record.ended == "running":
         for found in _bounds(record, again, until):
             return found
     return None
 
 
 def _bounds(record: Record, again: Record, until: int) -> Iterator[Mismatch]:
-    """Extremes of the whole run that are not even those of the part before a first contact."""
+    """Extremes and arrivals of a run that are not even those of its part up to a step: a first
+    contact, or the last sample of a run that was killed."""
     for column in ("clearance", "boundary_clearance"):
         least = np.full(record.robots, np.inf)
         for low in range(0, until + 1, BLOCK):
@@ -194,6 +195,10 @@ def _bounds(record: Record, again: Record, until: int) -> Iterator[Mismatch]:
         told = record.read(EXTREMES)[column]
         for k in np.flatnonzero(told > least + SLACK)[:1].tolist():
             yield Mismatch.of(record, EXTREMES, column, told[k], least[k], BY, row=k, robot=k)
+    told = record.arrived
+    wrong = (told >= 0) & (told <= until) & (told != again.arrived) & (again.arrived <= until)
+    for k in np.flatnonzero(wrong)[:1].tolist():
+        yield Mismatch.of(record, ARRIVED, None, told[k], again.arrived[k], BY, row=k, robot=k)
 
 
 def _attributes(record: Record, again: Record, names: Sequence[str]) -> Iterator[Mismatch]:

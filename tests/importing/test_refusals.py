@@ -13,10 +13,11 @@ from typing import Any
 import cv2
 import numpy as np
 import pytest
+import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from physim.authoring.importing import ImportSourceError, Options, import_world
+from physim.authoring.importing import ImportSourceError, Options, import_world, importing
 from physim.errors import PhysimError
 from physim.world.file.files import shipped_folder
 from tests.importing.plans import SAMPLES, check_says, map_yaml, pgm, svg
@@ -160,6 +161,7 @@ def maps() -> dict[str, tuple[str, bytes | None, str]]:
         "header": (yaml, b"P5\n60 forty\n255\n", 'header: … height … "forty"'),
         "header only": (yaml, b"P5\n60", "header: … height … nothing"),
         "huge PGM": (yaml, b"P5\n100000 100000\n255\n", "100000 x 100000 pixels … 50 000 000"),
+        "wide PGM": (yaml, b"P5\n1000001 1\n255\n" + b"\0" * 1_000_001, "at most 1000000 a side"),
         "huge PNG": (yaml, huge_png(100_000, 100_000), "100000 x 100000 pixels"),
         "cut PNG": (yaml, png[: len(png) // 2], "cut short … PNG"),
         "damaged PNG": (yaml, png[:60] + b"X" + png[61:], "check sum … PNG"),
@@ -309,6 +311,18 @@ POLYGONS = {
         polygon(SQUARE, crs={"type": "name", "properties": {"name": "OGC:1.3:CRS84"}}),
         "degrees … crs",
     ),
+    "escaped.geojson": (
+        polygon(SQUARE, crs={"type": "name", "properties": {"name": "EPSG::4326\x1b"}}),
+        "degrees … crs",
+    ),
+    "numbered.geojson": (
+        polygon(SQUARE, crs={"properties": {"code": 4326}, "type": "EPSG"}),
+        "degrees … crs",
+    ),
+    "twice.geojson": (
+        polygon(SQUARE).replace('"coordinates"', '"coordinates": [], "coordinates"'),
+        '"Polygon" … "coordinates" twice',
+    ),
     "cut.geojson": (polygon(SQUARE)[:-5], ":1: … JSON"),
     "nan.geojson": (polygon(SQUARE).replace("20", "NaN"), "NaN … finite"),
     "list.geojson": ("[1]", 'GeoJSON … "type"'),
@@ -400,6 +414,9 @@ OPTIONS = {
     "gap beyond": (Options(gap=200.0), "--gap 200 … more than 0 … half of 248.1 m"),
     "too many": (Options(robots=200), "of 200 robots … 1.8 x 1.0 m … --robots"),
     "too wide": (Options(robot=(9.0, 8.0)), "robot 8 m wide … --robot"),
+    "too small": (Options(robot=(1e-9, 1e-9)), "--robot 1e-09,1e-09 … at least 0.001 m"),
+    "below a millimetre": (Options(robot=(1.8, 5e-4)), "--robot 1.8,0.0005 … at least 0.001 m"),
+    "too thin": (Options(robot=(1.0, 0.001)), "time.step … another --robot LENGTH,WIDTH"),
     "from outside": (Options(origin=(0.0, 0.0)), "--from (0.00, 0.00) … not in the area"),
 }
 
@@ -441,6 +458,20 @@ def test_drawn_robots_are_neither_ranked_nor_sized(asked: dict[str, Any]) -> Non
     hall = SAMPLES / "hall.svg"
     check_says(refusal(hall, Options(scale=0.1, **asked)), f"--{key} … drawn … --robots N")
     assert import_world(hall, Options(scale=0.1, robots=2, **asked)).world.robots
+
+
+def test_lines_that_cannot_be_worked_out_are_one_message(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Shapely raises at odd lines, at any of its calls."""
+    path = tmp_path / "t.csv"
+    path.write_text(HEADER + ROWS)
+
+    def fails(*_: Any) -> None:
+        raise shapely.errors.GEOSException("TopologyException: side location conflict at 1 2")
+
+    monkeypatch.setattr(importing, "fit", fails)
+    check_says(refusal(path), ": … side location conflict at 1 2 … draw each once")
 
 
 def test_room_for_none_is_told_without_advice_that_cannot_help(tmp_path: Path) -> None:

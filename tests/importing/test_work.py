@@ -173,6 +173,33 @@ def test_pixels_as_text_are_no_more_than_a_text_may_be(tmp_path: Path) -> None:
     check_says(str(caught.value), "map.pgm: … P2 … 20 MB … P5")
 
 
+def test_patches_of_noise_are_counted_before_their_outlines_are_worked_on(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """A map of 300 x 300 cells took 41 s, and was refused then."""
+
+    def worked_on(*_: object) -> None:
+        raise AssertionError
+
+    monkeypatch.setattr(ros_map, "_simplified", worked_on)
+    cells = np.ones((113, 113), bool)
+    cells[1::2, 1::2] = False
+    with pytest.raises(ImportSourceError) as caught:
+        ros_map.outline_map(
+            PLACE, Drawing(kind="map"), cells, 1.0, (0.0, 0.0, 0.0), Options(specks=0.0)
+        )
+    check_says(str(caught.value), "plan: 3136 occupied patches … at most 3000 … --specks")
+
+
+def test_outlines_that_cross_when_simplified_are_simplified_less() -> None:
+    """Shapely's rounding raises at some that cross."""
+    drawing = Drawing(kind="map")
+    cells = np.random.default_rng(15).random((24, 24)) < 0.6
+    ros_map.outline_map(PLACE, drawing, cells, 0.1, (0.0, 0.0, 0.0), Options())
+    assert drawing.area.is_valid
+    assert "moved by at most 0.0" in drawing.facts[-1]
+
+
 def test_noise_is_no_map(monkeypatch: pytest.MonkeyPatch) -> None:
     cells = np.ones((12, 12), bool)
     cells[3, 3] = False  # four edges

@@ -161,11 +161,22 @@ TOLERANT = ("ros-map", "svg")
 """Kinds of source of which every line is made within ``tolerance``, not only one of many points"""
 
 
+LEAST_ROBOT = 10.0**-DIGITS
+"""[m] length and width of a robot that a world can be written with"""
+
+
 def check_options(source: Path, kind: str, options: Options) -> None:
-    """Refuse options that would be without effect for a kind of source."""
+    """Refuse options that would be without effect for a kind of source, or that none can take."""
     for name, (kinds, purpose) in ONLY_FOR.items():
         if getattr(options, name) not in (None, ()) and kind not in kinds:
             raise refused(source, f"--{name}: {purpose}; this is read as {kind}")
+    if options.robot is not None and not min(options.robot) >= LEAST_ROBOT:
+        given = ",".join(f"{side:g}" for side in options.robot)
+        raise refused(
+            source,
+            f"--robot {given}: length and width must be at least {LEAST_ROBOT:g} m, as worlds are "
+            "written to the millimetre",
+        )
 
 
 def _lines(sources: Sequence[Source]) -> list[Any]:

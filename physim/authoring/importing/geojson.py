@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+from collections import Counter
 from itertools import islice
 from pathlib import Path
 from typing import Any
@@ -28,7 +29,7 @@ from physim.escaping import escaped
 
 MOST_DIGITS = 300
 """Digits of a whole number, about what fits into a float."""
-EPSG = re.compile(r"epsg.*?(\d{1,9})\D*$", re.I)
+EPSG = re.compile(r"epsg.*?(\d{1,9})\D*$", re.I | re.S)
 """How a crs gives the number by which it is known; a version may stand before it."""
 ROLES = ("boundary", "obstacle", "path", "robot")
 COLLECTIONS = {"FeatureCollection": "features", "GeometryCollection": "geometries"}
@@ -38,7 +39,9 @@ def read_geojson(path: Path, options: Options) -> Drawing:
     """Read a GeoJSON file in metres; degrees are refused."""
     text = read_text(path)
     try:
-        value = json.loads(text, parse_constant=_not_finite, parse_int=_whole)
+        value = json.loads(
+            text, parse_constant=_not_finite, parse_int=_whole, object_pairs_hook=_once
+        )
     except json.JSONDecodeError as error:
         raise refused(path, f"not valid JSON: {error.msg}", error.lineno) from None
     except RecursionError:
@@ -47,20 +50,42 @@ def read_geojson(path: Path, options: Options) -> Drawing:
         raise refused(path, escaped(str(error))[:100]) from None
     if not isinstance(value, dict) or "type" not in value:
         raise refused(path, 'not GeoJSON: an object with "type" is needed')
-    crs = json.dumps(value.get("crs") or "")
+    crs = _text_of(value.get("crs") or "")
     if "crs84" in crs.lower():
         raise degrees(path, "the crs of the file")
     parts = list(islice(_features(path, value, "", "", 0), MOST_GEOMETRIES + 1))
     check_count(path, parts)
-    if options.scale is None and len(crs) < 3 and parts:
+    if options.scale is None and not value.get("crs") and parts:
         _check_degrees(path, parts)
     if code := EPSG.search(crs):
         check_code(path, int(code[1]), "the crs of the file", parts, options)
     drawing = drawing_of(path, "GeoJSON", parts, options)
-    if len(crs) > 2:
+    if value.get("crs"):
         name = _name_of(value["crs"])
         drawing.facts.insert(1, f"lengths of its crs, {name}, are taken as they are")
     return drawing
+
+
+def _once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    """Object of its keys and values; programs differ in which of two values of a key they take."""
+    made = dict(pairs)
+    if len(made) < len(pairs):
+        twice = Counter(key for key, _ in pairs).most_common(1)[0][0]
+        kind = made.get("type")
+        where = f' of type "{kind[:30]}"' if isinstance(kind, str) else ""
+        raise ValueError(f'an object{where} has the key "{twice[:30]}" twice; leave one out')
+    return made
+
+
+def _text_of(crs: Any, depth: int = 0) -> str:
+    """Names and numbers of a crs, as they are meant: without quotes, escapes and keys."""
+    if not isinstance(crs, dict | list):
+        return str(crs)
+    if depth > MOST_DEPTH:
+        return ""
+    # its type may be EPSG, and its code the number alone
+    keys = sorted(crs, key=lambda key: key != "type") if isinstance(crs, dict) else range(len(crs))
+    return " ".join(_text_of(crs[key], depth + 1) for key in keys)
 
 
 def _name_of(crs: Any) -> str:

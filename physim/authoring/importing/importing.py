@@ -9,6 +9,7 @@ from math import hypot
 from pathlib import Path
 
 import numpy as np
+import shapely
 
 from physim.authoring.importing.drawing import (
     TOLERANT,
@@ -71,7 +72,18 @@ def import_world(source: Path, options: Options | None = None) -> Imported:
     The world has been loaded and its scene built, so `physim run` takes it. Raises
     ImportSourceError, which says what is wrong with the source and where.
     """
-    options = options or Options()
+    try:
+        return _imported(source, options or Options())
+    except shapely.errors.GEOSException as error:  # whichever of many calls it was
+        reason = escaped(str(error).split(": ", 1)[-1].strip())[:120]
+        raise refused(
+            source,
+            f"its lines cannot be told apart where they cross or touch ({reason}); draw each once, "
+            "clear of the others",
+        ) from None
+
+
+def _imported(source: Path, options: Options) -> Imported:
     form = options.format or format_of(source)
     check_options(source, form, options)
     module, name = READERS[form]
@@ -116,7 +128,7 @@ def import_world(source: Path, options: Options | None = None) -> Imported:
     text = world_text(options.name or _name(source), escaped(source.name), drawing, found, robots)
     return Imported(
         text,
-        _checked(source, text, drawing, robots),
+        _checked(source, text, drawing, robots, options),
         drawing.kind,
         tuple(drawing.facts),
         tuple(drawing.changes),
@@ -201,7 +213,9 @@ def _name(source: Path) -> str:
     return (escaped(source.stem).strip() or "imported")[:100]
 
 
-def _checked(source: Path, text: str, drawing: Drawing, robots: Sequence[Placed]) -> World:
+def _checked(
+    source: Path, text: str, drawing: Drawing, robots: Sequence[Placed], options: Options
+) -> World:
     """Load the world and build its scene, as a run would."""
     if len(text) > 5_000_000:
         raise refused(
@@ -216,6 +230,8 @@ def _checked(source: Path, text: str, drawing: Drawing, robots: Sequence[Placed]
         first = error.faults[0]
         more = f" (and {len(error.faults) - 1} more)" if len(error.faults) > 1 else ""
         message = f"the world made of it cannot run: {first}{more}"
+        if options.robot is not None and first.location[:1] == ("time",):
+            message += "; another --robot LENGTH,WIDTH, less long for its width"
         raise _refused_where(source, message, first.location, drawing, robots) from None
     return world
 

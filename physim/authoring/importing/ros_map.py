@@ -29,7 +29,7 @@ from physim.authoring.importing.drawing import (
     place,
     refused,
 )
-from physim.authoring.importing.enclosure import check_size
+from physim.authoring.importing.enclosure import MOST_OBSTACLES, check_size
 from physim.authoring.importing.ros_map_file import RosMap, read_map_file
 from physim.authoring.importing.source import read_image
 from physim.escaping import escaped
@@ -67,10 +67,12 @@ def outline_map(
     centre = _Centres(cell, origin)
     drawing.changes += _fill_specks(free, specks, cell, centre)
     region = _region(path, drawing, free, cell, centre, options.origin)
-    exact = shapely.transform(_polygon(path, region), lambda at: centre.placed(at * cell))
+    cells = _polygon(path, region)
+    _check_holes(path, len(cells.interiors))
+    exact = shapely.transform(cells, lambda at: centre.placed(at * cell))
     x0, y0, x1, y1 = exact.bounds
     check_size(path, np.array([x1 - x0, y1 - y0]))
-    polygon = _simplified(exact, tolerance)
+    polygon = _simplified(path, exact, tolerance)
     moved = max(_farthest(polygon, exact), _farthest(exact, polygon))
     drawing.facts.append(
         f"outlines along the edges of cells, simplified within {tolerance:g} m: moved by at most "
@@ -190,7 +192,17 @@ def _polygon(path: Path, region: Any) -> Any:
     return max(own, key=shapely.area)
 
 
-def _simplified(exact: Any, tolerance: float) -> Any:
+def _check_holes(path: Path, count: int) -> None:
+    """Refuse more holes than a world has obstacles before their outlines are worked on."""
+    if count > MOST_OBSTACLES:
+        raise refused(
+            path,
+            f"{count} occupied patches within the free region would be obstacles; at most "
+            f"{MOST_OBSTACLES} are read: is it noise? Larger --specks or a smoother map",
+        )
+
+
+def _simplified(path: Path, exact: Any, tolerance: float) -> Any:
     """Valid polygon on the millimetre grid, within ``tolerance`` of the exact one."""
     grid = 10.0**-DIGITS
     for share in (1.0, 0.5, 0.25, 0.0):
@@ -198,11 +210,22 @@ def _simplified(exact: Any, tolerance: float) -> Any:
             _simple_ring(ring, max(share * tolerance - grid, 0.0))
             for ring in (exact.exterior, *exact.interiors)
         ]
-        simple = shapely.set_precision(shapely.Polygon(rings[0], rings[1:]), grid)
+        simple = _on_grid(shapely.Polygon(rings[0], rings[1:]), grid)
         kept = len(getattr(simple, "interiors", ())) == len(exact.interiors)
         if simple.geom_type == "Polygon" and simple.is_valid and kept and not simple.is_empty:
             return simple
-    return max(shapely.get_parts(simple), key=shapely.area)
+    parts = [one for one in shapely.get_parts(simple) if one.geom_type == "Polygon"]
+    if not parts:
+        raise refused(path, "its outlines cannot be rounded to the millimetre; smooth the map")
+    return max(parts, key=shapely.area)
+
+
+def _on_grid(polygon: Any, grid: float) -> Any:
+    """Polygon rounded to a grid; an empty one where rings cross, each simplified by itself."""
+    try:
+        return shapely.set_precision(polygon, grid)
+    except shapely.errors.GEOSException:
+        return shapely.Polygon()
 
 
 def _simple_ring(ring: Any, tolerance: float) -> Any:

@@ -129,6 +129,9 @@ def format_of(path: Path) -> str:
 MOST_PIXELS = 50_000_000
 """Pixels of an image that is decoded, about 7000 x 7000: up to 18 bytes each are needed."""
 
+MOST_SIDE = 1_000_000
+"""Pixels of a side: OpenCV decodes a little more of a PGM, libpng none of a PNG."""
+
 STDERR = 2
 """Descriptor of standard error."""
 _PNG = b"\x89PNG\r\n\x1a\n"
@@ -186,6 +189,11 @@ def _silent_decoder() -> Iterator[None]:
 def _check_size(path: Path, width: int, height: int) -> None:
     if width < 1 or height < 1:
         raise refused(path, f"an image of {width} x {height} pixels")
+    if max(width, height) > MOST_SIDE:
+        raise refused(
+            path,
+            f"an image of {width} x {height} pixels; at most {MOST_SIDE} a side are read; crop it",
+        )
     if width * height > MOST_PIXELS:
         raise refused(
             path,

@@ -176,4 +176,22 @@ EDITS = (
         "noise is no map",
         "tests/importing/test_work.py::test_noise_is_no_map",
     ),
+    Edit(
+        "importing",
+        "physim/authoring/importing/ros_map.py",
+        "_check_holes",
+        "if count > MOST_OBSTACLES:",
+        "if False:",
+        "patches of noise are counted before the work",
+        "tests/importing/test_work.py::test_patches_of_noise_are_counted_before_their_outlines_are_worked_on",
+    ),
+    Edit(
+        "importing",
+        "physim/authoring/importing/source.py",
+        "_check_size",
+        "if max(width, height) > MOST_SIDE:",
+        "if False:",
+        "a side that no decoder reads is told as such",
+        "tests/importing/test_refusals.py::test_maps",
+    ),
 )

@@ -11,14 +11,27 @@ import re
 from itertools import islice
 from xml.sax.saxutils import escape, quoteattr
 
-from physim.authoring.importing.svg_values import EXTENTS, PLACES, SHAPES
+from physim.authoring.importing.svg_paths import as_meant
+from physim.authoring.importing.svg_values import (
+    AUTO,
+    EXTENTS,
+    ORIGINS,
+    PLACES,
+    RADII,
+    SHAPES,
+    origin_of,
+    pixels_of,
+)
 from physim.escaping import escaped
 
 XLINK = "http://www.w3.org/1999/xlink|href"
 LABEL = "http://www.inkscape.org/namespaces/inkscape|label"
 SVG = "http://www.w3.org/2000/svg|"
-LINE, TAG, CUT = "physim-line", "physim-tag", "physim-cut"
-"""Attributes that tell of an element where it stands, and what it or a group about it is cut by"""
+LINE, TAG, CUT, SPILLS = "physim-line", "physim-tag", "physim-cut", "physim-spills"
+"""Attributes that tell of an element where it stands, and what it or a group about it is cut by.
+
+The last is that of a drawing within a drawing that is not cut at its edges.
+"""
 PREFIXES = {LABEL: "inkscape:label", XLINK: "xlink:href"}
 KEPT = ("id", LABEL, "transform", "display", "class", "d", "points", *PLACES, *EXTENTS, "viewBox",
         "preserveAspectRatio")  # fmt: skip
@@ -34,6 +47,8 @@ UNSEEN = ("display", "visibility", "opacity", "fill", "stroke")
 """Properties by which an element is not to be seen."""
 INVISIBLE = ("hidden", "collapse")
 """Values of ``visibility``"""
+UNREAD = ("d", "rotate", "scale", "translate", "offset-path")
+"""Properties that change lines, and are read nowhere but as attributes or in ``transform``."""
 NOT_LINES = ("text", "image", "foreignObject", "flowRoot")
 """Elements that hold no lines; they are listed as left out."""
 ONLY_COPIED = "symbol"
@@ -57,6 +72,8 @@ class BareSvg:
         self._ends: list[str] = []
         self.is_painted = False
         """whether a style sheet says what is filled and stroked"""
+        self.origin = ""
+        """what in a style sheet turns elements about another point than (0, 0)"""
 
     @property
     def text(self) -> str:
@@ -71,9 +88,24 @@ class BareSvg:
         kept = {key: attributes[key] for key in KEPT if key in attributes}
         if "class" in kept:
             kept["class"] = " ".join(islice(dict.fromkeys(kept["class"].split()), MOST_CLASSES))
-        if style := declarations(attributes.get("style", ""), STYLED):
+        style = declarations(attributes.get("style", ""), STYLED)
+        is_within = tag == "svg" and bool(self._ends)
+        if tag == "svg" and not is_within:  # the page is where it is
+            for key in ("x", "y"):
+                kept.pop(key, None)
+                style.pop(key, None)
+        if style:
             kept["style"] = ";".join(f"{key}:{value}" for key, value in style.items())
+        own = {**kept, **style}
+        if "d" in kept:
+            kept["d"] = as_meant(kept["d"])
+        for key, other in (RADII, RADII[::-1]):
+            if own.get(key, "").strip().lower() == AUTO:  # the library would take it for none
+                length = own.get(other, AUTO)
+                kept["style"] = f"{kept.get('style', '')};{key}:{length if length != AUTO else 0}"
         cut = _cut({**attributes, **declarations(attributes.get("style", ""), CUTS)})
+        if is_within and _spills(attributes):
+            kept[SPILLS] = "yes"
         if tag == ONLY_COPIED and "viewBox" in attributes:  # would fit it into its copies' boxes
             cut = "viewBox"
         if cut:
@@ -85,16 +117,24 @@ class BareSvg:
         tag = "defs" if tag in AS_DEFS else tag
         begin, end = ("<defs>", "</defs>") if tag == ONLY_COPIED else ("", "")
         self._parts.append(f"{begin}<{tag}{'' if self._ends else ROOT}{''.join(written)}>")
-        self._ends.append(f"</{tag}>{end}")
+        if is_within and "viewBox" not in kept:  # the library moves what is in one with a view only
+            x, y = (pixels_of(own.get(key, "0")) for key in ("x", "y"))
+            self._parts.append(f'<g transform="translate({x!r},{y!r})">')
+            self._ends.append(f"</g></{tag}>")
+        else:
+            self._ends.append(f"</{tag}>{end}")
 
     def sheet(self, text: str) -> str:
         """Take what a style sheet hides or cuts; returns what is wrong with it, or nothing."""
         for selector, body in _rules(text):
             shown = f'"{escaped(selector)[:60]}"'
-            found = declarations(body, (*STYLED, *CUTS, *UNSEEN))
+            found = declarations(body, (*STYLED, *CUTS, *UNSEEN, *UNREAD, *ORIGINS))
             self.is_painted |= "fill" in found or "stroke" in found
-            if "transform" in found:
-                return f"{shown} has a transform; only those of elements are read"
+            for key in ("transform", *UNREAD):
+                if found.get(key, "none").lower() != "none":
+                    return f"{shown} has a {key}; only those of elements are read"
+            if wrong := origin_of(found):
+                self.origin = self.origin or f"{shown} has {wrong}"
             if _is_unseen(found) or found.get("visibility", "").lower() in INVISIBLE:
                 found["display"] = "none"
             cut = _cut(found)
@@ -150,11 +190,17 @@ def _cut(properties: dict[str, str]) -> str:
     return " and ".join(given)
 
 
+def _spills(attributes: dict[str, str]) -> bool:
+    """Whether what is in a drawing within a drawing is drawn beyond its edges, too."""
+    style = declarations(attributes.get("style", ""), ("overflow",))
+    return {**attributes, **style}.get("overflow", "").strip().lower() == "visible"
+
+
 def functions_of(tag: str, attributes: dict[str, str]) -> int:
-    """How many functions of transforms move what is in an element; a page within one has two."""
+    """How many functions of transforms move what is in an element; a page within one has three."""
     style = declarations(attributes.get("style", ""), ("transform",))
     own = attributes.get("transform", "") + style.get("transform", "")
-    return own.count("(") + (2 if tag == "svg" else 0)
+    return own.count("(") + (3 if tag == "svg" else 0)
 
 
 def _rules(text: str) -> list[tuple[str, str]]:

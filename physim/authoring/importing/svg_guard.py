@@ -7,7 +7,6 @@ messages.
 
 from __future__ import annotations
 
-import re
 from collections.abc import Set
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -20,6 +19,7 @@ from physim.authoring.importing.svg_bare import (
     NOT_DRAWN,
     NOT_LINES,
     SVG,
+    UNREAD,
     XLINK,
     BareSvg,
     called,
@@ -27,14 +27,20 @@ from physim.authoring.importing.svg_bare import (
     functions_of,
     hidden,
 )
+from physim.authoring.importing.svg_paths import path_fault
 from physim.authoring.importing.svg_values import (
     EXTENTS,
     NUMBER,
+    ORIGINS,
     PLACES,
     SHAPES,
+    origin_of,
     page_fault,
+    place_fault,
     shape_fault,
+    share_fault,
     transform_fault,
+    turns,
 )
 from physim.escaping import escaped
 
@@ -49,8 +55,7 @@ MOST_NUMBERS = 300_000
 MOST_TURNED = 150_000
 """Functions of transforms, each counted for every element that it moves, copies written out."""
 
-NO_PATH_DATA = re.compile(r"[^MmZzLlHhVvCcSsQqTtAa,\s]")
-"""Beside its numbers."""
+NO_ORIGIN = "transforms are read about (0, 0) alone; apply it to the shape (Inkscape: ungroup)"
 
 
 @dataclass
@@ -104,10 +109,6 @@ def look_at(path: Path, text: str) -> SvgLook:
     return _Guard(path).run(text)
 
 
-def _blank(number: re.Match[str]) -> str:
-    return " " * len(number[0])
-
-
 class _Guard:
     def __init__(self, path: Path) -> None:
         self.path = path
@@ -120,6 +121,8 @@ class _Guard:
         self.drawn = 0
         self.hidden = 0
         self.sheet: list[str] = []
+        self.pages = 0
+        self.turned: tuple[int, str] | None = None
         self.parser = expat.ParserCreate("utf-8", namespace_separator="|")
 
     def run(self, text: str) -> SvgLook:
@@ -184,11 +187,10 @@ class _Guard:
                 f"more than {MOST_NUMBERS} numbers in its paths up to here; simplify them first, "
                 "or delete what is no wall, obstacle, path or robot"
             )
-        self._check_path_data(tag, attributes)
-        if wrong := transform_fault(attributes.get("transform", "")):
-            raise self._refused(f"{called(tag, attributes)}: transform: {wrong}")
-        if tag == "svg" and (wrong := page_fault(attributes)):
+        if wrong := self._fault(tag, attributes):
             raise self._refused(f"{called(tag, attributes)}: {wrong}")
+        if tag not in NOT_LINES and not is_hidden:
+            self._check_turn(tag, attributes)
         if self.hidden or tag in NOT_DRAWN:
             self.hidden += 1
         elif is_hidden:
@@ -202,7 +204,8 @@ class _Guard:
             self.look.left_out.append(f"line {line}: <{tag}> holds no lines, left out")
         if tag in SHAPES and not self.hidden:
             style = declarations(attributes.get("style", ""), (*PLACES, *EXTENTS))
-            if wrong := shape_fault(tag, {**attributes, **style}):
+            values = {**attributes, **style}
+            if wrong := shape_fault(tag, values) or self._share(values):
                 raise self._refused(f"{called(tag, attributes)}: {wrong}")
             self.look.drawn.append((line, called(tag, attributes)))
         element = _Element(functions_of(tag, attributes), is_invisible=is_invisible)
@@ -219,18 +222,50 @@ class _Guard:
             self.look.lines.setdefault(own, line)
         self.open.append((tag, element))
 
-    def _check_path_data(self, tag: str, attributes: dict[str, str]) -> None:
-        """Refuse path data that no program reads alike: other signs, or no move to begin with."""
-        if bad := NO_PATH_DATA.search(NUMBER.sub(_blank, attributes.get("d", ""))):
-            around = attributes["d"][bad.start() : bad.start() + 20]
-            raise self._refused(
-                f'{called(tag, attributes)}: path data: "{escaped(around)}" cannot be read'
-            )
-        if (start := attributes.get("d", "").strip()) and start[0] not in "Mm":
-            raise self._refused(
-                f'{called(tag, attributes)}: path data: "{escaped(start[:20])}" must begin '
-                "with M, a move"
-            )
+    def _fault(self, tag: str, attributes: dict[str, str]) -> str:
+        """What is wrong with an element that is read, whether it is seen or not; else empty."""
+        if tag == "path" and (wrong := path_fault(attributes.get("d", ""))):
+            return f"path data: {wrong}"
+        if wrong := transform_fault(attributes.get("transform", "")):
+            return f"transform: {wrong}"
+        if tag not in ("svg", "use"):
+            return ""
+        values = {**attributes, **declarations(attributes.get("style", ""), (*PLACES, *EXTENTS))}
+        if tag == "use":  # its width and height are not applied, and often 100%
+            places = {key: value for key, value in values.items() if key in ("x", "y")}
+            return place_fault(places, True) or self._share(places)
+        if not self.open:
+            return page_fault(attributes)
+        has_view = "viewBox" in values
+        share = self._share({"width": "100%", "height": "100%", **values}) if has_view else ""
+        return share or page_fault(attributes) or place_fault(values, has_view)
+
+    def _share(self, values: dict[str, str]) -> str:
+        return share_fault(values) if self.pages else ""
+
+    def _check_turn(self, tag: str, attributes: dict[str, str]) -> None:
+        """Refuse what is turned about another point than (0, 0), or changed in ways not read."""
+        text = attributes.get("style", "")
+        for key, value in declarations(text, UNREAD).items():
+            if value.lower() != "none":
+                raise self._refused(
+                    f'{called(tag, attributes)}: its style has "{key}", which is not read; '
+                    "save as plain SVG"
+                )
+        style = declarations(text, ("transform", *ORIGINS))
+        if not turns(style.get("transform", attributes.get("transform", ""))):
+            return
+        if own := origin_of({**attributes, **style}):
+            raise self._refused(f"{called(tag, attributes)}: {own}; {NO_ORIGIN}")
+        self.turned = self.turned or (self.parser.CurrentLineNumber, called(tag, attributes))
+        self._check_sheet()
+
+    def _check_sheet(self) -> None:
+        """Refuse a style sheet that may turn an element about another point than (0, 0)."""
+        if self.turned is not None and self.look.bare.origin:
+            line, element = self.turned
+            message = f"{element}: has a transform, and in <style> {self.look.bare.origin}"
+            raise refused(self.path, f"{message}; {NO_ORIGIN}", line)
 
     def _alternative(self, attributes: dict[str, str]) -> dict[str, str]:
         """Attributes of what stands in a ``switch``, hidden unless it is what is drawn of it.
@@ -263,11 +298,13 @@ class _Guard:
 
     def _end(self, _: str) -> None:
         tag, element = self.open.pop()
+        self.pages += tag == "svg"
         self.hidden = max(self.hidden - 1, 0)
         if tag == "style":
             if wrong := self.look.bare.sheet("".join(self.sheet)):
                 raise self._refused(f"<style>: {wrong}")
             self.sheet.clear()
+            self._check_sheet()
         self.look.bare.end()
         element.moved_by(element.functions)
         parent = self.open[-1][1] if self.open else self.all

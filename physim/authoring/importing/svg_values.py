@@ -22,6 +22,16 @@ NO_LENGTH = re.compile(r"(?:em|ex|ch|lh|rem|v[a-z]+)\s*$", re.I)
 NO_POINTS = re.compile(r"[^eE0-9+\-.,\s]")
 PLACES = ("x", "y", "cx", "cy", "x1", "y1", "x2", "y2")
 EXTENTS = ("width", "height", "r", "rx", "ry")
+RADII = ("rx", "ry")
+AUTO = "auto"
+"""Of a radius: as long as the other."""
+PIXELS = {"": 1.0, "px": 1.0, "mm": 96.0 / 25.4, "cm": 96.0 / 2.54, "in": 96.0, "pt": 4.0 / 3.0,
+          "pc": 16.0}  # fmt: skip
+"""Pixels of a unit of length."""
+ORIGINS = ("transform-origin", "transform-box")
+"""Properties that say about which point an element is turned."""
+NO_ORIGIN = re.compile(r"(?:(?:[-+]?(?:0+\.?0*|\.0+)(?:px|mm|cm|in|pt|pc|%)?|left|top)(?:\s+|$))+")
+"""The point (0, 0), about which elements are turned anyway."""
 SHAPES = ("path", "rect", "circle", "ellipse", "line", "polyline", "polygon")
 
 
@@ -43,11 +53,72 @@ def page_fault(values: dict[str, str]) -> str:
     return ""
 
 
+def place_fault(values: dict[str, str], of_page: bool) -> str:
+    """What is wrong with x and y of a copy, or of an ``svg`` within another; else empty.
+
+    ``of_page`` says whether they may be shares of the page.
+    """
+    for key in ("x", "y"):
+        given = values.get(key, "0").strip()
+        found = LENGTH.match(given)
+        if found is None or not isfinite(float(found[1])):
+            units = "px, mm, cm, in, pt, pc or %" if of_page else "px, mm, cm, in, pt or pc"
+            return f'{key}="{escaped(given)[:40]}": a number is needed, alone or with {units}'
+        if given.endswith("%") and float(found[1]) and not of_page:
+            return f'{key}="{escaped(given)[:40]}": a share of the page; give it in px or mm'
+    return ""
+
+
+def share_fault(values: dict[str, str]) -> str:
+    """What is wrong with shares of the page below a drawing within it; else empty.
+
+    The library takes them for shares of that one, as if it had not ended.
+    """
+    for key in (*PLACES, *EXTENTS):
+        given = values.get(key, "").strip()
+        if given.endswith("%"):
+            return (
+                f'{key}="{escaped(given)[:40]}": a share of the page, below an <svg> within it; '
+                "give it in px or mm"
+            )
+    return ""
+
+
+def pixels_of(length: str) -> float:
+    """Length in pixels, without a fault by `place_fault`."""
+    found = LENGTH.match(length)
+    if found is None:
+        return 0.0
+    return float(found[1]) * PIXELS.get(length[found.end(1) :].strip().lower(), 0.0)
+
+
+def turns(transform: str) -> bool:
+    """Whether a transform does more than move."""
+    at, text = 0, transform.strip()
+    while found := FUNCTION.match(text, at):
+        numbers = [float(one) for one in NUMBER.findall(found[2])]
+        is_plain = found[1] == "matrix" and numbers[:4] == [1.0, 0.0, 0.0, 1.0]
+        if not (is_plain or found[1].startswith("translate")):
+            return True
+        at = found.end()
+    return text[at:] not in ("", "none")
+
+
+def origin_of(values: dict[str, str]) -> str:
+    """``transform-origin: center``: what turns elements about another point than (0, 0)."""
+    given = {key: values[key].strip().lower() for key in ORIGINS if values.get(key)}
+    if given.get("transform-box") == "view-box":
+        del given["transform-box"]
+    if NO_ORIGIN.fullmatch(given.get("transform-origin", "0")):
+        given.pop("transform-origin", None)
+    return " and ".join(f"{key}: {escaped(value)[:40]}" for key, value in given.items())
+
+
 def shape_fault(tag: str, values: dict[str, str]) -> str:
     """What is wrong with the lengths and points of a shape; empty where nothing is."""
     for key in (*PLACES, *EXTENTS) if tag in SHAPES else ():
         given = values.get(key, "").strip()
-        if not given or (given == "auto" and key in EXTENTS):
+        if not given or (given == AUTO and key in EXTENTS):
             continue
         found = LENGTH.match(given)
         if found is None or not isfinite(float(found[1])):
@@ -55,6 +126,9 @@ def shape_fault(tag: str, values: dict[str, str]) -> str:
             return f'{key}="{escaped(given)[:40]}": a number is needed, alone or with {units}'
         if key == "r" and given.endswith("%"):
             return f'r="{escaped(given)[:40]}": a share of a diagonal; give it in px or mm'
+        is_radius = key in RADII and (tag == "rect" or AUTO in map(values.get, RADII))
+        if is_radius and given.endswith("%"):
+            return f'{key}="{escaped(given)[:40]}": a share of the page; give it in px or mm'
         if key in EXTENTS and float(found[1]) < 0.0:
             return f'{key}="{escaped(given)[:40]}": must not be negative'
     points = values.get("points", "") if tag in ("polyline", "polygon") else ""

@@ -103,7 +103,11 @@ REFUSED = {
     "place of a word": ('<svg y="low"><g/></svg>', ':3: … <svg> … y="low" … number'),
     "percent below": (
         '<svg width="4" height="2"><g/></svg>\n' + PILLAR.format("").replace('x="2"', 'x="50%"'),
-        ':4: … <rect> "obstacle" … x="50%" … below an <svg>',
+        ":4: … 'obstacle' … x=\"50%\" … below an <svg>",
+    ),
+    "percent within": (
+        f'<svg width="4" height="2">{PILLAR.format("").replace("2", "50%", 1)}</svg>',
+        ":3: … 'obstacle' … x=\"50%\" … page without viewBox",
     ),
     "copy in percent below": (
         '<svg width="4" height="2"><g/></svg><path id="a"/>\n<use href="#a" y="10%" width="100%"/>',
@@ -181,6 +185,13 @@ def test_what_is_not_read_as_the_standard_has_it_is_refused(tmp_path: Path, what
 )
 def test_an_origin_that_changes_nothing_is_no_fault(tmp_path: Path, values: str) -> None:
     plan(tmp_path, PILLAR.format(values))
+
+
+def test_a_share_of_the_page_matters_for_what_has_a_role_alone(tmp_path: Path) -> None:
+    """Programs paint the page by a shape as large as all of it."""
+    page = '<svg width="4" height="2"><rect id="paper" width="100%" height="100%"/></svg>'
+    (said,) = plan(tmp_path, page).changes
+    check_says(said, "paper … left out")
 
 
 CURVES = {

@@ -28,7 +28,7 @@ from physim.authoring.importing.drawing import (
 )
 from physim.authoring.importing.enclosure import join_ends
 from physim.authoring.importing.source import read_xml
-from physim.authoring.importing.svg_bare import CUT, LINE, SPILLS, TAG
+from physim.authoring.importing.svg_bare import CUT, FAULT, LINE, SPILLS, TAG
 from physim.authoring.importing.svg_curves import subpaths
 from physim.authoring.importing.svg_guard import SvgLook, look_at
 from physim.authoring.importing.svg_walls import LABEL, Walls, names_of
@@ -97,6 +97,8 @@ def read_svg(path: Path, options: Options) -> Drawing:
             left_out.append(f"{where}: in no layer boundary, obstacle, path or robot, left out")
             walls.note(element, name, frame.metres)
             continue
+        if fault := own.get(FAULT):
+            raise refused(path, f"{where}: {fault}", line)
         try:
             found = subpaths(
                 abs(svgelements.Path(element)), tolerance / frame.metres, MOST_POINTS - count

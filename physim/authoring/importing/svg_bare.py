@@ -27,6 +27,8 @@ from physim.escaping import escaped
 XLINK = "http://www.w3.org/1999/xlink|href"
 LABEL = "http://www.inkscape.org/namespaces/inkscape|label"
 SVG = "http://www.w3.org/2000/svg|"
+FAULT = "physim-fault"
+"""Attribute that says what is wrong with an element, where it matters"""
 LINE, TAG, CUT, SPILLS = "physim-line", "physim-tag", "physim-cut", "physim-spills"
 """Attributes that tell of an element where it stands, and what it or a group about it is cut by.
 
@@ -80,8 +82,11 @@ class BareSvg:
         """All of it."""
         return "".join(self._parts)
 
-    def start(self, name: str, attributes: dict[str, str], line: int) -> None:
-        """Begin an element; ``name`` and the names of its attributes are as expat has them."""
+    def start(self, name: str, attributes: dict[str, str], line: int, fault: str) -> None:
+        """Begin an element; ``name`` and the names of its attributes are as expat has them.
+
+        ``fault`` is what is wrong with it if it has a role.
+        """
         tag = name.removeprefix(SVG)
         tag = "other" if "|" in tag else tag
         shown = tag if tag.isascii() and tag.isalnum() else "element"
@@ -112,7 +117,7 @@ class BareSvg:
             kept[CUT] = f"line {line}: {called(tag, attributes)}: its {cut}"
         if tag == "use" and (href := attributes.get(XLINK, attributes.get("href"))) is not None:
             kept[XLINK] = href
-        kept |= {LINE: str(line), TAG: shown}
+        kept |= {LINE: str(line), TAG: shown, **({FAULT: fault} if fault else {})}
         written = (f" {PREFIXES.get(key, key)}={quoteattr(value)}" for key, value in kept.items())
         tag = "defs" if tag in AS_DEFS else tag
         begin, end = ("<defs>", "</defs>") if tag == ONLY_COPIED else ("", "")

@@ -121,7 +121,8 @@ class _Guard:
         self.drawn = 0
         self.hidden = 0
         self.sheet: list[str] = []
-        self.pages = 0
+        self.pages = 0  # drawings within the drawing that have ended
+        self.views: list[bool] = []  # of each that is open, whether it has a viewBox
         self.turned: tuple[int, str] | None = None
         self.parser = expat.ParserCreate("utf-8", namespace_separator="|")
 
@@ -166,7 +167,9 @@ class _Guard:
         attributes, is_invisible = self._seen(tag, attributes)
         if is_hidden := self.look.bare.is_hidden(tag, attributes):
             attributes = hidden(attributes)
-        self.look.bare.start(name, attributes, line)
+        style = declarations(attributes.get("style", ""), (*PLACES, *EXTENTS))
+        values = {**attributes, **style}
+        self.look.bare.start(name, attributes, line, self._share(values) if tag in SHAPES else "")
         if not self.open and tag != "svg":
             raise self._refused(f"the root is <{escaped(name[:40])}>, not <svg>")
         if not self.open:
@@ -203,9 +206,7 @@ class _Guard:
             self.hidden = 1
             self.look.left_out.append(f"line {line}: <{tag}> holds no lines, left out")
         if tag in SHAPES and not self.hidden:
-            style = declarations(attributes.get("style", ""), (*PLACES, *EXTENTS))
-            values = {**attributes, **style}
-            if wrong := shape_fault(tag, values) or self._share(values):
+            if wrong := shape_fault(tag, values):
                 raise self._refused(f"{called(tag, attributes)}: {wrong}")
             self.look.drawn.append((line, called(tag, attributes)))
         element = _Element(functions_of(tag, attributes), is_invisible=is_invisible)
@@ -221,6 +222,8 @@ class _Guard:
             self.elements.setdefault(own, element)
             self.look.lines.setdefault(own, line)
         self.open.append((tag, element))
+        if tag == "svg":
+            self.views.append("viewBox" in attributes)
 
     def _fault(self, tag: str, attributes: dict[str, str]) -> str:
         """What is wrong with an element that is read, whether it is seen or not; else empty."""
@@ -241,7 +244,7 @@ class _Guard:
         return share or page_fault(attributes) or place_fault(values, has_view)
 
     def _share(self, values: dict[str, str]) -> str:
-        return share_fault(values) if self.pages else ""
+        return share_fault(values) if self.pages or False in self.views[-1:] else ""
 
     def _check_turn(self, tag: str, attributes: dict[str, str]) -> None:
         """Refuse what is turned about another point than (0, 0), or changed in ways not read."""
@@ -298,7 +301,9 @@ class _Guard:
 
     def _end(self, _: str) -> None:
         tag, element = self.open.pop()
-        self.pages += tag == "svg"
+        if tag == "svg":
+            self.pages += 1
+            self.views.pop()
         self.hidden = max(self.hidden - 1, 0)
         if tag == "style":
             if wrong := self.look.bare.sheet("".join(self.sheet)):

@@ -70,16 +70,17 @@ def place_fault(values: dict[str, str], of_page: bool) -> str:
 
 
 def share_fault(values: dict[str, str]) -> str:
-    """What is wrong with shares of the page below a drawing within it; else empty.
+    """What is wrong with shares of a page below a drawing within it, or without a viewBox.
 
-    The library takes them for shares of that one, as if it had not ended.
+    The library takes them for shares of that one, as if it had not ended, and without a viewBox
+    those of the width for some of the height. Empty where there are none.
     """
     for key in (*PLACES, *EXTENTS):
         given = values.get(key, "").strip()
         if given.endswith("%"):
             return (
-                f'{key}="{escaped(given)[:40]}": a share of the page, below an <svg> within it; '
-                "give it in px or mm"
+                f'{key}="{escaped(given)[:40]}": a share of a page without viewBox, or below an '
+                "<svg> within it; give it in px or mm"
             )
     return ""
 

@@ -587,7 +587,7 @@ EDITS = (
         "importing",
         "physim/authoring/importing/svg_guard.py",
         "_Guard._share",
-        'share_fault(values) if self.pages else ""',
+        'share_fault(values) if self.pages or False in self.views[-1:] else ""',
         '""',
         "shares of the page below a drawing within it are refused",
         "tests/importing/test_svg_standard.py::test_what_is_not_read_as_the_standard_has_it_is_refused",

@@ -112,6 +112,11 @@ def decimal_text(value: float, digits: int, most: int) -> str:
     return f"{value:.{digits}f}"
 
 
+def amount_text(value: float, digits: int) -> str:
+    """As `decimal_text`, up to six decimals, and with commas between thousands."""
+    return f"{value:,.{digits}f}" if abs(value) >= 1.0 else decimal_text(value, digits, 6)
+
+
 def place_text(x: float, y: float, digits: int = 6) -> str:
     """``(1.5, 4)``: a point [m] with so many digits, and to the centimetre however far it is."""
 

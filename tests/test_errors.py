@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from physim.errors import place_text, plural
+from physim.errors import amount_text, place_text, plural
 
 
 @pytest.mark.parametrize(
@@ -33,3 +33,9 @@ def test_plural(given, told) -> None:
 )
 def test_places_are_told_to_the_centimetre_far_from_the_origin(given, told) -> None:
     assert place_text(*given) == told
+
+
+def test_small_amounts_keep_two_digits_and_large_ones_have_commas() -> None:
+    """The impulses of a robot of 0.15 kg were all 0.0 N s."""
+    told = [amount_text(x, 1) for x in (0.00798, 0.39, 0.0, 12.34, -0.02, 12345.6)]
+    assert told == ["0.0080", "0.39", "0.0", "12.3", "-0.020", "12,345.6"]

@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 from physim.analysis import metrics
 from physim.analysis.metrics import DangerShare, Moment
 from physim.analysis.summary import summarise, table_rows
+from physim.errors import RecordError
 from physim.geometry.shapes import FloatArray, pack_polylines
 from physim.parts.declarations import Declared, Mode
 from physim.record import RecordWriter
@@ -295,3 +296,20 @@ def test_messages_and_evaluations() -> None:
     assert metrics.decisions(record) == 4
     assert metrics.messages(record) == 6
     assert metrics.evaluations(record) == 90
+
+
+@pytest.mark.parametrize(
+    ("world", "said"),
+    [
+        ("formation: {neighbours: rangf}", "neighbours"),
+        ("formation: {neighbours: [[r1, nobody]]}", "neighbours"),
+        ("formation: {neighbours: 3}", "neighbours"),
+        ("formation: {range: far}", "range"),
+    ],
+)
+def test_a_world_inside_that_no_run_has_is_told(world: str, said: str) -> None:
+    """A record may come from a stranger: it was a traceback."""
+    rows = [{"step": 0, "robot": i, "station": 1.0 + i} for i in range(2)]
+    record = history(rows, world=world)
+    with pytest.raises(RecordError, match=said):
+        metrics.formation_energy(record)

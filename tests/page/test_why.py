@@ -20,15 +20,18 @@ from tests.records import make_record
 class Told:
     """As much of a record as is asked."""
 
-    def __init__(self, name: str, settings: dict[str, Any], rules: tuple[Rule, ...]) -> None:
+    def __init__(
+        self, name: str, settings: dict[str, Any], rules: tuple[Rule, ...], world: dict[str, Any]
+    ) -> None:
+        self.world_settings = world
         self.setup = Setup(Part(name, settings), {}, (), {})
         self.declared = type("Declared", (), {"rules": rules})
 
 
-def of(name: str, settings: dict[str, Any] | None = None) -> dict[str, Any]:
+def of(name: str, settings: dict[str, Any] | None = None, **world: Any) -> dict[str, Any]:
     """What is told of a shipped controller."""
     rules = getattr(find_part(CONTROLLER, name), "rules", ())
-    told: Any = Told(name, settings or {}, rules)
+    told: Any = Told(name, settings or {}, rules, world)
     return explanations(told)
 
 
@@ -40,6 +43,17 @@ def test_every_rule_of_a_shipped_controller_has_prose(name: str) -> None:
         assert told["words"] == str(rule)
         assert told["prose"].endswith(".")
         assert not re.search(r"[{}]", told["prose"])
+
+
+def test_the_forward_speed_comes_from_a_formation_where_there_is_one() -> None:
+    def said(**world: Any) -> str:
+        rules = of("mode_switching", **world)["rules"]
+        return next(str(one["prose"]) for one in rules if one["name"] == "path_following")
+
+    assert "fallen behind" in said(formation={"gain": 0.05})
+    assert "fallen behind" not in said()
+    assert "settings" in said()
+    assert "settings" not in said(formation={"gain": 0.05})
 
 
 def test_rules_have_their_equations() -> None:
@@ -69,7 +83,7 @@ def test_thresholds_are_the_settings_in_force() -> None:
 
 
 def test_of_a_controller_that_nobody_knows_its_own_words_are_told() -> None:
-    told: Any = Told("mine:Own", {"distance_low": 3}, (Rule("go", "goes on, (99)"),))
+    told: Any = Told("mine:Own", {"distance_low": 3}, (Rule("go", "goes on, (99)"),), {})
     found = explanations(told)
     assert found["rules"] == [
         {"name": "go", "words": "goes on, (99)", "equation": "(99)", "prose": ""}

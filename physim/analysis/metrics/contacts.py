@@ -175,7 +175,7 @@ def masses(record: Record) -> FloatArray | None:
         one = entry if isinstance(entry, dict) else {}
         count = one.get("count", 1)  # an entry with a count stands for many
         given += [one.get("mass")] * min(count if isinstance(count, int) else 1, record.robots)
-    if len(given) != record.robots:
+    if len(given) != record.robots or not all(isinstance(m, int | float | None) for m in given):
         return None
     area = [sum(abs(signed_area(part)) for part in parts) for parts in record.footprints]
     return np.array(

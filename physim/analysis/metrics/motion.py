@@ -6,7 +6,7 @@ world has a formation and more than one robot.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from math import sqrt
 from typing import Any, NamedTuple
 
@@ -25,6 +25,7 @@ from physim.analysis.metrics.progress import (
     spacing,
 )
 from physim.analysis.metrics.travelled import looked_at, travelled
+from physim.errors import RecordError
 from physim.geometry.shapes import FloatArray
 from physim.record import Record
 
@@ -194,7 +195,9 @@ def formation_energy(record: Record, every: float = GRID) -> Series | None:
     if not np.isfinite(station).all():
         return None
     plan = record.world_settings["formation"]
-    pairs, reach = _listed(plan, record.names), float(plan.get("range", RANGE))
+    pairs, reach = _listed(record, plan), plan.get("range", RANGE)
+    if not isinstance(reach, int | float):
+        raise RecordError(f"{record.where}: the world inside: formation.range is no number")
     energy = np.empty(len(time))
     for k, s in enumerate(station):
         centre = s - lead  # the formation's, as each robot's station and place give it
@@ -212,16 +215,25 @@ def desired_leads(record: Record) -> FloatArray | None:
     return record.lead - record.lead.mean() if has_formation(record) else None
 
 
-def _listed(plan: Mapping[str, Any], names: Sequence[str]) -> FloatArray | None:
-    """(N, N) 1 where j is in N_i; None when neighbours are those within range."""
-    neighbours = plan.get("neighbours", "range")
+def _listed(record: Record, plan: Mapping[str, Any]) -> FloatArray | None:
+    """(N, N) 1 where j is in N_i; None when neighbours are those within range.
+
+    Raises RecordError where the world inside has something else there.
+    """
+    neighbours, names = plan.get("neighbours", "range"), record.names
     if neighbours == "range":
         return None
     if neighbours == "all":
         return np.ones((len(names), len(names)))
     listed = np.zeros((len(names), len(names)))
-    for a, b in neighbours:
-        i, j = names.index(a), names.index(b)
+    try:
+        pairs = [(names.index(a), names.index(b)) for a, b in neighbours]
+    except (TypeError, ValueError):
+        raise RecordError(
+            f"{record.where}: the world inside: formation.neighbours is neither range nor all, nor "
+            "pairs of names of its robots"
+        ) from None
+    for i, j in pairs:
         listed[i, j] = listed[j, i] = 1.0
     return listed
 

@@ -7,7 +7,7 @@ from types import MappingProxyType
 from physim.analysis.expectations import Held
 from physim.analysis.metrics import DEFINITIONS, Metric
 from physim.analysis.summary.summary import Contacts, Summary
-from physim.errors import decimal_text
+from physim.errors import amount_text, decimal_text
 
 SHOWN_ROBOTS = 12
 """Robots that the table lists one by one."""
@@ -108,7 +108,7 @@ def _contact_rows(summary: Summary) -> list[tuple[str, str]]:
             f"  {e.time:.2f} s",
             f"{summary.bodies[e.a]} and {summary.bodies[e.b]}{where and f' {where}'}, "
             f"{e.samples * summary.dt:.2f} s long, {1e3 * e.depth:.1f} mm deep, "
-            f"impact {e.impact:.1f} N s",
+            f"impact {amount_text(e.impact, 1)} N s",
         )
         for e, where in zip(contacts.episodes[:SHOWN_CONTACTS], contacts.places, strict=False)
     ]

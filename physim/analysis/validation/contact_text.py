@@ -18,6 +18,7 @@ from physim.analysis.validation.prediction import AGREES, DISAGREES, Early
 from physim.analysis.validation.responsibility import RobotInContact
 from physim.analysis.validation.validation import Validation
 from physim.analysis.validation.wording import HUGE, joined, length, short, wrapped
+from physim.errors import amount_text
 from physim.tolerances import CONTACT
 
 MOST_LISTED = 8
@@ -106,7 +107,8 @@ def table_lines(validation: Validation) -> list[str]:
             f"  {f'{names[a]} and {names[b]}':<{width}}  {len(some):>8}  {some[0].time:>6.2f} s"
             f"  {sum(one.duration for one in some):>8.2f} s"
             f"  {length(max(one.depth for one in some)):>7}"
-            f"  {sum(one.impulse for one in some):>9,.0f} N s   {joined([names[i] for i in who])}"
+            f"  {amount_text(sum(one.impulse for one in some), 0):>9} N s"
+            f"   {joined([names[i] for i in who])}"
         )
     return lines
 
@@ -153,7 +155,7 @@ def paragraph(
     if one.time == 0.0:
         motion = "in contact from the start"
     before = _before(one, names, contacts)
-    push = f", pushing with {one.impulse / one.duration:,.0f} N on average"
+    push = f", pushing with {amount_text(one.impulse / one.duration, 0)} N on average"
     items = [
         ("what", f"{describe_bodies(one, names)}; {motion}"),
         (
@@ -163,8 +165,9 @@ def paragraph(
         ),
         (
             "contact",
-            f"{end}{push}, depth up to {length(one.depth)}, impulse {one.first_impulse:.1f} N s at "
-            f"first, {one.impulse:,.1f} N s in all",
+            f"{end}{push}, depth up to {length(one.depth)}, impulse "
+            f"{amount_text(one.first_impulse, 1)} N s at "
+            f"first, {amount_text(one.impulse, 1)} N s in all",
         ),
         *_severity(one, names),
         ("responsible", describe_responsibility(one, names)),
@@ -191,7 +194,7 @@ def _severity(one: ContactReport, names: list[str]) -> list[tuple[str, str]]:
             for side, change in zip(one.sides, hit.changes, strict=True)
         ]
     )
-    return [("severity", f"changes the speed of {changes}, {hit.energy:.1f} J lost")]
+    return [("severity", f"changes the speed of {changes}, {amount_text(hit.energy, 1)} J lost")]
 
 
 def _decision(side: RobotInContact, one: ContactReport) -> str:

@@ -7,6 +7,7 @@ from typing import NamedTuple
 from urllib.parse import urlencode
 
 from physim.analysis.summary import Summary
+from physim.errors import amount_text
 from physim.escaping import html_text
 
 MOST_CONTACTS = 200
@@ -58,7 +59,7 @@ def contact_table(summary: Summary, run: int, runs: int) -> str:
             html_text(" and ".join(summary.names_of(a, b))),
             "between samples" if lasts is None else f"{lasts:.2f} s",
             f"{1e3 * depth:.2f} mm",
-            "–" if impulse is None else f"{impulse:,.1f} N s",
+            "–" if impulse is None else f"{amount_text(impulse, 1)} N s",
         )
         lines.append("<tr>" + "".join(f"<td>{cell}</td>" for cell in cells) + "</tr>")
     left = len(found) - MOST_CONTACTS

@@ -27,8 +27,7 @@ PROSE = MappingProxyType(
         "mode_switching": {
             "path_following": (
                 f"Nothing is near enough to keep clear of, so it follows its path. {STEERS}; its "
-                "forward speed comes from the formation: who has fallen behind drives faster, who "
-                "is too far ahead slower."
+                "forward speed "
             ),
             "plan": "It goes on with the speeds that it planned at an earlier decision.",
             "distance": (
@@ -49,6 +48,11 @@ PROSE = MappingProxyType(
     }
 )
 """By controller and rule: what the rule does, for people who do not know the paper."""
+IN_FORMATION = (
+    "comes from the formation: who has fallen behind drives faster, who is too far ahead slower."
+)
+ALONE = "is the one of its settings, as there is no formation."
+"""How the forward speed comes about that the rule of path following of `PROSE` leaves open."""
 NEXT = MappingProxyType(
     {
         "mode_switching": (
@@ -68,6 +72,8 @@ def explanations(record: Record) -> dict[str, Any]:
     name = record.setup.controller.name
     settings = _settings(record)
     prose = dict(PROSE.get(name, {}))
+    if name == "mode_switching":
+        prose["path_following"] += IN_FORMATION if record.world_settings.get("formation") else ALONE
     if settings.get("avoidance") == "none" and "path_following" in prose:
         prose["path_following"] = f"It keeps clear of nothing: avoidance is off. {STEERS}."
     return {

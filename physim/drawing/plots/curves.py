@@ -224,7 +224,8 @@ def _limits(axis: Any, record: Record, told: bool = True) -> None:
     plan = record.world_settings.get("formation")
     if not isinstance(plan, Mapping):
         return
-    for value in (*plan.get("limits", ()), plan.get("speed")):
+    limits = plan.get("limits")
+    for value in (*(limits if isinstance(limits, list) else ()), plan.get("speed")):
         if isinstance(value, int | float) and not isinstance(value, bool):
             axis.axhline(value, color=QUIET, linewidth=0.8, linestyle=(0, (5, 3)), zorder=1.5)
     if told:

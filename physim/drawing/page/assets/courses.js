@@ -89,7 +89,7 @@ function drawSteps(context, frame, run, robot, values, colour, width) {
 function distances(runs) {
   const shown = runs.filter((run) => run.header.curves.pair || run.header.curves.wall);
   if (!shown.length) return null;
-  const limit = thresholdOf(runs[0], "distance");
+  const limit = thresholdOf(runs[0], runs[0].header.curves.pair ? "distance" : "boundary_distance");
   let most = limit ? 1.3 * limit.leave : 0.5;
   let least = 0;
   for (const run of shown) {
@@ -102,7 +102,9 @@ function distances(runs) {
     }
   }
   const draw = (context, frame, { colours, active, chosen }) => {
-    thresholds(context, frame, runs[active], ["distance"], colours);
+    const { pair, wall } = runs[active].header.curves;
+    if (pair) thresholds(context, frame, runs[active], "distance", colours.link);
+    if (wall) thresholds(context, frame, runs[active], "boundary_distance", colours.reference);
     runs.forEach((run, k) => {
       if (run.header.curves.wall) drawBins(context, frame, run, "wall", colours.reference, DASHES[k % 4]);
       if (run.header.curves.pair) drawBins(context, frame, run, "pair", colours.link, DASHES[k % 4]);
@@ -115,7 +117,10 @@ function distances(runs) {
     shown.some((run) => run.header.curves.wall) ? "to walls (grey)" : "",
   ].filter(Boolean);
   const title = `shortest distance [m] ${words.join(", ")}`;
-  return { title, note: noteOf(runs, "distance"), limits: [least, most], share: 1, draw };
+  const { pair, wall } = runs[0].header.curves;
+  const note = noteOf(runs, pair || runs.length > 1 ? "distance" : "boundary_distance");
+  const both = pair && wall && note.startsWith("level");
+  return { title, note: both ? note.replace("lines:", "lines, in the same colours:") : note, limits: [least, most], share: 1, draw };
 }
 
 function times(runs) {
@@ -126,7 +131,7 @@ function times(runs) {
     for (const value of run.array("times")) if (Number.isFinite(value)) most = Math.max(most, value);
   }
   const draw = (context, frame, { colours, active, chosen }) => {
-    thresholds(context, frame, runs[active], ["collision_time"], colours);
+    thresholds(context, frame, runs[active], "collision_time", colours.quiet);
     runs.forEach((run, k) => {
       if (run.header.curves.times) drawBins(context, frame, run, "times", colours.link, DASHES[k % 4]);
     });
@@ -140,19 +145,17 @@ function times(runs) {
 const thresholdOf = (run, column) => run.header.why.thresholds.find((one) => one.column === column);
 
 /** Where danger begins, and above which it can end. */
-function thresholds(context, frame, run, columns, colours) {
+function thresholds(context, frame, run, column, colour) {
+  const limit = thresholdOf(run, column);
+  if (!limit || !run.header.why.avoids) return;
   context.lineWidth = 1;
-  for (const column of columns) {
-    const limit = thresholdOf(run, column);
-    if (!limit || !run.header.why.avoids) continue;
-    for (const [value, dash] of [[limit.enter, []], [limit.leave, [4, 4]]]) {
-      context.setLineDash(dash);
-      context.strokeStyle = colours.quiet;
-      context.beginPath();
-      context.moveTo(frame.left, frame.y(value));
-      context.lineTo(frame.left + frame.width, frame.y(value));
-      context.stroke();
-    }
+  context.strokeStyle = colour;
+  for (const [value, dash] of [[limit.enter, []], [limit.leave, [4, 4]]]) {
+    context.setLineDash(dash);
+    context.beginPath();
+    context.moveTo(frame.left, frame.y(value));
+    context.lineTo(frame.left + frame.width, frame.y(value));
+    context.stroke();
   }
   context.setLineDash([]);
 }

@@ -2,17 +2,23 @@
 
 from __future__ import annotations
 
+import math
+from functools import partial
+
 import h5py
 import numpy as np
 import pytest
 
 import physim
+from physim import Decision
 from physim.analysis.expectations import expectations
 from physim.analysis.metrics import contact_episodes, grazes
 from physim.analysis.summary import table
 from physim.analysis.validation import report, validate
 from physim.analysis.validation.analytic_contacts import analytic_contacts
+from physim.analysis.validation.decisions import DecisionTable
 from physim.analysis.validation.disagreements import GRAZE, REJECTED
+from physim.analysis.validation.prediction import GRAZED, Predictor
 from physim.contacts import FALSE_CONTACT_ROW, Kind, Phase
 from physim.drawing.timeline import Timeline, episodes
 from physim.drawing.video.ground import ground
@@ -170,3 +176,43 @@ def test_a_rejected_contact_of_shapes_that_touch(rear_end, tmp_path):
         found = validate(record)
     assert found.code == 3
     assert "rejected, but the shapes touch" in said(found)
+
+
+SPIKE = """\
+name: spike
+time: {step: 0.01, duration: 8.0}
+boundaries: [[[0, -3], [10, -3], [10, 3], [8, 3], [4.997, 0.6996], [2, 3], [0, 3], [0, -3]]]
+reference_path: [[1, 0], [9, 0]]
+robots:
+  - {name: a, footprint: [[0.7, 0], [0, 0.7], [-0.7, 0], [0, -0.7]], pose: [1, 0, 0],
+     path: [[1, 0], [9, 0]]}
+"""
+
+
+class Once:
+    """Drives on for ever."""
+
+    def decide(self, observation, memory):
+        return Decision(v=1.4, omega=0.0, hold=math.inf)
+
+
+def test_a_contact_after_a_graze_that_was_foretold_is_explained():
+    """The one decision foretold the graze of the spike; the wall behind it came seconds later."""
+    found = validate(physim.simulate(physim.parse_world(SPIKE), controller=Once()))
+    (graze,) = found.grazes
+    (contact,) = found.contacts
+    assert contact.time - graze.time > 2.0
+    assert contact.prediction.predicted == pytest.approx(graze.time, abs=0.01)
+    assert contact.prediction.verdict == GRAZED
+    assert found.mispredicted == ()
+    assert found.code == 1
+
+
+def test_a_graze_at_another_time_explains_nothing():
+    record = physim.simulate(physim.parse_world(SPIKE), controller=Once())
+    (graze,) = grazes(record)
+    grazed = partial(Predictor(record, DecisionTable(record))._grazed_then, graze.a, graze.b, 0)
+    assert grazed(graze.step + 200, graze.time - 0.5 * record.dt, 1e-6)
+    assert not grazed(graze.step + 200, graze.time + 0.5 * record.dt, 1e-6)
+    assert not grazed(graze.step + 200, graze.time - 1.5 * record.dt, 1e-6)
+    assert not grazed(graze.step - 1, graze.time, 1e-6)

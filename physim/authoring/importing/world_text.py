@@ -25,6 +25,8 @@ SETTINGS = {
     "boundary_low": 0.15,
 }
 """[m] settings of the shipped controller that are lengths, at size 1"""
+TOLERANCE = 0.1
+"""[m] of arrival, at size 1"""
 SPACE = 1.35
 """[-] duration over the time that the path takes at the formation's speed"""
 
@@ -114,6 +116,7 @@ def _control(size: float) -> Iterator[str]:
         yield "  type: mode_switching"
         for key, value in SETTINGS.items():
             yield f"  {key}: {_scaled(value, size)}"
+        yield f"arrival: {{tolerance: {_scaled(TOLERANCE, size)}}}  # [m]"
     else:
         yield "controller: {type: mode_switching}"
     yield "expect: {contacts: 0, finished: true}"

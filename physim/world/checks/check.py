@@ -40,7 +40,7 @@ from physim.world.checks.starts import (
     check_scale,
     check_start_used,
 )
-from physim.world.checks.stops import StopLimits, check_stops
+from physim.world.checks.stops import StopLimits, check_stops, check_tolerance
 from physim.world.faults import describe
 from physim.world.file import read_document
 from physim.world.file.files import file_text, find_world
@@ -153,6 +153,7 @@ def _check_layout(
         check_stops(laid, at, StopLimits(speed, time, low, distance), found)
         look_ahead = setting(laid, checked.controller, "look_ahead")
         check_safe_stops(laid, at, safe_distance, look_ahead, found)
+        check_tolerance(laid, found)
     check_formation(laid, 1.0 if speed is None else speed, found)
     check_formation_speed(laid, found)
     check_rings(laid, found)

@@ -46,6 +46,23 @@ class StopLimits:
     """[m]"""
 
 
+def check_tolerance(laid: PartialLayout, found: Diagnostics) -> None:
+    """Warn of a tolerance of arrival of more than half a robot's length: it would count as arrived
+    well before it stands at its stop station."""
+    lengths = {k: float(np.ptp(np.asarray(one)[:, 0])) for k, one in laid.footprints.items()}
+    if not lengths or any(fault.location[-1:] == ("footprint",) for fault in found.warnings):
+        return  # what is out of scale is told first
+    number, length = min(lengths.items(), key=lambda one: one[1])
+    allowed = laid.world.arrival.tolerance
+    if allowed > 0.5 * length:
+        found.warn(
+            ("arrival", "tolerance"),
+            f"is {allowed:g} m, more than half the length of {describe(laid.names[number])} "
+            f"({length:.3g} m), which counts as arrived that far before its stop; lower it, and "
+            "with it the arrival_tolerance of a controller that has one",
+        )
+
+
 def check_stops(
     laid: PartialLayout, at: list[Stop], limits: StopLimits, found: Diagnostics
 ) -> None:

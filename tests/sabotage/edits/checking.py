@@ -361,4 +361,13 @@ EDITS = (
         "a path through a wall is told",
         "tests/checking/test_inner_walls.py::test_a_path_through_a_wall_is_told_with_its_place",
     ),
+    Edit(
+        "checking",
+        "physim/world/checks/stops.py",
+        "check_tolerance",
+        "if allowed > 0.5 * length:",
+        "if False:",
+        "a tolerance of arrival of more than half a robot is told",
+        "tests/checking/test_tolerance.py::test_more_than_half_a_robot_is_told",
+    ),
 )

@@ -494,4 +494,22 @@ EDITS = (
         "and those of a full one, too",
         "tests/validation/test_coarse_forged.py::test_a_killed_run_whose_distances_are_not_those_of_its_samples",
     ),
+    Edit(
+        "validation",
+        "physim/analysis/validation/prediction.py",
+        "Predictor.predict",
+        "verdict == DISAGREES and self._grazed_then(a, b, made, step, predicted, slack)",
+        "False",
+        "a contact after a graze that was foretold is explained",
+        "tests/validation/test_grazes.py::test_a_contact_after_a_graze_that_was_foretold_is_explained",
+    ),
+    Edit(
+        "validation",
+        "physim/analysis/validation/prediction.py",
+        "Predictor._grazed_then",
+        "came.any()",
+        "len(when)",
+        "a graze at another time than was foretold explains nothing",
+        "tests/validation/test_grazes.py::test_a_graze_at_another_time_explains_nothing",
+    ),
 )

@@ -354,7 +354,12 @@ def test_a_name_in_place_of_a_world_is_told(world: Any) -> None:
 
 
 def settings_in(world: Any, controller: str) -> dict[str, Any]:
-    return dict(Simulation(world, controller=controller).scene.world.controller.settings)
+    """Settings of its world, which its controller has, too."""
+    made = Simulation(world, controller=controller)
+    found = dict(made.scene.world.controller.settings)
+    settings: Any = made.parts.controller.settings  # type: ignore[attr-defined]
+    assert {key: getattr(settings, key) for key in found} == found
+    return found
 
 
 def test_a_controller_by_name_keeps_the_settings_of_its_own_type() -> None:

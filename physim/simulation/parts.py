@@ -150,7 +150,9 @@ def class_name(part: object) -> str:
 def _controller(world: World, given: Controller | str | None) -> Controller:
     made: Controller
     if isinstance(given, str):
-        made = make_part(CONTROLLER, given, {}, trusted=True)
+        own = world.controller  # its settings stand for this one: see `driven_by`
+        settings = own.settings if own.type == given else {}
+        made = make_part(CONTROLLER, given, settings, trusted=True)
         return made
     if isinstance(given, type):
         raise ControllerError(

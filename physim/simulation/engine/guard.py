@@ -24,6 +24,8 @@ from physim.simulation.engine.verdict import (
     SIDE,
     classify,
     deepest,
+    is_misled,
+    meeting,
     segment_links,
 )
 
@@ -148,7 +150,27 @@ class PlainGuard:
                 corner, foot = (pymunk.Vec2d(*one) for one in beyond[k % len(beyond)])
                 point.point_a, point.point_b = (foot, corner) if sign > 0.0 else (corner, foot)
             arbiter.contact_point_set = points
+        elif verdict == ACTS:
+            self._set_right(arbiter, shapes[0] is second, p, _pose(first), q, _pose(second))
         return verdict
+
+    def _set_right(
+        self, arbiter: pymunk.Arbiter, swapped: bool, p: int, pose_p: FloatArray, q: int,
+        pose_q: FloatArray,
+    ) -> None:  # fmt: skip
+        """Put a contact of which the engine is misled where the parts p and q meet."""
+        points = arbiter.contact_point_set
+        first = points.points[0]
+        dx, dy = first.point_b - first.point_a
+        if not is_misled(self._shapes, p, pose_p, q, pose_q, dx, dy):
+            return
+        nx, ny, *ends = meeting(self._shapes, p, pose_p, q, pose_q)
+        sign = 1.0 if swapped else -1.0
+        points.normal = pymunk.Vec2d(sign * nx, sign * ny)
+        on_p, on_q = pymunk.Vec2d(*ends[:2]), pymunk.Vec2d(*ends[2:])
+        for point in points.points:
+            point.point_a, point.point_b = (on_q, on_p) if swapped else (on_p, on_q)
+        arbiter.contact_point_set = points
 
 
 def _pose(shape: pymunk.Shape) -> FloatArray:

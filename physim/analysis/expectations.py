@@ -81,6 +81,7 @@ def _wanted(record: Record) -> Mapping[str, Figure]:
     if not isinstance(expect, Mapping):
         return {}
     for key, value in expect.items():
-        if not isinstance(value, bool | float | int | None):
+        huge = isinstance(value, int) and abs(value) > 2**63  # no float has it
+        if not isinstance(value, bool | float | int | None) or huge:
             raise RecordError(f"world text of {record!r}: expect.{key} is {value!r}, not a number")
     return expect

@@ -18,6 +18,7 @@ from physim.errors import RecordError
 from physim.escaping import escaped
 from physim.json_text import parse_json
 from physim.record import layout
+from physim.record.heaps import text_fault
 from physim.record.packing import packing_fault
 
 MOST_PACKED = 30
@@ -103,15 +104,18 @@ def _link_faults(file: h5py.File) -> Iterator[str]:
     links, fault = _links(file)
     if fault is not None:
         yield f"/{_name(links[-1])} {fault}"
-    texts: list[tuple[bytes, int]] = []
+    texts: list[bytes] = []
     for link in links:
         found = h5py.h5o.open(file.id, link)
         if not isinstance(found, h5py.h5d.DatasetID):
             continue
         if (fault := _storage_fault(found, link.startswith(PLACE))) is not None:
             yield f"/{_name(link)} {fault}"
-        if found.get_type().get_class() in (h5py.h5t.STRING, h5py.h5t.VLEN):
-            texts.append((link, found.get_space().get_simple_extent_npoints()))
+        kind = found.get_type()
+        if kind.get_class() == h5py.h5t.VLEN:
+            yield f"/{_name(link)} holds lists of their own lengths; a record has none"
+        if kind.get_class() == h5py.h5t.STRING and kind.is_variable_str():
+            texts.append(link)
     yield from _text_faults(file, texts)
 
 
@@ -150,20 +154,28 @@ def _storage_fault(dataset: h5py.h5d.DatasetID, is_place: bool) -> str | None:
     return packing_fault(dataset, most)
 
 
-def _text_faults(file: h5py.File, links: list[tuple[bytes, int]]) -> Iterator[str]:
+def _text_faults(file: h5py.File, links: list[bytes]) -> Iterator[str]:
     """Texts that are longer together than the file: many of them are one and the same there.
 
-    ``links`` are those of datasets, each with its number of texts.
+    ``links`` are those of datasets. What lies in one piece is looked at in the file itself, before
+    the library reads a text: it believes its length.
     """
     most, length = max(LITTLE, file.id.get_filesize()), 0
-    for link, rows in links:
-        for first in range(0, rows, FEW_TEXTS):
+    for link in links:
+        found = h5py.h5o.open(file.id, link)
+        known: int | None = None
+        if file.driver == "sec2":
+            fault, known = text_fault(Path(file.filename), found, most - length)
+            if fault is not None:
+                yield f"/{_name(link)} {fault}"
+        rows = found.get_space().get_simple_extent_npoints()
+        for first in range(0, rows if known is None else 0, FEW_TEXTS):
             last = first + FEW_TEXTS
             texts = np.atleast_1d(file[link][first:last] if rows > 1 else file[link][()])
             length += sum(map(len, texts.ravel().tolist()))
             if length > most:
                 yield f"/{_name(link)} claims more than {most} letters; it is damaged"
-                return
+        length += known or 0
 
 
 def _attribute_faults(attributes: h5py.AttributeManager) -> Iterator[str]:

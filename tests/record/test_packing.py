@@ -15,6 +15,7 @@ import pytest
 from physim.errors import RecordError
 from physim.record import Record
 from physim.record.checks import LITTLE
+from physim.record.heaps import REFERENCE
 from tests.record.test_values import in_order
 from tests.records import make_record
 
@@ -118,6 +119,59 @@ def test_a_chunk_that_is_shorter_is_not_read(
         given = zlib.compress(few) if "compression" in how else few
         file[POSE].id.write_direct_chunk((0, 0, 0), given)
     refused(path, "shorter than it says")
+
+
+def with_reference(made: Path, folder: Path, **change: int) -> Path:
+    """Copy whose second body has its reference to a name changed."""
+    path = shutil.copyfile(made, folder / "texts.h5")
+    with h5py.File(path) as file:
+        at = file["bodies/name"].id.get_offset()
+    raw = bytearray(path.read_bytes())
+    rows = np.frombuffer(raw, REFERENCE, 2, at).copy()
+    for name, by in change.items():
+        rows[name][1] = int(rows[name][1]) + by
+    raw[at : at + rows.nbytes] = rows.tobytes()
+    path.write_bytes(raw)
+    return path
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        ({"length": 1}, "not in the file as it says"),
+        ({"length": -1}, "not in the file as it says"),
+        ({"length": 2**31}, "letters"),
+        ({"heap": 8}, "not in the file as it says"),
+        ({"heap": 1 << 40}, "not in the file as it says"),
+        ({"number": 500}, "not in the file as it says"),
+    ],
+)
+def test_a_reference_to_a_text_that_is_none(
+    made: Path, tmp_path: Path, change: Mapping[str, int], said: str
+) -> None:
+    """The library believed it: 4 GB of memory, the end of the process, or no end at all."""
+    Record.load(with_reference(made, tmp_path)).close()
+    with pytest.raises(RecordError, match=f"/bodies/name .*{said}.*damaged"):
+        Record.load(with_reference(made, tmp_path, **change))
+
+
+def test_a_heap_that_is_written_over(made: Path, tmp_path: Path) -> None:
+    path = shutil.copyfile(made, tmp_path / "texts.h5")
+    raw = bytearray(path.read_bytes())
+    at = raw.find(b"GCOL")
+    raw[at + 16 : at + 80] = b"x" * 64
+    path.write_bytes(raw)
+    with pytest.raises(RecordError, match="damaged"):
+        Record.load(path)
+
+
+def test_lists_of_their_own_lengths(made: Path, tmp_path: Path) -> None:
+    """Within one another they take memory by the square of the file."""
+    path = shutil.copyfile(made, tmp_path / "lists.h5")
+    with h5py.File(path, "r+") as file:
+        file.create_dataset("x", (2,), h5py.vlen_dtype(np.uint8))
+    with pytest.raises(RecordError, match="/x holds lists of their own lengths"):
+        Record.load(path)
 
 
 def test_texts_are_counted_over_all_datasets(made: Path, tmp_path: Path) -> None:

@@ -215,7 +215,7 @@ def arrival_tolerance(record: Record) -> float:
     """[m] by which a robot that stands may be short of its stop station: the world's, or 0.1."""
     arrival = record.world_settings.get("arrival")
     tolerance = arrival.get("tolerance") if isinstance(arrival, Mapping) else None
-    if isinstance(tolerance, int | float):
+    if isinstance(tolerance, float) or (isinstance(tolerance, int) and abs(tolerance) < 2**63):
         return float(tolerance)
     from physim.world import Arrival
 

@@ -393,4 +393,22 @@ EDITS = (
         "a link in the place of a lock is not followed",
         "tests/record/test_two_writers.py::test_a_link_in_the_place_of_the_lock_is_not_followed",
     ),
+    Edit(
+        "record",
+        "physim/record/heaps.py",
+        "text_fault",
+        "if (text or heap) and sizes.get(heap, {}).get(number) != text:",
+        "if False:",
+        "a text of a record is in its file, as long as it says",
+        "tests/record/test_packing.py::test_a_reference_to_a_text_that_is_none",
+    ),
+    Edit(
+        "record",
+        "physim/record/checks.py",
+        "_link_faults",
+        "if kind.get_class() == h5py.h5t.VLEN:",
+        "if False:",
+        "lists of their own lengths are refused before they are read",
+        "tests/record/test_packing.py::test_lists_of_their_own_lengths",
+    ),
 )

@@ -151,11 +151,9 @@ def _first_contact(record: Record, again: Record) -> Mismatch | None:
     row = (claimed if steps[0] < steps[1] else repeated)[0]
     who, column = int(row["a"]), "clearance" if row["b"] < record.robots else "boundary_clearance"
     near = float(again.read(f"/steps/{column}", step, step + 1)[0, who])
-    there = steps[0] < steps[1]
     if abs(near) <= SLACK:
         return None
-    words = ("there", "not") if there else ("not there", "there")
-    at = 0 if there else None
+    words, at = (("there", "not"), 0) if steps[0] < steps[1] else (("not there", "there"), None)
     return Mismatch.of(record, "/contacts", None, *words, BY, row=at, robot=who, step=step)
 
 
@@ -185,8 +183,7 @@ def _first(record: Record, again: Record, until: int, exact: bool, whole: bool) 
 
 
 def _bounds(record: Record, again: Record, until: int) -> Iterator[Mismatch]:
-    """Extremes and arrivals of a run that are not even those of its part up to a step: a first
-    contact, or the last sample of a run that was killed."""
+    """Extremes and arrivals that are not even those of the run up to a step."""
     for column in ("clearance", "boundary_clearance"):
         least = np.full(record.robots, np.inf)
         for low in range(0, until + 1, BLOCK):

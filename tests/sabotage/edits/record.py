@@ -81,9 +81,8 @@ EDITS = (
         "record",
         "physim/record/checks.py",
         "_text_faults",
-        "most, length = max(LITTLE, file.id.get_filesize()), 0\n    for link, rows in links:",
-        "most = max(LITTLE, file.id.get_filesize())\n    for link, rows in links:\n"
-        "        length = 0",
+        "most, length = max(LITTLE, file.id.get_filesize()), 0\n    for link in links:",
+        "most = max(LITTLE, file.id.get_filesize())\n    for link in links:\n        length = 0",
         "the texts of all datasets count together",
         "tests/record/test_packing.py::test_texts_are_counted_over_all_datasets",
     ),
@@ -94,7 +93,7 @@ EDITS = (
         "if length > most:",
         "if False:",
         "one long text many times over is refused",
-        "tests/record/test_values.py::test_texts_that_are_all_the_same_long_one",
+        "tests/record/test_packing.py::test_texts_are_counted_over_all_datasets",
     ),
     Edit(
         "record",

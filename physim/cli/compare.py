@@ -21,7 +21,6 @@ from physim.cli.output import (
 )
 from physim.cli.parser import Options, command, flag, option
 from physim.cli.signals import INTERRUPTED
-from physim.cli.simulating import tell_notices
 from physim.cli.sweeping import names_of, run_grid, tell_fixed, usual_folder
 from physim.cli.values import LONGEST_QUOTE, PATH, OneOf, Value, quoted, seed_range, whole_from
 from physim.errors import PhysimError, nearest
@@ -247,6 +246,7 @@ def outcomes(folder: Path) -> Outcomes:
     from physim.campaigns.outcomes import Outcomes
     from physim.campaigns.reading import read
     from physim.campaigns.report.wording import missing_words
+    from physim.cli.simulating import tell_notices
 
     found = Outcomes(read(folder))
     if not len(found):

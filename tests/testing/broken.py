@@ -416,9 +416,9 @@ def tells_more(sensed: Sensed, due: IntArray, scene: Scene) -> Decisions:
     return found
 
 
-def considers_itself(sensed: Sensed, due: IntArray, scene: Scene) -> Decisions:
+def considers_another(sensed: Sensed, due: IntArray, scene: Scene) -> Decisions:
     return steadily(sensed, due, scene)._replace(
-        considered=due.copy(), considered_start=np.arange(len(due) + 1)
+        considered=(due + 1) % scene.robots, considered_start=np.arange(len(due) + 1)
     )
 
 
@@ -443,7 +443,7 @@ BATCH = {
     holds_longer: ("r1", 0.0, ["hold", "0.10000000000000002", "0.1"]),
     tells_a_mode: ("r1", 0.0, ["mode", "steady", "no mode"]),
     tells_more: ("r1", 0.0, ["report effort", "1.0", "nan"]),
-    considers_itself: ("r1", 0.0, ["considered", "0", "nobody"]),
+    considers_another: ("r1", 0.0, ["considered", "1", "nobody"]),
     decides_for_others: ("r1", 0.0, ["robots", "[1, 0]", "[0, 1]"]),
     leaves_some_out: ("r1", 0.0, ["command", "(1, 2)", "(2, 2)"]),
     says_nothing: ("r1", 0.0, ["NoneType", "Decisions"]),

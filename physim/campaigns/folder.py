@@ -64,8 +64,9 @@ class Folder:
                     f"{spec.world}: is too large for a campaign: written out it has more than "
                     f"{MOST_BYTES} bytes"
                 )
-        is_there = self._is_there()
-        known, before = (self.cells(), self.asked()) if is_there else ([], {})
+        described = self._read() if self._is_there() else []
+        known = [cell for cell, _ in described]
+        before = {label_of(cell): seeds for cell, seeds in described if seeds}
         _check(self.path, known, wanted)
         try:
             for folder in (self.path / ROWS, self.records, self.path / WORLDS):
@@ -78,7 +79,7 @@ class Folder:
                 write_whole(file, spec.text.encode())
         there = {label_of(one) for one in known}
         new = [_described(spec) for label, spec in wanted.items() if label not in there]
-        seeds = {**before}
+        seeds = dict(before)
         for label, one in (asked or {}).items():
             seeds[label] = merged((*before.get(label, ()), one))
         if new or not known or seeds != before:

@@ -12,7 +12,7 @@ from physim.geometry.shapes import pack_parts
 from physim.simulation.engine import host
 from physim.simulation.engine.guard import PlainGuard
 from physim.simulation.engine.host import Physics
-from physim.simulation.engine.verdict import is_misled, meeting
+from physim.simulation.engine.meeting import is_misled, meeting
 
 NO_WALLS = pack_parts([])
 

@@ -11,7 +11,7 @@ from crowds import KINDS, run
 from test_guard import FALSE_CONTACTS, side_by_side
 
 from physim.geometry.shapes import joined_shapes, pack_parts
-from physim.simulation.engine import Physics, choice, guard, native_guard
+from physim.simulation.engine import Physics, choice, guard, native_guard, native_memory
 from physim.simulation.engine.choice import judges_natively
 from physim.simulation.engine.guard import PlainGuard
 from physim.simulation.engine.native_guard import NativeGuard
@@ -140,7 +140,7 @@ def missing(*arguments):
     [
         (pymunk.Space, "_get_arbiters", missing),
         (native_guard, "address", missing),
-        (native_guard, "layout_is_known", lambda: False),
+        (native_memory, "layout_is_known", lambda: False),
         (NativeGuard, "take_rejected", lambda self: guard.NOTHING.part),
         (NativeGuard, "take", lambda self: guard.NOTHING),
     ],

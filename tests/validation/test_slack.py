@@ -6,12 +6,17 @@ than what rounding needs would let something through.
 
 from __future__ import annotations
 
+import math
+
 import h5py
 import numpy as np
 import pytest
 
 import physim
+from physim import tolerances
+from physim.analysis import metrics
 from physim.analysis.validation import prediction, validate
+from physim.analysis.validation.decisions import DecisionTable
 from physim.analysis.validation.disagreements import TOLERANCE, UNEXPLAINED
 from physim.contacts import CONTACT_ROW, Kind, Phase
 from tests.validation.reports import states
@@ -102,3 +107,17 @@ def test_a_prediction_agrees_to_its_slack(monkeypatch, rear_end, late, verdict):
     found = validate(rear_end).contacts[0].prediction
     assert found.predicted == pytest.approx(first.found + late, abs=1e-9)
     assert found.verdict == verdict
+
+
+def test_a_slack_of_hours_is_not_looked_through(rear_end, monkeypatch):
+    """A forged command turns so fast that its chord is kilometres long: it took hours."""
+    record, episode = rear_end, metrics.contact_episodes(rear_end)[0]
+    looked = []
+    monkeypatch.setattr(
+        prediction.Predictor, "due", lambda *asked: looked.append(asked[-1]) or math.inf
+    )
+    monkeypatch.setattr(tolerances, "chord", lambda v, omega, dt: 1e4)
+    predictor = prediction.Predictor(record, DecisionTable(record))
+    predictor.predict(episode.a, episode.b, episode.step, episode.time, 0.0, earlier=False)
+    (until,) = looked
+    assert prediction.MOST_SLACK < until < 2.0 * prediction.MOST_SLACK

@@ -37,7 +37,7 @@ def judges_natively() -> bool:
     Tried out once a process. False where the engine's private members are missing or others.
     """
     try:
-        from physim.simulation.engine.native_guard import layout_is_known
+        from physim.simulation.engine.native_memory import layout_is_known
 
         return layout_is_known() and _trial()
     except Exception:  # whatever a missing or changed private member brings about

@@ -16,6 +16,7 @@ import numpy as np
 import pymunk
 
 from physim.geometry.shapes import FloatArray, IntArray, Shapes
+from physim.simulation.engine.meeting import is_misled, meeting
 from physim.simulation.engine.space import Hosted
 from physim.simulation.engine.verdict import (
     ACTS,
@@ -24,8 +25,6 @@ from physim.simulation.engine.verdict import (
     SIDE,
     classify,
     deepest,
-    is_misled,
-    meeting,
     segment_links,
 )
 

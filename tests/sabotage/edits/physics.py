@@ -188,7 +188,7 @@ EDITS = (
     ),
     Edit(
         "physics",
-        "physim/simulation/engine/verdict.py",
+        "physim/simulation/engine/meeting.py",
         "is_misled",
         "return bool(reported > MISLED - distance)",
         "return False",
@@ -197,7 +197,7 @@ EDITS = (
     ),
     Edit(
         "physics",
-        "physim/simulation/engine/verdict.py",
+        "physim/simulation/engine/meeting.py",
         "is_misled",
         "distance > -SKINS and",
         "False and",
@@ -206,7 +206,7 @@ EDITS = (
     ),
     Edit(
         "physics",
-        "physim/simulation/engine/native_contacts.py",
+        "physim/simulation/engine/native_guard.py",
         "set_right",
         "put(table, arbiter, nx, ny, qx, qy, px, py)",
         "pass",

@@ -512,4 +512,13 @@ EDITS = (
         "a graze at another time than was foretold explains nothing",
         "tests/validation/test_grazes.py::test_a_graze_at_another_time_explains_nothing",
     ),
+    Edit(
+        "validation",
+        "physim/analysis/validation/prediction.py",
+        "Predictor.predict",
+        "min(slack, MOST_SLACK)",
+        "slack",
+        "a touch is not looked for through a slack of hours",
+        "tests/validation/test_slack.py::test_a_slack_of_hours_is_not_looked_through",
+    ),
 )

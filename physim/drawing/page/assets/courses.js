@@ -14,12 +14,12 @@ export function courses(runs) {
 const DASHED = ["", "dashed", "dotted", "dash-dotted"];
 
 /** What the lines of a row mean: the runs, or of one run the thresholds. */
-function noteOf(runs, column) {
+function noteOf(runs, column, colours = "") {
   if (runs.length > 1) {
     return runs.slice(1, 4).map((run, k) => `${DASHED[k + 1]}: ${run.label}`).join(", ");
   }
   const limit = thresholdOf(runs[0], column);
-  return limit && runs[0].header.why.avoids ? "level lines: danger below, dashed: safe again above" : "";
+  return limit && runs[0].header.why.avoids ? `level lines${colours}: danger below, dashed: safe again above` : "";
 }
 
 function errors(runs) {
@@ -118,9 +118,8 @@ function distances(runs) {
   ].filter(Boolean);
   const title = `shortest distance [m] ${words.join(", ")}`;
   const { pair, wall } = runs[0].header.curves;
-  const note = noteOf(runs, pair || runs.length > 1 ? "distance" : "boundary_distance");
-  const both = pair && wall && note.startsWith("level");
-  return { title, note: both ? note.replace("lines:", "lines, in the same colours:") : note, limits: [least, most], share: 1, draw };
+  const note = noteOf(runs, pair ? "distance" : "boundary_distance", pair && wall ? ", in the same colours" : "");
+  return { title, note, limits: [least, most], share: 1, draw };
 }
 
 function times(runs) {

@@ -211,6 +211,6 @@ EDITS = (
         "put(table, arbiter, nx, ny, qx, qy, px, py)",
         "pass",
         "in compiled code as in Python",
-        "tests/physics/test_flush_pushing.py::test_both_guards_push_alike",
+        "tests/physics/test_flush_pushing.py::test_both_guards_set_the_same_contacts_right",
     ),
 )

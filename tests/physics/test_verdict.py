@@ -134,3 +134,25 @@ def test_a_tip_across_a_joint_is_pushed_straight_out_by_both():
     assert [verdict for verdict, _, _ in told] == [SIDE, SIDE]
     for _, nx, ny in told:
         assert (nx, ny) == pytest.approx((0.0, 1.0), abs=1e-12)
+
+
+def test_a_robot_beside_a_corner_is_pushed_away_from_it():
+    # A box on the left of one of two walls of which the second turns away to the right: whatever
+    # pushes it does so along the normal of a wall, to the left, or along one between the two.
+    rng, met = np.random.default_rng(0), []
+    for _ in range(3000):
+        bend, heading, at = rng.uniform(-1.4, 0.0), rng.uniform(-3.2, 3.2), rng.uniform(-0.7, 0.7)
+        robot, depth = box(0.5, rng.uniform(0.1, 0.5)), rng.uniform(0.0, 0.01)
+        walls = np.array(((1.0, 0.0), (math.cos(bend), math.sin(bend))))
+        along = walls[int(at > 0.0)]
+        out = np.array((-along[1], along[0]))
+        c, s = math.cos(heading), math.sin(heading)
+        height = -(np.array(robot) @ np.array([[c, s], [-s, c]]) @ out).min() - depth
+        x, y = at * along + height * out
+        told = judged(robot, [(-3.0, 0.0), (0.0, 0.0), tuple(3.0 * walls[1])], (x, y, heading))
+        for verdict, *normal in told:
+            met.append(verdict)
+            if verdict in (ACTS, SIDE):
+                assert np.dot(walls[0], normal) >= -1e-9
+                assert np.dot(walls[1], normal) <= 1e-9
+    assert met.count(ACTS) > 2000 and met.count(LEFT) > 20

@@ -150,3 +150,19 @@ def test_wall_end_and_obstacle_stop_a_robot():
         assert (row["nx"], row["ny"]) == pytest.approx((1.0, 0.0), abs=1e-6)
         assert row["x"] == pytest.approx(2.0, abs=SETTLED_DEPTH)
         assert row["y"] == pytest.approx(0.0, abs=1e-6)
+
+
+@pytest.mark.parametrize("steps", [40, 60, 80])
+def test_a_robot_that_has_come_round_a_corner_goes_no_farther_than_it_is_driven(steps):
+    # What is past the corner lies on the second wall alone, although its beginning is the end of
+    # the first: that pushed a robot 152 mm aside in a step, as if it were through the wall.
+    dt, v, bend = 0.02, 1.0, -1.0
+    corner = segments([(-9.0, 0.0), (0.0, 0.0), (9.0 * np.cos(bend), 9.0 * np.sin(bend))])
+    for heading in (-0.4, -0.7, -1.0):
+        for omega in (0.0, -0.3, -0.6, -1.0):
+            physics = host([[-1.0, 0.55, heading]], [[ARROW]], walls=[corner], dt=dt)
+            drive(physics, [v, 0.0], steps)
+            poses, rows = drive(physics, [v, omega], 80)
+            moved = np.hypot(*np.diff(poses[:, 0, :2], axis=0).T)
+            assert sum(len(r) for r in rows) > 0
+            assert moved.max() <= (v + 0.9 * abs(omega)) * dt + SETTLED_DEPTH

@@ -45,9 +45,9 @@ def judges_natively() -> bool:
 
 
 BOX = [(-0.3, -0.3), (0.3, -0.3), (0.3, 0.3), (-0.3, 0.3)]
-CORNER = [[(0.0, 0.0), (1.0, 0.0)], [(1.0, 0.0), (1.5, 1.0)]]
+CORNER = [[(0.0, 0.0), (1.0, 0.0)], [(1.0, 0.0), (2.0, 0.3)]]
 """two segments; a box at `BEHIND` leaves the first by the shorter way into the second"""
-BEHIND = (1.2, 0.1, 0.0)
+BEHIND = (1.15, 0.05, 0.0)
 PLACES = np.array(
     [(5.0, 0, 0), (5.6 + 1.5 * CONTACT, 0, 0), (9.0, 0, 0), (9.6 - 1e-3, 0, 0), BEHIND]
 )

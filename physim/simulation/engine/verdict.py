@@ -141,6 +141,14 @@ def side(shapes: Shapes, segment: int, p: int, pose_p: FloatArray) -> tuple[floa
 
 
 @compiled
+def _leads(shapes: Shapes, segment: int, end: int, nx: float, ny: float) -> bool:
+    """Whether a segment leads from one of its ends to the side to which (nx, ny) points."""
+    v, k = shapes.vertices, shapes.part_start[segment]
+    ex, ey = v[k + 1 - end, 0] - v[k + end, 0], v[k + 1 - end, 1] - v[k + end, 1]
+    return bool(nx * ex + ny * ey > SIDE_ANGLE * np.hypot(ex, ey))
+
+
+@compiled
 def classify(
     shapes: Shapes, links: Links, p: int, pose_p: FloatArray, q: int, pose_q: FloatArray
 ) -> tuple[int, float, float]:
@@ -162,8 +170,9 @@ def classify(
     if other < 0:
         return ACTS, nx, ny
     mx, my = side(shapes, q, p, pose_p)
-    ox, oy = onward(shapes, links, q, end)
-    if mx * ox + my * oy > SIDE_ANGLE * np.hypot(ox, oy):
+    kx, ky = side(shapes, other, p, pose_p)
+    closes = _leads(shapes, other, links.end[q, end], mx, my) and _leads(shapes, q, end, kx, ky)
+    if closes:  # and is not one round which the part has come, to lie on the neighbour alone
         return SIDE, mx, my
     if not links.own[q, end]:
         return ACTS, nx, ny

@@ -145,10 +145,20 @@ EDITS = (
         "physics",
         "physim/simulation/engine/verdict.py",
         "classify",
-        "if mx * ox + my * oy > SIDE_ANGLE * np.hypot(ox, oy): return SIDE, mx, my",
+        "if closes: return SIDE, mx, my",
         "",
         "a corner lets no robot through",
         "tests/physics/test_walls.py::test_a_corner_never_lets_a_robot_through",
+    ),
+    Edit(
+        "physics",
+        "physim/simulation/engine/verdict.py",
+        "classify",
+        " and _leads(shapes, q, end, kx, ky)",
+        "",
+        "a robot that has come round a corner is not taken for one that is through the wall",
+        "tests/physics/test_walls.py::"
+        "test_a_robot_that_has_come_round_a_corner_goes_no_farther_than_it_is_driven",
     ),
     Edit(
         "physics",

@@ -39,6 +39,9 @@ ONE_STEP = 1e-11
 """[m, rad] How far a recorded pose may be from the end of the arc that begins at the pose before:
 rounding of one step, 1e-12 m at 10 km; farther out the rounding of coordinates is added."""
 
+ULPS = 8.0
+"""Roundings of a coordinate in one step, for worlds far from the origin."""
+
 PUSHED = 1e-2
 """[m] A robot within this of where another one in contact could get in a step may be pushed by it,
 though it touches nothing at either sample: the engine eases robots out of an overlap by a share of

@@ -67,6 +67,26 @@ def teleport(file) -> None:
     file["/steps/pose"][300:, 0, 1] += 0.3
 
 
+def beside_the_wall(file) -> None:
+    """A robot in contact, and all that it touches from then on, 0.2 m further along."""
+    rows = file["/contacts"][()]
+    step, a = (int(rows[name][rows["phase"] == 1][0]) for name in ("step", "a"))
+    file["/steps/pose"][step:, a, 0] += 0.2
+
+
+def commanded_from_outside(file) -> None:
+    """No decision, and all commands as those of nobody."""
+    rows = file["/updates"][()]
+    taken = np.zeros(len(rows), dtype=file["/commands"].dtype)
+    for name in ("step", "robot"):
+        taken[name] = rows[name]
+    for stage in ("nominal", "filtered", "applied"):
+        for part in ("v", "omega"):
+            taken[f"{stage}_{part}"] = rows[f"nominal_{part}"]
+    replace_rows(file, "/commands", taken)
+    together(dropped(UP, None), dropped("/considered", None))(file)
+
+
 def onto_another(file) -> None:
     """Two robots 11.7 mm into each other at two samples, without a contact."""
     pose = file["/steps/pose"][()]
@@ -187,6 +207,7 @@ DECISIONS = [
     Forgery("a whole run of decisions gone", "free",
             together(dropped(UP, None), dropped("/considered", None)),
             ("poses do not follow the commands", "deciding at the start")),
+    Forgery("commands of nobody", "free", commanded_from_outside, ("deciding at the start",)),
 ]  # fmt: skip
 
 COMMANDS = [
@@ -230,6 +251,8 @@ MOTION = [
     Forgery("a heading", "free", cells("/steps/pose", (800, 1, 2), lambda a: a + 1e-3),
             ("r2: unexplained (it touches nothing",)),
     Forgery("robots swapped", "free", swapped, ("start pose of robot 0 (r1)",)),
+    Forgery("a robot in contact further along", "touching", beside_the_wall,
+            ("in contact it moved", "what pushes it allow")),
     Forgery("a teleport behind a filter", "staged", teleport,
             ("poses do not follow the commands", "its pose is 0.3 m")),
     Forgery("deep contacts behind a filter", "staged", onto_another,
@@ -349,7 +372,7 @@ REFUSED = [
     Forgery("poses that are none", "free", cells("/steps/pose", (5, 0, 0), np.nan),
             ("x of robot 0 is nan; it must be finite",), (), 2),
     Forgery("steps that are more than there are", "free", attribute("steps_run", np.int64(2000)),
-            ("truncated: ", "samples for 2000 steps", "2001 are needed"), (), 2),
+            ("truncated: ", "samples", "for 2000 steps"), (), 2),
 ]  # fmt: skip
 
 FORGERIES = [*DECISIONS, *COMMANDS, *MOTION, *CONTACTS, *ENDING, *WORLD, *REFUSED]

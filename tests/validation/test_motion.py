@@ -13,6 +13,7 @@ from physim import Decision
 from physim.analysis.summary import summarise, table
 from physim.analysis.validation import report, validate
 from physim.analysis.validation.seeds import json_of_validation
+from physim.contacts import Phase
 from physim.tolerances import DEEP
 from tests.validation.reports import states
 from tests.validation.runs import APART, LANE, Drivers, edited
@@ -84,6 +85,41 @@ def test_a_pose_beside_a_contact_is_looked_at_too(tmp_path, into_wall):
 
     with tampered(into_wall, tmp_path / "record.h5", shift) as record:
         assert [one.robot for one in validate(record).motion.strays] == [1]
+
+
+@pytest.mark.parametrize(("column", "by"), [(0, 0.05), (1, -0.05), (2, 0.2)])
+def test_a_robot_in_contact_goes_no_farther_than_pushes_bring_it(tmp_path, rear_end, column, by):
+    rows = rear_end.contacts
+    step = int(rows["step"][rows["phase"] == Phase.STAYS][5])
+
+    def shift(file):
+        file["/steps/pose"][step:, 0, column] += by
+
+    assert validate(rear_end).motion.held > 100
+    with tampered(rear_end, tmp_path / "record.h5", shift) as record:
+        found = validate(record)
+    (stray,) = (one for one in found.motion.strays if one.allowed is not None)
+    assert (stray.robot, stray.step, stray.steps) == (0, step, 1)
+    assert max(stray.gap, stray.turn) == pytest.approx(abs(by), abs=0.02)
+    assert stray.allowed < 0.02
+    said = " ".join(report(found).split())
+    assert states(said, "slow", "in contact it moved", f"{stray.allowed:.3g} m", within=120)
+    assert found.code == 3
+
+
+def test_a_robot_that_stands_may_be_pushed_by_the_energy_of_another():
+    # Without that of the one that pushes it, it might not move at all; a heavier one has more.
+    world = physim.parse_world(
+        LANE,
+        overrides=["robots.0.pose=[6.0, 0.0, 0.0]", "robots.1.pose=[3.9, 0.1, 0.2]",
+                   "robots.0.mass=20", "robots.1.mass=400"],
+    )  # fmt: skip
+    record = physim.simulate(world, controller=Drivers((0.0, 0.0), (0.8, 0.0)))
+    moved = np.hypot(*np.diff(record.read("/steps/pose")[:, 0, :2], axis=0).T)
+    assert moved.max() > 0.006
+    found = validate(record)
+    assert found.motion.held > 100
+    assert found.motion.strays == ()
 
 
 class Slower:

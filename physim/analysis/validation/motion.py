@@ -2,9 +2,13 @@
 
 A robot that touches nothing follows the arc of its applied command exactly (the engine moves it
 along the chord of that very arc), so its pose at each sample follows from the one before and from
-the recorded commands. Left out are robots in contact, which move as far as the contact allows, and
-robots that one in contact could reach in the step: the engine eases it out of an overlap, and it
-may push them on its way though they touch nothing at either sample.
+the recorded commands. Left out are robots that one in contact could reach in the step: the engine
+eases it out of an overlap, and it may push them on its way though they touch nothing at either
+sample.
+
+A robot in contact moves as far as the contact allows, and where that leads the engine alone knows.
+But it takes nothing from nowhere: what robots that push each other may do in a step has no more
+energy than what they were commanded to do, and they are eased by no more than their overlaps.
 """
 
 from __future__ import annotations
@@ -18,15 +22,13 @@ from numpy.typing import NDArray
 
 from physim.analysis.validation.analytic_contacts import pose_blocks
 from physim.analysis.validation.decisions import DecisionTable
+from physim.analysis.validation.pushing import Pushing, TooFar
 from physim.contacts import touching
 from physim.geometry.motion import arcs
 from physim.geometry.separation import body_distance
 from physim.geometry.shapes import FloatArray, IntArray, Shapes
 from physim.record import Record
-from physim.tolerances import ONE_STEP, PUSHED
-
-ULPS = 8.0
-"""Roundings of a coordinate in one step, for worlds far from the origin."""
+from physim.tolerances import ONE_STEP, PUSHED, ULPS
 
 
 @dataclass(frozen=True)
@@ -40,9 +42,24 @@ class Stray:
     time: float
     """[s] of that sample"""
     gap: float
-    """[m] largest distance of a pose from the end of the arc"""
+    """[m] largest distance of a pose from the end of the arc; in contact, of a step"""
     turn: float
-    """[rad] largest difference of a heading"""
+    """[rad] largest difference of a heading; in contact, turn of a step"""
+    allowed: float | None = None
+    """[m] what a step may be in contact, turns included; None where the robot touches nothing"""
+
+    @property
+    def sentence(self) -> str:
+        """What is wrong."""
+        if self.allowed is None:
+            return (
+                f"it touches nothing, yet its pose is {self.gap:.3g} m and {self.turn:.3g} rad "
+                "from where its command leads from the sample before"
+            )
+        return (
+            f"in contact it moved {self.gap:.3g} m and {self.turn:.3g} rad in a step; its command "
+            f"and what pushes it allow {self.allowed:.3g} m"
+        )
 
 
 @dataclass(frozen=True)
@@ -51,6 +68,9 @@ class Motion:
 
     checked: int
     """steps of robots that touch nothing"""
+    held: int
+    """steps of robots in contact that were held to what they may move; 0 where no masses are
+    known"""
     strays: tuple[Stray, ...]
     """in the order of time"""
 
@@ -64,18 +84,29 @@ class _Off(NamedTuple):
     turn: FloatArray
 
 
-def check_motion(record: Record, table: DecisionTable) -> Motion:
-    """Hold every pose against the arc from the one before; see the module for what is left out."""
+def check_motion(record: Record, table: DecisionTable, mass: FloatArray | None) -> Motion:
+    """Hold every pose against the one before; see the module for what is left out.
+
+    ``mass`` (N,) [kg] of the robots; without it robots in contact are left out, too.
+    """
     touched = _touched(record)
-    checked, found = 0, []
+    checked = held = 0
+    found, far = [], []
+    pushing = None if mass is None else Pushing(record, mass)
     for poses, first in pose_blocks(record):
         last = first + len(poses) - 1
         command = record.commands_over("applied", first, last)
         free = ~touched[first:last] & ~touched[first + 1 : last + 1]
         checked += int(free.sum())
         found.append(_off(poses, first, command, record.dt, free))
+        if pushing is not None:
+            held += int((~free).sum())
+            far.append(pushing.too_far(poses, first, command, ~free))
     off = _Off(*(np.concatenate(column) for column in zip(*found, strict=True)))
-    return Motion(checked, _strays(record, table, off, touched))
+    strays = _strays(record, table, off, touched)
+    if far:
+        strays += _too_far(record, TooFar(*map(np.concatenate, zip(*far, strict=True))))
+    return Motion(checked, held, tuple(sorted(strays, key=lambda one: (one.step, one.robot))))
 
 
 def _touched(record: Record) -> NDArray[np.bool_]:
@@ -103,7 +134,7 @@ def _off(
 
 def _strays(
     record: Record, table: DecisionTable, off: _Off, touched: NDArray[np.bool_]
-) -> tuple[Stray, ...]:
+) -> list[Stray]:
     shapes, strays = record.shapes, []
     for i in range(record.robots):
         mine = off.robot == i
@@ -117,16 +148,35 @@ def _strays(
             dtype=np.bool_,
         )
         step, gap, turn = step[kept], gap[kept], turn[kept]
-        cuts = np.flatnonzero(np.diff(step) != 1) + 1
-        for run in np.split(np.arange(len(step)), cuts) if len(step) else ():
-            at = int(step[run[0]])
-            strays.append(
-                Stray(
-                    i, at, len(run), at * record.dt,
-                    float(gap[run].max()), float(turn[run].max()),
-                )
-            )  # fmt: skip
-    return tuple(sorted(strays, key=lambda one: (one.step, one.robot)))
+        strays += [
+            Stray(
+                i, int(step[run[0]]), len(run), float(step[run[0]] * record.dt),
+                float(gap[run].max()), float(turn[run].max()),
+            )
+            for run in _runs(step)
+        ]  # fmt: skip
+    return strays
+
+
+def _too_far(record: Record, far: TooFar) -> list[Stray]:
+    """Steps in contact that are too long, consecutive ones as one."""
+    strays = []
+    for i in np.unique(far.robot).tolist():
+        step, _, gap, turn, allowed = (column[far.robot == i] for column in far)
+        strays += [
+            Stray(
+                i, int(step[run[0]]), len(run), float(step[run[0]] * record.dt),
+                float(gap[run].max()), float(turn[run].max()), float(allowed[run].max()),
+            )
+            for run in _runs(step)
+        ]  # fmt: skip
+    return strays
+
+
+def _runs(step: IntArray) -> list[IntArray]:
+    """Places of consecutive steps in a rising row of them."""
+    cuts = np.flatnonzero(np.diff(step) != 1) + 1
+    return np.split(np.arange(len(step)), cuts) if len(step) else []
 
 
 def _pushed(

@@ -15,6 +15,7 @@ from physim.analysis.validation.mismatch import SLACK
 from physim.analysis.validation.near_misses import LOOK, PARTED, TOGETHER, NearMiss
 from physim.analysis.validation.validation import Run, Validation, confusions
 from physim.analysis.validation.wording import joined, listed, wrapped
+from physim.errors import plural
 from physim.tolerances import ONE_STEP
 
 MOST_LISTED = 20
@@ -40,12 +41,18 @@ def check_lines(validation: Validation) -> list[str]:
             f"The engine reported a contact of shapes that were apart {times}; the exact check "
             "rejected it."
         )
-    strays = len(validation.motion.strays)
+    motion = validation.motion
+    off = sum(stray.allowed is None for stray in motion.strays)
+    far = len(motion.strays) - off
     said.append(
-        f"Motion: {validation.motion.checked:,} steps of robots that touch nothing, held against "
-        "the arcs of their applied commands: "
-        f"{f'{strays} DIFFER' if strays else f'all agree within {ONE_STEP:g} m'}."
+        f"Motion: {motion.checked:,} steps of robots that touch nothing, held against the arcs of "
+        f"their applied commands: {f'{off} DIFFER' if off else f'all agree within {ONE_STEP:g} m'}."
     )
+    if motion.held:
+        said.append(
+            f"Motion in contact: {plural(motion.held, 'step')} held to the energy of the commands: "
+            f"{f'{far} TOO FAR' if far else 'none goes farther'}."
+        )
     said += _decisions(validation)
     if not validation.origin.held:
         said.append("World: the record holds no text of its world; nothing is compared with it.")
@@ -131,9 +138,7 @@ def _strays(validation: Validation, names: list[str]) -> list[str]:
     for stray in validation.motion.strays:
         long = f" for {stray.steps} steps" if stray.steps > 1 else ""
         lines.append(
-            f"{stray.time:9.4f} s  {names[stray.robot]}: unexplained (it touches nothing, yet its "
-            f"pose is {stray.gap:.3g} m and {stray.turn:.3g} rad from where its command leads from "
-            f"the sample before{long})"
+            f"{stray.time:9.4f} s  {names[stray.robot]}: unexplained ({stray.sentence}{long})"
         )
     return lines
 

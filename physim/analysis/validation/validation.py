@@ -177,6 +177,7 @@ def validate(record: Record, *, source: str | None = None) -> Validation:
     check_record(record)
     check_complete(record)
     inside = world_inside(record)
+    scene = fitting(record, inside).scene
     analytic = analytic_contacts(record)
     table = DecisionTable(record)
     exact = exact_distances(record)
@@ -184,7 +185,8 @@ def validate(record: Record, *, source: str | None = None) -> Validation:
     contacts = contact_reports(record, analytic, table, Predictor(record, table))
     return Validation(
         _run(record, source), comparison, contacts, swept_contact_reports(record, table),
-        near_misses(record, analytic, table, exact), check_motion(record, table),
+        near_misses(record, analytic, table, exact),
+        check_motion(record, table, None if scene is None else scene.mass),
         compare_with_world(record, inside), recompute(record, fitting(record, inside), table),
         _expectations(record), deep_contacts(record),
     )  # fmt: skip

@@ -100,10 +100,7 @@ def _disagreements(found: Validation) -> Iterator[Finding]:
         who = () if value.robot is None else (value.robot,)
         yield Finding("disagreement", value.time, who, value.line(found.names))
     for stray in found.motion.strays:
-        text = (
-            f"its pose is {stray.gap:.3g} m and {stray.turn:.3g} rad from where its command leads"
-        )
-        yield Finding("disagreement", stray.time, (stray.robot,), text)
+        yield Finding("disagreement", stray.time, (stray.robot,), stray.sentence)
     for one in found.comparison.disagreements:
         bodies = (one.a,) if one.b is None else (one.a, one.b)
         yield Finding("disagreement", one.time, bodies, f"{one.cause} ({one.what})")

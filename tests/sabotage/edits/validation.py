@@ -154,6 +154,35 @@ EDITS = (
     ),
     Edit(
         "validation",
+        "physim/analysis/validation/pushing.py",
+        "Pushing.too_far",
+        "held & ~(shift <=",
+        "held & (gap < 0.0) & ~(shift <=",
+        "a robot in contact goes no farther than pushes bring it",
+        "tests/validation/test_motion.py::"
+        "test_a_robot_in_contact_goes_no_farther_than_pushes_bring_it",
+    ),
+    Edit(
+        "validation",
+        "physim/analysis/validation/pushing.py",
+        "Pushing._allowed",
+        "np.bincount(group, energy)[group] / mass",
+        "energy / mass",
+        "a robot is pushed by the energy of others",
+        "tests/validation/test_motion.py::"
+        "test_a_robot_that_stands_may_be_pushed_by_the_energy_of_another",
+    ),
+    Edit(
+        "validation",
+        "physim/analysis/validation/consistency.py",
+        "check_schedule",
+        "if not record.steps_run:",
+        "if not record.steps_run or not len(rows):",
+        "a record without decisions is none of a controller's",
+        "tests/forgeries/test_forgeries.py",
+    ),
+    Edit(
+        "validation",
         "physim/analysis/validation/responsibility.py",
         "_has_to_consider",
         "behind > 0.0",

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from physim.geometry.polygon import smallest_width
 from physim.geometry.shapes import Shapes
-from physim.tolerances import DEEP, IMPACT_SPEED, TUNNEL_FRACTION
+from physim.tolerances import DEEP, IMPACT_SPEED, SETTLED_DEPTH, TUNNEL_FRACTION
 
 
 class Phase(IntEnum):
@@ -77,9 +77,10 @@ def touching(rows: NDArray[np.void]) -> NDArray[np.void]:
 def allowed_depth(shapes: Shapes, step: float) -> float:
     """How deep [m] bodies may be in each other at the end of a step of ``step`` [s].
 
-    An impact is found where a step ends, as deep as the bodies closed in it: ``DEEP`` at 0.01 s and
-    ``IMPACT_SPEED``, in proportion more in longer steps, but no more than a quarter of the smallest
-    width of the robots' footprints ``shapes``, as far as a robot may move in a step. The engine
+    An impact is found where a step ends, as deep as the bodies closed in it: ``DEEP`` at 0.01 s or
+    less and ``IMPACT_SPEED``, in proportion more in longer steps, but no more than a quarter of the
+    smallest width of the robots' footprints ``shapes``, as far as a robot may move in a step: one
+    that is beyond a wall by more than half is pushed out on the wrong side. The engine
     keeps to it (`physim.simulation.engine.cutting`); a contact that is deeper all the same was not
     held: from there on a record is not physical, and every report says so.
     """
@@ -88,4 +89,5 @@ def allowed_depth(shapes: Shapes, step: float) -> float:
     if not parts:
         return DEEP
     narrowest = smallest_width([np.frombuffer(part).reshape(-1, 2) for part in parts])
-    return max(DEEP, min(DEEP + IMPACT_SPEED * (step - 0.01), TUNNEL_FRACTION * narrowest))
+    impact = DEEP + IMPACT_SPEED * max(0.0, step - 0.01)
+    return max(2.0 * SETTLED_DEPTH, min(impact, TUNNEL_FRACTION * narrowest))

@@ -7,7 +7,7 @@ import pytest
 
 from physim.contacts import allowed_depth
 from physim.geometry.shapes import pack_parts
-from physim.tolerances import DEEP, IMPACT_SPEED, TUNNEL_FRACTION
+from physim.tolerances import DEEP, IMPACT_SPEED, SETTLED_DEPTH, TUNNEL_FRACTION
 from tests.physics.hosts import box, drive, host, segments
 
 ROBOT = [box(0.5, 0.3)]
@@ -19,7 +19,7 @@ def shapes(*footprints):
 
 @pytest.mark.parametrize("step", [0.001, 0.005, 0.01])
 def test_short_steps_may_reach_an_impact_at_a_hundredth_of_a_second(step):
-    assert allowed_depth(shapes((1.8, 1.0), (0.05, 0.04)), step) == DEEP
+    assert allowed_depth(shapes((1.8, 1.0), (0.1, 0.09)), step) == DEEP
 
 
 def test_longer_steps_may_reach_what_bodies_close_in_them():
@@ -33,7 +33,12 @@ def test_nothing_may_be_deeper_than_robots_may_move_in_a_step():
     assert allowed_depth(shapes((1.8, 1.0), (0.5, 0.3)), 0.05) == pytest.approx(
         TUNNEL_FRACTION * 0.3
     )
-    assert allowed_depth(shapes((0.5, 0.04)), 0.05) == DEEP
+
+
+@pytest.mark.parametrize("step", [0.001, 0.05])
+def test_small_robots_may_be_less_deep_but_deeper_than_they_settle(step):
+    assert allowed_depth(shapes((1.8, 1.0), (0.5, 0.04)), step) == pytest.approx(0.01)
+    assert SETTLED_DEPTH < allowed_depth(shapes((0.004, 0.004)), step) < 0.005
 
 
 @pytest.mark.parametrize("dt", [0.02, 0.05])

@@ -213,3 +213,29 @@ def test_robots_stop_in_the_order_in_which_they_meet():
             unmet += not any(6 in p or min(gone[j] for j in p) <= share[i] for p in met)
     assert stops > 300
     assert unmet <= 0.01 * stops  # those that others stopped while they passed each other
+
+
+SMALL_BESIDE_LARGE = [
+    # half a side [m] of the room; length, width; poses; commands; kg/m^2 is 100
+    (0.48, [(0.03, 0.03), (0.3, 0.3)],
+     [(0.453, 0.454652909039448, 1.0224577044117868), (0.12, 0.12, 0.724048693330518)],
+     [(0.225, 0.0), (0.45, 0.045642319746476215)], 410),
+    (1.2, [(0.5, 0.4)] * 2 + [(0.4, 0.02)] * 4,
+     [(-0.12840, 0.12472, -1.31919), (0.08543, -0.66392, 0.69670), (-0.73064, 0.24974, 2.35531),
+      (0.42631, 0.47621, -0.29293), (0.39477, 0.02329, -0.98141), (-0.62489, -0.70339, -2.92708)],
+     [(0.26731, -0.28786), (0.26901, 0.38264), (0.19044, -0.08526), (0.23953, 0.16892),
+      (0.21665, 0.42246), (0.26344, 0.48862)], 900),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("half", "sides", "start", "command", "steps"), SMALL_BESIDE_LARGE)
+def test_a_small_robot_is_not_squeezed_through_a_wall(half, sides, start, command, steps):
+    # What is beyond a wall by more than half of its width is pushed out on the far side.
+    ring = [(-half, -half), (half, -half), (half, half), (-half, half), (-half, -half)]
+    physics = host(
+        start, [[box(*one)] for one in sides], [segments(ring)], dt=0.01,
+        mass=[100.0 * a * b for a, b in sides],
+    )  # fmt: skip
+    poses, rows = drive(physics, command, steps)
+    assert sum(len(r) for r in rows) > 100
+    assert np.abs(poses[..., :2]).max() < half

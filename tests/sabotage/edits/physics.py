@@ -152,6 +152,15 @@ EDITS = (
     ),
     Edit(
         "physics",
+        "physim/contacts.py",
+        "allowed_depth",
+        "max(2.0 * SETTLED_DEPTH, min(",
+        "max(DEEP, min(",
+        "a small robot is not squeezed through a wall",
+        "tests/physics/test_cutting.py::test_a_small_robot_is_not_squeezed_through_a_wall",
+    ),
+    Edit(
+        "physics",
         "physim/simulation/engine/verdict.py",
         "classify",
         " and _leads(shapes, q, end, kx, ky)",

@@ -117,7 +117,7 @@ def look_at(
     d, outline, ox, oy = gap, False, 0.0, 0.0
     if not settled:
         distance, _, _, ox, oy = outline_witness(P, p0, p1, Q, q0, q1, c, s, tx, ty, 0.0, 0.0)
-        d, outline = by_outline(gap, distance)
+        d, outline = by_outline(gap, distance, abs(tx) + abs(ty))
     if outline and d > 0.0:
         size = math.sqrt(ox * ox + oy * oy)
         ox /= size

@@ -27,6 +27,8 @@ slivers, all but miss the axis along which such parts are apart."""
 
 OUTLINE_ROUNDING = 1e-12
 """[m] By so much the vertices must be farther apart than the overlap is deep to overrule it."""
+ROUNDINGS = 16.0 * 2.0**-52
+"""[-] Share of their coordinates by which they must be, where that is more: beyond 280 m."""
 
 Frame = tuple[float, float, float, float]
 
@@ -227,15 +229,15 @@ def part_faces(
 
 
 @compiled
-def by_outline(gap: float, distance: float) -> tuple[float, bool]:
+def by_outline(gap: float, distance: float, away: float) -> tuple[float, bool]:
     """Return `part_gap`, from the largest gap and the distance of the outlines; is it the latter?
 
-    For parts that `part_faces` left open.
+    For parts that `part_faces` left open, and that lie ``away`` [m] from an origin of theirs.
     """
     if gap > 0.0:
         # Never below the gap by rounding, so that `enough` cannot change a minimum over parts.
         return max(gap, distance), True
-    if gap == -np.inf or distance > OUTLINE_ROUNDING - gap:
+    if gap == -np.inf or distance > max(OUTLINE_ROUNDING, ROUNDINGS * away) - gap:
         return distance, True
     return gap, False
 
@@ -265,7 +267,7 @@ def part_feature(
     if settled:
         return gap, False, of_q, edge, gap
     distance = outline_distance(P, p0, p1, Q, q0, q1, c, s, tx, ty, rx, ry)
-    d, outline = by_outline(gap, distance)
+    d, outline = by_outline(gap, distance, abs(tx) + abs(ty) + abs(rx) + abs(ry))
     return d, outline, of_q, edge, gap
 
 

@@ -345,3 +345,29 @@ def test_a_wall_of_many_segments_is_its_nearest_segment():
             found = kernels.body_separation(robots, i, pose, whole, 0, still)
             assert found in [one for one in each if one[0] == nearest]
             assert found[0] == nearest
+
+
+@pytest.mark.parametrize("away", [1e3, 5e4, 1e6])
+def test_a_shallow_overlap_is_one_far_from_the_origin_too(away):
+    # A box with one corner 1e-8 to 1e-6 m beyond a wall: the same as near the origin, to the
+    # rounding of a coordinate there.
+    rng = np.random.default_rng(3)
+    rounding = 8.0 * np.spacing(away)
+    deep = 0
+    for _ in range(2000):
+        turn, lean = rng.uniform(-np.pi, np.pi), rng.uniform(0.1, 1.4)
+        box = placed([(-0.5, -0.3), (0.5, -0.3), (0.5, 0.3), (-0.5, 0.3)], (0.0, 0.0, lean))
+        box = np.array(box) - (0.0, min(y for _, y in box) + 10 ** rng.uniform(-8, -6))
+        middle = np.array(placed([(0.0, 0.0)], (*rng.uniform(-1.0, 1.0, 2) * away, turn))[0])
+        wall = placed([(-3.0, 0.0), (4.0, 0.0)], (*middle, turn))
+        here = placed([box.mean(axis=0)], (*middle, turn))[0]
+        shapes = pack_parts([[np.ascontiguousarray(box - box.mean(axis=0))], [wall]])
+        pose = np.array([[*here, turn], [0.0, 0.0, 0.0]])
+        exact = -depth_of(
+            np.array(placed(shapes.vertices[:4], (*(pose[0, :2] - wall[0]), turn))),
+            np.array(wall) - wall[0],
+        )
+        found = kernels.body_distance(shapes, 0, pose[0], shapes, 1, pose[1])
+        assert found == pytest.approx(exact, abs=rounding)
+        deep += exact < -rounding
+    assert deep > 500

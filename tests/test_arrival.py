@@ -109,3 +109,10 @@ def test_one_that_moves_on_has_not_arrived() -> None:
     assert not found[62, 0]
     assert since(found).tolist() == [114]
     assert since(found[:64]).tolist() == [-1]
+
+
+def test_a_run_shorter_than_standing_takes_has_no_arrivals_and_no_time() -> None:
+    # A record may say that its steps are of a nanosecond: half a second is 5e8 of them.
+    pose, station = np.zeros((30, 2, 3)), np.full((30, 2), 9.0)
+    assert not arrivals(pose, station, np.ones(2), np.ones(2), 1e-9).any()
+    assert arrivals(pose, station, np.ones(2), np.ones(2), 0.1)[5:].all()

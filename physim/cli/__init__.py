@@ -6,8 +6,9 @@ import errno
 import os
 import sys
 from collections.abc import Sequence
+from contextlib import suppress
 
-from physim.cli.signals import INTERRUPTED, Break, breaks
+from physim.cli.signals import INTERRUPTED, Break, breaks, is_kept
 from physim.streams import failed_at, gates, silence, without_warnings
 
 UNWRITTEN = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO, errno.EBADF)
@@ -28,19 +29,30 @@ def main(arguments: Sequence[str] | None = None) -> int:
     Every error is a line on standard error that begins with where the fault lies: the
     file with line and column, the file, the option, or the command.
     """
-    with without_warnings(), gates(), breaks(last=arguments is None) as broken:
-        try:
-            return _with_streams(arguments, broken)
-        except KeyboardInterrupt:
-            pass
-        except SystemExit:
-            raise
-        except BaseException:  # somebody else's code may raise what is no Exception
-            if not broken.came:
-                return _fault()
-        broken.ignore()
-        _print_error("interrupted")
-        return INTERRUPTED
+    alone = arguments is None
+    with without_warnings(), gates(), breaks(last=alone) as broken:
+        code = _run(arguments, broken)
+        if alone and code == INTERRUPTED and is_kept():
+            with suppress(OSError, ValueError):
+                sys.stdout.flush()
+            os._exit(code)  # a thread that the user's code left behind would go on for ever
+        return code
+
+
+def _run(arguments: Sequence[str] | None, broken: Break) -> int:
+    """Run; an interrupt and a fault in physim are exit codes."""
+    try:
+        return _with_streams(arguments, broken)
+    except KeyboardInterrupt:
+        pass
+    except SystemExit:
+        raise
+    except BaseException:  # somebody else's code may raise what is no Exception
+        if not broken.came:
+            return _fault()
+    broken.ignore()
+    _print_error("interrupted")
+    return INTERRUPTED
 
 
 def _with_streams(arguments: Sequence[str] | None, broken: Break) -> int:

@@ -88,12 +88,12 @@ def breaks(last: bool) -> Iterator[Break]:
         yield found
     finally:
         sys.unraisablehook = hook
-        after = signal.SIG_DFL if _is_kept() else signal.SIG_IGN
+        after = signal.SIG_DFL if is_kept() else signal.SIG_IGN
         for number, handler in before.items():
             signal.signal(number, after if last else handler)
 
 
-def _is_kept() -> bool:
+def is_kept() -> bool:
     """Whether a thread other than this one keeps the process from ending."""
     mine = threading.current_thread()
     return any(not one.daemon for one in threading.enumerate() if one is not mine)

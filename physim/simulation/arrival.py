@@ -136,7 +136,7 @@ def arrivals(
     place = pose[:, :, :2]
     found = station >= least
     found[:window] = False
-    for k in range(1, window + 1):
+    for k in range(1, min(window + 1, len(pose))):
         apart = np.square(place[k:] - place[:-k]).sum(axis=2)
         found[k:] &= apart <= near * near
     return np.asarray(found)

@@ -307,3 +307,38 @@ def test_ctrl_c_anywhere_else_is_one_line_and_leaves_nothing(
     monkeypatch.setattr(at, pressed)
     assert physim(*arguments, capture=capsys) == (130, "", "interrupted\n")
     assert tree(here) == before
+
+
+LOGGER = """
+import threading, time
+import physim
+
+class Logger:
+    def __init__(self):
+        threading.Thread(target=self.work).start()
+
+    def work(self):
+        while True:
+            time.sleep(1.0)
+
+    def decide(self, seen, memory):
+        time.sleep(0.01)
+        return physim.Decision(v=0.5, omega=0.0, hold=0.01)
+"""
+
+
+def test_one_signal_ends_a_run_whose_controller_left_a_thread(tmp_path: Path) -> None:
+    (tmp_path / "logging_one.py").write_text(LOGGER)
+    run = started(
+        "run", "three_robots", "--controller", "logging_one:Logger", "-o", "out", "--no-video",
+        folder=tmp_path,
+    )  # fmt: skip
+    try:
+        wait_for_samples(run, tmp_path / "out/record.h5", 20)
+        run.terminate()
+        run.communicate(timeout=60)
+    finally:
+        run.kill()
+    assert run.returncode == 130
+    with Record.load(tmp_path / "out/record.h5") as record:
+        assert record.ended == "interrupted"

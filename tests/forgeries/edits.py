@@ -369,6 +369,8 @@ REFUSED = [
                                        np.delete(file[f"/steps/{name}"][()], 50, axis=0))
                           for name in ("step", "pose", "clearance", "boundary_clearance")],
             ("step 50 has no sample",), (), 2),
+    Forgery("the world taken out", "free", attribute("world", ""),
+            ("holds no text of its world",), (), 2),
     Forgery("poses that are none", "free", cells("/steps/pose", (5, 0, 0), np.nan),
             ("x of robot 0 is nan; it must be finite",), (), 2),
     Forgery("steps that are more than there are", "free", attribute("steps_run", np.int64(2000)),

@@ -70,7 +70,8 @@ def replace_rows(file: h5py.File, path: str, rows: np.ndarray) -> None:
         decisions["count"] = np.diff(np.flatnonzero(first), append=len(rows))
         replace_rows(file, "/considered_others", rows["other"])
         rows = decisions
-    file[path].resize(len(rows), axis=0)
+    if len(file[path]) != len(rows):
+        file[path].resize(len(rows), axis=0)
     file[path][...] = rows
 
 

@@ -14,9 +14,10 @@ import physim
 from physim.analysis.summary import summarise
 from physim.drawing.page import curves
 from physim.drawing.page.data import run_data
-from physim.drawing.page.decisions import _quantum
+from physim.drawing.page.decisions import _on_its_side, _quantum
 from physim.drawing.page.knots import between, find_knots
 from physim.drawing.page.packing import LARGEST, Pack
+from physim.drawing.page.why import explanations
 from physim.drawing.timeline import Timeline
 from physim.errors import PhysimError
 from physim.geometry.motion import arcs
@@ -288,3 +289,53 @@ def test_robots_arrive_at_the_same_step_however_often_poses_are_recorded(every: 
         found.append(unpack(run_data(made, summarise(made)))[1]["arrived"].tolist())
     assert found[0] == found[1]
     assert 300 < found[0][0] < 600
+
+
+@given(
+    st.lists(st.floats(0.0, 0.1), min_size=1, max_size=30),
+    st.floats(0.005, 0.09),
+    st.sampled_from([np.less, np.less_equal]),
+)
+def test_what_is_below_a_threshold_stays_so(
+    values: list[float], bound: float, below: np.ufunc
+) -> None:
+    # 0.019926 m, rounded to a millimetre, is no longer below 0.02 m: the page would not say why.
+    given = np.array([*values, bound - 1e-5, bound + 1e-5])
+    kept = np.rint(_on_its_side(given, 1e-3, below, bound) / 1e-3) * 1e-3
+    assert np.array_equal(below(kept, bound), below(given, bound))
+    assert np.abs(kept - given).max() <= 1e-3 + 1e-12
+
+
+TINY = """\
+name: tiny
+time: {step: 0.01, duration: 30.0}
+corridor: {centreline: [[0, 0], [1, 0], [1.4, 0.3], [1.4, 1.2]], width: 0.36, end_margin: 0.1}
+robots:
+  - {name: t1, footprint: {length: 0.06, width: 0.04}, pose: [0.4, 0.05, 0],
+     path: {offset: 0.05}, limits: {v: 0.2}}
+  - {name: t2, footprint: [[0.03, 0], [-0.02, 0.02], [-0.01, 0], [-0.02, -0.02]],
+     pose: [0.25, -0.05, 0], path: {offset: -0.05}, limits: {v: 0.2}}
+  - {name: t3, footprint: {length: 0.06, width: 0.04}, pose: [0.1, 0, 0],
+     path: {offset: 0.0}, limits: {v: 0.2}}
+controller: {type: mode_switching, speed: 0.08, look_ahead: 0.1, safe_distance: 0.05,
+  distance_low: 0.02, distance_high: 0.04, boundary_low: 0.008, time_low: 0.7, time_high: 1.4,
+  arrival_tolerance: 0.005}
+arrival: {tolerance: 0.01}
+sensing: {range: 0.5}
+"""
+
+
+def test_the_page_keeps_values_on_their_side_of_the_thresholds() -> None:
+    record = physim.simulate(physim.parse_world(TINY))
+    why = explanations(record)
+    _, arrays = unpack(run_data(record, summarise(record)))
+    rows = record.updates[np.lexsort((record.updates["step"], record.updates["robot"]))]
+    wrong = 0
+    for one in why["thresholds"]:
+        exact, shown = rows[one["column"]], arrays[f"own:{one['column']}"]
+        assert np.array_equal(shown < one["enter"], exact < one["enter"])
+        assert np.array_equal(shown <= one["leave"], exact <= one["leave"])
+        wrong += int(
+            ((np.rint(exact / 1e-3) * 1e-3 < one["enter"]) != (exact < one["enter"])).sum()
+        )
+    assert wrong > 0

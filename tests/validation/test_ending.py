@@ -10,6 +10,7 @@ from physim.analysis.validation import validate
 from physim.analysis.validation.consistency import ArrivalCheck
 from physim.analysis.validation.decisions import sample_blocks
 from physim.analysis.validation.origin import world_inside
+from physim.errors import RecordError
 from physim.simulation.arrival import arrivals, since, still_distances
 from tests.facts import facts
 from tests.forgeries.runs import LANE, killed
@@ -81,3 +82,10 @@ def test_an_unknown_minor_version_is_read_and_a_major_one_refused(finished, tmp_
         assert validate(newer).code == 0
     with pytest.raises(physim.PhysimError, match=facts("version", "'5.0'", "4")):
         physim.Record.load(tampered(finished, tmp_path, attribute("version", "5.0")))
+
+
+def test_a_record_without_the_text_of_its_world_is_refused(finished, tmp_path):
+    forged = physim.Record.load(tampered(finished, tmp_path, attribute("world", "")))
+    with forged, pytest.raises(RecordError) as refused:
+        validate(forged)
+    assert states(str(refused.value), "no text of its world", within=60)

@@ -37,7 +37,7 @@ class Inside:
     """What the world inside a record gives."""
 
     scene: Scene | None
-    """None where the record holds no text of its world"""
+    """None where it has other robots or bodies than the record: see `fitting`"""
     controller: Any | None
     """the world's own controller, where it decided and can be made without running a user's code"""
     why_not: str
@@ -50,8 +50,6 @@ class Inside:
 class Origin:
     """What the comparison of a record with the world inside it found."""
 
-    held: bool
-    """False where the record holds no text of its world: nothing was compared"""
     differences: tuple[str, ...]
     """what is in the record, and what it is by the world; one line each"""
 
@@ -59,11 +57,15 @@ class Origin:
 def world_inside(record: Record) -> Inside:
     """Build scene and controller of the world inside.
 
-    Raises RecordError, one line, where the text cannot be read or built.
+    Raises RecordError, one line, where there is no text or it cannot be read or built: every run
+    writes it, and without it neither scene nor decisions could be judged.
     """
     given = [kind for kind, _ in record.given]
     if not record.world_text.strip():
-        return Inside(None, None, "the record holds no text of its world", None)
+        raise RecordError(
+            f"{record.where}: holds no text of its world, against which its scene and decisions "
+            "are held; make the record again"
+        )
     try:
         scene = build_scene(record.world)
     except WorldError as error:
@@ -129,14 +131,13 @@ def compare_with_world(record: Record, inside: Inside) -> Origin:
     """Hold what is known before the first step against the world inside.
 
     Seed, step, names, footprints, walls, paths, areas, leads, start poses and what the controller
-    declares. Lengths and angles must agree within `LENGTH`, the edges of areas within `AREA`. A
-    record made without the text of a world is not compared.
+    declares. Lengths and angles must agree within `LENGTH`, the edges of areas within `AREA`.
     """
     scene = inside.scene
     if scene is None:
-        return Origin(False, ())
+        return Origin(())
     found = (*_values(record, scene), *_arrays(record, scene), *_areas(record, scene))
-    return Origin(True, (*found, *_declared(record, inside)))
+    return Origin((*found, *_declared(record, inside)))
 
 
 def _declared(record: Record, inside: Inside) -> Iterator[str]:

@@ -54,8 +54,6 @@ def check_lines(validation: Validation) -> list[str]:
             f"{f'{far} TOO FAR' if far else 'none goes farther'}."
         )
     said += _decisions(validation)
-    if not validation.origin.held:
-        said.append("World: the record holds no text of its world; nothing is compared with it.")
     if run.robots == 1:
         said.append("A single robot: there are no pairs of robots.")
     said += _again(validation)

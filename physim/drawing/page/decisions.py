@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from physim.drawing.page.packing import LARGEST, Pack
-from physim.geometry.shapes import IntArray
+from physim.geometry.shapes import FloatArray, IntArray
 from physim.record import Record
 
 MANY = 250_000
@@ -27,8 +28,13 @@ EVERY = 0.1
 """[s]"""
 
 
-def pack_decisions(record: Record, pack: Pack) -> dict[str, Any]:
-    """Add decisions, considered robots and commands; returns what the header says of them."""
+def pack_decisions(
+    record: Record, pack: Pack, thresholds: Sequence[Mapping[str, Any]] = ()
+) -> dict[str, Any]:
+    """Add decisions, considered robots and commands; returns what the header says of them.
+
+    ``thresholds`` are those of `physim.drawing.page.why.explanations`, by which the page says why.
+    """
     rows = record.updates
     order = np.lexsort((rows["step"], rows["robot"]))
     rows = rows[order]
@@ -46,8 +52,16 @@ def pack_decisions(record: Record, pack: Pack) -> dict[str, Any]:
     shown = list(OWN if few else OWN[2:])
     for name in shown:
         pack.real(name, rows[name], quantum)
+    bounds = {
+        one["column"]: ((np.less, one["enter"]), (np.less_equal, one["leave"]))
+        for one in thresholds
+    }
     for column in record.declared.columns:
-        pack.real(f"own:{column.name}", rows[column.name], _quantum(rows[column.name], quantum))
+        values = rows[column.name]
+        fine = _quantum(values, quantum)
+        for below, bound in bounds.get(column.name, ()):
+            values = _on_its_side(values, fine, below, bound)
+        pack.real(f"own:{column.name}", values, fine)
     return {
         "count": len(rows),
         "quantum": quantum,
@@ -64,6 +78,18 @@ def _quantum(values: NDArray[Any], usual: float) -> float:
     if largest == 0.0 or largest >= 10.0 * usual:
         return usual
     return max(largest * 1e-3, float(np.finfo(np.float64).tiny))
+
+
+def _on_its_side(
+    values: FloatArray, quantum: float, below: np.ufunc, bound: float
+) -> FloatArray:
+    """Values that stay ``below`` (less, less or equal) a bound, or not, rounded to ``quantum``.
+
+    What rounding would take across is moved to the next number on its own side.
+    """
+    rounded, is_below = np.rint(values / quantum) * quantum, below(values, bound)
+    across = np.isfinite(values) & (below(rounded, bound) != is_below)
+    return np.where(across, rounded + np.where(is_below, -quantum, quantum), values)
 
 
 def _pack_others(record: Record, rows: NDArray[np.void], pack: Pack) -> bool:

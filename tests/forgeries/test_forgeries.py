@@ -8,6 +8,7 @@ from tests.forgeries.edits import FORGERIES
 from tests.forgeries.runs import UNUSUAL, make_runs
 from tests.forgeries.trial import doubted, tried
 
+
 @pytest.fixture(scope="module")
 def made(tmp_path_factory):
     return make_runs(tmp_path_factory.mktemp("forgeries"))

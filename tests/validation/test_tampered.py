@@ -104,14 +104,6 @@ def test_world_inside_that_cannot_be_read(apart, tmp_path, capsys):
         assert states(lines[0][len(f"{path}: ") :], "world inside", "cannot be read", within=40)
 
 
-def test_record_without_the_text_of_a_world(apart, tmp_path):
-    path = tampered(apart, tmp_path, lambda file: file.attrs.modify("world", ""))
-    with physim.Record.load(path) as record:
-        found = validate(record)
-    assert found.code == 0
-    assert states(report(found), "no text", "record", "world", within=40)
-
-
 def test_a_missing_sample(apart, tmp_path):
     def change(file):
         for key in ("step", "pose", "clearance", "boundary_clearance"):

@@ -15,7 +15,6 @@ from physim.analysis.validation.mismatch import SLACK
 from physim.analysis.validation.near_misses import LOOK, PARTED, TOGETHER, NearMiss
 from physim.analysis.validation.validation import Run, Validation, confusions
 from physim.analysis.validation.wording import joined, listed, wrapped
-from physim.errors import plural
 from physim.tolerances import ONE_STEP
 
 MOST_LISTED = 20
@@ -50,7 +49,7 @@ def check_lines(validation: Validation) -> list[str]:
     )
     if motion.held:
         said.append(
-            f"Motion in contact: {plural(motion.held, 'step')} held to the energy of the commands: "
+            f"Motion in contact: {motion.held:,} steps held to the energy of the commands: "
             f"{f'{far} TOO FAR' if far else 'none goes farther'}."
         )
     said += _decisions(validation)

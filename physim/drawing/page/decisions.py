@@ -80,9 +80,7 @@ def _quantum(values: NDArray[Any], usual: float) -> float:
     return max(largest * 1e-3, float(np.finfo(np.float64).tiny))
 
 
-def _on_its_side(
-    values: FloatArray, quantum: float, below: np.ufunc, bound: float
-) -> FloatArray:
+def _on_its_side(values: FloatArray, quantum: float, below: np.ufunc, bound: float) -> FloatArray:
     """Values that stay ``below`` (less, less or equal) a bound, or not, rounded to ``quantum``.
 
     What rounding would take across is moved to the next number on its own side.

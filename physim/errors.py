@@ -107,6 +107,8 @@ def decimal_text(value: float, digits: int, most: int) -> str:
     ``digits`` is what figures of metres need; a world of centimetres has smaller ones.
     """
     size = abs(value)
+    if size < 0.5 * 10.0**-most:
+        value = 0.0  # zero has no minus sign
     if 0.0 < size < 1.0:
         digits = min(max(digits, 1 - math.floor(math.log10(size))), most)
     return f"{value:.{digits}f}"

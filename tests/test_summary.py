@@ -169,7 +169,7 @@ def test_a_bound_that_is_missed_differs_from_the_figure(
     ("value", "text"),
     [
         (1.234, "1.23"), (0.05, "0.050"), (-0.0123, "-0.012"), (0.001234, "0.0012"),
-        (1e-9, "0.0000"), (0.0, "0.00"),
+        (1e-9, "0.0000"), (0.0, "0.00"), (-1e-9, "0.0000"), (-0.0, "0.00"),
     ],
 )  # fmt: skip
 def test_small_figures_keep_two_digits(value: float, text: str) -> None:

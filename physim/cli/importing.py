@@ -114,8 +114,8 @@ def import_command(options: Options) -> int:
     _check_output(source, output, options.force)
     asked = importing.Options(**{key: getattr(options, key) for key in ASKED})
     imported = importing.import_world(source, asked)
+    written = write_schema(output, options.force)  # first: without the world nothing is imported
     write_text(output, imported.text)
-    written = write_schema(output, options.force)
     if not options.quiet:
         lines = [*_report(source, imported), *_doubts(output, options.lanes or 1), written]
         print("\n".join(lines))

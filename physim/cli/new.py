@@ -161,8 +161,9 @@ def _check_file(file: Path, force: bool, *inputs: Path) -> None:
 
 
 def _write(file: Path, text: str, force: bool) -> None:
+    written = write_schema(file, force)  # first: without the world nothing is new
     write_text(file, text)
-    print(write_schema(file, force))
+    print(written)
 
 
 def _drawn(options: Options) -> int:

@@ -124,7 +124,10 @@ def test_they_are_measured_like_physim_s_own(
     assert summary.metric_faults == ()
     assert json.loads(summary.to_json())["metrics"]["latest"]["bodies"] == ["r3"]
     rows = dict(line.split("  ", 1) for line in table(summary).splitlines())
-    assert rows["latest"].strip() == f"{found['latest'].value:.4g} s"
+    assert (
+        rows["latest"].strip()
+        == f"{found['latest'].value:.4g} s (r3 at {found['latest'].time:.2f} s)"
+    )
 
 
 def test_definitions_list_them(

@@ -13,6 +13,7 @@ from physim.analysis.validation.origin import world_inside
 from physim.errors import RecordError
 from physim.simulation.arrival import arrivals, since, still_distances
 from tests.facts import facts
+from tests.forgeries.edits import commanded_from_outside
 from tests.forgeries.runs import LANE, killed
 from tests.forgeries.tools import attribute, cells, cut
 from tests.validation.reports import states
@@ -89,3 +90,11 @@ def test_a_record_without_the_text_of_its_world_is_refused(finished, tmp_path):
     with forged, pytest.raises(RecordError) as refused:
         validate(forged)
     assert states(str(refused.value), "no text of its world", within=60)
+
+
+def test_commands_without_decisions_are_none_of_the_controllers(finished, tmp_path):
+    with physim.Record.load(tampered(finished, tmp_path, commanded_from_outside)) as forged:
+        found = validate(forged)
+    wrong = [one for one in found.recomputed.mismatches if one.table == "/updates"]
+    assert {one.robot for one in wrong} == set(range(finished.robots))
+    assert found.code == 3

@@ -162,13 +162,25 @@ def _motion_rows(summary: Summary) -> list[tuple[str, str]]:
 def _own_rows(summary: Summary) -> list[tuple[str, str]]:
     """Metrics that packages registered, and why others of theirs failed."""
     own = {name: one for name, one in summary.metrics.items() if name not in DEFINITIONS}
-    rows = [(name, _own_text(one)) for name, one in own.items()]
+    rows = [(name, _own_text(summary, one)) for name, one in own.items()]
     return [*rows, *(("WARNING", fault) for fault in summary.metric_faults)]
 
 
-def _own_text(metric: Metric) -> str:
+def _own_text(summary: Summary, metric: Metric) -> str:
     text = f"{metric.value:.4g}" if isinstance(metric.value, float) else str(metric.value).lower()
-    return text if metric.unit == "-" else f"{text} {metric.unit}"
+    text = text if metric.unit == "-" else f"{text} {metric.unit}"
+    where = _where(summary, metric)
+    return f"{text} ({where})" if where else text
+
+
+def _where(summary: Summary, metric: Metric) -> str:
+    """``r1 and r2 at 3.19 s``: whose value it is, and when or where; as far as that is known."""
+    who = " and ".join(summary.names_of(*metric.bodies))
+    if metric.time is not None:
+        return f"{who} at {metric.time:.2f} s".lstrip()
+    if metric.station is not None:
+        return f"path of {who} at {metric.station:.1f} m"
+    return who
 
 
 def _metric_text(summary: Summary, name: str, digits: int, none: str = "n/a") -> str:
@@ -176,12 +188,8 @@ def _metric_text(summary: Summary, name: str, digits: int, none: str = "n/a") ->
     metric = summary.metrics.get(name)
     if metric is None:
         return none
-    where = " and ".join(summary.names_of(*metric.bodies))
-    if metric.time is not None:
-        where = f"{where} at {metric.time:.2f} s"
-    elif metric.station is not None:
-        where = f"path of {where} at {metric.station:.1f} m"
-    return f"{decimal_text(metric.value, digits, max(digits, 4))} {metric.unit} ({where})"
+    value = decimal_text(metric.value, digits, max(digits, 4))
+    return f"{value} {metric.unit} ({_where(summary, metric)})"
 
 
 def _time_text(summary: Summary, none: str) -> str:

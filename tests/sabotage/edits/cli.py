@@ -7,6 +7,15 @@ from tests.sabotage.edit import Edit
 EDITS = (
     Edit(
         "cli",
+        "physim/cli/__init__.py",
+        "main",
+        "alone and code == INTERRUPTED and is_kept()",
+        "False",
+        "one signal ends a command whose controller left a thread behind",
+        "tests/cli/test_interrupt.py::test_one_signal_ends_a_run_whose_controller_left_a_thread",
+    ),
+    Edit(
+        "cli",
         "physim/cli/output.py",
         "alone",
         "path.resolve() == other.resolve()",

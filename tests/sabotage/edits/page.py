@@ -10,6 +10,24 @@ ROOM = "physim/drawing/page"
 EDITS = (
     Edit(
         "page",
+        "physim/drawing/page/decisions.py",
+        "_on_its_side",
+        "np.where(is_below, -quantum, quantum)",
+        "np.where(is_below, 0.0, 0.0)",
+        "what a robot saw stays on its side of a threshold",
+        "tests/page/test_data.py::test_what_is_below_a_threshold_stays_so",
+    ),
+    Edit(
+        "page",
+        "physim/drawing/page/decisions.py",
+        "pack_decisions",
+        "values = _on_its_side(values, fine, below, bound)",
+        "",
+        "the page says which threshold was passed",
+        "tests/page/test_data.py::test_the_page_keeps_values_on_their_side_of_the_thresholds",
+    ),
+    Edit(
+        "page",
         "physim/analysis/metrics/registry.py",
         "_deepest_contact",
         "deepest.depth_step * run.record.dt",

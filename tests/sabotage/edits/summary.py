@@ -7,6 +7,15 @@ from tests.sabotage.edit import Edit
 EDITS = (
     Edit(
         "summary",
+        "physim/errors.py",
+        "decimal_text",
+        "value = 0.0",
+        "pass",
+        "zero has no minus sign",
+        "tests/test_summary.py::test_small_figures_keep_two_digits",
+    ),
+    Edit(
+        "summary",
         "physim/analysis/expectations.py",
         "expectations",
         "+ len(metrics.grazes(record))",

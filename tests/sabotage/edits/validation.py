@@ -179,7 +179,17 @@ EDITS = (
         "if not record.steps_run:",
         "if not record.steps_run or not len(rows):",
         "a record without decisions is none of a controller's",
-        "tests/forgeries/test_forgeries.py",
+        "tests/validation/test_ending.py::"
+        "test_commands_without_decisions_are_none_of_the_controllers",
+    ),
+    Edit(
+        "validation",
+        "physim/analysis/validation/origin.py",
+        "world_inside",
+        "if not record.world_text.strip():",
+        "if False:",
+        "a record without its world is refused",
+        "tests/validation/test_ending.py::test_a_record_without_the_text_of_its_world_is_refused",
     ),
     Edit(
         "validation",

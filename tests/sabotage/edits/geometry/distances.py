@@ -7,6 +7,15 @@ from tests.sabotage.edit import Edit
 EDITS = (
     Edit(
         "geometry",
+        "physim/geometry/convex.py",
+        "by_outline",
+        "max(OUTLINE_ROUNDING, ROUNDINGS * away)",
+        "OUTLINE_ROUNDING",
+        "a shallow overlap is one far from the origin, too",
+        "tests/geometry/test_separation.py::test_a_shallow_overlap_is_one_far_from_the_origin_too",
+    ),
+    Edit(
+        "geometry",
         "physim/geometry/separation.py",
         "nearly_nearest",
         "near + 2.0 * radius + BOUND_MARGIN",

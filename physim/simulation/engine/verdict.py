@@ -172,7 +172,8 @@ def classify(
     mx, my = side(shapes, q, p, pose_p)
     kx, ky = side(shapes, other, p, pose_p)
     closes = _leads(shapes, other, links.end[q, end], mx, my) and _leads(shapes, q, end, kx, ky)
-    if closes:  # and is not one round which the part has come, to lie on the neighbour alone
+    # One round which the part has come, to lie on the neighbour alone, does not close.
+    if closes:
         return SIDE, mx, my
     if not links.own[q, end]:
         return ACTS, nx, ny

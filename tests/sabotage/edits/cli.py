@@ -197,7 +197,7 @@ EDITS = (
     Edit(
         "cli",
         "physim/cli/__init__.py",
-        "main",
+        "_run",
         'broken.ignore() _print_error("interrupted") return INTERRUPTED',
         "return 0",
         "an interrupt ends with 130",
@@ -278,7 +278,7 @@ EDITS = (
     Edit(
         "cli",
         "physim/cli/signals.py",
-        "_is_kept",
+        "is_kept",
         "not one.daemon",
         "False",
         "a signal ends what a thread keeps from ending",

@@ -22,7 +22,7 @@ EDITS = (
         "physim/drawing/page/decisions.py",
         "pack_decisions",
         "values = _on_its_side(values, fine, below, bound)",
-        "",
+        "values = values",
         "the page says which threshold was passed",
         "tests/page/test_data.py::test_the_page_keeps_values_on_their_side_of_the_thresholds",
     ),

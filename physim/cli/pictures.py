@@ -264,7 +264,7 @@ def _still(records: list[Record], output: Path, time: float, how: dict[str, Any]
 
 def _tell_spacing(record: Record, at: float | None) -> None:
     """Say of a coarse record that pictures show the samples that it has."""
-    from physim.drawing.timeline import coarse_spacing, sample_before
+    from physim.drawing.timeline import coarse_spacing, samples_before
 
     times = record.time
     if not (spacing := coarse_spacing(times)):
@@ -272,7 +272,7 @@ def _tell_spacing(record: Record, at: float | None) -> None:
     every = f"{record.path} has a sample every {spacing:g} s (time.record_every)"
     if at is None:
         print(f"WARNING  {every}: the film goes from one to the next", file=sys.stderr)
-    elif (shown := times[sample_before(times, at)]) < min(at, times[-1]) - 1e-6:
+    elif (shown := times[samples_before(times, at)]) < min(at, times[-1]) - 1e-6:
         print(f"WARNING  {every}: the picture shows that of {shown:g} s", file=sys.stderr)
 
 

@@ -9,14 +9,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from physim.analysis.metrics import (
-    Episode,
-    Graze,
-    contact_episodes,
-    deep_contacts,
-    grazes,
-    has_formation,
-)
+from physim.analysis.metrics import Episode, Graze, contact_episodes, deep_contacts, grazes
+from physim.analysis.metrics.motion import sampled_errors
 from physim.contacts import Phase
 from physim.drawing.crowd import NAMED
 from physim.drawing.palette import BAND, Colour
@@ -36,7 +30,7 @@ NO_ROW = -1
 COARSE = 0.1
 """[s] between two samples from which on a picture shows the sample before, and that sample's time:
 the clock has so many seconds, and all of a picture is of one moment"""
-COLUMNS = ("target_x", "target_y", "formation_error", "deviation")
+COLUMNS = ("target_x", "target_y")
 """Columns of the decisions that pictures show."""
 
 
@@ -60,10 +54,14 @@ class Moment(NamedTuple):
 
 
 class Curves(NamedTuple):
-    """One figure a robot over time: its name with the unit, and its column of the decisions."""
+    """One figure a robot over time."""
 
     title: str
-    column: str
+    """what it is, with its unit"""
+    name: str
+    """of the figure, as a column of the decisions has it"""
+    values: FloatArray
+    """(K, N) [m] at the samples"""
 
 
 def coarse_spacing(times: FloatArray) -> float:
@@ -72,9 +70,13 @@ def coarse_spacing(times: FloatArray) -> float:
     return spacing if spacing > COARSE + 1e-9 else 0.0
 
 
-def sample_before(times: FloatArray, time: float) -> int:
-    """Index of the last of samples at times (K,) [s] that is not after ``time``; 0 before all."""
-    return max(int(np.searchsorted(times, time + 1e-9, side="right")) - 1, 0)
+def samples_before(times: FloatArray, time: Any) -> Any:
+    """Index of the last of samples at times (K,) [s] that is not after ``time``; 0 before all.
+
+    Of each of an array of times, too.
+    """
+    after = np.searchsorted(times, np.asarray(time) + 1e-9, side="right")
+    return np.maximum(after - 1, 0)
 
 
 class Timeline:
@@ -119,11 +121,9 @@ class Timeline:
 
     def at(self, time: float) -> Moment:
         """Return all that is shown of one time [s]; of a coarse record, of the sample before."""
+        sample = int(self.shown(time))
         if self.spacing:
-            sample = sample_before(self.time, time)
             time = float(self.time[sample])
-        else:
-            sample = int(self.sample(time))
         rows = self.decisions(time)
         modes = self.modes(rows)
         colours = [self._colours[mode] for mode in modes.tolist()]
@@ -140,6 +140,10 @@ class Timeline:
         if len(self.time) == 1:
             return np.zeros_like(after)
         return np.where(self.time[after] - time < time - self.time[after - 1], after, after - 1)
+
+    def shown(self, time: Any) -> Any:
+        """Return the index of the sample that is shown: the nearest; of coarse records the last."""
+        return samples_before(self.time, time) if self.spacing else self.sample(time)
 
     def pose(self, time: Any) -> FloatArray:
         """Return the poses (N, 3), or (T, N, 3) for an array of times."""
@@ -183,14 +187,14 @@ class Timeline:
         values = np.array([self._values[column] for column in columns])
         return bool(np.isfinite(values).all(axis=0).any())
 
-    @property
-    def curves(self) -> Curves | None:
-        """What to show over time: formation errors, else deviations; None where there are none."""
-        if self.robots > 1 and self.has("formation_error") and has_formation(self.record):
-            return Curves("formation error [m]", "formation_error")
-        if self.has("deviation"):
-            return Curves("deviation from the path, left positive [m]", "deviation")
-        return None
+    @cached_property
+    def curves(self) -> Curves:
+        """What to show over time: formation errors, in a run without formation deviations."""
+        errors = sampled_errors(self.record)
+        if errors is not None:
+            return Curves("formation error [m]", "formation_error", errors)
+        title = "deviation from the path, left positive [m]"
+        return Curves(title, "deviation", self.record.course[:, :, 1])
 
 
 @dataclass(frozen=True)

@@ -14,6 +14,7 @@ from physim.escaping import escaped
 from physim.geometry.shapes import FloatArray, IntArray
 from physim.record import layout
 from physim.record.considered import considered_rows
+from physim.record.course import followed
 from physim.record.row_checks import Source
 from physim.record.rows import frozen
 from physim.record.scene import RecordedScene
@@ -79,6 +80,12 @@ class RecordedHistory(RecordedScene):
         """Reads a block of the poses by its number; the last few are kept."""
         rows = self._block_rows
         return lru_cache(POSE_BLOCKS)(lambda k: self.read("/steps/pose", k * rows, (k + 1) * rows))
+
+    @cached_property
+    def course(self) -> FloatArray:
+        """(K, N, 3) [m] at each sample: station on the own path, deviation from it (left positive),
+        station on s*. Worked out from the poses, so that it does not depend on who decided when."""
+        return frozen(followed(self))
 
     # Tables
 

@@ -13,6 +13,7 @@ from physim.analysis.metrics import measure as take
 from physim.analysis.metrics.progress import active_time
 from physim.geometry.shapes import FloatArray
 from physim.record import Record
+from physim.reproduction.decided import formation_error_peak
 from physim.reproduction.study import Outcome, Runs
 from physim.statistics.paired import rank_beyond
 from physim.statistics.proportion import clopper_pearson
@@ -124,8 +125,8 @@ def root_mean_square(values: FloatArray) -> FloatArray:
 
 GROUP = (
     "contacts", "shortest_distance", "shortest_boundary_distance", "farthest_distance", "finished",
-    "time_to_finish", "danger_share", "mode_switches", "averaged_speed_min", "formation_error_peak",
-    "updates_per_second", "messages",
+    "time_to_finish", "danger_share", "mode_switches", "averaged_speed_min", "updates_per_second",
+    "messages",
 )  # fmt: skip
 """Metrics that experiments with a group compare."""
 
@@ -161,6 +162,7 @@ def measure_group(record: Record) -> dict[str, float]:
     computed = evaluations(record)
     return {
         **found,
+        "formation_error_peak": formation_error_peak(record),
         "kept": min((value for value in distances if not math.isnan(value)), default=math.nan),
         "updates": found["updates_per_second"],
         "messages": found["messages"] / seconds,

@@ -79,6 +79,10 @@ def _opening(report: Report) -> Iterator[str]:
         "about avoidance are also tested on the same runs without it; one that holds there, too, "
         "is marked as such: it is no evidence for avoidance."
     )
+    yield (
+        "Deviations and formation errors in the tables are those at the decisions of the robots, "
+        f"which are up to 0.2 s apart; {_code('physim summary')} takes them at every sample."
+    )
 
 
 def _overview(report: Report) -> Iterator[str]:

@@ -17,7 +17,9 @@ import numpy as np
 from physim.compiled import is_cached
 from physim.errors import ControllerError, PhysimError, RecordError
 from physim.geometry.clearance import clearances
+from physim.geometry.shapes import read_only
 from physim.geometry.swept_contacts import find_swept_contacts
+from physim.geometry.tracking import Tracking
 from physim.parts.controller import Controller
 from physim.parts.declarations import kept_distance
 from physim.parts.registry import OBSERVER, check_part
@@ -249,11 +251,14 @@ def warm_up_decisions(scene: Scene, controller: Controller | None = None) -> Non
 
 
 def warm_up_motion(scene: Scene, controller: Controller | None = None) -> None:
-    """Compile or load what a run needs beside its decisions and swept contacts."""
+    """Compile or load what a run and its summary need beside decisions and swept contacts."""
     simulation = Simulation(scene, controller=controller)
     simulation.step(np.zeros((scene.robots, 2)))
     touch_a_wall(scene)
     clearances(simulation.pose[None], scene.shapes, scene.walls, scene.wall_grid)
+    # its record is followed in one go
+    tracking = Tracking(scene.paths, scene.reference, scene.shapes.radius, read_only(scene.start))
+    tracking.course(read_only(simulation.pose[None]))
 
 
 def warm_up(

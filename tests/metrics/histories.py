@@ -8,11 +8,38 @@ from typing import Any
 import numpy as np
 
 from physim.contacts import CONTACT_ROW
-from physim.geometry.shapes import FloatArray
+from physim.geometry.shapes import FloatArray, IntArray
 from physim.parts.declarations import NO_NUMBER, Declared
 from physim.record import Record, RecordWriter
 from physim.record.layout import COMMAND, EXTREME, FARTHEST, OPTIONAL, update_type
 from tests.records import DECLARED, make_scene
+
+
+def beside_paths(deviations: FloatArray) -> FloatArray:
+    """Poses (K, N, 3) of robots beside the middle of the first, straight leg of their own paths.
+
+    ``deviations`` (K, N) [m], left positive.
+    """
+    paths = make_scene(deviations.shape[1]).paths
+    pose = np.zeros((*deviations.shape, 3))
+    pose[:, :, 0] = 6.0
+    pose[:, :, 1] = paths.points[paths.start[:-1], 1] + deviations
+    return pose
+
+
+def along_reference(steps: IntArray, stations: FloatArray) -> FloatArray:
+    """Poses (K, N, 3) at steps 0 to the last of ``steps`` (M,), on s*.
+
+    Stations (M, N) [m] are those at these steps, and linear between them.
+    """
+    lines = make_scene(stations.shape[1]).reference
+    time = np.arange(int(steps[-1]) + 1)
+    station = np.stack([np.interp(time, steps, one) for one in stations.T], axis=1)
+    pose = np.zeros((*station.shape, 3))
+    for k in (0, 1):
+        pose[:, :, k] = np.interp(station, lines.station, lines.points[:, k])
+    return pose
+
 
 THERE = 1000.0
 """[m] a station past every stop station"""
@@ -33,17 +60,20 @@ def history(
     commands: Sequence[tuple[Any, ...]] = (),
     tables: Sequence[str] = OPTIONAL,
     lead: FloatArray | None = None,
+    stops: FloatArray | None = None,
 ) -> Record:
     """Record with these rows; contacts are (step, a, b, phase, depth, impulse).
 
     Updates are put in the order of steps and hold for one step unless they say otherwise; the
     command in them is nominal and applied. ``commands`` are rows of `COMMAND`; ``pose`` (K, N, 3)
     are the samples 0 to K - 1; ``arrived`` (N,) is as in `Record.arrived`, ``lead`` as in
-    `Record.lead`.
+    `Record.lead`, ``stops`` (N,) as in `Record.stop_station`.
     """
     scene = make_scene(robots)
     if lead is not None:
         scene.formation.lead = lead
+    if stops is not None:
+        scene.stop_station = stops
     out = RecordWriter(None, scene, world, name="by hand", declared=declared, tables=tables)
     rows = np.zeros(len(updates), update_type([column.name for column in declared.columns]))
     rows["mode"] = 0 if declared.modes else NO_NUMBER

@@ -23,7 +23,7 @@ from physim.world.file import load_world
 from physim.world.layout.layout import lay_out
 from physim.world.layout.scene_builder import build_scene
 from physim.world.scene import Body
-from tests.metrics.histories import THERE, history
+from tests.metrics.histories import THERE, beside_paths, history
 from tests.records import CENTRELINE, WIDTH, make_record, make_scene
 from tests.validation.runs import LANE, Drivers
 
@@ -125,8 +125,10 @@ def test_who_is_held_or_pushed_has_the_speed_of_its_motion(every: int) -> None:
 def test_a_window_reaches_neither_beyond_the_run_nor_beyond_arrival() -> None:
     pose = np.zeros((1501, 2, 3))
     pose[:, :, 0] = np.minimum(0.01 * np.arange(1501), 12.0)[:, None] * [1.0, 0.5]
-    rows = [{"step": 0, "robot": 0}, {"step": 1200, "robot": 0, "station": THERE}, {"robot": 1}]
-    found = metrics.averaged_speeds(history(rows, pose=pose, steps_run=1500))
+    scene = make_scene(2)
+    pose[:, :, 1] = scene.paths.points[scene.paths.start[:-1], 1]
+    stops = np.array([12.1 - 5e-3, 50.0])  # less the tolerance
+    found = metrics.averaged_speeds(history(pose=pose, steps_run=1500, stops=stops))
     assert found.time[-1] == pytest.approx(10.0)
     before = found.time <= 7.0 + 1e-9
     assert np.allclose(found.forward[before, 0], 1.0)
@@ -167,19 +169,31 @@ def test_a_run_shorter_than_the_window_has_no_averaged_speed() -> None:
 
 
 def test_deviations_and_their_root_mean_square() -> None:
-    rows = [
-        {"step": s, "robot": r, "deviation": d, "next_step": s + 10}
-        for s, r, d in [(0, 0, 1.0), (0, 1, 0.0), (10, 0, -3.0), (10, 1, 0.5)]
-    ]
-    record = history(rows, steps_run=20)
-    time, values = metrics.deviations(record, every=0.05)
-    assert values[:, 0] == pytest.approx([1.0, -1.0, -3.0, -3.0, -3.0])
-    assert values[:, 1] == pytest.approx([0.0, 0.25, 0.5, 0.5, 0.5])
-    assert time[-1] == pytest.approx(0.2)
-    assert metrics.deviation_peak(record) == metrics.Moment(-3.0, 10, 0.1, 0)
+    """Of all samples, though nobody decides after the first; the last one held for no time."""
+    course = np.array([[1.0, 0.0], [1.0, 0.5], [-3.0, 0.5], [-1.0, 0.0], [2.0, 0.25]])
+    rows = [{"robot": 0, "deviation": 7.0, "next_step": 4}]
+    record = history(rows, steps_run=4, pose=beside_paths(course))
+    time, values = metrics.deviations(record, every=0.005)
+    assert np.allclose(values[::2], course, rtol=0.0, atol=1e-12)
+    assert values[1, 1] == pytest.approx(0.25)
+    assert time[-1] == pytest.approx(0.04)
+    assert metrics.deviation_peak(record) == metrics.Moment(pytest.approx(-3.0), 2, 0.02, 0)
     rms = metrics.deviation_rms(record)
     assert rms is not None
-    assert rms.robots == pytest.approx([np.sqrt(5.0), np.sqrt(0.125)])
+    assert rms.robots == pytest.approx([np.sqrt(3.0), np.sqrt(0.125)])
+    assert rms.value == pytest.approx(np.sqrt(1.5625))
+
+
+def test_a_robot_at_its_stop_no_longer_counts_for_the_root_mean_square_but_for_the_peak() -> None:
+    course = np.array([[1.0], [1.0], [1.0], [4.0], [4.0], [4.0]])
+    pose = beside_paths(course)
+    pose[3:, :, 0] += 0.1
+    record = history(robots=1, steps_run=5, pose=pose, stops=np.array([6.15]))
+    rms, peak = metrics.deviation_rms(record), metrics.deviation_peak(record)
+    assert rms is not None
+    assert rms.value == pytest.approx(1.0)
+    assert peak is not None
+    assert peak.value == pytest.approx(4.0)
 
 
 def test_modes_fill_the_run_and_switches_are_counted() -> None:

@@ -16,7 +16,7 @@ from physim.errors import RecordError
 from physim.geometry.shapes import FloatArray, pack_polylines
 from physim.parts.declarations import Declared, Mode
 from physim.record import RecordWriter
-from tests.metrics.histories import THERE, history
+from tests.metrics.histories import THERE, along_reference, history
 from tests.records import DECLARED, UPDATE, make_record, make_scene
 
 BEGAN, STAYS, ENDED = 0, 1, 2
@@ -109,14 +109,15 @@ def test_shortest_collision_time_is_over_all_decisions() -> None:
 
 
 def test_formation_errors() -> None:
-    """The peak is an absolute value; the final one is over each robot's own last decision."""
-    errors = [(0, 0, 0.5), (0, 1, -4.0), (10, 0, 3.0), (20, 1, 0.25), (30, 1, -0.125)]
-    rows = [{"step": s, "robot": r, "formation_error": e} for s, r, e in errors]
-    record = history(rows)
-    assert metrics.formation_error_peak(record) == Moment(4.0, 0, 0.0, 1)
-    assert metrics.formation_error_final(record) == Moment(3.0, 10, 0.1, 0)
-    late = history([*rows, {"step": 40, "robot": 0, "formation_error": np.nan}])
-    assert metrics.formation_error_final(late) == Moment(0.125, 30, 0.3, 1)
+    """Absolute values: the largest of all samples, and that of the last; whoever decided when."""
+    stations = np.array([[9.0, 7.5, 3.0], [9.0, 5.0, 6.0], [9.0, 6.5, 4.5]])
+    rows = [{"step": 1, "robot": 0, "formation_error": 50.0}]
+    pose = along_reference(np.array([0, 1, 2]), stations)
+    record = history(rows, robots=3, lead=np.array([0.0, -2.5, -5.0]), pose=pose, steps_run=2)
+    errors = stations.mean(axis=1, keepdims=True) - stations - [-2.5, 0.0, 2.5]
+    assert np.abs(errors).max(axis=1) == pytest.approx([1.0, 11 / 6, 1 / 3])
+    assert metrics.formation_error_peak(record) == Moment(pytest.approx(11 / 6), 1, 0.01, 2)
+    assert metrics.formation_error_final(record) == Moment(pytest.approx(1 / 3), 2, 0.02, 2)
 
 
 def test_danger_share_by_decisions_and_by_time() -> None:
@@ -128,7 +129,7 @@ def test_danger_share_by_decisions_and_by_time() -> None:
         {"step": 15, "robot": 0, "mode": 1, "next_step": 100, "station": THERE},
         {"step": 20, "robot": 1, "mode": 2, "next_step": 420, "nominal_v": 1.0},
     ]
-    record = history(rows)
+    record = history(rows, arrived=[15, -1])
     assert metrics.danger_shares(record) == (
         DangerShare(0, 0.5, pytest.approx(5 / 15)),
         DangerShare(1, 0.5, pytest.approx(80 / 100)),
@@ -310,6 +311,6 @@ def test_messages_and_evaluations() -> None:
 def test_a_world_inside_that_no_run_has_is_told(world: str, said: str) -> None:
     """A record may come from a stranger: it was a traceback."""
     rows = [{"step": 0, "robot": i, "station": 1.0 + i} for i in range(2)]
-    record = history(rows, world=world)
+    record = history(rows, world=world, pose=np.zeros((101, 2, 3)))
     with pytest.raises(RecordError, match=said):
         metrics.formation_energy(record)

@@ -9,36 +9,26 @@ from physim.analysis import metrics
 from physim.controllers.formation import formation_energy
 from physim.geometry.shapes import FloatArray
 from physim.record import Record
-from tests.metrics.histories import history
+from tests.metrics.histories import along_reference, history
 from tests.oracles import formation as oracle
 
 LEAD = np.array([0.0, -4.0, -9.0, -30.0])
 STATIONS = np.array([[40.0, 35.0, 31.0, 11.0], [50.0, 46.0, 42.0, 18.0], [61.0, 57.0, 52.0, 30.5]])
-STEPS = (0, 10, 20)
+STEPS = np.array([0, 10, 20])
 
 
-def drive(world: str, stations: FloatArray = STATIONS) -> Record:
-    """All robots decide every 10 steps, at these stations."""
-    rows = [
-        {
-            "step": step,
-            "robot": i,
-            "reference_station": s[i],
-            "formation_error": oracle.errors(s, LEAD)[i],
-            "next_step": step + 10,
-        }
-        for step, s in zip(STEPS, stations, strict=True)
-        for i in range(4)
-    ]
-    return history(rows, robots=4, steps_run=20, world=world, lead=LEAD)
+def drive(world: str) -> Record:
+    """Robots that are at these stations every 10 steps, and decide nothing."""
+    pose = along_reference(STEPS, STATIONS)
+    return history(robots=4, steps_run=20, world=world, lead=LEAD, pose=pose)
 
 
-def test_errors_are_exact_at_decisions_and_linear_between() -> None:
+def test_errors_are_those_of_the_samples() -> None:
     time, errors = metrics.formation_errors(drive("formation: {}"), every=0.05) or (0, 0)
     assert time == pytest.approx([0.0, 0.05, 0.1, 0.15, 0.2])
     exact = np.array([oracle.errors(s, LEAD) for s in STATIONS])
-    assert np.allclose(errors[::2], exact, rtol=0, atol=1e-12)
-    assert np.allclose(errors[1], (exact[0] + exact[1]) / 2, rtol=0, atol=1e-12)
+    assert np.allclose(errors[::2], exact, rtol=0, atol=1e-9)
+    assert np.allclose(errors[1], (exact[0] + exact[1]) / 2, rtol=0, atol=1e-9)
 
 
 def test_desired_leads_are_those_of_the_record() -> None:
@@ -75,9 +65,10 @@ def test_errors_are_those_of_the_recorded_leads() -> None:
     record = drive("formation: {}")
     lead = metrics.desired_leads(record)
     assert lead is not None
-    first = record.updates[:4]
+    course = metrics.formation_errors(record)
+    assert course is not None
     late = (STATIONS[0].mean() - STATIONS[0]) + lead
-    assert first["formation_error"] == pytest.approx(late)
+    assert course.values[0] == pytest.approx(late) == oracle.errors(STATIONS[0], LEAD)
 
 
 def test_without_a_formation_there_are_no_leads() -> None:
@@ -85,12 +76,12 @@ def test_without_a_formation_there_are_no_leads() -> None:
     assert metrics.formation_energy(drive("name: x")) is None
 
 
-def test_where_a_robot_never_decides_there_is_no_energy() -> None:
-    rows = [{"step": 10 * i, "robot": i} for i in range(2)]
-    record = history(rows, robots=3)
+def test_without_samples_there_is_neither_energy_nor_a_peak() -> None:
+    record = history([{"step": 10 * i, "robot": i} for i in range(2)])
     assert metrics.formation_energy(record) is None
-    assert metrics.formation_errors(record) is not None
-    assert metrics.formation_energy(history(rows)) is not None
+    assert metrics.formation_error_peak(record) is None
+    assert metrics.formation_error_final(record) is None
+    assert metrics.formation_error_rms(record) is None
 
 
 def test_rms_is_of_each_robot_and_of_all() -> None:

@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 
 import physim
 from physim.analysis.summary import summarise
+from physim.drawing.crowd import MOST_LINES
 from physim.drawing.page import curves
 from physim.drawing.page.data import run_data
 from physim.drawing.page.decisions import _on_its_side, _quantum
@@ -102,6 +103,23 @@ def test_decisions_and_contacts_come_back(tmp_path: Path) -> None:
         )
         assert [moment["label"] for moment in header["moments"]].count("first contact") == 1
         check_considered(record, rows, arrays)
+
+
+@pytest.mark.parametrize("robots", [3, MOST_LINES + 1])
+def test_errors_are_those_of_samples_whoever_decided(tmp_path: Path, robots: int) -> None:
+    """Robot by robot, and of a crowd with bands of all of them."""
+    with make_record(tmp_path / "r.h5", robots, 5.0) as record:
+        header, arrays = unpack(run_data(record, summarise(record)))
+        course = Timeline(record).curves
+        told = header["curves"]["error"]
+        assert told == {
+            "title": "formation error [m]", "name": "formation_error", "bands": robots > MOST_LINES,
+        }  # fmt: skip
+        shown = record.steps.searchsorted(arrays["error_step"])
+        assert shown[[0, -1]].tolist() == [0, record.samples - 1]
+        drawn = arrays["error"].reshape(robots, -1).T
+        assert np.allclose(drawn, course.values[shown], rtol=0.0, atol=5.1e-4)
+        assert ("bands" in arrays) == told["bands"]
 
 
 def test_distances_of_now_are_not_those_of_a_stretch(

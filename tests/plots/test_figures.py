@@ -45,7 +45,7 @@ from physim.record import Record, RecordWriter
 from physim.world.scene import Body
 from tests.cli.commands import physim
 from tests.facts import facts
-from tests.metrics.histories import history
+from tests.metrics.histories import along_reference, beside_paths, history
 from tests.records import DECLARED, make_record, make_scene, poses, update_rows
 
 
@@ -130,11 +130,11 @@ def texts(figure: Any, kind: str) -> list[str]:
 @pytest.mark.parametrize(
     ("name", "kind", "why"),
     [
-        ("deviation", "nothing recorded", "no decision"),
+        ("deviation", "nothing recorded", "no sample"),
         ("speeds", "nothing recorded", "10 s"),
         ("formation", "one robot", "robot alone"),
         ("formation", "no formation", "world"),
-        ("formation", "nothing recorded", "no decision"),
+        ("formation", "nothing recorded", "no sample"),
         ("distances", "one robot", "one robot"),
         ("collision_times", "nothing recorded", "no decision foresaw"),
         ("collision_times", "no collision times", "controller"),
@@ -164,17 +164,9 @@ def test_deviation_draws_the_metric_and_marks_its_peak(record: Record) -> None:
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 def test_the_peak_of_a_deviation_is_marked_on_its_side(sign: float) -> None:
-    rows = [
-        {
-            "step": 10 * k,
-            "robot": i,
-            "deviation": sign * (0.1 * k - 0.5 * i),
-            "next_step": 10 * k + 10,
-        }
-        for k in range(10)
-        for i in (0, 1)
-    ]
-    axis = deviation(history(rows)).axes[0]
+    step = np.arange(91)
+    pose = beside_paths(sign * (0.01 * step[:, None] - 0.5 * np.arange(2)))
+    axis = deviation(history(pose=pose, steps_run=90)).axes[0]
     assert marks(axis) == [(0.9, pytest.approx(0.9 * sign))]
     assert texts(axis.figure, "mark") == [true_minus(f"{0.9 * sign:+.2f} m (r1)")]
 
@@ -196,7 +188,7 @@ def test_speeds_are_the_averaged_ones(record: Record) -> None:
 def test_formation_marks_peak_and_end(record: Record) -> None:
     figure = formation(record)
     peak, final = (metrics.measure(record)[f"formation_error_{k}"] for k in ("peak", "final"))
-    assert texts(figure, "mark") == [f"{decimal(peak.value, 2)} m (r3)"]
+    assert texts(figure, "mark") == [f"{decimal(peak.value, 2)} m (r1)"]
     assert figure.axes[0].get_title("right") == f"within {final.value:.2f} m of zero at the end"
     energy = metrics.formation_energy(record)
     assert energy is not None
@@ -205,12 +197,10 @@ def test_formation_marks_peak_and_end(record: Record) -> None:
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 def test_the_peak_of_a_formation_error_is_marked_on_its_side(sign: float) -> None:
-    rows = [
-        {"step": 10 * k, "robot": i, "formation_error": sign * (0.1 * k - 0.5 * i)}
-        for k in range(10)
-        for i in (0, 1)
-    ]
-    figure = formation(history(rows))
+    step, wanted = np.array([0, 90]), np.array([7.5, 5.0, 2.5])
+    errors = sign * np.array([[0.0, 0.0, 0.0], [0.9, -0.5, -0.4]])
+    pose = along_reference(step, wanted - errors)
+    figure = formation(history(robots=3, pose=pose, steps_run=90))
     assert marks(figure.axes[0]) == [(0.9, pytest.approx(0.9 * sign))]
     assert texts(figure, "mark") == [true_minus(f"{0.9 * sign:.2f} m (r1)")]
 

@@ -28,7 +28,7 @@ DANGER = next(k for k, mode in enumerate(PAPER_MODES) if mode.danger)
 
 @pytest.fixture(scope="module")
 def crowd(tmp_path_factory: pytest.TempPathFactory, changed: Callable[..., Any]) -> Any:
-    """Robots in a field, 64 of them, 3 m apart; errors are their numbers in thousandths."""
+    """Robots in a field, 64 of them, 3 m apart; errors grow by 1 mm from each to the next."""
     made = make_record(tmp_path_factory.mktemp("crowd") / "r.h5", NAMED + 4, 0.6, dt=0.1)
     pose = made.pose.copy()
     robots = np.arange(pose.shape[1])
@@ -36,9 +36,9 @@ def crowd(tmp_path_factory: pytest.TempPathFactory, changed: Callable[..., Any])
     pose[:, :, 0] += 0.1 * np.arange(len(pose))[:, None]
     pose[..., 2] = 0.0
     pose[:, 9, 0] += 1.0  # closest to 10
-    updates, contacts = made.updates.copy(), made.contacts[:0]
-    updates["formation_error"] = updates["robot"] / 1000.0
-    return changed(made, pose=pose, updates=updates, contacts=contacts)
+    course = made.course.copy()
+    course[:, :, 2] = made.lead - robots / 1000.0
+    return changed(made, pose=pose, course=course, contacts=made.contacts[:0])
 
 
 def test_quantiles_are_those_of_the_known_values() -> None:

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from physim.analysis import metrics
 from physim.contacts import Phase
 from physim.drawing import palette
 from physim.drawing.palette import rgb
@@ -160,12 +161,12 @@ def test_one_robot_has_a_strip_of_its_deviation(
     made: Callable[..., Any], changed: Callable[..., Any]
 ) -> None:
     assert "deviation" in Timeline(made(1)).curves.title
-    picture = frame_at(made(1), 3.9)
+    course = made(1).course.copy()
+    course[:, 0, 1] = 0.1 * np.cos(np.linspace(0.0, 9.0, len(course)))
+    picture = frame_at(changed(made(1), course=course), 3.9)
     assert pixels(picture, palette.WHITE, BELOW) > 100000
     assert pixels(picture, palette.robot_colour(0), BELOW) > 500
-    updates = made(1).updates.copy()
-    updates["deviation"] *= -1.0
-    turned = frame_at(changed(made(1), updates=updates), 3.9)
+    turned = frame_at(changed(made(1), course=course * (1.0, -1.0, 1.0)), 3.9)
     assert not np.array_equal(picture[BELOW], turned[BELOW]), "the sign is shown"
 
 
@@ -173,9 +174,9 @@ def test_the_strip_rises_with_the_error(
     made: Callable[..., Any], changed: Callable[..., Any]
 ) -> None:
     """Up is positive: the curve of a robot with an error of 1 m lies above that with -1 m."""
-    updates = made(3).updates.copy()
-    updates["formation_error"] = 1.0 - updates["robot"]
-    picture = frame_at(changed(made(3), updates=updates), 3.9)[BELOW]
+    course = made(3).course.copy()
+    course[:, :, 2] = 20.0 + made(3).lead + [-1.0, 0.0, 1.0]
+    picture = frame_at(changed(made(3), course=course), 3.9)[BELOW]
     rows = [
         np.median(np.nonzero((picture == np.array(palette.robot_colour(i))).all(axis=2))[0])
         for i in range(3)
@@ -212,22 +213,17 @@ def test_the_settings_of_the_controller_are_told(
 
 def test_what_the_strip_shows(made: Callable[..., Any], changed: Callable[..., Any]) -> None:
     record = made(3)
-    rows = np.arange(3)
     formation = Timeline(record).curves
     assert formation.title == "formation error [m]"
-    assert (
-        Timeline(record).values(formation.column, rows).tolist()
-        == record.updates["formation_error"][:3].tolist()
-    )
-    updates = record.updates.copy()
-    updates["formation_error"] = np.nan
+    errors = metrics.formation_errors(record, every=record.dt)
+    assert errors is not None
+    assert np.allclose(formation.values, errors.values, rtol=0.0, atol=1e-9)
     for text in ("name: x", "name: x\nformation: null"):
-        assert "deviation" in Timeline(changed(record, world_text=text)).curves.title
-    without = Timeline(changed(record, updates=updates))
-    assert without.curves.title == "deviation from the path, left positive [m]"
-    assert without.values(without.curves.column, rows).tolist() == updates["deviation"][:3].tolist()
-    updates["deviation"] = np.nan
-    assert Timeline(changed(record, updates=updates)).curves is None
+        without = Timeline(changed(record, world_text=text)).curves
+        assert without.title == "deviation from the path, left positive [m]"
+        assert np.array_equal(without.values, record.course[:, :, 1])
+    bare = changed(record, updates=record.updates[:0])
+    assert np.array_equal(Timeline(bare).curves.values, formation.values), "nobody has to decide"
 
 
 def test_names_come_when_the_curves_have_begun(made: Callable[..., Any]) -> None:
@@ -236,15 +232,6 @@ def test_names_come_when_the_curves_have_begun(made: Callable[..., Any]) -> None
     ink = [pixels(painter.frame(t), palette.robot_colour(2), beside) for t in (0.0, 0.08, 0.16)]
     assert ink[:2] == [0, 0]
     assert ink[2] > 10
-
-
-def test_without_anything_to_show_there_is_no_strip(
-    made: Callable[..., Any], changed: Callable[..., Any]
-) -> None:
-    updates = made(3).updates.copy()
-    updates["formation_error"] = updates["deviation"] = np.nan
-    picture = frame_at(changed(made(3), updates=updates), 2.0)
-    assert pixels(picture, palette.WHITE, BELOW) < 5000
 
 
 def test_a_record_without_decisions_or_areas(
@@ -278,9 +265,8 @@ def test_values_that_are_not_finite_do_not_break(
 ) -> None:
     record = made(3)
     updates, contacts = record.updates.copy(), record.contacts.copy()
-    for field in ("target_x", "formation_error", "deviation"):
-        updates[field][::3] = np.nan
-        updates[field][1::7] = np.inf
+    updates["target_x"][::3] = np.nan
+    updates["target_x"][1::7] = np.inf
     contacts["x"] = np.nan
     without = SimpleNamespace(
         clearance=np.full_like(record.clearance, np.inf),

@@ -98,7 +98,7 @@ def test_tiles_show_no_seams(made: Callable[..., Any]) -> None:
 
 
 def test_a_small_world_is_shown_whole_and_a_long_one_followed(made: Callable[..., Any]) -> None:
-    timeline, box = Timeline(made(3)), arrange(True)[0]
+    timeline, box = Timeline(made(3)), arrange()[0]
     small = (np.array([-2.0, -5.0]), np.array([22.0, 8.0]))
     assert Camera(timeline, small, box, 1.0).whole
     large = (np.array([-2.0, -5.0]), np.array([200.0, 80.0]))
@@ -112,7 +112,7 @@ def test_a_small_world_is_shown_whole_and_a_long_one_followed(made: Callable[...
 
 
 def test_the_camera_goes_with_the_robot(made: Callable[..., Any]) -> None:
-    timeline, box = Timeline(made(1, 20.0)), arrange(False)[0]
+    timeline, box = Timeline(made(1, 20.0)), arrange()[0]
     camera = Camera(timeline, (np.array([-2.0, -5.0]), np.array([200.0, 80.0])), box, 1.0)
     for time in (0.0, 5.0, 12.0, 20.0):
         place = camera.lens(time).pixels(timeline.pose(time)[0, :2])
@@ -121,7 +121,7 @@ def test_the_camera_goes_with_the_robot(made: Callable[..., Any]) -> None:
 
 
 def test_one_camera_movement_however_asked(made: Callable[..., Any]) -> None:
-    timeline, box = Timeline(made(3)), arrange(True)[0]
+    timeline, box = Timeline(made(3)), arrange()[0]
     large = (np.array([-2.0, -5.0]), np.array([200.0, 80.0]))
     one, two = Camera(timeline, large, box, 1.0), Camera(timeline, large, box, 1.0)
     one.lens(3.0)

@@ -7,6 +7,7 @@ world has a formation and more than one robot.
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from math import sqrt
 from typing import Any, NamedTuple
 
@@ -16,12 +17,10 @@ from physim.analysis.metrics.held import Held
 from physim.analysis.metrics.metric import Each, Moment, Series
 from physim.analysis.metrics.progress import (
     GRID,
-    Rows,
-    active_decisions,
+    active_samples,
     active_steps,
-    column_over_time,
-    last_decisions,
     ratio,
+    samples_over_time,
     spacing,
 )
 from physim.analysis.metrics.travelled import looked_at, travelled
@@ -47,33 +46,28 @@ class AveragedSpeeds(NamedTuple):
 def deviations(record: Record, every: float = GRID) -> Series:
     """Signed deviation of each robot from its own path over time (Figs. 1b, 2c, 7d).
 
-    Values (K, N) [m], left of the path positive; exact at the robot's decisions, linear between.
+    Values (K, N) [m], left of the path positive; exact at the samples, linear between.
     """
-    return column_over_time(record, "deviation", every)
+    return samples_over_time(record, record.course[:, :, 1], every)
 
 
 def deviation_peak(record: Record) -> Moment | None:
-    """Deviation of greatest size at a decision, with its sign [m] (Figs. 1b, 2c, 7d)."""
-    size = np.abs(record.updates["deviation"])
-    if not np.isfinite(size).any():
-        return None
-    row = record.updates[int(np.nanargmax(size))]
-    step = int(row["step"])
-    return Moment(float(row["deviation"]), step, step * record.dt, int(row["robot"]))
+    """Deviation of greatest size at any sample, with its sign [m] (Figs. 1b, 2c, 7d).
+
+    Over the whole run, so also of a robot that has gone past the end of its path or was pushed off
+    it at its stop. None in a record without samples.
+    """
+    return _extreme(record, record.course[:, :, 1])
 
 
 def deviation_rms(record: Record) -> Each | None:
     """Root of the mean square deviation over the active time [m], of all robots and of each.
 
-    That of a decision counts as long as it held: what lies between decisions is not seen, so that
-    it errs to either side, by 1 to 3 % where they are 0.2 s apart.
+    Samples of a robot that is not at its stop station count, each for the time to the next.
     """
-    rows, held = active_decisions(record)
-    held = np.where(np.isfinite(rows["deviation"]), held, 0.0)
-    square = held * np.square(np.nan_to_num(rows["deviation"]))
-    total = np.bincount(rows["robot"], held, record.robots)
-    part = np.bincount(rows["robot"], square, record.robots)
-    mean = ratio(part, total)
+    steps = np.diff(record.steps, append=record.steps[-1:])
+    held = active_samples(record) * steps[:, None].astype(np.float64)
+    mean = ratio((held * np.square(record.course[:, :, 1])).sum(axis=0), held.sum(axis=0))
     if mean is None:
         return None
     each = (None if square is None else sqrt(square) for square in mean.robots)
@@ -148,13 +142,15 @@ def has_formation(record: Record) -> bool:
 
 
 def formation_error_peak(record: Record) -> Moment | None:
-    """Largest absolute formation error at a decision, (10) [m] (Figs. 2, 7)."""
-    return _largest_error(record, record.updates)
+    """Largest absolute formation error at any sample, (10) [m] (Figs. 2, 7)."""
+    errors = sampled_errors(record)
+    return None if errors is None else _sized(_extreme(record, errors))
 
 
 def formation_error_final(record: Record) -> Moment | None:
-    """Largest absolute formation error at the last decision of each robot, (10) [m]."""
-    return _largest_error(record, record.updates[last_decisions(record)])
+    """Largest absolute formation error at the last sample, (10) [m]."""
+    errors = sampled_errors(record)
+    return None if errors is None else _sized(_extreme(record, errors, record.samples - 1))
 
 
 def formation_error_rms(record: Record) -> Each | None:
@@ -163,26 +159,33 @@ def formation_error_rms(record: Record) -> Each | None:
     if course is None or not np.isfinite(course.values).any():
         return None
     square = np.square(course.values)
-    each = tuple(
-        float(np.sqrt(np.nanmean(column))) if np.isfinite(column).any() else None
-        for column in square.T
-    )
-    return Each(float(np.sqrt(np.nanmean(square))), each)
+    each = tuple(float(np.sqrt(column.mean())) for column in square.T)
+    return Each(float(np.sqrt(square.mean())), each)
 
 
 def formation_errors(record: Record, every: float = GRID) -> Series | None:
     """Formation error of each robot over time, (10): values (K, N) [m].
 
-    Positive for a robot that is behind its place. Exact at the robot's decisions and linear
-    between them. None in a run without formation.
+    Positive for a robot that is behind its place. Exact at the samples and linear between them.
+    None in a run without formation.
     """
-    return column_over_time(record, "formation_error", every) if has_formation(record) else None
+    errors = sampled_errors(record)
+    return None if errors is None else samples_over_time(record, errors, every)
+
+
+def sampled_errors(record: Record) -> FloatArray | None:
+    """Formation errors of all robots at the samples, (10): (K, N) [m]; see `formation_errors`."""
+    lead = desired_leads(record)
+    if lead is None:
+        return None
+    station = record.course[:, :, 2]
+    return np.asarray(station.mean(axis=1, keepdims=True) - station + lead)
 
 
 def formation_energy(record: Record, every: float = GRID) -> Series | None:
     """Formation energy W over time, (9): values (K,) [m^2]. None in a run without formation.
 
-    Of the stations on s* at the decisions, taken linear between them; None where a robot made none.
+    Of the stations on s* at the samples, taken linear between them; None where there are none.
     Pairs are those of N_i: within the world's ``formation.range`` along s* at that moment, all, or
     listed. With many robots the moments are farther apart than ``every`` [s].
     """
@@ -191,9 +194,9 @@ def formation_energy(record: Record, every: float = GRID) -> Series | None:
         return None
     moments = record.steps_run * record.dt / every + 1.0
     every *= max(1.0, np.ceil(moments * record.robots**2 / MOST_PAIRS))
-    time, station = column_over_time(record, "reference_station", every)
-    if not np.isfinite(station).all():
+    if not record.samples:
         return None
+    time, station = samples_over_time(record, record.course[:, :, 2], every)
     plan = record.world_settings["formation"]
     pairs, reach = _listed(record, plan), plan.get("range", RANGE)
     if not isinstance(reach, int | float):
@@ -238,12 +241,15 @@ def _listed(record: Record, plan: Mapping[str, Any]) -> FloatArray | None:
     return listed
 
 
-def _largest_error(record: Record, rows: Rows) -> Moment | None:
-    if not has_formation(record):
+def _extreme(record: Record, values: FloatArray, first: int = 0) -> Moment | None:
+    """Value of greatest size among values (K, N) at the samples, with its sign, from one on."""
+    if not record.samples:
         return None
-    errors = np.abs(rows["formation_error"])
-    if not np.isfinite(errors).any():
-        return None
-    row = rows[int(np.nanargmax(errors))]
-    step = int(row["step"])
-    return Moment(abs(float(row["formation_error"])), step, step * record.dt, int(row["robot"]))
+    k, robot = np.unravel_index(int(np.argmax(np.abs(values[first:]))), values[first:].shape)
+    step = int(record.steps[first + k])
+    return Moment(float(values[first + k, robot]), step, step * record.dt, int(robot))
+
+
+def _sized(found: Moment | None) -> Moment | None:
+    """An extreme without its sign."""
+    return None if found is None else replace(found, value=abs(found.value))

@@ -46,19 +46,27 @@ def active_decisions(record: Record) -> tuple[Rows, FloatArray]:
 def active_steps(record: Record) -> IntArray:
     """(N,) steps from the start until each robot was at its stop station for good.
 
-    By its decisions, or by its arrival where it made none; to the end of the run where it was not.
+    By its samples, between two of which its station is taken to be linear; to the end of the run
+    where it was not there. By its arrival in a record without samples.
     """
-    rows, last = record.updates, np.full(record.robots, -1, dtype=np.int64)
-    at_stop = _at_stop(record, rows)
-    np.maximum.at(last, rows["robot"][~at_stop], rows["step"][~at_stop])
-    steps = np.where(record.arrived >= 0, record.arrived, record.steps_run)
-    decided = np.zeros(record.robots, dtype=np.bool_)
-    decided[rows["robot"]] = True
-    steps = np.where(decided, record.steps_run, steps)
-    after = rows[at_stop & (rows["step"] > last[rows["robot"]])]
-    robots, first = np.unique(after["robot"], return_index=True)
-    steps[robots] = after["step"][first]
+    if not record.samples:
+        return np.asarray(np.where(record.arrived >= 0, record.arrived, record.steps_run))
+    station, least = record.course[:, :, 0], record.stop_station - arrival_tolerance(record)
+    away = active_samples(record)
+    last = np.where(away.any(axis=0), record.samples - 1 - np.argmax(away[::-1], axis=0), -1)
+    steps = np.where(last < 0, 0, record.steps_run)
+    (robots,) = np.nonzero((last >= 0) & (last < record.samples - 1))
+    k = last[robots]
+    before, after = station[k, robots], station[k + 1, robots]
+    share = (least[robots] - before) / (after - before)
+    first, span = record.steps[k], record.steps[k + 1] - record.steps[k]
+    steps[robots] = first + np.ceil(share * span - 1e-9)
     return np.asarray(steps)
+
+
+def active_samples(record: Record) -> NDArray[np.bool_]:
+    """(K, N) whether each robot is not at its stop station at each sample."""
+    return np.asarray(record.course[:, :, 0] < record.stop_station - arrival_tolerance(record))
 
 
 def finished(record: Record) -> bool:
@@ -282,6 +290,19 @@ def column_over_time(record: Record, name: str, every: float = GRID) -> Series:
         rows = rows[np.isfinite(rows[name])]
         if len(rows):
             values[:, robot] = np.interp(time, rows["step"] * record.dt, rows[name])
+    return Series(time, values)
+
+
+def samples_over_time(record: Record, samples: FloatArray, every: float = GRID) -> Series:
+    """Values (K, N) of robots at the samples as a course: linear between them, held after the last.
+
+    NaN in a record without samples.
+    """
+    time = grid(record, every)
+    values = np.full((len(time), record.robots), np.nan)
+    if record.samples:
+        for robot in range(record.robots):
+            values[:, robot] = np.interp(time, record.time, samples[:, robot])
     return Series(time, values)
 
 

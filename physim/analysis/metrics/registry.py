@@ -1,8 +1,8 @@
 """Every metric by name, with its definition, unit and source.
 
 A metric that has no meaning for a run (the distance between robots of a single one, say) is
-absent. Over all physics steps, also those that are not recorded: distances. Over all decisions:
-collision times, modes, deviations, peak and end of formation errors.
+absent. Over all physics steps, also those that are not recorded: distances. At all samples:
+deviations and formation errors. Over all decisions: collision times, modes.
 """
 
 from __future__ import annotations
@@ -186,12 +186,12 @@ _ALL = (
         "(11), Figs. 3c, 6d", _of(shortest_collision_time),
     ),
     Definition(
-        "formation_error_peak", "m", "largest size of a formation error at a decision",
+        "formation_error_peak", "m", "largest size of a formation error at any sample",
         "(10), Figs. 2b, 7a", _of(formation_error_peak),
     ),
     Definition(
         "formation_error_final", "m",
-        "largest size of the formation errors at each robot's last decision",
+        "largest size of the formation errors at the last sample",
         "(10), Figs. 2b, 7a", _of(formation_error_final),
     ),
     Definition(
@@ -208,12 +208,12 @@ _ALL = (
     ),
     Definition(
         "deviation_peak", "m",
-        "deviation of greatest size from the own path at a decision; left positive",
+        "deviation of greatest size from the own path at any sample; left positive",
         "Figs. 1b, 2c, 7d", _of(deviation_peak),
     ),
     Definition(
         "deviation_rms", "m",
-        "root mean square deviation from the own path at decisions, over the active time",
+        "root mean square deviation from the own path over the active time",
         "Figs. 1b, 2c, 7d", _of(deviation_rms),
     ),
     Definition(

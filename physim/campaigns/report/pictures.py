@@ -178,12 +178,11 @@ def _its_folder(file: Path) -> None:
 
 def _draw_view(record: Record, path: Path, time: float) -> None:
     """The view of a still, without the panel beside it, which would be too small to read."""
-    from physim.drawing.timeline import Timeline
     from physim.drawing.video import frame_at
     from physim.drawing.video.animation import resized, save_still
     from physim.drawing.video.layout import arrange
 
-    view, _, _ = arrange(Timeline(record).curves is not None)
+    view, _, _ = arrange()
     within = max(0.0, min(time, (record.steps_run - 1) * record.dt))  # a film ends far away
     picture = view.of(frame_at(record, within))
     save_still(path, resized(picture, (STILL_WIDTH, STILL_WIDTH * view.height // view.width)))

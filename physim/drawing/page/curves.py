@@ -21,6 +21,8 @@ MOST_NOW, MOST_LOOKED_AT = 40_000, 4_000_000
 those of samples spread evenly"""
 LENGTH, SECONDS = 1e-4, 1e-3
 """[m], [s] to which they are rounded"""
+ERROR = 1e-3
+"""[m] to which formation errors and deviations are"""
 
 
 def pack_curves(timeline: Timeline, pack: Pack) -> dict[str, Any]:
@@ -89,17 +91,21 @@ def _pack_times(timeline: Timeline, first: IntArray, pack: Pack) -> bool:
     return True
 
 
-def _pack_errors(timeline: Timeline, pack: Pack) -> dict[str, Any] | None:
-    """What the plot of formation errors, or of deviations, is called; with bands of a crowd."""
-    curves = timeline.curves
-    if curves is None:
-        return None
+def _pack_errors(timeline: Timeline, pack: Pack) -> dict[str, Any]:
+    """Add formation errors, or deviations, (N, T) at samples spread evenly; with bands of a crowd.
+
+    Returns what their plot is called.
+    """
+    curves, samples = timeline.curves, len(timeline.time)
     bands = timeline.robots > MOST_LINES
+    count = min(samples, MOMENTS if bands else BINS)
+    at = np.linspace(0, samples - 1, count).astype(np.int64)
+    pack.whole("error_step", timeline.record.steps[at])
+    pack.real("error", curves.values[at].T, ERROR)
     if bands:
-        rows = timeline.decisions(_moments(timeline))
-        levels = quantiles(timeline.values(curves.column, rows))
-        pack.real("bands", levels, 1e-3)
-    return {"title": curves.title, "column": curves.column, "bands": bands}
+        levels = quantiles(curves.values[timeline.shown(_moments(timeline))])
+        pack.real("bands", levels, ERROR)
+    return {"title": curves.title, "name": curves.name, "bands": bands}
 
 
 def _pack_modes(timeline: Timeline, pack: Pack) -> bool:

@@ -54,9 +54,8 @@ def _who(timeline: Timeline, metric: Metric) -> int | None:
     robots = [body for body in metric.bodies if body < timeline.robots]
     if not robots:
         return None
-    rows = timeline.decisions(metric.time or 0.0)
-    stations = timeline.record.updates["reference_station"]
-    return min(robots, key=lambda i: (stations[rows[i]] if rows[i] >= 0 else np.inf, -i))
+    stations = timeline.record.course[int(timeline.sample(metric.time or 0.0)), :, 2]
+    return min(robots, key=lambda i: (stations[i], -i))
 
 
 def _words(summary: Summary, metric: Metric) -> str:

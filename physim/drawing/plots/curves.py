@@ -14,7 +14,6 @@ import numpy as np
 
 from physim.analysis.metrics import (
     averaged_speeds,
-    column_over_time,
     deviation_peak,
     deviation_rms,
     deviations,
@@ -24,6 +23,7 @@ from physim.analysis.metrics import (
     formation_errors,
 )
 from physim.analysis.metrics.motion import WINDOW
+from physim.analysis.metrics.progress import samples_over_time
 from physim.drawing.crowd import MOST_LINES, quantiles
 from physim.drawing.labels import decimal, signed
 from physim.drawing.plots.frame import (
@@ -112,7 +112,7 @@ def deviation(record: Record) -> Any:
     axis.set_ylabel("deviation [m], left positive")
     time_axis(axis, record)
     if peak is None:
-        nothing(axis, "no decision was recorded")
+        nothing(axis, "no sample was recorded")
         return figure
     turns = _mark_turns(axis, record) if record.robots == 1 else []
     zero_line(axis)
@@ -128,7 +128,7 @@ def deviation(record: Record) -> Any:
 
 def _mark_turns(axis: Any, record: Record) -> list[Any]:
     """Shade when a robot alone was within its look-ahead of a sharp turn of its path."""
-    time, station = column_over_time(record, "station")
+    time, station = samples_over_time(record, record.course[:, :, 0])
     shades = []
     for turn in sharp_turns(record.paths.points):
         near = np.flatnonzero(np.abs(station[:, 0] - turn) <= 2.0)
@@ -161,7 +161,7 @@ def formation(record: Record) -> Any:
     course = formation_errors(record)
     peak, final = formation_error_peak(record), formation_error_final(record)
     if course is None or peak is None or final is None:
-        why = "a robot alone has no formation" if record.robots == 1 else "no decision was recorded"
+        why = "a robot alone has no formation" if record.robots == 1 else "no sample was recorded"
         if record.robots > 1 and course is None:
             why = "the world has no formation"
         nothing(above, why)
@@ -177,9 +177,7 @@ def formation(record: Record) -> Any:
     mark(above, peak.time, value, text, below=value < 0.0)
     above.set_title(f"within {final.value:.2f} m of zero at the end", loc="right", fontsize=8.5)
     energy = formation_energy(record)
-    if energy is None:
-        nothing(below, "the robots did not decide together at the start")
-    else:
+    if energy is not None:
         below.fill_between(energy.time, 0.0, energy.values, color=INK, alpha=0.15, linewidth=0.0)
         below.plot(energy.time, energy.values, color=INK, linewidth=1.0)
         below.set_ylim(bottom=0.0)

@@ -48,7 +48,7 @@ class Painter:
         self.timeline = timeline
         self._image: Image = np.empty((HEIGHT, WIDTH, 3), np.uint8)
         curves = timeline.curves
-        view, beside, below = arrange(curves is not None)
+        view, beside, below = arrange()
         world = ground(timeline)
         self._view = View(timeline, world, view, speed, fps)
         camera, entries = self._view.camera, signs(timeline, world)
@@ -59,7 +59,7 @@ class Painter:
         crowded = camera.whole or free.height < LEAST_OVERVIEW
         modes = timeline.scene.modes
         self._overview = None if crowded else Overview(plain(timeline, world), free, modes)
-        self._strip = Strip(timeline, curves, below.of(self._image)) if curves else None
+        self._strip = Strip(timeline, curves, below.of(self._image))
 
     def frame(self, time: float) -> Image:
         """Return the picture (720, 1280, 3) uint8 RGB at ``time`` [s]."""
@@ -73,8 +73,7 @@ class Painter:
         if self._overview is not None:
             corners = self._view.camera.corners(now.time)
             self._overview.paint(self._overview_image, corners, now)
-        if self._strip is not None:
-            self._strip.paint(now)
+        self._strip.paint(now)
         return self._image
 
 

@@ -53,13 +53,10 @@ class Box(NamedTuple):
         return image[self.top : self.top + self.height, self.left : self.left + self.width]
 
 
-def arrange(with_strip: bool) -> tuple[Box, Box, Box]:
-    """Boxes of view, panel and strip, which do not overlap.
-
-    Without figures over time the strip is empty and the view takes its place.
-    """
+def arrange() -> tuple[Box, Box, Box]:
+    """Boxes of view, panel and strip, which do not overlap."""
     wide = WIDTH - PANEL_WIDTH
-    high = HEIGHT - STRIP_HEIGHT * with_strip
+    high = HEIGHT - STRIP_HEIGHT
     panel = Box(wide, 0, PANEL_WIDTH, HEIGHT)
     return Box(0, 0, wide, high), panel, Box(0, high, wide, HEIGHT - high)
 

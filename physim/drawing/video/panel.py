@@ -321,8 +321,8 @@ class Panel:
         wall = float(np.min(walls))
         if np.isfinite(wall):
             yield "wall, closest now", metres(wall), palette.INK if wall > 0.0 else palette.CONTACT
-        deviation = float(self._timeline.values("deviation", now.decisions)[0])
-        if pair is None and np.isfinite(deviation):
+        deviation = float(self._timeline.record.course[now.sample, 0, 1])
+        if pair is None:
             side = "left" if deviation >= 0.0 else "right"
             yield f"off its path now, {side}", metres(abs(deviation)), palette.INK
 

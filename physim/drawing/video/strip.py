@@ -44,7 +44,7 @@ class Strip:
         self._wide, self._high = box.width - LEFT - NAMES, box.height - TOP - BOTTOM
         columns = 2 * self._wide + 1
         times = np.linspace(0.0, timeline.duration, columns)
-        values = timeline.values(curves.column, timeline.decisions(times)).T
+        values = curves.values[timeline.shown(times)].T
         finite = values[np.isfinite(values)]
         top = max(float(np.abs(finite).max(initial=0.0)), 0.1) * 1.08
         low = min(float(finite.min(initial=0.0)) * 1.08, -0.15 * top)
@@ -166,7 +166,7 @@ class Strip:
 
         Names are moved apart; of a crowd those of the greatest and the least are there.
         """
-        values = self._timeline.values(self._curves.column, now.decisions)
+        values = self._curves.values[now.sample]
         known = np.flatnonzero(np.isfinite(values))
         named = known[np.argsort(-values[known], kind="stable")]
         if not self._each:

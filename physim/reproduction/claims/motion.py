@@ -9,6 +9,7 @@ from physim.analysis import metrics
 from physim.drawing.plots.curves import sharp_turns
 from physim.geometry.shapes import FloatArray
 from physim.record import Record
+from physim.reproduction import decided
 from physim.reproduction.claims import tolerances as tol
 from physim.reproduction.study import Claim, Measures, Quantity, holds, steps
 
@@ -16,7 +17,7 @@ from physim.reproduction.study import Claim, Measures, Quantity, holds, steps
 def measure_path_following(record: Record) -> Measures:
     """Deviations at sharp turns of the path and elsewhere, and the sense of the turns taken."""
     time, station = metrics.column_over_time(record, "station")
-    size = np.abs(metrics.deviations(record).values[:, 0])
+    size = np.abs(decided.deviations(record).values[:, 0])
     speeds = metrics.averaged_speeds(record)
     path = path_of(record, 0)
     turns = np.array(sharp_turns(path))
@@ -24,10 +25,9 @@ def measure_path_following(record: Record) -> Measures:
     settled = station[:, 0] - station[0, 0] > tol.START
     at, away = size[settled & (gap <= tol.AT_TURN)], size[settled & (gap > tol.AT_TURN)]
     left, right = _rotations(speeds, time, station[:, 0], path, turns)
-    rms = metrics.deviation_rms(record)
     return {
         "finished": float(metrics.finished(record)),
-        "deviation_rms": rms.value if rms is not None else np.nan,
+        "deviation_rms": decided.deviation_rms(record),
         "deviation_at_turns": float(at.max(initial=0.0)),
         "deviation_elsewhere": float(away.max(initial=0.0)),
         "rotation_left_least": float(left.min(initial=np.inf)),
@@ -122,17 +122,16 @@ SNAPSHOTS = 21.0
 
 def measure_formation(record: Record) -> Measures:
     """Formation errors, speeds, deviations and how far the group is spread."""
-    course = metrics.formation_errors(record)
+    course = decided.formation_errors(record)
     if course is None:
         return {}
-    peak, final = metrics.formation_error_peak(record), metrics.formation_error_final(record)
     speeds = metrics.averaged_speeds(record)
-    size = np.abs(metrics.deviations(record).values).max(axis=0)
-    mean = np.nanmean(metrics.deviations(record).values, axis=0)
+    size = np.abs(decided.deviations(record).values).max(axis=0)
+    mean = np.nanmean(decided.deviations(record).values, axis=0)
     bends, straights = _by_place(record, course.values)
     return {
-        "formation_error_peak": np.nan if peak is None else peak.value,
-        "formation_error_final": np.nan if final is None else final.value,
+        "formation_error_peak": decided.formation_error_peak(record),
+        "formation_error_final": decided.formation_error_final(record),
         "error_in_bends": bends,
         "error_on_straights": straights,
         "averaged_speed_min": _extreme(speeds.forward, largest=False),

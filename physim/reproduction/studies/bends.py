@@ -20,16 +20,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from physim.analysis.metrics import (
-    active_steps,
-    averaged_speeds,
-    column_over_time,
-    formation_errors,
-)
+from physim.analysis.metrics import active_steps, averaged_speeds, column_over_time
 from physim.drawing.plots.style import CYCLE, INK, QUIET
 from physim.errors import RecordError
 from physim.geometry.shapes import FloatArray
 from physim.record import Record
+from physim.reproduction import decided
 from physim.reproduction.claims.motion import turning
 from physim.reproduction.estimates import (
     column,
@@ -67,7 +63,7 @@ STATIONS = tuple(range(12, 151, 2))
 def measure_bends(record: Record) -> Measures:
     """Peak in bends and at the ends of straights, time constants, and the error along the way."""
     time, station = column_over_time(record, "reference_station")
-    course = formation_errors(record)
+    course = decided.formation_errors(record)
     if course is None:
         raise RecordError(f"{record!r} has no formation errors")
     steps = active_steps(record)

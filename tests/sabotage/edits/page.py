@@ -28,6 +28,15 @@ EDITS = (
     ),
     Edit(
         "page",
+        "physim/drawing/page/curves.py",
+        "_pack_errors",
+        "curves.values[at].T",
+        "curves.values[at]",
+        "errors of a page are those of its robots, one after the other",
+        f"{DATA}::test_errors_are_those_of_samples_whoever_decided",
+    ),
+    Edit(
+        "page",
         "physim/analysis/metrics/registry.py",
         "_deepest_contact",
         "deepest.depth_step * run.record.dt",

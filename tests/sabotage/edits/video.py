@@ -45,6 +45,15 @@ EDITS = (
     ),
     Edit(
         "video",
+        "physim/drawing/video/strip.py",
+        "Strip.__init__",
+        "curves.values[timeline.shown(times)].T",
+        "-curves.values[timeline.shown(times)].T",
+        "up is behind its place in the strip, and left",
+        "tests/video/test_frames.py::test_the_strip_rises_with_the_error",
+    ),
+    Edit(
+        "video",
         "physim/drawing/timeline.py",
         "Timeline.at",
         "time = float(self.time[sample])",

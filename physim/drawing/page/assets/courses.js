@@ -23,25 +23,22 @@ function noteOf(runs, column, colours = "") {
 }
 
 function errors(runs) {
-  const shown = runs.filter((run) => run.header.curves.error);
-  if (!shown.length) return null;
-  const { title } = shown[0].header.curves.error;
+  const { title } = runs[0].header.curves.error;
   let most = 0.1;
-  for (const run of shown) {
-    const { bands, column } = run.header.curves.error;
-    for (const value of bands ? run.array("bands") : run.column(column)) {
+  for (const run of runs) {
+    const { bands } = run.header.curves.error;
+    for (const value of run.array(bands ? "bands" : "error")) {
       if (Number.isFinite(value)) most = Math.max(most, Math.abs(value));
     }
   }
   const draw = (context, frame, { colours, active, chosen }) => {
     const run = runs[active];
     const { error } = run.header.curves;
-    if (!error) return;
     if (error.bands) drawBands(context, frame, run, colours);
     for (let robot = 0; robot < run.robots; robot++) {
       if (error.bands && robot !== chosen) continue;
       const colour = colours.robots[robot % colours.robots.length];
-      drawSteps(context, frame, run, robot, run.column(error.column), colour, robot === chosen ? 2.5 : 1);
+      drawError(context, frame, run, robot, colour, robot === chosen ? 2.5 : 1);
     }
   };
   return { title, limits: [-most, most], share: 1.1, ofOne: true, draw };
@@ -67,22 +64,35 @@ function drawBands(context, frame, run, colours) {
   context.stroke();
 }
 
+/** Formation error or deviation of one robot, at samples of the run. */
+function drawError(context, frame, run, robot, colour, width) {
+  const steps = (run.errorStep ??= run.array.whole("error_step"));
+  const values = (run.error ??= run.array("error"));
+  const first = robot * steps.length;
+  drawLine(context, frame, run, steps, values.subarray(first, first + steps.length), colour, width);
+}
+
+/** A figure of one robot, at its decisions. */
 function drawSteps(context, frame, run, robot, values, colour, width) {
+  const mine = [run.first[robot], run.first[robot + 1]];
+  drawLine(context, frame, run, run.step.subarray(...mine), values.subarray(...mine), colour, width);
+}
+
+function drawLine(context, frame, run, steps, values, colour, width) {
   context.strokeStyle = colour;
   context.lineWidth = width;
   context.beginPath();
   const [low, high] = frame.limits;
   let open = false;
-  for (let row = run.first[robot]; row < run.first[robot + 1]; row++) {
-    const value = values[row];
+  values.forEach((value, k) => {
     const there = value >= low && value <= high; // so neither NaN nor what lies beyond the plot
     if (there) {
-      const x = frame.x(run.step[row] * run.dt);
+      const x = frame.x(steps[k] * run.dt);
       if (open) context.lineTo(x, frame.y(value));
       else context.moveTo(x, frame.y(value));
     }
     open = there;
-  }
+  });
   context.stroke();
 }
 

@@ -175,7 +175,7 @@ function factTable(run, robot, row, go, time) {
   if (Number.isFinite(off)) rest.push(`${metres(Math.abs(off))} ${off < 0 ? "right" : "left"} of it`);
   if (rest.length) add("place", rest.join(", "));
   const error = run.column("formation_error")[row];
-  const formed = run.header.curves.error?.column === "formation_error";
+  const formed = run.header.curves.error.name === "formation_error";
   if (Number.isFinite(error) && formed) add("formation error", metres(error));
   const isTold = (name) => limits(run, row).some((one) => one.column === name);
   for (const { name, unit, words: meaning } of run.header.columns) {

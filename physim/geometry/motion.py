@@ -15,6 +15,10 @@ import numpy as np
 from physim.compiled import compiled
 from physim.geometry.shapes import FloatArray
 
+NO_TURN = 1e-100
+"""[rad/s] A body that turns more slowly is taken for one that does not: in no time does it turn by
+as much as rounding, and bounds that are divided by rates as small as this would overflow."""
+
 Pose = FloatArray | tuple[float, float, float]
 """(3,) x, y [m], heading [rad], world frame"""
 
@@ -112,6 +116,8 @@ def facing_course(
     x: float, y: float, c: float, s: float, v: float, omega: float, radius: float
 ) -> Course:
     """`arc_course` of a body whose heading has the cosine c and the sine s."""
+    if abs(omega) < NO_TURN:
+        omega = 0.0
     return Course(x, y, c, s, v * c, v * s, omega, omega, abs(v), radius)
 
 
@@ -131,6 +137,8 @@ def straight_course(pose: Pose, vx: float, vy: float, omega: float, radius: floa
     c = math.cos(pose[2])
     s = math.sin(pose[2])
     speed = math.sqrt(vx * vx + vy * vy)
+    if abs(omega) < NO_TURN:
+        omega = 0.0
     return Course(pose[0], pose[1], c, s, vx, vy, 0.0, omega, speed, radius)
 
 

@@ -26,6 +26,7 @@ from tests.geometry.cases import BOX, corridor_walls, placed, published, random_
 from tests.oracles.collision_time import distance_at, marched_time
 
 HORIZON = 10.0
+BOX_REACH = max(x for x, _ in BOX)
 OMEGAS = (0.0, 0.0, -1.57, -0.785, 0.785, 1.57, 0.3, -1e-3)
 
 
@@ -380,3 +381,16 @@ def test_published_point_and_segment():
         if case["hit"]:
             assert xi == pytest.approx(case["first_contact_fraction"], abs=1e-9), case["id"]
     assert used > 50
+
+
+@pytest.mark.parametrize("omega", [5e-324, -1e-310, 1e-308, 2e-308, -1e-200, 1e-99, 1e-50, 1e-20])
+def test_a_turn_too_slow_to_tell_changes_nothing(omega):
+    # Divided by the slowest of these, bounds overflowed: nothing was ever met.
+    wall = [(2.0, -5.0), (2.0, 5.0)]
+    still = (0.0, 0.0)
+    for v in (1.0, 0.25):
+        for other, pose, gap in (([BOX], (3.0, 0.0, 0.0), 3.0 - 2.0 * BOX_REACH),
+                                 ([wall], (0.0, 0.0, 0.0), 2.0 - BOX_REACH)):  # fmt: skip
+            for twist in ((v, omega), (v, 0.0, omega)):
+                xi = collision_time([BOX], (0.0, 0.0, 0.0), twist, other, pose, still)
+                assert xi == pytest.approx(gap / v, abs=2e-9 / v)

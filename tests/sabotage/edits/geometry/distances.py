@@ -7,6 +7,15 @@ from tests.sabotage.edit import Edit
 EDITS = (
     Edit(
         "geometry",
+        "physim/geometry/motion.py",
+        "NO_TURN",
+        "1e-100",
+        "0.0",
+        "a turn too slow to tell hides no contact",
+        "tests/geometry/test_collision_time.py::test_a_turn_too_slow_to_tell_changes_nothing",
+    ),
+    Edit(
+        "geometry",
         "physim/geometry/convex.py",
         "by_outline",
         "max(OUTLINE_ROUNDING, ROUNDINGS * away)",

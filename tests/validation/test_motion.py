@@ -16,7 +16,7 @@ from physim.analysis.validation.seeds import json_of_validation
 from physim.contacts import Phase
 from physim.tolerances import DEEP
 from tests.validation.reports import states
-from tests.validation.runs import APART, LANE, Drivers, edited
+from tests.validation.runs import APART, LANE, REAR_END, Drivers, edited, lane
 
 
 def tampered(record, path, change):
@@ -120,6 +120,22 @@ def test_a_robot_that_stands_may_be_pushed_by_the_energy_of_another():
     found = validate(record)
     assert found.motion.held > 100
     assert found.motion.strays == ()
+
+
+def test_masses_let_no_light_robot_go_anywhere(tmp_path):
+    # What a world says of masses is held against nothing: a million to one is 1000 times as fast.
+    heavy = {"robots.0.mass": "1", "robots.1.mass": "1000000"}
+    record = lane(REAR_END, **heavy)
+    rows = record.contacts
+    step = int(rows["step"][rows["phase"] == Phase.STAYS][5])
+
+    def shift(file):
+        file["/steps/pose"][step:, 0, 0] += 3.0
+
+    assert validate(record).motion.strays == ()
+    with tampered(record, tmp_path / "record.h5", shift) as forged:
+        far = [one for one in validate(forged).motion.strays if one.allowed is not None]
+    assert (far[0].robot, far[0].step) == (0, step)
 
 
 class Slower:

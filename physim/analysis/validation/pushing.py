@@ -6,7 +6,9 @@ energy than they were commanded to have, and one of them at most all of it:
 
     m_i (v_i^2 + k_i^2 omega_i^2) <= sum over j of m_j (v_j^2 + k_j^2 omega_j^2)
 
-with radii of gyration k. Twice a step each is eased out of overlaps, by a share of their depths.
+with radii of gyration k, and none is faster than `LEVER` times the fastest command among them: so
+fast is a light one that heavy ones squeeze out of a gap of 6 degrees between them. Twice a step
+each is eased out of overlaps, by a share of their depths.
 Pushing each other are robots that touch at either sample of the step, or that touched just before,
 and, where that does not explain a step, those within `PUSHED` of them, which they may meet in it.
 """
@@ -26,6 +28,9 @@ from physim.geometry.shapes import FloatArray, IntArray
 from physim.record import Record
 from physim.simulation.engine.space import body_parts, moment
 from physim.tolerances import ONE_STEP, PUSHED, ULPS
+
+LEVER = 20.0
+"""[-] Without this what is said of masses would let a light robot go anywhere."""
 
 
 class TooFar(NamedTuple):
@@ -71,12 +76,10 @@ class Pushing:
             _between_robots(before, at, robots),
             _between_robots(after, (after["step"] - first - 1) * robots, robots),
         ))  # fmt: skip
-        energy = (
-            self.mass * (command[..., 0] ** 2 + (self.gyration * command[..., 1]) ** 2)
-        ).ravel()
+        rate = np.hypot(command[..., 0], self.gyration * command[..., 1]).ravel()
         overlap = np.maximum(before["depth"], 0.0)
         depth = np.bincount(at + before["a"], overlap, held.size).astype(np.float64)
-        allowed = self._allowed(_groups(pairs, held.size), energy, depth).reshape(held.shape)
+        allowed = self._allowed(_groups(pairs, held.size), rate, depth).reshape(held.shape)
         moved = np.diff(poses, axis=0)
         gap, turn = np.hypot(moved[..., 0], moved[..., 1]), np.abs(moved[..., 2])
         shift = np.hypot(gap, self.gyration * turn)
@@ -86,18 +89,20 @@ class Pushing:
             mine = pairs[pairs[:, 0] // robots == k] % robots
             mine = np.concatenate((mine, self._near(poses[k])))
             part = slice(k * robots, (k + 1) * robots)
-            allowed[k, i] = self._allowed(_groups(mine, robots), energy[part], depth[part])[i]
+            allowed[k, i] = self._allowed(_groups(mine, robots), rate[part], depth[part])[i]
         still = ~(shift[step, robot] <= allowed[step, robot] + slack[step, robot])
         step, robot = step[still], robot[still]
         return TooFar(
             first + step + 1, robot, gap[step, robot], turn[step, robot], allowed[step, robot]
         )
 
-    def _allowed(self, group: IntArray, energy: FloatArray, depth: FloatArray) -> FloatArray:
-        """[m] what robots may move that push each other in groups."""
-        mass = np.resize(self.mass, len(group))
-        speed = np.sqrt(np.bincount(group, energy)[group] / mass)
+    def _allowed(self, group: IntArray, rate: FloatArray, depth: FloatArray) -> FloatArray:
+        """[m] what robots may move that push each other in groups, commanded to ``rate`` [m/s]."""
+        mass, fastest = np.resize(self.mass, len(group)), np.zeros(len(group))
+        np.maximum.at(fastest, group, rate)
+        energetic = np.sqrt(np.bincount(group, mass * rate**2)[group] / mass)
         eased = np.bincount(group, depth)[group]
+        speed = np.minimum(energetic, LEVER * fastest[group])
         return np.asarray(speed * self.record.dt + 2.0 * eased)
 
     def _near(self, pose: FloatArray) -> IntArray:

@@ -166,11 +166,20 @@ EDITS = (
         "validation",
         "physim/analysis/validation/pushing.py",
         "Pushing._allowed",
-        "np.bincount(group, energy)[group] / mass",
-        "energy / mass",
+        "np.bincount(group, mass * rate**2)[group] / mass",
+        "rate**2",
         "a robot is pushed by the energy of others",
         "tests/validation/test_motion.py::"
         "test_a_robot_that_stands_may_be_pushed_by_the_energy_of_another",
+    ),
+    Edit(
+        "validation",
+        "physim/analysis/validation/pushing.py",
+        "Pushing._allowed",
+        "np.minimum(energetic, LEVER * fastest[group])",
+        "energetic",
+        "masses of a world let no robot go anywhere",
+        "tests/validation/test_motion.py::test_masses_let_no_light_robot_go_anywhere",
     ),
     Edit(
         "validation",

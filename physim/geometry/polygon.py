@@ -284,6 +284,18 @@ def smallest_width(parts: Sequence[ArrayLike]) -> float:
     return min(least_width(part) for part in parts)
 
 
+def moment(parts: list[FloatArray], mass: float) -> float:
+    """Moment of inertia [kg m^2] about the origin of even polygons that share ``mass`` by area."""
+    area = inertia = 0.0
+    for part in parts:
+        after = np.roll(part, -1, axis=0)
+        cross = part[:, 0] * after[:, 1] - part[:, 1] * after[:, 0]
+        square = (part * part + part * after + after * after).sum(axis=1)
+        area += cross.sum() / 2.0
+        inertia += (cross * square).sum() / 12.0
+    return float(mass * inertia / area)
+
+
 def convex_hull(polygon: ArrayLike) -> FloatArray:
     """Corners (m, 2) of the convex hull, counter-clockwise, without flat ones (monotone chain)."""
     points = np.unique(np.asarray(polygon, dtype=np.float64).reshape(-1, 2), axis=0)

@@ -92,6 +92,14 @@ def joined_shapes(shapes: Shapes, walls: Shapes) -> Shapes:
     )
 
 
+def body_parts(shapes: Shapes, body: int) -> list[FloatArray]:
+    """Return the convex parts (n, 2) of one body."""
+    return [
+        shapes.vertices[shapes.part_start[p] : shapes.part_start[p + 1]]
+        for p in range(shapes.body_start[body], shapes.body_start[body + 1])
+    ]
+
+
 def part_bodies(shapes: Shapes) -> IntArray:
     """Return the body (P,) that each part belongs to."""
     bodies = np.arange(len(shapes.body_start) - 1, dtype=np.int64)

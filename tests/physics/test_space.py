@@ -13,9 +13,9 @@ from hosts import ELL, box
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from physim.geometry.polygon import convex_parts, counter_clockwise, is_simple, signed_area
+from physim.geometry.polygon import convex_parts, counter_clockwise, is_simple, moment, signed_area
 from physim.geometry.shapes import pack_parts, part_bodies
-from physim.simulation.engine.space import MOST_WALL_CELLS, cell_side, moment
+from physim.simulation.engine.space import MOST_WALL_CELLS, cell_side
 from tests.geometry.test_polygon import star_polygons
 
 

@@ -23,10 +23,10 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 from physim.contacts import touching
+from physim.geometry.polygon import moment
 from physim.geometry.separation import body_distance
-from physim.geometry.shapes import FloatArray, IntArray
+from physim.geometry.shapes import FloatArray, IntArray, body_parts
 from physim.record import Record
-from physim.simulation.engine.space import body_parts, moment
 from physim.tolerances import ONE_STEP, PUSHED, ULPS
 
 LEVER = 20.0

@@ -9,8 +9,16 @@ from physim.compiled import direct
 from physim.contacts import CONTACT_ROW, allowed_depth
 from physim.errors import PhysimError
 from physim.geometry.motion import chord_velocities
+from physim.geometry.polygon import moment
 from physim.geometry.separation import describe_pairs
-from physim.geometry.shapes import FloatArray, IntArray, Shapes, joined_shapes, part_bodies
+from physim.geometry.shapes import (
+    FloatArray,
+    IntArray,
+    Shapes,
+    body_parts,
+    joined_shapes,
+    part_bodies,
+)
 from physim.simulation.engine.choice import guard_of
 from physim.simulation.engine.cutting import cut_short
 from physim.simulation.engine.engine import Engine
@@ -27,7 +35,7 @@ from physim.simulation.engine.pairs import (
     no_pairs,
     split,
 )
-from physim.simulation.engine.space import body_parts, build_space, moment
+from physim.simulation.engine.space import build_space
 from physim.simulation.engine.state import (
     Impulses,
     PhysicsState,

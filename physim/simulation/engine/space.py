@@ -15,7 +15,8 @@ import numpy as np
 import pymunk
 from pymunk.batch import BodyFields, Buffer, get_space_bodies, set_space_bodies
 
-from physim.geometry.shapes import FloatArray, Shapes
+from physim.geometry.polygon import moment
+from physim.geometry.shapes import FloatArray, Shapes, body_parts
 from physim.tolerances import CONTACT
 
 SLOP = 1e-3
@@ -112,26 +113,6 @@ def parking(shapes: Shapes, walls: Shapes) -> FloatArray:
     pose[:, 0] = room * np.arange(len(pose))
     pose[:, 1] = room + walls.vertices[:, 1].max(initial=0.0)
     return pose
-
-
-def body_parts(shapes: Shapes, body: int) -> list[FloatArray]:
-    """Return the convex parts (n, 2) of one body."""
-    return [
-        shapes.vertices[shapes.part_start[p] : shapes.part_start[p + 1]]
-        for p in range(shapes.body_start[body], shapes.body_start[body + 1])
-    ]
-
-
-def moment(parts: list[FloatArray], mass: float) -> float:
-    """Moment of inertia [kg m^2] about the origin of even polygons that share ``mass`` by area."""
-    area = inertia = 0.0
-    for part in parts:
-        after = np.roll(part, -1, axis=0)
-        cross = part[:, 0] * after[:, 1] - part[:, 1] * after[:, 0]
-        square = (part * part + part * after + after * after).sum(axis=1)
-        area += cross.sum() / 2.0
-        inertia += (cross * square).sum() / 12.0
-    return float(mass * inertia / area)
 
 
 def _robot_body(shapes: Shapes, robot: int, pose: FloatArray, mass: float) -> pymunk.Body:

@@ -176,9 +176,9 @@ def validate(record: Record, *, source: str | None = None) -> Validation:
     """
     check_record(record)
     check_complete(record)
+    analytic = analytic_contacts(record)
     inside = world_inside(record)
     scene = fitting(record, inside).scene
-    analytic = analytic_contacts(record)
     table = DecisionTable(record)
     exact = exact_distances(record)
     comparison = compare(record, analytic, exact)

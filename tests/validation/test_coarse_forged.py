@@ -150,6 +150,33 @@ def test_a_killed_run_whose_distances_are_not_those_of_its_samples(tmp_path, cap
         assert "smallest distance" in out
 
 
+def worse(column: str, step: str, at: int) -> Callable[[h5py.File], None]:
+    """A distance that is smaller than any, at a step."""
+
+    def edit(file: h5py.File) -> None:
+        rows = file["extremes"][()]
+        rows[column][0], rows[step][0] = -0.5, at
+        file["extremes"][...] = rows
+
+    return edit
+
+
+def test_a_killed_run_with_extremes_of_no_sample(tmp_path, free, capsys) -> None:
+    """Such a run would miss what its world expects; after its last sample nobody knows."""
+    path = tmp_path / "lane.h5"
+    physim.simulate(physim.parse_world(LANE), path=path).close()
+    for record in (path, free):
+        for column, step in (
+            ("clearance", "clearance_step"),
+            ("boundary_clearance", "boundary_step"),
+        ):
+            code, out, _ = run(capsys, forged(record, killed(worse(column, step, 20))))
+            assert code == 3
+            assert "-0.5" in out
+            later = forged(record, killed(worse(column, step, 10**6)))
+            assert run(capsys, later)[0] in (0, 1)
+
+
 def test_true_records_of_other_versions_agree_up_to_the_first_contact(
     free, touching, capsys
 ) -> None:

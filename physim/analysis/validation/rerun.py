@@ -183,14 +183,15 @@ def _first(record: Record, again: Record, until: int, exact: bool, whole: bool) 
 
 
 def _bounds(record: Record, again: Record, until: int) -> Iterator[Mismatch]:
-    """Extremes and arrivals that are not even those of the run up to a step."""
-    for column in ("clearance", "boundary_clearance"):
+    """Extremes and arrivals that the run up to a step does not have."""
+    for column, when in (("clearance", "clearance_step"), ("boundary_clearance", "boundary_step")):
         least = np.full(record.robots, np.inf)
         for low in range(0, until + 1, BLOCK):
             part = again.read(f"/steps/{column}", low, min(low + BLOCK, until + 1))
             least = np.minimum(least, part.min(axis=0, initial=np.inf))
-        told = record.read(EXTREMES)[column]
-        for k in np.flatnonzero(told > least + SLACK)[:1].tolist():
+        told, step = record.read(EXTREMES)[column], record.read(EXTREMES)[when]
+        wrong = (told > least + SLACK) | ((told < least - SLACK) & (step <= until))
+        for k in np.flatnonzero(wrong)[:1].tolist():
             yield Mismatch.of(record, EXTREMES, column, told[k], least[k], BY, row=k, robot=k)
     told = record.arrived
     wrong = (told >= 0) & (told <= until) & (told != again.arrived) & (again.arrived <= until)

@@ -341,9 +341,8 @@ def _unlike(
     """Whether values differ: to the bit, or by more than the slack of a column."""
     if exact:
         if recorded.dtype.kind == "f":
-            recorded, repeated = (
-                np.ascontiguousarray(v).view(np.int64) for v in (recorded, repeated)
-            )
+            both = (np.ascontiguousarray(v).view(np.int64) for v in (recorded, repeated))
+            recorded, repeated = both
         return np.asarray(recorded != repeated)
     return differs(recorded, repeated, SLACKS.get(column, SLACK))
 

@@ -10,6 +10,7 @@ from types import SimpleNamespace
 
 import pytest
 
+from physim import parse_world, simulate
 from physim.analysis.crashtest import crash_test
 from physim.cli.output import regular, write_text
 from physim.errors import PhysimError
@@ -70,6 +71,7 @@ def test_with_force_it_is_written_over(
     crash_test(11)
     _, out, _ = WRITES[name]
     (here / out).write_text("mine")
+    simulate(parse_world(SMALL), path=here / "record.h5", overwrite=True).close()
     assert physim(*written(name), "--force", "--quiet", capture=capsys).code in (0, 1, 3)
     assert (here / out).read_text().startswith("{\n")
 

@@ -9,7 +9,15 @@ from pathlib import Path
 
 import click
 
-from physim.cli.output import empty_folder, inputs, new_file, world_name, write_text, writing
+from physim.cli.output import (
+    empty_folder,
+    inputs,
+    its_folder,
+    new_file,
+    world_name,
+    write_text,
+    writing,
+)
 from physim.cli.parser import Options, command, flag, option
 from physim.cli.values import PATH, WHOLE, OneOf
 from physim.errors import PhysimError, WorldError
@@ -157,6 +165,7 @@ def _check_file(file: Path, force: bool, *inputs: Path) -> None:
         raise PhysimError(f"{file}: is the name of the schema; choose another one")
     world_name(file)
     new_file(file, force, *inputs)
+    its_folder(file)
     check_schema(file, force, *inputs)
 
 

@@ -88,7 +88,7 @@ def test_names_are_safe_in_files_and_whole_in_worlds(tmp_path, capsys, name, fil
         (["a", "--robots", "0"], ("--robots 0:", "corridor", "1 to 22")),
         (["a", "--robots", "11", "--template", "doorway"], ("--robots 11:", "doorway", "1 to 10")),
         (["a", "--template", "bent"], ("--template bent:", "corridor", "doorway", '"bend"')),
-        (["a", "-o", "no/a.yaml"], ("no/a.yaml:", "No such file or directory")),
+        (["a", "-o", "no/a.yaml"], ("no/a.yaml:", "no folder no")),
         (["a", "-o", "."], ("is a folder", "-o")),
         (["a", "-o", "world.schema.json"], ("world.schema.json", "the schema")),
         (["a", "-o", "b", "--project", "c"], ("-o", "--project", "one of them")),

@@ -78,11 +78,12 @@ def allowed_depth(shapes: Shapes, step: float) -> float:
     """How deep [m] bodies may be in each other at the end of a step of ``step`` [s].
 
     An impact is found where a step ends, as deep as the bodies closed in it: ``DEEP`` at 0.01 s or
-    less and ``IMPACT_SPEED``, in proportion more in longer steps, but no more than a quarter of the
-    smallest width of the robots' footprints ``shapes``, as far as a robot may move in a step: one
-    that is beyond a wall by more than half is pushed out on the wrong side. The engine
-    keeps to it (`physim.simulation.engine.cutting`); a contact that is deeper all the same was not
-    held: from there on a record is not physical, and every report says so.
+    less and ``IMPACT_SPEED``, in proportion more in longer steps. But a robot that is beyond a wall
+    by more than half is pushed out on the wrong side: so no more than a quarter of the smallest
+    width of the robots' footprints ``shapes``, and at least twice the depth at which contacts
+    settle, which robots narrower than 8 mm pay for. The engine keeps to it
+    (`physim.simulation.engine.cutting`); a contact that is deeper all the same was not held: from
+    there on a record is not physical, and every report says so.
     """
     bounds = zip(shapes.part_start[:-1].tolist(), shapes.part_start[1:].tolist(), strict=True)
     parts = {shapes.vertices[low:high].tobytes() for low, high in bounds}

@@ -17,13 +17,14 @@ from physim.cli import main
 from physim.errors import RecordError
 from physim.record import Record
 from physim.record.checks import LITTLE_PLACE
+from tests.cli.commands import SMALL
 from tests.records import make_record
 
 
 @pytest.fixture(scope="module")
 def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
     path = tmp_path_factory.mktemp("made") / "record.h5"
-    make_record(path, seconds=4.0, world_text="").close()
+    make_record(path, seconds=4.0, world_text=SMALL).close()
     return path
 
 

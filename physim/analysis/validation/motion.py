@@ -14,6 +14,7 @@ energy than what they were commanded to do, and they are eased by no more than t
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -105,7 +106,10 @@ def check_motion(record: Record, table: DecisionTable, mass: FloatArray | None) 
     off = _Off(*(np.concatenate(column) for column in zip(*found, strict=True)))
     strays = _strays(record, table, off, touched)
     if far:
-        strays += _too_far(record, TooFar(*map(np.concatenate, zip(*far, strict=True))))
+        too_far = TooFar(*map(np.concatenate, zip(*far, strict=True)))
+        for i in np.unique(too_far.robot).tolist():
+            step, _, *sizes = (column[too_far.robot == i] for column in too_far)
+            strays += _stretches(record, i, step, *sizes)
     return Motion(checked, held, tuple(sorted(strays, key=lambda one: (one.step, one.robot))))
 
 
@@ -135,7 +139,8 @@ def _off(
 def _strays(
     record: Record, table: DecisionTable, off: _Off, touched: NDArray[np.bool_]
 ) -> list[Stray]:
-    shapes, strays = record.shapes, []
+    shapes = record.shapes
+    strays: list[Stray] = []
     for i in range(record.robots):
         mine = off.robot == i
         step, gap, turn = off.step[mine], off.gap[mine], off.turn[mine]
@@ -148,35 +153,26 @@ def _strays(
             dtype=np.bool_,
         )
         step, gap, turn = step[kept], gap[kept], turn[kept]
-        strays += [
-            Stray(
-                i, int(step[run[0]]), len(run), float(step[run[0]] * record.dt),
-                float(gap[run].max()), float(turn[run].max()),
-            )
-            for run in _runs(step)
-        ]  # fmt: skip
+        strays += _stretches(record, i, step, gap, turn)
     return strays
 
 
-def _too_far(record: Record, far: TooFar) -> list[Stray]:
-    """Steps in contact that are too long, consecutive ones as one."""
-    strays = []
-    for i in np.unique(far.robot).tolist():
-        step, _, gap, turn, allowed = (column[far.robot == i] for column in far)
-        strays += [
-            Stray(
-                i, int(step[run[0]]), len(run), float(step[run[0]] * record.dt),
-                float(gap[run].max()), float(turn[run].max()), float(allowed[run].max()),
-            )
-            for run in _runs(step)
-        ]  # fmt: skip
-    return strays
-
-
-def _runs(step: IntArray) -> list[IntArray]:
-    """Places of consecutive steps in a rising row of them."""
+def _stretches(
+    record: Record,
+    robot: int,
+    step: IntArray,
+    gap: FloatArray,
+    turn: FloatArray,
+    allowed: FloatArray | None = None,
+) -> Iterator[Stray]:
+    """Steps of a robot in rising order, consecutive ones as one."""
     cuts = np.flatnonzero(np.diff(step) != 1) + 1
-    return np.split(np.arange(len(step)), cuts) if len(step) else []
+    for run in np.split(np.arange(len(step)), cuts) if len(step) else ():
+        at = int(step[run[0]])
+        yield Stray(
+            robot, at, len(run), at * record.dt, float(gap[run].max()), float(turn[run].max()),
+            None if allowed is None else float(allowed[run].max()),
+        )  # fmt: skip
 
 
 def _pushed(

@@ -184,12 +184,13 @@ def _first(record: Record, again: Record, until: int, exact: bool, whole: bool) 
 
 def _bounds(record: Record, again: Record, until: int) -> Iterator[Mismatch]:
     """Extremes and arrivals that the run up to a step does not have."""
+    rows = record.read(EXTREMES)
     for column, when in (("clearance", "clearance_step"), ("boundary_clearance", "boundary_step")):
         least = np.full(record.robots, np.inf)
         for low in range(0, until + 1, BLOCK):
             part = again.read(f"/steps/{column}", low, min(low + BLOCK, until + 1))
             least = np.minimum(least, part.min(axis=0, initial=np.inf))
-        told, step = record.read(EXTREMES)[column], record.read(EXTREMES)[when]
+        told, step = rows[column], rows[when]
         wrong = (told > least + SLACK) | ((told < least - SLACK) & (step <= until))
         for k in np.flatnonzero(wrong)[:1].tolist():
             yield Mismatch.of(record, EXTREMES, column, told[k], least[k], BY, row=k, robot=k)
@@ -341,10 +342,8 @@ def _unlike(
     """Whether values differ: to the bit, or by more than the slack of a column."""
     if exact:
         if recorded.dtype.kind == "f":
-            both = (np.ascontiguousarray(v).view(np.int64) for v in (recorded, repeated))
-            recorded, repeated = both
+            recorded, repeated = (
+                np.ascontiguousarray(v).view(np.int64) for v in (recorded, repeated)
+            )
         return np.asarray(recorded != repeated)
     return differs(recorded, repeated, SLACKS.get(column, SLACK))
-
-
-__all__ = ["Rerun", "compare_runs", "rerun", "run_again", "simulation_again"]

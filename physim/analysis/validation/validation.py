@@ -176,9 +176,9 @@ def validate(record: Record, *, source: str | None = None) -> Validation:
     """
     check_record(record)
     check_complete(record)
-    analytic = analytic_contacts(record)
     inside = world_inside(record)
-    scene = fitting(record, inside).scene
+    fitted = fitting(record, inside)
+    analytic = analytic_contacts(record)
     table = DecisionTable(record)
     exact = exact_distances(record)
     comparison = compare(record, analytic, exact)
@@ -186,8 +186,8 @@ def validate(record: Record, *, source: str | None = None) -> Validation:
     return Validation(
         _run(record, source), comparison, contacts, swept_contact_reports(record, table),
         near_misses(record, analytic, table, exact),
-        check_motion(record, table, None if scene is None else scene.mass),
-        compare_with_world(record, inside), recompute(record, fitting(record, inside), table),
+        check_motion(record, table, None if fitted.scene is None else fitted.scene.mass),
+        compare_with_world(record, inside), recompute(record, fitted, table),
         _expectations(record), deep_contacts(record),
     )  # fmt: skip
 

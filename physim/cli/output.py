@@ -70,7 +70,7 @@ def remove_earlier(
         )
     with writing(folder):
         for file in () if later else earlier:
-            file.unlink()
+            file.unlink(missing_ok=True)  # another command may have removed it just now
 
 
 def empty_folder(folder: Path, force: bool, *files: Path, option: str = "-o") -> None:

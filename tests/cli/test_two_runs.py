@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pytest
 
+from physim.cli.output import remove_earlier
 from physim.errors import RecordError
 from physim.record import Record
 from tests.cli.commands import LONG, SMALL, physim, started
@@ -82,3 +83,10 @@ def kill(process: subprocess.Popen[str]) -> None:
     if process.poll() is None:
         process.kill()
         process.communicate()
+
+
+def test_what_another_command_removed_just_now_is_no_error(tmp_path: Path) -> None:
+    mine, gone = tmp_path / "record.h5", tmp_path / "summary.json"
+    mine.write_text("an earlier one")
+    remove_earlier(tmp_path, [gone, mine], True, what="an earlier run")
+    assert not any(tmp_path.iterdir())

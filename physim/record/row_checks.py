@@ -193,6 +193,11 @@ def _check_turns(source: Source, pose: FloatArray, most: float) -> None:
     source.refuse(np.asarray((turn > most).any(axis=1)), fault)
 
 
+_MOMENTS = {
+    layout.EXTREMES: (("clearance_step", "clearance_other"), ("boundary_step", "boundary_other")),
+    layout.EXTREMES_FARTHEST: (("step", "a", "b"),),
+}
+"""Columns that say when and of whom: all of them, or nobody and never."""
 DISTANCE = f"a number, finite at most {FARTHEST_APART:g}"
 """What a distance must be."""
 
@@ -217,6 +222,14 @@ def check_extremes(source: Source, rows: NDArray[np.void], bounds: Bounds) -> No
         distances = ["clearance", "boundary_clearance"]
     for column, high in highest.items():
         source.within(column, rows[column], -1, high)
+    for when, *others in _MOMENTS[source.path]:
+        for other in others:
+            source.refuse(
+                (rows[when] < 0) != (rows[other] < 0),
+                lambda k, one=other, at=when: (
+                    f"{one} is {rows[one][k]} and {at} {rows[at][k]}; -1 is both or neither"
+                ),
+            )
     for column in distances:
         none = -np.inf if column == "farthest" else np.inf
         _check_number(source, column, rows[column], none)

@@ -6,7 +6,8 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
-from typing import Annotated, Any
+from types import MappingProxyType
+from typing import Annotated, Any, ClassVar
 
 from pydantic import BeforeValidator, ConfigDict, Field, WithJsonSchema, field_serializer
 from pydantic_core import PydanticCustomError
@@ -142,6 +143,9 @@ class Arrival(Model):
 class Physics(Model):
     """Material of all bodies in contact."""
 
+    advice: ClassVar[Mapping[str, str]] = MappingProxyType(
+        dict.fromkeys(("restitution", "bounciness", "bounce"), 'did you mean "elasticity"?')
+    )
     friction: Annotated[Number, Field(ge=0.0, le=100.0)] = Field(
         default=0.0, description="[-] Coulomb friction coefficient"
     )

@@ -220,6 +220,18 @@ def test_extremes_that_no_scene_has(made: Path, tmp_path: Path, path: str, colum
     refused(tampered(made, tmp_path, path, row, -1.7e308, column), path, column, "-1.7e+308")
 
 
+@pytest.mark.parametrize(
+    ("path", "column"),
+    [("/extremes", "clearance_step"), ("/extremes", "boundary_other"),
+     ("/extremes_farthest", "a"), ("/extremes_farthest", "b")],
+)  # fmt: skip
+def test_extremes_of_nobody_are_of_no_step(
+    made: Path, tmp_path: Path, path: str, column: str
+) -> None:
+    row = () if path == "/extremes_farthest" else 1
+    refused(tampered(made, tmp_path, path, row, -1, column), path, "-1", "both or neither")
+
+
 def test_no_run_has_so_many_steps(made: Path, tmp_path: Path) -> None:
     target = tmp_path / "tampered.h5"
     shutil.copyfile(made, target)

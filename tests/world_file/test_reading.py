@@ -267,3 +267,10 @@ def test_a_dash_in_a_quoted_key_is_its_own() -> None:
         parse_world('"-name": 1\n')
     assert "unknown key" in str(caught.value)
     assert "space" not in str(caught.value)
+
+
+@pytest.mark.parametrize("word", ["restitution", "bounciness"])
+def test_other_words_for_elasticity(word: str) -> None:
+    with pytest.raises(WorldError) as raised:
+        parse_world(STRAIGHT + f"physics: {{{word}: 0.4}}\n")
+    check_error(f"{raised.value}\n", "<text>:", f"physics.{word}", '"elasticity"?')

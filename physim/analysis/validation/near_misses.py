@@ -86,14 +86,15 @@ def near_misses(
     record: Record, analytic: AnalyticContacts, table: DecisionTable, exact: Exact
 ) -> NearMisses:
     """Find the near misses of a record with the poses of every step; all by the shapes."""
-    grazed = [(int(row["a"]), int(row["b"]), int(row["step"])) for row in analytic.grazes]
+    grazed: dict[tuple[int, int], list[int]] = {}
+    for row in analytic.grazes:
+        grazed.setdefault((int(row["a"]), int(row["b"])), []).append(int(row["step"]))
     distances = [
         NearMiss(near.a, near.b, near.step, near.step * record.dt, near.distance)
         for near in analytic.approaches
         if near.distance > CONTACT
-        and not any((near.a, near.b) == (a, b) and near.first <= s <= near.last + 1
-                    for a, b, s in grazed)
-    ]  # fmt: skip
+        and not any(near.first <= s <= near.last + 1 for s in grazed.get((near.a, near.b), ()))
+    ]
     return NearMisses(
         tuple(_with_order(table, one) for one in listed(record, distances)),
         tuple(_with_order(table, one) for one in listed(record, _times(record))),

@@ -152,6 +152,15 @@ EDITS = (
     Edit(
         "record",
         "physim/record/row_checks.py",
+        "check_extremes",
+        "(rows[when] < 0) != (rows[other] < 0)",
+        "np.zeros(len(rows), dtype=bool)",
+        "extremes of nobody are of no step",
+        "tests/record/test_values.py::test_extremes_of_nobody_are_of_no_step",
+    ),
+    Edit(
+        "record",
+        "physim/record/row_checks.py",
         "_is_distance",
         "(np.abs(values) <= FARTHEST_APART)",
         "(np.abs(values) <= np.inf)",

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 import math
+import re
 import tempfile
 import time
 from pathlib import Path
@@ -36,6 +37,7 @@ METRICS = (
 )  # fmt: skip
 KEEP = ("none", "failed", "all")
 """Which records are kept: those of no run, of runs that were not contact-free, of all"""
+ADDRESS = re.compile(r"\b0x[0-9a-fA-F]{6,16}\b")
 READY_WORLD, READY_SECONDS = "three_robots", 0.2
 SCENES = 32
 """Worlds that a worker has ready at a time"""
@@ -182,10 +184,12 @@ def figures(record: Record) -> dict[str, Any]:
 
 
 def one_line(error: BaseException) -> str:
-    """An error on one line."""
+    """An error on one line, the same in every process: without addresses in memory."""
     if isinstance(error, PhysimError):
-        return " ".join(str(error).split())[:500]
-    return broken_by(error)
+        told = " ".join(str(error).split())[:500]
+    else:
+        told = broken_by(error)
+    return ADDRESS.sub("0x...", told)
 
 
 def _finite(value: Any) -> float | None:

@@ -62,6 +62,8 @@ class Awkward:
                 os.kill(os.getpid(), signal.SIGKILL)
             if self.how == "leave":
                 raise SystemExit("away")
+            if self.how == "address":
+                raise LookupError(f"no {object()!r}")
             while self.how == "hang":
                 try:
                     pass

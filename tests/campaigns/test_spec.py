@@ -120,6 +120,12 @@ def test_a_run_that_raises_is_a_row_that_says_where(here: Path, how: str, text: 
     assert row.contacts is None
 
 
+def test_a_reason_is_the_same_in_every_process(here: Path) -> None:
+    grid = make_grid(["small.yaml"], None, ["controller.how=address"], ["awkward:Awkward"])
+    row = run_one(*grid)
+    assert "LookupError: no <object object at 0x...>" in row.reason
+
+
 def test_a_clock_that_begins_anew_makes_no_row_that_is_refused(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

@@ -234,6 +234,15 @@ EDITS = (
     Edit(
         "campaigns",
         "physim/campaigns/one_run.py",
+        "one_line",
+        'ADDRESS.sub("0x...", told)',
+        "told",
+        "reasons hold no addresses in memory",
+        "tests/campaigns/test_spec.py::test_a_reason_is_the_same_in_every_process",
+    ),
+    Edit(
+        "campaigns",
+        "physim/campaigns/one_run.py",
         "figures",
         '"metrics": own_metrics.text_of(found),',
         "",

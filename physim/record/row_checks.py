@@ -224,15 +224,17 @@ def check_extremes(source: Source, rows: NDArray[np.void], bounds: Bounds) -> No
         source.within(column, rows[column], -1, high)
     for when, *others in _MOMENTS[source.path]:
         for other in others:
-            source.refuse(
-                (rows[when] < 0) != (rows[other] < 0),
-                lambda k, one=other, at=when: (
-                    f"{one} is {rows[one][k]} and {at} {rows[at][k]}; -1 is both or neither"
-                ),
-            )
+            _check_moment(source, rows, when, other)
     for column in distances:
         none = -np.inf if column == "farthest" else np.inf
         _check_number(source, column, rows[column], none)
+
+
+def _check_moment(source: Source, rows: NDArray[np.void], when: str, who: str) -> None:
+    source.refuse(
+        (rows[when] < 0) != (rows[who] < 0),
+        lambda k: f"{who} is {rows[who][k]} and {when} {rows[when][k]}; -1 is both or neither",
+    )
 
 
 def _check_number(source: Source, column: str, values: NDArray[Any], none: float) -> None:

@@ -152,8 +152,8 @@ EDITS = (
     Edit(
         "record",
         "physim/record/row_checks.py",
-        "check_extremes",
-        "(rows[when] < 0) != (rows[other] < 0)",
+        "_check_moment",
+        "(rows[when] < 0) != (rows[who] < 0)",
         "np.zeros(len(rows), dtype=bool)",
         "extremes of nobody are of no step",
         "tests/record/test_values.py::test_extremes_of_nobody_are_of_no_step",

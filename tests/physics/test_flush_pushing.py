@@ -57,6 +57,33 @@ def test_they_neither_turn_nor_leave_their_line(case: str) -> None:
     assert np.abs(pose[:, :, 2]).max() < 1e-9
 
 
+ROWS = {
+    "four": ([1.11] * 3, 0.01),
+    "four, far apart": ([1.2] * 3, 0.05),
+    "six": ([1.11] * 5, 0.01),
+    "ten": ([1.2] * 9, 0.01),
+    "unequal gaps": ([1.017, 1.141, 1.003, 1.22, 1.08], 0.01),
+    "long steps": ([1.017, 1.141, 1.003, 1.22, 1.08], 0.05),
+}
+"""From each to the next [m], step [s]"""
+
+
+@pytest.mark.parametrize("row", ROWS)
+def test_a_row_that_is_pushed_stays_straight(row: str) -> None:
+    """One of four turned by 12 mrad in a step of 10 ms, and by 74 in one of 50."""
+    gaps, dt = ROWS[row]
+    places = np.concatenate(([0.0], np.cumsum(gaps)))
+    shapes = pack_parts([box(1.0, 0.6)] * len(places))
+    start = np.stack((places, 0.0 * places, 0.0 * places), 1)
+    made = Physics(shapes, NO_WALLS, start, np.full(len(places), 60.0), dt)
+    command = np.zeros((len(places), 2))
+    command[0, 0] = 1.0
+    for _ in range(int(14.0 / dt)):
+        made.step(command)
+        assert np.abs(made.pose[:, 1:]).max() < 1e-6
+    assert made.pose[-1, 0] > places[-1] + 0.1
+
+
 @pytest.mark.parametrize("case", CASES)
 def test_both_guards_set_the_same_contacts_right(
     case: str, monkeypatch: pytest.MonkeyPatch
@@ -77,16 +104,20 @@ def test_what_the_engine_says_is_held_against_the_parts() -> None:
     shapes = pack_parts([box(1.0, 1.0), box(1.0, 0.5)])
     here, there = np.zeros(3), np.array((1.0, 0.6, 0.0))
 
-    def misled(dx: float, dy: float) -> bool:
-        return is_misled(shapes, 0, here, 1, there, dx, dy)
+    def misled(dx: float, dy: float, points: int = 2) -> bool:
+        return is_misled(shapes, 0, here, 1, there, points, dx, dy)
 
     assert misled(0.0, -1.0)  # a metre deep, sideways
     assert misled(2e-9, 1e-9)  # askew
-    assert not misled(2e-9, 1e-12)
+    assert misled(2e-9, 1e-14)
+    assert not misled(2e-9, 1e-16)
     assert not misled(5e-4, 5e-4)  # what is eased is small, whatever its way
     deep = np.array((0.99, 0.6, 0.0))
-    assert not is_misled(shapes, 0, here, 1, deep, 0.01, 0.0)
-    assert is_misled(shapes, 0, here, 1, deep, 0.0, 0.25)
+    assert not is_misled(shapes, 0, here, 1, deep, 1, 0.01, 0.0)
+    assert is_misled(shapes, 0, here, 1, deep, 2, 0.0, 0.25)
+    assert misled(2e-9, 0.0, points=1)  # at one end of a face that is flush
+    there[:] = 1.0 + 0.25 * np.sin(1e-4), 0.0, 1e-4  # at a corner
+    assert not misled(2e-9, 0.0, points=1)
 
 
 def test_they_meet_in_the_middle_of_what_their_faces_have_in_common() -> None:

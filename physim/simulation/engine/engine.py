@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from physim.geometry.shapes import FloatArray, IntArray, Shapes
 from physim.simulation.engine.guard import Guard, Touches
-from physim.simulation.engine.space import BodyArrays, Hosted, parking, stepper
+from physim.simulation.engine.space import BodyArrays, Hosted, parking, rounds, stepper
 from physim.simulation.engine.state import ContactMemory, Impulses, no_impulses
 
 
@@ -27,8 +27,12 @@ class Engine:
         """Whether the last step found contacts, if only false ones: the next begins from them."""
         return bool(self.guard.reported)
 
-    def step(self) -> Touches:
-        """Move all bodies, find the contacts at their new poses and solve them; the true ones."""
+    def step(self, pairs: int = 0) -> Touches:
+        """Move all bodies, find the contacts at their new poses and solve them; the true ones.
+
+        ``pairs`` of bodies touched before: so much there is to solve.
+        """
+        self._space.iterations = rounds(pairs)
         self._step()
         return self.guard.take()
 
@@ -48,13 +52,15 @@ class Engine:
         """Return what contacts have accumulated in the last step."""
         return self._memory.read() if self.remembers else no_impulses()
 
-    def recall(self, pose: FloatArray, impulses: Impulses | None) -> None:
+    def recall(self, pose: FloatArray, pairs: int, impulses: Impulses | None) -> None:
         """Stand the robots at poses (N, 3) where contacts had accumulated impulses, if known.
+
+        ``pairs`` are those of the `step` that led there.
 
         Raises PhysimError where the contacts found at the poses are others.
         """
         self.stand(pose)
-        self.step()
+        self.step(pairs)
         self.rejected()
         self.arrays.read_pose()
         if impulses is not None:

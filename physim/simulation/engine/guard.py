@@ -161,7 +161,7 @@ class PlainGuard:
         points = arbiter.contact_point_set
         first = points.points[0]
         dx, dy = first.point_b - first.point_a
-        if not is_misled(self._shapes, p, pose_p, q, pose_q, dx, dy):
+        if not is_misled(self._shapes, p, pose_p, q, pose_q, len(points.points), dx, dy):
             return
         nx, ny, *ends = meeting(self._shapes, p, pose_p, q, pose_q)
         sign = 1.0 if swapped else -1.0

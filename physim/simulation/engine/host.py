@@ -154,6 +154,7 @@ class Physics:
             part=known.part,
             feature=known.feature,
             impulse=known.impulse,
+            before=np.array(self._before),
             rejected=np.array(self.rejected),
             contacts=self.contacts,
             false_contacts=self.false_contacts,
@@ -179,6 +180,7 @@ class Physics:
             raise PhysimError("the state is of another scene: its steps lead to other poses")
         touching = state.touching[:, 0] * self._bodies + state.touching[:, 1]
         self._pairs = Pairs(touching, np.zeros(len(touching)))
+        self._before = int(state.before)
         self.step_number = int(state.step)
         self._guard.rejected = int(state.rejected)
         self.contacts, self.false_contacts = state.contacts, state.false_contacts
@@ -202,14 +204,14 @@ class Physics:
     def _take_up(self, state: PhysicsState) -> None:
         if self._journal is None:
             known = Impulses(state.part, state.feature, state.impulse)
-            self._engine.recall(state.pose, known)
+            self._engine.recall(state.pose, int(state.before), known)
             return
         if len(state.part):
             raise PhysimError(
                 "this version of pymunk cannot continue from a state in contact that another "
                 "version made"
             )
-        self._engine.recall(state.pose, None)
+        self._engine.recall(state.pose, int(state.before), None)
         self._journal.begin(int(state.step), state.pose, int(state.rejected))
 
     def _do_again(self, state: PhysicsState) -> None:
@@ -235,7 +237,7 @@ class Physics:
         pushes = self._no_pairs
         if len(before.key):
             self._wanted[:] = self._arrays.velocity
-            pushes = self._hold_back()
+            pushes = self._hold_back(len(before.key))
             self._arrays.velocity[:] = self._wanted
         self._move(before, pushes)
         return pushes
@@ -245,8 +247,8 @@ class Physics:
         depth = self.contacts["depth"]
         return bool(len(depth) and np.maximum.reduce(depth) > self._allowed_depth)
 
-    def _hold_back(self) -> Pairs:
-        """Replace wanted velocities of robots in contact by what contacts allow; the pushes.
+    def _hold_back(self, pairs: int) -> Pairs:
+        """Replace wanted velocities of robots in so many contacts by what these allow; the pushes.
 
         Bodies stand still, but for the engine's easing of overlaps, and are driven by the forces
         that would give them the wanted velocities.
@@ -255,7 +257,7 @@ class Physics:
         drive[:, :3] = 0.0
         np.multiply(self._wanted, self._drive_per_speed, out=drive[:, 3:])
         self._arrays.write_drive()
-        pushes = self._gather(self._engine.step())
+        pushes = self._gather(self._engine.step(pairs))
         self._arrays.read_velocity()
         self._engine.rejected()  # the same as those met when the bodies came here
         hold_back(pushes.key, self._bodies, self._arrays.velocity, self._wanted)
@@ -282,7 +284,8 @@ class Physics:
     def _move(self, before: Pairs, pushes: Pairs) -> None:
         """Move all bodies by ``velocity`` and set ``contacts``, given the pairs ``before``."""
         self._arrays.write_velocity()
-        touches = self._engine.step()
+        self._before = len(before.key)
+        touches = self._engine.step(self._before)
         self._arrays.read_pose()
         self.false_contacts = self._no_false
         if self._engine.remembers:

@@ -2,8 +2,10 @@
 
 Where an edge lies on one line with another, to 1e-16 m, pymunk takes it for overlap all along the
 edge, and pushes the parts apart sideways, or takes a normal askew: boxes that one pushed straight
-on with its whole face were 1 m deep in each other, and sprang 19 mm and 3 degrees in a step. Such a
-contact is put in the middle of what the two faces have in common, along their own normal.
+on with its whole face were 1 m deep in each other, and sprang 19 mm and 3 degrees in a step. Or it
+finds a point at one end of the faces alone, where they part by a nanometre at the other, and turns
+the boxes about it for a whole step, one in a row of four by 12 mrad. Such a contact is put in the
+middle of what the two faces have in common, along their own normal.
 """
 
 from __future__ import annotations
@@ -19,7 +21,7 @@ MISLED = 1e-3
 of that order (`space.SLOP`), what it is misled by are lengths of edges"""
 SKINS = 1e-6
 """[m] Up to here parts are in each other by little more than their skins (`space.RADIUS`)"""
-ASKEW = 0.01
+ASKEW = 1e-6
 """[rad] of the engine's normal to that of the parts, about"""
 FACE = 1e-6
 """[m] Corners of a part that lie this near to the farthest one belong to the same face"""
@@ -27,17 +29,28 @@ FACE = 1e-6
 
 @compiled
 def is_misled(
-    shapes: Shapes, p: int, pose_p: FloatArray, q: int, pose_q: FloatArray, dx: float, dy: float
+    shapes: Shapes,
+    p: int,
+    pose_p: FloatArray,
+    q: int,
+    pose_q: FloatArray,
+    points: int,
+    dx: float,
+    dy: float,
 ) -> bool:
-    """Whether the engine is wrong about parts that touch; (dx, dy) [m] lead from its point of one
-    to that of the other."""
+    """Whether the engine is wrong about parts that touch, at so many ``points``; (dx, dy) [m] lead
+    from its first point of one to that of the other."""
     reported = np.hypot(dx, dy)
     if SKINS < reported <= MISLED:
         return False
     distance, nx, ny = touch(shapes, p, pose_p, q, pose_q)
     if reported > MISLED:
         return bool(reported > MISLED - distance)
-    return bool(distance > -SKINS and abs(dx * ny - dy * nx) > ASKEW * reported)
+    if distance <= -SKINS:
+        return False
+    if abs(dx * ny - dy * nx) > ASKEW * reported:
+        return True
+    return points == 1 and _in_common(shapes, p, pose_p, q, pose_q, nx, ny)[1] > 0.0
 
 
 @compiled
@@ -47,13 +60,22 @@ def meeting(
     """Where two parts that touch meet: the unit normal (world frame) from q to p, and a point of
     each, on one line along it: in the middle of what their faces have in common."""
     _, nx, ny = touch(shapes, p, pose_p, q, pose_q)
-    low_p, high_p, height_p = _face(shapes, p, pose_p, -nx, -ny)
-    low_q, high_q, height_q = _face(shapes, q, pose_q, nx, ny)
-    # Along the tangent of q's face, which that of p goes against.
-    along = 0.5 * (max(-high_p, low_q) + min(-low_p, high_q))
+    along, _, height_p, height_q = _in_common(shapes, p, pose_p, q, pose_q, nx, ny)
     tx, ty = -ny, nx
     px, py = along * tx - height_p * nx, along * ty - height_p * ny
     return nx, ny, px, py, along * tx + height_q * nx, along * ty + height_q * ny
+
+
+@compiled
+def _in_common(
+    shapes: Shapes, p: int, pose_p: FloatArray, q: int, pose_q: FloatArray, nx: float, ny: float
+) -> tuple[float, float, float, float]:
+    """Middle and length [m] of what the faces of two parts have in common, along the tangent of
+    q's (left of the normal); and how far each lies along its own normal."""
+    low_p, high_p, height_p = _face(shapes, p, pose_p, -nx, -ny)
+    low_q, high_q, height_q = _face(shapes, q, pose_q, nx, ny)
+    first, last = max(-high_p, low_q), min(-low_p, high_q)  # p's tangent goes against q's
+    return 0.5 * (first + last), last - first, height_p, height_q
 
 
 @compiled

@@ -156,7 +156,9 @@ def set_right(
 ) -> None:
     """`PlainGuard._set_right`; ``swapped``: the engine has q before p."""
     found = asked(table, GET_ARBITER, arbiter, POINT_FIELDS)
-    if not is_misled(shapes, p, pose_p, q, pose_q, found[2] - found[0], found[3] - found[1]):
+    points = array_at(pointer(table[INTS]), (1,), np.int64)[0]
+    dx, dy = found[2] - found[0], found[3] - found[1]
+    if not is_misled(shapes, p, pose_p, q, pose_q, points, dx, dy):
         return
     nx, ny, px, py, qx, qy = meeting(shapes, p, pose_p, q, pose_q)
     if swapped:

@@ -22,8 +22,12 @@ from physim.tolerances import CONTACT
 SLOP = 1e-3
 """[m] Overlap that the engine leaves in place (its default is 0.1 m)."""
 
-ITERATIONS = 20
-"""Rounds of the contact solver per step."""
+LEAST_ROUNDS, MOST_ROUNDS = 20, 400
+"""Rounds of the contact solver per step. Each mends one contact after the other, so a push needs the
+more of them the more robots it goes through, and the lighter they are than the one that pushes."""
+
+PAIR_ROUNDS = 5_000
+"""Rounds times pairs that touch: what a step may take of them, if not fewer than `LEAST_ROUNDS`."""
 
 RADIUS = CONTACT
 """[m] Skin of every shape. Shapes touch at CONTACT; two skins are twice that, so that the engine
@@ -72,7 +76,6 @@ def build_space(
     space.gravity = (0.0, 0.0)
     space.damping = 1.0
     space.collision_slop = SLOP
-    space.iterations = ITERATIONS
     space.collision_persistence = 1
     bodies, parts = [], []
     for robot, pose in enumerate(start):
@@ -92,6 +95,11 @@ def build_space(
         shape.friction = float(np.sqrt(friction))
         shape.elasticity = float(np.sqrt(elasticity))
     return Hosted(space, bodies, parts)
+
+
+def rounds(pairs: int) -> int:
+    """Rounds of the contact solver where so many pairs touch."""
+    return max(LEAST_ROUNDS, min(MOST_ROUNDS, PAIR_ROUNDS // max(1, pairs)))
 
 
 def cell_side(shapes: Shapes, walls: Shapes) -> float:

@@ -11,10 +11,11 @@ ease overlaps) and on its cached contacts. Of that, at a sample of `Physics`,
 - the cached contacts are those found at the present poses (`collision_persistence` is 1), the
   rejected ones too, and stand in the same order if they are found again there;
 - the pseudo-velocities are worked out from nothing in every solve, from the contacts alone and
-  apart from velocities and impulses: finding the contacts again brings them back to the last bit.
+  apart from velocities and impulses: finding the contacts again, with as many rounds of the solver
+  (`space.rounds`), brings them back to the last bit.
 
-So what is left are the impulses that each point of contact has accumulated, from which the next
-solve begins. `goes_on_from_impulses` tries all of this out.
+So what is left are that number, and the impulses that each point of contact has accumulated, from
+which the next solve begins. `goes_on_from_impulses` tries all of this out.
 """
 
 from __future__ import annotations
@@ -56,6 +57,8 @@ class PhysicsState:
     """(C,) which of their corners meet there, by the engine's numbers"""
     impulse: FloatArray
     """(C, 2) [N s] along normal and tangent, from which the next solve begins"""
+    before: IntArray
+    """() pairs that touched at the sample before: the solver went its rounds by that"""
     rejected: IntArray
     """() false contacts kept out so far"""
     contacts: NDArray[np.void]

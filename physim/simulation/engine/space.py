@@ -23,8 +23,8 @@ SLOP = 1e-3
 """[m] Overlap that the engine leaves in place (its default is 0.1 m)."""
 
 LEAST_ROUNDS, MOST_ROUNDS = 20, 400
-"""Rounds of the contact solver per step. Each mends one contact after the other, so a push needs the
-more of them the more robots it goes through, and the lighter they are than the one that pushes."""
+"""Rounds of the contact solver per step. Each mends one contact after the other, so a push needs
+the more of them the more robots it goes through, and the lighter they are than who pushes."""
 
 PAIR_ROUNDS = 5_000
 """Rounds times pairs that touch: what a step may take of them, if not fewer than `LEAST_ROUNDS`."""

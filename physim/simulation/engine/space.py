@@ -26,7 +26,7 @@ LEAST_ROUNDS, MOST_ROUNDS = 20, 400
 """Rounds of the contact solver per step. Each mends one contact after the other, so a push needs
 the more of them the more robots it goes through, and the lighter they are than who pushes."""
 
-PAIR_ROUNDS = 5_000
+PAIR_ROUNDS = 2_000
 """Rounds times pairs that touch: what a step may take of them, if not fewer than `LEAST_ROUNDS`."""
 
 RADIUS = CONTACT

@@ -43,7 +43,7 @@ def test_small_robots_may_be_less_deep_but_deeper_than_they_settle(step):
 
 @pytest.mark.parametrize(("dt", "v"), [(0.02, 2.0), (0.05, 1.4)])
 def test_a_jam_at_long_steps_keeps_to_it(dt, v):
-    """Twenty robots, light and heavy, driven into a dead end: a step done again is met on the way."""
+    """Twenty robots, light and heavy, in a dead end: a step done again is met on the way."""
     mass = [15.0, 150.0] * 10
     start = [[0.55 * (i // 4) + 0.5, 0.6 * (i % 4) + 0.4, 0.3 * (-1) ** i] for i in range(20)]
     end = segments([(-5.0, 0.0), (3.5, 0.0), (3.5, 2.6), (-5.0, 2.6)])

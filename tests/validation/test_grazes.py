@@ -18,7 +18,7 @@ from physim.analysis.validation import report, validate
 from physim.analysis.validation.analytic_contacts import analytic_contacts
 from physim.analysis.validation.decisions import DecisionTable
 from physim.analysis.validation.disagreements import GRAZE, REJECTED
-from physim.analysis.validation.prediction import GRAZED, Predictor
+from physim.analysis.validation.prediction import AGREES, TOUCHED_BEFORE, Predictor
 from physim.contacts import FALSE_CONTACT_ROW, Kind, Phase
 from physim.drawing.timeline import Timeline, episodes
 from physim.drawing.video.ground import ground
@@ -203,7 +203,18 @@ def test_a_contact_after_a_graze_that_was_foretold_is_explained():
     (contact,) = found.contacts
     assert contact.time - graze.time > 2.0
     assert contact.prediction.predicted == pytest.approx(graze.time, abs=0.01)
-    assert contact.prediction.verdict == GRAZED
+    assert contact.prediction.verdict == TOUCHED_BEFORE
+    assert found.mispredicted == ()
+    assert found.code == 1
+
+
+def test_so_is_one_after_a_touch_at_a_sample_that_held_up_nobody():
+    world = physim.parse_world(SPIKE.replace("4.997", "4.9898"))
+    found = validate(physim.simulate(world, controller=Once()))
+    first, second = found.contacts
+    assert first.prediction.verdict == AGREES
+    assert second.prediction.predicted == first.prediction.predicted
+    assert second.prediction.verdict == TOUCHED_BEFORE
     assert found.mispredicted == ()
     assert found.code == 1
 
@@ -211,7 +222,7 @@ def test_a_contact_after_a_graze_that_was_foretold_is_explained():
 def test_a_graze_at_another_time_explains_nothing():
     record = physim.simulate(physim.parse_world(SPIKE), controller=Once())
     (graze,) = grazes(record)
-    grazed = partial(Predictor(record, DecisionTable(record))._grazed_then, graze.a, graze.b, 0)
+    grazed = partial(Predictor(record, DecisionTable(record))._touched_then, graze.a, graze.b, 0)
     assert grazed(graze.step + 200, graze.time - 0.5 * record.dt, 1e-6)
     assert not grazed(graze.step + 200, graze.time + 0.5 * record.dt, 1e-6)
     assert not grazed(graze.step + 200, graze.time - 1.5 * record.dt, 1e-6)

@@ -20,7 +20,7 @@ import numpy as np
 
 from physim import tolerances
 from physim.analysis.validation.decisions import DecisionTable
-from physim.contacts import Kind
+from physim.contacts import Kind, Phase
 from physim.geometry.collision import collision_time_pair, collision_time_walls
 from physim.geometry.motion import arc
 from physim.geometry.separation import body_distance
@@ -40,7 +40,7 @@ AGREES = "same step"
 DISAGREES = "another step"
 NOT_AS_COMMANDED = "a robot did not move as commanded"
 STILL_TOUCHING = "they still touched at the last decision"
-GRAZED = "a graze that was foretold came first"
+TOUCHED_BEFORE = "a touch that was foretold came first"
 NO_DECISION = "no decision before it"
 
 
@@ -110,7 +110,8 @@ class Predictor:
         self.record = record
         self.table = table
         self.shapes = record.shapes
-        self.grazes = record.contacts[record.contacts["kind"] == Kind.SWEPT]
+        rows = record.contacts
+        self.touches = rows[(rows["kind"] == Kind.SWEPT) | (rows["phase"] == Phase.BEGAN)]
 
     def due(self, a: int, b: int, step: int, until: float = HORIZON) -> float:
         """Collision time [s] from a step on, under the commands held from then on.
@@ -157,8 +158,8 @@ class Predictor:
             verdict = STILL_TOUCHING
         elif not all(self._as_commanded(i, made, step) for i in robots):
             verdict = NOT_AS_COMMANDED
-        elif verdict == DISAGREES and self._grazed_then(a, b, made, step, predicted, slack):
-            verdict = GRAZED
+        elif verdict == DISAGREES and self._touched_then(a, b, made, step, predicted, slack):
+            verdict = TOUCHED_BEFORE
         early = self._earlier(a, b, robots, made, step, touched) if earlier else ()
         return Prediction(a, b, step, found, touched, made * dt, predicted, slack, verdict, early)
 
@@ -178,12 +179,13 @@ class Predictor:
         now = start + (place - before) * (end - start)
         return abs(body_distance(self.shapes, a, now[a], self.shapes, b, now[b])) <= 2.0 * gap
 
-    def _grazed_then(
+    def _touched_then(
         self, a: int, b: int, made: int, step: int, predicted: float, slack: float
     ) -> bool:
-        """Whether the two grazed at the predicted time, between the samples before the contact."""
-        rows, dt = self.grazes, self.record.dt
-        when = rows["step"][(rows["a"] == a) & (rows["b"] == b)]
+        """Whether the two touched at the predicted time, in passing, before the contact."""
+        rows, dt = self.touches, self.record.dt
+        rows = rows[(rows["a"] == a) & (rows["b"] == b)]
+        when = rows["step"][(rows["step"] < step) | (rows["kind"] == Kind.SWEPT)]
         when = when[(when > made) & (when <= step)]
         came = (when * dt - dt - slack <= predicted) & (predicted <= when * dt + slack)
         return bool(came.any())

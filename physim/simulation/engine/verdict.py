@@ -4,8 +4,8 @@ A robot that slides along a wall of several segments meets the end of the next o
 would hold it although the wall goes straight on. The engine's own remedy, naming to segments their
 neighbours, also loses true contacts (a nose in a corner touches neither wall, by its rule). So that
 remedy is not used, and the rule is here: a contact at the end of a segment that pushes the robot
-towards the segment's neighbour is left to the neighbour, if that pushes it in a direction of its
-own; where each leans on the other, both push along their own normals.
+towards the segment's neighbour is left to the neighbour, unless that leans back on the segment:
+then both push along their own normals. (A neighbour that leans on the one after it does not.)
 
 In a corner that closes round the robot each segment holds it along its own normal, whatever the
 way out that is the shortest from the segment alone: left to the neighbour, or pushed past the
@@ -180,7 +180,7 @@ def classify(
     distance, ox, oy = touch(shapes, p, pose_p, other, pose_q)
     if distance > CONTACT:
         return ACTS, nx, ny
-    if leans_on(shapes, links, other, ox, oy)[0] < 0:
+    if leans_on(shapes, links, other, ox, oy)[0] != q:
         return LEFT, nx, ny
     return SIDE, mx, my
 

@@ -55,7 +55,7 @@ def test_a_fast_robot_stops_at_a_wall_and_leaves_at_once():
     assert len(rows[-1]) == 0
 
 
-@pytest.mark.parametrize("degrees", [1.0, 2.0, 3.0])
+@pytest.mark.parametrize("degrees", [1.0, 2.0, 3.0, 5.0])
 def test_forced_into_a_wedge(degrees):
     slope = np.tan(np.radians(degrees) / 2.0)
     far = 0.5 / slope + 10.0
@@ -63,7 +63,9 @@ def test_forced_into_a_wedge(degrees):
     start = [[-0.51 / slope - 0.9, 0.003, 0.01]]
     physics = host(start, [BOX], walls=[wedge], dt=0.01, mass=180.0)
     poses, rows = drive(physics, [3.0, 0.0], 400)
-    assert DEEP / 2.0 < deepest(rows[-100:]) <= DEEP
+    assert deepest(rows[-100:]) <= DEEP
+    if degrees < 5.0:  # where the solver alone does not hold it
+        assert deepest(rows[-100:]) > DEEP / 2.0
     assert np.ptp(poses[-100:, 0, 0]) < 0.1
     drive(physics, [-3.0, 0.0], 10)
     assert poses[-1, 0, 0] - physics.pose[0, 0] >= 0.3 - 1e-9  # and what eased it out
@@ -100,7 +102,7 @@ def jam(seed, lanes, rows, speed):
 
 @pytest.mark.parametrize(
     ("seed", "lanes", "rows", "speed", "steps"),
-    [(0, 4, 6, 1.5, 300), (0, 6, 10, 1.0, 700), (1, 3, 4, 2.0, 300)],
+    [(0, 4, 6, 0.5, 700), (2, 4, 6, 0.5, 700), (3, 3, 4, 1.0, 500), (0, 6, 10, 1.0, 700)],
 )
 def test_easing_in_a_jam_pushes_nobody_deep(seed, lanes, rows, speed, steps):
     """What eases two robots apart would push one of them into a third, a little at every step."""

@@ -61,7 +61,7 @@ ROWS = {
     "four": ([1.11] * 3, 0.01),
     "four, far apart": ([1.2] * 3, 0.05),
     "six": ([1.11] * 5, 0.01),
-    "ten": ([1.2] * 9, 0.01),
+    "six, far apart": ([1.2] * 5, 0.05),
     "unequal gaps": ([1.017, 1.141, 1.003, 1.22, 1.08], 0.01),
     "long steps": ([1.017, 1.141, 1.003, 1.22, 1.08], 0.05),
 }
@@ -78,7 +78,7 @@ def test_a_row_that_is_pushed_stays_straight(row: str) -> None:
     made = Physics(shapes, NO_WALLS, start, np.full(len(places), 60.0), dt)
     command = np.zeros((len(places), 2))
     command[0, 0] = 1.0
-    for _ in range(int(14.0 / dt)):
+    for _ in range(int(8.0 / dt)):
         made.step(command)
         assert np.abs(made.pose[:, 1:]).max() < 1e-6
     assert made.pose[-1, 0] > places[-1] + 0.1

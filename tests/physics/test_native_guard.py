@@ -17,7 +17,7 @@ from physim.simulation.engine.guard import PlainGuard
 from physim.simulation.engine.native_guard import NativeGuard
 from physim.simulation.engine.verdict import ACTS, APART, LEFT, SIDE, deepest, deepest_point
 
-SEEDS = range(10, 13)
+SEEDS = (11, 17, 18)
 STEPS = 400
 
 
@@ -56,7 +56,7 @@ def test_it_is_the_plain_guard_bit_for_bit(plainly):
         assert one.states == other.states
     assert verdicts[ACTS] > 10_000
     assert verdicts[APART] > 300
-    assert verdicts[LEFT] > 10
+    assert verdicts[LEFT] > 20
     assert verdicts[SIDE] > 20
 
 

@@ -110,8 +110,7 @@ class Predictor:
         self.record = record
         self.table = table
         self.shapes = record.shapes
-        rows = record.contacts
-        self.touches = rows[(rows["kind"] == Kind.SWEPT) | (rows["phase"] == Phase.BEGAN)]
+        self.touches = record.contacts[record.contacts["phase"] == Phase.BEGAN]
 
     def due(self, a: int, b: int, step: int, until: float = HORIZON) -> float:
         """Collision time [s] from a step on, under the commands held from then on.

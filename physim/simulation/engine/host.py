@@ -154,7 +154,6 @@ class Physics:
             part=known.part,
             feature=known.feature,
             impulse=known.impulse,
-            before=np.array(self._before),
             rejected=np.array(self.rejected),
             contacts=self.contacts,
             false_contacts=self.false_contacts,
@@ -180,7 +179,6 @@ class Physics:
             raise PhysimError("the state is of another scene: its steps lead to other poses")
         touching = state.touching[:, 0] * self._bodies + state.touching[:, 1]
         self._pairs = Pairs(touching, np.zeros(len(touching)))
-        self._before = int(state.before)
         self.step_number = int(state.step)
         self._guard.rejected = int(state.rejected)
         self.contacts, self.false_contacts = state.contacts, state.false_contacts
@@ -204,14 +202,14 @@ class Physics:
     def _take_up(self, state: PhysicsState) -> None:
         if self._journal is None:
             known = Impulses(state.part, state.feature, state.impulse)
-            self._engine.recall(state.pose, int(state.before), known)
+            self._engine.recall(state.pose, state.before, known)
             return
         if len(state.part):
             raise PhysimError(
                 "this version of pymunk cannot continue from a state in contact that another "
                 "version made"
             )
-        self._engine.recall(state.pose, int(state.before), None)
+        self._engine.recall(state.pose, state.before, None)
         self._journal.begin(int(state.step), state.pose, int(state.rejected))
 
     def _do_again(self, state: PhysicsState) -> None:
@@ -284,8 +282,7 @@ class Physics:
     def _move(self, before: Pairs, pushes: Pairs) -> None:
         """Move all bodies by ``velocity`` and set ``contacts``, given the pairs ``before``."""
         self._arrays.write_velocity()
-        self._before = len(before.key)
-        touches = self._engine.step(self._before)
+        touches = self._engine.step(len(before.key))
         self._arrays.read_pose()
         self.false_contacts = self._no_false
         if self._engine.remembers:

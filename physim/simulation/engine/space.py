@@ -26,8 +26,9 @@ LEAST_ROUNDS, MOST_ROUNDS = 20, 400
 """Rounds of the contact solver per step. Each mends one contact after the other, so a push needs
 the more of them the more robots it goes through, and the lighter they are than who pushes."""
 
-PAIR_ROUNDS = 2_000
-"""Rounds times pairs that touch: what a step may take of them, if not fewer than `LEAST_ROUNDS`."""
+ALL_ROUNDS = 2_500
+"""Rounds times the square of the pairs that touch, where not at one of these bounds. Rows of up to
+six robots go straight by it; more rounds in crowds would cost more than all else of a step."""
 
 RADIUS = CONTACT
 """[m] Skin of every shape. Shapes touch at CONTACT; two skins are twice that, so that the engine
@@ -99,7 +100,7 @@ def build_space(
 
 def rounds(pairs: int) -> int:
     """Rounds of the contact solver where so many pairs touch."""
-    return max(LEAST_ROUNDS, min(MOST_ROUNDS, PAIR_ROUNDS // max(1, pairs)))
+    return max(LEAST_ROUNDS, min(MOST_ROUNDS, ALL_ROUNDS // max(1, pairs * pairs)))
 
 
 def cell_side(shapes: Shapes, walls: Shapes) -> float:

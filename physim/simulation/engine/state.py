@@ -14,8 +14,9 @@ ease overlaps) and on its cached contacts. Of that, at a sample of `Physics`,
   apart from velocities and impulses: finding the contacts again, with as many rounds of the solver
   (`space.rounds`), brings them back to the last bit.
 
-So what is left are that number, and the impulses that each point of contact has accumulated, from
-which the next solve begins. `goes_on_from_impulses` tries all of this out.
+So what is left are the pairs that touched at the sample before, by whose number those rounds go
+(`PhysicsState.before`), and the impulses that each point of contact has accumulated, from which the
+next solve begins. `goes_on_from_impulses` tries all of this out.
 """
 
 from __future__ import annotations
@@ -27,6 +28,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from physim.contacts import Phase
 from physim.errors import PhysimError
 from physim.geometry.shapes import FloatArray, IntArray, pack_parts
 from physim.simulation.engine.space import Hosted, build_space
@@ -57,12 +59,10 @@ class PhysicsState:
     """(C,) which of their corners meet there, by the engine's numbers"""
     impulse: FloatArray
     """(C, 2) [N s] along normal and tangent, from which the next solve begins"""
-    before: IntArray
-    """() pairs that touched at the sample before: the solver went its rounds by that"""
     rejected: IntArray
     """() false contacts kept out so far"""
     contacts: NDArray[np.void]
-    """contact rows of the sample: handed on, though the next step needs none of them"""
+    """contact rows of the sample: handed on; the next step needs their phases alone, `before`"""
     false_contacts: NDArray[np.void]
     """rows of the false contacts of the sample, likewise"""
     origin_step: IntArray
@@ -80,6 +80,11 @@ class PhysicsState:
             copy = np.array(array)
             copy.flags.writeable = False
             object.__setattr__(self, name, copy)
+
+    @property
+    def before(self) -> int:
+        """How many pairs touched at the sample before: they go on, or have ended."""
+        return int(np.count_nonzero(self.contacts["phase"] != Phase.BEGAN))
 
     def arrays(self) -> dict[str, NDArray[Any]]:
         """All arrays by name; ``PhysicsState(**arrays)`` makes the same state of them."""

@@ -245,7 +245,7 @@ EDITS = (
         "physics",
         "physim/simulation/engine/space.py",
         "rounds",
-        "PAIR_ROUNDS // max(1, pairs)",
+        "ALL_ROUNDS // max(1, pairs * pairs)",
         "LEAST_ROUNDS",
         "the solver goes more rounds, so that pushes go through rows undiminished",
         "tests/physics/test_robots.py::test_a_push_goes_through_a_row_undiminished",

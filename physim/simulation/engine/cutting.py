@@ -12,8 +12,8 @@ others, for seconds on end up to 48 mm deep where only velocities were cut.
 Steps that end less deep are left as they are, to the last bit. Shorter steps of the engine would
 mend impacts, but nothing else (in a wedge of 2 degrees at 1 m/s robots sink in by 7.4 mm at 0.01 s
 and by 7.2 mm at 0.0005 s), and contacts could begin and end between two samples. More rounds of the
-solver (`space.rounds`) help there, with 20 of them it was 56 mm, but crowds cannot have them: jams of
-60 robots at 1 m/s are 54 mm deep without what is done here.
+solver (`space.rounds`) help there, with 20 of them it was 56 mm, but crowds cannot have them: jams
+of 60 robots at 1 m/s are 54 mm deep without what is done here.
 """
 
 from __future__ import annotations

@@ -136,6 +136,17 @@ def test_a_tip_across_a_joint_is_pushed_straight_out_by_both():
         assert (nx, ny) == pytest.approx((0.0, 1.0), abs=1e-12)
 
 
+def test_a_face_on_two_segments_up_to_the_end_wall_is_held_by_both():
+    # A flank flat on the wall, its front 0.6 mm into the end wall, to which the short last segment
+    # would push it: left to that one, it sank 21 mm into the wall where forty robots pushed.
+    robot = [(0.5, 0.0), (-0.35, 0.4), (-0.35, -0.4)]
+    pose = (15.014146237497053, -2.2879175406857692, -2.7023988920553763)
+    told = judged(robot, [(0.0, -2.5), (15.0, -2.5), (15.5, -2.5), (15.5, 2.5)], pose)
+    assert [verdict for verdict, _, _ in told[:2]] == [SIDE, SIDE]
+    for _, nx, ny in told[:2]:
+        assert (nx, ny) == pytest.approx((0.0, 1.0), abs=1e-12)
+
+
 def test_a_robot_beside_a_corner_is_pushed_away_from_it():
     # A box on the left of one of two walls of which the second turns away to the right: whatever
     # pushes it does so along the normal of a wall, to the left, or along one between the two.

@@ -171,16 +171,17 @@ def classify(
         return ACTS, nx, ny
     mx, my = side(shapes, q, p, pose_p)
     kx, ky = side(shapes, other, p, pose_p)
-    closes = _leads(shapes, other, links.end[q, end], mx, my) and _leads(shapes, q, end, kx, ky)
-    # One round which the part has come, to lie on the neighbour alone, does not close.
-    if closes:
+    inward = _leads(shapes, other, links.end[q, end], mx, my)
+    if inward and _leads(shapes, q, end, kx, ky):
         return SIDE, mx, my
     if not links.own[q, end]:
         return ACTS, nx, ny
     distance, ox, oy = touch(shapes, p, pose_p, other, pose_q)
     if distance > CONTACT:
         return ACTS, nx, ny
-    if leans_on(shapes, links, other, ox, oy)[0] != q:
+    third = leans_on(shapes, links, other, ox, oy)[0]
+    # One round which the part has come, to lie on the neighbour alone, does not close.
+    if third < 0 or (third != q and inward):
         return LEFT, nx, ny
     return SIDE, mx, my
 

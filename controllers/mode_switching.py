@@ -166,7 +166,9 @@ def decide_one(
     xi = smallest_time(bodies, near, pair, rules.horizon, -1.0)
     evaluations = len(rows) + 1
     mode = next_mode(memory.mode, distance, xi, boundary, rules)  # Fig. 5
-    if mode != SAFE and stops_within(own, paths, pose[me, 2], pair[0], pair[1], xi):
+    if mode != SAFE and stops_within(
+        own, paths, pose[me, 2], pair[0], pair[1], xi, rules.boundary_low
+    ):
         mine = course_under(bodies, me, pair[0], keep * pair[1])
         met = first_robot(bodies, near, mine, rules.horizon, -1.0)
         mode = next_mode(memory.mode, distance, met, boundary, rules)
@@ -208,12 +210,20 @@ def decide_one(
 
 @compiled
 def stops_within(
-    own: EgoState, paths: Polylines, heading: float, v: float, omega: float, time: float
+    own: EgoState,
+    paths: Polylines,
+    heading: float,
+    v: float,
+    omega: float,
+    time: float,
+    clear: float,
 ) -> bool:
     """Whether a robot under (v, omega) comes to its stop, and stands, within ``time``.
 
     A wall that it would only meet later puts nobody in danger. Otherwise it would depend on when
     the robot decides, and how it is turned, whether it still comes to a stop before an end wall.
+    One that turns, so may turn otherwise, must stand ``clear`` [m] of its way before the wall:
+    where it came nearer than that to a wall beside its stop, it backed and came back for ever.
     """
     dx, dy = point_at(paths, own.path, own.station)[2:]
     c, s = cos(heading), sin(heading)
@@ -224,7 +234,7 @@ def stops_within(
         return missing <= advance * time
     astray = asin(max(-1.0, min(1.0, (s * dx - c * dy) * copysign(1.0, v))))
     across = (0.5 * pi - astray * copysign(1.0, omega)) / abs(omega)  # farther it does not come
-    turned = sin(astray + omega * min(time, across)) - sin(astray)
+    turned = sin(astray + omega * min(time - clear / abs(v), across)) - sin(astray)
     return missing <= abs(v) * turned / omega
 
 

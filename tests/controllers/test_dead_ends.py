@@ -44,6 +44,14 @@ def test_arrival_before_a_slanted_wall_does_not_depend_on_the_heading(heading: f
     assert len(record.contacts) == 0
 
 
+@pytest.mark.parametrize("seed", [39, 79])
+def test_a_wall_beside_the_stop_keeps_nobody_from_it(seed: int) -> None:
+    """Led on towards it until it was nearer than boundary_low, r1 backed and came again for ever."""
+    record = physim.simulate(physim.load_world("three_robots").changed(seed=seed))
+    assert record.ended == "finished"
+    assert len(record.contacts) == 0
+
+
 @pytest.mark.parametrize(("beyond", "mode"), [(0.5, "mode safe"), (-0.2, "mode (13)")])
 def test_a_wall_before_the_stop_is_danger_and_one_beyond_is_not(beyond: float, mode: str) -> None:
     history = single_robot(np.array([[0.0, 0.0], [13.0, 0.0]]), 9.0)

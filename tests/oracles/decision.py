@@ -130,7 +130,7 @@ def decide(view, s, memory, target):
     evaluations = looked_at
     answers = yield from _ask(view, s, others, rest)
     mode = _mode(memory.mode, distance, answers.values(), boundary, s)
-    if mode != SAFE and _stops_before(me, answers):
+    if mode != SAFE and _stops_before(me, answers, s.boundary_low):
         alone = yield from _ask(dataclasses.replace(view, walls=()), s, others, rest)
         mode = _mode(memory.mode, distance, alone.values(), boundary, s)
     longest = longest_interval(s)
@@ -168,15 +168,16 @@ def _pairs(array):
     return tuple((float(v), float(omega)) for v, omega in array)
 
 
-def _stops_before(me, answers):
+def _stops_before(me, answers, clear):
     """Whether the robot stands at its stop before it meets anything, if it keeps its command.
 
-    UnsureError where it turns on rounding, or on which of several commands is taken.
+    If that turns, before it has less than ``clear`` [m] of its way to go until then. UnsureError where it turns on rounding, or on which of several commands is taken.
     """
     ahead = paths.point_at(me.path, me.station)[1]
     found = set()
     for command, answer in answers.items():
-        spare = _farthest(me.pose, command, ahead, answer.time) - (me.stop_station - me.station)
+        time = answer.time - (clear / abs(command[0]) if command[0] and command[1] else 0.0)
+        spare = _farthest(me.pose, command, ahead, time) - (me.stop_station - me.station)
         if abs(spare) < 2.0 * TIME:
             raise UnsureError
         found.add(spare > 0.0)
@@ -190,7 +191,7 @@ def _farthest(pose, command, ahead, time):
     one that begins by going back.
     """
     v, omega = command
-    if v * float(np.array([math.cos(pose[2]), math.sin(pose[2])]) @ ahead) <= 0.0:
+    if time <= 0.0 or v * float(np.array([math.cos(pose[2]), math.sin(pose[2])]) @ ahead) <= 0.0:
         return 0.0
     if omega == 0.0 and math.isinf(time):
         return math.inf

@@ -19,6 +19,15 @@ EDITS = (
     Edit(
         "controllers",
         "controllers/mode_switching.py",
+        "stops_within",
+        "min(time - clear / abs(v), across)",
+        "min(time, across)",
+        "and stands clear of a wall beside it",
+        "tests/controllers/test_dead_ends.py::test_a_wall_beside_the_stop_keeps_nobody_from_it[39]",
+    ),
+    Edit(
+        "controllers",
+        "controllers/mode_switching.py",
         "decide_one",
         "course_under(bodies, me, pair[0], keep * pair[1])",
         "course_under(bodies, me, pair[0], pair[1])",

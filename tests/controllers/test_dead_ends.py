@@ -46,7 +46,7 @@ def test_arrival_before_a_slanted_wall_does_not_depend_on_the_heading(heading: f
 
 @pytest.mark.parametrize("seed", [39, 79])
 def test_a_wall_beside_the_stop_keeps_nobody_from_it(seed: int) -> None:
-    """Led on towards it until it was nearer than boundary_low, r1 backed and came again for ever."""
+    """Led on to where it was nearer than boundary_low, r1 backed and came again for ever."""
     record = physim.simulate(physim.load_world("three_robots").changed(seed=seed))
     assert record.ended == "finished"
     assert len(record.contacts) == 0

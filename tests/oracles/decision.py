@@ -171,7 +171,8 @@ def _pairs(array):
 def _stops_before(me, answers, clear):
     """Whether the robot stands at its stop before it meets anything, if it keeps its command.
 
-    If that turns, before it has less than ``clear`` [m] of its way to go until then. UnsureError where it turns on rounding, or on which of several commands is taken.
+    If that turns, before it has less than ``clear`` [m] of its way to go until then. UnsureError
+    where it turns on rounding, or on which of several commands is taken.
     """
     ahead = paths.point_at(me.path, me.station)[1]
     found = set()

@@ -82,23 +82,24 @@ class Tracking:
         """Follow the robots to their poses (N, 3) one step later."""
         self.stations = self._projected(pose, self.windows, self.stations)
 
-    def course(self, poses: FloatArray, ways: FloatArray | None = None) -> FloatArray:
+    def course(self, poses: FloatArray) -> FloatArray:
         """Follow the robots over poses (K, N, 3) of consecutive steps.
 
-        Of poses that are farther apart ``ways`` (K, N) [m] says how far the robots went at most
-        since the pose before: as far again is looked to either side.
         Returns (K, N, 3): station, deviation and reference station [m] at each.
         """
         found = np.empty((len(poses), *self.stations.shape))
-        if ways is None:
-            track_course(*self.legs, self.last, poses, self.windows, self.stations, found)
-        else:
-            before = (self.stations, *found[:-1])
-            for pose, way, last, out in zip(poses, ways, before, found, strict=True):
-                track_all(*self.legs, self.last, pose, self.windows + 2.0 * way, last, out)
+        track_course(*self.legs, self.last, poses, self.windows, self.stations, found)
         if len(found):
             self.stations = read_only(found[-1].copy())
         return found.transpose(0, 2, 1)
+
+    def seek(self, pose: FloatArray, before: FloatArray, ways: FloatArray) -> None:
+        """Follow the robots to their poses (N, 3) from stations ``before`` (3, N), some steps ago.
+
+        ``ways`` (N,) [m] is how far they went at most since then: as far again is looked to either
+        side.
+        """
+        self.stations = self._projected(pose, self.windows + 2.0 * ways, before)
 
     def _projected(self, pose: FloatArray, windows: FloatArray, before: FloatArray) -> FloatArray:
         after = np.empty(before.shape)

@@ -23,7 +23,7 @@ from physim.world.file import load_world
 from physim.world.layout.layout import lay_out
 from physim.world.layout.scene_builder import build_scene
 from physim.world.scene import Body
-from tests.metrics.histories import THERE, beside_paths, history
+from tests.metrics.histories import THERE, beside_paths, history, mean_squares
 from tests.records import CENTRELINE, WIDTH, make_record, make_scene
 from tests.validation.runs import LANE, Drivers
 
@@ -169,7 +169,7 @@ def test_a_run_shorter_than_the_window_has_no_averaged_speed() -> None:
 
 
 def test_deviations_and_their_root_mean_square() -> None:
-    """Of all samples, though nobody decides after the first; the last one held for no time."""
+    """Of all samples, though nobody decides after the first, and linear between them."""
     course = np.array([[1.0, 0.0], [1.0, 0.5], [-3.0, 0.5], [-1.0, 0.0], [2.0, 0.25]])
     rows = [{"robot": 0, "deviation": 7.0, "next_step": 4}]
     record = history(rows, steps_run=4, pose=beside_paths(course))
@@ -180,8 +180,9 @@ def test_deviations_and_their_root_mean_square() -> None:
     assert metrics.deviation_peak(record) == metrics.Moment(pytest.approx(-3.0), 2, 0.02, 0)
     rms = metrics.deviation_rms(record)
     assert rms is not None
-    assert rms.robots == pytest.approx([np.sqrt(3.0), np.sqrt(0.125)])
-    assert rms.value == pytest.approx(np.sqrt(1.5625))
+    exact = mean_squares(course)
+    assert rms.robots == pytest.approx(np.sqrt(exact), rel=1e-6)
+    assert rms.value == pytest.approx(np.sqrt(exact.mean()), rel=1e-6)
 
 
 def test_a_robot_at_its_stop_no_longer_counts_for_the_root_mean_square_but_for_the_peak() -> None:
@@ -191,9 +192,24 @@ def test_a_robot_at_its_stop_no_longer_counts_for_the_root_mean_square_but_for_t
     record = history(robots=1, steps_run=5, pose=pose, stops=np.array([6.15]))
     rms, peak = metrics.deviation_rms(record), metrics.deviation_peak(record)
     assert rms is not None
-    assert rms.value == pytest.approx(1.0)
+    assert rms.value == pytest.approx(np.sqrt(mean_squares(course[:4]).item()), rel=1e-6)
     assert peak is not None
     assert peak.value == pytest.approx(4.0)
+
+
+@pytest.mark.parametrize("every", [20, 500, 2000])
+def test_figures_of_a_coarse_record_are_those_of_a_fine_one(every: int) -> None:
+    """Samples stay away from standing at the stop, and from the curve between them."""
+    world = physim.load_world("u_turn")
+    coarse = world.changed(time={"record_every": every})
+    with physim.simulate(world) as fine, physim.simulate(coarse) as few:
+        assert np.abs(metrics.active_steps(few) - metrics.active_steps(fine)).max() <= 1
+        exact, found = (metrics.measure(record) for record in (fine, few))
+        for name in ("mean_speed", "averaged_speed_min", "averaged_speed_max"):
+            one, other = (getattr(v, "value", v) for v in (exact[name], found[name]))
+            assert other == pytest.approx(one, abs=1e-3), name
+        one, other = (v["deviation_rms"].value for v in (exact, found))
+        assert other == pytest.approx(one, rel=1e-3 if every == 20 else 0.3)
 
 
 def test_modes_fill_the_run_and_switches_are_counted() -> None:

@@ -9,7 +9,7 @@ from physim.analysis import metrics
 from physim.controllers.formation import formation_energy
 from physim.geometry.shapes import FloatArray
 from physim.record import Record
-from tests.metrics.histories import along_reference, history
+from tests.metrics.histories import along_reference, history, mean_squares
 from tests.oracles import formation as oracle
 
 LEAD = np.array([0.0, -4.0, -9.0, -30.0])
@@ -88,5 +88,25 @@ def test_rms_is_of_each_robot_and_of_all() -> None:
     found = metrics.formation_error_rms(drive("formation: {}"))
     exact = np.array([oracle.errors(s, LEAD) for s in STATIONS])
     assert found is not None
-    assert found.robots == pytest.approx(np.sqrt((exact**2).mean(axis=0)))
-    assert found.value == pytest.approx(np.sqrt((exact**2).mean()))
+    squares = mean_squares(exact)
+    assert found.robots == pytest.approx(np.sqrt(squares), rel=1e-6)
+    assert found.value == pytest.approx(np.sqrt(squares.mean()), rel=1e-6)
+
+
+def test_peak_and_final_energy_are_those_of_the_samples() -> None:
+    """The run ends 0.02 s after the last tenth of a second, and W is largest between two."""
+    steps = np.array([0, 5, 20, 22])
+    station = STATIONS[[0, 0, 1, 2]] + np.array([0.0, 3.0, 0.0, 0.0])[:, None] * [1, 0, 0, 0]
+    pose = along_reference(steps, station)
+    record = history(
+        robots=4, steps_run=22, world="formation: {neighbours: all}", lead=LEAD, pose=pose
+    )
+    exact = [formation_energy(s, LEAD, ALL) for s in station]
+    found = metrics.measure(record)
+    assert found["formation_energy_final"].value == pytest.approx(exact[-1])
+    assert found["formation_energy_peak"].value == pytest.approx(max(exact))
+    assert np.argmax(exact) == 1
+    course = metrics.formation_energy(record)
+    assert course is not None
+    assert course.time == pytest.approx([0.0, 0.1, 0.2, 0.22])
+    assert course.values[-1] == pytest.approx(exact[-1])

@@ -15,6 +15,7 @@ from physim.analysis import metrics
 from physim.drawing.timeline import Timeline
 from physim.geometry.shapes import FloatArray
 from physim.record import Record
+from tests.metrics.histories import mean_squares
 
 WORLD = """
 name: bend
@@ -121,16 +122,19 @@ def test_deviations_of_who_decides_once_are_those_of_all_its_poses() -> None:
         k, robot = np.unravel_index(np.argmax(np.abs(exact)), exact.shape)
         assert (peak.step, peak.a) == (k, robot)
         assert peak.value == pytest.approx(exact[k, robot])
-        under_way = [exact[:n, i] for i, n in enumerate(metrics.active_steps(record))]
+        ends = metrics.active_steps(record)
+        each = [mean_squares(exact[: n + 1, [i]]).item() for i, n in enumerate(ends)]
         assert rms is not None
-        each = [float(np.sqrt(np.mean(np.square(one)))) for one in under_way]
-        assert rms.robots == pytest.approx(each)
-        assert rms.value == pytest.approx(np.sqrt(np.mean(np.square(np.concatenate(under_way)))))
+        assert rms.robots == pytest.approx(np.sqrt(each), rel=1e-6)
+        assert rms.value == pytest.approx(np.sqrt(np.average(each, weights=ends)), rel=1e-6)
 
 
+@pytest.mark.parametrize("hold", [6.0, 0.1])
 @pytest.mark.parametrize("every", [2, 7, 140, 350])
-def test_a_coarse_record_has_the_stations_of_a_fine_one_at_its_samples(every: int) -> None:
-    with drive(6.0) as fine, drive(0.1, record_every=every) as coarse:
+def test_a_coarse_record_has_the_stations_of_a_fine_one_at_its_samples(
+    every: int, hold: float
+) -> None:
+    with drive(6.0) as fine, drive(hold, record_every=every) as coarse:
         assert coarse.samples < fine.samples
         assert np.allclose(fine.course[coarse.steps], coarse.course, rtol=0.0, atol=1e-9)
         size = np.abs(fine.course[coarse.steps, :, 1])
@@ -179,3 +183,25 @@ def test_a_coarse_record_does_not_take_the_way_back_for_the_way_out(every: int) 
         exact = all_of_them.course[few.steps]
         assert np.allclose(few.course, exact, rtol=0.0, atol=1e-9)
         assert exact[-1, 0, 0] > 30.0
+
+
+@pytest.mark.parametrize("every", [400, 1000, 3000])
+def test_a_coarse_record_is_followed_on_paths_that_pass_over_themselves(every: int) -> None:
+    """Round the roundabout: its entry and its exit, and where it goes round once more."""
+    world = physim.load_world("roundabout").changed(seed=3)
+    with (
+        physim.simulate(world.changed(time={"record_every": every})) as few,
+        physim.simulate(world) as all_of_them,
+    ):
+        assert np.allclose(few.course, all_of_them.course[few.steps], rtol=0.0, atol=1e-9)
+
+
+def test_stations_of_decisions_lead_nobody_where_it_cannot_have_come() -> None:
+    """Of a record in which they were written anew: by poses and paths it is still on its way."""
+    world = physim.parse_world(HAIRPIN).changed(time={"record_every": 90})
+    with physim.simulate(world) as record:
+        true, rows = record.course, record.updates.copy()
+        rows["station"], rows["reference_station"] = 42.0 - rows["station"], np.inf
+        record.__dict__["updates"] = rows
+        del record.__dict__["course"]
+        assert np.allclose(record.course, true, rtol=0.0, atol=1e-9)

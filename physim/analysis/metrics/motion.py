@@ -63,14 +63,25 @@ def deviation_peak(record: Record) -> Moment | None:
 def deviation_rms(record: Record) -> Each | None:
     """Root of the mean square deviation over the active time [m], of all robots and of each.
 
-    Samples of a robot that is not at its stop station count, each for the time to the next.
+    From each sample of a robot that is not at its stop station to the next, or to its stop;
+    deviations are linear between samples.
     """
-    steps = np.diff(record.steps, append=record.steps[-1:])
-    held = active_samples(record) * steps[:, None].astype(np.float64)
-    mean = ratio((held * np.square(record.course[:, :, 1])).sum(axis=0), held.sum(axis=0))
+    away, ends = active_samples(record)[:-1], active_steps(record)
+    begins, spans = record.steps[:-1, None], np.diff(record.steps)[:, None]
+    steps = np.where((begins < ends) & (ends < begins + spans), ends - begins, spans) * away
+    return _root_mean_square(record.course[:, :, 1], steps, spans)
+
+
+def _root_mean_square(values: FloatArray, steps: Any, spans: Any) -> Each | None:
+    """Of values (K, N) at samples and linear between them, over so many ``steps`` (K - 1, N) of the
+    ``spans`` (K - 1, 1) from each to the next: of all robots and of each."""
+    first = values[:-1]
+    last = first + (values[1:] - first) * (steps / spans)
+    square = steps * (first * first + first * last + last * last) / 3.0
+    mean = ratio(square.sum(axis=0), (steps * np.ones(first.shape)).sum(axis=0))
     if mean is None:
         return None
-    each = (None if square is None else sqrt(square) for square in mean.robots)
+    each = (None if one is None else sqrt(one) for one in mean.robots)
     return Each(sqrt(mean.value), tuple(each))
 
 
@@ -154,13 +165,15 @@ def formation_error_final(record: Record) -> Moment | None:
 
 
 def formation_error_rms(record: Record) -> Each | None:
-    """Root of the mean square of the formation errors over time [m], of all robots and of each."""
-    course = formation_errors(record)
-    if course is None or not np.isfinite(course.values).any():
+    """Root of the mean square of the formation errors over time [m], of all robots and of each.
+
+    Formation errors are linear between samples.
+    """
+    errors = sampled_errors(record)
+    if errors is None or not len(errors):
         return None
-    square = np.square(course.values)
-    each = tuple(float(np.sqrt(column.mean())) for column in square.T)
-    return Each(float(np.sqrt(square.mean())), each)
+    spans = np.diff(record.steps)[:, None]
+    return _root_mean_square(errors, spans, spans)
 
 
 def formation_errors(record: Record, every: float = GRID) -> Series | None:
@@ -189,25 +202,39 @@ def formation_energy(record: Record, every: float = GRID) -> Series | None:
     Pairs are those of N_i: within the world's ``formation.range`` along s* at that moment, all, or
     listed. With many robots the moments are farther apart than ``every`` [s].
     """
-    lead = desired_leads(record)
-    if lead is None:
+    if not has_formation(record) or not record.samples:
         return None
     moments = record.steps_run * record.dt / every + 1.0
     every *= max(1.0, np.ceil(moments * record.robots**2 / MOST_PAIRS))
-    if not record.samples:
-        return None
     time, station = samples_over_time(record, record.course[:, :, 2], every)
-    plan = record.world_settings["formation"]
+    return Series(time, _energies(record, station))
+
+
+def sampled_energy(record: Record) -> Series | None:
+    """Formation energy W as in `formation_energy`, but at the samples, the last one among them.
+
+    With many robots at every second, third … sample.
+    """
+    if not has_formation(record) or not record.samples:
+        return None
+    every = -(-record.samples * record.robots**2 // MOST_PAIRS)
+    rows = np.append(np.arange(0, record.samples - 1, every), record.samples - 1)
+    return Series(record.time[rows], _energies(record, record.course[rows, :, 2]))
+
+
+def _energies(record: Record, station: FloatArray) -> FloatArray:
+    """W (K,) [m^2] of stations (K, N) [m] on s*."""
+    plan, lead = record.world_settings["formation"], desired_leads(record)
     pairs, reach = _listed(record, plan), plan.get("range", RANGE)
     if not isinstance(reach, int | float):
         raise RecordError(f"{record.where}: the world inside: formation.range is no number")
-    energy = np.empty(len(time))
+    energy = np.empty(len(station))
     for k, s in enumerate(station):
         centre = s - lead  # the formation's, as each robot's station and place give it
         errors = np.square(centre[:, None] - centre)
         near = np.abs(s[:, None] - s) <= reach if pairs is None else pairs
         energy[k] = 0.5 * (errors * near).sum()  # (9)
-    return Series(time, energy)
+    return energy
 
 
 def desired_leads(record: Record) -> FloatArray | None:

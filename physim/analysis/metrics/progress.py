@@ -46,8 +46,9 @@ def active_decisions(record: Record) -> tuple[Rows, FloatArray]:
 def active_steps(record: Record) -> IntArray:
     """(N,) steps from the start until each robot was at its stop station for good.
 
-    By its samples, between two of which its station is taken to be linear; to the end of the run
-    where it was not there. By its arrival in a record without samples.
+    By its samples, and by its decisions between the last of them away from there and the next;
+    between two of these its station is taken to be linear. To the end of the run where it was not
+    there. By its arrival in a record without samples.
     """
     if not record.samples:
         return np.asarray(np.where(record.arrived >= 0, record.arrived, record.steps_run))
@@ -56,11 +57,15 @@ def active_steps(record: Record) -> IntArray:
     last = np.where(away.any(axis=0), record.samples - 1 - np.argmax(away[::-1], axis=0), -1)
     steps = np.where(last < 0, 0, record.steps_run)
     (robots,) = np.nonzero((last >= 0) & (last < record.samples - 1))
-    k = last[robots]
-    before, after = station[k, robots], station[k + 1, robots]
-    share = (least[robots] - before) / (after - before)
-    first, span = record.steps[k], record.steps[k + 1] - record.steps[k]
-    steps[robots] = first + np.ceil(share * span - 1e-9)
+    decisions = rows_of_robots(record)
+    for i in robots.tolist():
+        rows, k = decisions[i], last[i]
+        rows = rows[(rows["step"] > record.steps[k]) & (rows["step"] < record.steps[k + 1])]
+        at = np.concatenate((record.steps[k : k + 1], rows["step"], record.steps[k + 1 : k + 2]))
+        known = np.concatenate((station[k : k + 1, i], rows["station"], station[k + 1 : k + 2, i]))
+        j = int(np.flatnonzero(known < least[i])[-1])
+        share = (least[i] - known[j]) / (known[j + 1] - known[j])
+        steps[i] = at[j] + np.ceil(share * (at[j + 1] - at[j]) - 1e-9)
     return np.asarray(steps)
 
 
@@ -265,10 +270,10 @@ def spacing(record: Record, every: float) -> float:
 
 
 def grid(record: Record, every: float = GRID) -> FloatArray:
-    """Times (K,) [s] from 0 to the end of the run, ``every`` [s] apart (`spacing`)."""
-    every = spacing(record, every)
-    count = int(record.steps_run * record.dt / every + 1e-9) + 1
-    return np.asarray(every * np.arange(float(count)))
+    """Times (K,) [s] from 0 on, ``every`` [s] apart (`spacing`), and the end of the run."""
+    every, end = spacing(record, every), record.steps_run * record.dt
+    times: FloatArray = every * np.arange(float(int(end / every + 1e-9) + 1))
+    return np.append(times, end) if end > times[-1] + 1e-9 else times
 
 
 def rows_of_robots(record: Record) -> list[Rows]:

@@ -45,11 +45,11 @@ from physim.analysis.metrics.motion import (
     averaged_speeds,
     deviation_peak,
     deviation_rms,
-    formation_energy,
     formation_error_final,
     formation_error_peak,
     formation_error_rms,
     mean_speed,
+    sampled_energy,
 )
 from physim.analysis.metrics.progress import finished, stop_distance, time_to_finish
 from physim.analysis.metrics.registered import own_metrics
@@ -76,8 +76,8 @@ class Courses:
 
     @cached_property
     def energy(self) -> Series | None:
-        """Formation energy W."""
-        return formation_energy(self.record)
+        """Formation energy W at the samples."""
+        return sampled_energy(self.record)
 
     @cached_property
     def width(self) -> Width | None:

@@ -23,7 +23,7 @@ EDITS = (
         "min(time - clear / abs(v), across)",
         "min(time, across)",
         "and stands clear of a wall beside it",
-        "tests/controllers/test_dead_ends.py::test_a_wall_beside_the_stop_keeps_nobody_from_it[39]",
+        "tests/controllers/test_dead_ends.py::test_a_wall_beside_the_stop_keeps_nobody_from_it",
     ),
     Edit(
         "controllers",

@@ -139,9 +139,9 @@ def _versions() -> dict[str, str]:
 def read_declared(file: h5py.File, where: str) -> Declared:
     """Read what the controller declared. Raises RecordError for what none can declare."""
     try:
-        danger = [bool(value) for value in file["/modes/danger"][:]]
+        danger = file["/modes/danger"][:].tolist()
         modes = [
-            Mode(name, colour, words, is_danger)
+            Mode(name, colour, words, bool(is_danger))
             for name, colour, words, is_danger in zip(
                 *_texts(file, "/modes", "name", "colour", "words"), danger, strict=True
             )
@@ -153,6 +153,9 @@ def read_declared(file: h5py.File, where: str) -> Declared:
         ]
     except (OSError, RuntimeError, KeyError, ValueError, UnicodeDecodeError) as error:
         raise damaged(where, "/modes, /rules or /columns", error) from error
+    for row, value in enumerate(danger):
+        if value not in (0, 1):
+            raise RecordError(f"{where}: /modes/danger: row {row}: {value}; it must be 0 or 1")
     try:
         return Declared.of(SimpleNamespace(modes=modes, rules=rules, columns=columns))
     except ControllerError as error:

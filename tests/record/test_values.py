@@ -165,6 +165,13 @@ def test_declarations_that_no_controller_makes(
     refused(tampered(made, tmp_path, path, 0, value), path.rpartition("/")[0], *parts)
 
 
+@pytest.mark.parametrize("value", [3, -1])
+def test_a_mode_is_of_danger_or_not(made: Path, tmp_path: Path, value: int) -> None:
+    refused(
+        tampered(made, tmp_path, "/modes/danger", 1, value), "/modes/danger", "row 1", str(value)
+    )
+
+
 @pytest.mark.parametrize("path", ["/robots/stop_station", "/robots/lead"])
 @pytest.mark.parametrize("value", [np.nan, np.inf])
 def test_lengths_that_are_no_numbers(made: Path, tmp_path: Path, path: str, value: float) -> None:

@@ -11,6 +11,7 @@ import pytest
 import physim
 from physim.analysis.validation import validate
 from physim.analysis.validation.rerun import rerun
+from physim.analysis.validation.seeds import Rate
 from physim.cli import main
 from tests.cli.commands import started
 from tests.forgeries.parts import Ramp
@@ -201,6 +202,12 @@ def test_parts_from_python_cannot_be_given_again_here(folder, capsys):
         other = rerun(record, filters=[Ramp(0.01)])
         assert other.difference is not None
         assert (other.difference.table, other.difference.step) == ("/updates", 0)
+
+
+def test_intervals_are_rounded_outward():
+    """Exactly it is 55.498 to 99.747 %."""
+    assert "55.4% to 99.8%" in Rate(9, 10).words("finished")
+    assert "69.1% to 100.0%" in Rate(10, 10).words("finished")
 
 
 def test_robots_that_never_move_are_not_as_expected(folder, capsys):

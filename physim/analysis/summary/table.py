@@ -223,7 +223,7 @@ def _danger_text(summary: Summary) -> str:
         if not summary.value("decisions"):
             return "n/a"
         why = "modes of danger" if summary.modes else "modes"
-        return f"n/a (the controller declares no {why})"
+        return f"n/a (the controller declares no {why}, or no robot was under way)"
     each = [
         f"{summary.bodies[d.robot]} " + ("n/a" if d.time is None else f"{d.time:.0%}")
         for d in summary.danger[:SHOWN_ROBOTS]

@@ -86,8 +86,12 @@ class Rate:
         return clopper_pearson(self.runs, self.of)
 
     def words(self, what: str) -> str:
-        """``9 of 10 runs WHAT = 90.0%, 95 % Clopper-Pearson interval 55.5% to 99.7%``."""
+        """``9 of 10 runs WHAT = 90.0%, 95 % Clopper-Pearson interval 55.4% to 99.8%``.
+
+        Both ends of the interval are rounded outward.
+        """
         low, high = self.interval
+        low, high = math.floor(low * 1e3 + 1e-9) / 1e3, math.ceil(high * 1e3 - 1e-9) / 1e3
         return (
             f"{self.runs} of {plural(self.of, 'run')} {what} = {self.share:.1%}, "
             f"95 % Clopper-Pearson interval {low:.1%} to {high:.1%}"

@@ -234,7 +234,8 @@ EDITS = (
         'side="right"',
         'side="left"',
         "the command held from a step on is the one decided at it",
-        "tests/validation/test_long_holds.py::test_a_contact_long_after_the_last_decision_is_foretold",
+        "tests/validation/test_decided_again.py::"
+        "test_behind_filters_and_disturbances_decisions_are_made_again",
     ),
     Edit(
         "validation",

@@ -254,6 +254,16 @@ class Record(RecordedHistory):
         group = self._file.get(layout.WALL_CLOCK)
         return {} if group is None else {key: float(value) for key, value in group.attrs.items()}
 
+    @property
+    def noted_until(self) -> int:
+        """Last step of which anything is told: of a run that was killed extremes and arrivals may
+        be of steps after its last sample."""
+        if self.ended != "running":
+            return self.steps_run
+        rows = self.extremes
+        told = rows["clearance_step"], rows["boundary_step"], self.arrived, self.farthest["step"]
+        return max(self.steps_run, *(int(steps.max(initial=0)) for steps in told))
+
     def digest(self) -> str:
         """SHA-256 of all but the wall clock and the versions, see `physim.record.layout`."""
         return digest(self, self._file)

@@ -140,7 +140,7 @@ def test_a_run_with_contacts(touching, capsys, edit, said) -> None:
 
 
 def test_a_killed_run_whose_distances_are_not_those_of_its_samples(tmp_path, capsys) -> None:
-    """A killed run may have noted steps after its last sample, so that less is no fault."""
+    """A killed run may have noted steps after its last sample; these are simulated, too."""
     path = tmp_path / "lane.h5"
     physim.simulate(physim.parse_world(LANE), path=path).close()
     assert run(capsys, forged(path, killed(nothing)))[0] == 0
@@ -162,7 +162,7 @@ def worse(column: str, step: str, at: int) -> Callable[[h5py.File], None]:
 
 
 def test_a_killed_run_with_extremes_of_no_sample(tmp_path, free, capsys) -> None:
-    """Such a run would miss what its world expects; after its last sample nobody knows."""
+    """Such a run would miss what its world expects."""
     path = tmp_path / "lane.h5"
     physim.simulate(physim.parse_world(LANE), path=path).close()
     for record in (path, free):
@@ -173,8 +173,55 @@ def test_a_killed_run_with_extremes_of_no_sample(tmp_path, free, capsys) -> None
             code, out, _ = run(capsys, forged(record, killed(worse(column, step, 20))))
             assert code == 3
             assert "-0.5" in out
-            later = forged(record, killed(worse(column, step, 10**6)))
-            assert run(capsys, later)[0] in (0, 1)
+            for at in (10**6, 6000):
+                code, out, _ = run(capsys, forged(record, killed(worse(column, step, at))))
+                assert code == 3
+                assert "-0.5" in out
+
+
+def nearer_farthest(file: h5py.File) -> None:
+    row = file["extremes_farthest"][()]
+    row["farthest"] = 5.0
+    file["extremes_farthest"][()] = row
+
+
+def another_nearest(file: h5py.File) -> None:
+    rows = file["extremes"][()]
+    rows["clearance_other"][0] = 3 - rows["clearance_other"][0]
+    file["extremes"][...] = rows
+
+
+def nobody_arrived(file: h5py.File) -> None:
+    file["robots/arrived"][...] = -1
+
+
+@pytest.mark.parametrize("edit", [nearer_farthest, another_nearest, nobody_arrived])
+def test_a_killed_coarse_run_is_held_to_what_it_had_noted(free, capsys, edit) -> None:
+    code, out, _ = run(capsys, forged(free, killed(edit)))
+    assert code == 3
+    assert states(out, "in the record", "simulated again")
+
+
+@pytest.mark.parametrize("every", [1, 7])
+def test_what_a_killed_run_had_noted_after_its_last_sample_is_simulated_too(
+    tmp_path, capsys, every
+) -> None:
+    """Two come nearer to each other all the time; samples and tables end 5 steps early."""
+    path = tmp_path / "cut.h5"
+    world = physim.parse_world(LANE, overrides=["controller={type: path_following}",
+                                                f"time.record_every={every}"])  # fmt: skip
+    steps = iter(range(103))
+    physim.simulate(world, path=path, stop=lambda: next(steps) == 102).close()
+    with h5py.File(path, "r+") as file:
+        file.attrs.modify("ended", np.bytes_("running"))
+        kept = int(np.count_nonzero(file["steps/step"][()] <= 98))
+        for dataset in file["steps"].values():
+            dataset.resize(kept, axis=0)
+    with physim.Record.load(path) as record:
+        assert (record.steps_run, record.noted_until) == (98, 103)
+    code, out, _ = run(capsys, path)
+    assert code == 0
+    assert states(out, "Simulated again", "to the bit")
 
 
 def test_true_records_of_other_versions_agree_up_to_the_first_contact(

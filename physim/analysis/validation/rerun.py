@@ -103,17 +103,17 @@ def run_again(
 ) -> Record:
     """Run a simulation, in memory and with every sample, as far as the record goes.
 
-    Runs that were interrupted, killed or broke off end at their last step.
+    Runs that were interrupted, killed or broke off end where `Record.noted_until` says.
     """
     from physim.simulation.recorder import SaveAt
     from physim.simulation.run import record_run
 
-    cut = record.ended in ("interrupted", "running", "error")
+    cut, last = record.ended in ("interrupted", "running", "error"), record.noted_until
     return record_run(
         simulation,
         save=SaveAt(every=1),
         progress=progress,
-        stop=lambda: stop() or (cut and simulation.step_number >= record.steps_run),
+        stop=lambda: stop() or (cut and simulation.step_number >= last),
     )
 
 
@@ -172,13 +172,13 @@ def _first(record: Record, again: Record, until: int, exact: bool, whole: bool) 
     timed = [one for one in found_at if one is not None]
     if timed:
         return min(timed, key=lambda one: -1 if one.step is None else one.step)
-    if whole and record.ended != "running":
-        last = [key for key in LAST if key != "ended" or record.ended != "error"]
-        for found in (*_attributes(record, again, last), *_sums(record, again, exact)):
-            return found
-    if not whole or record.ended == "running":
-        for found in _bounds(record, again, until):
-            return found
+    killed = record.ended == "running"
+    last = [] if killed else [key for key in LAST if key != "ended" or record.ended != "error"]
+    for found in (
+        (*_attributes(record, again, last), *_sums(record, again, exact))
+        if whole else _bounds(record, again, until)
+    ):  # fmt: skip
+        return found
     return None
 
 

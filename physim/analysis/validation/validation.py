@@ -235,6 +235,8 @@ def missing(record: Record) -> str:
     """What a record lacks, so that its run has to be simulated again; empty where it has all."""
     if record.record_every > 1 and record.steps_run > 0:
         return f"poses of one step in {record.record_every} only"
+    if record.noted_until > record.steps_run:
+        return "no samples of the last steps of which it tells"
     tables = [table for table in OPTIONAL if table not in record.tables]
     return f"no table {', '.join(tables)}" if tables else ""
 

@@ -225,9 +225,19 @@ def check_extremes(source: Source, rows: NDArray[np.void], bounds: Bounds) -> No
     for when, *others in _MOMENTS[source.path]:
         for other in others:
             _check_moment(source, rows, when, other)
-    for column in distances:
+    for column, (when, *_) in zip(distances, _MOMENTS[source.path], strict=True):
         none = -np.inf if column == "farthest" else np.inf
         _check_number(source, column, rows[column], none)
+        _check_never(source, rows, column, when, none)
+
+
+def _check_never(
+    source: Source, rows: NDArray[np.void], column: str, when: str, none: float
+) -> None:
+    source.refuse(
+        (rows[when] < 0) != (rows[column] == none),
+        lambda k: f"{column} is {rows[column][k]:.6g} and {when} {rows[when][k]}; -1 is never",
+    )
 
 
 def _check_moment(source: Source, rows: NDArray[np.void], when: str, who: str) -> None:

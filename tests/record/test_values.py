@@ -239,6 +239,26 @@ def test_extremes_of_nobody_are_of_no_step(
     refused(tampered(made, tmp_path, path, row, -1, column), path, "-1", "both or neither")
 
 
+@pytest.mark.parametrize(
+    ("path", "when", "who", "value"),
+    [("/extremes", "clearance_step", ("clearance_other",), np.inf),
+     ("/extremes_farthest", "step", ("a", "b"), -np.inf)],
+)  # fmt: skip
+def test_a_distance_is_of_a_step_and_no_distance_of_none(
+    made: Path, tmp_path: Path, path: str, when: str, who: tuple[str, ...], value: float
+) -> None:
+    column, row = path.rpartition("_")[2].strip("/"), () if "farthest" in path else 1
+    column = "clearance" if column == "extremes" else column
+    refused(tampered(made, tmp_path, path, row, value, column), path, column, "-1 is never")
+    target = tampered(made, tmp_path, path, row, -1, when)
+    with h5py.File(target, "r+") as file:
+        rows = np.array(file[path])
+        for name in who:
+            rows[name][row] = -1
+        file[path][...] = rows
+    refused(target, path, column, "-1 is never")
+
+
 def test_no_run_has_so_many_steps(made: Path, tmp_path: Path) -> None:
     target = tmp_path / "tampered.h5"
     shutil.copyfile(made, target)

@@ -74,6 +74,27 @@ def better(column: str) -> Callable[[h5py.File], None]:
     return edit
 
 
+def at_another_step(file: h5py.File) -> None:
+    of_other_versions(file)
+    rows = file["extremes"][()]
+    rows["clearance_step"][0] = 500
+    file["extremes"][...] = rows
+
+
+def by_another_wall(file: h5py.File) -> None:
+    of_other_versions(file)
+    rows = file["extremes"][()]
+    rows["boundary_other"][0] = 7 - rows["boundary_other"][0]
+    file["extremes"][...] = rows
+
+
+def farthest_of_others(file: h5py.File) -> None:
+    of_other_versions(file)
+    row = file["extremes_farthest"][()]
+    row["a"], row["b"] = 0, 1 if row["b"] == 2 else 2
+    file["extremes_farthest"][()] = row
+
+
 def other_robots(file: h5py.File) -> None:
     file["considered_others"][-1] = 3 - file["considered_others"][-1]
 
@@ -115,6 +136,9 @@ def forged(record: Path, edit: Callable[[h5py.File], None]) -> Path:
         (killed(better("clearance")), ("/extremes, row 0, clearance",)),
         (killed(better("boundary_clearance")), ("/extremes, row 0, boundary_clearance",)),
         (killed(all_arrived), ("/robots/arrived, row 0",)),
+        (at_another_step, ("5.0000 s", "/extremes, row 0, clearance", "of these bodies")),
+        (by_another_wall, ("/extremes, row 0, boundary_clearance", "of these bodies")),
+        (farthest_of_others, ("/extremes_farthest, row 0, farthest", "of these bodies")),
         (other_robots, ("/considered_others, row", "in the record", "simulated again")),
     ],
 )
@@ -200,6 +224,16 @@ def test_a_killed_coarse_run_is_held_to_what_it_had_noted(free, capsys, edit) ->
     code, out, _ = run(capsys, forged(free, killed(edit)))
     assert code == 3
     assert states(out, "in the record", "simulated again")
+
+
+def test_a_killed_run_whose_robots_arrived_before_they_were_there(tmp_path, capsys) -> None:
+    path = tmp_path / "lane.h5"
+    steps = iter(range(301))
+    physim.simulate(physim.parse_world(LANE), path=path, stop=lambda: next(steps) == 300).close()
+    for edit in (nothing, all_arrived):
+        code, out, _ = run(capsys, forged(path, killed(edit)))
+        assert (code == 3) is (edit is all_arrived)
+    assert states(out, "/robots/arrived, row 0", "1 in the record", "-1 by the poses")
 
 
 @pytest.mark.parametrize("every", [1, 7])

@@ -207,8 +207,8 @@ class ArrivalCheck:
 def check_ending(record: Record, scene: Scene, exact: ArrivalCheck, found: Mismatches) -> None:
     """Hold ``ended`` and ``/robots/arrived`` against the poses.
 
-    A run ends as soon as all robots have arrived, or when its steps are over. What a run that was
-    killed noted of arrivals may be older than its last sample: it is not looked at.
+    A run ends as soon as all robots have arrived, or when its steps are over. Arrivals that a run
+    that was killed noted after its last sample are those of no pose here.
     """
     last, planned = record.steps_run, scene.steps
     if exact.all_since is not None and exact.all_since < last:
@@ -226,9 +226,8 @@ def check_ending(record: Record, scene: Scene, exact: ArrivalCheck, found: Misma
         found.add("attribute", "ended", record.ended, "finished", f"{BY}: all robots had arrived")
     if last > planned or (record.ended == "duration" and last != planned):
         found.add("attribute", "steps_run", last, planned, "by the world inside")
-    if record.ended == "running":
-        return
-    for i in np.flatnonzero(record.arrived != since).tolist():
+    known = record.arrived <= last
+    for i in np.flatnonzero(known & (record.arrived != since)).tolist():
         found.add(ARRIVED, None, int(record.arrived[i]), int(since[i]), BY, row=i, robot=i)
 
 

@@ -13,15 +13,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from physim.analysis.validation.mismatch import SLACK, SLACKS, Mismatch, differs
+from physim.analysis.validation.mismatch import SLACK, Mismatch
 from physim.analysis.validation.origin import check_controller_given
+from physim.analysis.validation.sums import BLOCK, BY, bounds, sums, unlike
 from physim.errors import PhysimError
 from physim.record import Record
 from physim.record.layout import (
-    ARRIVED,
     ATTRIBUTES,
-    EXTREMES,
-    EXTREMES_FARTHEST,
     FIXED,
     OTHERS,
     STEPS,
@@ -33,9 +31,6 @@ if TYPE_CHECKING:
     from physim.parts.stages import Disturbance, Filter, SensingStage
     from physim.simulation.loop import Simulation
 
-BY = "simulated again"
-BLOCK = 4096
-"""Samples that are compared at a time."""
 LAST = ("safe_distance", "ended", "steps_run", "rejected_contacts")
 """Attributes that are compared last: how the run went, and what is drawn."""
 NOT_COMPARED = ("record_every", "tables", "given", "version")
@@ -175,29 +170,11 @@ def _first(record: Record, again: Record, until: int, exact: bool, whole: bool) 
     killed = record.ended == "running"
     last = [] if killed else [key for key in LAST if key != "ended" or record.ended != "error"]
     for found in (
-        (*_attributes(record, again, last), *_sums(record, again, exact))
-        if whole else _bounds(record, again, until)
+        (*_attributes(record, again, last), *sums(record, again, exact))
+        if whole else bounds(record, again, until)
     ):  # fmt: skip
         return found
     return None
-
-
-def _bounds(record: Record, again: Record, until: int) -> Iterator[Mismatch]:
-    """Extremes and arrivals that the run up to a step does not have."""
-    rows = record.read(EXTREMES)
-    for column, when in (("clearance", "clearance_step"), ("boundary_clearance", "boundary_step")):
-        least = np.full(record.robots, np.inf)
-        for low in range(0, until + 1, BLOCK):
-            part = again.read(f"/steps/{column}", low, min(low + BLOCK, until + 1))
-            least = np.minimum(least, part.min(axis=0, initial=np.inf))
-        told, step = rows[column], rows[when]
-        wrong = (told > least + SLACK) | ((told < least - SLACK) & (step <= until))
-        for k in np.flatnonzero(wrong)[:1].tolist():
-            yield Mismatch.of(record, EXTREMES, column, told[k], least[k], BY, row=k, robot=k)
-    told = record.arrived
-    wrong = (told >= 0) & (told <= until) & (told != again.arrived) & (again.arrived <= until)
-    for k in np.flatnonzero(wrong)[:1].tolist():
-        yield Mismatch.of(record, ARRIVED, None, told[k], again.arrived[k], BY, row=k, robot=k)
 
 
 def _attributes(record: Record, again: Record, names: Sequence[str]) -> Iterator[Mismatch]:
@@ -244,13 +221,13 @@ def _table(record: Record, again: Record, path: str, until: int, exact: bool) ->
         if column not in (others.dtype.names or ()):
             return Mismatch.of(record, path, column, "there", "not", BY)
     wrong = np.zeros(common, dtype=np.bool_)
-    unlike = {}
+    found = {}
     for column in rows.dtype.names or ():
-        unlike[column] = _unlike(rows[column][:common], others[column][:common], exact, column)
-        wrong |= unlike[column]
+        found[column] = unlike(rows[column][:common], others[column][:common], exact, column)
+        wrong |= found[column]
     if wrong.any():
         k = int(np.argmax(wrong))
-        column = next(name for name, values in unlike.items() if values[k])
+        column = next(name for name, values in found.items() if values[k])
         return _row(record, path, column, k, rows, rows[column][k], others[column][k])
     if len(rows) != len(others):
         some = rows if len(rows) > common else others
@@ -304,7 +281,7 @@ def _samples(record: Record, again: Record, path: str, until: int, exact: bool) 
             begins = np.concatenate(([0], steps[low : high - 1] + 1 - first))
             repeated = np.minimum.reduceat(repeated, begins, axis=0)
         recorded = record.read(path, low, high)
-        wrong = _unlike(recorded, repeated, exact, path)
+        wrong = unlike(recorded, repeated, exact, path)
         if wrong.any():
             k, robot, *rest = (int(v) for v in np.argwhere(wrong)[0])
             step = int(steps[low + k])
@@ -315,35 +292,3 @@ def _samples(record: Record, again: Record, path: str, until: int, exact: bool) 
                 step=step,
             )  # fmt: skip
     return None
-
-
-def _sums(record: Record, again: Record, exact: bool) -> Iterator[Mismatch]:
-    """Extremes and arrivals."""
-    for path in (EXTREMES, EXTREMES_FARTHEST):
-        rows, others = (np.atleast_1d(one.read(path)) for one in (record, again))
-        for column in rows.dtype.names or ():
-            wrong = _unlike(rows[column], others[column], exact, column)
-            if not exact and rows[column].dtype.kind == "i":
-                continue  # when and of whom: of equal distances another version may take either
-            for k in np.flatnonzero(wrong)[:1].tolist():
-                robot = k if path == EXTREMES else None
-                yield Mismatch.of(
-                    record, path, column, rows[column][k], others[column][k], BY, row=k, robot=robot
-                )
-    for k in np.flatnonzero(record.arrived != again.arrived)[:1].tolist():
-        yield Mismatch.of(
-            record, ARRIVED, None, record.arrived[k], again.arrived[k], BY, row=k, robot=k
-        )  # fmt: skip
-
-
-def _unlike(
-    recorded: NDArray[Any], repeated: NDArray[Any], exact: bool, column: str
-) -> NDArray[np.bool_]:
-    """Whether values differ: to the bit, or by more than the slack of a column."""
-    if exact:
-        if recorded.dtype.kind == "f":
-            recorded, repeated = (
-                np.ascontiguousarray(v).view(np.int64) for v in (recorded, repeated)
-            )
-        return np.asarray(recorded != repeated)
-    return differs(recorded, repeated, SLACKS.get(column, SLACK))

@@ -240,7 +240,7 @@ def test_a_copy_of_what_is_never_drawn_is_not_drawn(tmp_path, tag):
 CUT = {
     "attribute": ('clip-path="url(#k)"', "line 3: … <rect> … room … clip-path … whole"),
     "style": ('style="fill:red;mask:url(#k)"', "line 3: … <rect> … room … mask … whole"),
-    "sheet": ('class="half"', "<style> … clip-path … whole"),
+    "sheet": ('class="half"', "its clip-path … whole"),
     "none": ('clip-path="none" style="mask: none"', ""),
 }
 

@@ -8,10 +8,10 @@ What no program draws where it stands is put into ``defs``, as the library knows
 from __future__ import annotations
 
 import re
-from itertools import islice
-from xml.sax.saxutils import escape, quoteattr
+from xml.sax.saxutils import quoteattr
 
 from physim.authoring.importing.svg_paths import as_meant
+from physim.authoring.importing.svg_sheets import IGNORED, SELECTOR, declarations, rules
 from physim.authoring.importing.svg_values import (
     AUTO,
     EXTENTS,
@@ -35,12 +35,10 @@ LINE, TAG, CUT, SPILLS = "physim-line", "physim-tag", "physim-cut", "physim-spil
 The last is that of a drawing within a drawing that is not cut at its edges.
 """
 PREFIXES = {LABEL: "inkscape:label", XLINK: "xlink:href"}
-KEPT = ("id", LABEL, "transform", "display", "class", "d", "points", *PLACES, *EXTENTS, "viewBox",
+KEPT = ("id", LABEL, "transform", "display", "d", "points", *PLACES, *EXTENTS, "viewBox",
         "preserveAspectRatio")  # fmt: skip
 STYLED = ("display", "transform", *PLACES, *EXTENTS)
-"""Properties that count in ``style="..."``; in a style sheet the first alone."""
-SELECTOR = re.compile(r"\*|#[\w-]+|[\w-]*\.[\w-]+|[\w-]+")
-"""What the library knows to look for: a tag, a class, both, or an id."""
+"""Properties that count in ``style="..."``."""
 NOTHING = re.compile(r"[-+]?(0+\.?0*|\.0+)%?")
 """An opacity of zero."""
 CUTS = ("clip-path", "mask")
@@ -49,8 +47,11 @@ UNSEEN = ("display", "visibility", "opacity", "fill", "stroke")
 """Properties by which an element is not to be seen."""
 INVISIBLE = ("hidden", "collapse")
 """Values of ``visibility``"""
+FROM_SHEETS = (*UNSEEN, *CUTS)
+"""Properties that count in a style sheet."""
 UNREAD = ("d", "rotate", "scale", "translate", "offset-path")
 """Properties that change lines, and are read nowhere but as attributes or in ``transform``."""
+BEYOND = "by more than a tag, a class or an id; delete what is hidden, or save as plain SVG"
 NOT_LINES = ("text", "image", "foreignObject", "flowRoot")
 """Elements that hold no lines; they are listed as left out."""
 ONLY_COPIED = "symbol"
@@ -59,8 +60,6 @@ NOT_DRAWN = ("defs", "clipPath", "pattern", "mask", "marker", ONLY_COPIED)
 """Elements that hold what is drawn elsewhere, if at all."""
 AS_DEFS = ("mask", "marker", "foreignObject", "flowRoot")
 """Those whose shapes the library would take for drawn."""
-MOST_CLASSES = 20
-"""Classes of an element that are looked up"""
 ROOT = ' xmlns="{}" xmlns:xlink="{}" xmlns:inkscape="{}"'.format(
     *(name.partition("|")[0] for name in (SVG, XLINK, LABEL))
 )
@@ -73,7 +72,8 @@ class BareSvg:
         self._parts: list[str] = []
         self._ends: list[str] = []
         self.is_painted = False
-        """whether a style sheet says what is filled and stroked"""
+        """whether a style sheet says of elements that are not looked for how they are painted"""
+        self._hides = self._shows = ""
         self.origin = ""
         """what in a style sheet turns elements about another point than (0, 0)"""
 
@@ -91,8 +91,6 @@ class BareSvg:
         tag = "other" if "|" in tag else tag
         shown = tag if tag.isascii() and tag.isalnum() else "element"
         kept = {key: attributes[key] for key in KEPT if key in attributes}
-        if "class" in kept:
-            kept["class"] = " ".join(islice(dict.fromkeys(kept["class"].split()), MOST_CLASSES))
         style = declarations(attributes.get("style", ""), STYLED)
         is_within = tag == "svg" and bool(self._ends)
         if tag == "svg" and not is_within:  # the page is where it is
@@ -115,6 +113,8 @@ class BareSvg:
             cut = "viewBox"
         if cut:
             kept[CUT] = f"line {line}: {called(tag, attributes)}: its {cut}"
+        elif IGNORED in attributes:
+            kept[CUT] = f"<style> has a {attributes[IGNORED]}, which"
         if tag == "use" and (href := attributes.get(XLINK, attributes.get("href"))) is not None:
             kept[XLINK] = href
         kept |= {LINE: str(line), TAG: shown, **({FAULT: fault} if fault else {})}
@@ -130,30 +130,30 @@ class BareSvg:
             self._ends.append(f"</{tag}>{end}")
 
     def sheet(self, text: str) -> str:
-        """Take what a style sheet hides or cuts; returns what is wrong with it, or nothing."""
-        for selector, body in _rules(text):
+        """What is wrong with a style sheet, or nothing."""
+        for selector, body in rules(text):
             shown = f'"{escaped(selector)[:60]}"'
             found = declarations(body, (*STYLED, *CUTS, *UNSEEN, *UNREAD, *ORIGINS))
-            self.is_painted |= "fill" in found or "stroke" in found
             for key in ("transform", *UNREAD):
                 if found.get(key, "none").lower() != "none":
                     return f"{shown} has a {key}; only those of elements are read"
             if wrong := origin_of(found):
                 self.origin = self.origin or f"{shown} has {wrong}"
-            if _is_unseen(found) or found.get("visibility", "").lower() in INVISIBLE:
-                found["display"] = "none"
-            cut = _cut(found)
-            simple = all(SELECTOR.fullmatch(one.strip()) for one in selector.split(","))
-            if (cut or found.get("display") == "none") and not simple:
-                return (
-                    f"{shown} hides or cuts what it selects, by more than a tag, a class or an id; "
-                    "delete what is hidden, or save as plain SVG"
-                )
-            if "display" in found:
-                self._parts.append(escape(f"{selector}{{display:{found['display']}}}"))
-            ignored = cut or " and ".join(key for key in (*PLACES, *EXTENTS) if key in found)
-            if ignored:
-                self._parts.append(escape(f"{selector}{{{CUT}:<style> has a {ignored}, which}}"))
+            hides = (
+                _is_unseen(found)
+                or found.get("display", "").lower() == "none"
+                or found.get("visibility", "").lower() in INVISIBLE
+            )
+            if all(SELECTOR.fullmatch(one.strip()) for one in selector.split(",")):
+                self._hides = self._hides or (shown if hides else "")
+                continue
+            self.is_painted |= "fill" in found or "stroke" in found
+            if _cut(found) or hides:
+                return f"{shown} hides or cuts what it selects, {BEYOND}"
+            if "display" in found or "visibility" in found or "opacity" in found:
+                self._shows = self._shows or shown
+        if self._hides and self._shows:
+            return f"{self._shows} may show what {self._hides} hides, {BEYOND}"
         return ""
 
     def is_hidden(self, tag: str, attributes: dict[str, str]) -> bool:
@@ -206,19 +206,3 @@ def functions_of(tag: str, attributes: dict[str, str]) -> int:
     style = declarations(attributes.get("style", ""), ("transform",))
     own = attributes.get("transform", "") + style.get("transform", "")
     return own.count("(") + (3 if tag == "svg" else 0)
-
-
-def _rules(text: str) -> list[tuple[str, str]]:
-    """Selectors and declarations of a style sheet; linear in its length."""
-    begun, *commented = text.replace("<!--", "").replace("-->", "").split("/*")
-    text = begun + "".join(part.partition("*/")[2] for part in commented)
-    parts = (part.rpartition("{") for part in text.split("}"))
-    # before a selector may stand @charset and @import, which end with a semicolon
-    return [(found.rpartition(";")[2].strip(), body) for found, opened, body in parts if opened]
-
-
-def declarations(style: str, keys: tuple[str, ...]) -> dict[str, str]:
-    """Those of some properties, the last of each; without ``!important``."""
-    parts = (one.partition(":") for one in style.split(";"))
-    found = {key.strip().lower(): value.partition("!")[0].strip() for key, _, value in parts}
-    return {key: found[key] for key in keys if found.get(key)}

@@ -14,6 +14,7 @@ from xml.parsers import expat
 
 from physim.authoring.importing.drawing import ImportSourceError, refused
 from physim.authoring.importing.svg_bare import (
+    FROM_SHEETS,
     INVISIBLE,
     LABEL,
     NOT_DRAWN,
@@ -23,11 +24,11 @@ from physim.authoring.importing.svg_bare import (
     XLINK,
     BareSvg,
     called,
-    declarations,
     functions_of,
     hidden,
 )
 from physim.authoring.importing.svg_paths import path_fault
+from physim.authoring.importing.svg_sheets import Sheets, declarations, sheets_of
 from physim.authoring.importing.svg_values import (
     EXTENTS,
     NUMBER,
@@ -121,12 +122,14 @@ class _Guard:
         self.drawn = 0
         self.hidden = 0
         self.sheet: list[str] = []
+        self.sheets = Sheets(())
         self.pages = 0  # drawings within the drawing that have ended
         self.views: list[bool] = []  # of each that is open, whether it has a viewBox
         self.turned: tuple[int, str] | None = None
         self.parser = expat.ParserCreate("utf-8", namespace_separator="|")
 
     def run(self, text: str) -> SvgLook:
+        self.sheets = sheets_of(text, FROM_SHEETS, (*PLACES, *EXTENTS))
         parser = self.parser
         parser.StartElementHandler = self._start
         parser.EndElementHandler = self._end
@@ -162,6 +165,7 @@ class _Guard:
     def _start(self, name: str, attributes: dict[str, str]) -> None:
         line = self.parser.CurrentLineNumber
         tag = name.removeprefix(SVG)
+        attributes = self.sheets.styled(tag, attributes)
         if self.open and self.open[-1][0] == "switch":
             attributes = self._alternative(attributes)
         attributes, is_invisible = self._seen(tag, attributes)

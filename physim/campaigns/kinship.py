@@ -9,15 +9,19 @@ from __future__ import annotations
 import multiprocessing
 import os
 import signal
+import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from multiprocessing import resource_tracker
 from multiprocessing.connection import wait
+from pathlib import Path
 from typing import Any
 
 ENDING = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 """What ends a command: its first process hears it, and tells the others."""
 
+HOME = str(Path(__file__).resolve().parents[2])
+"""Folder in which physim stands"""
 SAFE_PATH, BY_US = "PYTHONSAFEPATH", "physim"
 """Variable by which Python leaves the working folder out of its path, and our value of it"""
 
@@ -28,10 +32,12 @@ def begun_apart() -> Iterator[None]:
 
     From the very first, while they import what they need: there it would end them in a traceback,
     and what they were to do would count as lost. Nor do they import from the working folder, which
-    may hold a ``struct.py`` of a stranger, before they have the path of their parent.
+    may hold a ``struct.py`` of a stranger, before they have the path of their parent; and physim is
+    the same as here, where that path has a ``physim.py`` of another before it.
     """
     known = os.environ.get(SAFE_PATH)
     os.environ[SAFE_PATH] = known or BY_US
+    sys.path.insert(0, HOME)
     try:
         resource_tracker.ensure_running()  # as it begins, it lets this thread hear again
         before = signal.pthread_sigmask(signal.SIG_BLOCK, ENDING)
@@ -40,12 +46,18 @@ def begun_apart() -> Iterator[None]:
         finally:
             signal.pthread_sigmask(signal.SIG_SETMASK, before)
     finally:
+        sys.path.remove(HOME)
         if not known:
             os.environ.pop(SAFE_PATH, None)
 
 
 def settle() -> None:
-    """Hear `ENDING`, each as its handler has it, in a process that was `begun_apart`."""
+    """Hear `ENDING`, each as its handler has it, in a process that was `begun_apart`.
+
+    And import as its parent does.
+    """
+    if sys.path[:1] == [HOME]:
+        del sys.path[0]
     if os.environ.get(SAFE_PATH) == BY_US:
         del os.environ[SAFE_PATH]  # what it begins is its own affair
     signal.pthread_sigmask(signal.SIG_UNBLOCK, ENDING)

@@ -49,7 +49,11 @@ def worker_count() -> int:
 
 
 class Processes(Executor):
-    """Up to ``workers`` processes, begun when there is work and ended by `shutdown`."""
+    """Up to ``workers`` processes at work, begun when there is work and ended by `shutdown`.
+
+    One that has run a controller of one's own waits for more of the same: another controller's runs
+    would not be what they are alone where the first has changed a library, or a limit.
+    """
 
     def __init__(self, workers: int) -> None:
         self.workers = workers
@@ -58,6 +62,7 @@ class Processes(Executor):
         self._lock = threading.Lock()
         self._waiting: deque[tuple[Future[Any], Job]] = deque()
         self._team: list[_Worker] = []
+        self._gone: list[Any] = []
         self._woken, self._wake = self._context.Pipe(duplex=False)
         self._thread: threading.Thread | None = None
         self._ends = False
@@ -128,26 +133,30 @@ class Processes(Executor):
         finally:
             for one in self._team:
                 one.pipe.close()
-            for one in self._team:
-                one.process.join(LAST_SECONDS)
-                if one.process.is_alive():
-                    one.process.kill()
+            for process in (*self._gone, *(one.process for one in self._team)):
+                process.join(LAST_SECONDS)
+                if process.is_alive():
+                    process.kill()
 
     def _hand_out(self) -> None:
         """Give jobs to those who have none, and begin processes where there are more jobs."""
-        while self._waiting:
-            one = next((one for one in self._team if one.job is None), None)
+        while self._waiting and sum(one.job is not None for one in self._team) < self.workers:
+            one = self._free_for(self._waiting[0][1].code)
             if one is not None and not one.process.is_alive():
                 self._team.remove(one)
                 continue
             if one is None:
-                if len(self._team) >= self.workers:
-                    return
+                if len(self._team) > 2 * self.workers:
+                    self._dismiss(next(one for one in self._team if one.job is None))
                 try:
                     one = _Worker.begun(self._context, self._halt)
                 except OSError as error:  # of files, processes or memory there are no more
                     if not self._team:  # else those that are there do it later
                         self._refuse(f"({error.strerror or error})")
+                        return
+                    if all(one.job is None for one in self._team):
+                        self._dismiss(self._team[0])
+                        continue
                     return
                 self._team.append(one)
             future, job = self._waiting.popleft()
@@ -159,6 +168,17 @@ class Processes(Executor):
                 future.set_exception(RuntimeError(f"{job.note} cannot be sent: {error}"))
                 continue
             one.begin(future, job, packed)
+
+    def _free_for(self, code: str) -> _Worker | None:
+        """A process without a job that has run no other code than this, or else none at all."""
+        free = [one for one in self._team if one.job is None and one.code in (code, "")]
+        return max(free, key=lambda one: one.code == code, default=None)
+
+    def _dismiss(self, one: _Worker) -> None:
+        """Let a process without a job go."""
+        self._team.remove(one)
+        one.pipe.close()
+        self._gone.append(one.process)
 
     def _refuse(self, why: str) -> None:
         """Let the jobs that wait fail."""
@@ -200,6 +220,8 @@ class _Worker:
     ready: bool = False
     """it has said that it is there"""
     gone: bool = False
+    code: str = ""
+    """that of its jobs so far, beside physim's"""
 
     @classmethod
     def begun(cls, context: Any, halt: Any) -> _Worker:
@@ -213,7 +235,7 @@ class _Worker:
 
     def begin(self, future: Future[Any], job: Job, packed: Any) -> None:
         """Give it a job; where its process is gone, `end` says so."""
-        self.future, self.job = future, job
+        self.future, self.job, self.code = future, job, job.code
         with suppress(OSError):
             self.pipe.send_bytes(packed)
 

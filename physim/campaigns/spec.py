@@ -51,6 +51,11 @@ class RunSpec:
         return source_hash(self.sources)
 
     @property
+    def code(self) -> str:
+        """Whose code it runs beside that of physim; empty where all comes with physim."""
+        return f"{self.controller} {self.source_hash}" if self.sources else ""
+
+    @property
     def key(self) -> str:
         """20 hex digits by which the run is known: of world, seed, controller and versions."""
         return key_of(self.identity, self.seed)

@@ -113,7 +113,7 @@ def sweep(
 
 def job_of(spec: RunSpec, keep: str, records: Path | None) -> Job:
     """A run as a job for a worker."""
-    return Job(spec.note, take, (spec, keep, records), spec.limit, ready)
+    return Job(spec.note, take, (spec, keep, records), spec.limit, ready, spec.code)
 
 
 def _cells(specs: Iterable[RunSpec]) -> Iterable[RunSpec]:

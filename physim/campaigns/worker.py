@@ -51,6 +51,9 @@ class Job:
     """[s] after which it is given up; it may take as long as it likes where that is None"""
     first: Callable[[], Any] | None = None
     """module-level function that readies a process for such work; its time is not limited"""
+    code: str = ""
+    """whose code it runs beside that of physim: that may change its process for all that follows,
+    so that no job of other code is done there"""
 
     def do(self, stop: Stop) -> Any:
         """Result of the work."""

@@ -26,6 +26,14 @@ def process(stop: Stop) -> int:
     return os.getpid()
 
 
+def leave_behind(name: str, stop: Stop) -> tuple[int, str | None]:
+    """Changes its process for good, if it has a name; says which it is, and what it found."""
+    found = os.environ.get("PHYSIM_TEST_LEFT")
+    if name:
+        os.environ["PHYSIM_TEST_LEFT"] = name
+    return os.getpid(), found
+
+
 def endless(stop: Stop) -> None:
     """Goes on until it is stopped."""
     while not stop():

@@ -100,6 +100,47 @@ def test_what_ends_a_command_does_not_end_its_workers(
     assert capfd.readouterr().err == ""
 
 
+@pytest.mark.parametrize("workers", [1, 2])
+def test_what_the_code_of_one_leaves_behind_is_not_met_by_that_of_another(workers: int) -> None:
+    made, told = Processes(workers), []
+    try:
+        for name in ("", "a", "b", "", "a", "b", "c", "d", "e", "a", ""):
+            job = Job("leaves", sample.leave_behind, (name,), code=name)
+            told.append((name, *made.begin(job).result(timeout=LONGEST)))
+            assert len(made.ids) <= 2 * workers + 1
+        for name, _, found in told:
+            assert found in (None, name or None)
+        again = [number for name, number, _ in told if name == "a"]
+        assert again[0] == again[1]  # it had waited for more of the same
+    finally:
+        made.shutdown(cancel_futures=True)
+    assert not multiprocessing.active_children()
+
+
+def test_workers_have_the_physim_of_their_parent(tmp_path: Path) -> None:
+    """Whatever stands before it where they look: a file of that name, or another checkout."""
+    (tmp_path / "physim.py").write_text("raise SystemExit(7)\n")
+    script = (
+        "import sys\n"
+        "from physim.campaigns.processes import Processes\n"
+        "if __name__ == '__main__':\n"
+        f"    sys.path.insert(0, {str(tmp_path)!r})\n"
+        "    before = list(sys.path)\n"
+        "    made = Processes(1)\n"
+        "    assert made.submit(eval, \"__import__('sys').path\").result() == before\n"
+        "    assert sys.path == before\n"
+        "    made.shutdown()\n"
+    )
+    away = tmp_path / "away"
+    away.mkdir()
+    (away / "begins.py").write_text(script)
+    done = subprocess.run(
+        [sys.executable, str(away / "begins.py")],
+        capture_output=True, text=True, check=False, timeout=LONGEST,
+    )  # fmt: skip
+    assert (done.returncode, done.stderr) == (0, "")
+
+
 def test_no_module_of_the_working_folder_is_run_as_workers_start(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -185,6 +185,18 @@ def worse(column: str, step: str, at: int) -> Callable[[h5py.File], None]:
     return edit
 
 
+def test_a_run_with_contacts_by_other_versions_and_with_extremes_of_no_sample(
+    touching, capsys
+) -> None:
+    def edit(file: h5py.File) -> None:
+        of_other_versions(file)
+        worse("clearance", "clearance_step", 20)(file)
+
+    code, out, _ = run(capsys, forged(touching, edit))
+    assert code == 3
+    assert states(out, "/extremes, row 0, clearance", "-0.5")
+
+
 def test_a_killed_run_with_extremes_of_no_sample(tmp_path, free, capsys) -> None:
     """Such a run would miss what its world expects."""
     path = tmp_path / "lane.h5"
@@ -215,11 +227,61 @@ def another_nearest(file: h5py.File) -> None:
     file["extremes"][...] = rows
 
 
+def a_decision_at_the_end(file: h5py.File) -> None:
+    """It would be the shortest collision time of all."""
+    rows = file["updates"]
+    row = rows[-1:]
+    row["step"], row["collision_time"] = file.attrs["steps_run"], 1e-4
+    rows.resize(len(rows) + 1, axis=0)
+    rows[-1:] = row
+
+
+def a_command_at_the_end(file: h5py.File) -> None:
+    rows = file["commands"]
+    row = np.zeros(1, rows.dtype)
+    row["step"] = file.attrs["steps_run"]
+    rows.resize(len(rows) + 1, axis=0)
+    rows[-1:] = row
+
+
+def broken_off(file: h5py.File) -> None:
+    file.attrs.modify("ended", np.bytes_("error"))
+
+
 def nobody_arrived(file: h5py.File) -> None:
     file["robots/arrived"][...] = -1
 
 
-@pytest.mark.parametrize("edit", [nearer_farthest, another_nearest, nobody_arrived])
+@pytest.mark.parametrize("edit", [a_decision_at_the_end, a_command_at_the_end, broken_off])
+def test_rows_at_the_end_of_a_coarse_record(free, capsys, edit) -> None:
+    code, out, _ = run(capsys, forged(free, edit))
+    assert code == 3
+    assert states(out, "in the record", "simulated again")
+
+
+def test_a_whole_run_that_is_called_broken_off(tmp_path, capsys) -> None:
+    path = tmp_path / "lane.h5"
+    physim.simulate(physim.parse_world(LANE), path=path).close()
+    code, out, _ = run(capsys, forged(path, broken_off))
+    assert code == 3
+    assert states(out, "attribute ended", "error in the record", "finished")
+
+
+def counted(file: h5py.File) -> None:
+    file.attrs.modify("rejected_contacts", np.int64(7))
+
+
+def test_a_killed_run_has_counted_nothing(tmp_path, capsys) -> None:
+    path = tmp_path / "lane.h5"
+    physim.simulate(physim.parse_world(LANE), path=path).close()
+    code, out, _ = run(capsys, forged(path, killed(counted)))
+    assert code == 3
+    assert states(out, "rejected_contacts", "7 in the record")
+
+
+@pytest.mark.parametrize(
+    "edit", [nearer_farthest, another_nearest, nobody_arrived, a_decision_at_the_end]
+)
 def test_a_killed_coarse_run_is_held_to_what_it_had_noted(free, capsys, edit) -> None:
     code, out, _ = run(capsys, forged(free, killed(edit)))
     assert code == 3

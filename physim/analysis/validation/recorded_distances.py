@@ -85,25 +85,16 @@ def check_extremes(record: Record, analytic: AnalyticContacts, exact: Exact) -> 
 
     Smallest distances within reach of the analytic contacts are held against their approaches,
     which another code finds than notes them during a run, all else against the exact distances.
-    Those of a run that was killed may be of steps after its last sample, but not of less than its
-    samples have.
     """
-    killed = record.ended == "running"
     found, near = [], _nearest(record, analytic)
     for i, (noted, true) in enumerate(zip(record.extremes, exact.extremes.rows, strict=True)):
         for columns, what in SMALLEST:
             within = min(noted[columns[0]], near[i][columns[0]]) <= analytic.reach
             row, none = (near[i], f"over {analytic.reach:.3g} m") if within else (true, "none")
             text = f"smallest distance to the {what}"
-            later = killed and noted[columns[1]] >= record.samples
-            if later and noted[columns[0]] <= row[columns[0]] + DEPTH_SLACK:
-                continue
             found += _moment(record, i, noted, row, columns, text, none)
     noted, true = record.farthest, exact.extremes.farthest
     columns, text = ("farthest", "step", "b"), "largest distance of robots"
-    later = killed and noted["step"] >= record.samples
-    if later and noted["farthest"] >= true["farthest"] - DEPTH_SLACK:
-        return found
     found += _moment(record, max(int(noted["a"]), 0), noted, true, columns, text, "none")
     return found
 

@@ -104,6 +104,8 @@ def run_again(
     from physim.simulation.run import record_run
 
     cut, last = record.ended in ("interrupted", "running", "error"), record.noted_until
+    if record.ended == "running":  # it had decided what to do from there on
+        last += any((rows["step"] == last).any() for rows in (record.updates, record.commands))
     return record_run(
         simulation,
         save=SaveAt(every=1),
@@ -157,8 +159,8 @@ def _first(record: Record, again: Record, until: int, exact: bool, whole: bool) 
     for found in _attributes(record, again, [k for k in ATTRIBUTES if k not in LAST]):
         return found
     found_at = [
-        *(_table(record, again, path, until, exact) for path in TABLES),
-        _others(record, again, until),
+        *(_table(record, again, path, _last(path, until, whole), exact) for path in TABLES),
+        _others(record, again, _last(OTHERS, until, whole)),
         *(_samples(record, again, path, until, exact) for path in STEPS[1:]),
     ]
     if exact:
@@ -168,7 +170,8 @@ def _first(record: Record, again: Record, until: int, exact: bool, whole: bool) 
     if timed:
         return min(timed, key=lambda one: -1 if one.step is None else one.step)
     killed = record.ended == "running"
-    last = [] if killed else [key for key in LAST if key != "ended" or record.ended != "error"]
+    broken = record.ended == "error" and again.ended != "finished"
+    last = [] if killed else [key for key in LAST if key != "ended" or not broken]
     for found in (
         (*_attributes(record, again, last), *sums(record, again, exact))
         if whole else bounds(record, again, until)
@@ -209,11 +212,16 @@ def _first_line(recorded: str, repeated: str) -> tuple[str, str]:
     return f"{len(lines)} lines", f"{len(others)} lines"
 
 
-def _table(record: Record, again: Record, path: str, until: int, exact: bool) -> Mismatch | None:
+def _last(path: str, until: int, whole: bool) -> int:
+    """Last step of a table that is compared: what was decided at the last one may follow from
+    poses that are not compared any more."""
+    return until if whole or path.endswith("contacts") else until - 1
+
+
+def _table(record: Record, again: Record, path: str, last: int, exact: bool) -> Mismatch | None:
     """First row of a table that differs, among those up to a step."""
     if path[1:] not in record.tables and path != "/commands":
         return None
-    last = until if path.endswith("contacts") else until - 1  # decided at the step before
     rows, others = (one.read(path) for one in (record, again))
     rows, others = rows[rows["step"] <= last], others[others["step"] <= last]
     common = min(len(rows), len(others))
@@ -236,15 +244,15 @@ def _table(record: Record, again: Record, path: str, until: int, exact: bool) ->
     return None
 
 
-def _others(record: Record, again: Record, until: int) -> Mismatch | None:
+def _others(record: Record, again: Record, last: int) -> Mismatch | None:
     """First decision whose considered robots are others; how many they are is in a table."""
     if "considered" not in record.tables:
         return None
     counts = record.read("/considered")
-    counts = counts[counts["step"] < until]
+    counts = counts[counts["step"] <= last]
     ends = np.cumsum(counts["count"])
-    last = int(ends[-1]) if len(ends) else 0
-    rows, others = (one.read(OTHERS)[:last] for one in (record, again))
+    count = int(ends[-1]) if len(ends) else 0
+    rows, others = (one.read(OTHERS)[:count] for one in (record, again))
     if len(rows) != len(others) or not (wrong := rows != others).any():
         return None  # where the counts differ that is found
     at = int(np.argmax(wrong))

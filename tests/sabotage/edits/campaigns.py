@@ -7,6 +7,25 @@ from tests.sabotage.edit import Edit
 EDITS = (
     Edit(
         "campaigns",
+        "physim/campaigns/processes.py",
+        "Processes._free_for",
+        'one.code in (code, "")',
+        "True",
+        "what a controller leaves behind in its process is not met by another",
+        "tests/campaigns/test_processes.py::"
+        "test_what_the_code_of_one_leaves_behind_is_not_met_by_that_of_another",
+    ),
+    Edit(
+        "campaigns",
+        "physim/campaigns/kinship.py",
+        "begun_apart",
+        "sys.path.insert(0, HOME)",
+        "sys.path.append(HOME)",
+        "workers have the physim of their parent",
+        "tests/campaigns/test_processes.py::test_workers_have_the_physim_of_their_parent",
+    ),
+    Edit(
+        "campaigns",
         "physim/campaigns/kinship.py",
         "begun_apart",
         "os.environ[SAFE_PATH] = known or BY_US",

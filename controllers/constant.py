@@ -46,8 +46,12 @@ class Constant:
         self.settings = settings or ConstantSettings()
 
     def robot_faults(self, robots: Mapping[int, Robot]) -> list[Fault]:
-        """Refuse commands beyond the limits of their robots."""
+        """Refuse commands beyond the limits of their robots, and those of no robot."""
         faults = []
+        last, given = max(robots, default=-1), len(self.settings.commands)
+        if robots and given > last + 1:
+            message = f"{given} commands for {last + 1} robots; give one for each at most"
+            faults.append(Fault(("controller", "commands", last + 1), message))
         for i, command in enumerate(self.settings.commands):
             limits = robots[i].limits if i in robots else None
             if limits is None:

@@ -220,6 +220,33 @@ def test_legs_that_run_into_each_other_are_reported_instead_of_what_follows(tmp_
     assert "tighter" not in "".join(warnings)
 
 
+@pytest.mark.parametrize(
+    ("line", "legs"),
+    [
+        ("[[0, 0], [60, 0], [60, 20], [30, 20], [30, 4], [44, 4]]", "[0] … [4]"),  # side walls
+        ("[[0, 0], [40, 0], [40, 30], [-2, 30], [-2, 3]]", "[0] … [3]"),  # caps
+        ("[[0, 0], [40, 0], [40, 30], [20, 30], [20, 4], [30, 4]]", "[0] … [4]"),
+    ],
+)
+def test_legs_that_run_into_each_other_beside_their_centrelines(tmp_path, line, legs):
+    """Every path lies in the area all the same; the road is narrower than it is written."""
+    text = changed(CORRIDOR, ("[[0, 0], [30, 0]], width: 8.0", f"{line}, width: 6.0"))
+    errors, _ = lines(check(tmp_path, text))
+    assert len(errors) == 1
+    check_finding(errors[0], "3:24 corridor.centreline", "into itself", *legs.split(" … "))
+
+
+def test_a_wall_that_crosses_itself_a_long_way_round_is_of_two_legs(tmp_path):
+    """The left wall of the way out and the left wall of the way back."""
+    line = "[[0, 0], [30, 0], [50, 15], [30, 30], [10, {}], [0, {}]]"
+    for at, count in ((5.0, 1), (7.0, 0)):
+        text = changed(CORRIDOR, ("[[0, 0], [30, 0]], width: 8.0", f"{line}, width: 6.0"))
+        errors, _ = lines(check(tmp_path, text.replace("{}", str(at))))
+        assert len(errors) == count
+        for error in errors:
+            check_finding(error, "3:24 corridor.centreline", "into itself", "[0]")
+
+
 def test_a_point_is_counted_as_the_file_counts_it_for_walls_and_paths_alike(tmp_path):
     text = changed(CORRIDOR, ("[[0, 0], [30, 0]]", "[[0, 0], [30, 0], [2, 0.5]]"))
     errors, _ = lines(check(tmp_path, text))

@@ -39,8 +39,22 @@ def test_commands_beyond_the_limits_are_faults() -> None:
     assert Constant(ConstantSettings(commands=COMMANDS)).robot_faults(robots) == []
     slow = {**robots, 1: robots[1].model_copy(update={"limits": robots[1].limits.model_copy(
         update={"omega": 1.5})})}  # fmt: skip
-    faults = Constant(ConstantSettings(commands=((-2.0, -1.6), (0.0, 1.6), (9.0, 9.0))))
+    faults = Constant(ConstantSettings(commands=((-2.0, -1.6), (0.0, 1.6))))
     assert [tuple(f.location) for f in faults.robot_faults(slow)] == [
         ("controller", "commands", 0, 0),
         ("controller", "commands", 1, 1),
     ]
+
+
+def test_a_command_of_no_robot_is_a_fault() -> None:
+    robot = Robot.model_validate(
+        {"name": "r", "footprint": {"length": 1.8, "width": 1.0}, "pose": [0.0, 0.0, 0.0],
+         "path": {"offset": 0.0}}
+    )  # fmt: skip
+    for given, of in ((0, 2), (1, 2), (2, 2), (3, 2), (4, 1)):
+        made = Constant(ConstantSettings(commands=((0.1, 0.0),) * given))
+        faults = made.robot_faults(dict.fromkeys(range(of), robot))
+        assert [tuple(f.location) for f in faults] == [("controller", "commands", of)] * (
+            given > of
+        )
+        assert all(f"{given} commands for {of}" in f.message for f in faults)

@@ -259,13 +259,15 @@ def _area(laid: PartialLayout, reference: FloatArray, faults: list[Fault]) -> Ar
         labels = [_label(name) for name in laid.boundaries]
         faults.append(Fault(where, f"{error}; {gaps(labels, lines)}"))
         return None
+    corridor, (centreline, width) = laid.world.corridor, corridor_line(laid.world)
+    if corridor is not None and centreline is not None and width is not None:
+        message = self_overlap(centreline, width, corridor.end_margin, lines)
+        if message:
+            faults.append(Fault(("corridor", "centreline"), message))
+            return None  # what the rest would say follows from that
     outside = area.outside_stretches(reference)
     if not len(outside):
         return area
-    centreline = corridor_line(laid.world)[0]
-    if centreline is not None and (message := self_overlap(centreline, lines)):
-        faults.append(Fault(("corridor", "centreline"), message))
-        return None  # what the rest would say follows from that
     first, last = outside[0]
     message = (
         f"the reference path leaves the accessible area from {first:.2f} m to {last:.2f} m along "

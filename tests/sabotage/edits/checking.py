@@ -7,6 +7,26 @@ from tests.sabotage.edit import Edit
 EDITS = (
     Edit(
         "checking",
+        "physim/world/layout/shape_checks.py",
+        "self_overlap",
+        "for wall in walls for place in self_crossings(wall)",
+        "for wall in walls[:0] for place in self_crossings(wall)",
+        "a wall that crosses itself a long way round is of two legs",
+        "tests/checking/test_ground.py::"
+        "test_a_wall_that_crosses_itself_a_long_way_round_is_of_two_legs",
+    ),
+    Edit(
+        "checking",
+        "physim/world/layout/layout.py",
+        "_area",
+        "if message:",
+        "if message and len(area.outside_stretches(reference)):",
+        "legs that run into each other beside their centrelines are refused",
+        "tests/checking/test_ground.py::"
+        "test_legs_that_run_into_each_other_beside_their_centrelines",
+    ),
+    Edit(
+        "checking",
         "physim/world/checks/paths.py",
         "check_room",
         "laid.path_key(profile.number) in astray and profile.narrowest[3] <= CONTACT",

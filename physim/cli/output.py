@@ -17,7 +17,8 @@ CUT_SHORT = ".cut_short"
 """Between name and ending of a video that was interrupted."""
 STDOUT = Path("-")
 """What stands for standard output where a file is asked for."""
-FILES = ("record.h5", "video.mp4", f"video{CUT_SHORT}.mp4", "summary.json", "page.html")
+SUMMARY = "summary.json"
+FILES = ("record.h5", "video.mp4", f"video{CUT_SHORT}.mp4", SUMMARY, "page.html")
 KINDS = {
     stat.S_IFLNK: "a link",
     stat.S_IFIFO: "a named pipe",
@@ -41,6 +42,22 @@ def output_folder(folder: Path, force: bool, *inputs: Path) -> Path:
         if not os.access(folder, os.W_OK | os.X_OK):
             raise PermissionError(13, "Permission denied")
     return folder
+
+
+@contextmanager
+def run_folder(folder: Path, force: bool, *inputs: Path) -> Iterator[Path]:
+    """`output_folder`, which no other run may take before all files of this one are written."""
+    from physim.record.lock import WriteLock, check_unwritten
+
+    summary = folder / SUMMARY
+    check_unwritten(summary)
+    output_folder(folder, force, *inputs)
+    with writing(folder):
+        lock = WriteLock(summary)
+    try:
+        yield folder
+    finally:
+        lock.release()
 
 
 def remove_earlier(

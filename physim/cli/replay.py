@@ -8,7 +8,7 @@ from pathlib import Path
 
 import click
 
-from physim.cli.output import FILES, output_folder
+from physim.cli.output import FILES, run_folder
 from physim.cli.parser import Options, command, flag, option
 from physim.cli.pictures import write_video
 from physim.cli.progress import interrupts
@@ -59,8 +59,7 @@ def replay(options: Options) -> int:
     row = find_row(campaign, which)
     spec = spec_of_row(campaign, row, options.controller)
     folder = options.output or usual_folder(row.world, row.seed, row.run)
-    folder = output_folder(folder, options.force)
-    with interrupts() as interrupt:
+    with run_folder(folder, options.force), interrupts() as interrupt:
         path = folder / "record.h5"
         broke = replay(spec, path, interrupt)
         if not path.exists():

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from physim.cli.output import FILES, inputs, output_folder, write_text
+from physim.cli.output import FILES, SUMMARY, inputs, run_folder, write_text
 from physim.cli.page import make_page
 from physim.cli.parser import Options, changes, command, flag, option
 from physim.cli.pictures import write_video
@@ -84,11 +84,10 @@ def run(options: Options) -> int:
     observers = [_observer(name) for name in options.observers]
     scene = simulation.scene
     folder = options.output or Path("runs") / f"{scene.world.stem}-{scene.seed}"
-    folder = output_folder(folder, options.force, *inputs(options.world))
-    with interrupts() as interrupt:
+    with run_folder(folder, options.force, *inputs(options.world)), interrupts() as interrupt:
         record, late = _simulate(simulation, folder, observers, options.quiet, interrupt)
         summary = summarise(record)
-        write_text(folder / "summary.json", summary.to_json())
+        write_text(folder / SUMMARY, summary.to_json())
         stopped, already = bool(interrupt.count), interrupt.count
         if stopped:
             _say(f"interrupted at {simulation.time:g} s of simulated time", options)

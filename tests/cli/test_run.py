@@ -13,6 +13,8 @@ from types import SimpleNamespace
 
 import pytest
 
+from physim.cli import main
+from physim.cli import run as run_command
 from physim.parts.registry import controller_names
 from physim.record import Record
 from physim.world.file import load_world
@@ -241,6 +243,29 @@ def test_traceback_shows_the_calls_that_led_to_an_error_of_ones_own(
     assert re.search(facts("broken:Broken", "KeyError", "gain", "broken.py:6"), said)
     assert bool(calls) is asked
     assert any("self.build()" in line for line in calls) is asked
+
+
+def test_a_run_has_its_folder_until_all_its_files_are_written(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """With --force another one removed the record while the first was making its video of it."""
+    out, codes = tmp_path / "out", []
+    command = ["run", "straight", "--set", "time.duration=0.2", "-o", str(out), "--quiet"]
+
+    def meanwhile(record: Record, film: Path, *_: object) -> Path:
+        codes.append(main([*command, "--force", "--no-video", "--seed", "7"]))
+        film.write_bytes(b"film")
+        return film
+
+    monkeypatch.setattr(run_command, "write_video", meanwhile)
+    assert main(command) in (0, 1)
+    assert codes == [2]
+    assert "summary.json" in capsys.readouterr().err
+    with Record.load(out / "record.h5") as record:
+        assert record.seed != 7
+    assert sorted(file.name for file in out.iterdir()) == ["record.h5", "summary.json", "video.mp4"]
+    monkeypatch.undo()
+    assert main([*command, "--force", "--no-video"]) in (0, 1)
 
 
 def test_force_removes_its_own_files_and_no_others(

@@ -11,6 +11,7 @@ import signal
 import sys
 import threading
 import time
+import traceback
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
@@ -18,6 +19,7 @@ from types import FrameType
 from typing import TYPE_CHECKING, Any
 
 from physim.cli.signals import INTERRUPTED, heard
+from physim.errors import PhysimError
 from physim.escaping import escaped
 from physim.streams import unescaped
 
@@ -144,11 +146,21 @@ class Interrupt:
 
 @contextmanager
 def interrupts() -> Iterator[Interrupt]:
-    """Catch the signals while a block runs; the block polls the returned object."""
+    """Catch the signals while a block runs; the block polls the returned object.
+
+    Raises PhysimError for a KeyboardInterrupt of which there was no signal, as one that a
+    controller raises.
+    """
     interrupt = Interrupt()
     before = {number: signal.signal(number, interrupt._note) for number in heard()}
     try:
         yield interrupt
+    except KeyboardInterrupt as error:
+        if interrupt.count:
+            raise
+        *_, last = traceback.extract_tb(error.__traceback__)
+        where = f"{escaped(last.filename)}:{last.lineno}"
+        raise PhysimError(f"{where}: raised KeyboardInterrupt; nobody interrupted") from error
     finally:
         interrupt.forget()
         for number, handler in before.items():

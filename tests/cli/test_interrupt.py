@@ -343,3 +343,17 @@ def test_one_signal_ends_a_run_whose_controller_left_a_thread(tmp_path: Path) ->
     assert run.returncode == 130
     with Record.load(tmp_path / "out/record.h5") as record:
         assert record.ended == "interrupted"
+
+
+def test_a_controller_that_raises_keyboard_interrupt_is_no_ctrl_c(tmp_path: Path) -> None:
+    (tmp_path / "tired.py").write_text(
+        "class Tired:\n    def decide(self, seen, memory):\n        raise KeyboardInterrupt\n"
+    )
+    run = started(
+        "run", "straight", "--controller", "tired:Tired", "-o", "out", "--no-video",
+        folder=tmp_path,
+    )  # fmt: skip
+    _, err = run.communicate(timeout=120)
+    assert run.returncode == 2
+    assert err.strip().splitlines()[-1].startswith(f"{tmp_path / 'tired.py'}:3: ")
+    assert "KeyboardInterrupt" in err

@@ -347,7 +347,9 @@ def test_one_signal_ends_a_run_whose_controller_left_a_thread(tmp_path: Path) ->
 
 def test_a_controller_that_raises_keyboard_interrupt_is_no_ctrl_c(tmp_path: Path) -> None:
     (tmp_path / "tired.py").write_text(
-        "class Tired:\n    def decide(self, seen, memory):\n        raise KeyboardInterrupt\n"
+        "import physim\nclass Tired:\n    def decide(self, seen, memory):\n"
+        "        if seen.time > 0.2: raise KeyboardInterrupt\n"
+        "        return physim.Decision(v=0.5, omega=0.0, hold=0.1)\n"
     )
     run = started(
         "run", "straight", "--controller", "tired:Tired", "-o", "out", "--no-video",
@@ -355,5 +357,5 @@ def test_a_controller_that_raises_keyboard_interrupt_is_no_ctrl_c(tmp_path: Path
     )  # fmt: skip
     _, err = run.communicate(timeout=120)
     assert run.returncode == 2
-    assert err.strip().splitlines()[-1].startswith(f"{tmp_path / 'tired.py'}:3: ")
+    assert err.strip().splitlines()[-1].startswith(f"{tmp_path / 'tired.py'}:4: ")
     assert "KeyboardInterrupt" in err

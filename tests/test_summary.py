@@ -328,7 +328,7 @@ def test_commands_that_a_stage_changed_are_counted() -> None:
 
 def test_a_controller_that_declares_nothing_is_told_so() -> None:
     rows = dict(rows_of(history([{"step": 0, "robot": 0}], declared=Declared())))
-    assert re.search(facts("n/a", "declares no modes)"), rows["danger mode, share of time"])
+    assert re.search(facts("n/a", "declares no modes,"), rows["danger mode, share of time"])
     assert rows["shortest collision time"].startswith("n/a (the controller")
     assert "collision times" not in rows["decisions"]
     calm = Declared((Mode("go", "#000000"),))

@@ -32,7 +32,7 @@ def cross_faults(data: Mapping[str, Any]) -> list[Fault]:
     """Every fault between values of ``data``, the raw values of a `World`."""
     rules = (
         _time, _walls, _width, _names, _starts, _spread, _shapes, _omegas, _formation, _spacing,
-        _neighbours, _distinct, road_faults,
+        _neighbours, _distinct, _expected, road_faults,
     )  # fmt: skip
     return [fault for rule in rules for fault in rule(data)]
 
@@ -278,6 +278,18 @@ def _distinct(data: Mapping[str, Any]) -> Iterator[Fault]:
         for k, (a, b) in enumerate(pairwise(points), start=1):
             if a is not None and b is not None and math.dist(a, b) <= LENGTH:
                 yield Fault((*where, k), "repeats the point before it; leave one of them out")
+
+
+def _expected(data: Mapping[str, Any]) -> Iterator[Fault]:
+    """Bounds of one distance that no run can keep both."""
+    expect = _get(data, "expect")
+    least, most = (_number(_get(expect, key)) for key in ("min_distance", "max_distance"))
+    if least is not None and most is not None and least > most >= 0.0:
+        yield Fault(
+            ("expect", "min_distance"),
+            f"{least!r} m is more than max_distance, {most!r} m; no distance between two robots "
+            "is both",
+        )
 
 
 def _point(value: Any) -> tuple[float, float] | None:

@@ -18,6 +18,7 @@ from tests.checking.worlds import (
     lines,
     only_error,
     only_warning,
+    with_facts,
 )
 
 
@@ -31,6 +32,25 @@ def test_spacing_is_longer_than_the_footprints(tmp_path, spacing, gap):
     check_finding(error, f"13:{column} formation.spacing[1]", gap, '"a"', '"b"', "overlap")
     abreast = changed(CORRIDOR, ("[0.0, -3.0]", spacing))
     assert lines(check(tmp_path, abreast)) == ([], [])
+
+
+@pytest.mark.parametrize(
+    ("pose", "path", "is_told"),
+    [
+        ("9.0, 1.0", "offset: 1.0", True),  # wholly ahead of the one that is to lead
+        ("9.0, 1.0", "offset: -1.0", False),  # but beside it, on a path of its own
+        ("6.6, 1.0", "offset: 1.0", False),  # next to it, past its middle
+        ("3.0, 1.0", "offset: 1.0", False),  # in the order of the leads
+    ],
+)
+def test_an_order_against_that_of_the_start_is_a_warning(tmp_path, pose, path, is_told):
+    text = CORRIDOR.replace("3.0, -1.0", pose).replace("offset: -1.0", path)
+    text = text.replace("[6.0, 1.0, 0.0]", "[6.0, -1.0, 0.0]")
+    _, warnings = lines(check(tmp_path, text))
+    told = with_facts(warnings, "formation.spacing[0]")
+    assert len(told) == is_told
+    for one in told:
+        check_finding(one, "13:23 formation.spacing[0]", '"a"', "3 m ahead", '"b"', "3 m behind")
 
 
 def test_initial_spacing_counts_too(tmp_path):

@@ -41,6 +41,21 @@ def test_a_polyline_may_close_even_onto_its_own_middle(tmp_path, drawn):
     assert lines(check(tmp_path, text)) == ([], [])
 
 
+@pytest.mark.parametrize(
+    ("y", "is_told"), [(4.5, True), (4.0, False), (3.5, False), (0.0, False), (-9.0, True)]
+)
+@pytest.mark.parametrize("world", [CORRIDOR, DRAWN])
+def test_an_obstacle_that_no_robot_can_meet_is_a_warning(tmp_path, world, y, is_told):
+    """Beyond a wall at 4 m; one that lies on it or leads through it stands in the way."""
+    ring = [[20.0, y], [21.0, y], [21.0, y + 1.0], [20.0, y + 1.0]]
+    _, warnings = lines(check(tmp_path, world + f"obstacles:\n  - {ring}\n"))
+    told = with_facts(warnings, "outside the accessible area")
+    assert len(told) == is_told
+    for one in told:
+        line = world.count("\n") + 2
+        check_finding(one, f"{line}:5 obstacles[0]", "outside", f"(20, {y:g})")
+
+
 def test_boundaries_may_touch(tmp_path):
     text = changed(DRAWN, (SECOND, SECOND + "  - [[10, 4], [10, 3]]\n"))
     assert lines(check(tmp_path, text)) == ([], [])

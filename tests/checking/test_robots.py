@@ -429,6 +429,22 @@ def test_a_least_distance_that_the_start_breaks_is_a_warning(tmp_path, least, wa
         check_finding(one, "14:24 expect.min_distance", '"a"', '"b"', "1.562 m", "less than 50 m")
 
 
+@pytest.mark.parametrize(("most", "warned"), [("2.5", True), ("2.51", False)])
+def test_a_greatest_distance_that_the_start_breaks_is_a_warning(tmp_path, most, warned):
+    """Of three robots the two that are farthest apart: 1.2 m along the road, 2.2 m across it."""
+    size, path = "{length: 1.8, width: 1.0}", "{offset: 2.2}"
+    third = f"  - {{name: c, footprint: {size}, pose: [6.0, 2.2, 0.0], path: {path}}}\n"
+    formation = "formation: {spacing: [0.0, -3.0]}\n"
+    text = changed(CORRIDOR, (formation, third + f"expect: {{max_distance: {most}}}\n"))
+    errors, warnings = lines(check(tmp_path, text))
+    assert errors == []
+    broken = with_facts(warnings, "expect.max_distance")
+    assert len(broken) == warned
+    for one in broken:
+        where = "14:24 expect.max_distance"
+        check_finding(one, where, '"b"', '"c"', "2.506 m", "more than 2.5 m")
+
+
 @pytest.mark.parametrize(("step", "warned"), [("1.0e-6", True), ("0.01", False)])
 def test_a_run_of_very_many_steps_is_a_warning(tmp_path, step, warned):
     text = changed(CORRIDOR, ("step: 0.01, duration: 60.0", f"step: {step}, duration: 40.0"))

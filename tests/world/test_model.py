@@ -126,6 +126,8 @@ def test_all_faults_come_at_once_in_our_words():
          ("its own",)),
         ({"formation": {"neighbours": [["r1", "r2"], ["r2", "r1"]]}},
          ("formation", "neighbours", 1), ("twice",)),
+        ({"expect": {"min_distance": 0.5, "max_distance": 0.4}}, ("expect", "min_distance"),
+         ("0.5 m", "max_distance", "0.4 m")),
         ({"robots": []}, ("robots",), ("at least 1",)),
         ({"robots": [{**ROBOT, "pose": None}]}, ("robots", 0, "pose"), ("start region",)),
         ({"robots": [{**ROBOT, "start": START}]}, ("robots", 0, "start"), ("beside", "pose")),

@@ -15,6 +15,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
+from physim.drawing.plots.loading import load_matplotlib
 from physim.geometry.shapes import FloatArray
 from physim.randomness import stream
 
@@ -70,6 +71,7 @@ class Evolution:
     def _begin(self, point: FloatArray) -> None:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
+            load_matplotlib()  # as physim does, before cma imports it for its own plots
             import cma
 
             # it takes no single number: then another stands beside it that does nothing

@@ -1,4 +1,4 @@
-"""Boundaries that may be drawn so, but are seldom meant: crossings, and bends that fold over.
+"""What may be drawn so, but is seldom meant: crossings, folds in bends, obstacles beside the road.
 
 Boundaries may touch, and a polyline may close; where they cross each other or themselves a wall
 cuts through the road, unless it merely ends beyond a corner.
@@ -21,6 +21,24 @@ MOST_CROSSINGS = 3
 """Crossings of one polyline with itself that are reported one by one."""
 LEAST_LOSS = 0.02
 """Share of the written distance to a wall that a fold must take away to be reported"""
+
+
+def check_obstacles(laid: PartialLayout, found: Diagnostics) -> None:
+    """Warn of obstacles that no robot can meet, once for all of them."""
+    if laid.area is None or not laid.obstacles:
+        return
+    solids = np.array([solid for _, solid in laid.solids])
+    shapely.prepare(laid.area.polygon)
+    meets = shapely.dwithin(laid.area.polygon, solids, LENGTH)  # they are cut out of it
+    outside = np.array(list(laid.obstacles))[~meets].tolist()
+    if outside:
+        x, y = laid.obstacles[outside[0]][0]
+        more = f" (so {'does' if len(outside) == 2 else 'do'} {plural(len(outside) - 1, 'more')})"
+        found.warn(
+            ("obstacles", outside[0]),
+            f"lies outside the accessible area, at {place_text(x, y)}{more * (len(outside) > 1)}: "
+            "no robot can meet it; move it between the boundaries, or remove it",
+        )
 
 
 def check_boundaries(laid: PartialLayout, found: Diagnostics) -> None:

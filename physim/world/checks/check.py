@@ -10,7 +10,7 @@ import shapely
 
 from physim.errors import Fault, Position, WorldError
 from physim.escaping import escaped
-from physim.world.checks.boundaries import check_boundaries
+from physim.world.checks.boundaries import check_boundaries, check_obstacles
 from physim.world.checks.danger import (
     check_always_danger,
     check_safe_area,
@@ -131,6 +131,7 @@ def _check_layout(
     if own := [fault for fault in found.errors if fault.location in mistaken]:
         found.errors = [*written, *own]  # the others follow from it
         return ()
+    check_obstacles(laid, found)
     check_start_used(checked.world, found)
     check_reference(laid, found)
     check_random_headings(laid, found)

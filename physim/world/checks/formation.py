@@ -27,7 +27,7 @@ from physim.geometry.polygon import circumscribed_radius
 from physim.geometry.shapes import FloatArray, IntArray
 from physim.tolerances import CONTACT
 from physim.world.checks.findings import MOST_ALIKE, Diagnostics
-from physim.world.checks.spacing import check_spacing, listed_leads, name_of
+from physim.world.checks.spacing import check_order, check_spacing, listed_leads, name_of
 from physim.world.faults import describe
 from physim.world.layout.layout import PartialLayout
 from physim.world.layout.shared import Shared
@@ -52,6 +52,7 @@ def check_formation(laid: PartialLayout, speed: float, found: Diagnostics) -> No
             return
         speed = 1.0 if plan.speed is None else plan.speed
         check_spacing(laid, laid.reference, leads, found)
+        check_order(laid, leads, found)
     if stations is not None and leads is not None:
         _check_length(laid, line, stations, leads, speed, found)
 

@@ -1,4 +1,4 @@
-"""The formation laid out along the reference path: whether the robots stand apart in it."""
+"""The formation along the paths: whether the robots stand apart in it, in the order they start."""
 
 from __future__ import annotations
 
@@ -13,10 +13,11 @@ from physim.errors import Location
 from physim.geometry.shapes import FloatArray
 from physim.tolerances import CONTACT, LENGTH
 from physim.world.checks.findings import MOST_ALIKE, Diagnostics
+from physim.world.checks.room import inscribed_radius
 from physim.world.checks.way import Way, is_ring
 from physim.world.faults import describe
 from physim.world.layout.layout import PartialLayout
-from physim.world.layout.shared import sharing
+from physim.world.layout.shared import Shared, sharing
 
 PLACES = 12
 """Stations of the reference path at which the whole formation is laid out."""
@@ -66,6 +67,44 @@ def check_spacing(
             f"in formation {name_of(laid, i)} and {name_of(laid, j)} would overlap at "
             f"{met[i, j]} of {both[i, j]} places along the reference path, where their paths come "
             "close; space them further apart there",
+        )
+
+
+def check_order(laid: PartialLayout, leads: FloatArray, found: Diagnostics) -> None:
+    """Warn of robots that would have to pass one another on a path that they share.
+
+    Told of who is to lead, by whatever little, but starts wholly behind; once for each such path.
+    Where the seed places robots, any order is meant.
+    """
+    reach = Shared(inscribed_radius)
+    written = [i for i, robot in enumerate(laid.world.robots) if robot.pose is not None]
+    known = [i for i in written if i in laid.paths and i in laid.footprints]
+    known = [i for i in known if not np.isnan(laid.start[i, :2]).any()]
+    for rows in sharing([laid.paths[i] for i in known]):
+        robots = np.array([known[k] for k in rows])
+        way = Way(laid.paths[robots[0]])
+        if len(robots) < 2 or is_ring(way.points):
+            continue
+        robots = robots[np.argsort(leads[robots], kind="stable")]
+        lead, station = leads[robots], way.nearest(laid.start[robots, :2])
+        radius = np.array([reach(laid.footprints[i]) for i in robots.tolist()])
+        back = station - radius
+        ahead = np.array([np.argmax(back[: k + 1]) for k in range(len(robots))])
+        # the foremost of all that are to be behind; equal leads have no order
+        first = np.searchsorted(lead, lead - LENGTH)
+        gap = np.where(first > 0, back[ahead[first - 1]] - (station + radius), -np.inf)
+        k = int(np.argmax(gap))
+        if gap[k] <= LENGTH:
+            continue
+        leader, other = int(robots[k]), int(robots[ahead[first[k] - 1]])
+        behind = station[ahead[first[k] - 1]] - station[k]
+        is_listed = listed_leads(laid) is not None
+        found.warn(
+            ("formation", "spacing", leader) if is_listed else ("formation",),
+            f"{name_of(laid, leader)} is to be {leads[leader] - leads[other]:.4g} m ahead of "
+            f"{name_of(laid, other)} but starts {behind:.4g} m behind it on the same path: it "
+            "would have to pass; list the leads in the order of the start, or give them paths "
+            "of their own",
         )
 
 

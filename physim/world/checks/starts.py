@@ -41,27 +41,44 @@ def check_footprints(laid: PartialLayout, found: Diagnostics) -> None:
 
 
 def check_expected(laid: PartialLayout, found: Diagnostics) -> None:
-    """Warn of a least distance between robots that two of them already fall below at the start."""
+    """Warn of distances between robots that two of them do not keep at the start."""
     expect = laid.world.expect
-    least = expect.min_distance if expect is not None else None
-    shapes, names = [], []
-    for i, outline in laid.footprints.items():
+    placed = []
+    for i in laid.footprints:
         pose = laid.world.robots[i].pose
-        is_random = pose is not None and pose[2] == "random"
-        if not np.isnan(laid.start[i]).any() and not is_random:
-            shapes.append(placed_outline(laid.start[i], outline))
-            names.append(laid.names[i])
-    if least is None or len(shapes) < 2:
+        if not np.isnan(laid.start[i]).any() and not (pose is not None and pose[2] == "random"):
+            placed.append(i)
+    if expect is None or len(placed) < 2:
         return
-    tree = shapely.STRtree(shapes)
-    (one, other), gaps = tree.query_nearest(shapes, exclusive=True, return_distance=True)
-    k = int(np.argmin(gaps))
-    if gaps[k] < least - LENGTH:
-        found.warn(
-            ("expect", "min_distance"),
-            f"{describe(names[one[k]])} and {describe(names[other[k]])} are {gaps[k]:.4g} m apart "
-            f"at the start, which is less than {least:.6g} m",
+    shapes = [placed_outline(laid.start[i], laid.footprints[i]) for i in placed]
+
+    def told(key: str, one: int, other: int, gap: float, than: str) -> None:
+        names = (describe(laid.names[placed[k]]) for k in (one, other))
+        message = f"{' and '.join(names)} are {gap:.4g} m apart at the start, which is {than}"
+        found.warn(("expect", key), message)
+
+    if (least := expect.min_distance) is not None:
+        nearest = shapely.STRtree(shapes).query_nearest(
+            shapes, exclusive=True, return_distance=True
         )
+        (one, other), gaps = nearest
+        k = int(np.argmin(gaps))
+        if gaps[k] < least - LENGTH:
+            told("min_distance", one[k], other[k], gaps[k], f"less than {least:.6g} m")
+    if (most := expect.max_distance) is not None:
+        one, other = _far_apart(laid.start[placed, :2])
+        gap = shapely.distance(shapes[one], shapes[other])
+        if gap > most + LENGTH:
+            told("max_distance", one, other, gap, f"more than {most:.6g} m")
+
+
+def _far_apart(places: FloatArray) -> tuple[int, int]:
+    """Which two of at least two places (n, 2) are farthest apart: two corners of their hull."""
+    corners = shapely.get_coordinates(shapely.MultiPoint(places).convex_hull)
+    apart = np.hypot(*(corners[:, None] - corners).transpose(2, 0, 1))
+    pair = corners[list(np.unravel_index(np.argmax(apart), apart.shape))]
+    one, other = (int(np.argmin(np.hypot(*(places - corner).T))) for corner in pair)
+    return (one, other) if one < other else (other, one)
 
 
 def check_start_used(world: World | None, found: Diagnostics) -> None:

@@ -7,6 +7,43 @@ from tests.sabotage.edit import Edit
 EDITS = (
     Edit(
         "checking",
+        "physim/world/checks/boundaries.py",
+        "check_obstacles",
+        "~meets",
+        "meets & ~meets",
+        "obstacles outside the area are told",
+        "tests/checking/test_ground.py::test_an_obstacle_that_no_robot_can_meet_is_a_warning",
+    ),
+    Edit(
+        "checking",
+        "physim/world/checks/spacing.py",
+        "check_order",
+        "station - radius",
+        "station + radius",
+        "robots that start side by side may take any order",
+        "tests/checking/test_formations.py::test_an_order_against_that_of_the_start_is_a_warning",
+    ),
+    Edit(
+        "checking",
+        "physim/world/checks/starts.py",
+        "_far_apart",
+        "np.argmax(apart)",
+        "np.argmin(apart)",
+        "the two robots farthest apart are held against the greatest distance",
+        "tests/checking/test_robots.py::"
+        "test_a_greatest_distance_that_the_start_breaks_is_a_warning",
+    ),
+    Edit(
+        "checking",
+        "physim/world/rules.py",
+        "_expected",
+        "least > most",
+        "least < most",
+        "a least distance above the greatest is refused",
+        "tests/world/test_model.py::test_each_fault_has_its_place_and_says_what_is_allowed",
+    ),
+    Edit(
+        "checking",
         "physim/world/layout/shape_checks.py",
         "self_overlap",
         "for wall in walls for place in self_crossings(wall)",

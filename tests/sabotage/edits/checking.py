@@ -35,15 +35,6 @@ EDITS = (
     ),
     Edit(
         "checking",
-        "physim/world/rules.py",
-        "_expected",
-        "least > most",
-        "least < most",
-        "a least distance above the greatest is refused",
-        "tests/world/test_model.py::test_each_fault_has_its_place_and_says_what_is_allowed",
-    ),
-    Edit(
-        "checking",
         "physim/world/layout/shape_checks.py",
         "self_overlap",
         "for wall in walls for place in self_crossings(wall)",

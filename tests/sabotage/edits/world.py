@@ -7,6 +7,15 @@ from tests.sabotage.edit import Edit
 EDITS = (
     Edit(
         "world",
+        "physim/world/rules.py",
+        "_expected",
+        "least > most",
+        "least < most",
+        "a least distance above the greatest is refused",
+        "tests/world/test_model.py::test_each_fault_has_its_place_and_says_what_is_allowed",
+    ),
+    Edit(
+        "world",
         "physim/world/model.py",
         "_changed",
         "return kept | {",

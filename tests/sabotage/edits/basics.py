@@ -7,6 +7,16 @@ from tests.sabotage.edit import Edit
 EDITS = (
     Edit(
         "basics",
+        "physim/campaigns/falsify/optimisers.py",
+        "Evolution._begin",
+        "load_matplotlib()  # as",
+        "pass  # as",
+        "what a search is done with reads no settings of the working folder",
+        "tests/test_stray_settings.py::"
+        "test_what_a_search_is_done_with_reads_no_file_of_the_working_folder",
+    ),
+    Edit(
+        "basics",
         "physim/errors.py",
         "place_text",
         "if abs(value) < 10.0 ** (digits - 2):",

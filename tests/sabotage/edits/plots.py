@@ -215,16 +215,6 @@ EDITS = (
     ),
     Edit(
         "plots",
-        "physim/campaigns/falsify/optimisers.py",
-        "Evolution._begin",
-        "load_matplotlib()  # as",
-        "pass  # as",
-        "what a search is done with reads no settings of the working folder",
-        "tests/test_stray_settings.py::"
-        "test_what_a_search_is_done_with_reads_no_file_of_the_working_folder",
-    ),
-    Edit(
-        "plots",
         "physim/drawing/plots/maps.py",
         "_group",
         ">= len(places) / 4.0",

@@ -15,21 +15,28 @@ BODIES = (
     "display: none", "display: inline", "display: none !important", "display: inline !important",
     "visibility: hidden", "visibility: visible", "visibility: collapse !important",
     "visibility: visible !important", "opacity: 0", "opacity: 1; display: inline", "fill: red",
+    "fill: none", "fill: none; stroke: none", "stroke: red", "fill: none !important",
 )  # fmt: skip
 OWN = (
     "", 'class="a"', 'class="b a"', 'class="a b c"', 'class="c"', 'style="display:inline"',
     'display="none"', 'visibility="visible"', 'style="visibility:hidden !important" class="b"',
-    'class="c" style="visibility:visible"', 'style="opacity:1" class="a"',
+    'class="c" style="visibility:visible"', 'style="opacity:1" class="a"', 'fill="none"',
+    'fill="none" stroke="blue" class="a"', 'style="stroke:inherit;fill:none"',
 )  # fmt: skip
 SHOWN = """[...document.querySelectorAll('rect')].filter(one => {
   for (let at = one; at instanceof SVGElement; at = at.parentElement) {
     const style = getComputedStyle(at);
     if (style.display === 'none' || style.opacity === '0') return false;
   }
-  return getComputedStyle(one).visibility === 'visible';
+  const own = getComputedStyle(one);
+  return own.visibility === 'visible' && (own.fill !== 'none' || own.stroke !== 'none');
 }).map(one => one.id)"""
 """Ids of what is to be seen, by the styles that the browser computes"""
 WALLS = '<path class="z" id="boundary" d="M 0,0 24,0 24,14 0,14 Z"/>'
+PAINTED = (
+    'style="display:inline !important;visibility:visible !important;opacity:1 !important;'
+    'stroke:black !important"'
+)
 
 
 def drawing(rng: random.Random) -> str:
@@ -42,12 +49,12 @@ def drawing(rng: random.Random) -> str:
     ]
     # walls and path are no rectangles, and shown whatever is said of all
     seen = 'style="display:inline !important;visibility:visible !important;opacity:1 !important"'
-    walls = WALLS.replace('class="z"', seen)
+    walls = WALLS.replace('class="z"', PAINTED)
     return (
         '<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 24 14" '
         f"{seen}><style>{' '.join(rules[:half])}</style>{walls}"
         f'<g id="obstacle" {seen}>{"".join(pillars)}</g><style>{" ".join(rules[half:])}</style>'
-        f'<path id="path" {seen} d="M 2,7 L 20,7"/></svg>'
+        f'<path id="path" {PAINTED} d="M 2,7 L 20,7"/></svg>'
     )
 
 

@@ -48,11 +48,11 @@ def test_a_finely_written_centreline_is_the_same_corridor(tmp_path):
     assert len(build_scene(physim.parse_world(text)).walls.part_start) == 5
 
 
-def test_a_fold_of_a_finely_written_corridor_is_still_reported(tmp_path):
+def test_legs_of_a_finely_written_corridor_that_overlap_are_still_refused(tmp_path):
     bend = f"[{points((0, 0), (30, 0), 3_000)}, [30, 6], [0, 6]]"
     text = changed(CORRIDOR, ("[[0, 0], [30, 0]]", bend))
-    _, warnings = lines(check(tmp_path, text))
-    assert any(re.search(facts("corridor", "left wall"), one) for one in warnings)
+    errors, _ = lines(check(tmp_path, text))
+    assert any(re.search(facts("into itself", "[3000] to [3001]"), one) for one in errors), errors
 
 
 @pytest.mark.parametrize("spokes", [100, 2_000])

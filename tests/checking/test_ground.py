@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
 
 from physim.world.checks import boundaries
+from physim.world.layout.self_overlap import self_overlap
 from tests.checking.worlds import (
     CORRIDOR,
     DRAWN,
@@ -203,14 +205,12 @@ def test_stretches_are_counted_in_words(tmp_path, times, counted):
     assert with_facts(errors, "11:11 robots[0].path", "13.00 m", "19.00 m", counted)
 
 
-@pytest.mark.parametrize(("across", "left"), [(6, 2), (5.5, 1.5)])
-def test_a_wall_that_folds_over_without_crossing_itself_is_reported(tmp_path, across, left):
-    line = f"[[0, 0], [30, 0], [30, {across}], [0, {across}]]"
+def test_a_wall_that_folds_over_is_reported(tmp_path):
+    """Its legs, 120 degrees apart, leave each other too soon to run into each other."""
+    line = "[[0, 0], [30, 0], [30.5, 1], [20, 18]]"
     _, warnings = lines(check(tmp_path, changed(CORRIDOR, ("[[0, 0], [30, 0]]", line))))
-    folds = [warning for warning in warnings if "folds over" in warning]
-    assert len(folds) == 1
-    parts = ("left wall", "(26, 4)", f"{left} m", "4 m", "tighter")
-    check_finding(folds[0], "3:11 corridor", *parts)
+    (told,) = with_facts(warnings, "corridor", "tighter")
+    check_finding(told, "3:11 corridor", "left wall", "crosses itself")
 
 
 @pytest.mark.parametrize("across", [8, 12])
@@ -223,8 +223,8 @@ def test_a_bend_that_leaves_the_width_is_not_reported(tmp_path, across):
 @pytest.mark.parametrize(
     ("line", "place"),
     [
-        ("[[0, 0], [20, 0], [20, 20], [0, 20], [0, 0]]", "(-3, -3)"),
-        ("[[0, 0], [50, 0], [50, 40], [30, 40], [30, 3]]", "(26, 4)"),
+        ("[[0, 0], [20, 0], [20, 20], [0, 20], [0, 0]]", "(-1.5, 2)"),
+        ("[[0, 0], [50, 0], [50, 40], [30, 40], [30, 3]]", "(30, 3.5)"),
     ],
 )
 def test_legs_that_run_into_each_other_are_reported_instead_of_what_follows(tmp_path, line, place):
@@ -249,6 +249,70 @@ def test_legs_that_run_into_each_other_beside_their_centrelines(tmp_path, line, 
     errors, _ = lines(check(tmp_path, text))
     assert len(errors) == 1
     check_finding(errors[0], "3:24 corridor.centreline", "into itself", *legs.split(" … "))
+
+
+def serpentine(width: float, gap: float, radius: float, step: float, last: float) -> str:
+    """Three legs with so much between their walls, and rounded corners; the last one ends there."""
+    across, points = width + gap, [(0.0, 0.0)]
+    for k in range(2):
+        x, y, side = (12.0, 0.0, 1.0) if k == 0 else (0.0, across, -1.0)
+        for away, up in ((0.0, 0.0), (0.0, across)):  # two corners of a right angle
+            turn = np.arange(0.0, 0.5 * np.pi + 1e-9, step)
+            turn = turn[::-1] if up else turn
+            lean = 1.0 - np.sin(turn)
+            points += [
+                (x - side * (radius * (lean_x + away)), y + abs(up - radius * lean_y))
+                for lean_x, lean_y in zip(lean, 1.0 - np.cos(turn), strict=True)
+            ]
+    points.append((last, 2.0 * across))
+    return str([[round(float(x), 6), round(float(y), 6)] for x, y in points])
+
+
+@pytest.mark.parametrize("radius", [0.3, 0.6, 0.9])
+@pytest.mark.parametrize(("gap", "is_clear"), [(1.2, True), (0.01, True), (-0.01, False)])
+@pytest.mark.parametrize("last", [12.0, 9.0], ids=["even", "uneven"])
+def test_legs_of_a_serpentine_with_tight_bends_are_clear_while_a_gap_is_between_them(
+    tmp_path, radius, gap, is_clear, last
+):
+    """Walls fold over in the bends, nearer to the legs beside them than the ends are long."""
+    line = serpentine(1.8, gap, radius, 0.4, last)
+    text = changed(
+        CORRIDOR,
+        ("[[0, 0], [30, 0]], width: 8.0", f"{line}, width: 1.8"),
+        ("1.8, width: 1.0", "0.4, width: 0.2"),
+        ("6.0, 1.0, 0.0", "6.0, 0.2, 0.0"),
+        ("3.0, -1.0, 0.0", "3.0, -0.2, 0.0"),
+        ("offset: 1.0", "offset: 0.2"),
+        ("offset: -1.0", "offset: -0.2"),
+    )
+    errors, _ = lines(check(tmp_path, text))
+    into = with_facts(errors, "into itself")
+    assert bool(into) != is_clear, errors
+
+
+@pytest.mark.parametrize("across", [3.0, 3.99, 4.0])
+def test_a_hairpin_is_clear_where_its_legs_are_a_width_apart(tmp_path, across):
+    """Their inner walls are parallel, and their caps on one line: nothing crosses."""
+    line = f"[[0, 0], [20, 0], [20, {across}], [0, {across}]]"
+    text = changed(CORRIDOR, ("[[0, 0], [30, 0]], width: 8.0", f"{line}, width: 4.0"))
+    errors, _ = lines(check(tmp_path, text))
+    into = with_facts(errors, "into itself", "[0] to [1]", "[2] to [3]")
+    assert bool(into) == (across < 4.0)
+
+
+@pytest.mark.parametrize("turn", range(30, 150, 30))
+@pytest.mark.parametrize("radius", [0.05, 1.0, 3.0])
+@pytest.mark.parametrize("apart", [0.1, 1.0, 100.0])
+def test_a_bend_is_no_leg_of_its_own_however_its_points_lie(turn, radius, apart):
+    """What a single corner may do, a bend of many points may, on legs of many points too."""
+    width, ahead = 4.0, np.radians(turn)
+    bend = np.linspace(0.0, ahead, 12)
+    legs = np.append(np.arange(0.0, 40.0, apart), 40.0)
+    before = np.stack([legs, np.zeros_like(legs)], axis=1)
+    corner = np.stack([40.0 + radius * np.sin(bend), radius * (1.0 - np.cos(bend))], axis=1)
+    after = corner[-1] + legs[:, None] * [np.cos(ahead), np.sin(ahead)]
+    line = np.vstack([before, corner[1:], after[1:]])
+    assert self_overlap(line, np.full(len(line), width), 3.0) == ""
 
 
 def test_a_wall_that_crosses_itself_a_long_way_round_is_of_two_legs(tmp_path):

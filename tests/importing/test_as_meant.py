@@ -96,6 +96,48 @@ UNSEEN = {
         'class="BoundingBox" fill="none" stroke="none"',
         0,
     ),
+    "an area that is not drawn": ('<g id="obstacle">{}</g>', 'fill="none"', 0),
+    "a group that is not drawn": (
+        '<g id="obstacle" fill="none" stroke="none">{}</g>',
+        "",
+        0,
+    ),
+    "drawn in a group that is not": (
+        '<g id="obstacle" fill="none" stroke="none">{}</g>',
+        'stroke="red"',
+        1,
+    ),
+    "as its group, which is drawn": (
+        '<g id="obstacle" fill="none" style="stroke:red">{}</g>',
+        'fill="inherit"',
+        1,
+    ),
+    "a copy of what is hidden": (
+        '<g visibility="hidden"><defs>{}</defs></g><g id="obstacle"><use href="#it"/></g>',
+        'id="it"',
+        1,
+    ),
+    "a hidden copy of what is seen": (
+        '<defs>{}</defs><g id="obstacle"><use visibility="hidden" href="#it"/></g>',
+        'id="it" visibility="visible"',
+        1,
+    ),
+    "a hidden copy": (
+        '<defs>{}</defs><g id="obstacle"><use visibility="hidden" href="#it"/></g>',
+        'id="it"',
+        0,
+    ),
+    "a copy that is not drawn": (
+        '<defs>{}</defs><g id="obstacle" fill="none"><use href="#it"/></g>',
+        'id="it"',
+        0,
+    ),
+    "a copy, drawn where it stands": (
+        '<defs><g id="it" fill="none">{}</g></defs><g id="obstacle" stroke="red">'
+        '<use href="#it"/></g>',
+        "",
+        1,
+    ),
     "outline": ('<g id="obstacle">{}</g>', 'fill="none" stroke="black"', 1),
     "area": ('<g id="obstacle">{}</g>', 'stroke="none"', 1),
     "painted by a sheet": (
@@ -123,7 +165,7 @@ def test_what_is_invisible_is_no_obstacle(tmp_path: Path, how: str) -> None:
     assert len([one for one in imported.changes if "hidden" in one]) == 1 - count
 
 
-SELECTORS = (".k rect", ".k > rect", ".a.b", 'rect[id="x"]', "rect:not(.h)", "@media print {.h")
+SELECTORS = (".k rect", ".k > rect", ".a.b", 'rect[id="x"]', "rect:not(.h)", ".h:hover")
 
 
 @pytest.mark.parametrize("selector", SELECTORS)

@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 
 from physim.authoring.importing import ImportSourceError, Options, import_world
+from physim.authoring.importing.svg_sheets import MOST_SELECTORS
 from tests.importing.plans import check_says
 from tests.importing.test_as_meant import PATH, PILLAR, WALLS, svg
 
@@ -28,6 +29,14 @@ SEEN = {
         ".k {display:inline !important} #w {display:none}", 'id="w" class="k"', "",
     ),
     "on paper": ("@media", 'class="h"', ""),
+    "on paper, by its second rule": (
+        "@media print {.z {fill:red} .h {display:none}} .z {fill:red}", 'class="h"', "",
+    ),
+    "later than what is conditional": (
+        ".h {display:none} @media screen, tv {.z {fill:red} .h {display:inline}}", 'class="h"', "",
+    ),
+    "in a sequence of pictures": ("@keyframes k {from {opacity:0} 50% {opacity:0}}", "", ""),
+    "what a string holds": (".z {fill:red; content:none}", 'class="h"', ""),
 }  # fmt: skip
 HIDDEN = {
     "by a class": (".h {display:none}", 'class="h"', ""),
@@ -38,6 +47,14 @@ HIDDEN = {
     ),
     "with its group": (".h {display:none}", 'style="display:inline"', 'class="h"'),
     "by a tag": ("rect {opacity:0}", "", ""),
+    "on paper it is shown": (
+        ".h {display:none} @media print {.z {fill:red} .h {display:inline}}", 'class="h"', "",
+    ),
+    "an attribute that is important": ("", 'style="display:inline !important;opacity:0"', ""),
+    "in a group that is not painted": (".h {fill:none}", "", 'class="h"'),
+    "after a comment before a star": ("/* z */* {fill:red} .h {display:none}", 'class="h"', ""),
+    "after a comment of stars": ("/***/ .h {display:none} /* .h {display:inline}", 'class="h"', ""),
+    "by a rule that does not end": (".h {display:none", 'class="h"', ""),
     "not painted": (".h {fill:none; stroke:none}", 'class="h"', ""),
 }  # fmt: skip
 
@@ -70,6 +87,64 @@ def test_what_is_hidden_in_a_viewer_is_left_out_and_listed(
     assert not found.world.obstacles
     (one,) = (change for change in found.changes if "hidden" in change)
     check_says(one, "line … hidden … left out")
+
+
+WORK = {
+    "many selectors of one rule": (
+        f"{','.join(f'.a{k}' for k in range(20_000))} {{{'fill:a;' * 20_000}}}", "<g/>",
+    ),
+    "a long value": (f"* {{fill:{'a' * 300_000}}}", "<g/>" * 20_000),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("how", WORK)
+def test_sheets_are_read_in_their_length(tmp_path: Path, how: str) -> None:
+    """Hours, if each value were taken to each selector, and each selector to each element."""
+    sheet, rest = WORK[how]
+    path = tmp_path / "plan.svg"
+    path.write_text(svg(f"<style>{sheet}</style>{WALLS}{PATH}{rest}"))
+    assert import_world(path, Options(scale=1.0)).world.boundaries
+
+
+def test_a_flood_of_selectors_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "plan.svg"
+    rules = "".join(f".a{k}{{fill:none}}" for k in range(MOST_SELECTORS + 1))
+    path.write_text(svg(f"<style>{rules}</style>{WALLS}{PATH}"))
+    with pytest.raises(ImportSourceError) as caught:
+        import_world(path, Options(scale=1.0))
+    check_says(str(caught.value), f"<style> … {MOST_SELECTORS} selectors")
+
+
+@pytest.mark.parametrize("how", ['display="none"', 'visibility="hidden"', 'opacity="0"'])
+def test_rules_that_are_not_followed_may_not_show_what_attributes_hide(
+    tmp_path: Path, how: str
+) -> None:
+    """Any rule comes before them; a style of the element's own is beyond it."""
+    sheet = ".k.h {display:inline; visibility:visible; opacity:1}"
+    with pytest.raises(ImportSourceError) as caught:
+        imported(tmp_path, sheet, f'class="h k" {how}', "")
+    key = how.partition("=")[0]
+    check_says(str(caught.value), f'<rect> … hidden by its {key} … ".k.h" … may show')
+    own = how.replace('="', ":").replace('"', "")
+    assert not imported(tmp_path, sheet, f'class="h k" style="{own}"', "").world.obstacles
+
+
+@pytest.mark.parametrize("rule", [".h {display:none}", ".z {fill:red} .h {display:none}"])
+def test_rules_on_a_condition_may_not_hide(tmp_path: Path, rule: str) -> None:
+    """A browser follows them or not, by its window."""
+    with pytest.raises(ImportSourceError) as caught:
+        imported(tmp_path, f"@media (min-width: 9px) {{{rule}}}", 'class="h"', "")
+    check_says(str(caught.value), '<style> … "@media (min-width: 9px) .h" hides')
+
+
+@pytest.mark.parametrize("how", ['style="display:none"', 'opacity="0"', 'class="h"'])
+def test_a_drawing_that_is_hidden_is_refused(tmp_path: Path, how: str) -> None:
+    path = tmp_path / "plan.svg"
+    text = svg(f"<style>.h {{display:none}}</style>{WALLS}{PATH}")
+    path.write_text(text.replace("<svg ", f"<svg {how} ", 1))
+    with pytest.raises(ImportSourceError) as caught:
+        import_world(path, Options(scale=1.0))
+    check_says(str(caught.value), "the whole drawing is hidden")
 
 
 def test_rules_that_are_not_followed_may_not_show_what_others_hide(tmp_path: Path) -> None:

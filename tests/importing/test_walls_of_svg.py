@@ -13,7 +13,7 @@ from physim.errors import PhysimError
 PLAN = """\
 <svg xmlns="http://www.w3.org/2000/svg" width="30m" height="15m" viewBox="0 0 30 15">
   <g id="floor">
-    <g id="outline"><path id="rim" fill="none" d="M 2,2 L 28,2 L 28,13 L 2,13 Z"/></g>
+    <g id="outline"><path id="rim" fill="none" stroke="black" d="M 2,2 H 28 V 13 H 2 Z"/></g>
     <rect id="desk" x="10" y="6" width="2" height="1"/>
     <g><rect x="20" y="5" width="1" height="3"/></g>
   </g>
@@ -32,6 +32,13 @@ def refusal(path: Path, *boundary: str) -> str:
         import_world(path, Options(scale=1.0, boundary=boundary))
     assert "\n" not in str(caught.value)
     return str(caught.value)
+
+
+def test_it_is_told_which_walls_are_not_seen(tmp_path: Path) -> None:
+    """What has neither area nor line is shown by no program, though it was perhaps meant."""
+    told = refusal(drawing(tmp_path, PLAN.replace(' stroke="black"', "")), "rim")
+    for part in ("no line is a boundary", "line 3: hidden <path> rim"):
+        assert part in told
 
 
 def test_it_is_told_which_shapes_could_be_walls(tmp_path: Path) -> None:

@@ -136,6 +136,21 @@ def test_a_tip_across_a_joint_is_pushed_straight_out_by_both():
         assert (nx, ny) == pytest.approx((0.0, 1.0), abs=1e-12)
 
 
+@pytest.mark.parametrize(("bend", "wanted"), [(0.0, SIDE), (0.5, SIDE), (-0.5, SIDE), (-1.5, ACTS)])
+def test_a_tip_beside_a_joint_is_not_pushed_past_it_into_the_next_segment(bend, wanted):
+    # 2 cm beyond the wall, 1 mm beside where the next one goes on: 3 mm sideways it is out of this
+    # one, and in that, unless that turns away by more than the tip's own flank.
+    tip = [(0.0, -0.5), (0.05, 0.0), (-0.05, 0.0)]
+    far = (-2.0 * np.cos(bend), 2.0 * np.sin(bend))
+    told = judged(tip, [far, (0.0, 0.0), (2.0, 0.0)], (0.003, 0.48, 0.0))
+    verdict, nx, ny = told[1]
+    assert verdict == wanted
+    if wanted == SIDE:
+        assert (nx, ny) == pytest.approx((0.0, 1.0), abs=1e-12)
+    else:
+        assert nx < -0.9
+
+
 def test_a_face_on_two_segments_up_to_the_end_wall_is_held_by_both():
     # A flank flat on the wall, its front 0.6 mm into the end wall, to which the short last segment
     # would push it: left to that one, it sank 21 mm into the wall where forty robots pushed.

@@ -31,6 +31,7 @@ from physim.authoring.importing.source import read_xml
 from physim.authoring.importing.svg_bare import CUT, FAULT, LINE, SPILLS, TAG
 from physim.authoring.importing.svg_curves import subpaths
 from physim.authoring.importing.svg_guard import SvgLook, look_at
+from physim.authoring.importing.svg_seen import is_seen
 from physim.authoring.importing.svg_walls import LABEL, Walls, names_of
 from physim.authoring.importing.work import MOST_POINTS, check_work
 from physim.escaping import escaped
@@ -71,7 +72,7 @@ class _Line:
 def read_svg(path: Path, options: Options) -> Drawing:
     """Read a drawing; raises ImportSourceError with file:line where there is one."""
     look = look_at(path, read_xml(path))
-    drawing = Drawing(kind="SVG drawing", changes=listed(look.left_out))
+    drawing = Drawing(kind="SVG drawing")
     try:
         root = svgelements.SVG.parse(io.StringIO(look.bare.text), reify=True, ppi=96.0)
     except RecursionError:
@@ -86,13 +87,18 @@ def read_svg(path: Path, options: Options) -> Drawing:
     cuts: dict[str, None] = {}
     seen: set[int | None] = set()
     count = 0
-    walls = Walls(frozenset(options.boundary))
+    hidden = [*look.left_out]
+    walls = Walls(frozenset(options.boundary), hidden)
     for element, role, name in _shapes(root, "", "", walls):
         label = next(iter(names_of(element)), "")
         own = element.values.get("attributes", {})
         where = escaped(repr(label)) if label else f"<{own.get(TAG, 'element')}>"
         line = int(own[LINE]) if LINE in own else None
         seen.add(line)
+        if not is_seen(element.values, look.may_be_painted):
+            told = f"line {line}: hidden <{own.get(TAG, 'element')}> {escaped(label)[:60]}"
+            hidden.append(f"{told.rstrip()}, left out")
+            continue
         if not role:
             left_out.append(f"{where}: in no layer boundary, obstacle, path or robot, left out")
             walls.note(element, name, frame.metres)
@@ -118,7 +124,8 @@ def read_svg(path: Path, options: Options) -> Drawing:
                 count += len(placed)
     if unknown := walls.unknown():
         raise refused(path, unknown)
-    drawing.changes += listed(left_out) + listed([*cuts]) + listed(look.not_among(seen))
+    for changes in ([*dict.fromkeys(hidden)], left_out, [*cuts], look.not_among(seen)):
+        drawing.changes += listed(changes)
     drawing.facts.append(
         f"{frame.scale}; curves flattened within {tolerance:g} m; y turned up, the page's lower "
         "left corner is (0, 0)"

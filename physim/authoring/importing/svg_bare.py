@@ -11,14 +11,14 @@ import re
 from xml.sax.saxutils import quoteattr
 
 from physim.authoring.importing.svg_paths import as_meant
-from physim.authoring.importing.svg_sheets import IGNORED, SELECTOR, declarations, rules
+from physim.authoring.importing.svg_seen import INVISIBLE, handed_on
+from physim.authoring.importing.svg_sheets import IGNORED, SELECTOR, SHOWN, declarations, rules
 from physim.authoring.importing.svg_values import (
     AUTO,
     EXTENTS,
     ORIGINS,
     PLACES,
     RADII,
-    SHAPES,
     origin_of,
     pixels_of,
 )
@@ -45,8 +45,6 @@ CUTS = ("clip-path", "mask")
 """Properties by which only a part of an element is drawn; they are not applied, but told."""
 UNSEEN = ("display", "visibility", "opacity", "fill", "stroke")
 """Properties by which an element is not to be seen."""
-INVISIBLE = ("hidden", "collapse")
-"""Values of ``visibility``"""
 FROM_SHEETS = (*UNSEEN, *CUTS)
 """Properties that count in a style sheet."""
 UNREAD = ("d", "rotate", "scale", "translate", "offset-path")
@@ -71,8 +69,6 @@ class BareSvg:
     def __init__(self) -> None:
         self._parts: list[str] = []
         self._ends: list[str] = []
-        self.is_painted = False
-        """whether a style sheet says of elements that are not looked for how they are painted"""
         self._hides = self._shows = ""
         self.origin = ""
         """what in a style sheet turns elements about another point than (0, 0)"""
@@ -117,6 +113,7 @@ class BareSvg:
             kept[CUT] = f"<style> has a {attributes[IGNORED]}, which"
         if tag == "use" and (href := attributes.get(XLINK, attributes.get("href"))) is not None:
             kept[XLINK] = href
+        kept |= handed_on(attributes)
         kept |= {LINE: str(line), TAG: shown, **({FAULT: fault} if fault else {})}
         written = (f" {PREFIXES.get(key, key)}={quoteattr(value)}" for key, value in kept.items())
         tag = "defs" if tag in AS_DEFS else tag
@@ -147,7 +144,6 @@ class BareSvg:
             if all(SELECTOR.fullmatch(one.strip()) for one in selector.split(",")):
                 self._hides = self._hides or (shown if hides else "")
                 continue
-            self.is_painted |= "fill" in found or "stroke" in found
             if _cut(found) or hides:
                 return f"{shown} hides or cuts what it selects, {BEYOND}"
             if "display" in found or "visibility" in found or "opacity" in found:
@@ -156,18 +152,10 @@ class BareSvg:
             return f"{self._shows} may show what {self._hides} hides, {BEYOND}"
         return ""
 
-    def is_hidden(self, tag: str, attributes: dict[str, str]) -> bool:
-        """Whether an element hides itself and all in it.
-
-        So does a shape of which both line and area are told not to be drawn, as those that some
-        programs put about each of theirs; unless a style sheet may say otherwise.
-        """
+    def is_hidden(self, attributes: dict[str, str]) -> bool:
+        """Whether an element hides itself and all in it."""
         own = {**attributes, **declarations(attributes.get("style", ""), UNSEEN)}
-        own = {key: own[key].strip().lower() for key in UNSEEN if key in own}
-        unpainted = tag in SHAPES and own.get("fill") == own.get("stroke") == "none"
-        return (
-            own.get("display") == "none" or _is_unseen(own) or (unpainted and not self.is_painted)
-        )
+        return own.get("display", "").strip().lower() == "none" or _is_unseen(own)
 
     def end(self) -> None:
         """End the element that was begun last."""
@@ -176,11 +164,27 @@ class BareSvg:
 
 def hidden(attributes: dict[str, str]) -> dict[str, str]:
     """Attributes of an element, so that it is hidden whatever they say."""
-    return {**attributes, "style": f"{attributes.get('style', '')};display:none"}
+    return {**attributes, "style": f"{attributes.get('style', '')};display:none !important"}
+
+
+def hidden_by(attributes: dict[str, str]) -> str:
+    """By which attribute an element is hidden where no style says otherwise; or empty.
+
+    Any rule of a style sheet comes before it, unlike before a style of the element's own.
+    """
+    own = {key: attributes[key].strip().lower() for key in SHOWN if key in attributes}
+    for key in declarations(attributes.get("style", ""), SHOWN):
+        own.pop(key, None)
+    is_hidden = {
+        "display": own.get("display") == "none",
+        "visibility": own.get("visibility") in INVISIBLE,
+        "opacity": _is_unseen(own),
+    }
+    return next((key for key in SHOWN if is_hidden[key]), "")
 
 
 def _is_unseen(properties: dict[str, str]) -> bool:
-    return NOTHING.fullmatch(properties.get("opacity", "1")) is not None
+    return NOTHING.fullmatch(properties.get("opacity", "1").strip()) is not None
 
 
 def called(tag: str, attributes: dict[str, str]) -> str:

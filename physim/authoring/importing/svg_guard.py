@@ -14,8 +14,8 @@ from xml.parsers import expat
 
 from physim.authoring.importing.drawing import ImportSourceError, refused
 from physim.authoring.importing.svg_bare import (
+    BEYOND,
     FROM_SHEETS,
-    INVISIBLE,
     LABEL,
     NOT_DRAWN,
     NOT_LINES,
@@ -26,9 +26,10 @@ from physim.authoring.importing.svg_bare import (
     called,
     functions_of,
     hidden,
+    hidden_by,
 )
 from physim.authoring.importing.svg_paths import path_fault
-from physim.authoring.importing.svg_sheets import Sheets, declarations, sheets_of
+from physim.authoring.importing.svg_sheets import MOST_SELECTORS, Sheets, declarations, sheets_of
 from physim.authoring.importing.svg_values import (
     EXTENTS,
     NUMBER,
@@ -68,6 +69,8 @@ class SvgLook:
     width: str = ""
     line: int = 1
     """of the root"""
+    may_be_painted: bool = False
+    """whether shapes are that are told not to be, by rules that are not followed"""
     bare: BareSvg = field(default_factory=BareSvg)
     """what is left to read"""
     drawn: list[tuple[int, str]] = field(default_factory=list)
@@ -94,8 +97,6 @@ class _Element:
     """functions that move these, its own only when it has ended"""
     copies: list[tuple[str, int]] = field(default_factory=list)
     """ids, and how many functions below this element move what is copied"""
-    is_invisible: bool = False
-    """by its own ``visibility``, or that of what it stands in"""
     is_drawn: bool = False
     """of a ``switch``: whether one of its alternatives is"""
 
@@ -130,6 +131,9 @@ class _Guard:
 
     def run(self, text: str) -> SvgLook:
         self.sheets = sheets_of(text, FROM_SHEETS, (*PLACES, *EXTENTS))
+        if self.sheets.is_too_much:
+            raise refused(self.path, f"<style>: more than {MOST_SELECTORS} selectors")
+        self.look.may_be_painted = self.sheets.may_paint
         parser = self.parser
         parser.StartElementHandler = self._start
         parser.EndElementHandler = self._end
@@ -168,14 +172,20 @@ class _Guard:
         attributes = self.sheets.styled(tag, attributes)
         if self.open and self.open[-1][0] == "switch":
             attributes = self._alternative(attributes)
-        attributes, is_invisible = self._seen(tag, attributes)
-        if is_hidden := self.look.bare.is_hidden(tag, attributes):
+        if self.sheets.shows and (key := hidden_by(attributes)):
+            raise self._refused(
+                f'{called(tag, attributes)}: hidden by its {key}, and "'
+                f'{escaped(self.sheets.shows)[:60]}" in <style> may show it, {BEYOND}'
+            )
+        if is_hidden := self.look.bare.is_hidden(attributes):
             attributes = hidden(attributes)
         style = declarations(attributes.get("style", ""), (*PLACES, *EXTENTS))
         values = {**attributes, **style}
         self.look.bare.start(name, attributes, line, self._share(values) if tag in SHAPES else "")
         if not self.open and tag != "svg":
             raise self._refused(f"the root is <{escaped(name[:40])}>, not <svg>")
+        if not self.open and is_hidden:
+            raise self._refused("the whole drawing is hidden, by display or opacity")
         if not self.open:
             self.look.width, self.look.line = attributes.get("width", ""), line
         self.seen += 1
@@ -213,7 +223,7 @@ class _Guard:
             if wrong := shape_fault(tag, values):
                 raise self._refused(f"{called(tag, attributes)}: {wrong}")
             self.look.drawn.append((line, called(tag, attributes)))
-        element = _Element(functions_of(tag, attributes), is_invisible=is_invisible)
+        element = _Element(functions_of(tag, attributes))
         href = attributes.get(XLINK, attributes.get("href", ""))
         if tag == "use":
             if not href.startswith("#"):
@@ -284,20 +294,6 @@ class _Guard:
             return hidden(attributes)
         within.is_drawn = True
         return attributes
-
-    def _seen(self, tag: str, attributes: dict[str, str]) -> tuple[dict[str, str], bool]:
-        """Attributes, with those of an invisible shape or copy hiding it; whether it is invisible.
-
-        ``visibility`` is inherited, and what is in a group may be seen again, unlike ``display``.
-        """
-        own = declarations(attributes.get("style", ""), ("visibility",)).get("visibility")
-        own = (own or attributes.get("visibility", "inherit")).strip().lower()
-        is_invisible = own in INVISIBLE
-        if own == "inherit" and self.open:
-            is_invisible = self.open[-1][1].is_invisible
-        if is_invisible and (tag in SHAPES or tag == "use"):
-            attributes = hidden(attributes)
-        return attributes, is_invisible
 
     def _text(self, text: str) -> None:
         if self.open[-1][0] == "style":

@@ -15,10 +15,22 @@ from xml.parsers import expat
 
 SELECTOR = re.compile(r"\*|#[\w-]+|[\w-]*\.[\w-]+|[\w-]+")
 """What is followed: a tag, a class, both, or an id."""
+COMMENT = re.compile(r"/\*.*?(?:\*/|$(?!\n))", re.DOTALL)
+MARKS = re.compile(r"[{};]")
+MEDIUM = re.compile(r"[a-z]+")
+"""A kind of medium, without conditions"""
 MOST_CLASSES = 20
 """Classes of an element that are looked up"""
 IGNORED = "physim-ignored"
 """Attribute that tells of properties that a sheet has and that are not applied"""
+LONGEST = 60
+"""Characters of a value that are kept: those that count are shorter"""
+MOST_SELECTORS = 50_000
+"""Selectors of all style sheets"""
+PAINTS = ("fill", "stroke")
+"""Properties by which a shape is seen"""
+SHOWN = ("display", "visibility", "opacity")
+"""Properties by which an element is shown or hidden"""
 SCREEN = ("", "all", "screen")
 """Media for which a drawing is read"""
 
@@ -33,18 +45,33 @@ class Sheets:
         self._keys, self._ignored = (*keys, *ignored), ignored
         self._rules: dict[str, dict[str, tuple[tuple[bool, int, int], str]]] = {}
         self._count = 0
+        self.is_too_much = False
+        """whether there are more selectors than are looked at"""
+        self.shows = ""
+        """the first selector that is not followed and says what is shown"""
+        self.may_paint = False
+        """whether a rule that is not followed says of elements how they are painted"""
 
     def add(self, text: str) -> None:
         """Take the rules of one more sheet, after all those before."""
         for selector, body in rules(text):
-            found = [
-                (key, value, is_important)
+            last = {
+                (key, is_important): value[:LONGEST]
                 for key, value, is_important in declared(body)
                 if key in self._keys
-            ]
-            for one in {part.strip(): None for part in selector.split(",")} if found else ():
+            }
+            found = [(key, value, is_important) for (key, is_important), value in last.items()]
+            parts = [selector] if selector.startswith("@") else selector.split(",")
+            for one in {part.strip(): None for part in parts} if found else ():
+                if self._count >= MOST_SELECTORS:
+                    self.is_too_much = True
+                    return
                 if SELECTOR.fullmatch(one):
                     self._put(one, found)
+                else:
+                    self.may_paint |= any(key in PAINTS for key, _, _ in found)
+                    if any(key in SHOWN for key, _, _ in found):
+                        self.shows = self.shows or one
 
     def _put(self, selector: str, found: list[tuple[str, str, bool]]) -> None:
         known = self._rules.setdefault(selector, {})
@@ -120,12 +147,46 @@ class _EntityError(Exception):
 
 
 def rules(text: str) -> list[tuple[str, str]]:
-    """Selectors and declarations of a style sheet; linear in its length."""
-    begun, *commented = text.replace("<!--", "").replace("-->", "").split("/*")
-    text = begun + "".join(part.partition("*/")[2] for part in commented)
-    parts = (part.rpartition("{") for part in text.split("}"))
-    # before a selector may stand @charset and @import, which end with a semicolon
-    return [(found.rpartition(";")[2].strip(), body) for found, opened, body in parts if opened]
+    """Selectors and declarations of a style sheet; linear in its length.
+
+    Rules that hold on a condition have it before their selectors, as in
+    ``@media (min-width: 9px) .a``, so that they are not followed; those for other media than
+    `SCREEN` are left out.
+    """
+    text = COMMENT.sub("", text.replace("<!--", "").replace("-->", ""))
+    found: list[tuple[str, str]] = []
+    about: list[str] = []  # what stands before each brace that is open
+    begin = 0
+    for mark in [*MARKS.finditer(text), None]:
+        at = text[mark.start()] if mark else "}"
+        part = text[begin : mark.start() if mark else None]
+        if at == "{":
+            about.append(part.strip())
+        elif at == "}" and about:
+            selector = about.pop()
+            if not selector.startswith("@") and (before := _condition(about)) is not None:
+                found.append((before + selector, part))
+        elif at == ";" and about and not about[-1].startswith("@"):
+            continue
+        begin = mark.end() if mark else begin
+    return found
+
+
+def _condition(about: list[str]) -> str | None:
+    """On what condition the rules of some blocks hold, with a space after it; None if on none."""
+    told = ""
+    for one in about:
+        if one.startswith("@media"):
+            kinds = (part.strip() for part in one[6:].lower().split(","))
+            media = {kind.removeprefix("only ").strip() for kind in kinds}
+            if media & {*SCREEN}:
+                continue
+            if all(MEDIUM.fullmatch(part) for part in media):
+                return None
+        if "keyframes" in one.partition(" ")[0]:
+            return None
+        told += f"{one} "
+    return told
 
 
 def declared(style: str) -> Iterator[tuple[str, str, bool]]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 from physim.authoring.importing.svg_bare import LINE
@@ -23,9 +24,9 @@ def names_of(element: Any) -> list[str]:
 class Walls:
     """What the user asked to be taken as walls, and how large everything without a role is."""
 
-    def __init__(self, asked: frozenset[str]) -> None:
-        """``asked`` are ids or labels of shapes or groups."""
-        self._asked = asked
+    def __init__(self, asked: frozenset[str], hidden: Sequence[str] = ()) -> None:
+        """``asked`` are ids or labels of shapes or groups, ``hidden`` is told of those not seen."""
+        self._asked, self._hidden = asked, hidden
         self._found: set[str] = set()
         self._known: set[str] = set()
         self._measured = 0
@@ -68,14 +69,20 @@ class Walls:
         return ""
 
     def advice(self) -> str:
-        """Which shapes and groups could be walls, the largest first, and how to say so."""
+        """Which shapes and groups could be walls, the largest first, and how to say so.
+
+        And the first of what is left out, which may hide them.
+        """
         sizes = {name: (x1 - x0, y1 - y0) for name, (x0, y0, x1, y1) in self._boxes.items()}
         largest = sorted(sizes, key=lambda name: -max(sizes[name]))[:MOST_ADVISED]
+        hidden = [one for one in self._hidden if ": hidden <" in one]
+        more = f" and {len(hidden) - 1} more" if len(hidden) > 1 else ""
+        unseen = f"; not seen: {hidden[0]}{more}" if hidden else ""
         if not largest:
-            return ""
+            return unseen
         listed = ", ".join(
             f'"{escaped(name)[:60]}" ({self._lines.get(name, "")}{sizes[name][0]:.3g} x '
             f"{sizes[name][1]:.3g} m)"
             for name in largest
         )
-        return f"; --boundary ID takes a shape or group for one: the largest are {listed}"
+        return f"; --boundary ID takes a shape or group for one: the largest are {listed}{unseen}"

@@ -5,7 +5,9 @@ would hold it although the wall goes straight on. The engine's own remedy, namin
 neighbours, also loses true contacts (a nose in a corner touches neither wall, by its rule). So that
 remedy is not used, and the rule is here: a contact at the end of a segment that pushes the robot
 towards the segment's neighbour is left to the neighbour, unless that leans back on the segment:
-then both push along their own normals. (A neighbour that leans on the one after it does not.)
+then both push along their own normals. (A neighbour that leans on the one after it does not.) Nor does
+a way out lead past the end where the robot would then be in the neighbour, as with a sharp tip that
+is beyond a straight wall next to a joint: there, too, the segment pushes along its own normal.
 
 In a corner that closes round the robot each segment holds it along its own normal, whatever the
 way out that is the shortest from the segment alone: left to the neighbour, or pushed past the
@@ -174,15 +176,17 @@ def classify(
     inward = _leads(shapes, other, links.end[q, end], mx, my)
     if inward and _leads(shapes, q, end, kx, ky):
         return SIDE, mx, my
-    if not links.own[q, end]:
-        return ACTS, nx, ny
-    distance, ox, oy = touch(shapes, p, pose_p, other, pose_q)
-    if distance > CONTACT:
-        return ACTS, nx, ny
+    apart, ox, oy = touch(shapes, p, pose_p, other, pose_q)
+    if apart > CONTACT:
+        moved = pose_p.copy()
+        moved[0] -= distance * nx
+        moved[1] -= distance * ny
+        is_out = touch(shapes, p, moved, other, pose_q)[0] >= -CONTACT
+        return (ACTS, nx, ny) if is_out else (SIDE, mx, my)
     third = leans_on(shapes, links, other, ox, oy)[0]
     # One round which the part has come, to lie on the neighbour alone, does not close.
     if third < 0 or (third != q and inward):
-        return LEFT, nx, ny
+        return (LEFT if links.own[q, end] else ACTS), nx, ny
     return SIDE, mx, my
 
 

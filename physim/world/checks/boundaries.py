@@ -19,8 +19,6 @@ from physim.world.layout.shape_checks import crossings, self_crossings
 
 MOST_CROSSINGS = 3
 """Crossings of one polyline with itself that are reported one by one."""
-LEAST_LOSS = 0.02
-"""Share of the written distance to a wall that a fold must take away to be reported"""
 
 
 def check_obstacles(laid: PartialLayout, found: Diagnostics) -> None:
@@ -58,7 +56,7 @@ def check_boundaries(laid: PartialLayout, found: Diagnostics) -> None:
     is_drawable = laid.boundaries and (laid.area is not None or laid.reference is None)
     if is_drawable and width is not None:
         walls = corridor_boundaries(centreline, width, laid.world.corridor.end_margin)
-        _check_folds(centreline, [walls[side] for side in SIDES], found)
+        _check_folds([walls[side] for side in SIDES], found)
 
 
 def _check_drawn(laid: PartialLayout, found: Diagnostics) -> None:
@@ -91,52 +89,19 @@ def _overshoots(lines: list[shapely.LineString]) -> FloatArray:
     return np.asarray(shapely.get_coordinates(dangles))
 
 
-def _check_folds(centreline: FloatArray, walls: list[FloatArray], found: Diagnostics) -> None:
-    """Warn of a wall that folds over on the inner side of a bend.
+def _check_folds(walls: list[FloatArray], found: Diagnostics) -> None:
+    """Warn of a wall, left or right, that folds over on the inner side of a bend and crosses itself.
 
-    ``walls`` (n + 2, 2) left and right, prolonged by one point at both ends. A folded wall crosses
-    itself, or runs backwards for a while and comes nearer to the centreline than half the width.
+    Where it would not, its legs are too close for a bend, and the world is refused.
     """
     for name, wall in zip(SIDES, walls, strict=True):
         places = self_crossings(wall)
         if places:
             x, y = places[0]
             more = f" and at {plural(len(places) - 1, 'more place')}" if len(places) > 1 else ""
-            what = f"the {name} crosses itself at {place_text(x, y)}{more}"
-        else:
-            what = _folded(name, wall[1:-1], centreline)
-        if what:
             found.warn(
                 ("corridor",),
-                f"{what}: the bend is tighter than half the width, so the corridor is narrower "
-                "there than written; widen the bend, or put the points of the centreline further "
-                "apart",
+                f"the {name} crosses itself at {place_text(x, y)}{more}: the bend is tighter than "
+                "half the width, so the corridor is narrower there than written; widen the bend, "
+                "or put the points of the centreline further apart",
             )
-
-
-def _folded(name: str, wall: FloatArray, centreline: FloatArray) -> str:
-    """Where a wall (n, 2) runs against its centreline (n, 2) and comes too near; or nothing."""
-    backwards = (np.diff(wall, axis=0) * np.diff(centreline, axis=0)).sum(axis=1) <= 0.0
-    ends = np.flatnonzero(np.append(backwards, False) | np.append(False, backwards))
-    if not len(ends):
-        return ""
-    places = shapely.points(wall[ends])
-    room = shapely.distance(shapely.LineString(centreline), places)
-    # half the width of the written corridor: the wall's distance from the two lines at the corner
-    wanted = _distance_across(wall, centreline)[ends]
-    k = int(np.argmin(room / wanted))
-    if room[k] >= wanted[k] * (1.0 - LEAST_LOSS):
-        return ""
-    x, y = wall[ends[k]]
-    return (
-        f"the {name} folds over at {place_text(x, y)}, {room[k]:.4g} m from the centreline instead "
-        f"of {wanted[k]:.4g} m"
-    )
-
-
-def _distance_across(wall: FloatArray, centreline: FloatArray) -> FloatArray:
-    """(n,) [m] distance of each point of a wall from the line through the segment it starts."""
-    step = np.diff(centreline, axis=0)
-    step = np.vstack([step, step[-1:]]) / np.hypot(*np.vstack([step, step[-1:]]).T)[:, None]
-    apart = wall - centreline
-    return np.asarray(np.abs(step[:, 0] * apart[:, 1] - step[:, 1] * apart[:, 0]))

@@ -24,13 +24,13 @@ from physim.geometry.thinning import thinned
 from physim.world import Offset, World
 from physim.world.layout.road import with_drawn_road
 from physim.world.layout.robots import distinct, footprints_of, path_of, paths_of
+from physim.world.layout.self_overlap import self_overlap
 from physim.world.layout.shape_checks import (
     Placed,
     gaps,
     outline_fault,
     placed_outline,
     robot_faults,
-    self_overlap,
     wall_faults,
 )
 from physim.world.layout.start_poses import start_poses, written_poses
@@ -261,7 +261,7 @@ def _area(laid: PartialLayout, reference: FloatArray, faults: list[Fault]) -> Ar
         return None
     corridor, (centreline, width) = laid.world.corridor, corridor_line(laid.world)
     if corridor is not None and centreline is not None and width is not None:
-        message = self_overlap(centreline, width, corridor.end_margin, lines)
+        message = self_overlap(centreline, width, corridor.end_margin)
         if message:
             faults.append(Fault(("corridor", "centreline"), message))
             return None  # what the rest would say follows from that

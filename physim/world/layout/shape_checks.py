@@ -218,41 +218,6 @@ def self_crossings(line: FloatArray) -> list[tuple[float, float]]:
     return list(found)
 
 
-def self_overlap(
-    centreline: FloatArray, width: FloatArray, end_margin: float, walls: list[FloatArray]
-) -> str:
-    """How two legs of a corridor run into each other, walls of one in the other; empty if not.
-
-    ``width`` (n,) [m] at each point of ``centreline`` (n, 2); ``walls`` left, right and the caps.
-    A wall that crosses itself within two widths of the road folds over in a bend.
-    """
-    places = [(place, 0.0) for _, _, place in crossings(walls)]
-    places += [
-        (place, 2.0 * float(width.max())) for wall in walls for place in self_crossings(wall)
-    ]
-    if not places:
-        return ""
-    legs = shapely.linestrings(np.stack([centreline[:-1], centreline[1:]], axis=1))
-    ends = np.cumsum(shapely.length(legs))
-    begins, numbers = ends - shapely.length(legs), np.arange(len(legs))
-    reach = np.hypot(0.5 * np.maximum(width[:-1], width[1:]), end_margin) + LENGTH
-    for (x, y), between in places:
-        away = shapely.distance(legs, shapely.Point(x, y))
-        one = int(np.argmin(away))
-        road = np.maximum(begins - ends[one], begins[one] - ends)
-        apart = (np.abs(numbers - one) > 1) & (road >= between) & (away <= reach)
-        if not apart.any():
-            continue
-        other = int(np.argmin(np.where(apart, away, np.inf)))
-        first, second = sorted((one, other))
-        return (
-            f"the corridor runs into itself at {place_text(x, y)}: the leg from [{first}] to "
-            f"[{first + 1}] and the leg from [{second}] to [{second + 1}] have less than the width "
-            "between them; separate them, or draw boundaries instead, which may close on themselves"
-        )
-    return ""
-
-
 def gaps(labels: list[str], lines: list[FloatArray]) -> str:
     """Loose ends of boundaries, nearest to another wall first, with the size of the gap.
 

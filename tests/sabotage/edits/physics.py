@@ -135,8 +135,8 @@ EDITS = (
         "physics",
         "physim/simulation/engine/verdict.py",
         "classify",
-        "return LEFT, nx, ny",
-        "return ACTS, nx, ny",
+        "LEFT if links.own[q, end] else ACTS",
+        "ACTS",
         "a robot slides along a wall of several segments",
         "tests/physics/test_verdict.py::"
         "test_a_flat_robot_is_held_by_the_segments_below_not_by_the_end_ahead",
@@ -158,6 +158,16 @@ EDITS = (
         "max(DEEP, min(",
         "a small robot is not squeezed through a wall",
         "tests/physics/test_cutting.py::test_a_small_robot_is_not_squeezed_through_a_wall",
+    ),
+    Edit(
+        "physics",
+        "physim/simulation/engine/verdict.py",
+        "classify",
+        "(ACTS, nx, ny) if is_out else (SIDE, mx, my)",
+        "(ACTS, nx, ny)",
+        "past the end is no way out where the next segment goes on",
+        "tests/physics/test_walls.py::"
+        "test_a_tip_is_held_by_a_straight_wall_however_many_pieces_it_has",
     ),
     Edit(
         "physics",

@@ -37,6 +37,8 @@ from physim.errors import PhysimError
 
 LAST_SECONDS = 10.0
 """[s] A worker has to end once it is asked to; then it is killed."""
+LOOK_SECONDS = 1.0
+"""[s] between looks whether the busy are alive: what they forked may keep their pipes open"""
 GRACE_SECONDS = 5.0
 """[s] beyond its limit a worker is killed from outside, where its own timer did not end it."""
 MOST_WORKERS = 8
@@ -132,7 +134,7 @@ class Processes(Executor):
                         self._team.remove(one)
         finally:
             for one in self._team:
-                one.pipe.close()
+                one.pipe.close()  # then it ends
             for process in (*self._gone, *(one.process for one in self._team)):
                 process.join(LAST_SECONDS)
                 if process.is_alive():
@@ -191,6 +193,7 @@ class Processes(Executor):
         """Workers that have something to say or are to say nothing more; waits for one."""
         dues = [one.due for one in busy if one.due is not None]
         dues += [] if given_up is None else [given_up]
+        dues += [time.monotonic() + LOOK_SECONDS] if busy else []
         left = None if not dues else max(0.0, min(dues) - time.monotonic())
         ready = wait([self._woken, *(one.pipe for one in busy)], left)
         if self._woken in ready:
@@ -204,7 +207,8 @@ class Processes(Executor):
         ]
         for one in late:
             one.process.kill()
-        return [one for one in busy if one.pipe in ready or one in late]
+            one.process.join(LAST_SECONDS)
+        return [one for one in busy if one.pipe in ready or not one.process.is_alive()]
 
 
 @dataclass
@@ -245,6 +249,8 @@ class _Worker:
         assert future is not None
         assert job is not None
         try:
+            if not self.pipe.poll():  # it is gone, and what it forked keeps its end open
+                raise EOFError
             answer = self.pipe.recv()
             if answer == READY:
                 self.ready = True

@@ -74,6 +74,8 @@ def do_jobs(pipe: Connection, halt: Any) -> None:
             try:
                 job: Job = pipe.recv()
             except (EOFError, OSError):
+                if any(not one.daemon for one in threading.enumerate()[1:]):
+                    os._exit(0)  # threads that the user's code left behind would go on for ever
                 return
             except Exception as error:  # a function that is not there
                 answer: tuple[bool, Any] = False, RuntimeError(f"{type(error).__name__}: {error}")

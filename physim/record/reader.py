@@ -132,6 +132,11 @@ class Record(RecordedHistory):
                 f"{self.where}: truncated: {self.samples} samples, one every {self.record_every} "
                 f"steps, for {last} steps; make the record again"
             )
+        if self.ended != "running" and not (self.samples and self.steps[-1] == self.steps_run):
+            raise RecordError(
+                f"{self.where}: truncated: no sample of step {self.steps_run}, the last one; make "
+                "the record again"
+            )
         if last > MOST_STEPS:
             raise RecordError(
                 f"{self.where}: {last} steps; a run has at most {MOST_STEPS}; make the record again"

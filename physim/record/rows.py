@@ -83,7 +83,12 @@ class RecordFile:
     def _cut(self, path: str, first: int, rows: NDArray[Any]) -> NDArray[Any]:
         """Rows, from row ``first`` on, up to the last sample of a run that was killed."""
         if path in layout.TABLES:
-            return rows[rows["step"] <= self._killed_at]
+            rows = rows[rows["step"] <= self._killed_at]
+            if path == "/considered":  # what a decision counts may not have been written
+                before = int(self._file[path][:first]["count"].sum(dtype=np.int64)) if first else 0
+                counted = before + np.cumsum(rows["count"], dtype=np.int64)
+                rows = rows[counted <= self._file[layout.OTHERS].size]
+            return rows
         if path == layout.OTHERS:
             counted = self.read("/considered", check=False)["count"].sum(dtype=np.int64)
             return rows[: max(0, counted - first)]

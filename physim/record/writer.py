@@ -249,7 +249,7 @@ class RecordWriter:
         with self._writing():
             for buffer in (*self._tables.values(), self._others, *self._steps.values()):
                 buffer.flush()
-            for dataset, values in self._rewritten:
+            for dataset, values in self._rewritten:  # before the index: never older than samples
                 fill(dataset, values)
             if self._disk is not None:
                 self._disk.holding = True

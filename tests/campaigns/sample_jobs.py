@@ -8,6 +8,7 @@ import os
 import signal
 import stat
 import sys
+import threading
 import time
 from contextlib import suppress
 
@@ -63,6 +64,22 @@ def killed(stop: Stop) -> None:
 def forks(stop: Stop) -> int:
     """Lets a copy of its process go on where it does itself; each says which it is."""
     return os.fork() or os.getpid()
+
+
+def leaves_a_copy(seconds: float, code: int | None, stop: Stop) -> None:
+    """Forks a process that lives on for a while; then ends with a code, or not at all."""
+    if os.fork() == 0:
+        time.sleep(seconds)
+        os._exit(0)
+    if code is not None:
+        os._exit(code)
+    hangs(stop)
+
+
+def leaves_a_thread(stop: Stop) -> int:
+    """Begins a thread that goes on for ever; says which process it is in."""
+    threading.Thread(target=time.sleep, args=(1e5,)).start()
+    return os.getpid()
 
 
 def raises_as_ctrl_c_does(stop: Stop) -> None:

@@ -47,6 +47,40 @@ def test_a_copy_that_a_job_forks_answers_for_nobody() -> None:
         one.shutdown(cancel_futures=True)
 
 
+@pytest.mark.parametrize(("code", "error"), [(3, LostError), (None, OverdueError)])
+def test_a_worker_that_is_no_more_is_not_waited_for_because_of_what_it_forked(
+    code: int | None, error: type[Exception]
+) -> None:
+    """The copy has the worker's end of its pipe: it looks open for as long as that lives."""
+    one, begun = Processes(1), time.monotonic()
+    try:
+        limit = 1.0 if code is None else None
+        lost = one.begin(Job("forks", sample.leaves_a_copy, (2.0 * LONGEST, code), limit))
+        good = one.begin(Job("good", sample.echo, (5,)))
+        with pytest.raises(error):
+            lost.result(timeout=LONGEST)
+        assert good.result(timeout=LONGEST) == 5
+    finally:
+        one.shutdown(cancel_futures=True)
+    assert time.monotonic() - begun < 2.0 * LONGEST, "it waited for the copy"
+
+
+def test_a_worker_with_a_thread_left_behind_ends_when_it_is_let_go() -> None:
+    one = Processes(1)
+    try:
+        left = [
+            one.begin(Job(code, sample.leaves_a_thread, code=code)).result(timeout=LONGEST)
+            for code in "abcdef"
+        ]
+        assert len({*left}) == 6
+        until = time.monotonic() + LONGEST
+        while (some := len(multiprocessing.active_children())) > 3 and time.monotonic() < until:
+            time.sleep(0.05)
+        assert some <= 3
+    finally:
+        one.shutdown(cancel_futures=True)
+
+
 def ended(copy: int, worker: int) -> None:
     """Wait until a child of a worker, which never asks for it, is no more than its number."""
     until = time.monotonic() + LONGEST

@@ -159,8 +159,11 @@ def _first(record: Record, again: Record, until: int, exact: bool, whole: bool) 
     for found in _attributes(record, again, [k for k in ATTRIBUTES if k not in LAST]):
         return found
     found_at = [
-        *(_table(record, again, path, _last(path, until, whole), exact) for path in TABLES),
-        _others(record, again, _last(OTHERS, until, whole)),
+        *(
+            _table(record, again, path, _last(record, again, path, until, whole), exact)
+            for path in TABLES
+        ),
+        _others(record, again, _last(record, again, "/considered", until, whole)),
         *(_samples(record, again, path, until, exact) for path in STEPS[1:]),
     ]
     if exact:
@@ -212,10 +215,15 @@ def _first_line(recorded: str, repeated: str) -> tuple[str, str]:
     return f"{len(lines)} lines", f"{len(others)} lines"
 
 
-def _last(path: str, until: int, whole: bool) -> int:
+def _last(record: Record, again: Record, path: str, until: int, whole: bool) -> int:
     """Last step of a table that is compared: what was decided at the last one may follow from
-    poses that are not compared any more."""
-    return until if whole or path.endswith("contacts") else until - 1
+    poses that are not compared any more, or a run was killed before all of it was written."""
+    if path.endswith("contacts"):
+        return until
+    if record.ended == "running":
+        there, wanted = (int((one.read(path)["step"] == until).sum()) for one in (record, again))
+        return until if there >= wanted else until - 1
+    return until if whole else until - 1
 
 
 def _table(record: Record, again: Record, path: str, last: int, exact: bool) -> Mismatch | None:

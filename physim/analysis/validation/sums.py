@@ -27,20 +27,48 @@ MOMENTS = {
 
 
 def sums(record: Record, again: Record, exact: bool) -> Iterator[Mismatch]:
-    """Extremes and arrivals that are not those of a whole run."""
+    """Extremes and arrivals that are not those of a whole run.
+
+    Those of a killed run were written one after the other, each not before its last sample.
+    """
     for path, moments in MOMENTS.items():
         rows, others = (np.atleast_1d(one.read(path)) for one in (record, again))
-        for column in rows.dtype.names or ():
-            if not exact and rows[column].dtype.kind == "i":
-                continue
-            wrong = unlike(rows[column], others[column], exact, column)
-            for k in np.flatnonzero(wrong)[:1].tolist():
-                yield _mismatch(record, path, column, k, rows[column][k], others[column][k])
-        for columns in moments if not exact else ():
-            for k in np.flatnonzero(rows[columns[1]] >= 0).tolist():
+        for columns in moments:
+            stood: dict[int, bool] = {}
+            for column in filter(None, columns):
+                if not exact and rows[column].dtype.kind == "i":
+                    continue
+                wrong = unlike(rows[column], others[column], exact, column)
+                for k in np.flatnonzero(wrong).tolist():
+                    if k not in stood:
+                        stood[k] = _stood(record, again, path, columns, k, rows[k], others[k])
+                    if not stood[k]:
+                        yield _mismatch(record, path, column, k, rows[column][k], others[column][k])
+            for k in np.flatnonzero(rows[columns[1]] >= 0).tolist() if not exact else ():
                 yield from _moment(record, again, path, columns, k, rows[k])
-    for k in np.flatnonzero(record.arrived != again.arrived)[:1].tolist():
+    wrong = record.arrived != again.arrived
+    if record.ended == "running":
+        wrong &= (record.arrived >= 0) | (again.arrived < record.steps_run)
+    for k in np.flatnonzero(wrong)[:1].tolist():
         yield _mismatch(record, ARRIVED, None, k, record.arrived[k], again.arrived[k])
+
+
+def _stood(
+    record: Record, again: Record, path: str, columns: tuple[str, str, str | None, str], k: int,
+    row: np.void, final: np.void,
+) -> bool:  # fmt: skip
+    """Whether an extreme of a killed run stood when it was written, and was exceeded later."""
+    value, when, *_ = columns
+    until = max(record.steps_run, int(row[when]))
+    if record.ended != "running" or final[when] <= until or row[when] < 0:
+        return False
+    if path == EXTREMES:
+        least = again.read(f"/steps/{value}", 0, until + 1)[:, k]
+        if int(np.argmin(least)) != row[when] or least.min() != row[value]:
+            return False
+    elif row[value] > final[value]:
+        return False
+    return not any(_moment(record, again, path, columns, k, row))
 
 
 def _moment(

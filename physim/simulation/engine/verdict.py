@@ -5,9 +5,10 @@ would hold it although the wall goes straight on. The engine's own remedy, namin
 neighbours, also loses true contacts (a nose in a corner touches neither wall, by its rule). So that
 remedy is not used, and the rule is here: a contact at the end of a segment that pushes the robot
 towards the segment's neighbour is left to the neighbour, unless that leans back on the segment:
-then both push along their own normals. (A neighbour that leans on the one after it does not.) Nor does
-a way out lead past the end where the robot would then be in the neighbour, as with a sharp tip that
-is beyond a straight wall next to a joint: there, too, the segment pushes along its own normal.
+then both push along their own normals. (A neighbour that leans on the one after it does not.)
+There is no way out past the end, either, where the robot would then be in the neighbour, as a sharp
+tip that is beyond a straight wall next to a joint: there, too, the segment pushes along its own
+normal.
 
 In a corner that closes round the robot each segment holds it along its own normal, whatever the
 way out that is the shortest from the segment alone: left to the neighbour, or pushed past the

@@ -90,7 +90,7 @@ def _overshoots(lines: list[shapely.LineString]) -> FloatArray:
 
 
 def _check_folds(walls: list[FloatArray], found: Diagnostics) -> None:
-    """Warn of a wall, left or right, that folds over on the inner side of a bend and crosses itself.
+    """Warn of a wall, left or right, that folds over in a bend, where it crosses itself.
 
     Where it would not, its legs are too close for a bend, and the world is refused.
     """

@@ -97,6 +97,7 @@ UNSEEN = {
         0,
     ),
     "an area that is not drawn": ('<g id="obstacle">{}</g>', 'fill="none"', 0),
+    "a shape named by its role": ("{}", 'id="obstacle" fill="none"', 1),
     "a group that is not drawn": (
         '<g id="obstacle" fill="none" stroke="none">{}</g>',
         "",

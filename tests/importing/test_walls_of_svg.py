@@ -36,9 +36,12 @@ def refusal(path: Path, *boundary: str) -> str:
 
 def test_it_is_told_which_walls_are_not_seen(tmp_path: Path) -> None:
     """What has neither area nor line is shown by no program, though it was perhaps meant."""
-    told = refusal(drawing(tmp_path, PLAN.replace(' stroke="black"', "")), "rim")
+    plan = PLAN.replace(' stroke="black"', "")
+    told = refusal(drawing(tmp_path, plan))
     for part in ("no line is a boundary", "line 3: hidden <path> rim"):
         assert part in told
+    asked = import_world(drawing(tmp_path, plan), Options(scale=1.0, boundary=("rim",)))
+    assert asked.world.boundaries, "a shape that is asked for by its name"
 
 
 def test_it_is_told_which_shapes_could_be_walls(tmp_path: Path) -> None:

@@ -95,7 +95,8 @@ def read_svg(path: Path, options: Options) -> Drawing:
         where = escaped(repr(label)) if label else f"<{own.get(TAG, 'element')}>"
         line = int(own[LINE]) if LINE in own else None
         seen.add(line)
-        if not is_seen(element.values, look.may_be_painted):
+        is_meant = look.may_be_painted or walls.asked_for(element) or bool(_role(element)[0])
+        if not is_seen(element.values, is_meant):
             told = f"line {line}: hidden <{own.get(TAG, 'element')}> {escaped(label)[:60]}"
             hidden.append(f"{told.rstrip()}, left out")
             continue

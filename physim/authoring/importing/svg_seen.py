@@ -29,9 +29,12 @@ def handed_on(attributes: Mapping[str, str]) -> dict[str, str]:
     return {PREFIX + key: value for key, value in own.items() if value != "inherit"}
 
 
-def is_seen(values: Mapping[str, Any], may_be_painted: bool) -> bool:
-    """Whether a shape is to be seen, of what has been handed on to it; ``may_be_painted`` if a
-    style sheet may say otherwise of its area and line."""
+def is_seen(values: Mapping[str, Any], is_meant: bool) -> bool:
+    """Whether a shape is to be seen, of what has been handed on to it.
+
+    ``is_meant``: it counts without area and line, too, as one that is named by its role, or of
+    which a style sheet may say otherwise.
+    """
     look = {key: values.get(PREFIX + key, value) for key, value in UNTOLD.items()}
     is_painted = look["fill"] not in UNPAINTED or look["stroke"] not in UNPAINTED
-    return look["visibility"] not in INVISIBLE and (is_painted or may_be_painted)
+    return look["visibility"] not in INVISIBLE and (is_painted or is_meant)

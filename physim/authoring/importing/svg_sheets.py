@@ -25,7 +25,7 @@ IGNORED = "physim-ignored"
 """Attribute that tells of properties that a sheet has and that are not applied"""
 LONGEST = 60
 """Characters of a value that are kept: those that count are shorter"""
-MOST_SELECTORS = 50_000
+MOST_SELECTORS = 400_000
 """Selectors of all style sheets"""
 PAINTS = ("fill", "stroke")
 """Properties by which a shape is seen"""

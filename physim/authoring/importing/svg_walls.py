@@ -40,6 +40,10 @@ class Walls:
         self._found |= names & self._asked
         return bool(names & self._asked)
 
+    def asked_for(self, element: Any) -> bool:
+        """Whether an element itself was asked for, or a group that has its name."""
+        return not self._asked.isdisjoint(names_of(element))
+
     def note(self, element: Any, group: str, metres: float) -> None:
         """Take note of a shape without a role, in a group; ``metres`` is the length of a pixel.
 

@@ -515,7 +515,7 @@ EDITS = (
         "importing",
         "physim/authoring/importing/svg_seen.py",
         "is_seen",
-        "(is_painted or may_be_painted)",
+        "(is_painted or is_meant)",
         "is_painted",
         "a shape that a style sheet paints is drawn",
         "tests/importing/test_as_meant.py::test_what_is_invisible_is_no_obstacle",

@@ -98,6 +98,11 @@ UNSEEN = {
     ),
     "an area that is not drawn": ('<g id="obstacle">{}</g>', 'fill="none"', 0),
     "a shape named by its role": ("{}", 'id="obstacle" fill="none"', 1),
+    "as its group, which is not drawn": (
+        '<g id="obstacle" fill="none">{}</g>',
+        'fill="inherit"',
+        0,
+    ),
     "a group that is not drawn": (
         '<g id="obstacle" fill="none" stroke="none">{}</g>',
         "",

@@ -99,6 +99,8 @@ def read_svg(path: Path, options: Options) -> Drawing:
         if not is_seen(element.values, is_meant):
             told = f"line {line}: hidden <{own.get(TAG, 'element')}> {escaped(label)[:60]}"
             hidden.append(f"{told.rstrip()}, left out")
+            if not role and is_seen(element.values, is_meant=True):  # it may be asked for
+                walls.note(element, name, frame.metres)
             continue
         if not role:
             left_out.append(f"{where}: in no layer boundary, obstacle, path or robot, left out")

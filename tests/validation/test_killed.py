@@ -66,7 +66,7 @@ def test_extremes_of_a_killed_run_are_not_those_of_any_moment(tmp_path: Path) ->
     simulate(three_robots(1), seed=3, path=path)
     for column, value, when in (("clearance", 0.9, 20), ("clearance", 2.0, 100)):
         with h5py.File(path, "r+") as file:
-            file.attrs.modify("ended", np.bytes_("running".ljust(11)[:11].strip()))
+            file.attrs.modify("ended", np.array(b"running", dtype="S16"))
             rows = file["/extremes"][:]
             rows[column][1] = value
             rows["clearance_step"][1] = when

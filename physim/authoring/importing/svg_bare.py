@@ -146,7 +146,7 @@ class BareSvg:
                 continue
             if _cut(found) or hides:
                 return f"{shown} hides or cuts what it selects, {BEYOND}"
-            if "display" in found or "visibility" in found or "opacity" in found:
+            if any(key in found for key in SHOWN):
                 self._shows = self._shows or shown
         if self._hides and self._shows:
             return f"{self._shows} may show what {self._hides} hides, {BEYOND}"

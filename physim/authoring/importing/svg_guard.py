@@ -172,11 +172,7 @@ class _Guard:
         attributes = self.sheets.styled(tag, attributes)
         if self.open and self.open[-1][0] == "switch":
             attributes = self._alternative(attributes)
-        if self.sheets.shows and (key := hidden_by(attributes)):
-            raise self._refused(
-                f'{called(tag, attributes)}: hidden by its {key}, and "'
-                f'{escaped(self.sheets.shows)[:60]}" in <style> may show it, {BEYOND}'
-            )
+        self._check_shown(tag, attributes)
         if is_hidden := self.look.bare.is_hidden(attributes):
             attributes = hidden(attributes)
         style = declarations(attributes.get("style", ""), (*PLACES, *EXTENTS))
@@ -283,6 +279,14 @@ class _Guard:
             line, element = self.turned
             message = f"{element}: has a transform, and in <style> {self.look.bare.origin}"
             raise refused(self.path, f"{message}; {NO_ORIGIN}", line)
+
+    def _check_shown(self, tag: str, attributes: dict[str, str]) -> None:
+        """Refuse what its own attribute hides where a rule that is not followed may show it."""
+        if self.sheets.shows and (key := hidden_by(attributes)):
+            raise self._refused(
+                f'{called(tag, attributes)}: hidden by its {key}, and "'
+                f'{escaped(self.sheets.shows)[:60]}" in <style> may show it, {BEYOND}'
+            )
 
     def _alternative(self, attributes: dict[str, str]) -> dict[str, str]:
         """Attributes of what stands in a ``switch``, hidden unless it is what is drawn of it.

@@ -15,7 +15,7 @@ from xml.parsers import expat
 
 SELECTOR = re.compile(r"\*|#[\w-]+|[\w-]*\.[\w-]+|[\w-]+")
 """What is followed: a tag, a class, both, or an id."""
-COMMENT = re.compile(r"/\*.*?(?:\*/|$(?!\n))", re.DOTALL)
+COMMENT = re.compile(r"/\*.*?(?:\*/|\Z)", re.DOTALL)
 MARKS = re.compile(r"[{};]")
 MEDIUM = re.compile(r"[a-z]+")
 """A kind of medium, without conditions"""

@@ -41,7 +41,7 @@ class Walls:
         return bool(names & self._asked)
 
     def asked_for(self, element: Any) -> bool:
-        """Whether an element itself was asked for, or a group that has its name."""
+        """Whether an element was itself asked for, not a group that it is in."""
         return not self._asked.isdisjoint(names_of(element))
 
     def note(self, element: Any, group: str, metres: float) -> None:

@@ -53,6 +53,7 @@ def check_expected(laid: PartialLayout, found: Diagnostics) -> None:
     shapes = [placed_outline(laid.start[i], laid.footprints[i]) for i in placed]
 
     def told(key: str, one: int, other: int, gap: float, than: str) -> None:
+        """Warn of two that are so far [m] apart."""
         names = (describe(laid.names[placed[k]]) for k in (one, other))
         message = f"{' and '.join(names)} are {gap:.4g} m apart at the start, which is {than}"
         found.warn(("expect", key), message)

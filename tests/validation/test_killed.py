@@ -89,3 +89,30 @@ def test_a_run_without_its_last_sample_is_truncated(tmp_path: Path, every: int) 
             dataset.resize(len(dataset) - 1, axis=0)
     with pytest.raises(RecordError, match="truncated"):
         Record.load(path)
+
+
+def test_an_extreme_of_a_killed_run_is_the_least_of_all_before_it(tmp_path: Path) -> None:
+    """True at its step, exceeded before the last sample: it stood at no moment after that."""
+    fine, path = simulate(three_robots(1), seed=3), tmp_path / "r.h5"
+    simulate(three_robots(60), seed=3, path=path)
+    distance = fine.read("/steps/boundary_clearance")
+    with h5py.File(path, "r+") as file:
+        file.attrs.modify("ended", np.array(b"running", dtype="S16"))
+        for name in ("pose", "clearance", "boundary_clearance", "step"):
+            file[f"/steps/{name}"].resize(2, axis=0)  # those of steps 0 and 60
+        rows = file["/extremes"][:]
+        robot = int(np.argmax(rows["boundary_step"]))
+        assert rows["boundary_step"][robot] > 60, "nearer still after the last sample"
+        stood = int(np.argmin(distance[:61, robot]))
+        for step, is_true in ((stood, True), (20, False)):
+            assert (step == stood) == is_true
+            rows["boundary_clearance"][robot], rows["boundary_step"][robot] = (
+                distance[step, robot], step,
+            )  # fmt: skip
+            file["/extremes"][...] = rows
+            file.flush()
+            copy = tmp_path / f"{step}.h5"
+            copy.write_bytes(path.read_bytes())
+            with Record.load(copy) as record:
+                again = run_again(record, simulation_again(record))
+                assert (compare_runs(record, again).difference is None) == is_true, step

@@ -9,6 +9,16 @@ EDITS = (
         "validation",
         "physim/analysis/validation/sums.py",
         "_stood",
+        "int(np.argmin(least)) != row[when] or least.min() != row[value]",
+        "False",
+        "an extreme of a killed run is the least of all before it",
+        "tests/validation/test_killed.py::"
+        "test_an_extreme_of_a_killed_run_is_the_least_of_all_before_it",
+    ),
+    Edit(
+        "validation",
+        "physim/analysis/validation/sums.py",
+        "_stood",
         "final[when] <= until",
         "True",
         "extremes of a killed run may be older than others",

@@ -223,6 +223,7 @@ def test_third_parties_stay_where_they_belong(module: str) -> None:
         "h5py": ("physim.record",),
         "cv2": ("physim.drawing.video", "physim.authoring"),
         "svgelements": ("physim.authoring",),
+        "tinycss2": ("physim.authoring",),
         "av": ("physim.drawing.video",),
         "matplotlib": ("physim.drawing.plots", "physim.drawing.preview", "physim.reproduction"),
         "imageio": ("physim.drawing.video",),

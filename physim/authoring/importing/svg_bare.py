@@ -7,19 +7,18 @@ What no program draws where it stands is put into ``defs``, as the library knows
 
 from __future__ import annotations
 
-import re
 from xml.sax.saxutils import quoteattr
 
+from physim.authoring.importing.svg_css import CUTS
 from physim.authoring.importing.svg_paths import as_meant
-from physim.authoring.importing.svg_seen import INVISIBLE, handed_on
-from physim.authoring.importing.svg_sheets import IGNORED, SELECTOR, SHOWN, declarations, rules
+from physim.authoring.importing.svg_seen import handed_on
+from physim.authoring.importing.svg_sheets import IGNORED, cut_of, declarations, hidden_by
 from physim.authoring.importing.svg_values import (
     AUTO,
     EXTENTS,
-    ORIGINS,
     PLACES,
     RADII,
-    origin_of,
+    SHAPES,
     pixels_of,
 )
 from physim.escaping import escaped
@@ -39,17 +38,6 @@ KEPT = ("id", LABEL, "transform", "display", "d", "points", *PLACES, *EXTENTS, "
         "preserveAspectRatio")  # fmt: skip
 STYLED = ("display", "transform", *PLACES, *EXTENTS)
 """Properties that count in ``style="..."``."""
-NOTHING = re.compile(r"[-+]?(0+\.?0*|\.0+)%?")
-"""An opacity of zero."""
-CUTS = ("clip-path", "mask")
-"""Properties by which only a part of an element is drawn; they are not applied, but told."""
-UNSEEN = ("display", "visibility", "opacity", "fill", "stroke")
-"""Properties by which an element is not to be seen."""
-FROM_SHEETS = (*UNSEEN, *CUTS)
-"""Properties that count in a style sheet."""
-UNREAD = ("d", "rotate", "scale", "translate", "offset-path")
-"""Properties that change lines, and are read nowhere but as attributes or in ``transform``."""
-BEYOND = "by more than a tag, a class or an id; delete what is hidden, or save as plain SVG"
 NOT_LINES = ("text", "image", "foreignObject", "flowRoot")
 """Elements that hold no lines; they are listed as left out."""
 ONLY_COPIED = "symbol"
@@ -69,9 +57,6 @@ class BareSvg:
     def __init__(self) -> None:
         self._parts: list[str] = []
         self._ends: list[str] = []
-        self._hides = self._shows = ""
-        self.origin = ""
-        """what in a style sheet turns elements about another point than (0, 0)"""
 
     @property
     def text(self) -> str:
@@ -102,7 +87,7 @@ class BareSvg:
             if own.get(key, "").strip().lower() == AUTO:  # the library would take it for none
                 length = own.get(other, AUTO)
                 kept["style"] = f"{kept.get('style', '')};{key}:{length if length != AUTO else 0}"
-        cut = _cut({**attributes, **declarations(attributes.get("style", ""), CUTS)})
+        cut = cut_of({**attributes, **declarations(attributes.get("style", ""), CUTS)})
         if is_within and _spills(attributes):
             kept[SPILLS] = "yes"
         if tag == ONLY_COPIED and "viewBox" in attributes:  # would fit it into its copies' boxes
@@ -126,37 +111,6 @@ class BareSvg:
         else:
             self._ends.append(f"</{tag}>{end}")
 
-    def sheet(self, text: str) -> str:
-        """What is wrong with a style sheet, or nothing."""
-        for selector, body in rules(text):
-            shown = f'"{escaped(selector)[:60]}"'
-            found = declarations(body, (*STYLED, *CUTS, *UNSEEN, *UNREAD, *ORIGINS))
-            for key in ("transform", *UNREAD):
-                if found.get(key, "none").lower() != "none":
-                    return f"{shown} has a {key}; only those of elements are read"
-            if wrong := origin_of(found):
-                self.origin = self.origin or f"{shown} has {wrong}"
-            hides = (
-                _is_unseen(found)
-                or found.get("display", "").lower() == "none"
-                or found.get("visibility", "").lower() in INVISIBLE
-            )
-            if all(SELECTOR.fullmatch(one.strip()) for one in selector.split(",")):
-                self._hides = self._hides or (shown if hides else "")
-                continue
-            if _cut(found) or hides:
-                return f"{shown} hides or cuts what it selects, {BEYOND}"
-            if any(key in found for key in SHOWN):
-                self._shows = self._shows or shown
-        if self._hides and self._shows:
-            return f"{self._shows} may show what {self._hides} hides, {BEYOND}"
-        return ""
-
-    def is_hidden(self, attributes: dict[str, str]) -> bool:
-        """Whether an element hides itself and all in it."""
-        own = {**attributes, **declarations(attributes.get("style", ""), UNSEEN)}
-        return own.get("display", "").strip().lower() == "none" or _is_unseen(own)
-
     def end(self) -> None:
         """End the element that was begun last."""
         self._parts.append(self._ends.pop())
@@ -164,39 +118,21 @@ class BareSvg:
 
 def hidden(attributes: dict[str, str]) -> dict[str, str]:
     """Attributes of an element, so that it is hidden whatever they say."""
-    return {**attributes, "style": f"{attributes.get('style', '')};display:none !important"}
+    return {**attributes, "style": f"{attributes.get('style', '')};display:none"}
 
 
-def hidden_by(attributes: dict[str, str]) -> str:
-    """By which attribute an element is hidden where no style says otherwise; or empty.
-
-    Any rule of a style sheet comes before it, unlike before a style of the element's own.
-    """
-    own = {key: attributes[key].strip().lower() for key in SHOWN if key in attributes}
-    for key in declarations(attributes.get("style", ""), SHOWN):
-        own.pop(key, None)
-    is_hidden = {
-        "display": own.get("display") == "none",
-        "visibility": own.get("visibility") in INVISIBLE,
-        "opacity": _is_unseen(own),
-    }
-    return next((key for key in SHOWN if is_hidden[key]), "")
-
-
-def _is_unseen(properties: dict[str, str]) -> bool:
-    return NOTHING.fullmatch(properties.get("opacity", "1").strip()) is not None
+def is_hidden(tag: str, attributes: dict[str, str]) -> bool:
+    """Whether an element hides itself and all in it."""
+    own = {**attributes, **declarations(attributes.get("style", ""), ("display", "opacity"))}
+    is_without_box = own.get("display") == "contents" and tag in SHAPES
+    own.pop("visibility", "")  # which what is in it may have otherwise
+    return is_without_box or bool(hidden_by(own))
 
 
 def called(tag: str, attributes: dict[str, str]) -> str:
     """``<rect> "pillar"``: an element as messages call it, by its label or else its id."""
     name = attributes.get(LABEL) or attributes.get("id") or ""
     return f'<{escaped(tag[:40])}> "{escaped(name)[:60]}"' if name else f"<{escaped(tag[:40])}>"
-
-
-def _cut(properties: dict[str, str]) -> str:
-    """``clip-path``, ``mask``, both, or neither: by what an element of these properties is cut."""
-    given = (key for key in CUTS if properties.get(key, "none").strip().lower() != "none")
-    return " and ".join(given)
 
 
 def _spills(attributes: dict[str, str]) -> bool:

@@ -14,22 +14,27 @@ from xml.parsers import expat
 
 from physim.authoring.importing.drawing import ImportSourceError, refused
 from physim.authoring.importing.svg_bare import (
-    BEYOND,
-    FROM_SHEETS,
     LABEL,
     NOT_DRAWN,
     NOT_LINES,
     SVG,
-    UNREAD,
     XLINK,
     BareSvg,
     called,
     functions_of,
     hidden,
-    hidden_by,
+    is_hidden,
 )
+from physim.authoring.importing.svg_css import SHOWN, UNREAD
 from physim.authoring.importing.svg_paths import path_fault
-from physim.authoring.importing.svg_sheets import MOST_SELECTORS, Sheets, declarations, sheets_of
+from physim.authoring.importing.svg_sheets import (
+    BEYOND,
+    Sheets,
+    StyleError,
+    declarations,
+    hidden_by,
+    sheets_of,
+)
 from physim.authoring.importing.svg_values import (
     EXTENTS,
     NUMBER,
@@ -122,22 +127,17 @@ class _Guard:
         self.nested = 0
         self.drawn = 0
         self.hidden = 0
-        self.sheet: list[str] = []
-        self.sheets = Sheets(())
+        self.sheets = Sheets()
         self.pages = 0  # drawings within the drawing that have ended
         self.views: list[bool] = []  # of each that is open, whether it has a viewBox
-        self.turned: tuple[int, str] | None = None
         self.parser = expat.ParserCreate("utf-8", namespace_separator="|")
 
     def run(self, text: str) -> SvgLook:
-        self.sheets = sheets_of(text, FROM_SHEETS, (*PLACES, *EXTENTS))
-        if self.sheets.is_too_much:
-            raise refused(self.path, f"<style>: more than {MOST_SELECTORS} selectors")
+        self.sheets = sheets_of(text, lambda *wrong: refused(self.path, *wrong))
         self.look.may_be_painted = self.sheets.may_paint
         parser = self.parser
         parser.StartElementHandler = self._start
         parser.EndElementHandler = self._end
-        parser.CharacterDataHandler = self._text
         parser.EntityDeclHandler = self._entity
         parser.ExternalEntityRefHandler = self._external
         parser.SkippedEntityHandler = self._entity
@@ -169,18 +169,21 @@ class _Guard:
     def _start(self, name: str, attributes: dict[str, str]) -> None:
         line = self.parser.CurrentLineNumber
         tag = name.removeprefix(SVG)
-        attributes = self.sheets.styled(tag, attributes)
+        try:
+            attributes = self.sheets.styled(tag, attributes)
+        except StyleError as error:
+            raise self._refused(f"{called(tag, attributes)}: {error}") from None
         if self.open and self.open[-1][0] == "switch":
             attributes = self._alternative(attributes)
         self._check_shown(tag, attributes)
-        if is_hidden := self.look.bare.is_hidden(attributes):
+        if hides := is_hidden(tag, attributes):
             attributes = hidden(attributes)
         style = declarations(attributes.get("style", ""), (*PLACES, *EXTENTS))
         values = {**attributes, **style}
         self.look.bare.start(name, attributes, line, self._share(values) if tag in SHAPES else "")
         if not self.open and tag != "svg":
             raise self._refused(f"the root is <{escaped(name[:40])}>, not <svg>")
-        if not self.open and is_hidden:
+        if not self.open and hides:
             raise self._refused("the whole drawing is hidden, by display or opacity")
         if not self.open:
             self.look.width, self.look.line = attributes.get("width", ""), line
@@ -202,11 +205,11 @@ class _Guard:
             )
         if wrong := self._fault(tag, attributes):
             raise self._refused(f"{called(tag, attributes)}: {wrong}")
-        if tag not in NOT_LINES and not is_hidden:
+        if tag not in NOT_LINES and not hides:
             self._check_turn(tag, attributes)
         if self.hidden or tag in NOT_DRAWN:
             self.hidden += 1
-        elif is_hidden:
+        elif hides:
             self.hidden = 1
             label = escaped(attributes.get(LABEL, attributes.get("id", "")))[:60]
             self.look.left_out.append(
@@ -270,19 +273,16 @@ class _Guard:
             return
         if own := origin_of({**attributes, **style}):
             raise self._refused(f"{called(tag, attributes)}: {own}; {NO_ORIGIN}")
-        self.turned = self.turned or (self.parser.CurrentLineNumber, called(tag, attributes))
-        self._check_sheet()
-
-    def _check_sheet(self) -> None:
-        """Refuse a style sheet that may turn an element about another point than (0, 0)."""
-        if self.turned is not None and self.look.bare.origin:
-            line, element = self.turned
-            message = f"{element}: has a transform, and in <style> {self.look.bare.origin}"
-            raise refused(self.path, f"{message}; {NO_ORIGIN}", line)
+        if self.sheets.origin:
+            message = f"has a transform, and in <style> {self.sheets.origin}"
+            raise self._refused(f"{called(tag, attributes)}: {message}; {NO_ORIGIN}")
 
     def _check_shown(self, tag: str, attributes: dict[str, str]) -> None:
         """Refuse what its own attribute hides where a rule that is not followed may show it."""
-        if self.sheets.shows and (key := hidden_by(attributes)):
+        own = {key: attributes[key] for key in SHOWN if key in attributes}
+        for key in declarations(attributes.get("style", ""), SHOWN):
+            own.pop(key, None)
+        if self.sheets.shows and (key := hidden_by(own)):
             raise self._refused(
                 f'{called(tag, attributes)}: hidden by its {key}, and "'
                 f'{escaped(self.sheets.shows)[:60]}" in <style> may show it, {BEYOND}'
@@ -299,21 +299,12 @@ class _Guard:
         within.is_drawn = True
         return attributes
 
-    def _text(self, text: str) -> None:
-        if self.open[-1][0] == "style":
-            self.sheet.append(text)
-
     def _end(self, _: str) -> None:
         tag, element = self.open.pop()
         if tag == "svg":
             self.pages += 1
             self.views.pop()
         self.hidden = max(self.hidden - 1, 0)
-        if tag == "style":
-            if wrong := self.look.bare.sheet("".join(self.sheet)):
-                raise self._refused(f"<style>: {wrong}")
-            self.sheet.clear()
-            self._check_sheet()
         self.look.bare.end()
         element.moved_by(element.functions)
         parent = self.open[-1][1] if self.open else self.all

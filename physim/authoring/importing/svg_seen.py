@@ -10,23 +10,17 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+from physim.authoring.importing.svg_css import INHERITED, INITIAL
 from physim.authoring.importing.svg_sheets import declarations
 
-UNTOLD: Mapping[str, str] = {"visibility": "visible", "fill": "black", "stroke": "none"}
-"""What holds where nothing is said"""
-INVISIBLE = ("hidden", "collapse")
-"""Values of ``visibility``"""
-UNPAINTED = ("none", "transparent")
-"""Values of ``fill`` and ``stroke``"""
 PREFIX = "physim-"
 """Before the names of attributes that the library hands on to what stands in an element"""
 
 
 def handed_on(attributes: Mapping[str, str]) -> dict[str, str]:
     """What an element says of them, as attributes under names of their own."""
-    own = {**attributes, **declarations(attributes.get("style", ""), tuple(UNTOLD))}
-    own = {key: own[key].strip().lower() for key in UNTOLD if key in own}
-    return {PREFIX + key: value for key, value in own.items() if value != "inherit"}
+    own = {**attributes, **declarations(attributes.get("style", ""), INHERITED)}
+    return {PREFIX + key: own[key] for key in INHERITED if own.get(key, "inherit") != "inherit"}
 
 
 def is_seen(values: Mapping[str, Any], is_meant: bool) -> bool:
@@ -35,6 +29,6 @@ def is_seen(values: Mapping[str, Any], is_meant: bool) -> bool:
     ``is_meant``: it counts without area and line, too, as one that is named by its role, or of
     which a style sheet may say otherwise.
     """
-    look = {key: values.get(PREFIX + key, value) for key, value in UNTOLD.items()}
-    is_painted = look["fill"] not in UNPAINTED or look["stroke"] not in UNPAINTED
-    return look["visibility"] not in INVISIBLE and (is_painted or is_meant)
+    look = {key: values.get(PREFIX + key, INITIAL[key]) for key in INHERITED}
+    is_painted = look["fill"] != "none" or look["stroke"] != "none"
+    return look["visibility"] != "hidden" and (is_painted or is_meant)

@@ -1,108 +1,215 @@
-"""Style sheets of an SVG drawing: what their rules say of an element, by the cascade of CSS.
+"""Style of the elements of an SVG drawing, by the cascade of CSS.
 
 Of several rules for a property that with the more specific selector counts, of equal ones the last;
 ``style="..."`` comes before them, what is ``!important`` before that, and attributes of the same
-name come last. Selectors that name more than a tag, a class or an id are not followed.
+name come last. Selectors that name more than a tag, a class or an id are not followed; a style
+sheet that hides or cuts by such ones is refused.
 """
 
 from __future__ import annotations
 
-import re
-from collections.abc import Iterator
+from collections.abc import Callable, Iterable
 from contextlib import suppress
+from functools import lru_cache
 from itertools import islice
 from xml.parsers import expat
 
-SELECTOR = re.compile(r"\*|#[\w-]+|[\w-]*\.[\w-]+|[\w-]+")
-"""What is followed: a tag, a class, both, or an id."""
-COMMENT = re.compile(r"/\*.*?(?:\*/|\Z)", re.DOTALL)
-MARKS = re.compile(r"[{};]")
-MEDIUM = re.compile(r"[a-z]+")
-"""A kind of medium, without conditions"""
+from physim.authoring.importing.svg_css import (
+    CUTS,
+    PAINTS,
+    SHOWN,
+    UNREAD,
+    UNSEEN,
+    WORDS,
+    Declaration,
+    Rule,
+    declared,
+    is_for_screen,
+    meant,
+    rules,
+)
+from physim.authoring.importing.svg_values import EXTENTS, PLACES, origin_of
+from physim.escaping import escaped
+
 MOST_CLASSES = 20
 """Classes of an element that are looked up"""
 IGNORED = "physim-ignored"
 """Attribute that tells of properties that a sheet has and that are not applied"""
-LONGEST = 60
-"""Characters of a value that are kept: those that count are shorter"""
-MOST_SELECTORS = 400_000
+FROM_SHEETS = (*UNSEEN, *CUTS)
+"""Properties that count in a style sheet."""
+TOLD = (*PLACES, *EXTENTS)
+"""Properties of a style sheet that are not applied, but told"""
+MOST_SELECTORS = 200_000
 """Selectors of all style sheets"""
-PAINTS = ("fill", "stroke")
-"""Properties by which a shape is seen"""
-SHOWN = ("display", "visibility", "opacity")
-"""Properties by which an element is shown or hidden"""
-SCREEN = ("", "all", "screen")
-"""Media for which a drawing is read"""
+MOST_STYLE = 6_000_000
+"""Characters of all style sheets and styles that are read, each different style once"""
+STYLES_KEPT = 10_000
+"""Styles of elements that are not read again"""
+BEYOND = "by more than a tag, a class or an id; delete what is hidden, or save as plain SVG"
+STYLES = ("style", "http://www.w3.org/2000/svg|style", "http://www.w3.org/1999/xhtml|style")
+"""Elements that hold a style sheet"""
+
+Rank = tuple[bool, int, int]
+"""Whether it is important, how specific its selector, and its number in their order"""
+
+
+class StyleError(Exception):
+    """What is wrong with a style sheet, or with the style of an element."""
 
 
 class Sheets:
-    """Rules that say something of some properties, by their selectors.
+    """What all rules of a drawing say, by their selectors, and with it what its elements are."""
 
-    ``keys`` are properties that count; ``ignored`` those that are not applied, but told.
-    """
-
-    def __init__(self, keys: tuple[str, ...], ignored: tuple[str, ...] = ()) -> None:
-        self._keys, self._ignored = (*keys, *ignored), ignored
-        self._rules: dict[str, dict[str, tuple[tuple[bool, int, int], str]]] = {}
-        self._count = 0
-        self.is_too_much = False
-        """whether there are more selectors than are looked at"""
+    def __init__(self) -> None:
+        self._rules: dict[str, dict[str, tuple[Rank, str]]] = {}
+        self._count = self._length = 0
+        self._hides = ""
         self.shows = ""
         """the first selector that is not followed and says what is shown"""
         self.may_paint = False
         """whether a rule that is not followed says of elements how they are painted"""
+        self.origin = ""
+        """what in a style sheet turns elements about another point than (0, 0)"""
+        self._declared = lru_cache(STYLES_KEPT)(self._declarations)
+        self._meant = lru_cache(STYLES_KEPT)(self._meaning)
 
-    def add(self, text: str) -> None:
-        """Take the rules of one more sheet, after all those before."""
-        for selector, body in rules(text):
-            last = {
-                (key, is_important): value[:LONGEST]
-                for key, value, is_important in declared(body)
-                if key in self._keys
-            }
-            found = [(key, value, is_important) for (key, is_important), value in last.items()]
-            parts = [selector] if selector.startswith("@") else selector.split(",")
-            for one in {part.strip(): None for part in parts} if found else ():
-                if self._count >= MOST_SELECTORS:
-                    self.is_too_much = True
-                    return
-                if SELECTOR.fullmatch(one):
-                    self._put(one, found)
-                else:
-                    self.may_paint |= any(key in PAINTS for key, _, _ in found)
-                    if any(key in SHOWN for key, _, _ in found):
-                        self.shows = self.shows or one
+    def _declarations(self, style: str) -> tuple[Declaration, ...]:
+        self._measure(style)
+        return declared(style)
 
-    def _put(self, selector: str, found: list[tuple[str, str, bool]]) -> None:
+    def _meaning(self, key: str, value: str) -> str:
+        self._measure(value)
+        return meant(key, value)
+
+    def _measure(self, text: str) -> None:
+        self._length += len(text)
+        if self._length > MOST_STYLE:
+            raise StyleError(f"more than {MOST_STYLE / 1e6:g} million characters of style")
+
+    def add(self, text: str, condition: str = "") -> None:
+        """Take the rules of one more sheet, after all those before. Raises StyleError.
+
+        ``condition`` is that on which all of it holds, if any.
+        """
+        self._measure(text)
+        try:
+            for rule in rules(text, condition):
+                self._take(rule)
+        except ValueError as error:
+            raise StyleError(str(error)) from None
+        if self._hides and self.shows:
+            raise StyleError(f"{_quoted(self.shows)} may show what {self._hides} hides, {BEYOND}")
+
+    def _take(self, rule: Rule) -> None:
+        last = last_of(rule.found)
+        shown = _quoted(rule.selector)
+        for key in ("transform", *UNREAD):
+            if last.get(key, "none").lower() != "none":
+                raise StyleError(f"{shown} has a {key}; only those of elements are read")
+        if wrong := unread(last):
+            raise StyleError(f"{shown} has {wrong}")
+        if wrong := origin_of(last):
+            self.origin = self.origin or f"{shown} has {wrong}"
+        hides = bool(hidden_by(last))
+        if rule.is_followed:
+            self._hides = self._hides or (shown if hides else "")
+        elif cut_of(last) or hides:
+            raise StyleError(f"{shown} hides or cuts what it selects, {BEYOND}")
+        else:
+            self.may_paint |= any(key in PAINTS for key in last)
+            if any(key in SHOWN for key in last):
+                self.shows = self.shows or rule.selector
+        found = [one for one in rule.found if one.key in (*FROM_SHEETS, *TOLD)]
+        for name in rule.names if found else ():
+            self._put(name, found)
+
+    def _put(self, selector: str, found: list[Declaration]) -> None:
         known = self._rules.setdefault(selector, {})
         self._count += 1
-        specificity = 100 * selector.count("#") + 10 * selector.count(".")
-        specificity += selector[0] not in "#.*"
+        if self._count > MOST_SELECTORS:
+            raise StyleError(f"more than {MOST_SELECTORS} selectors")
+        is_id = selector[0] == "#"
+        specificity = 100 if is_id else 10 * ("." in selector) + (selector[0] not in ".*")
         for key, value, is_important in found:
             rank = (is_important, specificity, self._count)
             if key not in known or rank >= known[key][0]:
                 known[key] = rank, value
 
     def styled(self, tag: str, attributes: dict[str, str]) -> dict[str, str]:
-        """Attributes of an element, with what the rules say of it in its ``style``; those that are
-        not applied in `IGNORED`."""
+        """Attributes of an element with all that counts of its style in ``style``.
+
+        As ``key:value;key:value``, each property once; those that are not applied are named in
+        `IGNORED`. Raises StyleError.
+        """
         attributes = {key: value for key, value in attributes.items() if key != IGNORED}
+        for key in [one for one in UNSEEN if one in attributes]:
+            value = self._meant(key, attributes.pop(key))
+            attributes |= {key: value} if value else {}
+        best = self._of_rules(tag, attributes)
+        if told := " and ".join(key for key in TOLD if best.pop(key, None)):
+            attributes[IGNORED] = told
+        for key, value, is_important in self._declared(attributes.pop("style", "")):
+            own = ((is_important, 1_000, 0), value)
+            if key not in best or own[0] >= best[key][0]:
+                best[key] = own
+        style = {key: value for key, (_, value) in best.items()}
+        if wrong := unread({**attributes, **style}):
+            raise StyleError(f"its style has {wrong}")
+        return {**attributes, "style": written(style)} if style else attributes
+
+    def _of_rules(self, tag: str, attributes: dict[str, str]) -> dict[str, tuple[Rank, str]]:
+        best: dict[str, tuple[Rank, str]] = {}
         if not self._rules:
-            return attributes
+            return best
         names = [f".{one}" for one in classes_of(attributes)]
-        best: dict[str, tuple[tuple[bool, int, int], str]] = {}
         for name in ("*", tag, *names, *(tag + one for one in names), f"#{attributes.get('id')}"):
             for key, found in self._rules.get(name, {}).items():
                 best[key] = max(best.get(key, found), found)
-        if told := " and ".join(key for key in self._ignored if best.pop(key, None)):
-            attributes[IGNORED] = told
-        if not best:
-            return attributes
-        own = attributes.get("style", "")
-        first = [f"{key}:{value}" for key, (rank, value) in best.items() if not rank[0]]
-        last = [f"{key}:{value}" for key, (rank, value) in best.items() if rank[0]]
-        last += [f"{key}:{value}" for key, value, is_important in declared(own) if is_important]
-        return {**attributes, "style": ";".join((*first, own, *last))}
+        return best
+
+
+def _quoted(selector: str) -> str:
+    return f'"{escaped(selector)[:60]}"'
+
+
+def unread(properties: dict[str, str]) -> str:
+    """Which of them says whether something is shown in ways that are not read; or empty."""
+    for key in SHOWN:
+        if (value := properties.get(key, "none")) not in WORDS:
+            return f"{key}: {escaped(value)[:40]}, which is not read; give it a plain value"
+    return ""
+
+
+def hidden_by(properties: dict[str, str]) -> str:
+    """The property by which an element is hidden; or empty."""
+    hiding = {"display": "none", "visibility": "hidden", "opacity": "0"}
+    return next((key for key, value in hiding.items() if properties.get(key) == value), "")
+
+
+def cut_of(properties: dict[str, str]) -> str:
+    """``clip-path``, ``mask``, both, or neither: by what an element of these properties is cut."""
+    given = (key for key in CUTS if properties.get(key, "none").strip().lower() != "none")
+    return " and ".join(given)
+
+
+def last_of(found: Iterable[Declaration]) -> dict[str, str]:
+    """What each property is in the end: the last that is ``!important``, or else the last."""
+    best: dict[str, Declaration] = {}
+    for one in found:
+        if one.key not in best or one.is_important >= best[one.key].is_important:
+            best[one.key] = one
+    return {key: one.value for key, one in best.items()}
+
+
+def written(style: dict[str, str]) -> str:
+    """A style as `declarations` reads it."""
+    return ";".join(f"{key}:{value}" for key, value in style.items() if ";" not in value)
+
+
+def declarations(style: str, keys: tuple[str, ...]) -> dict[str, str]:
+    """Those of some properties, of a style that is `written`; the last of each."""
+    found = dict(one.split(":", 1) for one in style.split(";") if one)
+    return {key: found[key] for key in keys if key in found}
 
 
 def classes_of(attributes: dict[str, str]) -> tuple[str, ...]:
@@ -110,27 +217,36 @@ def classes_of(attributes: dict[str, str]) -> tuple[str, ...]:
     return tuple(islice(dict.fromkeys(attributes.get("class", "").split()), MOST_CLASSES))
 
 
-def sheets_of(text: str, keys: tuple[str, ...], ignored: tuple[str, ...] = ()) -> Sheets:
-    """Style sheets of an SVG text, wherever they stand in it. Of one that cannot be read, or that
-    declares entities, those up to there: whoever reads it in whole says what is wrong."""
-    found = Sheets(keys, ignored)
+def sheets_of(text: str, wrong: Callable[[str, int], Exception]) -> Sheets:
+    """Style sheets of an SVG text, wherever they stand in it.
+
+    Of a text that cannot be read, or that declares entities, those up to there: whoever reads it
+    in whole says what is wrong. Raises what ``wrong`` makes of a message and a line.
+    """
+    sheets = Sheets()
     if "style" not in text:
-        return found
+        return sheets
     parser = expat.ParserCreate("utf-8", namespace_separator="|")
-    within: list[list[str]] = []
+    within: list[tuple[str, list[str]]] = []
 
     def start(name: str, attributes: dict[str, str]) -> None:
-        media = (one.strip().lower() for one in attributes.get("media", "").split(","))
-        if name.rpartition("|")[2] == "style" and any(one in SCREEN for one in media):
-            within.append([])
+        media = attributes.get("media", "")
+        on_screen = is_for_screen(media)
+        is_css = attributes.get("type", "").lower() in ("", "text/css")
+        if name in STYLES and is_css and on_screen is not False:
+            within.append(("" if on_screen else f"@media {media} ", []))
 
     def end(name: str) -> None:
-        if name.rpartition("|")[2] == "style" and within:
-            found.add("".join(within.pop()))
+        if name in STYLES and within:
+            condition, parts = within.pop()
+            try:
+                sheets.add("".join(parts), condition)
+            except StyleError as error:
+                raise wrong(f"<style>: {error}", parser.CurrentLineNumber) from None
 
     def characters(part: str) -> None:
         if within:
-            within[-1].append(part)
+            within[-1][1].append(part)
 
     def stop(*_: object) -> None:
         raise _EntityError
@@ -139,69 +255,8 @@ def sheets_of(text: str, keys: tuple[str, ...], ignored: tuple[str, ...] = ()) -
     parser.CharacterDataHandler, parser.EntityDeclHandler = characters, stop
     with suppress(expat.ExpatError, _EntityError):
         parser.Parse(text.encode("utf-8"), True)
-    return found
+    return sheets
 
 
 class _EntityError(Exception):
     """An entity is declared."""
-
-
-def rules(text: str) -> list[tuple[str, str]]:
-    """Selectors and declarations of a style sheet; linear in its length.
-
-    Rules that hold on a condition have it before their selectors, as in
-    ``@media (min-width: 9px) .a``, so that they are not followed; those for other media than
-    `SCREEN` are left out.
-    """
-    text = COMMENT.sub("", text.replace("<!--", "").replace("-->", ""))
-    found: list[tuple[str, str]] = []
-    about: list[str] = []  # what stands before each brace that is open
-    begin = 0
-    for mark in [*MARKS.finditer(text), None]:
-        at = text[mark.start()] if mark else "}"
-        part = text[begin : mark.start() if mark else None]
-        if at == "{":
-            about.append(part.strip())
-        elif at == "}" and about:
-            selector = about.pop()
-            if not selector.startswith("@") and (before := _condition(about)) is not None:
-                found.append((before + selector, part))
-        elif at == ";" and about and not about[-1].startswith("@"):
-            continue
-        begin = mark.end() if mark else begin
-    return found
-
-
-def _condition(about: list[str]) -> str | None:
-    """On what condition the rules of some blocks hold, with a space after it; None if on none."""
-    told = ""
-    for one in about:
-        if one.startswith("@media"):
-            kinds = (part.strip() for part in one[6:].lower().split(","))
-            media = {kind.removeprefix("only ").strip() for kind in kinds}
-            if media & {*SCREEN}:
-                continue
-            if all(MEDIUM.fullmatch(part) for part in media):
-                return None
-        if "keyframes" in one.partition(" ")[0]:
-            return None
-        told += f"{one} "
-    return told
-
-
-def declared(style: str) -> Iterator[tuple[str, str, bool]]:
-    """Declarations in their order: property, value, and whether it is ``!important``."""
-    for one in style.split(";"):
-        key, _, value = one.partition(":")
-        value, _, mark = value.partition("!")
-        if value.strip():
-            yield key.strip().lower(), value.strip(), mark.strip().lower() == "important"
-
-
-def declarations(style: str, keys: tuple[str, ...]) -> dict[str, str]:
-    """Those of some properties, the last of each that is ``!important``, or else the last."""
-    found: dict[str, tuple[bool, str]] = {}
-    for key, value, is_important in declared(style):
-        if is_important >= found.get(key, (False, ""))[0]:
-            found[key] = is_important, value
-    return {key: found[key][1] for key in keys if key in found}

@@ -1,0 +1,269 @@
+"""What CSS says in an SVG drawing: rules of a style sheet, declarations, what values come to.
+
+tinycss2 reads it: escapes, comments, strings, what is faulty and so skipped. Values that say
+whether something is to be seen come to one of a few words; what is not valid is left out, as a
+browser leaves it out, so that an earlier declaration holds.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from typing import Any, NamedTuple
+
+import tinycss2
+import tinycss2.color4
+
+from physim.authoring.importing.svg_values import EXTENTS, ORIGINS, PLACES
+
+PAINTS = ("fill", "stroke")
+"""Properties by which a shape is seen"""
+SHOWN = ("display", "visibility", "opacity")
+"""Properties by which an element is shown or hidden"""
+UNSEEN = (*SHOWN, *PAINTS)
+CUTS = ("clip-path", "mask")
+"""Properties by which only a part of an element is drawn; they are not applied, but told."""
+UNREAD = ("d", "rotate", "scale", "translate", "offset-path")
+"""Properties that change lines, and are read nowhere but as attributes or in ``transform``."""
+COUNTED = frozenset((*UNSEEN, *CUTS, *UNREAD, *PLACES, *EXTENTS, *ORIGINS, "transform", "overflow"))
+"""Properties that are looked at"""
+INITIAL: Mapping[str, str] = {
+    "display": "inline", "visibility": "visible", "opacity": "1", "fill": "black", "stroke": "none",
+}  # fmt: skip
+"""What holds where nothing is said"""
+INHERITED = ("visibility", *PAINTS)
+WORDS = ("inline", "contents", "none", "visible", "hidden", "inherit", "black", "0", "1")
+"""What these properties come to; any other value is not read"""
+DISPLAYS = re.compile(
+    r"none|(inline-)?(block|flex|grid|table)|inline|contents|flow(-root)?|list-item|ruby|math|"
+    r"table-(row|column|cell|caption|(row|column|header|footer)-group|column-group)|"
+    r"-webkit-(inline-)?(box|flex)"
+)
+HELD = ("inherit", "unset", "revert")
+"""Words for what would hold if nothing were said"""
+ANOTHER_PAINT = ("currentcolor", "context-fill", "context-stroke")
+REFERS = ("var", "env", "attr", "if", "calc", "min", "max", "clamp")
+"""Functions whose value depends on others"""
+TAG = re.compile(r"[\w-]+")
+MEDIUM = re.compile(r"[a-z]+")
+"""A kind of medium, without conditions"""
+SCREEN = ("", "all", "screen")
+"""Media for which a drawing is read"""
+WITHOUT_RULES = ("charset", "import", "font-face", "page", "counter-style", "property",
+                 "font-feature-values", "font-palette-values", "color-profile")  # fmt: skip
+"""Rules that say nothing of elements, or that stand in another file"""
+DEEPEST = 20
+"""Rules within each other"""
+
+
+class Declaration(NamedTuple):
+    """One property, and what is said of it."""
+
+    key: str
+    value: str
+    is_important: bool
+
+
+class Rule(NamedTuple):
+    """One rule of a style sheet."""
+
+    selector: str
+    """as it is written, after the conditions on which it holds"""
+    names: tuple[str, ...]
+    """its selectors that are followed: ``tag``, ``.class``, ``tag.class``, ``#id``, ``*``"""
+    is_followed: bool
+    """whether these are all"""
+    found: tuple[Declaration, ...]
+
+
+def rules(text: str, condition: str = "") -> Iterator[Rule]:
+    """The rules of a style sheet in their order; those within rules after what these declare.
+
+    ``condition`` is one on which all of them hold, with a space after it. Raises ValueError where
+    more than `DEEPEST` stand within each other.
+    """
+    nodes = tinycss2.parse_stylesheet(text, skip_comments=True, skip_whitespace=True)
+    yield from _rules(nodes, condition, 0)
+
+
+def _rules(nodes: Iterable[Any], condition: str, depth: int) -> Iterator[Rule]:
+    if depth > DEEPEST:
+        raise ValueError(f"more than {DEEPEST} rules within each other")
+    for node in nodes:
+        if node.type == "qualified-rule":
+            selector = f"{condition}{_written(node.prelude)}"
+            inner = tinycss2.parse_blocks_contents(
+                node.content, skip_comments=True, skip_whitespace=True
+            )
+            parts = [_simple(part) for part in _split(node.prelude)]
+            names = () if condition else tuple(dict.fromkeys(one for one in parts if one))
+            yield Rule(selector, names, not condition and all(parts), _declared(inner))
+            yield from _rules(inner, f"{selector} ", depth + 1)
+        elif node.type == "at-rule":
+            keyword = node.lower_at_keyword
+            if keyword in WITHOUT_RULES or keyword.endswith("keyframes"):
+                continue
+            holds = _condition(keyword, node.prelude)
+            if node.content is None:
+                condition += holds if keyword == "namespace" and holds else ""
+            elif holds is not None:
+                inner = tinycss2.parse_blocks_contents(
+                    node.content, skip_comments=True, skip_whitespace=True
+                )
+                if (found := _declared(inner)) and condition:
+                    yield Rule(f"{condition}{holds}".strip(), (), False, found)
+                yield from _rules(inner, f"{condition}{holds}", depth + 1)
+
+
+def _condition(keyword: str, prelude: Sequence[Any]) -> str | None:
+    """On what condition the rules of a block hold, with a space after it; None for no screen."""
+    told = _written(prelude)
+    if keyword == "media":
+        on_screen = is_for_screen(told)
+        if on_screen is not None:
+            return "" if on_screen else None
+    return f"@{keyword} {told} ".replace("  ", " ")
+
+
+def is_for_screen(media: str) -> bool | None:
+    """Whether what is for these ``media`` is for a screen; None where that is conditional."""
+    kinds = {one.strip().removeprefix("only ").strip() for one in media.lower().split(",")}
+    if kinds & {*SCREEN}:
+        return True
+    return False if all(MEDIUM.fullmatch(kind) for kind in kinds) else None
+
+
+def _split(tokens: Iterable[Any]) -> list[list[Any]]:
+    """Selectors of a list, without blanks about them."""
+    parts: list[list[Any]] = [[]]
+    for token in tokens:
+        if token == ",":
+            parts.append([])
+        elif token.type != "comment" and (parts[-1] or token.type != "whitespace"):
+            parts[-1].append(token)
+    for part in parts:
+        while part and part[-1].type == "whitespace":
+            part.pop()
+    return parts
+
+
+def _simple(tokens: Sequence[Any]) -> str:
+    """``tag``, ``.class``, ``tag.class``, ``#id`` or ``*``; empty for a selector of other kinds."""
+    match [token.type for token in tokens]:
+        case ["ident"] if TAG.fullmatch(tokens[0].value):
+            return str(tokens[0].value)
+        case ["hash"] if tokens[0].is_identifier:
+            return f"#{tokens[0].value}"
+        case ["literal"] if tokens[0] == "*":
+            return "*"
+        case ["literal", "ident"] if tokens[0] == ".":
+            return f".{tokens[1].value}"
+        case ["ident", "literal", "ident"] if tokens[1] == "." and TAG.fullmatch(tokens[0].value):
+            return f"{tokens[0].value}.{tokens[2].value}"
+    return ""
+
+
+def declared(style: str) -> tuple[Declaration, ...]:
+    """Declarations of a ``style="..."`` in their order: those that are valid, and count."""
+    return _declared(
+        tinycss2.parse_blocks_contents(style, skip_comments=True, skip_whitespace=True)
+    )
+
+
+def _declared(nodes: Iterable[Any]) -> tuple[Declaration, ...]:
+    found = []
+    for node in nodes:
+        if node.type != "declaration":
+            continue
+        keys: Sequence[str] = [node.lower_name] if node.lower_name in COUNTED else ()
+        if node.lower_name == "all" and _word(node.value) in ("initial", *HELD):
+            keys = UNSEEN
+        for key in keys:
+            if value := _meant(key, node.value):
+                found.append(Declaration(key, value, node.important))
+    return tuple(found)
+
+
+def meant(key: str, value: str) -> str:
+    """What the value of a property, as an attribute has it, comes to; empty where it is invalid."""
+    return _meant(key, tinycss2.parse_component_value_list(value, skip_comments=True))
+
+
+def _meant(key: str, tokens: Iterable[Any]) -> str:
+    known = [token for token in tokens if token.type not in ("whitespace", "comment")]
+    if not known or any(token.type == "error" for token in known):
+        return ""
+    if key not in UNSEEN:
+        return _written(tokens)
+    if _refers(known):  # a paint that another value gives is taken for one
+        return "black" if key in PAINTS else _written(tokens)
+    word = _word(known)
+    if word == "initial":
+        return INITIAL[key]
+    if word in HELD:
+        return "inherit" if key in INHERITED else INITIAL[key]
+    if word == "revert-layer":
+        return "black" if key in PAINTS else word
+    return _MEANINGS[key](known, word)
+
+
+def _word(tokens: Iterable[Any]) -> str:
+    """The word that a value consists of; or empty."""
+    known = [token for token in tokens if token.type not in ("whitespace", "comment")]
+    return known[0].lower_value if len(known) == 1 and known[0].type == "ident" else ""
+
+
+def _display(tokens: Sequence[Any], word: str) -> str:
+    is_known = all(one.type == "ident" and DISPLAYS.fullmatch(one.lower_value) for one in tokens)
+    return (word if word in ("none", "contents") else "inline") if is_known else ""
+
+
+def _visibility(_: Sequence[Any], word: str) -> str:
+    return {"visible": "visible", "hidden": "hidden", "collapse": "hidden"}.get(word, "")
+
+
+def _opacity(tokens: Sequence[Any], _: str) -> str:
+    if len(tokens) != 1 or tokens[0].type not in ("number", "percentage"):
+        return ""
+    return "1" if tokens[0].value > 0.0 else "0"
+
+
+def _paint(tokens: Sequence[Any], word: str) -> str:
+    """``none``, also for a colour that is seen through, or ``black`` for any other paint."""
+    if word == "none":
+        return "none"
+    first, *others = tokens
+    if word in ANOTHER_PAINT or first.type == "url" or (first.type == "function" and others):
+        return "black"
+    colour = None if others else tinycss2.color4.parse_color(first)
+    if colour is None:  # a function that is not known is taken for a colour
+        return "black" if first.type == "function" else ""
+    return "black" if colour == "currentcolor" or colour.alpha else "none"
+
+
+_MEANINGS = {
+    "display": _display, "visibility": _visibility, "opacity": _opacity, "fill": _paint,
+    "stroke": _paint,
+}  # fmt: skip
+
+
+def _refers(tokens: Sequence[Any]) -> bool:
+    """Whether a value depends on others, however deep in it."""
+    left = [*tokens]
+    while left:
+        token = left.pop()
+        if token.type == "function":
+            if token.lower_name in REFERS:
+                return True
+            left += token.arguments
+        elif token.type in ("() block", "[] block", "{} block"):
+            left += token.content
+    return False
+
+
+def _written(tokens: Iterable[Any]) -> str:
+    """Tokens as text in one line, without comments; empty where they nest beyond all reason."""
+    try:
+        return " ".join(tinycss2.serialize([t for t in tokens if t.type != "comment"]).split())
+    except RecursionError:
+        return ""

@@ -143,7 +143,9 @@ TRANSLATED = {
         BAD, "at most 2000", "5001",
     ),
     "path_repeat": (path("[[0, 1], [1, 1], [1, 1], [30, 1]]"), BAD, "robots[0].path[2]", "repeats"),
-    "path_u_turn": (path("[[0, 1], [20, 1], [0, 1]]"), GOOD),
+    "path_u_turn": (  # it does not get past that place
+        path("[[0, 1], [20, 1], [0, 1]]"), DOUBTFUL, "robots[0].path", "180 degrees", "(20, 1)",
+    ),
     "path_hits_wall_mid_segment": (
         walls(
             "[[0, 3], [8, 3], [10, -0.2], [12, 3], [20, 3]]", "[[0, -3], [20, -3]]",

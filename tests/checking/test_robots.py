@@ -234,6 +234,14 @@ def test_the_reference_path_is_in_order(tmp_path):
     check_finding(backwards[1], "6:17 reference_path", "179 degrees", "(10, 0.5)")
 
 
+def test_a_path_of_its_own_is_in_order(tmp_path):
+    """The robot stood for ever where its target came back to it."""
+    text = changed(DRAWN, ("[[0, 1], [30, 1]]", "[[0, 1], [20, 1], [10, 1.2]]"))
+    text = changed(text, ("{offset: -1.0}", "[[0, -1], [30, -1]]"))
+    (backwards,) = with_facts(lines(check(tmp_path, text))[1], "turns back")
+    check_finding(backwards, "11:11 robots[0].path", '"a"', "179 degrees", "(20, 1)")
+
+
 def test_a_reference_path_that_crosses_itself_is_a_warning(tmp_path):
     loop = "[[0, 0], [20, 0], [20, 3], [15, 3], [15, -3], [25, -3], [30, 0]]"
     text = changed(DRAWN, ("[[0, 0], [30, 0]]", loop), ("{offset: -1.0}", "[[0, -1], [30, -1]]"))

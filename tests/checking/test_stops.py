@@ -49,6 +49,17 @@ def test_a_robot_that_stops_close_behind_another_is_told(tmp_path, spacing, warn
         assert "0.9 m" in found[0]
 
 
+def test_a_wall_beside_a_stop_is_no_matter_of_the_end_margin(tmp_path):
+    text = TWO.replace(
+        "pose: [6.0, 1.5, 0.0], path: {offset: 1.5}", "pose: [6.0, 3, 0.0], path: {offset: 3.6}"
+    )
+    text = text.replace("path_following", "mode_switching")
+    (line,) = told(tmp_path, text)
+    assert "robots[0].path" in line
+    assert "beside" in line
+    assert "end_margin" not in line
+
+
 def alone(margin: float, slant: float = 0.0) -> str:
     """A small robot without a formation whose end wall lies ``margin`` [m] beyond its path."""
     wall = [(-2, -2), (12 + margin + slant, -2), (12 + margin - slant, 2), (-2, 2), (-2, -2)]

@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 
 from physim.authoring.importing import ImportSourceError, Options, import_world
+from physim.authoring.importing.svg_css import DEEPEST
 from physim.authoring.importing.svg_sheets import MOST_SELECTORS
 from tests.importing.plans import check_says
 from tests.importing.test_as_meant import PATH, PILLAR, WALLS, svg
@@ -37,6 +38,10 @@ SEEN = {
     ),
     "in a sequence of pictures": ("@keyframes k {from {opacity:0} 50% {opacity:0}}", "", ""),
     "what a string holds": (".z {fill:red; content:none}", 'class="h"', ""),
+    "a string with a rule in it": (".z {content:'} .h {display:none}'}", 'class="h"', ""),
+    "another kind of sheet": ('" type="text/less', 'class="h"', ""),
+    "all of it anew": (".h {display:none; all:unset}", 'class="h"', ""),
+    "a name in other letters": (".H {display:none}", 'class="h"', ""),
 }  # fmt: skip
 HIDDEN = {
     "by a class": (".h {display:none}", 'class="h"', ""),
@@ -55,6 +60,16 @@ HIDDEN = {
     "after a comment before a star": ("/* z */* {fill:red} .h {display:none}", 'class="h"', ""),
     "after a comment of stars": ("/***/ .h {display:none} /* .h {display:inline}", 'class="h"', ""),
     "by a rule that does not end": (".h {display:none", 'class="h"', ""),
+    "by a name with escapes": (".\\68 {dis\\70lay:no\\6e e}", 'class="h"', ""),
+    "with comments": (".h/**/{display/* */:/*x*/none/* */}", 'class="h"', ""),
+    "before what is not valid": (".h {display:none; display:nowhere}", 'class="h"', ""),
+    "by itself, before a string": (
+        "", "style=\"display:none; font-family:'a;display:inline'\"", "",
+    ),
+    "in letters of any size": (".h {DISPLAY:None}", 'class="h"', ""),
+    "by an attribute in letters of any size": ("", 'visibility=" HIDDEN "', ""),
+    "seen through": (".h {fill:rgb(0 0 0 / 0%)}", 'class="h"', ""),
+    "a shape without a box": (".h {display:contents}", 'class="h"', ""),
     "not painted": (".h {fill:none; stroke:none}", 'class="h"', ""),
 }  # fmt: skip
 
@@ -63,6 +78,8 @@ def imported(folder: Path, sheet: str, values: str, group: str, *, last: bool = 
     style = f"<style>{sheet}</style>"
     if sheet == "@media":
         style = '<style media="print">.h {display:none}</style>'
+    if sheet.startswith('"'):
+        style = f'<style class="{sheet}">.h {{display:none}}</style>'
     obstacle = f'<g id="obstacle" {group}>{PILLAR.format(values)}</g>'
     path = folder / "plan.svg"
     parts = (WALLS, obstacle, style) if last else (style, WALLS, obstacle)
@@ -94,6 +111,13 @@ WORK = {
         f"{','.join(f'.a{k}' for k in range(20_000))} {{{'fill:a;' * 20_000}}}", "<g/>",
     ),
     "a long value": (f"* {{fill:{'a' * 300_000}}}", "<g/>" * 20_000),
+    "a long value that is passed on": (f"* {{clip-path:{'a ' * 300_000}}}", "<g/>" * 20_000),
+    "many declarations": (f".a {{{'fill:none;' * 200_000}}}", ""),
+    "rules for many media": (
+        f"@media {','.join(f'x{k}' for k in range(20_000))} {{{'.a {fill:none}' * 20_000}}}", "",
+    ),
+    "rules within one of a long name": (f".{'a' * 800_000} {{{'b {fill:none}' * 50_000}}}", ""),
+    "a value that nests": (f".a {{fill:{'rgb(' * 300_000}}}", ""),
 }  # fmt: skip
 
 
@@ -104,6 +128,27 @@ def test_sheets_are_read_in_their_length(tmp_path: Path, how: str) -> None:
     path = tmp_path / "plan.svg"
     path.write_text(svg(f"<style>{sheet}</style>{WALLS}{PATH}{rest}"))
     assert import_world(path, Options(scale=1.0)).world.boundaries
+
+
+def test_rules_nested_beyond_all_reason_are_refused(tmp_path: Path) -> None:
+    path = tmp_path / "plan.svg"
+    path.write_text(svg(f"<style>{'@supports (a:b) {' * 3000}</style>{WALLS}{PATH}"))
+    with pytest.raises(ImportSourceError) as caught:
+        import_world(path, Options(scale=1.0))
+    check_says(str(caught.value), f"<style> … {DEEPEST} rules within")
+
+
+def test_a_flood_of_styles_is_refused(tmp_path: Path) -> None:
+    """Those that are the same are read once."""
+    path = tmp_path / "plan.svg"
+    long = "fill:red;" * 1000
+    path.write_text(svg(f"{WALLS}{PATH}{f'<g style={long!r}/>' * 500}"))
+    assert import_world(path, Options(scale=1.0)).world.boundaries
+    styles = "".join(f"<g style='{long}opacity:{k}'/>" for k in range(500))
+    path.write_text(svg(f"{WALLS}{PATH}{styles}"))
+    with pytest.raises(ImportSourceError) as caught:
+        import_world(path, Options(scale=1.0))
+    check_says(str(caught.value), "<g> … 2.5 million characters of style")
 
 
 def test_a_flood_of_selectors_is_refused(tmp_path: Path) -> None:

@@ -137,8 +137,10 @@ def check_road(laid: Layout, road: dict[str, Any]) -> None:
     assert inside.is_valid
 
     solids = [shapely.Polygon(outline) for outline in laid.obstacles]
-    for part in (slice(0, end + 1), slice(-2 - other, -1)):  # straight, so these are rectangles
-        free = shapely.Polygon(np.vstack([left[part], right[part][::-1]])).buffer(-5e-3)
+    for tip, inner in (line[:2], line[:-3:-1]):  # straight, so these are rectangles
+        along = (inner - tip) / np.hypot(*(inner - tip))
+        stretch = shapely.LineString([tip, tip + (road["ends"] - 5e-3) * along])
+        free = stretch.buffer(0.5 * high - 5e-3, cap_style="flat")
         assert not any(free.intersects(solid) for solid in solids), "an obstacle at an end"
     wanted = round(road["clutter"] * (road["length"] - 2.0 * road["ends"]) / 100.0)
     assert abs(len(solids) - wanted) <= 1  # the length as rounded
@@ -200,6 +202,15 @@ def test_a_short_straight_between_bends_folds_no_wall() -> None:
         "passage": 3.87109375, "ends": 11.75,
     }  # fmt: skip
     check_road(lay_out(world(seed=4_598_634_346, **road)), road)
+
+
+def test_nothing_reaches_from_a_bend_into_an_end() -> None:
+    """Placed by its station on the inside of the first bend, one did so by 9 cm."""
+    road = {
+        "length": 110.0, "bends": [2, 6], "turns": [0.4, 1.57], "radii": [8.0, 14.0],
+        "width": [4.5, 9.0], "clutter": 14.0, "sizes": [0.5, 1.5], "passage": 3.0, "ends": 14.0,
+    }  # fmt: skip
+    check_road(lay_out(world(seed=3, **road)), road)
 
 
 def drawn_or_refused(road: dict[str, Any], seed: int) -> Layout | WorldError:

@@ -52,6 +52,8 @@ SCREEN = ("", "all", "screen")
 WITHOUT_RULES = ("charset", "import", "font-face", "page", "counter-style", "property",
                  "font-feature-values", "font-palette-values", "color-profile")  # fmt: skip
 """Rules that say nothing of elements, or that stand in another file"""
+LONGEST = 100
+"""Characters of a condition that are told"""
 DEEPEST = 20
 """Rules within each other"""
 
@@ -89,6 +91,7 @@ def rules(text: str, condition: str = "") -> Iterator[Rule]:
 def _rules(nodes: Iterable[Any], condition: str, depth: int) -> Iterator[Rule]:
     if depth > DEEPEST:
         raise ValueError(f"more than {DEEPEST} rules within each other")
+    condition = condition[:LONGEST]
     for node in nodes:
         if node.type == "qualified-rule":
             selector = f"{condition}{_written(node.prelude)}"
@@ -193,6 +196,8 @@ def _meant(key: str, tokens: Iterable[Any]) -> str:
     known = [token for token in tokens if token.type not in ("whitespace", "comment")]
     if not known or any(token.type == "error" for token in known):
         return ""
+    if key in CUTS:
+        return "none" if _word(known) == "none" else "some"
     if key not in UNSEEN:
         return _written(tokens)
     if _refers(known):  # a paint that another value gives is taken for one

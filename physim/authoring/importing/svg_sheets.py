@@ -39,9 +39,9 @@ FROM_SHEETS = (*UNSEEN, *CUTS)
 """Properties that count in a style sheet."""
 TOLD = (*PLACES, *EXTENTS)
 """Properties of a style sheet that are not applied, but told"""
-MOST_SELECTORS = 200_000
+MOST_SELECTORS = 100_000
 """Selectors of all style sheets"""
-MOST_STYLE = 6_000_000
+MOST_STYLE = 2_500_000
 """Characters of all style sheets and styles that are read, each different style once"""
 STYLES_KEPT = 10_000
 """Styles of elements that are not read again"""

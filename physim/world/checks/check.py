@@ -32,6 +32,7 @@ from physim.world.checks.room import ClearanceProfile, clearance_profiles
 from physim.world.checks.safe_stops import check_safe_stops
 from physim.world.checks.shared_stops import check_shared_stops
 from physim.world.checks.standing import stops
+from physim.world.checks.start_stations import check_start_stations
 from physim.world.checks.starts import (
     check_expected,
     check_footprints,
@@ -137,6 +138,7 @@ def _check_layout(
     check_random_headings(laid, found)
     check_expected(laid, found)
     check_headings(laid, found)
+    check_start_stations(laid, found)
     astray = check_paths(laid, found)
     profiles = clearance_profiles(laid, safe_distance)
     too_wide = check_width(laid, found)

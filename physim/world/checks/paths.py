@@ -44,6 +44,8 @@ def check_paths(laid: PartialLayout, found: Diagnostics) -> set[Location]:
             _check_offset_folds(laid, i, found)
         else:
             _check_sense(laid, i, path, found)
+            called = f"the path of {describe(laid.names[i])}"
+            _check_turns(path, laid.path_key(i), called, found)
     return astray
 
 
@@ -145,18 +147,9 @@ def check_reference(laid: PartialLayout, found: Diagnostics) -> None:
     line = laid.reference
     if line is None:
         return
-    steps = np.diff(line, axis=0)
-    steps /= np.hypot(*steps.T)[:, None]
-    turn = np.arccos(np.clip((steps[:-1] * steps[1:]).sum(axis=1), -1.0, 1.0))
     is_corridor = laid.reference_key[0] == "corridor"
     if not is_corridor:  # the walls of a corridor cannot be drawn there, which is reported
-        for k in np.flatnonzero(turn > SHARPEST_TURN)[:MOST_ALIKE]:
-            x, y = line[k + 1]
-            found.warn(
-                laid.reference_key,
-                f"the reference path turns back by {np.degrees(turn[k]):.0f} degrees at "
-                f"{place_text(x, y)}; are the waypoints in order?",
-            )
+        _check_turns(line, laid.reference_key, "the reference path", found)
         if not shapely.LineString(line).is_simple:
             found.warn(
                 laid.reference_key,
@@ -168,6 +161,20 @@ def check_reference(laid: PartialLayout, found: Diagnostics) -> None:
         found.warn(
             laid.reference_key,
             f"the reference path is only {length:.4g} m long; lengths are in metres",
+        )
+
+
+def _check_turns(line: FloatArray, where: Location, called: str, found: Diagnostics) -> None:
+    """Warn of places where a path turns back on itself."""
+    steps = np.diff(line, axis=0)
+    steps /= np.hypot(*steps.T)[:, None]
+    turn = np.arccos(np.clip((steps[:-1] * steps[1:]).sum(axis=1), -1.0, 1.0))
+    for k in np.flatnonzero(turn > SHARPEST_TURN)[:MOST_ALIKE]:
+        x, y = line[k + 1]
+        found.warn(
+            where,
+            f"{called} turns back by {np.degrees(turn[k]):.0f} degrees at {place_text(x, y)}, "
+            "where a robot may stand for ever; are the waypoints in order?",
         )
 
 

@@ -107,6 +107,13 @@ def _ahead(stop: Stop, shape: Any) -> float:
     return float((points @ (np.cos(heading), np.sin(heading))).min()) - stop.reach
 
 
+def _is_beside(stop: Stop, met: Any) -> bool:
+    """Whether what is met of a wall lies along the way, rather than across it."""
+    c, s = np.cos(stop.pose[2]), np.sin(stop.pose[2])
+    along, across = np.ptp(shapely.get_coordinates(met) @ [[c, -s], [s, c]], axis=0)
+    return bool(along > across)
+
+
 def _check_walls(
     laid: PartialLayout, at: list[Stop], needed: dict[int, float], found: Diagnostics
 ) -> None:
@@ -128,19 +135,23 @@ def _check_walls(
         return
     gap, stop, k = max(near, key=lambda one: needed[one[1].number] - one[0])
     wall, way = named[k][0], _way_on(stop, laid.footprints[stop.number], needed[stop.number])
-    foot = shapely.get_coordinates(shapely.shortest_line(shapes[k].intersection(way), stop.outline))
+    met = shapes[k].intersection(way)
+    foot = shapely.get_coordinates(shapely.shortest_line(met, stop.outline))
     place = stretch_text(laid.world.boundaries, wall, foot[0])
     least, mends = needed[stop.number], "end its path earlier, or move the wall"
     where: Location = laid.path_key(stop.number)
     corridor = laid.world.corridor
-    if corridor is not None and laid.world.boundaries is None and wall in dict(laid.walls):
+    side = "before"
+    if gap <= 0.0 and _is_beside(stop, met):
+        side, mends = "beside", "lead its path farther from the wall"
+    elif corridor is not None and laid.world.boundaries is None and wall in dict(laid.walls):
         where = ("corridor", "end_margin")
         wanted = np.ceil((corridor.end_margin + least - gap) * 100.0) / 100.0
         mends = f"set end_margin to {wanted:g} m or more"
     others = f", and {plural(len(near) - 1, 'more robot')} stop so" if len(near) > 1 else ""
     found.warn(
         where,
-        f"{describe(laid.names[stop.number])} stops {max(gap, 0.0):.4g} m before {wall} {place}"
+        f"{describe(laid.names[stop.number])} stops {max(gap, 0.0):.4g} m {side} {wall} {place}"
         f"{others}; nearer than {least:.4g} m (controller.boundary_low) it is in danger mode there "
         f"and may never arrive; {mends}, or lower boundary_low",
     )

@@ -41,6 +41,7 @@ def draw_clutter(
     first, last = road.ends, float(station[-1]) - road.ends
     count = round(road.clutter * (last - first) / 100.0)
     inside = shapely.Polygon(_ring(walls))
+    ends = _ends(centreline, widths, road.ends)
     shapely.prepare(inside)
     shapely.prepare(walls)
     shapely.prepare(way)
@@ -53,7 +54,7 @@ def draw_clutter(
             outlines, sizes, at = _candidates(road, centreline, widths, draw, low, high, tries)
             shapes = np.array([shapely.Polygon(outline) for outline in outlines])
             fits = (at - 0.5 * sizes >= first) & (at + 0.5 * sizes <= last)
-            fits &= shapely.contains_properly(inside, shapes)
+            fits &= shapely.contains_properly(inside, shapes) & ~shapely.intersects(ends, shapes)
             fits &= shapely.distance(way, shapes) >= 0.5 * passage + SPARE
             fits &= shapely.distance(walls, shapes) >= GAP + SPARE
             if solids:
@@ -72,6 +73,19 @@ def _ring(walls: shapely.Geometry) -> FloatArray:
     """Outline of a road, from its left wall and its right one."""
     left, right = (shapely.get_coordinates(line) for line in shapely.get_parts(walls)[:2])
     return np.vstack([left, right[::-1]])
+
+
+def _ends(centreline: FloatArray, widths: FloatArray, length: float) -> shapely.Geometry:
+    """The first and the last stretch of a road, which are straight.
+
+    What is placed by its station beside a bend may reach back into them.
+    """
+    parts = []
+    for (here, there), width in ((centreline[:2], widths[0]), (centreline[:-3:-1], widths[-1])):
+        along = (there - here) / np.hypot(*(there - here))
+        line = shapely.LineString([here, here + length * along])
+        parts.append(line.buffer(0.5 * width, cap_style="flat"))
+    return shapely.union_all(parts)
 
 
 def _candidates(

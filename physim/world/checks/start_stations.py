@@ -1,0 +1,85 @@
+"""Stations at the start against walls: a robot is on the stretch of a path that is nearest to it.
+
+That may lie beyond a wall, on another leg, where the stretch that is meant is farther away.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import shapely
+
+from physim.errors import Location, plural
+from physim.geometry.shapes import IntArray
+from physim.world.checks.findings import Diagnostics
+from physim.world.checks.way import Way
+from physim.world.faults import describe
+from physim.world.layout.layout import PartialLayout
+from physim.world.layout.shared import Shared
+
+ROUND = 2.0
+"""[-] times the ways to two stretches: what lies between them along the path, where it merely goes
+round what stands in the way"""
+MOST_LOOKED_AT = 20
+"""Robots beyond a wall from their nearest stretch that are looked at, of each kind of path"""
+
+
+def check_start_stations(laid: PartialLayout, found: Diagnostics) -> None:
+    """Warn of robots whose nearest stretch of the reference path, or of their own, is walled off.
+
+    Told only where another stretch, far from it along the path, is in sight.
+    """
+    placed = [i for i in laid.paths if not np.isnan(laid.start[i, :2]).any()]
+    if not laid.walls or not placed:
+        return
+    walls = shapely.STRtree([shape for _, shape in laid.walls])
+    line_of = Shared(shapely.LineString)
+    if laid.reference is not None and laid.world.formation is not None:
+        line = line_of(laid.reference)
+        _check(laid, placed, [line] * len(placed), "the reference path", walls, found)
+    _check(laid, placed, [line_of(laid.paths[i]) for i in placed], "its path", walls, found)
+
+
+def _check(
+    laid: PartialLayout,
+    robots: list[int],
+    lines: list[shapely.LineString],
+    called: str,
+    walls: shapely.STRtree,
+    found: Diagnostics,
+) -> None:
+    starts = laid.start[robots, :2]
+    ways = shapely.shortest_line(shapely.points(starts), lines)
+    told: list[tuple[int, float, float, float, float]] = []
+    for row in _walled_off(ways, walls)[:MOST_LOOKED_AT].tolist():
+        start, way = starts[row], Way(shapely.get_coordinates(lines[row]))
+        station = way.nearest(start[None])[0]
+        along = ((start - way.points[:-1]) * way.step).sum(axis=1) / way.length
+        along = np.clip(along, 0.0, way.length)
+        feet = way.points[:-1] + (along / way.length)[:, None] * way.step
+        far = np.hypot(*(feet - start).T)
+        others = np.flatnonzero(
+            np.abs(way.station[:-1] + along - station) > ROUND * (far + far.min())
+        )
+        between = np.stack([np.broadcast_to(start, feet[others].shape), feet[others]], axis=1)
+        seen = np.delete(others, _walled_off(shapely.linestrings(between), walls))
+        if len(seen):
+            k = seen[np.argmin(far[seen])]
+            told.append((robots[row], far.min(), station, far[k], way.station[k] + along[k]))
+    if not told:
+        return
+    i, near, station, seen_at, other = told[0]
+    more = f", and {plural(len(told) - 1, 'more robot')} so" if len(told) > 1 else ""
+    where: Location = (*laid.world.entry_of(i), "pose")
+    found.warn(
+        where,
+        f"{describe(laid.names[i])} starts {near:.4g} m from {called} at {station:.2f} m along it, "
+        f"beyond a wall, and counts as there{more}; the stretch at {other:.2f} m, in sight, is "
+        f"{seen_at:.4g} m away; start it nearer to that, or lead the path farther from the wall",
+    )
+
+
+def _walled_off(ways: Any, walls: shapely.STRtree) -> IntArray:
+    """Numbers of the straight ways that a wall crosses."""
+    return np.unique(walls.query(ways, predicate="crosses")[0])

@@ -1,0 +1,73 @@
+"""Robots that start nearer to another leg of a path, beyond a wall, than to that which is meant."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from physim import check_world
+
+HAIRPIN = """\
+name: hairpin
+time: {{step: 0.01, duration: 10}}
+corridor:
+  centreline: [[0, 0], [30, 0], [34, 0], [34, 5.2], [30, 5.2], [0, 5.2]]
+  width: [8, 8, 2, 2, 2, 2]
+robots:
+  - {{name: r1, footprint: {{length: 0.8, width: 0.4}}, pose: [8, {y}, 0], path: {path}}}
+{more}"""
+FORMATION = "formation: {gain: 0.05, speed: 0.8, limits: [0.5, 1.0]}\n"
+OWN = "[[8, {}], [27, {}], [31, 0], [34, 0], [34, 5.2], [0, 5.2]]"
+
+
+def told(tmp_path: Path, y: float, path: str, more: str = "") -> list[str]:
+    file = tmp_path / "hairpin.yaml"
+    file.write_text(HAIRPIN.format(y=y, path=path, more=more), encoding="utf-8")
+    found = check_world(file)
+    assert found.ok
+    return [one.message for one in found.warnings if "beyond a wall" in one.message]
+
+
+def test_the_reference_path_beyond_a_wall_is_a_warning(tmp_path: Path) -> None:
+    """2.2 m to the way back, 3 m to the way out: the others would wait for it 57 m behind."""
+    (message,) = told(tmp_path, 3.0, OWN.format(3, 3), FORMATION)
+    assert "2.2 m from the reference path at 65.20 m" in message
+    assert "stretch at 8.00 m, in sight, is 3 m away" in message
+
+
+def test_its_own_path_beyond_a_wall_is_a_warning(tmp_path: Path) -> None:
+    (message,) = told(tmp_path, 3.0, "{offset: 0}")
+    assert "2.2 m from its path at 65.20 m" in message
+
+
+@pytest.mark.parametrize(
+    ("y", "path", "more"),
+    [
+        (2.5, OWN.format(3, 3), FORMATION),  # nearer to the way out
+        (3.0, OWN.format(3, 3), ""),  # nobody measures on the reference path
+    ],
+)
+def test_the_stretch_that_is_meant_is_none(tmp_path: Path, y: float, path: str, more: str) -> None:
+    assert told(tmp_path, y, path, more) == []
+
+
+def test_a_path_round_a_pillar_is_none(tmp_path: Path) -> None:
+    """The nearest stretch is behind the pillar, and the robot on its way there."""
+    file = tmp_path / "pillar.yaml"
+    file.write_text(
+        """\
+name: pillar
+time: {step: 0.01, duration: 10}
+boundaries:
+  - [[-2, -6], [22, -6], [22, 6], [-2, 6], [-2, -6]]
+  - [[9, 0], [11, 0]]
+reference_path: [[0, -1], [9, -1], [10, 0.6], [11, -1], [20, -1]]
+robots:
+  - {name: a, footprint: {length: 0.5, width: 0.4}, pose: [10, -0.5, 0],
+     path: [[0, -1], [9, -1], [8.5, 0.6], [11.5, 0.6], [11, -1], [20, -1]]}
+formation: {gain: 0.05, speed: 0.8, limits: [0.5, 1.0]}
+""",
+        encoding="utf-8",
+    )
+    assert not [one for one in check_world(file).warnings if "beyond a wall" in one.message]

@@ -74,7 +74,7 @@ def read_svg(path: Path, options: Options) -> Drawing:
     look = look_at(path, read_xml(path))
     drawing = Drawing(kind="SVG drawing")
     try:
-        root = svgelements.SVG.parse(io.StringIO(look.bare.text), reify=True, ppi=96.0)
+        root = svgelements.SVG.parse(io.StringIO(look.bare.text), reify=False, ppi=96.0)
     except RecursionError:
         raise refused(path, "groups are nested too deeply; ungroup some of them") from None
     except (ValueError, TypeError, ArithmeticError, AttributeError, LookupError) as error:
@@ -110,7 +110,7 @@ def read_svg(path: Path, options: Options) -> Drawing:
             raise refused(path, f"{where}: {fault}", line)
         try:
             found = subpaths(
-                abs(svgelements.Path(element)), tolerance / frame.metres, MOST_POINTS - count
+                svgelements.Path(element), tolerance / frame.metres, MOST_POINTS - count
             )
         except (ValueError, ArithmeticError) as error:
             raise refused(path, f"{where}: {escaped(str(error))[:160]}", line) from None

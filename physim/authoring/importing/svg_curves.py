@@ -18,11 +18,16 @@ MOST_CHORDS = 10_000
 def subpaths(
     shape: Any, tolerance: float, most: int = MOST_POINTS
 ) -> list[tuple[FloatArray, bool]]:
-    """Polylines (n, 2) of an svgelements path, in its units, and whether each is closed.
+    """Polylines (n, 2) of an svgelements path, in pixels, and whether each is closed.
 
-    ``tolerance`` in the same units. A closed one has its first point repeated. Raises ValueError
+    The points are found before the path's own transform, and moved by it: the library does not
+    move arcs right by one that skews. ``tolerance`` in pixels, too. A closed one has its first point repeated. Raises ValueError
     for coordinates that are not finite, and before there are more than ``most`` points.
     """
+    m = shape.transform
+    turn = np.array([[m.a, m.b], [m.c, m.d]], dtype=np.float64)
+    largest = float(np.linalg.norm(turn, 2)) if np.isfinite(turn).all() else 0.0
+    tolerance /= largest if largest > 0.0 else 1.0
     made = 0
     found: list[tuple[FloatArray, bool]] = []
     points: list[tuple[float, float]] = []
@@ -45,7 +50,10 @@ def subpaths(
                 )
             points += _points(segment, count)
     _finish(found, points, False)
-    return found
+    moved = [(line @ turn + (float(m.e), float(m.f)), closed) for line, closed in found]
+    if not all(np.isfinite(line).all() for line, _ in moved):
+        raise ValueError("a coordinate is not a finite number")
+    return moved
 
 
 def _finish(

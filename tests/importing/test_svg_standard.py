@@ -219,3 +219,84 @@ def test_a_radius_may_be_as_long_as_the_other(tmp_path: Path) -> None:
         assert shape(plan(tmp_path, PILLAR.format(values))).equals(round_one)
     ellipse = '<ellipse id="obstacle" cx="9" cy="9" rx="auto" ry="1"/>'
     assert box(plan(tmp_path, ellipse)) == (8, 8, 10, 10)
+
+
+RECT = '<rect id="{}" x="10" y="6" width="4" height="2" {}/>'
+NOT_PAINTED = {
+    **{
+        tag: f'<g id="obstacle"><{tag}>{RECT.format("z", "")}</{tag}></g>'
+        for tag in (
+            "desc", "title", "metadata", "linearGradient", "filter", "font", "script", "text",
+            "image", "unknown", "marker", "symbol", "rect",
+        )
+    },
+    "foreign": f'<x:g xmlns:x="urn:x" id="obstacle">{RECT.format("z", "")}</x:g>',
+    "extension": RECT.format("obstacle", 'requiredExtensions="urn:x"'),
+    "group with an extension": f'<g requiredExtensions="x">{RECT.format("obstacle", "")}</g>',
+    "area seen through": RECT.format("z", 'fill-opacity="0"'),
+    "line seen through": RECT.format("z", 'fill="none" stroke="red" stroke-opacity="0%"'),
+    "line without width": RECT.format("z", 'fill="none" stroke="red" stroke-width="0px"'),
+    "path without data": '<path id="obstacle"/>',
+    "rectangle without a size": '<rect id="obstacle" x="10"/>',
+    "circle without a radius": '<circle id="obstacle" cx="10" cy="9"/>',
+    "ellipse without radii": '<ellipse id="obstacle" cx="10" cy="9"/>',
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("how", NOT_PAINTED)
+def test_what_no_viewer_paints_is_no_obstacle(tmp_path: Path, how: str) -> None:
+    inner = NOT_PAINTED[how]
+    if 'id="obstacle"' not in inner:
+        inner = f'<g id="obstacle">{inner}</g>'
+    imported = plan(tmp_path, f"{PILLAR.format('')}\n{inner}")
+    assert box(imported) == (2, 1, 4, 2)  # that beside it alone
+
+
+def test_of_elements_with_one_id_a_copy_is_of_the_first(tmp_path: Path) -> None:
+    first, second = RECT.format("z", ""), '<rect id="z" width="1" height="1"/>'
+    inner = f'<defs>{first}{second}</defs><g id="obstacle"><use href="#z"/></g>'
+    assert box(plan(tmp_path, inner)) == (10, 6, 14, 8)
+
+
+def test_all_elements_with_the_id_of_a_role_have_it(tmp_path: Path) -> None:
+    imported = plan(tmp_path, PILLAR.format("") + RECT.format("obstacle", ""))
+    assert len(imported.world.obstacles or ()) == 2
+
+
+def test_a_copy_is_of_its_href(tmp_path: Path) -> None:
+    """As a browser has it where both are there."""
+    others = RECT.format("z", "") + '<rect id="y" width="1" height="1"/>'
+    use = '<use xmlns:xlink="http://www.w3.org/1999/xlink" xlink:href="#y" href="#z"/>'
+    inner = f'<defs>{others}</defs><g id="obstacle">{use}</g>'
+    assert box(plan(tmp_path, inner)) == (10, 6, 14, 8)
+
+
+def test_copies_of_ids_that_stand_twice_are_counted_before_they_are_made(tmp_path: Path) -> None:
+    """Each copies the next ten times; those counted were empty ones of the same ids."""
+    empty = "".join(f'<g id="u{k}"/>' for k in range(9))
+    copies = "".join(
+        f'<g id="u{k}">{f"<use href={chr(34)}#u{k + 1}{chr(34)}/>" * 10}</g>' for k in range(9)
+    )
+    last = '<rect id="u9" width="1" height="1"/>'
+    plan(tmp_path, f'<defs>{empty}{copies}{last}</defs><use href="#u0"/>')  # the empty one
+    assert "copies written out" in told(
+        tmp_path, f'<defs>{copies}{empty}{last}</defs><use href="#u0"/>'
+    )
+
+
+def test_a_share_of_the_page_in_what_is_copied_is_refused(tmp_path: Path) -> None:
+    """The library took it for one of a drawing that had ended."""
+    page = '<svg x="10" y="6" width="4" height="2" viewBox="0 0 4 2"/>'
+    rect = '<rect id="z" x="50%" y="50%" width="4" height="2"/>'
+    inner = f'<defs>{rect}</defs>{page}<g id="obstacle"><use href="#z"/></g>'
+    check_says(told(tmp_path, inner), ":3: … x … 50%")
+
+
+@pytest.mark.parametrize(
+    "text",
+    ['<?xml-stylesheet href="a.css"?>', "<style>@IMPORT url(a.css);</style>"],
+)
+def test_style_sheets_in_other_files_are_told(tmp_path: Path, text: str) -> None:
+    told = [one for one in plan(tmp_path, text).changes if "style sheet" in one]
+    assert len(told) == 1
+    assert "not read" in told[0]

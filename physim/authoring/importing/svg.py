@@ -32,7 +32,7 @@ from physim.authoring.importing.svg_bare import CUT, FAULT, LINE, SPILLS, TAG
 from physim.authoring.importing.svg_curves import subpaths
 from physim.authoring.importing.svg_guard import SvgLook, look_at
 from physim.authoring.importing.svg_seen import is_seen
-from physim.authoring.importing.svg_walls import LABEL, Walls, names_of
+from physim.authoring.importing.svg_walls import LABEL, NAMES, Walls, names_of
 from physim.authoring.importing.work import MOST_POINTS, check_work
 from physim.escaping import escaped
 from physim.geometry.shapes import FloatArray
@@ -183,12 +183,12 @@ class _Frame:
 def _role(element: Any) -> tuple[str, str]:
     """Role of an element and the rest of its name; ids such as path42 are Inkscape's own."""
     own = element.values.get("attributes", {})
-    for key in (LABEL, "id"):
+    for key in NAMES:
         text = str(own.get(key) or "").strip().lower()
         found = ROLE.match(text)
         if found is not None and OTHER.search(found[2] or ""):
             continue
-        if found is None or (key == "id" and re.fullmatch(r"path-?\d[\d-]*", text)):
+        if found is None or (key != LABEL and re.fullmatch(r"path-?\d[\d-]*", text)):
             continue
         label = str(own[key]).strip()
         return ROLES[text[:3]], label[len(found[1]) :].strip(" _:#-")

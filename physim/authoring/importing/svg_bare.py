@@ -33,19 +33,25 @@ LINE, TAG, CUT, SPILLS = "physim-line", "physim-tag", "physim-cut", "physim-spil
 
 The last is that of a drawing within a drawing that is not cut at its edges.
 """
+SAME_ID = "physim-id"
+"""Attribute for an id that an element before has, which is the one that copies (``use``) mean"""
 PREFIXES = {LABEL: "inkscape:label", XLINK: "xlink:href"}
 KEPT = ("id", LABEL, "transform", "display", "d", "points", *PLACES, *EXTENTS, "viewBox",
         "preserveAspectRatio")  # fmt: skip
 STYLED = ("display", "transform", *PLACES, *EXTENTS)
 """Properties that count in ``style="..."``."""
+UNGIVEN = {"path": ("d",), "rect": ("width", "height"), "circle": ("r",)}
+"""Attributes without which a shape draws nothing"""
 NOT_LINES = ("text", "image", "foreignObject", "flowRoot")
 """Elements that hold no lines; they are listed as left out."""
 ONLY_COPIED = "symbol"
 """An element that is drawn by its copies (``use``) alone"""
 NOT_DRAWN = ("defs", "clipPath", "pattern", "mask", "marker", ONLY_COPIED)
 """Elements that hold what is drawn elsewhere, if at all."""
-AS_DEFS = ("mask", "marker", "foreignObject", "flowRoot")
-"""Those whose shapes the library would take for drawn."""
+DRAWN = ("svg", "g", "a", "switch", "use", *SHAPES)
+"""Elements that are drawn, or hold what is; nothing is drawn of others and of what is in them."""
+AS_THEY_ARE = (*DRAWN, "defs", "clipPath", "pattern", ONLY_COPIED)
+"""Those that the library takes for what they are."""
 ROOT = ' xmlns="{}" xmlns:xlink="{}" xmlns:inkscape="{}"'.format(
     *(name.partition("|")[0] for name in (SVG, XLINK, LABEL))
 )
@@ -57,6 +63,7 @@ class BareSvg:
     def __init__(self) -> None:
         self._parts: list[str] = []
         self._ends: list[str] = []
+        self._ids: set[str] = set()
 
     @property
     def text(self) -> str:
@@ -72,6 +79,9 @@ class BareSvg:
         tag = "other" if "|" in tag else tag
         shown = tag if tag.isascii() and tag.isalnum() else "element"
         kept = {key: attributes[key] for key in KEPT if key in attributes}
+        if kept.get("id") in self._ids:
+            kept[SAME_ID] = kept.pop("id")
+        self._ids.add(kept.get("id", ""))
         style = declarations(attributes.get("style", ""), STYLED)
         is_within = tag == "svg" and bool(self._ends)
         if tag == "svg" and not is_within:  # the page is where it is
@@ -84,7 +94,8 @@ class BareSvg:
         if "d" in kept:
             kept["d"] = as_meant(kept["d"])
         for key, other in (RADII, RADII[::-1]):
-            if own.get(key, "").strip().lower() == AUTO:  # the library would take it for none
+            given = own.get(key, AUTO if tag == "ellipse" else "")
+            if given.strip().lower() == AUTO:  # the library would take it for none
                 length = own.get(other, AUTO)
                 kept["style"] = f"{kept.get('style', '')};{key}:{length if length != AUTO else 0}"
         cut = cut_of({**attributes, **declarations(attributes.get("style", ""), CUTS)})
@@ -96,12 +107,14 @@ class BareSvg:
             kept[CUT] = f"line {line}: {called(tag, attributes)}: its {cut}"
         elif IGNORED in attributes:
             kept[CUT] = f"<style> has a {attributes[IGNORED]}, which"
-        if tag == "use" and (href := attributes.get(XLINK, attributes.get("href"))) is not None:
-            kept[XLINK] = href
+        if tag == "use":
+            kept[XLINK] = copied(attributes)
+        for key in UNGIVEN.get(tag, ()):  # the library has others
+            kept.setdefault(key, "" if key == "d" else "0")
         kept |= handed_on(attributes)
         kept |= {LINE: str(line), TAG: shown, **({FAULT: fault} if fault else {})}
         written = (f" {PREFIXES.get(key, key)}={quoteattr(value)}" for key, value in kept.items())
-        tag = "defs" if tag in AS_DEFS else tag
+        tag = tag if tag in AS_THEY_ARE else "defs"
         begin, end = ("<defs>", "</defs>") if tag == ONLY_COPIED else ("", "")
         self._parts.append(f"{begin}<{tag}{'' if self._ends else ROOT}{''.join(written)}>")
         if is_within and "viewBox" not in kept:  # the library moves what is in one with a view only
@@ -119,6 +132,11 @@ class BareSvg:
 def hidden(attributes: dict[str, str]) -> dict[str, str]:
     """Attributes of an element, so that it is hidden whatever they say."""
     return {**attributes, "style": f"{attributes.get('style', '')};display:none"}
+
+
+def copied(attributes: dict[str, str]) -> str:
+    """What a ``use`` of these attributes copies."""
+    return attributes.get("href", attributes.get(XLINK, ""))
 
 
 def is_hidden(tag: str, attributes: dict[str, str]) -> bool:

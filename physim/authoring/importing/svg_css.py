@@ -20,7 +20,9 @@ PAINTS = ("fill", "stroke")
 """Properties by which a shape is seen"""
 SHOWN = ("display", "visibility", "opacity")
 """Properties by which an element is shown or hidden"""
-UNSEEN = (*SHOWN, *PAINTS)
+AMOUNTS = ("fill-opacity", "stroke-opacity", "stroke-width")
+"""Properties of which nothing is seen of a paint where they are 0"""
+UNSEEN = (*SHOWN, *PAINTS, *AMOUNTS)
 CUTS = ("clip-path", "mask")
 """Properties by which only a part of an element is drawn; they are not applied, but told."""
 UNREAD = ("d", "rotate", "scale", "translate", "offset-path")
@@ -29,9 +31,10 @@ COUNTED = frozenset((*UNSEEN, *CUTS, *UNREAD, *PLACES, *EXTENTS, *ORIGINS, "tran
 """Properties that are looked at"""
 INITIAL: Mapping[str, str] = {
     "display": "inline", "visibility": "visible", "opacity": "1", "fill": "black", "stroke": "none",
+    "fill-opacity": "1", "stroke-opacity": "1", "stroke-width": "1",
 }  # fmt: skip
 """What holds where nothing is said"""
-INHERITED = ("visibility", *PAINTS)
+INHERITED = ("visibility", *PAINTS, *AMOUNTS)
 WORDS = ("inline", "contents", "none", "visible", "hidden", "inherit", "black", "0", "1")
 """What these properties come to; any other value is not read"""
 DISPLAYS = re.compile(
@@ -200,15 +203,17 @@ def _meant(key: str, tokens: Iterable[Any]) -> str:
         return "none" if _word(known) == "none" else "some"
     if key not in UNSEEN:
         return _written(tokens)
-    if _refers(known):  # a paint that another value gives is taken for one
-        return "black" if key in PAINTS else _written(tokens)
+    if _refers(known) and key not in SHOWN:  # what another value gives is taken for seen
+        return "black" if key in PAINTS else "1"
+    if _refers(known):
+        return _written(tokens)
     word = _word(known)
     if word == "initial":
         return INITIAL[key]
     if word in HELD:
         return "inherit" if key in INHERITED else INITIAL[key]
     if word == "revert-layer":
-        return "black" if key in PAINTS else word
+        return word if key in SHOWN else "black" if key in PAINTS else "1"
     return _MEANINGS[key](known, word)
 
 
@@ -233,6 +238,13 @@ def _opacity(tokens: Sequence[Any], _: str) -> str:
     return "1" if tokens[0].value > 0.0 else "0"
 
 
+def _width(tokens: Sequence[Any], _: str) -> str:
+    first = tokens[0]
+    if len(tokens) != 1 or first.type not in ("number", "percentage", "dimension"):
+        return ""
+    return "" if first.value < 0.0 else "1" if first.value > 0.0 else "0"
+
+
 def _paint(tokens: Sequence[Any], word: str) -> str:
     """``none``, also for a colour that is seen through, or ``black`` for any other paint."""
     if word == "none":
@@ -248,7 +260,7 @@ def _paint(tokens: Sequence[Any], word: str) -> str:
 
 _MEANINGS = {
     "display": _display, "visibility": _visibility, "opacity": _opacity, "fill": _paint,
-    "stroke": _paint,
+    "stroke": _paint, "fill-opacity": _opacity, "stroke-opacity": _opacity, "stroke-width": _width,
 }  # fmt: skip
 
 

@@ -21,8 +21,9 @@ def subpaths(
     """Polylines (n, 2) of an svgelements path, in pixels, and whether each is closed.
 
     The points are found before the path's own transform, and moved by it: the library does not
-    move arcs right by one that skews. ``tolerance`` in pixels, too. A closed one has its first point repeated. Raises ValueError
-    for coordinates that are not finite, and before there are more than ``most`` points.
+    move arcs right by one that skews. ``tolerance`` in pixels, too. A closed one has its first
+    point repeated. Raises ValueError for coordinates that are not finite, and before there are
+    more than ``most`` points.
     """
     m = shape.transform
     turn = np.array([[m.a, m.b], [m.c, m.d]], dtype=np.float64)

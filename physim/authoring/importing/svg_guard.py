@@ -14,17 +14,19 @@ from xml.parsers import expat
 
 from physim.authoring.importing.drawing import ImportSourceError, refused
 from physim.authoring.importing.svg_bare import (
+    DRAWN,
     LABEL,
     NOT_DRAWN,
     NOT_LINES,
     SVG,
-    XLINK,
     BareSvg,
     called,
+    copied,
     functions_of,
     hidden,
     is_hidden,
 )
+from physim.authoring.importing.svg_copies import MOST_COPIES, Element, written_out
 from physim.authoring.importing.svg_css import SHOWN, UNREAD
 from physim.authoring.importing.svg_paths import path_fault
 from physim.authoring.importing.svg_sheets import (
@@ -53,8 +55,6 @@ from physim.escaping import escaped
 
 MOST_ELEMENTS = 100_000
 """Elements of a drawing, copies written out."""
-MOST_COPIES = 100
-"""Copies of copies."""
 MOST_NESTED = 2_000_000
 """Elements, each counted as often as groups stand about it: the work of reading them."""
 MOST_NUMBERS = 300_000
@@ -90,27 +90,6 @@ class SvgLook:
         ]
 
 
-@dataclass
-class _Element:
-    """An element with its children, and what it copies."""
-
-    functions: int = 0
-    """of its transform"""
-    count: int = 1
-    """elements, itself among them"""
-    turned: int = 0
-    """functions that move these, its own only when it has ended"""
-    copies: list[tuple[str, int]] = field(default_factory=list)
-    """ids, and how many functions below this element move what is copied"""
-    is_drawn: bool = False
-    """of a ``switch``: whether one of its alternatives is"""
-
-    def moved_by(self, functions: int) -> None:
-        """Take all in it to be moved by so many functions more."""
-        self.turned += functions * self.count
-        self.copies = [(name, moved + functions) for name, moved in self.copies]
-
-
 def look_at(path: Path, text: str) -> SvgLook:
     """Check an SVG text. Raises ImportSourceError with file:line."""
     return _Guard(path).run(text)
@@ -120,9 +99,9 @@ class _Guard:
     def __init__(self, path: Path) -> None:
         self.path = path
         self.look = SvgLook()
-        self.elements: dict[str, _Element] = {}
-        self.open: list[tuple[str, _Element]] = []
-        self.all = _Element()
+        self.elements: dict[str, Element] = {}
+        self.open: list[tuple[str, Element]] = []
+        self.all = Element()
         self.seen = 0
         self.nested = 0
         self.drawn = 0
@@ -135,18 +114,21 @@ class _Guard:
     def run(self, text: str) -> SvgLook:
         self.sheets = sheets_of(text, lambda *wrong: refused(self.path, *wrong))
         self.look.may_be_painted = self.sheets.may_paint
+        if self.sheets.imports:
+            self.look.left_out.append("<style> imports another style sheet, which is not read")
         parser = self.parser
         parser.StartElementHandler = self._start
         parser.EndElementHandler = self._end
         parser.EntityDeclHandler = self._entity
         parser.ExternalEntityRefHandler = self._external
         parser.SkippedEntityHandler = self._entity
+        parser.ProcessingInstructionHandler = self._instruction
         try:
             parser.Parse(text.encode("utf-8"), True)
         except expat.ExpatError as error:
             reason = expat.ErrorString(error.code)
             raise refused(self.path, f"not valid XML: {reason}", error.lineno) from None
-        count, turned = self._written_out()
+        count, turned = written_out(self.all, self.elements, self._copies_itself)
         if count > MOST_ELEMENTS:
             raise refused(self.path, f"more than {MOST_ELEMENTS} elements, copies written out")
         if turned > MOST_TURNED:
@@ -166,6 +148,11 @@ class _Guard:
     def _external(self, *_: object) -> int:
         raise self._refused("refers to an external entity; nothing outside the file is read")
 
+    def _instruction(self, target: str, _: str) -> None:
+        if target == "xml-stylesheet":
+            line = self.parser.CurrentLineNumber
+            self.look.left_out.append(f"line {line}: a style sheet in a file of its own, not read")
+
     def _start(self, name: str, attributes: dict[str, str]) -> None:
         line = self.parser.CurrentLineNumber
         tag = name.removeprefix(SVG)
@@ -175,12 +162,19 @@ class _Guard:
             raise self._refused(f"{called(tag, attributes)}: {error}") from None
         if self.open and self.open[-1][0] == "switch":
             attributes = self._alternative(attributes)
+        elif attributes.get("requiredExtensions", "").strip():
+            attributes = hidden(attributes)
+        if self.open and self.open[-1][0] in SHAPES:  # nothing is drawn in a shape
+            attributes = hidden(attributes)
         self._check_shown(tag, attributes)
         if hides := is_hidden(tag, attributes):
             attributes = hidden(attributes)
         style = declarations(attributes.get("style", ""), (*PLACES, *EXTENTS))
         values = {**attributes, **style}
-        self.look.bare.start(name, attributes, line, self._share(values) if tag in SHAPES else "")
+        fault = ""
+        if tag in SHAPES:  # what is copied may be so behind a drawing within this one
+            fault = share_fault(values) if self.hidden else self._share(values)
+        self.look.bare.start(name, attributes, line, fault)
         if not self.open and tag != "svg":
             raise self._refused(f"the root is <{escaped(name[:40])}>, not <svg>")
         if not self.open and hides:
@@ -218,13 +212,15 @@ class _Guard:
         elif tag in NOT_LINES:
             self.hidden = 1
             self.look.left_out.append(f"line {line}: <{tag}> holds no lines, left out")
+        elif tag not in DRAWN:
+            self.hidden = 1
         if tag in SHAPES and not self.hidden:
             if wrong := shape_fault(tag, values):
                 raise self._refused(f"{called(tag, attributes)}: {wrong}")
             self.look.drawn.append((line, called(tag, attributes)))
-        element = _Element(functions_of(tag, attributes))
-        href = attributes.get(XLINK, attributes.get("href", ""))
+        element = Element(functions_of(tag, attributes))
         if tag == "use":
+            href = copied(attributes)
             if not href.startswith("#"):
                 raise self._refused(
                     f'refers to "{escaped(href[:60])}"; nothing outside the file is read'
@@ -312,28 +308,6 @@ class _Guard:
         parent.turned += element.turned
         parent.copies += element.copies
 
-    def _written_out(self) -> tuple[int, int]:
-        """Elements, and functions that move them, copies counted.
-
-        Refuses copies that contain themselves.
-        """
-        known: dict[str, tuple[int, int]] = {}
-
-        def whole(element: _Element, within: tuple[str, ...]) -> tuple[int, int]:
-            count, turned = element.count, element.turned
-            for name, functions in element.copies:
-                copied, moved = copy_of(name, within)
-                count, turned = count + copied, turned + moved + functions * copied
-            return count, turned
-
-        def copy_of(name: str, within: tuple[str, ...]) -> tuple[int, int]:
-            if name in within:
-                line = self.look.lines.get(name)
-                raise refused(self.path, f'"{escaped(name[:60])}" copies itself (use)', line)
-            if len(within) > MOST_COPIES:
-                return 10**9, 0
-            if name not in known:
-                known[name] = whole(self.elements.get(name, _Element()), (*within, name))
-            return known[name]
-
-        return whole(self.all, ())
+    def _copies_itself(self, name: str) -> ImportSourceError:
+        line = self.look.lines.get(name)
+        return refused(self.path, f'"{escaped(name[:60])}" copies itself (use)', line)

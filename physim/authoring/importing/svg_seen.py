@@ -1,6 +1,6 @@
 """Whether a shape of an SVG drawing is to be seen, by what it inherits from what it stands in.
 
-As a browser has it: ``visibility``, ``fill`` and ``stroke`` are those of the element itself, or
+As a browser has it: visibility, paints and their opacities are those of the element itself, or
 else of the nearest group, or copy (``use``), that has one; an area is black, and a line not drawn,
 where nothing is said of them.
 """
@@ -30,5 +30,7 @@ def is_seen(values: Mapping[str, Any], is_meant: bool) -> bool:
     which a style sheet may say otherwise.
     """
     look = {key: values.get(PREFIX + key, INITIAL[key]) for key in INHERITED}
-    is_painted = look["fill"] != "none" or look["stroke"] != "none"
+    has_area = look["fill"] != "none" and look["fill-opacity"] != "0"
+    has_line = look["stroke"] != "none" and look["stroke-opacity"] != "0"
+    is_painted = has_area or (has_line and look["stroke-width"] != "0")
     return look["visibility"] != "hidden" and (is_painted or is_meant)

@@ -8,6 +8,7 @@ sheet that hides or cuts by such ones is refused.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterable
 from contextlib import suppress
 from functools import lru_cache
@@ -15,6 +16,7 @@ from itertools import islice
 from xml.parsers import expat
 
 from physim.authoring.importing.svg_css import (
+    AMOUNTS,
     CUTS,
     PAINTS,
     SHOWN,
@@ -46,6 +48,7 @@ MOST_STYLE = 2_500_000
 STYLES_KEPT = 10_000
 """Styles of elements that are not read again"""
 BEYOND = "by more than a tag, a class or an id; delete what is hidden, or save as plain SVG"
+IMPORT = re.compile(r"@import\b", re.IGNORECASE)
 STYLES = ("style", "http://www.w3.org/2000/svg|style", "http://www.w3.org/1999/xhtml|style")
 """Elements that hold a style sheet"""
 
@@ -66,6 +69,8 @@ class Sheets:
         self._hides = ""
         self.shows = ""
         """the first selector that is not followed and says what is shown"""
+        self.imports = False
+        """whether a sheet may refer to another file, which is not read"""
         self.may_paint = False
         """whether a rule that is not followed says of elements how they are painted"""
         self.origin = ""
@@ -92,6 +97,7 @@ class Sheets:
         ``condition`` is that on which all of it holds, if any.
         """
         self._measure(text)
+        self.imports |= IMPORT.search(text) is not None
         try:
             for rule in rules(text, condition):
                 self._take(rule)
@@ -116,7 +122,7 @@ class Sheets:
         elif cut_of(last) or hides:
             raise StyleError(f"{shown} hides or cuts what it selects, {BEYOND}")
         else:
-            self.may_paint |= any(key in PAINTS for key in last)
+            self.may_paint |= any(key in (*PAINTS, *AMOUNTS) for key in last)
             if any(key in SHOWN for key in last):
                 self.shows = self.shows or rule.selector
         found = [one for one in rule.found if one.key in (*FROM_SHEETS, *TOLD)]

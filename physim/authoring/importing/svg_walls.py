@@ -5,11 +5,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from physim.authoring.importing.svg_bare import LINE
+from physim.authoring.importing.svg_bare import LINE, SAME_ID
 from physim.errors import nearest
 from physim.escaping import escaped
 
 LABEL = "{http://www.inkscape.org/namespaces/inkscape}label"
+NAMES = (LABEL, "id", SAME_ID)
 MOST_ADVISED = 5
 MOST_MEASURED = 2_000
 """Shapes without a role whose extent is looked up, which takes a millisecond each."""
@@ -18,7 +19,7 @@ MOST_MEASURED = 2_000
 def names_of(element: Any) -> list[str]:
     """Label and id of an element, as far as it has them."""
     own = element.values.get("attributes", {})
-    return [str(own[key]) for key in (LABEL, "id") if own.get(key)]
+    return [str(own[key]) for key in NAMES if own.get(key)]
 
 
 class Walls:

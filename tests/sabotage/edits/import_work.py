@@ -88,8 +88,8 @@ EDITS = (
     ),
     Edit(
         "importing",
-        "physim/authoring/importing/svg_guard.py",
-        "_Guard._written_out",
+        "physim/authoring/importing/svg_copies.py",
+        "written_out",
         "if len(within) > MOST_COPIES:",
         "if False:",
         "copies of copies end",

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 from dataclasses import replace
+from itertools import product
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +14,7 @@ import numpy as np
 import pytest
 import shapely
 
+from physim import check_world
 from physim.authoring.importing import (
     Imported,
     ImportSourceError,
@@ -66,6 +68,46 @@ def test_walls_that_cross_themselves_in_a_tight_bend_are_cut_clean(tmp_path: Pat
     line = shapely.LineString(sharp)
     near = line.offset_curve(3.0, join_style="mitre")
     assert left.hausdorff_distance(near) < 0.4
+
+
+def aisles(folder: Path, half: float, noise: float = 0.0, apart: float = 6.0) -> Path:
+    """Three legs one beside another with square ends, a point a metre."""
+    corners = np.array([(0, 0), (40, 0), (40, apart), (0, apart), (0, 2 * apart), (40, 2 * apart)])
+    points = shapely.get_coordinates(shapely.segmentize(shapely.LineString(corners), 1.0))
+    points += np.random.default_rng(3).normal(0.0, 1.0, points.shape) * noise
+    path = folder / "aisles.csv"
+    path.write_text("".join(f"{x:.3f},{y:.3f},{half},{half}\n" for x, y in points))
+    return path
+
+
+@pytest.mark.parametrize(("half", "thick"), [(3.0, 0.004), (2.95, 0.1)])
+def test_aisles_keep_the_wall_that_they_share(tmp_path: Path, half: float, thick: float) -> None:
+    """It was cut off, 18 m at a time, as loops of a bend: the aisles became a hall."""
+    imported = import_world(aisles(tmp_path, half))
+    walls = shapely.union_all([shapely.LineString(one) for one in imported.world.boundaries or ()])
+    for x, y in product((5.0, 20.0, 35.0), (0.0, 6.0, 12.0)):
+        middle = shapely.Point(x, y)
+        assert walls.distance(middle) == pytest.approx(3.0 - 0.5 * thick, abs=1e-3)
+    for x, y in product((5.0, 20.0, 35.0), (3.0, 9.0)):
+        across = shapely.LineString([(x, y - 1.0), (x, y + 1.0)]).intersection(walls)
+        assert len(shapely.get_parts(across)) == 2
+    assert (half == 3.0) == any("share a wall" in one for one in imported.changes)
+    assert not check_world(written(tmp_path, imported)).warnings
+
+
+@pytest.mark.parametrize(("noise", "apart"), [(0.02, 6.0), (0.0, 5.9)])
+def test_aisles_that_run_into_each_other_are_refused(
+    tmp_path: Path, noise: float, apart: float
+) -> None:
+    with pytest.raises(ImportSourceError) as caught:
+        import_world(aisles(tmp_path, 3.0, noise, apart))
+    check_says(str(caught.value), "edge crosses itself at … overlap … noisy")
+
+
+def written(folder: Path, imported: Imported) -> Path:
+    path = folder / "w.yaml"
+    path.write_text(imported.text)
+    return path
 
 
 def test_which_tracks_are_closed(tmp_path: Path) -> None:

@@ -148,27 +148,30 @@ def without_loops(
     """Cut off every loop of a polyline (n, 2) whose length [m] is at most ``longest``.
 
     Returns the line, which no longer crosses itself, and the crossing point and length of each
-    loop. Raises CrossingError where a loop is longer.
+    loop. Raises CrossingError where a loop is longer, loops within it that were cut off before
+    included: otherwise two stretches side by side would be eaten up, a loop at a time.
     """
+    whole = stations(line)
     cut: list[tuple[FloatArray, float]] = []
     for _ in range(MOST_ROUNDS):
         loops = _loops(line)
         if not loops:
             return line, cut
-        station = stations(line)
-        pieces, at = [], 0
+        pieces, kept, at = [], [], 0
         for first, last, point in sorted(loops, key=lambda loop: (loop[0], -loop[1])):
             ends = np.hypot(*(line[[first + 1, last]] - point).T).sum()
-            length = float(station[last] - station[first + 1] + ends)
+            length = float(whole[last] - whole[first + 1] + ends)
             if first < at or length > longest:
                 continue
             pieces += [line[at : first + 1], point[None]]
+            kept += [whole[at : first + 1], whole[first : first + 1]]
             cut.append((point, length))
             at = last + 1
         if not pieces:
             raise CrossingError(loops[0][2])
-        line = np.vstack([*pieces, line[at:]])
-        line = line[np.concatenate(([True], np.hypot(*np.diff(line, axis=0).T) > 1e-9))]
+        line, whole = np.vstack([*pieces, line[at:]]), np.concatenate([*kept, whole[at:]])
+        is_new = np.concatenate(([True], np.hypot(*np.diff(line, axis=0).T) > 1e-9))
+        line, whole = line[is_new], whole[is_new]
     raise CrossingError(line[0])
 
 

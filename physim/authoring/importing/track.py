@@ -38,6 +38,12 @@ ABOUT = 2.0
 """[-] times the stated width along the road within which a narrower place explains a near wall"""
 NEAR = 1e-6
 """[m] points of the file this near the road's centreline lie on it, and not in the gap"""
+HAIR = 1e-7
+"""[-] share by which walls are drawn in, so that one that two stretches share crosses nothing"""
+THIN = 2e-3
+"""[m] by which they are drawn in where they would still touch to the millimetre"""
+SHORTEST_LOOP = 0.01
+"""[m] A loop shorter than this is not told."""
 LONGEST_LOOP = 6.0
 """[-] A loop of a sideways line is a bend up to this times the largest width on that side."""
 
@@ -79,6 +85,12 @@ def read_track(path: Path, options: Options) -> Drawing:
     road = _road(file, closed)
     check_work(path, [road.centre, road.left, road.right])
     check_size(path, np.ptp(np.vstack([road.left, road.right]), axis=0))
+    if _shares_a_wall(file, road):
+        road = _road(file, closed, THIN)
+        drawing.changes.append(
+            f"two stretches of the road share a wall: walls drawn in by {1000.0 * THIN:g} mm, so "
+            "that each has its own"
+        )
     if closed:
         road = _opened(path, road, total, options, drawing)
     elif options.start is not None or options.gap is not None:
@@ -99,6 +111,19 @@ def read_track(path: Path, options: Options) -> Drawing:
     drawing.boundaries = [rounded(line) for line in (left, right, *caps)]
     drawing.reference = rounded(road.centre)
     return drawing
+
+
+def _shares_a_wall(file: TrackFile, road: _Road) -> bool:
+    """Whether a wall without its loops touches itself, to the millimetre."""
+    for wall, width in ((road.left, file.left), (road.right, file.right)):
+        try:
+            clean = without_loops(wall, LONGEST_LOOP * float(width.max()))[0]
+        except CrossingError:
+            continue  # said where the wall is made
+        line = rounded(clean)
+        if len(line) > 1 and not shapely.LineString(line).is_simple:
+            return True
+    return False
 
 
 def _as_made(centre: FloatArray, left: FloatArray, right: FloatArray, stated: float) -> list[str]:
@@ -153,7 +178,7 @@ def _closed(file: TrackFile, options: Options) -> tuple[bool, float]:
     return closed, length + (gap if closed else 0.0)
 
 
-def _road(file: TrackFile, closed: bool) -> _Road:
+def _road(file: TrackFile, closed: bool, spare: float = 0.0) -> _Road:
     """Walls at the stated widths, square to the direction from the point before to the next."""
     points, right, left = file.points, file.right, file.left
     if closed and np.hypot(*(points[0] - points[-1])) > 1e-6:
@@ -169,6 +194,7 @@ def _road(file: TrackFile, closed: bool) -> _Road:
     direction = np.where((size > 1e-9)[:, None], direction, after)
     direction /= np.hypot(*direction.T)[:, None]
     normal = np.stack([-direction[:, 1], direction[:, 0]], axis=1)
+    right, left = (1.0 - HAIR) * right - spare, (1.0 - HAIR) * left - spare
     return _Road(points, points - right[:, None] * normal, points + left[:, None] * normal)
 
 
@@ -195,10 +221,10 @@ def _wall(path: Path, side: str, line: FloatArray, width: float, drawing: Drawin
         raise refused(
             path,
             f"the {side} edge crosses itself at {place(error.point)}: the track passes over itself "
-            f"there, or its points are noisy; {SMOOTH}",
+            f"there, or two of its stretches overlap, or its points are noisy; {SMOOTH}",
         ) from None
     drawing.changes += listed(
-        loops,
+        [loop for loop in loops if loop[1] >= SHORTEST_LOOP],
         lambda loop: (
             f"{side} wall crossed itself in a tight bend at {place(loop[0])}: loop of "
             f"{loop[1]:.2f} m cut off"

@@ -39,6 +39,7 @@ LAST_SECONDS = 10.0
 """[s] A worker has to end once it is asked to; then it is killed."""
 LOOK_SECONDS = 1.0
 """[s] between looks whether the busy are alive: what they forked may keep their pipes open"""
+POLL_SECONDS = 0.01
 GRACE_SECONDS = 5.0
 """[s] beyond its limit a worker is killed from outside, where its own timer did not end it."""
 MOST_WORKERS = 8
@@ -136,8 +137,7 @@ class Processes(Executor):
             for one in self._team:
                 one.pipe.close()  # then it ends
             for process in (*self._gone, *(one.process for one in self._team)):
-                process.join(LAST_SECONDS)
-                if process.is_alive():
+                if not _has_ended(process, LAST_SECONDS):
                     process.kill()
 
     def _hand_out(self) -> None:
@@ -207,7 +207,7 @@ class Processes(Executor):
         ]
         for one in late:
             one.process.kill()
-            one.process.join(LAST_SECONDS)
+            _has_ended(one.process, LAST_SECONDS)
         return [one for one in busy if one.pipe in ready or not one.process.is_alive()]
 
 
@@ -262,7 +262,9 @@ class _Worker:
             done, found = answer
         except Exception:  # it is gone, or what it does wrote into the pipe
             self.gone = True
-            self.process.join(LAST_SECONDS)
+            if not _has_ended(self.process, LOOK_SECONDS):
+                self.process.kill()
+                _has_ended(self.process, LAST_SECONDS)
             done, found = (True, None) if halted else (False, self._lost(job))
         self.job = self.future = self.due = None
         if done:
@@ -285,6 +287,20 @@ class _Worker:
         how = f"exit code {code}" if code is None or code >= 0 else signal.Signals(-code).name
         hint = ": out of memory?" if code in (-signal.SIGKILL, None) else ""
         return LostError(f"a worker process was killed at {job.note} ({how}){hint}")
+
+
+def _has_ended(process: Any, within: float) -> bool:
+    """Whether a process ends within some seconds.
+
+    ``join`` would wait without end where what a controller does wrote into the pipe by which the
+    process tells of its end.
+    """
+    until = time.monotonic() + within
+    while process.is_alive():
+        if time.monotonic() > until:
+            return False
+        time.sleep(POLL_SECONDS)
+    return True
 
 
 def _plainly(fn: Callable[..., Any], args: Any, kwargs: Any, _: Stop) -> Any:

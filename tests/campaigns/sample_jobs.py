@@ -66,6 +66,14 @@ def forks(stop: Stop) -> int:
     return os.fork() or os.getpid()
 
 
+def writes_everywhere(_: Stop) -> None:
+    """Writes what is no answer into all that is open, its worker's pipes among it, and goes on."""
+    for descriptor in range(3, 64):
+        with suppress(OSError):
+            os.write(descriptor, b"\x00\x00\x00\x08no answer")
+    time.sleep(1000.0)
+
+
 def leaves_a_copy(seconds: float, code: int | None, stop: Stop) -> None:
     """Forks a process that lives on for a while; then ends with a code, or not at all."""
     if os.fork() == 0:

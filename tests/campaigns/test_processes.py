@@ -47,6 +47,19 @@ def test_a_copy_that_a_job_forks_answers_for_nobody() -> None:
         one.shutdown(cancel_futures=True)
 
 
+def test_a_worker_whose_job_writes_into_its_pipes_is_ended() -> None:
+    """It seemed to have ended, and was waited for without end, beyond every limit and signal."""
+    one = Processes(1)
+    try:
+        lost = one.begin(Job("writes", sample.writes_everywhere, ()))
+        good = one.begin(Job("good", sample.echo, (5,)))
+        with pytest.raises(LostError):
+            lost.result(timeout=LONGEST)
+        assert good.result(timeout=LONGEST) == 5
+    finally:
+        one.shutdown(cancel_futures=True)
+
+
 @pytest.mark.parametrize(("code", "error"), [(3, LostError), (None, OverdueError)])
 def test_a_worker_that_is_no_more_is_not_waited_for_because_of_what_it_forked(
     code: int | None, error: type[Exception]

@@ -222,24 +222,24 @@ _ALL = (
     ),
     Definition(
         "averaged_speed_min", "m/s",
-        "smallest forward speed averaged over 10 s, all of them active", "Fig. 7c",
+        "smallest forward speed averaged over 10 s, every 0.1 s, all of them active", "Fig. 7c",
         lambda run: _averaged(run, run.averaged.forward, largest=False),
     ),
     Definition(
         "averaged_speed_max", "m/s",
-        "largest forward speed averaged over 10 s, all of them active", "Fig. 7c",
+        "largest forward speed averaged over 10 s, every 0.1 s, all of them active", "Fig. 7c",
         lambda run: _averaged(run, run.averaged.forward, largest=True),
     ),
     Definition(
         "averaged_rotation_min", "rad/s",
-        "smallest rotational speed averaged over 10 s, all of them active: fastest turn to the "
-        "right",
+        "smallest rotational speed averaged over 10 s, every 0.1 s, all of them active: fastest "
+        "turn to the right",
         "Figs. 1c, 7b", lambda run: _averaged(run, run.averaged.rotational, largest=False),
     ),
     Definition(
         "averaged_rotation_max", "rad/s",
-        "largest rotational speed averaged over 10 s, all of them active: fastest turn to the "
-        "left",
+        "largest rotational speed averaged over 10 s, every 0.1 s, all of them active: fastest "
+        "turn to the left",
         "Figs. 1c, 7b", lambda run: _averaged(run, run.averaged.rotational, largest=True),
     ),
     Definition(

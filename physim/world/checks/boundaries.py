@@ -17,6 +17,8 @@ from physim.world.checks.findings import Diagnostics
 from physim.world.layout.layout import PartialLayout, corridor_line
 from physim.world.layout.shape_checks import crossings, self_crossings
 
+HAIR = 1e-7
+"""[-] share by which walls are drawn in, so that those that only touch do not cross"""
 MOST_CROSSINGS = 3
 """Crossings of one polyline with itself that are reported one by one."""
 
@@ -55,6 +57,7 @@ def check_boundaries(laid: PartialLayout, found: Diagnostics) -> None:
         )
     is_drawable = laid.boundaries and (laid.area is not None or laid.reference is None)
     if is_drawable and width is not None:
+        width = (1.0 - HAIR) * width  # legs that share a wall do not fold
         walls = corridor_boundaries(centreline, width, laid.world.corridor.end_margin)
         _check_folds([walls[side] for side in SIDES], found)
 

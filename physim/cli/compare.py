@@ -168,6 +168,10 @@ def compare(options: Options) -> int:
     if not options.quiet:
         stream = text_stream(options.json)
         stream.write(comparison_text(found, options.test, looked))
+        known = {finding.name for one in found for finding in one.findings}
+        for asked in [name for name in options.only or () if name not in known]:
+            measure = escaped(asked.removeprefix(PREFIX))
+            stream.write(f"{measure}: not compared, as no seed has a value on both sides\n")
         if options.output is not None:
             stream.write(f"written to {options.output}\n")
     return 0

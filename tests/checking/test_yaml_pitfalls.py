@@ -31,6 +31,8 @@ def width(given: str) -> bytes:
         ("010", ["010", "octal", "leading zeros"]),
         (".nan", [".nan", "finite"]),
         ("1_000", ["1_000", "underscores", "write 1000"]),
+        ("2024-01-02", ["2024-01-02", "date", '"2024-01-02"']),
+        ("1e400", ["too large", "finite"]),
         ("0x1F", ["0x1F", "decimal", "write 31"]),
         ("9" * 5000, ["5000 digits", "at most 18"]),
         ("~", ["empty"]),

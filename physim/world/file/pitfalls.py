@@ -26,6 +26,7 @@ _OCTAL = re.compile(r"[-+]?0[0-9_]+|[-+]?0o[0-7_]+")
 _OTHER_BASE = re.compile(r"[-+]?0[xX][0-9a-fA-F_]+|[-+]?0[bB][01_]+")
 _GROUPED = re.compile(r"[-+]?[0-9][0-9_]*_[0-9_]*(?:\.[0-9_]*)?(?:[eE][-+]?[0-9]+)?")
 _SEXAGESIMAL = re.compile(r"[-+]?[0-9][0-9_]*(?::[0-5]?[0-9])+(?:\.[0-9_]*)?")
+_DATE = re.compile(r"[0-9]{4}-[0-9]{1,2}-[0-9]{1,2}(?:(?:[Tt]|[ \t]+)[0-9]{1,2}:.*)?")
 _NOT_FINITE = re.compile(r"[-+]?\.(?:inf|Inf|INF)|\.(?:nan|NaN|NAN)")
 _NULL = {"", "~", "null", "Null", "NULL"}
 _TRUE = {"true", "True", "TRUE"}
@@ -33,6 +34,7 @@ _FALSE = {"false", "False", "FALSE"}
 _YES = {"yes", "on"}
 _NO = {"no", "off"}
 EMPTY = "empty value"
+TOO_LARGE = "a number too large to hold; it must be finite"
 
 
 class RefusedScalarError(Exception):
@@ -72,7 +74,7 @@ def _number(text: str) -> int | float | str:
     if _DECIMAL.fullmatch(text):
         value = float(text)
         if not math.isfinite(value):
-            raise RefusedScalarError("a number too large to hold; it must be finite")
+            raise RefusedScalarError(TOO_LARGE)
         return value
     reason = _pitfall(text)
     if reason:
@@ -85,6 +87,8 @@ def _pitfall(text: str) -> str:
     brief = text if len(text) <= 40 else text[:40] + "…"
     if _NOT_FINITE.fullmatch(text):
         return f"{brief} is not a finite number; finite ones are allowed"
+    if _EXPONENT.fullmatch(text) and not math.isfinite(float(text)):
+        return TOO_LARGE
     if _EXPONENT.fullmatch(text):
         return f"{brief} is a text to many YAML readers; write {_with_dot(text)}"
     if _OCTAL.fullmatch(text):
@@ -97,6 +101,8 @@ def _pitfall(text: str) -> str:
         return f"{brief} has underscores; write {brief.replace('_', '')}"
     if _SEXAGESIMAL.fullmatch(text):
         return f'{brief} may be read in base 60; write a plain number, or "{brief}" for a text'
+    if _DATE.fullmatch(text):
+        return f'{brief} may be read as a date; write "{brief}" for a text'
     return ""
 
 

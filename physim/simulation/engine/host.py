@@ -21,6 +21,7 @@ from physim.geometry.shapes import (
 )
 from physim.simulation.engine.choice import guard_of
 from physim.simulation.engine.cutting import cut_short
+from physim.simulation.engine.energy import OF_IMPACTS, OF_PUSHES, failures
 from physim.simulation.engine.engine import Engine
 from physim.simulation.engine.guard import Touches
 from physim.simulation.engine.journal import Journal
@@ -101,7 +102,9 @@ class Physics:
         self._engine = Engine(hosted, shapes, walls, self._guard, dt)
         self._arrays = self._engine.arrays
         inertia = [(m, m, moment(body_parts(shapes, i), m)) for i, m in enumerate(mass)]
-        self._drive_per_speed = np.array(inertia, dtype=np.float64).reshape(-1, 3) / dt
+        self._inertia = np.array(inertia, dtype=np.float64).reshape(-1, 3)
+        self._drive_per_speed = self._inertia / dt
+        self._failed = np.zeros(self._robots, dtype=np.bool_)
         self._chord_velocities = direct(chord_velocities)
         self._wanted = np.zeros((self._robots, 3))
         self._placed = np.zeros((self._bodies, 3))
@@ -258,6 +261,9 @@ class Physics:
         pushes = self._gather(self._engine.step(pairs))
         self._arrays.read_velocity()
         self._engine.rejected()  # the same as those met when the bodies came here
+        if self._has_failed(pushes, self._wanted, OF_PUSHES):
+            self._forget(pairs)
+            self._arrays.velocity[:] = np.where(self._failed[:, None], 0.0, self._wanted)
         hold_back(pushes.key, self._bodies, self._arrays.velocity, self._wanted)
         return pushes
 
@@ -291,12 +297,34 @@ class Physics:
             self._pairs, self.contacts = self._no_pairs, self._no_contacts
             return
         self._pairs = now = self._gather(touches)
+        self._check_impacts(len(before.key))
         self._placed[: self._robots] = self._arrays.pose
         rows = np.empty(len(before.key) + len(now.key), CONTACT_ROW)
         count = contact_rows(
             self.step_number, before.key, *now, *pushes, self._shapes, self._placed, rows
         )
         self.contacts = rows[:count].copy()
+
+    def _check_impacts(self, before: int) -> None:
+        """Have the engine forget impacts that gave energy; ``before`` pairs touched."""
+        given = self._arrays.velocity.copy()
+        self._arrays.read_velocity()
+        if self._has_failed(self._pairs, given, OF_IMPACTS):
+            self._forget(before)
+        self._arrays.velocity[:] = given
+
+    def _has_failed(self, pairs: Pairs, given: FloatArray, gain: float) -> bool:
+        """Whether the solver failed on some pairs; sets their impulses and ``_failed`` then."""
+        found = self._arrays.velocity
+        return failures(
+            pairs.key, self._bodies, self._inertia, given, found, gain, self._failed, pairs.impulse
+        )
+
+    def _forget(self, before: int) -> None:
+        """Have the engine find its contacts anew, without impulses; ``before`` pairs touched."""
+        rejected = self._guard.rejected
+        self._engine.recall(self._arrays.pose.copy(), before, None)
+        self._guard.rejected = rejected
 
     def _note_false(self, parts: IntArray) -> None:
         """Set ``false_contacts``: pairs that the engine reported at this sample, yet are apart."""

@@ -7,6 +7,15 @@ from tests.sabotage.edit import Edit
 EDITS = (
     Edit(
         "physics",
+        "physim/simulation/engine/energy.py",
+        "failures",
+        "after[root] <= gain * before[root]",
+        "after[root] <= 1e300",
+        "contacts add no energy",
+        "tests/physics/test_energy.py::test_a_corner_dragged_along_a_floor_is_not_spun",
+    ),
+    Edit(
+        "physics",
         "physim/simulation/engine/space.py",
         "build_space",
         "space.damping = 1.0",

@@ -285,13 +285,14 @@ def test_of_a_switch_one_alternative_is_drawn(tmp_path):
     assert obstacles(tmp_path, f"<switch>{OTHER}{PILLAR}</switch>")[0] == [15.0]
 
 
-def test_a_symbol_with_a_view_of_its_own_is_told(tmp_path):
-    """Programs fit it into the box of its copy; that is not done."""
+def test_a_symbol_with_a_view_of_its_own_is_fitted_but_not_cut(tmp_path):
+    """Half its size, and with it its place; a browser cuts it at the edge of its view."""
     told = {}
-    for view in ("", 'viewBox="0 0 20 20"'):
-        symbol = f'<symbol id="it" {view}>{PILLAR}</symbol><use href="#it" x="2" width="4"/>'
-        found, changes = obstacles(tmp_path, symbol)
-        assert found == [12.0]
-        told[view] = [one for one in changes if "viewBox" in one]
+    for view, left in (("", 12.0), ('viewBox="0 0 20 20"', 2.0 + 0.2 * 10.0)):
+        symbol = f'<symbol id="it" {view}>{PILLAR}</symbol>'
+        box = 'x="2" y="8" width="4" height="4"' if view else 'x="2" width="4"'
+        found, changes = obstacles(tmp_path, f'{symbol}<use href="#it" {box}/>')
+        assert found == [left]
+        told[view] = [one for one in changes if "edge" in one]
     assert list(map(len, told.values())) == [0, 1]
-    check_says(told['viewBox="0 0 20 20"'][0], "line 3: … <symbol> … it … viewBox … not applied")
+    check_says(told['viewBox="0 0 20 20"'][0], "line 3: … <symbol> … it … edge … not applied")

@@ -7,6 +7,7 @@ What no program draws where it stands is put into ``defs``, as the library knows
 
 from __future__ import annotations
 
+from urllib.parse import unquote
 from xml.sax.saxutils import quoteattr
 
 from physim.authoring.importing.svg_css import CUTS
@@ -38,7 +39,7 @@ SAME_ID = "physim-id"
 PREFIXES = {LABEL: "inkscape:label", XLINK: "xlink:href"}
 KEPT = ("id", LABEL, "transform", "display", "d", "points", *PLACES, *EXTENTS, "viewBox",
         "preserveAspectRatio")  # fmt: skip
-STYLED = ("display", "transform", *PLACES, *EXTENTS)
+STYLED = ("display", *PLACES, *EXTENTS)
 """Properties that count in ``style="..."``."""
 UNGIVEN = {"path": ("d",), "rect": ("width", "height"), "circle": ("r",)}
 """Attributes without which a shape draws nothing"""
@@ -79,6 +80,7 @@ class BareSvg:
         tag = "other" if "|" in tag else tag
         shown = tag if tag.isascii() and tag.isalnum() else "element"
         kept = {key: attributes[key] for key in KEPT if key in attributes}
+        kept |= transform_of(attributes)
         if kept.get("id") in self._ids:
             kept[SAME_ID] = kept.pop("id")
         self._ids.add(kept.get("id", ""))
@@ -101,8 +103,8 @@ class BareSvg:
         cut = cut_of({**attributes, **declarations(attributes.get("style", ""), CUTS)})
         if is_within and _spills(attributes):
             kept[SPILLS] = "yes"
-        if tag == ONLY_COPIED and "viewBox" in attributes:  # would fit it into its copies' boxes
-            cut = "viewBox"
+        if tag == ONLY_COPIED and kept.pop("viewBox", ""):  # its copies fit it into their boxes
+            cut = cut or ("" if _spills(attributes) else "edge")
         if cut:
             kept[CUT] = f"line {line}: {called(tag, attributes)}: its {cut}"
         elif IGNORED in attributes:
@@ -136,7 +138,7 @@ def hidden(attributes: dict[str, str]) -> dict[str, str]:
 
 def copied(attributes: dict[str, str]) -> str:
     """What a ``use`` of these attributes copies."""
-    return attributes.get("href", attributes.get(XLINK, ""))
+    return unquote(attributes.get("href", attributes.get(XLINK, "")))
 
 
 def is_hidden(tag: str, attributes: dict[str, str]) -> bool:
@@ -159,8 +161,12 @@ def _spills(attributes: dict[str, str]) -> bool:
     return {**attributes, **style}.get("overflow", "").strip().lower() == "visible"
 
 
+def transform_of(attributes: dict[str, str]) -> dict[str, str]:
+    """The ``transform`` of an element, that of its style first; none where it has none."""
+    own = {key: attributes[key] for key in ("transform",) if key in attributes}
+    return {**own, **declarations(attributes.get("style", ""), ("transform",))}
+
+
 def functions_of(tag: str, attributes: dict[str, str]) -> int:
     """How many functions of transforms move what is in an element; a page within one has three."""
-    style = declarations(attributes.get("style", ""), ("transform",))
-    own = attributes.get("transform", "") + style.get("transform", "")
-    return own.count("(") + (3 if tag == "svg" else 0)
+    return transform_of(attributes).get("transform", "").count("(") + (3 if tag == "svg" else 0)

@@ -9,11 +9,13 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from functools import lru_cache
 from typing import Any, NamedTuple
 
 import tinycss2
 import tinycss2.color4
 
+from physim.authoring.importing.svg_transforms import as_attribute
 from physim.authoring.importing.svg_values import EXTENTS, ORIGINS, PLACES
 
 PAINTS = ("fill", "stroke")
@@ -25,10 +27,15 @@ AMOUNTS = ("fill-opacity", "stroke-opacity", "stroke-width")
 UNSEEN = (*SHOWN, *PAINTS, *AMOUNTS)
 CUTS = ("clip-path", "mask")
 """Properties by which only a part of an element is drawn; they are not applied, but told."""
-UNREAD = ("d", "rotate", "scale", "translate", "offset-path")
+UNREAD = ("d", "rotate", "scale", "translate", "offset", "offset-path")
 """Properties that change lines, and are read nowhere but as attributes or in ``transform``."""
 COUNTED = frozenset((*UNSEEN, *CUTS, *UNREAD, *PLACES, *EXTENTS, *ORIGINS, "transform", "overflow"))
 """Properties that are looked at"""
+CALLED_SO: Mapping[str, str] = {
+    **{f"-webkit-{key}": key for key in ("transform", "transform-origin", "opacity", *CUTS)},
+    "mask-image": "mask", "-webkit-mask-image": "mask",
+}  # fmt: skip
+"""Other names of properties"""
 INITIAL: Mapping[str, str] = {
     "display": "inline", "visibility": "visible", "opacity": "1", "fill": "black", "stroke": "none",
     "fill-opacity": "1", "stroke-opacity": "1", "stroke-width": "1",
@@ -50,13 +57,14 @@ REFERS = ("var", "env", "attr", "if", "calc", "min", "max", "clamp")
 TAG = re.compile(r"[\w-]+")
 MEDIUM = re.compile(r"[a-z]+")
 """A kind of medium, without conditions"""
-SCREEN = ("", "all", "screen")
+SCREEN = ("all", "screen")
 """Media for which a drawing is read"""
 WITHOUT_RULES = ("charset", "import", "font-face", "page", "counter-style", "property",
                  "font-feature-values", "font-palette-values", "color-profile")  # fmt: skip
 """Rules that say nothing of elements, or that stand in another file"""
 LONGEST = 100
 """Characters of a condition that are told"""
+NAMESPACE = "http://www.w3.org/2000/svg"
 DEEPEST = 20
 """Rules within each other"""
 
@@ -72,13 +80,20 @@ class Declaration(NamedTuple):
 class Rule(NamedTuple):
     """One rule of a style sheet."""
 
-    selector: str
-    """as it is written, after the conditions on which it holds"""
+    condition: str
+    """on which it holds, with a space after it; or empty"""
+    prelude: Sequence[Any]
+    """its selectors, as tokens"""
     names: tuple[str, ...]
     """its selectors that are followed: ``tag``, ``.class``, ``tag.class``, ``#id``, ``*``"""
     is_followed: bool
     """whether these are all"""
     found: tuple[Declaration, ...]
+
+    @property
+    def selector(self) -> str:
+        """As it is written, after the conditions on which it holds."""
+        return f"{self.condition}{_written(self.prelude)}".strip()
 
 
 def rules(text: str, condition: str = "") -> Iterator[Rule]:
@@ -97,28 +112,38 @@ def _rules(nodes: Iterable[Any], condition: str, depth: int) -> Iterator[Rule]:
     condition = condition[:LONGEST]
     for node in nodes:
         if node.type == "qualified-rule":
-            selector = f"{condition}{_written(node.prelude)}"
             inner = tinycss2.parse_blocks_contents(
                 node.content, skip_comments=True, skip_whitespace=True
             )
             parts = [_simple(part) for part in _split(node.prelude)]
             names = () if condition else tuple(dict.fromkeys(one for one in parts if one))
-            yield Rule(selector, names, not condition and all(parts), _declared(inner))
-            yield from _rules(inner, f"{selector} ", depth + 1)
+            rule = Rule(
+                condition, node.prelude, names, not condition and all(parts), _declared(inner)
+            )
+            yield rule
+            if any(one.type != "declaration" for one in inner):
+                yield from _rules(inner, f"{rule.selector} ", depth + 1)
         elif node.type == "at-rule":
             keyword = node.lower_at_keyword
             if keyword in WITHOUT_RULES or keyword.endswith("keyframes"):
                 continue
             holds = _condition(keyword, node.prelude)
             if node.content is None:
-                condition += holds if keyword == "namespace" and holds else ""
+                condition += holds if holds and _is_of_others(node) else ""
             elif holds is not None:
                 inner = tinycss2.parse_blocks_contents(
                     node.content, skip_comments=True, skip_whitespace=True
                 )
                 if (found := _declared(inner)) and condition:
-                    yield Rule(f"{condition}{holds}".strip(), (), False, found)
+                    yield Rule(f"{condition}{holds}", (), (), False, found)
                 yield from _rules(inner, f"{condition}{holds}", depth + 1)
+
+
+def _is_of_others(rule: Any) -> bool:
+    """Whether a rule makes plain names mean elements of another namespace than that of drawings."""
+    known = [token for token in rule.prelude if token.type != "whitespace"]
+    is_default = len(known) == 1 and known[0].type in ("string", "url")
+    return rule.lower_at_keyword == "namespace" and is_default and known[0].value != NAMESPACE
 
 
 def _condition(keyword: str, prelude: Sequence[Any]) -> str | None:
@@ -134,9 +159,9 @@ def _condition(keyword: str, prelude: Sequence[Any]) -> str | None:
 def is_for_screen(media: str) -> bool | None:
     """Whether what is for these ``media`` is for a screen; None where that is conditional."""
     kinds = {one.strip().removeprefix("only ").strip() for one in media.lower().split(",")}
-    if kinds & {*SCREEN}:
+    if not media.strip() or kinds & {*SCREEN}:
         return True
-    return False if all(MEDIUM.fullmatch(kind) for kind in kinds) else None
+    return False if all(MEDIUM.fullmatch(kind) for kind in kinds if kind) else None
 
 
 def _split(tokens: Iterable[Any]) -> list[list[Any]]:
@@ -181,7 +206,8 @@ def _declared(nodes: Iterable[Any]) -> tuple[Declaration, ...]:
     for node in nodes:
         if node.type != "declaration":
             continue
-        keys: Sequence[str] = [node.lower_name] if node.lower_name in COUNTED else ()
+        name = CALLED_SO.get(node.lower_name, node.lower_name)
+        keys: Sequence[str] = [name] if name in COUNTED else ()
         if node.lower_name == "all" and _word(node.value) in ("initial", *HELD):
             keys = UNSEEN
         for key in keys:
@@ -199,6 +225,8 @@ def _meant(key: str, tokens: Iterable[Any]) -> str:
     known = [token for token in tokens if token.type not in ("whitespace", "comment")]
     if not known or any(token.type == "error" for token in known):
         return ""
+    if key == "transform":
+        return _transform(known)
     if key in CUTS:
         return "none" if _word(known) == "none" else "some"
     if key not in UNSEEN:
@@ -208,13 +236,26 @@ def _meant(key: str, tokens: Iterable[Any]) -> str:
     if _refers(known):
         return _written(tokens)
     word = _word(known)
+    return _of_word(key, word) if word else _MEANINGS[key](known, "")
+
+
+@lru_cache(1000)
+def _of_word(key: str, word: str) -> str:
     if word == "initial":
         return INITIAL[key]
     if word in HELD:
         return "inherit" if key in INHERITED else INITIAL[key]
     if word == "revert-layer":
         return word if key in SHOWN else "black" if key in PAINTS else "1"
-    return _MEANINGS[key](known, word)
+    return _MEANINGS[key](tinycss2.parse_component_value_list(word), word)
+
+
+def _transform(tokens: Sequence[Any]) -> str:
+    word = _word(tokens)
+    if word in ("none", "initial", *HELD[1:], "revert-layer"):
+        return "none"
+    found = None if word == "inherit" or _refers(tokens) else as_attribute(tokens)
+    return _written(tokens) if found is None else found
 
 
 def _word(tokens: Iterable[Any]) -> str:

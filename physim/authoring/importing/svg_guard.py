@@ -7,7 +7,7 @@ messages.
 
 from __future__ import annotations
 
-from collections.abc import Set
+from collections.abc import Mapping, Set
 from dataclasses import dataclass, field
 from pathlib import Path
 from xml.parsers import expat
@@ -25,6 +25,7 @@ from physim.authoring.importing.svg_bare import (
     functions_of,
     hidden,
     is_hidden,
+    transform_of,
 )
 from physim.authoring.importing.svg_copies import MOST_COPIES, Element, written_out
 from physim.authoring.importing.svg_css import SHOWN, UNREAD
@@ -51,6 +52,7 @@ from physim.authoring.importing.svg_values import (
     transform_fault,
     turns,
 )
+from physim.authoring.importing.svg_views import ViewError, fitted, views_of
 from physim.escaping import escaped
 
 MOST_ELEMENTS = 100_000
@@ -108,11 +110,13 @@ class _Guard:
         self.hidden = 0
         self.sheets = Sheets()
         self.pages = 0  # drawings within the drawing that have ended
-        self.views: list[bool] = []  # of each that is open, whether it has a viewBox
+        self.views: list[dict[str, str]] = []  # attributes of each that is open
+        self.symbols: dict[str, tuple[str, Mapping[str, str]]] = {}
         self.parser = expat.ParserCreate("utf-8", namespace_separator="|")
 
     def run(self, text: str) -> SvgLook:
         self.sheets = sheets_of(text, lambda *wrong: refused(self.path, *wrong))
+        self.symbols = views_of(text)
         self.look.may_be_painted = self.sheets.may_paint
         if self.sheets.imports:
             self.look.left_out.append("<style> imports another style sheet, which is not read")
@@ -158,7 +162,9 @@ class _Guard:
         tag = name.removeprefix(SVG)
         try:
             attributes = self.sheets.styled(tag, attributes)
-        except StyleError as error:
+            if tag == "use" and (view := self.symbols.get(copied(attributes)[1:])):
+                attributes = fitted(attributes, *view, self.views[-1] if self.views else {})
+        except (StyleError, ViewError) as error:
             raise self._refused(f"{called(tag, attributes)}: {error}") from None
         if self.open and self.open[-1][0] == "switch":
             attributes = self._alternative(attributes)
@@ -232,13 +238,13 @@ class _Guard:
             self.look.lines.setdefault(own, line)
         self.open.append((tag, element))
         if tag == "svg":
-            self.views.append("viewBox" in attributes)
+            self.views.append(attributes)
 
     def _fault(self, tag: str, attributes: dict[str, str]) -> str:
         """What is wrong with an element that is read, whether it is seen or not; else empty."""
         if tag == "path" and (wrong := path_fault(attributes.get("d", ""))):
             return f"path data: {wrong}"
-        if wrong := transform_fault(attributes.get("transform", "")):
+        if wrong := transform_fault(transform_of(attributes).get("transform", "")):
             return f"transform: {wrong}"
         if tag not in ("svg", "use"):
             return ""
@@ -253,7 +259,8 @@ class _Guard:
         return share or page_fault(attributes) or place_fault(values, has_view)
 
     def _share(self, values: dict[str, str]) -> str:
-        return share_fault(values) if self.pages or False in self.views[-1:] else ""
+        is_plain = not self.pages and all("viewBox" in one for one in self.views[-1:])
+        return "" if is_plain else share_fault(values)
 
     def _check_turn(self, tag: str, attributes: dict[str, str]) -> None:
         """Refuse what is turned about another point than (0, 0), or changed in ways not read."""
@@ -264,8 +271,8 @@ class _Guard:
                     f'{called(tag, attributes)}: its style has "{key}", which is not read; '
                     "save as plain SVG"
                 )
-        style = declarations(text, ("transform", *ORIGINS))
-        if not turns(style.get("transform", attributes.get("transform", ""))):
+        style = declarations(text, ORIGINS)
+        if not turns(transform_of(attributes).get("transform", "")):
             return
         if own := origin_of({**attributes, **style}):
             raise self._refused(f"{called(tag, attributes)}: {own}; {NO_ORIGIN}")

@@ -12,7 +12,6 @@ import re
 from collections.abc import Callable, Iterable
 from contextlib import suppress
 from functools import lru_cache
-from itertools import islice
 from xml.parsers import expat
 
 from physim.authoring.importing.svg_css import (
@@ -33,8 +32,8 @@ from physim.authoring.importing.svg_css import (
 from physim.authoring.importing.svg_values import EXTENTS, PLACES, origin_of
 from physim.escaping import escaped
 
-MOST_CLASSES = 20
-"""Classes of an element that are looked up"""
+MOST_CLASSES = 200
+"""Classes of an element"""
 IGNORED = "physim-ignored"
 """Attribute that tells of properties that a sheet has and that are not applied"""
 FROM_SHEETS = (*UNSEEN, *CUTS)
@@ -107,20 +106,21 @@ class Sheets:
             raise StyleError(f"{_quoted(self.shows)} may show what {self._hides} hides, {BEYOND}")
 
     def _take(self, rule: Rule) -> None:
+        if not rule.found:
+            return
         last = last_of(rule.found)
-        shown = _quoted(rule.selector)
         for key in ("transform", *UNREAD):
             if last.get(key, "none").lower() != "none":
-                raise StyleError(f"{shown} has a {key}; only those of elements are read")
+                raise _fault(rule, f"has a {key}; only those of elements are read")
         if wrong := unread(last):
-            raise StyleError(f"{shown} has {wrong}")
+            raise _fault(rule, f"has {wrong}")
         if wrong := origin_of(last):
-            self.origin = self.origin or f"{shown} has {wrong}"
+            self.origin = self.origin or f"{_quoted(rule.selector)} has {wrong}"
         hides = bool(hidden_by(last))
         if rule.is_followed:
-            self._hides = self._hides or (shown if hides else "")
+            self._hides = self._hides or (_quoted(rule.selector) if hides else "")
         elif cut_of(last) or hides:
-            raise StyleError(f"{shown} hides or cuts what it selects, {BEYOND}")
+            raise _fault(rule, f"hides or cuts what it selects, {BEYOND}")
         else:
             self.may_paint |= any(key in (*PAINTS, *AMOUNTS) for key in last)
             if any(key in SHOWN for key in last):
@@ -174,6 +174,10 @@ class Sheets:
         return best
 
 
+def _fault(rule: Rule, wrong: str) -> StyleError:
+    return StyleError(f"{_quoted(rule.selector)} {wrong}")
+
+
 def _quoted(selector: str) -> str:
     return f'"{escaped(selector)[:60]}"'
 
@@ -219,8 +223,11 @@ def declarations(style: str, keys: tuple[str, ...]) -> dict[str, str]:
 
 
 def classes_of(attributes: dict[str, str]) -> tuple[str, ...]:
-    """The classes of an element that are looked up, each once."""
-    return tuple(islice(dict.fromkeys(attributes.get("class", "").split()), MOST_CLASSES))
+    """The classes of an element, each once. Raises StyleError for too many."""
+    names = re.split(r"[ \t\r\n\f]+", attributes.get("class", ""))
+    if len(names) > MOST_CLASSES:
+        raise StyleError(f"has {len(names)} classes; at most {MOST_CLASSES} are allowed")
+    return tuple(dict.fromkeys(name for name in names if name))
 
 
 def sheets_of(text: str, wrong: Callable[[str, int], Exception]) -> Sheets:

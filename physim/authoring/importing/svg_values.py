@@ -14,6 +14,8 @@ NUMBERS = {
 """How many numbers each function of a transform takes."""
 NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?")
 FUNCTION = re.compile(r"\s*([A-Za-z]+)\s*\(([^()]*)\)\s*,?")
+STRAY = re.compile(r"^\s*,|,\s*,|,\s*$")
+"""A comma that does not stand between two numbers"""
 LENGTH = re.compile(rf"\s*({NUMBER.pattern})\s*(?:px|mm|cm|in|pt|pc|%)?\s*$", re.I)
 PAGE = re.compile(rf"\s*({NUMBER.pattern})\s*[A-Za-z%]*\s*$")
 """A unit that is none stands for user units, as some programs write ``30m``."""
@@ -153,8 +155,10 @@ def transform_fault(text: str) -> str:
             return f'"{escaped(text[at : at + 30])}" is none of {", ".join(NUMBERS)}'
         quoted, allowed = escaped(found[0].strip(" ,"))[:60], NUMBERS[found[1]]
         numbers = NUMBER.findall(found[2])
-        if NUMBER.sub(" ", found[2]).strip(" \t\r\n,"):
+        if NUMBER.sub(" ", found[2]).strip(" \t\r\n,") or STRAY.search(found[2]):
             return f'"{quoted}": only numbers may stand in the brackets'
+        if found[0].rstrip().endswith(",") and found.end() == len(text):
+            return f'"{quoted}" is followed by a comma and nothing else'
         if len(numbers) not in allowed:
             counts = " or ".join(map(str, allowed))
             return f'"{quoted}" has {len(numbers)} numbers; {found[1]} takes {counts}'

@@ -70,11 +70,14 @@ def test_walls_that_cross_themselves_in_a_tight_bend_are_cut_clean(tmp_path: Pat
     assert left.hausdorff_distance(near) < 0.4
 
 
-def aisles(folder: Path, half: float, noise: float = 0.0, apart: float = 6.0) -> Path:
-    """Three legs one beside another with square ends, a point a metre."""
+def aisles(
+    folder: Path, half: float, noise: float = 0.0, apart: float = 6.0, turn: float = 0.0
+) -> Path:
+    """Three legs one beside another with square ends, a point a metre, to the millimetre."""
     corners = np.array([(0, 0), (40, 0), (40, apart), (0, apart), (0, 2 * apart), (40, 2 * apart)])
     points = shapely.get_coordinates(shapely.segmentize(shapely.LineString(corners), 1.0))
     points += np.random.default_rng(3).normal(0.0, 1.0, points.shape) * noise
+    points = points @ [[np.cos(turn), np.sin(turn)], [-np.sin(turn), np.cos(turn)]]
     path = folder / "aisles.csv"
     path.write_text("".join(f"{x:.3f},{y:.3f},{half},{half}\n" for x, y in points))
     return path
@@ -95,6 +98,18 @@ def test_aisles_keep_the_wall_that_they_share(tmp_path: Path, half: float, thick
     assert not check_world(written(tmp_path, imported)).warnings
 
 
+@pytest.mark.parametrize("apart", [6.0, 5.999])
+def test_aisles_keep_their_wall_where_points_are_rounded(tmp_path: Path, apart: float) -> None:
+    """Turned, the widths add up only to the millimetre that points are rounded to."""
+    imported = import_world(aisles(tmp_path, 3.0, apart=apart, turn=0.7))
+    walls = shapely.union_all([shapely.LineString(one) for one in imported.world.boundaries or ()])
+    c, s = np.cos(0.7), np.sin(0.7)
+    for x, y in product((5.0, 20.0, 35.0), (0.0, apart, 2.0 * apart)):
+        middle = shapely.Point(c * x - s * y, s * x + c * y)
+        assert walls.distance(middle) == pytest.approx(3.0, abs=5e-3)
+    assert any("share a wall" in one for one in imported.changes)
+
+
 @pytest.mark.parametrize(("noise", "apart"), [(0.02, 6.0), (0.0, 5.9)])
 def test_aisles_that_run_into_each_other_are_refused(
     tmp_path: Path, noise: float, apart: float
@@ -108,6 +123,19 @@ def written(folder: Path, imported: Imported) -> Path:
     path = folder / "w.yaml"
     path.write_text(imported.text)
     return path
+
+
+def test_a_closed_track_that_begins_in_a_tight_corner_may_be_cut_open_elsewhere(
+    tmp_path: Path,
+) -> None:
+    ring = shapely.LineString([(0, 0), (60, 0), (60, 40), (0, 40), (0, 1)])
+    points = shapely.get_coordinates(shapely.segmentize(ring, 1.0))
+    path = tmp_path / "ring.csv"
+    path.write_text("".join(f"{x},{y},3,3\n" for x, y in points))
+    with pytest.raises(ImportSourceError) as caught:
+        import_world(path)
+    check_says(str(caught.value), "edge crosses itself at (3.00, 3.00) … tight corner … --start")
+    assert import_world(path, Options(start=10.0)).world.boundaries
 
 
 def test_which_tracks_are_closed(tmp_path: Path) -> None:
@@ -126,16 +154,27 @@ def test_which_tracks_are_closed(tmp_path: Path) -> None:
         import_world(path, Options(start=10.0))
 
 
-def test_a_road_that_folds_onto_itself_is_told(tmp_path: Path) -> None:
-    """A hairpin of radius 2 m with an inner half of 3 m: either leg lies in the other's road."""
+def hairpin(folder: Path, start: tuple[float, float]) -> Path:
+    """A hairpin of radius 2 m with an inner half of 3 m, and legs from and to some place."""
     turn = np.linspace(-np.pi / 2, np.pi / 2, 40)
     bend = 2.0 * np.stack([np.cos(turn), np.sin(turn)], axis=1) + (30.0, 2.0)
-    points = np.vstack([[(0.0, 0.0), (15.0, 0.0)], bend, [(15.0, 4.0), (0.0, 4.0)]])
-    path = tmp_path / "hairpin.csv"
+    (x, y), path = start, folder / "hairpin.csv"
+    points = np.vstack([[(x, y), (15.0, 0.5 * y)], bend, [(15.0, 4.0 - 0.5 * y), (x, 4.0 - y)]])
     rows = [f"{x},{y},1.9,3.0" for x, y in points]
     path.write_text("x_m,y_m,w_tr_right_m,w_tr_left_m\n" + "\n".join(rows))
-    told = only(import_world(path, Options(robot=(0.6, 0.3))), "folds")
-    check_says(told, "left wall … 1.00 m … 3.00 m … stated")
+    return path
+
+
+def test_a_road_that_folds_onto_itself_is_told(tmp_path: Path) -> None:
+    """Its legs part behind the bend."""
+    imported = import_world(hairpin(tmp_path, (0.0, -30.0)), Options(robot=(0.6, 0.3)))
+    check_says(only(imported, "folds"), "left wall … 3.00 m … stated")
+
+
+def test_legs_that_lie_in_each_others_road_are_refused(tmp_path: Path) -> None:
+    with pytest.raises(ImportSourceError) as caught:
+        import_world(hairpin(tmp_path, (0.0, 0.0)), Options(robot=(0.6, 0.3)))
+    check_says(str(caught.value), "runs into itself at … 0.0 m and … less than … widths")
 
 
 def test_a_road_that_narrows_abruptly_does_not_fold(tmp_path: Path) -> None:

@@ -193,6 +193,8 @@ def _loops(line: FloatArray) -> list[tuple[int, int, FloatArray]]:
 
 SLOPE = 0.2
 """[-] How fast a lane may draw in, across over along."""
+MOST_SAMPLES, FEWEST_SAMPLES = 8_000, 200
+"""Places along a path at which offsets are tried, of all lanes, and of one"""
 FRACTIONS = 41
 """Steps in which a lane's offset is tried, from nothing to all of it."""
 
@@ -222,22 +224,25 @@ class Lane:
         return f"is drawn in to {self.narrowest:.2f} m {where}"
 
 
-def lane(reference: FloatArray, offset: float, area: Any, room: float, size: float) -> Lane:
+def lane(
+    reference: FloatArray, offset: float, outline: Outline, room: float, size: float, lanes: int
+) -> Lane:
     """Lane ``offset`` [m] beside the reference path with clearance ``room`` [m] where there is.
 
     Where there is not, it is drawn in towards the reference path, and, where that has not the room
-    either, over to its other side.
+    either, over to its other side. It is one of so many ``lanes``, which share the work.
     """
     if offset == 0.0:
         return Lane(reference, 0.0, True, 0.0)
-    plain = _plain(reference, offset, area, room)
+    plain = _plain(reference, offset, outline, room)
     if plain is not None:
         return Lane(plain, offset, True, abs(offset))
-    at = samples(length_of(reference), 0.5 * size)
+    length = length_of(reference)
+    at = samples(length, max(0.5 * size, length / max(MOST_SAMPLES // lanes, FEWEST_SAMPLES)))
     base = points_at(reference, at)
     direction = directions_at(reference, at, 2.0 * abs(offset))
     normal = np.stack([-direction[:, 1], direction[:, 0]], axis=1)
-    share = _shares(base, offset * normal, area, room)
+    share = _shares(base, offset * normal, outline, room)
     share = _gentle(share, at, SLOPE / abs(offset))
     line = base + (share * offset)[:, None] * normal
     try:
@@ -250,17 +255,17 @@ def lane(reference: FloatArray, offset: float, area: Any, room: float, size: flo
     )
 
 
-def _shares(base: FloatArray, across: FloatArray, area: Any, room: float) -> FloatArray:
+def _shares(base: FloatArray, across: FloatArray, outline: Outline, room: float) -> FloatArray:
     """(k,) [-] share of ``across`` (k, 2) [m] at which each of the points ``base`` has the room.
 
     The largest that the reference path reaches without coming nearer to a wall than it is itself;
     negative where only its other side has room. Where neither has, the share with the most.
     """
-    share, best = _outward(base, across, area, room)
+    share, best = _outward(base, across, outline, room)
     tight = np.flatnonzero(best < room)
     if tight.size:
         back = -across[tight] * (room / np.hypot(*across[tight].T))[:, None]
-        other, gained = _outward(base[tight], back, area, room, farthest=False)
+        other, gained = _outward(base[tight], back, outline, room, farthest=False)
         wider = gained > best[tight]
         moved = -other * room / np.hypot(*across[tight].T)
         share[tight] = np.where(wider, moved, share[tight])
@@ -268,17 +273,17 @@ def _shares(base: FloatArray, across: FloatArray, area: Any, room: float) -> Flo
 
 
 def _outward(
-    base: FloatArray, across: FloatArray, area: Any, room: float, farthest: bool = True
+    base: FloatArray, across: FloatArray, outline: Outline, room: float, farthest: bool = True
 ) -> tuple[FloatArray, FloatArray]:
     """Share of ``across`` and the clearance there [m], capped at ``room``.
 
     The farthest share with the room, or the first.
     """
     share = np.zeros(len(base))
-    best = np.minimum(clearances(base, area), room)
+    best = np.minimum(outline.clearances(base), room)
     reached, need = share.copy(), best.copy()
     for fraction in np.linspace(0.0, 1.0, FRACTIONS)[1:]:
-        gap = np.minimum(clearances(base + fraction * across, area), room)
+        gap = np.minimum(outline.clearances(base + fraction * across), room)
         held = (reached >= fraction - 1.5 / FRACTIONS) & (gap >= need)
         reached = np.where(held, fraction, reached)
         better = held & ((gap > best) | (farthest & (gap >= room)))
@@ -286,7 +291,9 @@ def _outward(
     return share, best
 
 
-def _plain(reference: FloatArray, offset: float, area: Any, room: float) -> FloatArray | None:
+def _plain(
+    reference: FloatArray, offset: float, outline: Outline, room: float
+) -> FloatArray | None:
     """The mitred offset line, where it neither folds nor comes too near a wall; None otherwise."""
     try:
         line = offset_polyline(reference, np.full(len(reference), offset))
@@ -296,7 +303,7 @@ def _plain(reference: FloatArray, offset: float, area: Any, room: float) -> Floa
     if (along <= 0.0).any() or not shapely.LineString(line).is_simple:
         return None
     at = samples(length_of(line), 0.25 * room)
-    return line if (clearances(points_at(line, at), area) >= room - 1e-6).all() else None
+    return line if (outline.clearances(points_at(line, at)) >= room - 1e-6).all() else None
 
 
 def _gentle(share: FloatArray, at: FloatArray, slope: float) -> FloatArray:

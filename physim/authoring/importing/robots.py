@@ -27,6 +27,7 @@ from physim.authoring.importing.drawing import (
 from physim.authoring.importing.fit import Fit
 from physim.authoring.importing.lines import (
     Lane,
+    Outline,
     Pose,
     directions_at,
     lane,
@@ -169,8 +170,9 @@ def _group(
 ) -> _Group:
     """Lanes and starts, robots ``spread`` times as far apart along the path as they need be."""
     reference, size = found.reference, found.size
+    outline = Outline(drawing.area)
     made = [
-        lane(reference, offset * size, drawing.area, found.room, size)
+        lane(reference, offset * size, outline, found.room, size, lanes)
         for offset in lane_offsets(lanes)
     ]
     in_one_file = lanes == 1 or any(abs(one.offset) - one.narrowest > 0.01 for one in made)
@@ -288,10 +290,11 @@ def as_drawn(drawing: Drawing, found: Fit) -> list[Placed]:
     A robot heads along its path, as far as the rectangle about its outline allows, whose middle
     is its reference point: `rectangle_of`.
     """
-    return [_as_drawn(robot, drawing, found) for robot in drawing.robots]
+    outline = Outline(drawing.area)
+    return [_as_drawn(robot, drawing, found, outline) for robot in drawing.robots]
 
 
-def _as_drawn(robot: DrawnRobot, drawing: Drawing, found: Fit) -> Placed:
+def _as_drawn(robot: DrawnRobot, drawing: Drawing, found: Fit, outline: Outline) -> Placed:
     own = drawing.paths.get(robot.name)
     line = found.reference if own is None else own
     middle = np.array(shapely.Polygon(robot.outline).centroid.coords[0])
@@ -307,7 +310,7 @@ def _as_drawn(robot: DrawnRobot, drawing: Drawing, found: Fit) -> Placed:
     x, y = centre - points_at(line, station)
     gap = round(float(shapely.LineString(line).distance(shapely.Point(centre))), 2)
     offset = gap if tx * y - ty * x >= 0.0 else -gap
-    one = lane(line, offset, drawing.area, found.room, found.size)
+    one = lane(line, offset, outline, found.room, found.size, len(drawing.robots))
     if narrowing := one.narrowing():
         drawing.changes.append(
             f"path of {robot.name}, {offset:+.2f} m beside the reference path, {narrowing}"

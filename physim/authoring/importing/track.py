@@ -23,6 +23,7 @@ from physim.authoring.importing.source import read_text
 from physim.authoring.importing.track_file import TrackFile, read_track_file
 from physim.authoring.importing.work import check_work
 from physim.geometry.shapes import FloatArray
+from physim.world.layout.self_overlap import legs_that_meet
 
 CLOSED = 2.0
 """[-] A track is closed when its ends are no further apart than this times its longest step."""
@@ -49,6 +50,7 @@ LONGEST_LOOP = 6.0
 
 SMOOTH = "noisy points become a clean track when they are smoothed or thinned"
 """What to do about a track that crosses itself and should not."""
+ELSEWHERE = "; one that begins in a tight corner is cut open elsewhere by --start"
 
 
 @dataclass(frozen=True)
@@ -85,7 +87,7 @@ def read_track(path: Path, options: Options) -> Drawing:
     road = _road(file, closed)
     check_work(path, [road.centre, road.left, road.right])
     check_size(path, np.ptp(np.vstack([road.left, road.right]), axis=0))
-    if _shares_a_wall(file, road):
+    if _shares_a_wall(file, closed):
         road = _road(file, closed, THIN)
         drawing.changes.append(
             f"two stretches of the road share a wall: walls drawn in by {1000.0 * THIN:g} mm, so "
@@ -96,8 +98,8 @@ def read_track(path: Path, options: Options) -> Drawing:
     elif options.start is not None or options.gap is not None:
         raise refused(path, "--start and --gap are for closed tracks; this one is open")
     _report_folds(file, drawing, road)
-    left = _wall(path, "left", road.left, float(file.left.max()), drawing)
-    right = _wall(path, "right", road.right, float(file.right.max()), drawing)
+    left = _wall(path, "left", road.left, float(file.left.max()), drawing, closed)
+    right = _wall(path, "right", road.right, float(file.right.max()), drawing, closed)
     crossing = shapely.intersection(shapely.LineString(left), shapely.LineString(right))
     if not crossing.is_empty:
         at = place(shapely.get_coordinates(crossing)[0])
@@ -106,6 +108,7 @@ def read_track(path: Path, options: Options) -> Drawing:
             f"the left edge meets the right one at {at}: the track crosses itself "
             f"there, or its points are noisy; {SMOOTH}",
         )
+    _check_overlap(path, road)
     drawing.facts += _as_made(road.centre, left, right, float(width.min()))
     caps = [np.array([left[0], right[0]]), np.array([left[-1], right[-1]])]
     drawing.boundaries = [rounded(line) for line in (left, right, *caps)]
@@ -113,17 +116,46 @@ def read_track(path: Path, options: Options) -> Drawing:
     return drawing
 
 
-def _shares_a_wall(file: TrackFile, road: _Road) -> bool:
-    """Whether a wall without its loops touches itself, to the millimetre."""
-    for wall, width in ((road.left, file.left), (road.right, file.right)):
-        try:
-            clean = without_loops(wall, LONGEST_LOOP * float(width.max()))[0]
-        except CrossingError:
+def _shares_a_wall(file: TrackFile, closed: bool) -> bool:
+    """Whether two stretches share a wall: nothing of it is left to cut off, or touches itself to
+    the millimetre, where it is drawn in by `THIN`."""
+    as_stated, drawn_in = _road(file, closed), _road(file, closed, THIN)
+    for side, width in (("left", file.left), ("right", file.right)):
+        longest = LONGEST_LOOP * float(width.max())
+        stated, thin = (
+            _without_loops(getattr(one, side), longest) for one in (as_stated, drawn_in)
+        )
+        if thin is None:
             continue  # said where the wall is made
-        line = rounded(clean)
+        if stated is None or stated[1] > 1.1 * thin[1] + 0.1:
+            return True
+        line = rounded(stated[0])
         if len(line) > 1 and not shapely.LineString(line).is_simple:
             return True
     return False
+
+
+def _without_loops(wall: FloatArray, longest: float) -> tuple[FloatArray, float] | None:
+    """A wall without its loops, and how long they were [m]; None where one is no bend."""
+    try:
+        clean, loops = without_loops(wall, longest)
+    except CrossingError:
+        return None
+    return clean, sum(length for _, length in loops)
+
+
+def _check_overlap(path: Path, road: _Road) -> None:
+    """Refuse stretches that run into each other, far from each other along the road."""
+    left, right = road.left, road.right
+    width = np.hypot(*(left - right).T)
+    if found := legs_that_meet(width, left, right):
+        station = stations(road.centre)
+        raise refused(
+            path,
+            f"the track runs into itself at {place(np.array(found[2]))}: its stretches at "
+            f"{station[found[0]]:.1f} m and {station[found[1]]:.1f} m along it have less than "
+            "their widths between them; make the widths there smaller",
+        )
 
 
 def _as_made(centre: FloatArray, left: FloatArray, right: FloatArray, stated: float) -> list[str]:
@@ -214,14 +246,17 @@ def _opened(path: Path, road: _Road, total: float, options: Options, drawing: Dr
     return cut
 
 
-def _wall(path: Path, side: str, line: FloatArray, width: float, drawing: Drawing) -> FloatArray:
+def _wall(
+    path: Path, side: str, line: FloatArray, width: float, drawing: Drawing, closed: bool
+) -> FloatArray:
     try:
         clean, loops = without_loops(line, LONGEST_LOOP * width)
     except CrossingError as error:
         raise refused(
             path,
             f"the {side} edge crosses itself at {place(error.point)}: the track passes over itself "
-            f"there, or two of its stretches overlap, or its points are noisy; {SMOOTH}",
+            f"there, or two of its stretches overlap, or its points are noisy; {SMOOTH}"
+            f"{ELSEWHERE * closed}",
         ) from None
     drawing.changes += listed(
         [loop for loop in loops if loop[1] >= SHORTEST_LOOP],

@@ -45,7 +45,7 @@ def check_paths(laid: PartialLayout, found: Diagnostics) -> set[Location]:
         else:
             _check_sense(laid, i, path, found)
             called = f"the path of {describe(laid.names[i])}"
-            _check_turns(path, laid.path_key(i), called, found)
+            _check_turns(path, laid.path_key(i), called, 1, found)
     return astray
 
 
@@ -149,7 +149,7 @@ def check_reference(laid: PartialLayout, found: Diagnostics) -> None:
         return
     is_corridor = laid.reference_key[0] == "corridor"
     if not is_corridor:  # the walls of a corridor cannot be drawn there, which is reported
-        _check_turns(line, laid.reference_key, "the reference path", found)
+        _check_turns(line, laid.reference_key, "the reference path", MOST_ALIKE, found)
         if not shapely.LineString(line).is_simple:
             found.warn(
                 laid.reference_key,
@@ -164,17 +164,22 @@ def check_reference(laid: PartialLayout, found: Diagnostics) -> None:
         )
 
 
-def _check_turns(line: FloatArray, where: Location, called: str, found: Diagnostics) -> None:
-    """Warn of places where a path turns back on itself."""
+def _check_turns(
+    line: FloatArray, where: Location, called: str, most: int, found: Diagnostics
+) -> None:
+    """Warn of the first places, so many at ``most``, where a path turns back on itself."""
     steps = np.diff(line, axis=0)
     steps /= np.hypot(*steps.T)[:, None]
     turn = np.arccos(np.clip((steps[:-1] * steps[1:]).sum(axis=1), -1.0, 1.0))
-    for k in np.flatnonzero(turn > SHARPEST_TURN)[:MOST_ALIKE]:
+    back = np.flatnonzero(turn > SHARPEST_TURN)
+    for k in back[:most]:
         x, y = line[k + 1]
+        left = len(back) - most
+        more = f" and at {plural(left, 'more place')}" if most == 1 and left > 0 else ""
         found.warn(
             where,
-            f"{called} turns back by {np.degrees(turn[k]):.0f} degrees at {place_text(x, y)}, "
-            "where a robot may stand for ever; are the waypoints in order?",
+            f"{called} turns back by {np.degrees(turn[k]):.0f} degrees at {place_text(x, y)}{more}"
+            ", where a robot may stand for ever; are the waypoints in order?",
         )
 
 

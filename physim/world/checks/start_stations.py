@@ -5,13 +5,11 @@ That may lie beyond a wall, on another leg, where the stretch that is meant is f
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 import shapely
 
-from physim.errors import Location, plural
-from physim.geometry.shapes import IntArray
+from physim.errors import Location
+from physim.geometry.shapes import FloatArray, IntArray
 from physim.world.checks.findings import Diagnostics
 from physim.world.checks.way import Way
 from physim.world.faults import describe
@@ -21,8 +19,12 @@ from physim.world.layout.shared import Shared
 ROUND = 2.0
 """[-] times the ways to two stretches: what lies between them along the path, where it merely goes
 round what stands in the way"""
-MOST_LOOKED_AT = 20
+NEARLY = 1.0 - 1e-9
+"""[-] Share of a way that no wall may cross"""
+MOST_LOOKED_AT = 100
 """Robots beyond a wall from their nearest stretch that are looked at, of each kind of path"""
+MOST_STRETCHES = 100
+"""Other stretches that are looked at for each"""
 
 
 def check_start_stations(laid: PartialLayout, found: Diagnostics) -> None:
@@ -33,7 +35,10 @@ def check_start_stations(laid: PartialLayout, found: Diagnostics) -> None:
     placed = [i for i in laid.paths if not np.isnan(laid.start[i, :2]).any()]
     if not laid.walls or not placed:
         return
-    walls = shapely.STRtree([shape for _, shape in laid.walls])
+    lines = [shapely.get_coordinates(shape) for _, shape in laid.walls]
+    walls = shapely.STRtree(
+        shapely.linestrings(np.concatenate([np.stack([a[:-1], a[1:]], axis=1) for a in lines]))
+    )
     line_of = Shared(shapely.LineString)
     if laid.reference is not None and laid.world.formation is not None:
         line = line_of(laid.reference)
@@ -51,26 +56,31 @@ def _check(
 ) -> None:
     starts = laid.start[robots, :2]
     ways = shapely.shortest_line(shapely.points(starts), lines)
+    ends = shapely.get_coordinates(ways).reshape(-1, 2, 2)[:, 1]
+    hidden = _walled_off(starts, ends, walls)
     told: list[tuple[int, float, float, float, float]] = []
-    for row in _walled_off(ways, walls)[:MOST_LOOKED_AT].tolist():
+    for row in hidden[:MOST_LOOKED_AT].tolist():
         start, way = starts[row], Way(shapely.get_coordinates(lines[row]))
-        station = way.nearest(start[None])[0]
+        station = float(way.nearest(start[None])[0])
         along = ((start - way.points[:-1]) * way.step).sum(axis=1) / way.length
         along = np.clip(along, 0.0, way.length)
         feet = way.points[:-1] + (along / way.length)[:, None] * way.step
         far = np.hypot(*(feet - start).T)
-        others = np.flatnonzero(
-            np.abs(way.station[:-1] + along - station) > ROUND * (far + far.min())
-        )
-        between = np.stack([np.broadcast_to(start, feet[others].shape), feet[others]], axis=1)
-        seen = np.delete(others, _walled_off(shapely.linestrings(between), walls))
+        padded = np.concatenate([[np.inf], far, [np.inf]])
+        is_nearest = (far <= padded[:-2]) & (far <= padded[2:])  # of its stretch
+        apart = np.abs(way.station[:-1] + along - station)
+        others = np.flatnonzero(is_nearest & (apart > ROUND * (far + far.min())))
+        others = others[np.argsort(far[others], kind="stable")][:MOST_STRETCHES]
+        blocked = _walled_off(np.broadcast_to(start, feet[others].shape), feet[others], walls)
+        seen = np.delete(others, blocked)
         if len(seen):
-            k = seen[np.argmin(far[seen])]
+            k = seen[0]
             told.append((robots[row], far.min(), station, far[k], way.station[k] + along[k]))
     if not told:
         return
     i, near, station, seen_at, other = told[0]
-    more = f", and {plural(len(told) - 1, 'more robot')} so" if len(told) > 1 else ""
+    at_least = " or more" if len(hidden) > MOST_LOOKED_AT else ""
+    more = f", and {len(told) - 1}{at_least} more robots so" if len(told) > 1 else ""
     where: Location = (*laid.world.entry_of(i), "pose")
     found.warn(
         where,
@@ -80,6 +90,11 @@ def _check(
     )
 
 
-def _walled_off(ways: Any, walls: shapely.STRtree) -> IntArray:
-    """Numbers of the straight ways that a wall crosses."""
-    return np.unique(walls.query(ways, predicate="crosses")[0])
+def _walled_off(starts: FloatArray, ends: FloatArray, walls: shapely.STRtree) -> IntArray:
+    """Numbers of the straight ways, of the same number each, that a wall crosses.
+
+    A way that ends at a wall is not crossed by it.
+    """
+    ends = starts + NEARLY * (ends - starts)
+    ways = shapely.linestrings(np.stack([starts, ends], axis=1))
+    return np.unique(walls.query(ways, predicate="intersects")[0])

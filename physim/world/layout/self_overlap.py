@@ -68,25 +68,35 @@ def self_overlap(centreline: FloatArray, width: FloatArray, end_margin: float) -
     ValueError where the centreline turns too sharply to have walls.
     """
     walls = corridor_boundaries(centreline, width, end_margin)
-    legs = _legs(width, *(walls[side] for side in SIDES))
+    whole = np.concatenate([width[:1], width, width[-1:]])
+    found = legs_that_meet(whole, *(walls[side] for side in SIDES))
+    if found is None:
+        return ""
+    first, second = (min(max(k - 1, 0), len(centreline) - 2) for k in found[:2])
+    return (
+        f"the corridor runs into itself at {place_text(*found[2], 4)}: the leg from [{first}] to "
+        f"[{first + 1}] and the leg from [{second}] to [{second + 1}] have less than the width "
+        "between them; separate them, or draw boundaries instead, which may close on themselves"
+    )
+
+
+def legs_that_meet(
+    width: FloatArray, left: FloatArray, right: FloatArray
+) -> tuple[int, int, tuple[float, float]] | None:
+    """The first two legs of a road that run into each other; None where none do.
+
+    ``left`` and ``right`` (n, 2) [m] are its walls, points opposite each other, ``width`` (n,) [m]
+    between them. Returns the numbers of the points at which the legs begin, and where they meet.
+    """
+    legs = _legs(width, left, right)
     for i, j in _near(legs):
-        found = _in_earnest(legs, i, j)
-        if found is None:
-            continue
-        one, other, (x, y) = found
-        first, second = (
-            min(max(int(legs.first[k]) - 1, 0), len(centreline) - 2) for k in (one, other)
-        )
-        return (
-            f"the corridor runs into itself at {place_text(x, y, 4)}: the leg from [{first}] to "
-            f"[{first + 1}] and the leg from [{second}] to [{second + 1}] have less than the width "
-            "between them; separate them, or draw boundaries instead, which may close on themselves"
-        )
-    return ""
+        if found := _in_earnest(legs, i, j):
+            return int(legs.first[found[0]]), int(legs.first[found[1]]), found[2]
+    return None
 
 
 def _legs(width: FloatArray, left: FloatArray, right: FloatArray) -> _Legs:
-    line, width = 0.5 * (left + right), np.concatenate([width[:1], width, width[-1:]])
+    line = 0.5 * (left + right)
     station = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(line, axis=0).T))])
     kept = _spread(station, SHORT * float(width.min()))
     line, left, right, width = line[kept], left[kept], right[kept], width[kept]

@@ -7,6 +7,15 @@ from tests.sabotage.edit import Edit
 EDITS = (
     Edit(
         "physics",
+        "physim/simulation/engine/host.py",
+        "Physics._hold_back",
+        "known = pushes.among(self._pairs.key)",
+        "known = pushes",
+        "who is eased onto another does not push it unseen",
+        "tests/physics/test_robots.py::test_who_is_eased_onto_another_does_not_push_it_unseen",
+    ),
+    Edit(
+        "physics",
         "physim/simulation/engine/energy.py",
         "failures",
         "after[root] <= gain * before[root]",

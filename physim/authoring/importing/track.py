@@ -43,6 +43,8 @@ HAIR = 1e-7
 """[-] share by which walls are drawn in, so that one that two stretches share crosses nothing"""
 THIN = 2e-3
 """[m] by which they are drawn in where they would still touch to the millimetre"""
+BEND = 3.0
+"""[-] Widths along the track within which it may overlap, in bends of many points"""
 SHORTEST_LOOP = 0.01
 """[m] A loop shorter than this is not told."""
 LONGEST_LOOP = 6.0
@@ -147,8 +149,9 @@ def _without_loops(wall: FloatArray, longest: float) -> tuple[FloatArray, float]
 def _check_overlap(path: Path, road: _Road) -> None:
     """Refuse stretches that run into each other, far from each other along the road."""
     left, right = road.left, road.right
-    width = np.hypot(*(left - right).T)
-    if found := legs_that_meet(width, left, right):
+    halves = (np.hypot(*(side - road.centre).T) for side in (left, right))
+    width = 2.0 * np.maximum(*halves)  # what a bend takes goes by the wider side
+    if found := legs_that_meet(width, left, right, BEND):
         station = stations(road.centre)
         raise refused(
             path,

@@ -69,7 +69,8 @@ def self_overlap(centreline: FloatArray, width: FloatArray, end_margin: float) -
     """
     walls = corridor_boundaries(centreline, width, end_margin)
     whole = np.concatenate([width[:1], width, width[-1:]])
-    found = legs_that_meet(whole, *(walls[side] for side in SIDES))
+    left, right = (walls[side] for side in SIDES)
+    found = legs_that_meet(whole, left, right)
     if found is None:
         return ""
     first, second = (min(max(k - 1, 0), len(centreline) - 2) for k in found[:2])
@@ -81,16 +82,17 @@ def self_overlap(centreline: FloatArray, width: FloatArray, end_margin: float) -
 
 
 def legs_that_meet(
-    width: FloatArray, left: FloatArray, right: FloatArray
+    width: FloatArray, left: FloatArray, right: FloatArray, bend: float = BEND
 ) -> tuple[int, int, tuple[float, float]] | None:
     """The first two legs of a road that run into each other; None where none do.
 
     ``left`` and ``right`` (n, 2) [m] are its walls, points opposite each other, ``width`` (n,) [m]
-    between them. Returns the numbers of the points at which the legs begin, and where they meet.
+    between them; legs less than ``bend`` widths from each other along the road may overlap.
+    Returns the numbers of the points at which the legs begin, and where they meet.
     """
     legs = _legs(width, left, right)
     for i, j in _near(legs):
-        if found := _in_earnest(legs, i, j):
+        if found := _in_earnest(legs, i, j, bend):
             return int(legs.first[found[0]]), int(legs.first[found[1]]), found[2]
     return None
 
@@ -139,7 +141,7 @@ def _near(legs: _Legs) -> Iterator[tuple[IntArray, IntArray]]:
 
 
 def _in_earnest(
-    legs: _Legs, i: IntArray, j: IntArray
+    legs: _Legs, i: IntArray, j: IntArray, bend: float
 ) -> tuple[int, int, tuple[float, float]] | None:
     """The first of pairs of legs (k,) that run into each other, and where they do."""
     common = shapely.intersection(legs.shape[i], legs.shape[j])
@@ -149,7 +151,7 @@ def _in_earnest(
     turn = np.arccos(np.clip((legs.ahead[i] * legs.ahead[j]).sum(axis=1), -1.0, 1.0))
     width = np.maximum(legs.width[i], legs.width[j])
     mitre = np.where(turn <= SHARPEST_TURN, np.tan(0.5 * np.minimum(turn, SHARPEST_TURN)), 0.0)
-    bound = width * (BEND + mitre)
+    bound = width * (bend + mitre)
     far = np.flatnonzero((way > bound) & (shapely.area(common) > 0.0))
     for k in far.tolist():
         if least_width(shapely.get_coordinates(common[k])) > SLIGHT * width[k]:

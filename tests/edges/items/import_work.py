@@ -80,10 +80,10 @@ PLAN = '<rect id="boundary" width="30" height="15"/><path id="path" d="M3 7 L27 
 
 
 def try_what_an_import_need_not_read(shell: Shell) -> None:
-    sheet = f"<style>{'.a{fill:red}' * 90_000}{'/*' * 300_000}</style>"
-    check_read(shell, "sheet.svg", f"{HEAD}{sheet}{PLAN}</svg>")
     sheet = f"<style>{'.a{fill:red}' * 300_000}</style>"
     check_refused(shell, "sheet.svg", f"{HEAD}{sheet}{PLAN}</svg>", "sheet.svg:1", "style")
+    sheet = f"<style>{'.a{fill:red}' * 90_000}{'/*' * 300_000}</style>"
+    check_read(shell, "sheet.svg", f"{HEAD}{sheet}{PLAN}</svg>")
     names = " ".join(f'a{k}="1"' for k in range(20_000))
     shapes = "".join(f'<rect x="{k % 30}" y="1" width="1" height="1"/>' for k in range(5000))
     check_read(shell, "names.svg", f"{HEAD}<g {names}>{shapes}</g>{PLAN}</svg>")

@@ -46,8 +46,8 @@ EDITS = (
         "checking",
         "physim/world/layout/self_overlap.py",
         "_in_earnest",
-        "BEND + mitre",
-        "BEND + 9.0 * mitre + 5.0",
+        "bend + mitre",
+        "bend + 9.0 * mitre + 5.0",
         "a wall that crosses itself a long way round is of two legs",
         "tests/checking/test_ground.py::"
         "test_a_wall_that_crosses_itself_a_long_way_round_is_of_two_legs",

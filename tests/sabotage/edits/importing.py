@@ -45,7 +45,7 @@ EDITS = (
         "importing",
         "physim/authoring/importing/track.py",
         "_check_overlap",
-        "if found := legs_that_meet(width, left, right):",
+        "if found := legs_that_meet(width, left, right, BEND):",
         "if found := None:",
         "stretches that lie in each other's widths are refused",
         "tests/importing/test_repairs.py::test_legs_that_lie_in_each_others_road_are_refused",

@@ -151,21 +151,3 @@ def test_both_parts_of_an_l_touch_but_one_row_tells():
     _, rows = drive(physics, [1.0, 0.0], 40)
     assert all(len(r) <= 1 for r in rows)
     assert len(rows[-1]) == 1
-
-
-@pytest.mark.parametrize("gap", [1e-4, 4e-4, 1e-3])
-def test_who_is_eased_onto_another_does_not_push_it_unseen(gap):
-    """Out of the wall, in which it is 20 mm deep, onto a robot that drives away: no sample has
-    them in contact, so the other moves as it is commanded."""
-    wall = [[(2.0, -50.0), (2.0, 50.0)]]
-    start = [[1.52, 0.0, 0.0], [0.52 - gap, 0.0, 0.0]]
-    physics = host(start, walls=[wall], dt=0.01, mass=[200.0, 0.01])
-    for _ in range(20):
-        before = physics.pose
-        touching = {
-            (int(r["a"]), int(r["b"])) for r in physics.contacts if r["phase"] != Phase.ENDED
-        }
-        physics.step(np.array([[1.0, 0.0], [-0.5, 0.0]]))
-        now = {(int(r["a"]), int(r["b"])) for r in physics.contacts if r["phase"] != Phase.ENDED}
-        if (0, 1) not in touching | now:
-            assert physics.pose[1] == pytest.approx(before[1] + [-0.005, 0.0, 0.0], abs=1e-12)

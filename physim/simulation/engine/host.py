@@ -264,11 +264,8 @@ class Physics:
         if self._has_failed(pushes, self._wanted, OF_PUSHES):
             self._forget(pairs)
             self._arrays.velocity[:] = np.where(self._failed[:, None], 0.0, self._wanted)
-        known = pushes.among(self._pairs.key)
-        if known is not pushes:  # who was eased onto others, which no sample would tell of
-            allowed, pushes = self._arrays.velocity.copy(), known
-            self._forget(pairs)
-            self._arrays.velocity[:] = allowed
+        # who is eased onto another eases it, but does not push it: no sample would tell of that
+        pushes = pushes.among(self._pairs.key)
         hold_back(pushes.key, self._bodies, self._arrays.velocity, self._wanted)
         return pushes
 

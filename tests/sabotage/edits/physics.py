@@ -7,12 +7,12 @@ from tests.sabotage.edit import Edit
 EDITS = (
     Edit(
         "physics",
-        "physim/simulation/engine/host.py",
-        "Physics._hold_back",
-        "known = pushes.among(self._pairs.key)",
-        "known = pushes",
-        "who is eased onto another does not push it unseen",
-        "tests/physics/test_robots.py::test_who_is_eased_onto_another_does_not_push_it_unseen",
+        "physim/simulation/engine/pairs.py",
+        "Pairs.among",
+        "kept = np.isin(self.key, key, assume_unique=True)",
+        "kept = np.ones(len(self.key), dtype=bool)",
+        "who is eased onto another does not push it",
+        "tests/physics/test_pairs.py::test_pushes_are_those_of_pairs_that_touched",
     ),
     Edit(
         "physics",

@@ -286,13 +286,13 @@ def test_of_a_switch_one_alternative_is_drawn(tmp_path):
 
 
 def test_a_symbol_with_a_view_of_its_own_is_fitted_but_not_cut(tmp_path):
-    """Half its size, and with it its place; a browser cuts it at the edge of its view."""
+    """A tenth of its size, and with it its place; a browser cuts it at the edge of its view."""
     told = {}
-    for view, left in (("", 12.0), ('viewBox="0 0 20 20"', 2.0 + 0.2 * 10.0)):
+    for view, left in (("", 12.0), ('viewBox="0 0 40 40"', 2.0 + 0.1 * 10.0)):
         symbol = f'<symbol id="it" {view}>{PILLAR}</symbol>'
         box = 'x="2" y="8" width="4" height="4"' if view else 'x="2" width="4"'
         found, changes = obstacles(tmp_path, f'{symbol}<use href="#it" {box}/>')
         assert found == [left]
         told[view] = [one for one in changes if "edge" in one]
     assert list(map(len, told.values())) == [0, 1]
-    check_says(told['viewBox="0 0 20 20"'][0], "line 3: … <symbol> … it … edge … not applied")
+    check_says(told['viewBox="0 0 40 40"'][0], "line 3: … <symbol> … it … edge … not applied")

@@ -71,3 +71,10 @@ formation: {gain: 0.05, speed: 0.8, limits: [0.5, 1.0]}
         encoding="utf-8",
     )
     assert not [one for one in check_world(file).warnings if "beyond a wall" in one.message]
+
+
+def test_another_robot_beyond_the_wall_is_counted(tmp_path: Path) -> None:
+    box = "{length: 0.8, width: 0.4}"
+    second = f"  - {{name: r2, footprint: {box}, pose: [11, 3, 0], path: {{offset: 0}}}}\n"
+    (message,) = told(tmp_path, 3.0, "{offset: 0}", second)
+    assert "and 1 more robot so" in message

@@ -10,7 +10,7 @@ from __future__ import annotations
 from urllib.parse import unquote
 from xml.sax.saxutils import quoteattr
 
-from physim.authoring.importing.svg_css import CUTS
+from physim.authoring.importing.svg_css import CUTS, NAMESPACE
 from physim.authoring.importing.svg_paths import as_meant
 from physim.authoring.importing.svg_seen import handed_on
 from physim.authoring.importing.svg_sheets import IGNORED, cut_of, declarations, hidden_by
@@ -26,7 +26,7 @@ from physim.escaping import escaped
 
 XLINK = "http://www.w3.org/1999/xlink|href"
 LABEL = "http://www.inkscape.org/namespaces/inkscape|label"
-SVG = "http://www.w3.org/2000/svg|"
+SVG = f"{NAMESPACE}|"
 FAULT = "physim-fault"
 """Attribute that says what is wrong with an element, where it matters"""
 LINE, TAG, CUT, SPILLS = "physim-line", "physim-tag", "physim-cut", "physim-spills"

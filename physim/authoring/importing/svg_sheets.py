@@ -239,36 +239,52 @@ def sheets_of(text: str, wrong: Callable[[str, int], Exception]) -> Sheets:
     sheets = Sheets()
     if "style" not in text:
         return sheets
-    parser = expat.ParserCreate("utf-8", namespace_separator="|")
     within: list[tuple[str, list[str]]] = []
 
-    def start(name: str, attributes: dict[str, str]) -> None:
+    def start(name: str, attributes: dict[str, str], _: int) -> None:
         media = attributes.get("media", "")
         on_screen = is_for_screen(media)
         is_css = attributes.get("type", "").lower() in ("", "text/css")
         if name in STYLES and is_css and on_screen is not False:
             within.append(("" if on_screen else f"@media {media} ", []))
 
-    def end(name: str) -> None:
+    def end(name: str, line: int) -> None:
         if name in STYLES and within:
             condition, parts = within.pop()
             try:
                 sheets.add("".join(parts), condition)
             except StyleError as error:
-                raise wrong(f"<style>: {error}", parser.CurrentLineNumber) from None
+                raise wrong(f"<style>: {error}", line) from None
 
     def characters(part: str) -> None:
         if within:
             within[-1][1].append(part)
 
+    look_ahead(text, start, end, characters)
+    return sheets
+
+
+def look_ahead(
+    text: str,
+    start: Callable[[str, dict[str, str], int], None],
+    end: Callable[[str, int], None] = lambda *_: None,
+    characters: Callable[[str], None] = lambda _: None,
+) -> None:
+    """Go through an SVG text; elements are told with their lines.
+
+    One that cannot be read, or that declares entities, up to there: whoever reads it in whole says
+    what is wrong.
+    """
+    parser = expat.ParserCreate("utf-8", namespace_separator="|")
+
     def stop(*_: object) -> None:
         raise _EntityError
 
-    parser.StartElementHandler, parser.EndElementHandler = start, end
+    parser.StartElementHandler = lambda name, given: start(name, given, parser.CurrentLineNumber)
+    parser.EndElementHandler = lambda name: end(name, parser.CurrentLineNumber)
     parser.CharacterDataHandler, parser.EntityDeclHandler = characters, stop
     with suppress(expat.ExpatError, _EntityError):
         parser.Parse(text.encode("utf-8"), True)
-    return sheets
 
 
 class _EntityError(Exception):

@@ -7,15 +7,13 @@ and the view lies in that box by ``preserveAspectRatio``.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from contextlib import suppress
-from xml.parsers import expat
 
-from physim.authoring.importing.svg_sheets import declarations
+from physim.authoring.importing.svg_css import NAMESPACE
+from physim.authoring.importing.svg_sheets import declarations, look_ahead
 from physim.authoring.importing.svg_values import NUMBER, page_fault, pixels_of
 from physim.escaping import escaped
 
 BOX = ("x", "y", "width", "height")
-SVG = "http://www.w3.org/2000/svg|"
 ALIGN = {"Min": 0.0, "Mid": 0.5, "Max": 1.0}
 """Share of what is left over that lies before the view"""
 UNSIZED = ("", "auto", "100%")
@@ -36,26 +34,16 @@ def views_of(text: str) -> dict[str, tuple[str, Mapping[str, str]]]:
     if "viewBox" not in text:
         return found
 
-    def start(name: str, attributes: dict[str, str]) -> None:
+    def start(name: str, attributes: dict[str, str], _: int) -> None:
         own = attributes.get("id")
-        tag = name.removeprefix(SVG)
+        tag = name.removeprefix(f"{NAMESPACE}|")
         is_first = own is not None and own not in known
         known.add(own or "")
         if own is not None and is_first and tag in ("symbol", "svg") and "viewBox" in attributes:
             found[own] = tag, attributes
 
-    def stop(*_: object) -> None:
-        raise _EntityError
-
-    parser = expat.ParserCreate("utf-8", namespace_separator="|")
-    parser.StartElementHandler, parser.EntityDeclHandler = start, stop
-    with suppress(expat.ExpatError, _EntityError):
-        parser.Parse(text.encode("utf-8"), True)
+    look_ahead(text, start)
     return found
-
-
-class _EntityError(Exception):
-    """An entity is declared."""
 
 
 def fitted(

@@ -8,7 +8,7 @@ from __future__ import annotations
 import numpy as np
 import shapely
 
-from physim.errors import Location
+from physim.errors import Location, plural
 from physim.geometry.shapes import FloatArray, IntArray
 from physim.world.checks.findings import Diagnostics
 from physim.world.checks.way import Way
@@ -61,26 +61,26 @@ def _check(
     told: list[tuple[int, float, float, float, float]] = []
     for row in hidden[:MOST_LOOKED_AT].tolist():
         start, way = starts[row], Way(shapely.get_coordinates(lines[row]))
-        station = float(way.nearest(start[None])[0])
         along = ((start - way.points[:-1]) * way.step).sum(axis=1) / way.length
         along = np.clip(along, 0.0, way.length)
         feet = way.points[:-1] + (along / way.length)[:, None] * way.step
         far = np.hypot(*(feet - start).T)
+        at = way.station[:-1] + along
+        station = float(at[np.argmin(far)])
         padded = np.concatenate([[np.inf], far, [np.inf]])
         is_nearest = (far <= padded[:-2]) & (far <= padded[2:])  # of its stretch
-        apart = np.abs(way.station[:-1] + along - station)
-        others = np.flatnonzero(is_nearest & (apart > ROUND * (far + far.min())))
+        others = np.flatnonzero(is_nearest & (np.abs(at - station) > ROUND * (far + far.min())))
         others = others[np.argsort(far[others], kind="stable")][:MOST_STRETCHES]
         blocked = _walled_off(np.broadcast_to(start, feet[others].shape), feet[others], walls)
         seen = np.delete(others, blocked)
         if len(seen):
             k = seen[0]
-            told.append((robots[row], far.min(), station, far[k], way.station[k] + along[k]))
+            told.append((robots[row], far.min(), station, far[k], at[k]))
     if not told:
         return
     i, near, station, seen_at, other = told[0]
     at_least = " or more" if len(hidden) > MOST_LOOKED_AT else ""
-    more = f", and {len(told) - 1}{at_least} more robots so" if len(told) > 1 else ""
+    more = f", and {plural(len(told) - 1, 'more robot')}{at_least} so" if len(told) > 1 else ""
     where: Location = (*laid.world.entry_of(i), "pose")
     found.warn(
         where,

@@ -18,6 +18,7 @@ from physim.simulation.loop import Simulation
 from physim.simulation.run import is_warm, record_run, warm_up
 from physim.simulation.size import check_room, size_of
 from physim.world import World
+from physim.world.checks.start_stations import doubtful_starts
 from physim.world.file import located, read_world, warning_lines
 from physim.world.file.loading import unused_settings, world_of
 from physim.world.file.nodes import Document
@@ -40,12 +41,14 @@ def ready(
     """Simulation of a world that was read, with the kernels loaded or compiled.
 
     A run too large for the disk of ``path``, or, where that is None, for memory, is refused before
-    anything is compiled; where one is long or its record large, that is told.
+    anything is compiled; where one is long or its record large, that is told, and so is a robot
+    that counts from the start as beyond a wall: it might be said to have arrived.
     """
     try:
         scene = build_scene(world, seed)
     except WorldError as error:
         raise located(error.faults, document) from None
+    tell_notices(warning_lines(document, doubtful_starts(scene.layout)))
 
     def controller() -> Controller:
         choice, trusted = world.controller, options.controller is not None

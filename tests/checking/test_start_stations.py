@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 from physim import check_world
+from tests.cli.commands import physim
 
 HAIRPIN = """\
 name: hairpin
@@ -78,3 +79,16 @@ def test_another_robot_beyond_the_wall_is_counted(tmp_path: Path) -> None:
     second = f"  - {{name: r2, footprint: {box}, pose: [11, 3, 0], path: {{offset: 0}}}}\n"
     (message,) = told(tmp_path, 3.0, "{offset: 0}", second)
     assert "and 1 more robot so" in message
+
+
+@pytest.mark.parametrize(("y", "told_lines"), [(3.0, 1), (2.5, 0)])
+def test_a_run_tells_it_too(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], y: float, told_lines: int
+) -> None:
+    file = tmp_path / "hairpin.yaml"
+    file.write_text(HAIRPIN.format(y=y, path="{offset: 0}", more=""), encoding="utf-8")
+    short = ("--set", "time.duration=0.5", "--no-video", "--quiet")
+    done = physim("run", file, *short, "-o", tmp_path / "out", capture=capsys)
+    lines = [one for one in done.err.splitlines() if "beyond a wall" in one]
+    assert len(lines) == told_lines
+    assert all("hairpin.yaml:7:60: robots[0].pose" in one for one in lines)

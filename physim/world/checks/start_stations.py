@@ -8,13 +8,14 @@ from __future__ import annotations
 import numpy as np
 import shapely
 
-from physim.errors import Location, plural
+from physim.errors import Fault, Location, plural
 from physim.geometry.shapes import FloatArray, IntArray
 from physim.world.checks.findings import Diagnostics
 from physim.world.checks.way import Way
 from physim.world.faults import describe
-from physim.world.layout.layout import PartialLayout
+from physim.world.layout.layout import PartialLayout, as_partial
 from physim.world.layout.shared import Shared
+from physim.world.scene import Layout
 
 ROUND = 2.0
 """[-] times the ways to two stretches: what lies between them along the path, where it merely goes
@@ -25,6 +26,13 @@ MOST_LOOKED_AT = 100
 """Robots beyond a wall from their nearest stretch that are looked at, of each kind of path"""
 MOST_STRETCHES = 100
 """Other stretches that are looked at for each"""
+
+
+def doubtful_starts(layout: Layout) -> list[Fault]:
+    """What `check_start_stations` warns of in a world that can be run."""
+    found = Diagnostics()
+    check_start_stations(as_partial(layout, layout.world), found)
+    return layout.world.of_the_road(found.warnings)
 
 
 def check_start_stations(laid: PartialLayout, found: Diagnostics) -> None:

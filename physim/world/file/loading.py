@@ -261,9 +261,10 @@ def located(faults: Iterable[Fault], document: Document | None) -> WorldError:
     return WorldError(kept, [position for _, position in found][: len(kept)])
 
 
-def warning_lines(document: Document) -> list[str]:
-    """What is to be noted about the text of a world, one line each, with its place."""
-    return [f"{place}: {fault}" for fault, place in in_order(placed(document.warnings, document))]
+def warning_lines(document: Document, found: Iterable[Fault] | None = None) -> list[str]:
+    """What was ``found``, else what is to be noted about the text, a line each, with its place."""
+    faults = document.warnings if found is None else found
+    return [f"{place}: {fault}" for fault, place in in_order(placed(faults, document))]
 
 
 def placed(faults: Iterable[Fault], document: Document) -> list[tuple[Fault, Position]]:

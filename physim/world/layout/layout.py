@@ -118,11 +118,15 @@ def lay_out(world: World, seed: int | None = None) -> Layout:
 
 def placed_anew(layout: Layout, world: World) -> Layout:
     """The layout with the robots where the seed of ``world`` puts them; WorldError if it cannot."""
-    laid = PartialLayout(
+    return _placed(as_partial(layout, world), is_whole=True).whole()
+
+
+def as_partial(layout: Layout, world: World) -> PartialLayout:
+    """A layout as the checks take it, of ``world``."""
+    return PartialLayout(
         world, layout.boundaries, dict(enumerate(layout.obstacles)), layout.reference, layout.area,
         dict(enumerate(layout.footprints)), dict(enumerate(layout.paths)), layout.start,
     )  # fmt: skip
-    return _placed(laid, is_whole=True).whole()
 
 
 def partial_layout(world: Any, is_whole: bool = True) -> PartialLayout:

@@ -25,6 +25,15 @@ EDITS = (
     ),
     Edit(
         "checking",
+        "physim/cli/simulating.py",
+        "ready",
+        "doubtful_starts(scene.layout)",
+        "()",
+        "a run tells it, too",
+        "tests/checking/test_start_stations.py::test_a_run_tells_it_too",
+    ),
+    Edit(
+        "checking",
         "physim/world/checks/spacing.py",
         "check_order",
         "station - radius",

@@ -19,8 +19,8 @@ if TYPE_CHECKING:
 FORMATS = ("track", "ros-map", "svg", "wkt", "geojson")
 LINES, ROUTE = "Lines", "Path and robots"
 ASKED = (
-    "format", "scale", "tolerance", "specks", "start", "gap", "origin", "goal", "robots", "lanes",
-    "robot", "name", "boundary",
+    "format", "scale", "tolerance", "specks", "start", "gap", "open", "origin", "goal", "robots",
+    "lanes", "robot", "name", "boundary",
 )  # fmt: skip
 
 
@@ -68,6 +68,7 @@ ASKED = (
 @option(
     "--gap", type=POSITIVE, metavar="M", section=LINES, help="[m] of road left out at the cut (2)"
 )
+@flag("--open", "the track is an open one, near as its ends may be", section=LINES)
 @option(
     "--from",
     "origin",

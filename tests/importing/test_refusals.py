@@ -437,6 +437,7 @@ SAMPLE_OF = {
 USED_BY = {
     "start": (Options(start=5.0), "track", "closed track"),
     "gap": (Options(gap=3.0), "track", "closed track"),
+    "open": (Options(open=True), "track", "track"),
     "specks": (Options(specks=4.0), "ros-map", "ROS map"),
     "boundary": (Options(boundary=("a",)), "svg", "SVG drawing"),
 }

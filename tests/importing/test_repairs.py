@@ -154,6 +154,20 @@ def test_which_tracks_are_closed(tmp_path: Path) -> None:
         import_world(path, Options(start=10.0))
 
 
+def test_a_track_is_open_where_that_is_said(tmp_path: Path) -> None:
+    """A hairpin of long legs: its ends are as near to each other as points are to the next."""
+    path = tmp_path / "t.csv"
+    path.write_text("0,0,2,2\n40,0,2,2\n50,4,2,2\n40,8,2,2\n0,8,2,2")
+    assert any("cut open" in change for change in import_world(path).changes)
+    imported = import_world(path, Options(open=True))
+    assert not any("cut open" in change for change in imported.changes)
+    assert any("open" in fact for fact in imported.facts)
+    ends = np.array(imported.world.reference_path)[[0, -1]]
+    assert np.allclose(ends, [(0, 0), (0, 8)], atol=3.1)  # [m] cut short before the walls there
+    with pytest.raises(ImportSourceError, match="this one is open"):
+        import_world(path, Options(open=True, gap=3.0))
+
+
 def hairpin(folder: Path, start: tuple[float, float]) -> Path:
     """A hairpin of radius 2 m with an inner half of 3 m, and legs from and to some place."""
     turn = np.linspace(-np.pi / 2, np.pi / 2, 40)

@@ -123,8 +123,9 @@ class Options:
 
     Lengths [m]: ``tolerance`` of simplified and flattened lines, ``start`` and ``gap`` of a closed
     track, ``origin`` and ``goal`` (x, y) of the route, ``robot`` (length, width). ``scale`` [m per
-    unit of the source], ``specks`` [m²] the largest occupied patch that is left out. ``boundary``
-    are ids or labels of shapes and groups of an SVG drawing that are walls.
+    unit of the source], ``specks`` [m²] the largest occupied patch that is left out. ``open``: the
+    track is open, whatever its ends look like. ``boundary`` are ids or labels of shapes and groups
+    of an SVG drawing that are walls.
     """
 
     format: str | None = None
@@ -133,6 +134,7 @@ class Options:
     specks: float | None = None
     start: float | None = None
     gap: float | None = None
+    open: bool = False
     origin: tuple[float, float] | None = None
     goal: tuple[float, float] | None = None
     robots: int | None = None
@@ -150,6 +152,7 @@ class Options:
 ONLY_FOR = {
     "start": (("track",), "says where a closed track (.csv) is cut open"),
     "gap": (("track",), "says how much road is left out where a closed track (.csv) is cut open"),
+    "open": (("track",), "says that a track (.csv) is open, near as its ends may be"),
     "specks": (("ros-map",), "says which occupied patches of a ROS map are left out"),
     "boundary": (("svg",), "says which shapes of an SVG drawing are walls"),
 }
@@ -168,13 +171,14 @@ LEAST_ROBOT = 10.0**-DIGITS
 def check_options(source: Path, kind: str, options: Options) -> None:
     """Refuse options that would be without effect for a kind of source, or that none can take."""
     for name, (kinds, purpose) in ONLY_FOR.items():
-        if getattr(options, name) not in (None, ()) and kind not in kinds:
+        given = getattr(options, name)
+        if given is not None and given is not False and given != () and kind not in kinds:
             raise refused(source, f"--{name}: {purpose}; this is read as {kind}")
     if options.robot is not None and not min(options.robot) >= LEAST_ROBOT:
-        given = ",".join(f"{side:g}" for side in options.robot)
+        sides = ",".join(f"{side:g}" for side in options.robot)
         raise refused(
             source,
-            f"--robot {given}: length and width must be at least {LEAST_ROBOT:g} m, as worlds are "
+            f"--robot {sides}: length and width must be at least {LEAST_ROBOT:g} m, as worlds are "
             "written to the millimetre",
         )
 

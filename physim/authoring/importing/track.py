@@ -207,7 +207,9 @@ def _closed(file: TrackFile, options: Options) -> tuple[bool, float]:
     gap = float(np.hypot(*(file.points[0] - file.points[-1])))
     length = float(steps.sum())
     most = min(CLOSED * float(steps.max()), CLOSED_SHARE * length)
-    if options.start is not None:
+    if options.open:
+        most = -1.0
+    elif options.start is not None:
         most = CLOSABLE_SHARE * length
     closed = len(file.points) > 3 and gap <= most
     return closed, length + (gap if closed else 0.0)
@@ -244,7 +246,7 @@ def _opened(path: Path, road: _Road, total: float, options: Options, drawing: Dr
     cut = road.cut(start, total - gap)
     drawing.changes.append(
         f"closed track cut open at station {start:g} m, {place(cut.centre[0])}: the corridor ends "
-        f"{gap:g} m before it begins (--start, --gap)"
+        f"{gap:g} m before it begins (--start, --gap; --open: it is no closed one)"
     )
     return cut
 

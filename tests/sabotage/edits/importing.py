@@ -7,6 +7,15 @@ from tests.sabotage.edit import Edit
 EDITS = (
     Edit(
         "importing",
+        "physim/authoring/importing/track.py",
+        "_closed",
+        "if options.open:",
+        "if False:",
+        "a track is open where that is said",
+        "tests/importing/test_repairs.py::test_a_track_is_open_where_that_is_said",
+    ),
+    Edit(
+        "importing",
         "physim/authoring/importing/svg_bare.py",
         "BareSvg.start",
         'kept[SAME_ID] = kept.pop("id")',

@@ -65,6 +65,9 @@ def test_symbols_with_views_lie_where_a_browser_draws_them(browser: Any, tmp_pat
     [
         (SYMBOLS[0], 'width="20%" height="3"', "width"),
         (SYMBOLS[0], 'width="2em" height="3"', "width"),
+        (SYMBOLS[0], 'width="auto" height="3"', "width"),
+        (SYMBOLS[0], 'style="width:2px" height="3"', "style has a width"),
+        (f'{SYMBOLS[0]} x="2em"', 'width="4" height="3"', "x"),
         ('viewBox="0 0 0 4"', 'width="2" height="3"', "viewBox"),
         (f'{SYMBOLS[0]} preserveAspectRatio="left"', "", "preserveAspectRatio"),
     ],

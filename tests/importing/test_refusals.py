@@ -248,6 +248,10 @@ DRAWINGS = {
     ),
     "turning": (svg('<g transform="turn(30)"/>'), ':2: … transform: … "turn(30)" … matrix'),
     "degrees": (svg('<g transform="rotate(30°)"/>'), ':2: … transform: … "rotate(30°)" … numbers'),
+    "size in a style": (
+        svg('<svg viewBox="0 0 4 4" style="width:9px"><path d="M0,0 H3 V3 Z"/></svg>'),
+        ":2: … style has a width … attribute",
+    ),
     "unclosed": (svg('<g transform="rotate(30"/>'), ':2: … transform: … "rotate(30"'),
     "beyond numbers": (svg('<path id="boundary" d="M 0,0 L 1e999,3 L 4,4 Z"/>'), "finite number"),
     "no boundary": (svg('<path id="fence" d="M 0,0 24,0 24,14 Z"/>'), "no line is a boundary"),

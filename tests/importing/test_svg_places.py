@@ -285,6 +285,46 @@ def test_of_a_switch_one_alternative_is_drawn(tmp_path):
     assert obstacles(tmp_path, f"<switch>{OTHER}{PILLAR}</switch>")[0] == [15.0]
 
 
+SIZED = '<symbol id="q" viewBox="0 0 9 9" width="9" height="9">{}</symbol>{}'
+VIEW = '<symbol id="r" viewBox="0 0 9 9"><use href="#q"/></symbol>'
+UNSIZED = SIZED.format(PILLAR, VIEW).replace('width="9" height="9">', ">")
+
+
+@pytest.mark.parametrize(
+    ("inner", "at"),
+    [
+        ('<svg x="4" y="2"><rect y="8" width="1" height="1"/></svg>', [4.0]),
+        ('<svg x="4" y="2"><svg y="8"><rect width="1" height="1"/></svg></svg>', [4.0]),
+        (f'<g x="4" cx="3" r="2" rx="1">{PILLAR}<circle cx="18" cy="10" r="1"/></g>', [10.0, 17.0]),
+        (f'<defs><g id="q">{PILLAR}</g></defs><g x="4"><use href="#q"/></g>', [10.0]),
+        (SIZED.format(PILLAR, '<use href="#q"/>'), [10.0]),
+        (SIZED.format(PILLAR, '<use href="#q" width="4.5" height="4.5"/>'), [5.0]),
+        (f'{UNSIZED}<use href="#r" width="9" height="9"/>', [10.0]),
+        (f'<symbol id="q" x="3" y="1">{PILLAR}</symbol><use href="#q" x="1"/>', [14.0]),
+    ],
+)  # fmt: skip
+def test_where_its_lines_lie_is_said_by_each_element_alone(tmp_path, inner, at):
+    """And a copy of a symbol is as large as it says, the symbol says, or the view about it is."""
+    assert obstacles(tmp_path, inner)[0] == pytest.approx(at, abs=0.02)
+
+
+@pytest.mark.parametrize(
+    ("moves", "said"),
+    [
+        ('<set attributeName="x" to="9"/>', "<set>"),
+        ("<style>rect{animation:blink 2s}</style>", "an animation"),
+        ("<style>rect{Animation-Name : blink}</style>", "an animation"),
+        ('<g style="animation: blink 2s"/>', "an animation"),
+        ("<style>rect{transition:none}</style>", ""),
+    ],
+)
+def test_what_changes_as_time_goes_by_is_told_and_taken_as_it_stands(tmp_path, moves, said):
+    found, changes = obstacles(tmp_path, PILLAR + OTHER + moves)
+    assert found == [10.0, 15.0]
+    assert len([one for one in changes if "not followed" in one and said in one]) == bool(said)
+    assert not [one for one in changes if "hidden" in one]
+
+
 def test_a_symbol_with_a_view_of_its_own_is_fitted_but_not_cut(tmp_path):
     """A tenth of its size, and with it its place; a browser cuts it at the edge of its view."""
     told = {}

@@ -39,14 +39,43 @@ SAME_ID = "physim-id"
 PREFIXES = {LABEL: "inkscape:label", XLINK: "xlink:href"}
 KEPT = ("id", LABEL, "transform", "display", "d", "points", *PLACES, *EXTENTS, "viewBox",
         "preserveAspectRatio")  # fmt: skip
+OF_PLACE = (*PLACES, *EXTENTS, "d", "points", "viewBox", "preserveAspectRatio")
+"""Attributes that say where the lines of an element lie: of those that take them alone"""
 STYLED = ("display", *PLACES, *EXTENTS)
 """Properties that count in ``style="..."``."""
-UNGIVEN = {"path": ("d",), "rect": ("width", "height"), "circle": ("r",)}
-"""Attributes without which a shape draws nothing"""
+UNGIVEN = {
+    "path": {"d": ""},
+    "rect": dict.fromkeys(("x", "y", "width", "height"), "0"),
+    "circle": dict.fromkeys(("cx", "cy", "r"), "0"),
+    "ellipse": dict.fromkeys(("cx", "cy"), "0"),
+    "line": dict.fromkeys(("x1", "y1", "x2", "y2"), "0"),
+    "polyline": {"points": ""},
+    "polygon": {"points": ""},
+    "use": {"x": "0", "y": "0"},
+    "svg": {
+        "x": "0",
+        "y": "0",
+        "width": "100%",
+        "height": "100%",
+        "preserveAspectRatio": "xMidYMid",
+    },
+}
+"""What holds of an element that does not say so: the library would take that of one about it."""
+FURTHER = {
+    "rect": RADII,
+    "circle": (),
+    "ellipse": RADII,
+    "use": ("width", "height"),
+    "svg": ("viewBox",),
+    "symbol": ("viewBox",),
+}
+"""What else an element takes of what says where its lines lie; others have none of it."""
 NOT_LINES = ("text", "image", "foreignObject", "flowRoot")
 """Elements that hold no lines; they are listed as left out."""
 ONLY_COPIED = "symbol"
 """An element that is drawn by its copies (``use``) alone"""
+MOVING = ("animate", "animateMotion", "animateTransform", "set")
+"""Elements that change what they stand in as time goes by"""
 NOT_DRAWN = ("defs", "clipPath", "pattern", "mask", "marker", ONLY_COPIED)
 """Elements that hold what is drawn elsewhere, if at all."""
 DRAWN = ("svg", "g", "a", "switch", "use", *SHAPES)
@@ -79,12 +108,21 @@ class BareSvg:
         tag = name.removeprefix(SVG)
         tag = "other" if "|" in tag else tag
         shown = tag if tag.isascii() and tag.isalnum() else "element"
-        kept = {key: attributes[key] for key in KEPT if key in attributes}
+        taken = (*UNGIVEN.get(tag, ()), *FURTHER.get(tag, ()))
+        kept = {
+            key: attributes[key]
+            for key in KEPT
+            if key in attributes and (key in taken or key not in OF_PLACE)
+        }
         kept |= transform_of(attributes)
         if kept.get("id") in self._ids:
             kept[SAME_ID] = kept.pop("id")
         self._ids.add(kept.get("id", ""))
-        style = declarations(attributes.get("style", ""), STYLED)
+        style = {
+            key: value
+            for key, value in declarations(attributes.get("style", ""), STYLED).items()
+            if key in taken or key not in OF_PLACE
+        }
         is_within = tag == "svg" and bool(self._ends)
         if tag == "svg" and not is_within:  # the page is where it is
             for key in ("x", "y"):
@@ -92,11 +130,13 @@ class BareSvg:
                 style.pop(key, None)
         if style:
             kept["style"] = ";".join(f"{key}:{value}" for key, value in style.items())
+        if tag == "svg":  # of which the library reads no style
+            kept, style = {**kept, **style}, {}
         own = {**kept, **style}
         if "d" in kept:
             kept["d"] = as_meant(kept["d"])
         for key, other in (RADII, RADII[::-1]):
-            given = own.get(key, AUTO if tag == "ellipse" else "")
+            given = own.get(key, AUTO if tag in ("ellipse", "rect") else "")
             if given.strip().lower() == AUTO:  # the library would take it for none
                 length = own.get(other, AUTO)
                 kept["style"] = f"{kept.get('style', '')};{key}:{length if length != AUTO else 0}"
@@ -111,8 +151,8 @@ class BareSvg:
             kept[CUT] = f"<style> has a {attributes[IGNORED]}, which"
         if tag == "use":
             kept[XLINK] = copied(attributes)
-        for key in UNGIVEN.get(tag, ()):  # the library has others
-            kept.setdefault(key, "" if key == "d" else "0")
+        if tag != "svg" or is_within:
+            kept = {**UNGIVEN.get(tag, {}), **kept}
         kept |= handed_on(attributes)
         kept |= {LINE: str(line), TAG: shown, **({FAULT: fault} if fault else {})}
         written = (f" {PREFIXES.get(key, key)}={quoteattr(value)}" for key, value in kept.items())

@@ -16,8 +16,10 @@ from physim.authoring.importing.drawing import ImportSourceError, refused
 from physim.authoring.importing.svg_bare import (
     DRAWN,
     LABEL,
+    MOVING,
     NOT_DRAWN,
     NOT_LINES,
+    ONLY_COPIED,
     SVG,
     BareSvg,
     called,
@@ -110,7 +112,7 @@ class _Guard:
         self.hidden = 0
         self.sheets = Sheets()
         self.pages = 0  # drawings within the drawing that have ended
-        self.views: list[dict[str, str]] = []  # attributes of each that is open
+        self.views: list[tuple[int, str, dict[str, str]]] = []  # pages and symbols, by depth
         self.symbols: dict[str, tuple[str, Mapping[str, str]]] = {}
         self.parser = expat.ParserCreate("utf-8", namespace_separator="|")
 
@@ -132,6 +134,10 @@ class _Guard:
         except expat.ExpatError as error:
             reason = expat.ErrorString(error.code)
             raise refused(self.path, f"not valid XML: {reason}", error.lineno) from None
+        if self.sheets.animates:
+            self.look.left_out.append(
+                "a style has an animation, not followed: what it changes is taken as it stands"
+            )
         count, turned = written_out(self.all, self.elements, self._copies_itself)
         if count > MOST_ELEMENTS:
             raise refused(self.path, f"more than {MOST_ELEMENTS} elements, copies written out")
@@ -163,7 +169,7 @@ class _Guard:
         try:
             attributes = self.sheets.styled(tag, attributes)
             if tag == "use" and (view := self.symbols.get(copied(attributes)[1:])):
-                attributes = fitted(attributes, *view, self.views[-1] if self.views else {})
+                attributes = fitted(attributes, *view, self.views[-1][2] if self.views else {})
         except (StyleError, ViewError) as error:
             raise self._refused(f"{called(tag, attributes)}: {error}") from None
         if self.open and self.open[-1][0] == "switch":
@@ -207,7 +213,12 @@ class _Guard:
             raise self._refused(f"{called(tag, attributes)}: {wrong}")
         if tag not in NOT_LINES and not hides:
             self._check_turn(tag, attributes)
-        if self.hidden or tag in NOT_DRAWN:
+        if tag in MOVING and not self.hidden:
+            self.hidden = 1
+            self.look.left_out.append(
+                f"line {line}: <{tag}>, not followed: what it changes is taken as it stands"
+            )
+        elif self.hidden or tag in NOT_DRAWN:
             self.hidden += 1
         elif hides:
             self.hidden = 1
@@ -236,9 +247,9 @@ class _Guard:
         if own is not None:
             self.elements.setdefault(own, element)
             self.look.lines.setdefault(own, line)
+        if tag == "svg" or (tag == ONLY_COPIED and "viewBox" in attributes):
+            self.views.append((len(self.open), tag, attributes))
         self.open.append((tag, element))
-        if tag == "svg":
-            self.views.append(attributes)
 
     def _fault(self, tag: str, attributes: dict[str, str]) -> str:
         """What is wrong with an element that is read, whether it is seen or not; else empty."""
@@ -255,11 +266,16 @@ class _Guard:
         if not self.open:
             return page_fault(attributes)
         has_view = "viewBox" in values
+        for key in declarations(attributes.get("style", ""), ("width", "height")):
+            if has_view:
+                return f"its style has a {key}, which not all browsers read; make it an attribute"
         share = self._share({"width": "100%", "height": "100%", **values}) if has_view else ""
         return share or page_fault(attributes) or place_fault(values, has_view)
 
     def _share(self, values: dict[str, str]) -> str:
-        is_plain = not self.pages and all("viewBox" in one for one in self.views[-1:])
+        is_plain = not self.pages and all(
+            tag == "svg" and "viewBox" in view for _, tag, view in self.views[-1:]
+        )
         return "" if is_plain else share_fault(values)
 
     def _check_turn(self, tag: str, attributes: dict[str, str]) -> None:
@@ -304,8 +320,8 @@ class _Guard:
 
     def _end(self, _: str) -> None:
         tag, element = self.open.pop()
-        if tag == "svg":
-            self.pages += 1
+        self.pages += tag == "svg"
+        if self.views and self.views[-1][0] == len(self.open):
             self.views.pop()
         self.hidden = max(self.hidden - 1, 0)
         self.look.bare.end()

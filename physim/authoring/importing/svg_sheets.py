@@ -48,6 +48,7 @@ STYLES_KEPT = 10_000
 """Styles of elements that are not read again"""
 BEYOND = "by more than a tag, a class or an id; delete what is hidden, or save as plain SVG"
 IMPORT = re.compile(r"@import\b", re.IGNORECASE)
+ANIMATION = re.compile(r"\banimation(-name)?\s*:", re.IGNORECASE)
 STYLES = ("style", "http://www.w3.org/2000/svg|style", "http://www.w3.org/1999/xhtml|style")
 """Elements that hold a style sheet"""
 
@@ -70,6 +71,8 @@ class Sheets:
         """the first selector that is not followed and says what is shown"""
         self.imports = False
         """whether a sheet may refer to another file, which is not read"""
+        self.animates = False
+        """whether something changes as time goes by, which is not followed"""
         self.may_paint = False
         """whether a rule that is not followed says of elements how they are painted"""
         self.origin = ""
@@ -87,6 +90,7 @@ class Sheets:
 
     def _measure(self, text: str) -> None:
         self._length += len(text)
+        self.animates = self.animates or ANIMATION.search(text) is not None
         if self._length > MOST_STYLE:
             raise StyleError(f"more than {MOST_STYLE / 1e6:g} million characters of style")
 

@@ -1,7 +1,7 @@
 """Symbols with a view of their own (``viewBox``), which each copy fits into a box of its own.
 
-As SVG has it: a copy (``use``) of one is as large as its width and height say, or else as the page,
-and the view lies in that box by ``preserveAspectRatio``.
+As SVG has it: a copy (``use``) of one is as large as its width and height say, or else those of the
+symbol, or else as the page, and the view lies in that box by ``preserveAspectRatio``.
 """
 
 from __future__ import annotations
@@ -10,13 +10,13 @@ from collections.abc import Mapping
 
 from physim.authoring.importing.svg_css import NAMESPACE
 from physim.authoring.importing.svg_sheets import declarations, look_ahead
-from physim.authoring.importing.svg_values import NUMBER, page_fault, pixels_of
+from physim.authoring.importing.svg_values import NUMBER, page_fault, pixels_of, place_fault
 from physim.escaping import escaped
 
 BOX = ("x", "y", "width", "height")
 ALIGN = {"Min": 0.0, "Mid": 0.5, "Max": 1.0}
 """Share of what is left over that lies before the view"""
-UNSIZED = ("", "auto", "100%")
+UNSIZED = ("", "100%")
 """Sizes that are those of the page"""
 
 
@@ -27,11 +27,13 @@ class ViewError(Exception):
 def views_of(text: str) -> dict[str, tuple[str, Mapping[str, str]]]:
     """Tag and attributes of each symbol, and each ``svg`` in the page, that has a viewBox, by id.
 
+    And of each symbol that has a place of its own.
+
     Of a text that cannot be read, or that declares entities, those up to there.
     """
     found: dict[str, tuple[str, Mapping[str, str]]] = {}
     known: set[str] = set()
-    if "viewBox" not in text:
+    if "viewBox" not in text and "symbol" not in text:
         return found
 
     def start(name: str, attributes: dict[str, str], _: int) -> None:
@@ -39,7 +41,10 @@ def views_of(text: str) -> dict[str, tuple[str, Mapping[str, str]]]:
         tag = name.removeprefix(f"{NAMESPACE}|")
         is_first = own is not None and own not in known
         known.add(own or "")
-        if own is not None and is_first and tag in ("symbol", "svg") and "viewBox" in attributes:
+        has_view = "viewBox" in attributes
+        if tag == "symbol":
+            has_view = has_view or "x" in attributes or "y" in attributes
+        if own is not None and is_first and tag in ("symbol", "svg") and has_view:
             found[own] = tag, attributes
 
     look_ahead(text, start)
@@ -62,10 +67,18 @@ def fitted(
         if any(own.get(key, "") not in UNSIZED for key in ("width", "height")):
             raise ViewError("gives an <svg> with a viewBox another size, which is not read")
         return attributes
-    if wrong := page_fault({"viewBox": view["viewBox"]}):
+    for key in declarations(attributes.get("style", ""), ("width", "height")):
+        raise ViewError(f"its style has a {key}, which not all browsers read; make it an attribute")
+    places = {key: view[key] for key in ("x", "y") if key in view}
+    if wrong := page_fault({"viewBox": view.get("viewBox", "0 0 1 1")}) or place_fault(
+        places, of_page=False
+    ):
         raise ViewError(f"copies a symbol: {wrong}")
+    x, y = (pixels_of(own.get(key, "0")) + pixels_of(places.get(key, "0")) for key in ("x", "y"))
+    if "viewBox" not in view:
+        return _moved(attributes, f"translate({x!r},{y!r})")
     left, top, wide, high = (float(one) for one in NUMBER.findall(view["viewBox"]))
-    x, y = (pixels_of(own.get(key, "0")) for key in ("x", "y"))
+    own = {**{key: view[key] for key in ("width", "height") if key in view}, **own}
     width, height = (_size(own, key, page) for key in ("width", "height"))
     a, d = width / wide, height / high
     align, _, how = (view.get("preserveAspectRatio") or "xMidYMid").strip().partition(" ")
@@ -77,7 +90,11 @@ def fitted(
         a = d = max(a, d) if how.strip() == "slice" else min(a, d)
         x += shares[0] * (width - a * wide)
         y += shares[1] * (height - d * high)
-    moved = f"matrix({a!r},0,0,{d!r},{x - a * left!r},{y - d * top!r})"
+    return _moved(attributes, f"matrix({a!r},0,0,{d!r},{x - a * left!r},{y - d * top!r})")
+
+
+def _moved(attributes: Mapping[str, str], moved: str) -> dict[str, str]:
+    """Attributes of a copy with what moves and fits it in its ``transform``, and no box."""
     kept = {key: value for key, value in attributes.items() if key not in BOX}
     style = kept.pop("style", "")
     own_transform = declarations(style, ("transform",)).get("transform", kept.get("transform", ""))

@@ -7,6 +7,33 @@ from tests.sabotage.edit import Edit
 EDITS = (
     Edit(
         "importing",
+        "physim/authoring/importing/svg_bare.py",
+        "BareSvg.start",
+        "kept = {**UNGIVEN.get(tag, {}), **kept}",
+        "pass",
+        "what an element lacks is not that of a group",
+        "tests/importing/test_svg_places.py::test_where_its_lines_lie_is_said_by_each_element_alone",
+    ),
+    Edit(
+        "importing",
+        "physim/authoring/importing/svg_views.py",
+        "fitted",
+        'own = {**{key: view[key] for key in ("width", "height") if key in view}, **own}',
+        "pass",
+        "a symbol has a size of its own",
+        "tests/importing/test_svg_places.py::test_where_its_lines_lie_is_said_by_each_element_alone",
+    ),
+    Edit(
+        "importing",
+        "physim/authoring/importing/svg_guard.py",
+        "_Guard._start",
+        '(tag == ONLY_COPIED and "viewBox" in attributes)',
+        "False",
+        "copies in a symbol are as large as its view",
+        "tests/importing/test_svg_places.py::test_where_its_lines_lie_is_said_by_each_element_alone",
+    ),
+    Edit(
+        "importing",
         "physim/authoring/importing/track.py",
         "_closed",
         "if options.open:",

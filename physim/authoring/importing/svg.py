@@ -30,7 +30,8 @@ from physim.authoring.importing.enclosure import join_ends
 from physim.authoring.importing.source import read_xml
 from physim.authoring.importing.svg_bare import CUT, FAULT, LINE, SPILLS, TAG
 from physim.authoring.importing.svg_curves import subpaths
-from physim.authoring.importing.svg_guard import SvgLook, look_at
+from physim.authoring.importing.svg_guard import look_at
+from physim.authoring.importing.svg_look import SvgLook
 from physim.authoring.importing.svg_seen import is_seen
 from physim.authoring.importing.svg_walls import LABEL, NAMES, Walls, names_of
 from physim.authoring.importing.work import MOST_POINTS, check_work

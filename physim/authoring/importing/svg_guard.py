@@ -7,8 +7,7 @@ messages.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Set
-from dataclasses import dataclass, field
+from collections.abc import Mapping
 from pathlib import Path
 from xml.parsers import expat
 
@@ -21,7 +20,6 @@ from physim.authoring.importing.svg_bare import (
     NOT_LINES,
     ONLY_COPIED,
     SVG,
-    BareSvg,
     called,
     copied,
     functions_of,
@@ -31,6 +29,7 @@ from physim.authoring.importing.svg_bare import (
 )
 from physim.authoring.importing.svg_copies import MOST_COPIES, Element, written_out
 from physim.authoring.importing.svg_css import SHOWN, UNREAD
+from physim.authoring.importing.svg_look import SvgLook
 from physim.authoring.importing.svg_paths import path_fault
 from physim.authoring.importing.svg_sheets import (
     BEYOND,
@@ -67,31 +66,6 @@ MOST_TURNED = 150_000
 """Functions of transforms, each counted for every element that it moves, copies written out."""
 
 NO_ORIGIN = "transforms are read about (0, 0) alone; apply it to the shape (Inkscape: ungroup)"
-
-
-@dataclass
-class SvgLook:
-    """What the first look found: the line of each id, things without lines, width of the page."""
-
-    lines: dict[str, int] = field(default_factory=dict)
-    left_out: list[str] = field(default_factory=list)
-    width: str = ""
-    line: int = 1
-    """of the root"""
-    may_be_painted: bool = False
-    """whether shapes are that are told not to be, by rules that are not followed"""
-    bare: BareSvg = field(default_factory=BareSvg)
-    """what is left to read"""
-    drawn: list[tuple[int, str]] = field(default_factory=list)
-    """line of each shape that is to be seen, and what it is called: ``<rect> "pillar"``"""
-
-    def not_among(self, lines: Set[int | None]) -> list[str]:
-        """What is to be said of shapes of which none was found in these lines."""
-        return [
-            f"line {line}: {called} draws nothing: hidden, or without extent; left out"
-            for line, called in self.drawn
-            if line not in lines
-        ]
 
 
 def look_at(path: Path, text: str) -> SvgLook:
@@ -166,18 +140,7 @@ class _Guard:
     def _start(self, name: str, attributes: dict[str, str]) -> None:
         line = self.parser.CurrentLineNumber
         tag = name.removeprefix(SVG)
-        try:
-            attributes = self.sheets.styled(tag, attributes)
-            if tag == "use" and (view := self.symbols.get(copied(attributes)[1:])):
-                attributes = fitted(attributes, *view, self.views[-1][2] if self.views else {})
-        except (StyleError, ViewError) as error:
-            raise self._refused(f"{called(tag, attributes)}: {error}") from None
-        if self.open and self.open[-1][0] == "switch":
-            attributes = self._alternative(attributes)
-        elif attributes.get("requiredExtensions", "").strip():
-            attributes = hidden(attributes)
-        if self.open and self.open[-1][0] in SHAPES:  # nothing is drawn in a shape
-            attributes = hidden(attributes)
+        attributes = self._shown(tag, self._styled(tag, attributes))
         self._check_shown(tag, attributes)
         if hides := is_hidden(tag, attributes):
             attributes = hidden(attributes)
@@ -187,12 +150,48 @@ class _Guard:
         if tag in SHAPES:  # what is copied may be so behind a drawing within this one
             fault = share_fault(values) if self.hidden else self._share(values)
         self.look.bare.start(name, attributes, line, fault)
-        if not self.open and tag != "svg":
-            raise self._refused(f"the root is <{escaped(name[:40])}>, not <svg>")
-        if not self.open and hides:
-            raise self._refused("the whole drawing is hidden, by display or opacity")
         if not self.open:
+            self._check_root(tag, name, hides)
             self.look.width, self.look.line = attributes.get("width", ""), line
+        self._count(attributes)
+        if wrong := self._fault(tag, attributes):
+            raise self._refused(f"{called(tag, attributes)}: {wrong}")
+        if tag not in NOT_LINES and not hides:
+            self._check_turn(tag, attributes)
+        self._hide(tag, attributes, hides)
+        if tag in SHAPES and not self.hidden:
+            if wrong := shape_fault(tag, values):
+                raise self._refused(f"{called(tag, attributes)}: {wrong}")
+            self.look.drawn.append((line, called(tag, attributes)))
+        self._enter(tag, attributes)
+
+    def _styled(self, tag: str, attributes: dict[str, str]) -> dict[str, str]:
+        """Attributes with what style sheets say, and a copy fitted into its box."""
+        try:
+            attributes = self.sheets.styled(tag, attributes)
+            if tag == "use" and (view := self.symbols.get(copied(attributes)[1:])):
+                attributes = fitted(attributes, *view, self.views[-1][2] if self.views else {})
+        except (StyleError, ViewError) as error:
+            raise self._refused(f"{called(tag, attributes)}: {error}") from None
+        return attributes
+
+    def _shown(self, tag: str, attributes: dict[str, str]) -> dict[str, str]:
+        """Attributes, of what is not drawn where it stands so that it is hidden."""
+        within = self.open[-1][0] if self.open else ""
+        if within == "switch":
+            attributes = self._alternative(attributes)
+        elif attributes.get("requiredExtensions", "").strip():
+            attributes = hidden(attributes)
+        return hidden(attributes) if within in SHAPES else attributes  # nothing is drawn in a shape
+
+    def _check_root(self, tag: str, name: str, hides: bool) -> None:
+        if tag != "svg":
+            raise self._refused(f"the root is <{escaped(name[:40])}>, not <svg>")
+        if hides:
+            raise self._refused("the whole drawing is hidden, by display or opacity")
+
+    def _count(self, attributes: dict[str, str]) -> None:
+        """Refuse more than can be read."""
         self.seen += 1
         if self.seen > MOST_ELEMENTS:
             raise self._refused(f"more than {MOST_ELEMENTS} elements")
@@ -209,32 +208,26 @@ class _Guard:
                 f"more than {MOST_NUMBERS} numbers in its paths up to here; simplify them first, "
                 "or delete what is no wall, obstacle, path or robot"
             )
-        if wrong := self._fault(tag, attributes):
-            raise self._refused(f"{called(tag, attributes)}: {wrong}")
-        if tag not in NOT_LINES and not hides:
-            self._check_turn(tag, attributes)
-        if tag in MOVING and not self.hidden:
-            self.hidden = 1
-            self.look.left_out.append(
-                f"line {line}: <{tag}>, not followed: what it changes is taken as it stands"
-            )
-        elif self.hidden or tag in NOT_DRAWN:
+
+    def _hide(self, tag: str, attributes: dict[str, str], hides: bool) -> None:
+        """Take note of what is not seen, with all in it, and tell the first of it."""
+        told = ""
+        if self.hidden or tag in NOT_DRAWN:
             self.hidden += 1
+            return
+        if tag in MOVING:
+            told = f"<{tag}>, not followed: what it changes is taken as it stands"
         elif hides:
-            self.hidden = 1
             label = escaped(attributes.get(LABEL, attributes.get("id", "")))[:60]
-            self.look.left_out.append(
-                f"line {line}: hidden <{tag}> {label}".rstrip() + ", left out"
-            )
+            told = f"hidden <{tag}> {label}".rstrip() + ", left out"
         elif tag in NOT_LINES:
-            self.hidden = 1
-            self.look.left_out.append(f"line {line}: <{tag}> holds no lines, left out")
-        elif tag not in DRAWN:
-            self.hidden = 1
-        if tag in SHAPES and not self.hidden:
-            if wrong := shape_fault(tag, values):
-                raise self._refused(f"{called(tag, attributes)}: {wrong}")
-            self.look.drawn.append((line, called(tag, attributes)))
+            told = f"<{tag}> holds no lines, left out"
+        self.hidden = int(bool(told) or tag not in DRAWN)
+        if told:
+            self.look.left_out.append(f"line {self.parser.CurrentLineNumber}: {told}")
+
+    def _enter(self, tag: str, attributes: dict[str, str]) -> None:
+        """Take note of an element about those to come, and of what it copies."""
         element = Element(functions_of(tag, attributes))
         if tag == "use":
             href = copied(attributes)
@@ -246,7 +239,7 @@ class _Guard:
         own = attributes.get("id")
         if own is not None:
             self.elements.setdefault(own, element)
-            self.look.lines.setdefault(own, line)
+            self.look.lines.setdefault(own, self.parser.CurrentLineNumber)
         if tag == "svg" or (tag == ONLY_COPIED and "viewBox" in attributes):
             self.views.append((len(self.open), tag, attributes))
         self.open.append((tag, element))

@@ -53,7 +53,7 @@ EDITS = (
     Edit(
         "importing",
         "physim/authoring/importing/svg_guard.py",
-        "_Guard._start",
+        "_Guard._count",
         "if self.seen > MOST_ELEMENTS:",
         "if False:",
         "no more elements are read than stated",
@@ -71,7 +71,7 @@ EDITS = (
     Edit(
         "importing",
         "physim/authoring/importing/svg_guard.py",
-        "_Guard._start",
+        "_Guard._count",
         "if self.nested > MOST_NESTED and len(self.open) > MOST_COPIES:",
         "if False:",
         "groups within each other are bounded by the work of reading them",
@@ -80,7 +80,7 @@ EDITS = (
     Edit(
         "importing",
         "physim/authoring/importing/svg_guard.py",
-        "_Guard._start",
+        "_Guard._count",
         "if self.drawn > MOST_NUMBERS:",
         "if False:",
         "no more numbers of paths are read than stated",

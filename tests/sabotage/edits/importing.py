@@ -26,7 +26,7 @@ EDITS = (
     Edit(
         "importing",
         "physim/authoring/importing/svg_guard.py",
-        "_Guard._start",
+        "_Guard._enter",
         '(tag == ONLY_COPIED and "viewBox" in attributes)',
         "False",
         "copies in a symbol are as large as its view",
@@ -316,7 +316,7 @@ EDITS = (
     Edit(
         "importing",
         "physim/authoring/importing/svg_guard.py",
-        "_Guard._start",
+        "_Guard._styled",
         "attributes = self.sheets.styled(tag, attributes)",
         "pass",
         "what a style sheet hides is left out",

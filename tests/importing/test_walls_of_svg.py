@@ -133,3 +133,17 @@ def test_the_place_that_is_told_is_the_one_without_room(tmp_path: Path) -> None:
 def _x(caught: pytest.ExceptionInfo[PhysimError]) -> float:
     """x [m] of the place that a message tells."""
     return float(str(caught.value).split(" at (")[1].split(",")[0])
+
+
+@pytest.mark.parametrize(
+    ("inner", "line"),
+    [('<defs><path id="it" d="M 2,2 H 28 V 13 H 2 Z"/></defs>', 2), ("", 1)],
+)
+def test_what_is_named_but_not_drawn_is_told_with_its_line(
+    tmp_path: Path, inner: str, line: int
+) -> None:
+    root = "<svg" if inner else '<svg id="it"'
+    plan = PLAN.replace("<svg", root, 1).replace("\n  <g", f"\n  {inner}<g", 1)
+    told = refusal(drawing(tmp_path, plan), "it")
+    assert f"--boundary it: line {line}: " in told
+    assert "not drawn where it stands" in told

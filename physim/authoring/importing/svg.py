@@ -126,7 +126,7 @@ def read_svg(path: Path, options: Options) -> Drawing:
             else:
                 lines.append(_Line(role, name, placed, closed, where, line))
                 count += len(placed)
-    if unknown := walls.unknown():
+    if unknown := walls.unknown(look.lines):
         raise refused(path, unknown)
     for changes in ([*dict.fromkeys(hidden)], left_out, [*cuts], look.not_among(seen)):
         drawing.changes += listed(changes)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from physim.authoring.importing.svg_bare import LINE, SAME_ID
@@ -63,9 +63,17 @@ class Walls:
         a0, b0, a1, b1 = self._boxes.get(name, (x0, y0, x1, y1))
         self._boxes[name] = min(a0, x0), min(b0, y0), max(a1, x1), max(b1, y1)
 
-    def unknown(self) -> str:
-        """What is wrong with what was asked for; empty where all of it is there."""
+    def unknown(self, lines: Mapping[str, int]) -> str:
+        """What is wrong with what was asked for; empty where all of it is there.
+
+        ``lines`` are those of all ids, of what is not drawn, too.
+        """
         for name in sorted(self._asked - self._found):
+            if name in lines:
+                return (
+                    f"--boundary {escaped(name)}: line {lines[name]}: not drawn where it stands "
+                    "(hidden, without lines, in <defs>, or the whole drawing)"
+                )
             known = sorted(self._known)
             return (
                 f"--boundary {escaped(name)}: no shape and no group has that id or label"

@@ -248,9 +248,9 @@ def option(*names: str, **attributes: Any) -> Callable[[Action], Action]:
     return click.option(*names, cls=Option, **attributes)
 
 
-def flag(name: str, text: str, section: str = "") -> Callable[[Action], Action]:
-    """Add an option without a value."""
-    return option(name, is_flag=True, help=text, section=section)
+def flag(name: str, text: str, **attributes: Any) -> Callable[[Action], Action]:
+    """Add an option without a value; ``section`` as for `option`."""
+    return option(name, is_flag=True, help=text, **attributes)
 
 
 def changes(each: str = "the world", controller: bool = True) -> Callable[[Action], Action]:

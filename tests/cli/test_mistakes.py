@@ -140,6 +140,7 @@ def test_every_help_page_tells_the_exit_codes_and_fits_a_screen(
     assert told == sorted(told)
     assert "\nexamples:\n  physim " in done.out
     assert max(map(len, done.out.splitlines())) <= 100
+    assert "" not in [line.strip().removesuffix(":") for line in done.out.splitlines() if line]
     described = [p for p in params(name) if isinstance(p, click.Option | click.Argument)]
     assert all(param.help for param in described)
     for param in described:

@@ -287,6 +287,20 @@ def test_an_object_that_fails_when_it_is_asked_for_a_hook_is_one_line() -> None:
     assert "test_evil_controllers.py:" in str(caught.value)
 
 
+class Secretive(Asked):
+    """An object that answers nothing, not even what it is."""
+
+    def __getattribute__(self, name: str) -> Any:
+        raise OddError(name)
+
+
+def test_an_object_that_says_not_even_what_it_is_is_one_line() -> None:
+    with pytest.raises(ControllerError, match=facts("Secretive.decide", "OddError")) as caught:
+        make_part(CONTROLLER, f"{__name__}:Secretive", {}, trusted=True)
+    assert "test_evil_controllers.py:" in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
 class Nothing:
     """What its class gives is no object of it."""
 

@@ -89,7 +89,8 @@ def attribute(owner: object, name: str, default: Any = None) -> Any:
     except KeyboardInterrupt:
         raise
     except BaseException as error:
-        of = (owner if isinstance(owner, type) else type(owner)).__name__
+        kind = type(owner)  # not isinstance, which asks the owner
+        of = getattr(owner, "__name__", "") if issubclass(kind, type) else kind.__name__
         raise ControllerError(f"{of}.{name} cannot be read: {broken_by(error)}") from error
 
 
@@ -121,7 +122,7 @@ def place_of(written: Any) -> str:
         if code is not None:
             return f" ({code.co_filename}:{code.co_firstlineno})"
         return f" ({inspect.getsourcefile(written)}:{inspect.getsourcelines(written)[1]})"
-    except (AttributeError, OSError, TypeError, ValueError):
+    except Exception:  # what may be asked of somebody's object may fail in any way
         return ""
 
 
@@ -168,7 +169,7 @@ def load_class(kind: Kind, target: str, name: str) -> type[Any]:
         with folder_kept():
             module = importlib.import_module(module_name)
     except ModuleNotFoundError as error:
-        if error.name != module_name:
+        if not f"{module_name}.".startswith(f"{error.name}."):
             raise ControllerError(
                 f"{kind.word} {describe(name)}: module {describe(module_name)} cannot be imported: "
                 f"{broken_by(error)}"

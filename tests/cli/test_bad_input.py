@@ -198,6 +198,10 @@ ARGUMENTS = {
         ["small.yaml", "--controller", "no_such_module:X"],
         "--controller:", '"no_such_module:X"', 'no module "no_such_module"',
     ),
+    "no such package": (
+        ["small.yaml", "--controller", "no_such.module:X"],
+        "--controller:", '"no_such.module:X"', 'no module "no_such.module" in the current folder',
+    ),
     "no such class": (
         ["small.yaml", "--controller", "os:system"],
         "--controller:", '"os:system"', 'module "os" has no class "system"',

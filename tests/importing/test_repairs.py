@@ -13,6 +13,7 @@ import cv2
 import numpy as np
 import pytest
 import shapely
+from PIL import Image
 
 from physim import check_world
 from physim.authoring.importing import (
@@ -340,6 +341,39 @@ def test_transparent_cells_are_unknown(tmp_path: Path) -> None:
             continue
         line = shapely.LineString((import_world(tmp_path / "map.yaml").world.boundaries or ())[0])
         assert line.bounds == (0.0, 0.0, width, 20.0)
+
+
+@pytest.mark.parametrize("mode", ["L", "1", "I;16", "RGB", "P", "LA"])
+def test_one_colour_of_a_picture_may_be_transparent(tmp_path: Path, mode: str) -> None:
+    """White of the right half, as each kind of picture says it; the left half is nearly white."""
+    grey = np.full((40, 80), 254, dtype=np.uint8)
+    grey[:, 40:] = 255
+    image, one = Image.fromarray(grey), {"transparency": 255}
+    if mode == "1":  # and here black is the right half, and free
+        image, one = Image.fromarray(grey == 254), {"transparency": 0}
+    elif mode == "I;16":
+        image, one = Image.fromarray(grey.astype(np.uint16) * 257), {"transparency": 65535}
+    elif mode == "RGB":
+        image, one = image.convert("RGB"), {"transparency": (255, 255, 255)}
+    elif mode == "P":
+        image, one = image.convert("P"), {"transparency": 255}
+    elif mode == "LA":
+        image, one = (
+            Image.merge(
+                "LA", (image, Image.fromarray(np.where(grey == 254, 255, 0).astype(np.uint8)))
+            ),
+            {},
+        )
+    image.save(tmp_path / "map.png", **one)
+    more = {"negate": 1} if mode == "1" else {}
+    text = map_yaml("map.png", 0.5, (0, 0), **more)
+    (tmp_path / "map.yaml").write_text(text)
+    if mode == "1":  # what is not transparent is white, and with negate not free
+        with pytest.raises(ImportSourceError, match="no cell"):
+            import_world(tmp_path / "map.yaml")
+        return
+    line = shapely.LineString((import_world(tmp_path / "map.yaml").world.boundaries or ())[0])
+    assert line.bounds == (0.0, 0.0, 20.0, 20.0)
 
 
 def test_hidden_and_nameless_lines_of_a_drawing(tmp_path: Path) -> None:

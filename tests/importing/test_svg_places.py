@@ -285,6 +285,38 @@ def test_of_a_switch_one_alternative_is_drawn(tmp_path):
     assert obstacles(tmp_path, f"<switch>{OTHER}{PILLAR}</switch>")[0] == [15.0]
 
 
+@pytest.mark.parametrize("tag", ["polygon", "polyline"])
+@pytest.mark.parametrize(
+    ("points", "corners"),
+    [
+        ("9 4 12.5.5 10 5", [(9, 4), (12.5, 0.5), (10, 5)]),
+        ("+9+4+12+.5+10+5", [(9, 4), (12, 0.5), (10, 5)]),
+        ("9,4-12e-1.5,10 5", [(9, 4), (-1.2, 0.5), (10, 5)]),
+    ],
+)
+def test_numbers_of_points_need_no_gap(tmp_path, tag, points, corners):
+    path = tmp_path / "plan.svg"
+    moved = f'<g transform="translate(5,0)"><{tag} points="{points}"/></g>'
+    path.write_text(svg(f'{WALLS}\n<g id="obstacle">{moved}</g>\n{PATH}'))
+    (found,) = import_world(path, METRES).world.obstacles
+    assert set(found) == {(round(x + 5.0, 3), round(14.0 - y, 3)) for x, y in corners}
+
+
+@pytest.mark.parametrize("unit", ["mm", "cm", "in", "pt", "pc"])
+def test_units_may_be_in_capitals(tmp_path, unit):
+    """Of a page, of its shapes, and in styles."""
+    path, box, found = tmp_path / "plan.svg", 'y="9" width="1" height="1"', set()
+    for one in (unit, unit.upper(), unit.title()):
+        for place in (f'x="0.1{one}"', f'style="x:0.1{one}"'):
+            inner = f'{WALLS}\n<g id="obstacle"><rect {place} {box}/></g>\n{PATH}'
+            path.write_text(
+                svg(inner, f'width="24000{one}" height="14000{one}" viewBox="0 0 24 14"')
+            )
+            world = import_world(path, Options()).world
+            found.add((world.boundaries, world.obstacles))
+    assert len(found) == 1
+
+
 SIZED = '<symbol id="q" viewBox="0 0 9 9" width="9" height="9">{}</symbol>{}'
 VIEW = '<symbol id="r" viewBox="0 0 9 9"><use href="#q"/></symbol>'
 UNSIZED = SIZED.format(PILLAR, VIEW).replace('width="9" height="9">', ">")

@@ -145,13 +145,3 @@ def test_contact_at_the_start_is_found():
     assert (row["nx"], row["ny"], row["depth"]) == pytest.approx((1.0, 0.0, 0.0), abs=1e-12)
     assert physics.touching.tolist() == [True, True, False]
     assert physics.pose[:, 0].tolist() == [0.0, 1.0, 3.0]
-
-
-def test_pushes_are_those_of_pairs_that_touched():
-    """One may be eased onto another within a step: its push would be of no sample."""
-    pushes = Pairs(np.array([3, 5, 8]), np.array([1.0, 2.0, 4.0]))
-    assert pushes.among(np.array([3, 5, 8])) is pushes
-    found = pushes.among(np.array([1, 3, 8, 9]))
-    assert found.key.tolist() == [3, 8]
-    assert found.impulse.tolist() == [1.0, 4.0]
-    assert not len(pushes.among(np.zeros(0, np.int64)).key)

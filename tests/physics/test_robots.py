@@ -151,3 +151,33 @@ def test_both_parts_of_an_l_touch_but_one_row_tells():
     _, rows = drive(physics, [1.0, 0.0], 40)
     assert all(len(r) <= 1 for r in rows)
     assert len(rows[-1]) == 1
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_a_crowd_in_the_open_has_the_momentum_of_its_commands(seed):
+    """At every step, whoever touches whom, and however briefly: what one robot is given another
+    lacks."""
+    draw, dt = np.random.default_rng(seed), 0.01
+    shapes = [
+        box(1.0, 1.0),
+        box(1.8, 1.0),
+        box(0.8, 0.6),
+        [(1.0, 0.0), (-0.7, 0.55), (-0.7, -0.55)],
+    ]
+    place = np.linspace(0.0, 2 * np.pi, 5, endpoint=False) + draw.uniform(-0.3, 0.3, 5)
+    away = draw.uniform(2.2, 4.0, 5)
+    start = np.column_stack((away * np.cos(place), away * np.sin(place), place + np.pi))
+    start[:, 2] += draw.uniform(-0.5, 0.5, 5)
+    mass = 10.0 ** draw.uniform(1.8, 2.8, 5)
+    command = np.column_stack((draw.uniform(0.1, 0.9, 5), draw.uniform(-0.3, 0.3, 5)))
+    parts = [[shapes[k]] for k in draw.integers(4, size=5)]
+    poses, rows = drive(host(start, parts, dt=dt, mass=mass), command, 900)
+    moved = np.diff(poses, axis=0)[..., :2] / dt
+    half = 0.5 * command[:, 1] * dt
+    ahead = poses[:-1, :, 2] + half
+    wanted = (command[:, 0] * np.sinc(half / np.pi))[:, None] * np.stack(
+        (np.cos(ahead), np.sin(ahead)), axis=2
+    )
+    assert sum(map(len, rows)) > 200
+    lost = np.einsum("j,kjc->kc", mass, moved - wanted)
+    assert np.abs(lost).max() < 1e-6 * (mass * command[:, 0]).sum()

@@ -7,7 +7,7 @@ energy than they were commanded to have, and one of them at most all of it:
     m_i (v_i^2 + k_i^2 omega_i^2) <= sum over j of m_j (v_j^2 + k_j^2 omega_j^2)
 
 with radii of gyration k, and none is faster than `LEVER` times the fastest command among them: so
-fast is a light one that heavy ones squeeze out of a gap of 6 degrees between them. Twice a step
+fast is a light one that heavy ones squeeze out of a gap of 3 degrees between them. Twice a step
 each is eased out of overlaps, by a share of their depths.
 Pushing each other are robots that touch at either sample of the step, or that touched just before,
 and, where that does not explain a step, those within `PUSHED` of them, which they may meet in it.
@@ -31,7 +31,7 @@ from physim.tolerances import ONE_STEP, PUSHED, ULPS
 
 MOST_LOOKED_AT = 100
 """Steps of a block in which robots near others are looked for; in no honest run there was one"""
-LEVER = 20.0
+LEVER = 40.0
 """[-] Without this what is said of masses would let a light robot go anywhere."""
 
 

@@ -144,12 +144,12 @@ def read_image(path: Path) -> tuple[Any, Any]:
     Colours are averaged. Raises ImportSourceError for what is no image, too large or cut short.
     """
     data = read_bytes(path, MOST_IMAGE)
-    top = 0.0
+    top, unknown = 0.0, None
     if data[:2] in (b"P2", b"P5"):
         top = _check_pgm(path, data)
         data += b"\n"  # the decoder wants a space after the last number of a P2
     elif data.startswith(_PNG):
-        _check_png(path, data)
+        unknown = _check_png(path, data)
     else:
         raise refused(path, "is neither PGM (P2, P5) nor PNG")
     with _silent_decoder():
@@ -161,7 +161,9 @@ def read_image(path: Path) -> tuple[Any, Any]:
         raise refused(path, "cannot be decoded; the image is damaged")
     full = top if data[:2] == b"P5" or top > 255.0 else 255.0 * 257.0 ** (pixels.dtype.itemsize - 1)
     clear = np.zeros(pixels.shape[:2], dtype=bool)
-    if pixels.ndim == 3:
+    if pixels.ndim == 2 and unknown is not None:
+        clear = pixels == unknown
+    elif pixels.ndim == 3:
         if pixels.shape[2] in (2, 4):
             clear = pixels[:, :, -1] < 0.5 * full
             pixels = pixels[:, :, :-1]
@@ -235,9 +237,14 @@ def _check_pgm(path: Path, data: bytes) -> float:
     return float(top)
 
 
-def _check_png(path: Path, data: bytes) -> None:
-    """Walk over the chunks of a PNG: sizes, check sums, and the end that a cut file lacks."""
+def _check_png(path: Path, data: bytes) -> float | None:
+    """Walk over the chunks of a PNG: sizes, check sums, and the end that a cut file lacks.
+
+    Returns the brightness of a grey image's cells that are transparent, which OpenCV takes for any
+    other, scaled as it scales them; None where there are none.
+    """
     at, first = len(_PNG), True
+    bits, colours, clear = 8, 0, None
     while True:
         if at + 12 > len(data):
             raise refused(path, f"cut short: the PNG ends after {len(data)} bytes without its end")
@@ -251,6 +258,9 @@ def _check_png(path: Path, data: bytes) -> None:
             if kind != b"IHDR" or size != 13:
                 raise refused(path, "damaged: the PNG does not begin with its header")
             _check_size(path, int.from_bytes(body[:4], "big"), int.from_bytes(body[4:8], "big"))
+            bits, colours = body[8], body[9]
+        if kind == b"tRNS" and not colours and size == 2:
+            clear = int.from_bytes(body, "big") * (255.0 / (2**bits - 1) if bits < 8 else 1.0)
         if kind == b"IEND":
-            return
+            return clear
         at, first = at + 12 + size, False

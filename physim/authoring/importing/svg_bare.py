@@ -7,6 +7,7 @@ What no program draws where it stands is put into ``defs``, as the library knows
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Mapping
 from urllib.parse import unquote
 from xml.sax.saxutils import quoteattr
 
@@ -17,6 +18,7 @@ from physim.authoring.importing.svg_sheets import IGNORED, cut_of, declarations,
 from physim.authoring.importing.svg_values import (
     AUTO,
     EXTENTS,
+    NUMBER,
     PLACES,
     RADII,
     SHAPES,
@@ -108,21 +110,11 @@ class BareSvg:
         tag = name.removeprefix(SVG)
         tag = "other" if "|" in tag else tag
         shown = tag if tag.isascii() and tag.isalnum() else "element"
-        taken = (*UNGIVEN.get(tag, ()), *FURTHER.get(tag, ()))
-        kept = {
-            key: attributes[key]
-            for key in KEPT
-            if key in attributes and (key in taken or key not in OF_PLACE)
-        }
-        kept |= transform_of(attributes)
+        kept = {**_taken(tag, attributes, KEPT), **transform_of(attributes)}
         if kept.get("id") in self._ids:
             kept[SAME_ID] = kept.pop("id")
         self._ids.add(kept.get("id", ""))
-        style = {
-            key: value
-            for key, value in declarations(attributes.get("style", ""), STYLED).items()
-            if key in taken or key not in OF_PLACE
-        }
+        style = _taken(tag, declarations(attributes.get("style", ""), STYLED), STYLED)
         is_within = tag == "svg" and bool(self._ends)
         if tag == "svg" and not is_within:  # the page is where it is
             for key in ("x", "y"):
@@ -135,6 +127,8 @@ class BareSvg:
         own = {**kept, **style}
         if "d" in kept:
             kept["d"] = as_meant(kept["d"])
+        if "points" in kept:  # the library wants gaps between them
+            kept["points"] = " ".join(NUMBER.findall(kept["points"]))
         for key, other in (RADII, RADII[::-1]):
             given = own.get(key, AUTO if tag in ("ellipse", "rect") else "")
             if given.strip().lower() == AUTO:  # the library would take it for none
@@ -169,6 +163,19 @@ class BareSvg:
     def end(self) -> None:
         """End the element that was begun last."""
         self._parts.append(self._ends.pop())
+
+
+def _taken(tag: str, given: Mapping[str, str], keys: Iterable[str]) -> dict[str, str]:
+    """What an element takes of attributes, or of a style, among ``keys``.
+
+    Units are in small letters, the only ones that the library knows.
+    """
+    some = (*UNGIVEN.get(tag, ()), *FURTHER.get(tag, ()))
+    kept = {key: given[key] for key in keys if key in given}
+    kept = {key: value for key, value in kept.items() if key in some or key not in OF_PLACE}
+    return {
+        key: value.lower() if key in (*PLACES, *EXTENTS) else value for key, value in kept.items()
+    }
 
 
 def hidden(attributes: dict[str, str]) -> dict[str, str]:

@@ -264,8 +264,6 @@ class Physics:
         if self._has_failed(pushes, self._wanted, OF_PUSHES):
             self._forget(pairs)
             self._arrays.velocity[:] = np.where(self._failed[:, None], 0.0, self._wanted)
-        # who is eased onto another eases it, but does not push it: no sample would tell of that
-        pushes = pushes.among(self._pairs.key)
         hold_back(pushes.key, self._bodies, self._arrays.velocity, self._wanted)
         return pushes
 

@@ -28,13 +28,6 @@ class Pairs(NamedTuple):
     impulse: FloatArray
     """(K,) [N s]"""
 
-    def among(self, key: IntArray) -> Pairs:
-        """Those of them whose keys are among others, which are sorted."""
-        if np.array_equal(self.key, key):
-            return self
-        kept = np.isin(self.key, key, assume_unique=True)
-        return Pairs(self.key[kept], self.impulse[kept])
-
 
 def no_pairs() -> Pairs:
     """Return the empty set of pairs."""

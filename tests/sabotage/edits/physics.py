@@ -7,15 +7,6 @@ from tests.sabotage.edit import Edit
 EDITS = (
     Edit(
         "physics",
-        "physim/simulation/engine/pairs.py",
-        "Pairs.among",
-        "kept = np.isin(self.key, key, assume_unique=True)",
-        "kept = np.ones(len(self.key), dtype=bool)",
-        "who is eased onto another does not push it",
-        "tests/physics/test_pairs.py::test_pushes_are_those_of_pairs_that_touched",
-    ),
-    Edit(
-        "physics",
         "physim/simulation/engine/energy.py",
         "failures",
         "after[root] <= gain * before[root]",

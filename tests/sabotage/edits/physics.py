@@ -7,6 +7,15 @@ from tests.sabotage.edit import Edit
 EDITS = (
     Edit(
         "physics",
+        "physim/simulation/engine/host.py",
+        "Physics._hold_back",
+        "hold_back(pushes.key, self._bodies",
+        "hold_back(np.intersect1d(pushes.key, self._pairs.key), self._bodies",
+        "pushes reach robots that were eased apart",
+        "tests/physics/test_robots.py::test_a_crowd_in_the_open_has_the_momentum_of_its_commands",
+    ),
+    Edit(
+        "physics",
         "physim/simulation/engine/energy.py",
         "failures",
         "after[root] <= gain * before[root]",

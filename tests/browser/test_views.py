@@ -17,6 +17,7 @@ COPIES = (
     'x="-20" y="10" width="40" height="30"', 'width="30" height="12"', 'x="3mm" y="-10"',
     'x="-36" y="-36" width="72" height="72" transform="matrix(1 0 0 -1 12 20)"',
     'style="transform:scale(0.8, 0.9);x:4px" width="25px" height="40px"',
+    'x="-10%" y="5%" width="20%" height="15%"', 'style="x:10%" y="20pt" width="9%" height="80px"',
 )  # fmt: skip
 DRAWN = """() => {
   const use = document.querySelector('use'), found = [];
@@ -63,7 +64,10 @@ def test_symbols_with_views_lie_where_a_browser_draws_them(browser: Any, tmp_pat
 @pytest.mark.parametrize(
     ("symbol", "copy", "said"),
     [
-        (SYMBOLS[0], 'width="20%" height="3"', "width"),
+        (SYMBOLS[0], 'width="0%" height="3"', "width"),
+        (SYMBOLS[0], 'x="2em" width="4" height="3"', "x"),
+        (SYMBOLS[0], 'style="x:calc(1px + 2px)" width="4" height="3"', "x"),
+        (f'{SYMBOLS[0]} preserveAspectRatio="xMinYMidfoo"', "", "preserveAspectRatio"),
         (SYMBOLS[0], 'width="2em" height="3"', "width"),
         (SYMBOLS[0], 'width="auto" height="3"', "width"),
         (SYMBOLS[0], 'style="width:2px" height="3"', "style has a width"),

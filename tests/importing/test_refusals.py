@@ -248,6 +248,15 @@ DRAWINGS = {
     ),
     "turning": (svg('<g transform="turn(30)"/>'), ':2: … transform: … "turn(30)" … matrix'),
     "degrees": (svg('<g transform="rotate(30°)"/>'), ':2: … transform: … "rotate(30°)" … numbers'),
+    "size of a copy": (
+        svg(
+            '<defs><svg id="q" viewBox="0 0 4 4" width="2" height="2"><path d="M0,0 H3 V3 Z"/></svg>'
+            '</defs><use xlink:href="#q" width="100%" height="100%"/>'
+        ),
+        ":2: … <use> … another size",
+    ),
+    "stray sign": (svg('<polygon points="1,1 4,1 4 4 - 5 6"/>'), ':2: … points: "- 5'),
+    "two commas": (svg('<polygon points="1,1,,4,1 4,4"/>'), ':2: … points: ",,4'),
     "size in a style": (
         svg('<svg viewBox="0 0 4 4" style="width:9px"><path d="M0,0 H3 V3 Z"/></svg>'),
         ":2: … style has a width … attribute",

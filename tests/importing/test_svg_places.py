@@ -317,6 +317,19 @@ def test_units_may_be_in_capitals(tmp_path, unit):
     assert len(found) == 1
 
 
+@pytest.mark.parametrize(
+    "inner",
+    [
+        f'<use href="#q">{OTHER}</use>',
+        f'<path d="M10,10h1v1z">{OTHER}</path>',
+        PILLAR + OTHER.replace("<rect", '<rect requiredExtensions=""'),
+        PILLAR + OTHER.replace("<rect", '<rect xmlns=""'),
+    ],
+)
+def test_what_no_browser_draws_is_no_obstacle(tmp_path, inner):
+    assert obstacles(tmp_path, f"<defs><g id='q'>{PILLAR}</g></defs>{inner}")[0] == [10.0]
+
+
 SIZED = '<symbol id="q" viewBox="0 0 9 9" width="9" height="9">{}</symbol>{}'
 VIEW = '<symbol id="r" viewBox="0 0 9 9"><use href="#q"/></symbol>'
 UNSIZED = SIZED.format(PILLAR, VIEW).replace('width="9" height="9">', ">")

@@ -85,6 +85,7 @@ class _Guard:
         self.drawn = 0
         self.hidden = 0
         self.sheets = Sheets()
+        self.has_names = True  # whether elements are of the namespace of SVG, as they should be
         self.pages = 0  # drawings within the drawing that have ended
         self.views: list[tuple[int, str, dict[str, str]]] = []  # pages and symbols, by depth
         self.symbols: dict[str, tuple[str, Mapping[str, str]]] = {}
@@ -139,6 +140,9 @@ class _Guard:
 
     def _start(self, name: str, attributes: dict[str, str]) -> None:
         line = self.parser.CurrentLineNumber
+        self.has_names = name.startswith(SVG) if not self.open else self.has_names
+        if self.has_names and "|" not in name:  # taken out of the namespace
+            name = f"|{name}"
         tag = name.removeprefix(SVG)
         attributes = self._shown(tag, self._styled(tag, attributes))
         self._check_shown(tag, attributes)
@@ -180,9 +184,10 @@ class _Guard:
         within = self.open[-1][0] if self.open else ""
         if within == "switch":
             attributes = self._alternative(attributes)
-        elif attributes.get("requiredExtensions", "").strip():
+        elif "requiredExtensions" in attributes:
             attributes = hidden(attributes)
-        return hidden(attributes) if within in SHAPES else attributes  # nothing is drawn in a shape
+        is_drawn = within not in (*SHAPES, "use")  # nothing is drawn in a shape, or in a copy
+        return attributes if is_drawn else hidden(attributes)
 
     def _check_root(self, tag: str, name: str, hides: bool) -> None:
         if tag != "svg":
@@ -306,7 +311,7 @@ class _Guard:
         That is the first that needs no extension, of whatever language.
         """
         within = self.open[-1][1]
-        if within.is_drawn or attributes.get("requiredExtensions", "").strip():
+        if within.is_drawn or "requiredExtensions" in attributes:
             return hidden(attributes)
         within.is_drawn = True
         return attributes

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Mapping
 from math import isfinite
 
 from physim.escaping import escaped
@@ -21,7 +22,8 @@ PAGE = re.compile(rf"\s*({NUMBER.pattern})\s*[A-Za-z%]*\s*$")
 """A unit that is none stands for user units, as some programs write ``30m``."""
 NO_LENGTH = re.compile(r"(?:em|ex|ch|lh|rem|v[a-z]+)\s*$", re.I)
 """Units of a font or of a window"""
-NO_POINTS = re.compile(r"[^eE0-9+\-.,\s]")
+NO_POINTS = re.compile(r"[^0,\s]|,\s*,|^\s*,")
+"""Of points, with noughts for their numbers"""
 PLACES = ("x", "y", "cx", "cy", "x1", "y1", "x2", "y2")
 EXTENTS = ("width", "height", "r", "rx", "ry")
 RADII = ("rx", "ry")
@@ -55,7 +57,7 @@ def page_fault(values: dict[str, str]) -> str:
     return ""
 
 
-def place_fault(values: dict[str, str], of_page: bool) -> str:
+def place_fault(values: Mapping[str, str], of_page: bool) -> str:
     """What is wrong with x and y of a copy, or of an ``svg`` within another; else empty.
 
     ``of_page`` says whether they may be shares of the page.
@@ -121,7 +123,7 @@ def shape_fault(tag: str, values: dict[str, str]) -> str:
     """What is wrong with the lengths and points of a shape; empty where nothing is."""
     for key in (*PLACES, *EXTENTS) if tag in SHAPES else ():
         given = values.get(key, "").strip()
-        if not given or (given == AUTO and key in EXTENTS):
+        if not given or (given == AUTO and key in EXTENTS and key != "r"):
             continue
         found = LENGTH.match(given)
         if found is None or not isfinite(float(found[1])):
@@ -135,7 +137,8 @@ def shape_fault(tag: str, values: dict[str, str]) -> str:
         if key in EXTENTS and float(found[1]) < 0.0:
             return f'{key}="{escaped(given)[:40]}": must not be negative'
     points = values.get("points", "") if tag in ("polyline", "polygon") else ""
-    if bad := NO_POINTS.search(points):
+    gaps = NUMBER.sub(lambda found: "0" * len(found[0]), points)
+    if bad := NO_POINTS.search(gaps):
         return f'points: "{escaped(points[bad.start() : bad.start() + 20])}" cannot be read'
     if (count := len(NUMBER.findall(points))) % 2:
         return f"points: {count} numbers; they come in pairs x,y"

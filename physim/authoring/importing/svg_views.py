@@ -10,14 +10,14 @@ from collections.abc import Mapping
 
 from physim.authoring.importing.svg_css import NAMESPACE
 from physim.authoring.importing.svg_sheets import declarations, look_ahead
-from physim.authoring.importing.svg_values import NUMBER, page_fault, pixels_of, place_fault
+from physim.authoring.importing.svg_values import LENGTH, NUMBER, page_fault, pixels_of, place_fault
 from physim.escaping import escaped
 
 BOX = ("x", "y", "width", "height")
 ALIGN = {"Min": 0.0, "Mid": 0.5, "Max": 1.0}
 """Share of what is left over that lies before the view"""
-UNSIZED = ("", "100%")
-"""Sizes that are those of the page"""
+WHOLE = "100%"
+"""Size of what has none: that of the page"""
 
 
 class ViewError(Exception):
@@ -64,26 +64,29 @@ def fitted(
     """
     own = {**attributes, **declarations(attributes.get("style", ""), BOX)}
     if tag == "svg":
-        if any(own.get(key, "") not in UNSIZED for key in ("width", "height")):
+        if any(own[key] != view.get(key, WHOLE) for key in ("width", "height") if key in own):
             raise ViewError("gives an <svg> with a viewBox another size, which is not read")
         return attributes
     for key in declarations(attributes.get("style", ""), ("width", "height")):
         raise ViewError(f"its style has a {key}, which not all browsers read; make it an attribute")
-    places = {key: view[key] for key in ("x", "y") if key in view}
-    if wrong := page_fault({"viewBox": view.get("viewBox", "0 0 1 1")}) or place_fault(
-        places, of_page=False
-    ):
+    if wrong := page_fault({"viewBox": view.get("viewBox", "0 0 1 1")}) or place_fault(view, True):
         raise ViewError(f"copies a symbol: {wrong}")
-    x, y = (pixels_of(own.get(key, "0")) + pixels_of(places.get(key, "0")) for key in ("x", "y"))
+    if wrong := place_fault(own, True):
+        raise ViewError(wrong)
+    x, y = (
+        _length(own.get(key, "0"), key, page) + _length(view.get(key, "0"), key, page)
+        for key in ("x", "y")
+    )
     if "viewBox" not in view:
         return _moved(attributes, f"translate({x!r},{y!r})")
     left, top, wide, high = (float(one) for one in NUMBER.findall(view["viewBox"]))
     own = {**{key: view[key] for key in ("width", "height") if key in view}, **own}
-    width, height = (_size(own, key, page) for key in ("width", "height"))
+    width, height = (_length(own.get(key, WHOLE), key, page) for key in ("width", "height"))
     a, d = width / wide, height / high
     align, _, how = (view.get("preserveAspectRatio") or "xMidYMid").strip().partition(" ")
     shares = [ALIGN.get(align[k : k + 3], -1.0) for k in (1, 5)]
-    if align != "none" and (min(shares) < 0.0 or how.strip() not in ("", "meet", "slice")):
+    is_known = align == "none" or (min(shares) >= 0.0 and len(align) == len("xMidYMid"))
+    if not is_known or how.strip() not in ("", "meet", "slice"):
         given = escaped(view["preserveAspectRatio"])[:40]
         raise ViewError(f'copies a symbol: preserveAspectRatio="{given}" cannot be read')
     if align != "none":
@@ -104,16 +107,20 @@ def _moved(attributes: Mapping[str, str], moved: str) -> dict[str, str]:
     return {**kept, "style": ";".join(rest)} if rest else kept
 
 
-def _size(own: Mapping[str, str], key: str, page: Mapping[str, str]) -> float:
-    given = own.get(key, "").strip()
-    if given in UNSIZED:
+def _length(given: str, key: str, page: Mapping[str, str]) -> float:
+    """[px] Length of a box, above 0 where it is a size; shares are of the page."""
+    found = LENGTH.match(given)
+    size = pixels_of(given)
+    if given.strip().endswith("%") and found is not None:
+        side = {"x": "width", "y": "height"}.get(key, key)
         box = NUMBER.findall(page.get("viewBox", ""))
-        size = float(box[BOX.index(key)]) if len(box) == 4 else pixels_of(page.get(key, ""))
-    else:
-        size = pixels_of(given)
-    if not size > 0.0:
+        whole = float(box[BOX.index(side)]) if len(box) == 4 else pixels_of(page.get(side, ""))
+        size = float(found[1]) / 100.0 * whole
+        found = found if whole > 0.0 else None
+    is_wrong = key in ("width", "height") and not 0.0 < size < float("inf")
+    if found is None or is_wrong:
         raise ViewError(
-            f'copies a symbol with a viewBox, and its {key} "{escaped(given)[:40]}" cannot be '
-            "read; give it in px or mm"
+            f'copies a symbol, and its {key} "{escaped(given)[:40]}" cannot be read; give it in px '
+            "or mm"
         )
     return size

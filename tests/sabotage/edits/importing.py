@@ -7,6 +7,33 @@ from tests.sabotage.edit import Edit
 EDITS = (
     Edit(
         "importing",
+        "physim/authoring/importing/svg_guard.py",
+        "_Guard._shown",
+        'within not in (*SHAPES, "use")',
+        "within not in SHAPES",
+        "nothing is drawn in a copy",
+        "tests/importing/test_svg_places.py::test_what_no_browser_draws_is_no_obstacle",
+    ),
+    Edit(
+        "importing",
+        "physim/authoring/importing/svg_values.py",
+        "shape_fault",
+        "if bad := NO_POINTS.search(gaps):",
+        "if bad := None:",
+        "points hold numbers and gaps alone",
+        "tests/importing/test_refusals.py::test_drawings",
+    ),
+    Edit(
+        "importing",
+        "physim/authoring/importing/svg_views.py",
+        "fitted",
+        "own[key] != view.get(key, WHOLE)",
+        "own[key] not in (WHOLE, view.get(key, WHOLE))",
+        "a copy of a drawing has its size",
+        "tests/importing/test_refusals.py::test_drawings",
+    ),
+    Edit(
+        "importing",
         "physim/authoring/importing/svg_bare.py",
         "BareSvg.start",
         'kept["points"] = " ".join(NUMBER.findall(kept["points"]))',

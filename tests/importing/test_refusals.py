@@ -250,7 +250,7 @@ DRAWINGS = {
     "degrees": (svg('<g transform="rotate(30°)"/>'), ':2: … transform: … "rotate(30°)" … numbers'),
     "size of a copy": (
         svg(
-            '<defs><svg id="q" viewBox="0 0 4 4" width="2" height="2"><path d="M0,0 H3 V3 Z"/></svg>'
+            '<defs><svg id="q" viewBox="0 0 4 4" width="2"><path d="M0,0 H3 V3 Z"/></svg>'
             '</defs><use xlink:href="#q" width="100%" height="100%"/>'
         ),
         ":2: … <use> … another size",

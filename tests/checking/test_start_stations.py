@@ -27,7 +27,7 @@ def told(tmp_path: Path, y: float, path: str, more: str = "") -> list[str]:
     file.write_text(HAIRPIN.format(y=y, path=path, more=more), encoding="utf-8")
     found = check_world(file)
     assert found.ok
-    return [one.message for one in found.warnings if "beyond a wall" in one.message]
+    return [one.message for one in found.warnings if "beyond a wall or an obstacle" in one.message]
 
 
 def test_the_reference_path_beyond_a_wall_is_a_warning(tmp_path: Path) -> None:
@@ -53,6 +53,28 @@ def test_the_stretch_that_is_meant_is_none(tmp_path: Path, y: float, path: str, 
     assert told(tmp_path, y, path, more) == []
 
 
+def test_an_obstacle_between_is_a_wall(tmp_path: Path) -> None:
+    """As the inner walls of imported drawings and maps are."""
+    file = tmp_path / "hall.yaml"
+    file.write_text(
+        """\
+name: hall
+time: {step: 0.01, duration: 10}
+boundaries: [[[-3, -4], [38, -4], [38, 10], [-3, 10], [-3, -4]]]
+obstacles: [[[-3, 4], [30, 4], [30, 4.2], [-3, 4.2]]]
+reference_path: [[0, 0], [34, 0], [34, 5.2], [0, 5.2]]
+robots:
+  - {name: a, footprint: {length: 0.8, width: 0.4}, pose: [8, 3, 0],
+     path: [[0, 0], [34, 0], [34, 5.2], [0, 5.2]]}
+""",
+        encoding="utf-8",
+    )
+    told = [one.message for one in check_world(file).warnings if "an obstacle, and" in one.message]
+    assert len(told) == 1
+    assert "2.2 m from its path" in told[0]
+    assert "stretch at 8.00 m, in sight, is 3 m away" in told[0]
+
+
 def test_a_path_round_a_pillar_is_none(tmp_path: Path) -> None:
     """The nearest stretch is behind the pillar, and the robot on its way there."""
     file = tmp_path / "pillar.yaml"
@@ -71,7 +93,9 @@ formation: {gain: 0.05, speed: 0.8, limits: [0.5, 1.0]}
 """,
         encoding="utf-8",
     )
-    assert not [one for one in check_world(file).warnings if "beyond a wall" in one.message]
+    assert not [
+        one for one in check_world(file).warnings if "beyond a wall or an obstacle" in one.message
+    ]
 
 
 def test_another_robot_beyond_the_wall_is_counted(tmp_path: Path) -> None:
@@ -89,6 +113,6 @@ def test_a_run_tells_it_too(
     file.write_text(HAIRPIN.format(y=y, path="{offset: 0}", more=""), encoding="utf-8")
     short = ("--set", "time.duration=0.5", "--no-video", "--quiet")
     done = physim("run", file, *short, "-o", tmp_path / "out", capture=capsys)
-    lines = [one for one in done.err.splitlines() if "beyond a wall" in one]
+    lines = [one for one in done.err.splitlines() if "beyond a wall or an obstacle" in one]
     assert len(lines) == told_lines
     assert all("hairpin.yaml:7:60: robots[0].pose" in one for one in lines)

@@ -1,6 +1,7 @@
 """Stations at the start against walls: a robot is on the stretch of a path that is nearest to it.
 
-That may lie beyond a wall, on another leg, where the stretch that is meant is farther away.
+That may lie beyond a wall, or an obstacle, on another leg, where the stretch that is meant is
+farther away.
 """
 
 from __future__ import annotations
@@ -41,9 +42,9 @@ def check_start_stations(laid: PartialLayout, found: Diagnostics) -> None:
     Told only where another stretch, far from it along the path, is in sight.
     """
     placed = [i for i in laid.paths if not np.isnan(laid.start[i, :2]).any()]
-    if not laid.walls or not placed:
+    if not (laid.walls or laid.solids) or not placed:
         return
-    lines = [shapely.get_coordinates(shape) for _, shape in laid.walls]
+    lines = [shapely.get_coordinates(shape) for _, shape in (*laid.walls, *laid.solids)]
     walls = shapely.STRtree(
         shapely.linestrings(np.concatenate([np.stack([a[:-1], a[1:]], axis=1) for a in lines]))
     )
@@ -93,8 +94,9 @@ def _check(
     found.warn(
         where,
         f"{describe(laid.names[i])} starts {near:.4g} m from {called} at {station:.2f} m along it, "
-        f"beyond a wall, and counts as there{more}; the stretch at {other:.2f} m, in sight, is "
-        f"{seen_at:.4g} m away; start it nearer to that, or lead the path farther from the wall",
+        f"beyond a wall or an obstacle, and counts as there{more}; the stretch at {other:.2f} m, in "
+        f"sight, is {seen_at:.4g} m away; start it nearer to that, or lead the path farther from "
+        "what is between",
     )
 
 

@@ -25,6 +25,15 @@ EDITS = (
     ),
     Edit(
         "checking",
+        "physim/world/checks/start_stations.py",
+        "check_start_stations",
+        "(*laid.walls, *laid.solids)",
+        "laid.walls",
+        "an obstacle between a start and its stretch counts as a wall",
+        "tests/checking/test_start_stations.py::test_an_obstacle_between_is_a_wall",
+    ),
+    Edit(
+        "checking",
         "physim/cli/simulating.py",
         "ready",
         "doubtful_starts(scene.layout)",

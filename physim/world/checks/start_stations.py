@@ -94,9 +94,9 @@ def _check(
     found.warn(
         where,
         f"{describe(laid.names[i])} starts {near:.4g} m from {called} at {station:.2f} m along it, "
-        f"beyond a wall or an obstacle, and counts as there{more}; the stretch at {other:.2f} m, in "
-        f"sight, is {seen_at:.4g} m away; start it nearer to that, or lead the path farther from "
-        "what is between",
+        f"beyond a wall or an obstacle, and counts as there{more}; the stretch at {other:.2f} m, "
+        f"in sight, is {seen_at:.4g} m away; start it nearer to that, or lead the path farther "
+        "from what is between",
     )
 
 

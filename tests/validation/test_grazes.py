@@ -219,6 +219,36 @@ def test_so_is_one_after_a_touch_at_a_sample_that_held_up_nobody():
     assert found.code == 1
 
 
+ARC = """\
+name: arc
+time: {step: 0.01, duration: 0.3}
+boundaries: [[[0, -4], [20, -4], [20, 4], [0, 4], [0, -4]]]
+reference_path: [[0.5, 0], [7.5, 0]]
+robots:
+  - {name: a, footprint: [[0.8, 0], [-0.4, 0.5], [-0.4, -0.5]], limits: {v: 2.0, omega: 3.0},
+     pose: [3.734382391019397, -1.0781452205777287, 7.064970382814139], path: {offset: 0}}
+  - {name: b, footprint: {length: 0.6, width: 0.4}, limits: {v: 0.5, omega: 1.6},
+     pose: [4.620562448199894, -0.33954680528368186, 3.3836231201749416], path: {offset: 0}}
+controller: {type: constant, commands: [[2.0, 3.0], [0.5, 0.0]]}
+"""
+"""On the arc a's side comes 12 um into a corner of b at 0.0941 s; on the chord they stay apart."""
+
+
+def test_a_graze_of_the_arc_that_the_chord_does_not_make_is_explained():
+    record = physim.simulate(physim.parse_world(ARC))
+    found = validate(record)
+    assert found.grazes == ()
+    (contact,) = found.contacts
+    assert contact.prediction.predicted == pytest.approx(0.0941, abs=1e-3)
+    assert contact.time > 0.2
+    assert contact.prediction.verdict == TOUCHED_BEFORE
+    assert found.code == 1
+    near = partial(Predictor(record, DecisionTable(record))._is_near, 0, 1, 25)
+    assert near(contact.prediction.predicted, 2e-4)
+    assert not near(contact.prediction.predicted, 1e-9)
+    assert not near(contact.prediction.predicted + 0.05, 2e-4)
+
+
 def test_a_graze_at_another_time_explains_nothing():
     record = physim.simulate(physim.parse_world(SPIKE), controller=Once())
     (graze,) = grazes(record)

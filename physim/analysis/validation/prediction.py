@@ -151,14 +151,17 @@ class Predictor:
         until = found + dt + min(slack, MOST_SLACK) - made * dt
         predicted = made * dt + self.due(a, b, made, until)
         verdict = AGREES if found - dt - slack <= predicted <= found + slack else DISAGREES
-        if verdict == DISAGREES and self._touches_then(a, b, step, predicted, gap):
-            verdict = AGREES
+        is_near = verdict == DISAGREES and self._is_near(a, b, step, predicted, gap)
+        if is_near and b < self.record.robots and predicted >= (step - 2) * dt:
+            verdict = AGREES  # they close slowly
         if predicted == made * dt and verdict == DISAGREES:
             verdict = STILL_TOUCHING
         elif not all(self._as_commanded(i, made, step) for i in robots):
             verdict = NOT_AS_COMMANDED
-        elif verdict == DISAGREES and self._touched_then(a, b, made, step, predicted, slack):
-            verdict = TOUCHED_BEFORE
+        elif verdict == DISAGREES and (
+            is_near or self._touched_then(a, b, made, step, predicted, slack)
+        ):
+            verdict = TOUCHED_BEFORE  # perhaps on the arc alone, by less than the chord is off it
         early = self._earlier(a, b, robots, made, step, touched) if earlier else ()
         return Prediction(a, b, step, found, touched, made * dt, predicted, slack, verdict, early)
 
@@ -168,15 +171,20 @@ class Predictor:
         goal = arc(tuple(before), v, omega, (end - start) * self.record.dt)
         return bool(np.abs(np.array(goal) - now).max() <= AS_COMMANDED)
 
-    def _touches_then(self, a: int, b: int, step: int, predicted: float, gap: float) -> bool:
-        """Whether the two are within ``gap`` at the predicted time: closing is slow, a graze."""
+    def _is_near(self, a: int, b: int, step: int, predicted: float, gap: float) -> bool:
+        """Whether the two are within 2 ``gap`` at the predicted time, up to ``step``: a graze."""
         place = predicted / self.record.dt
-        if not step - 2 <= place <= step + 1 or b >= self.record.robots:
+        if place > step + 1:
             return False
         before = max(0, min(math.floor(place), self.record.samples - 2))
         start, end = self.record.pose_at(before), self.record.pose_at(before + 1)
         now = start + (place - before) * (end - start)
-        return abs(body_distance(self.shapes, a, now[a], self.shapes, b, now[b])) <= 2.0 * gap
+        if b < self.record.robots:
+            apart = body_distance(self.shapes, a, now[a], self.shapes, b, now[b])
+        else:
+            wall, still = b - self.record.robots, np.zeros(3)
+            apart = body_distance(self.shapes, a, now[a], self.record.walls, wall, still)
+        return abs(apart) <= 2.0 * gap
 
     def _touched_then(
         self, a: int, b: int, made: int, step: int, predicted: float, slack: float

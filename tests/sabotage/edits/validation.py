@@ -7,6 +7,15 @@ from tests.sabotage.edit import Edit
 EDITS = (
     Edit(
         "validation",
+        "physim/analysis/validation/prediction.py",
+        "Predictor.predict",
+        "is_near or self._touched_then(",
+        "self._touched_then(",
+        "a touch of the arc that the chord misses explains a prediction",
+        "tests/validation/test_grazes.py::test_a_graze_of_the_arc_that_the_chord_does_not_make_is_explained",
+    ),
+    Edit(
+        "validation",
         "physim/analysis/validation/sums.py",
         "_stood",
         "int(np.argmin(least)) != row[when] or least.min() != row[value]",

@@ -4,6 +4,10 @@ from __future__ import annotations
 
 import re
 import shlex
+import shutil
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -22,6 +26,8 @@ COMPILING = 30
 """[s] about, for all that its jobs need"""
 PICTURE = re.compile(r"(\d[a-z]?|study)-[a-z_]+\.png")
 """Name of a picture that a reproduction drew"""
+NEW, PARTIAL = ".reproducing-", "interrupted"
+"""Folders of new results while there are earlier ones, and after an interrupt"""
 
 
 @command("reproduce", "the paper's figures again, reported beside measured")
@@ -62,7 +68,8 @@ def reproduce(options: Options) -> int:
     exit codes:
       0    done, whatever the verdicts
       2    bad input
-      130  interrupted (Ctrl-C): the pages hold what was done by then
+      130  interrupted (Ctrl-C): the pages hold what was done by then; where DIR has earlier ones,
+           these stay, and the new ones are in DIR/interrupted
 
     examples:
       physim reproduce --quick
@@ -77,36 +84,84 @@ def reproduce(options: Options) -> int:
     from physim.reproduction.reproduce import reproduce as run_all
 
     plan = make_plan(options.figure, options.study, options.quick, not options.no_video)
-    folder = _folder(options.output, plan, options.force)
-    tell_notices(plan.notices())
-
-    with interrupts() as interrupt:
-        _warm_up(plan, options.quiet)
-        with Bar("reproduce", 1.0, "jobs", options.quiet) as bar:
-            report = run_all(
-                plan, folder, workers=options.workers or worker_count(), command=_command(options),
-                stop=interrupt, progress=bar.count,
-            )  # fmt: skip
-        for name, text in pages(report, folder).items():
-            write_text(folder / name, text)
+    with _new_results(options.output, plan, options.force) as new:
+        tell_notices(plan.notices())
+        with interrupts() as interrupt:
+            _warm_up(plan, options.quiet)
+            with Bar("reproduce", 1.0, "jobs", options.quiet) as bar:
+                report = run_all(
+                    plan, new, workers=options.workers or worker_count(),
+                    command=_command(options), stop=interrupt, progress=bar.count,
+                )  # fmt: skip
+            for name, text in pages(report, new).items():
+                write_text(new / name, text)
+        folder = _put(new, options.output, report.interrupted)
     if not options.quiet:
         print(_verdicts(report), end="")
         print(f"written to {folder}/: {', '.join(PAGES)}")
     return INTERRUPTED if report.interrupted else 0
 
 
-def _folder(folder: Path, plan: Plan, force: bool) -> Path:
-    """Make the folders to write to. Raises PhysimError where there is something already."""
-    from physim.reproduction.plan import PICTURES
-    from physim.reproduction.reproduce import PAGES
+@contextmanager
+def _new_results(folder: Path, plan: Plan, force: bool) -> Iterator[Path]:
+    """Where to write to: ``folder``, or a new one in it while it holds results already.
 
+    Raises PhysimError where there is something already that is not to be overwritten, and where
+    another reproduction is writing there.
+    """
+    from physim.record.lock import WriteLock, check_unwritten
+    from physim.reproduction.plan import PICTURES
+    from physim.reproduction.reproduce import JSON, PAGES
+
+    check_unwritten(folder / JSON)
     empty_folder(folder, force, *(folder / name for name in (PICTURES, *plan.worlds, *PAGES)))
     with writing(folder):
-        for name in (PICTURES, *plan.worlds):
-            (folder / name).mkdir(parents=True, exist_ok=True)
-        pictures = (one for one in (folder / PICTURES).iterdir() if PICTURE.fullmatch(one.name))
-        for old in (*(folder / name for name in PAGES), *pictures):
-            old.unlink(missing_ok=True)
+        folder.mkdir(parents=True, exist_ok=True)
+        lock = WriteLock(folder / JSON)
+    new = folder
+    try:
+        with writing(folder):
+            for left in folder.glob(f"{NEW}*"):  # by one that was killed
+                shutil.rmtree(left)
+            if any((folder / name).exists() for name in PAGES):
+                new = Path(tempfile.mkdtemp(prefix=NEW, dir=folder))
+            else:
+                _remove_pictures(folder / PICTURES)
+            for name in (PICTURES, *plan.worlds):
+                (new / name).mkdir(exist_ok=True)
+        yield new
+    finally:
+        if new != folder:
+            shutil.rmtree(new, ignore_errors=True)
+        lock.release()
+
+
+def _remove_pictures(folder: Path) -> None:
+    for old in folder.iterdir() if folder.exists() else ():
+        if PICTURE.fullmatch(old.name):
+            old.unlink()
+
+
+def _put(new: Path, folder: Path, interrupted: bool) -> Path:
+    """Put new results in the place of earlier ones, or, where they are not whole, beside them.
+
+    Returns where they are then.
+    """
+    from physim.reproduction.plan import PICTURES
+
+    if new == folder:
+        return folder
+    with writing(folder):
+        if interrupted:
+            shutil.rmtree(folder / PARTIAL, ignore_errors=True)
+            return new.rename(folder / PARTIAL)
+        _remove_pictures(folder / PICTURES)
+        for file in sorted(new.rglob("*")):
+            goal = folder / file.relative_to(new)
+            if file.is_dir():
+                goal.mkdir(exist_ok=True)
+            else:
+                file.replace(goal)
     return folder
 
 

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 
+from physim.cli.reproduce import NEW, PARTIAL
 from physim.reproduction.report import Report
 from physim.reproduction.reproduce import warm_up
 from tests.cli.commands import physim, started
@@ -19,7 +20,7 @@ PAGES = ("REPRODUCTION.md", "reproduction.html", "reproduction.json")
 
 def contents(folder: Path) -> dict[str, bytes]:
     files = (*folder.glob("*.*"), *folder.glob("figures/*"))
-    return {str(file.relative_to(folder)): file.read_bytes() for file in files}
+    return {str(file.relative_to(folder)): file.read_bytes() for file in files if file.is_file()}
 
 
 def test_one_figure(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -98,6 +99,35 @@ def test_interrupted_with_what_is_done(number: signal.Signals, tmp_path: Path) -
     assert report.sections[0].missing
     assert "It was interrupted" in (tmp_path / "out" / PAGES[0]).read_text()
     assert not list(tmp_path.rglob("*.part"))
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGKILL])
+def test_earlier_results_stay_until_there_are_new_ones(
+    number: signal.Signals, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    out = tmp_path / "out"
+    again = ("--no-video", "--figure", "1", "-o", out, "--force")
+    assert physim(*QUICK, *again, capture=capsys).code == 0
+    first = contents(out)
+    process = started("reproduce", *again, folder=tmp_path)
+    try:
+        while process.poll() is None and not list(out.glob(f"{NEW}*/figures/*.png")):
+            time.sleep(0.02)
+        process.send_signal(number)
+        _, err = process.communicate(timeout=60)
+    finally:
+        process.kill()
+    assert "Traceback" not in err
+    there = contents(out)
+    assert {name: there[name] for name in first} == first
+    if number == signal.SIGKILL:
+        assert list(out.glob(f"{NEW}*"))
+        assert physim(*QUICK, *again, capture=capsys).code == 0
+        assert contents(out) == first
+    else:
+        assert process.returncode == 130
+        assert Report.from_json((out / PARTIAL / PAGES[2]).read_text()).interrupted
+    assert not list(out.glob(f"{NEW}*"))
 
 
 def test_only_pictures_of_a_reproduction_are_taken_for_them() -> None:

@@ -259,8 +259,9 @@ def _check_png(path: Path, data: bytes) -> float | None:
                 raise refused(path, "damaged: the PNG does not begin with its header")
             _check_size(path, int.from_bytes(body[:4], "big"), int.from_bytes(body[4:8], "big"))
             bits, colours = body[8], body[9]
-        if kind == b"tRNS" and not colours and size == 2:
-            clear = int.from_bytes(body, "big") * (255.0 / (2**bits - 1) if bits < 8 else 1.0)
+        if kind == b"tRNS" and not colours and size == 2 and clear is None:
+            grey = int.from_bytes(body, "big") % 2**bits
+            clear = grey * (255.0 / (2**bits - 1) if bits < 8 else 1.0)
         if kind == b"IEND":
             return clear
         at, first = at + 12 + size, False

@@ -7,6 +7,15 @@ from tests.sabotage.edit import Edit
 EDITS = (
     Edit(
         "cli",
+        "physim/cli/reproduce.py",
+        "_new_results",
+        "if any((folder / name).exists() for name in PAGES):",
+        "if False:",
+        "earlier results stay until there are new ones",
+        "tests/cli/test_reproduce.py::test_earlier_results_stay_until_there_are_new_ones",
+    ),
+    Edit(
+        "cli",
         "physim/cli/__init__.py",
         "main",
         "alone and code == INTERRUPTED and is_kept()",

@@ -54,7 +54,7 @@ EDITS = (
         "importing",
         "physim/authoring/importing/source.py",
         "_check_png",
-        'if kind == b"tRNS" and not colours and size == 2:',
+        'if kind == b"tRNS" and not colours and size == 2 and clear is None:',
         "if False:",
         "a transparent grey is unknown",
         "tests/importing/test_repairs.py::test_one_colour_of_a_picture_may_be_transparent",

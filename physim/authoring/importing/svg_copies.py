@@ -21,6 +21,8 @@ class Element:
     """functions that move these, its own only when it has ended"""
     copies: list[tuple[str, int]] = field(default_factory=list)
     """ids, and how many functions below this element move what is copied"""
+    has_shares: bool = False
+    """whether an ``svg`` with a viewBox is in it that is as large as a share of what is about it"""
     is_drawn: bool = False
     """of a ``switch``: whether one of its alternatives is"""
 

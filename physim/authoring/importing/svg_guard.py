@@ -53,7 +53,7 @@ from physim.authoring.importing.svg_values import (
     transform_fault,
     turns,
 )
-from physim.authoring.importing.svg_views import ViewError, fitted, views_of
+from physim.authoring.importing.svg_views import WHOLE, ViewError, fitted, views_of
 from physim.escaping import escaped
 
 MOST_ELEMENTS = 100_000
@@ -85,6 +85,7 @@ class _Guard:
         self.drawn = 0
         self.hidden = 0
         self.sheets = Sheets()
+        self.copied: list[tuple[str, int]] = []  # ids, and lines of the copies
         self.has_names = True  # whether elements are of the namespace of SVG, as they should be
         self.pages = 0  # drawings within the drawing that have ended
         self.views: list[tuple[int, str, dict[str, str]]] = []  # pages and symbols, by depth
@@ -113,6 +114,14 @@ class _Guard:
             self.look.left_out.append(
                 "a style has an animation, not followed: what it changes is taken as it stands"
             )
+        for name, line in self.copied:
+            if name in self.elements and self.elements[name].has_shares:
+                raise refused(  # the library takes them of the wrong view
+                    self.path,
+                    "<use>: copies an <svg> with a viewBox whose width or height is a share, or "
+                    "not given; give both in px or mm",
+                    line,
+                )
         count, turned = written_out(self.all, self.elements, self._copies_itself)
         if count > MOST_ELEMENTS:
             raise refused(self.path, f"more than {MOST_ELEMENTS} elements, copies written out")
@@ -241,6 +250,10 @@ class _Guard:
                     f'refers to "{escaped(href[:60])}"; nothing outside the file is read'
                 )
             element.copies.append((href[1:], 1))  # x and y of a copy move it
+            self.copied.append((href[1:], self.parser.CurrentLineNumber))
+        if tag == "svg" and self.open and "viewBox" in attributes:
+            sizes = (attributes.get(key, WHOLE) for key in ("width", "height"))
+            element.has_shares = any(size.strip().endswith("%") for size in sizes)
         own = attributes.get("id")
         if own is not None:
             self.elements.setdefault(own, element)
@@ -326,6 +339,7 @@ class _Guard:
         element.moved_by(element.functions)
         parent = self.open[-1][1] if self.open else self.all
         parent.count += element.count
+        parent.has_shares |= element.has_shares
         parent.turned += element.turned
         parent.copies += element.copies
 

@@ -8,6 +8,15 @@ EDITS = (
     Edit(
         "importing",
         "physim/authoring/importing/svg_guard.py",
+        "_Guard._end",
+        "parent.has_shares |= element.has_shares",
+        "pass",
+        "copies of what has no size of its own are refused",
+        "tests/importing/test_refusals.py::test_drawings",
+    ),
+    Edit(
+        "importing",
+        "physim/authoring/importing/svg_guard.py",
         "_Guard._shown",
         'within not in (*SHAPES, "use")',
         "within not in SHAPES",

@@ -260,21 +260,21 @@ DRAWINGS = {
             '<defs><svg id="q" viewBox="0 0 4 4" width="60%" height="2"><path d="M0,0 H3 V3 Z"/>'
             '</svg></defs><use xlink:href="#q"/>'
         ),
-        ":2: … <use> … width or height … px or mm",
+        ":2: … is copied … width or height … px or mm",
     ),
     "no size in what is copied": (
         svg(
             '<g id="q"><svg viewBox="0 0 4 4" height="3"><path d="M0,0 H3 V3 Z"/></svg></g>'
             '<use xlink:href="#q" x="3"/>'
         ),
-        ":2: … <use> … width or height … px or mm",
+        ":2: … is copied … width or height … px or mm",
     ),
     "no size of what is copied": (
         svg(
             '<defs><svg id="q" viewBox="0 0 4 4"><path d="M0,0 H3 V3 Z"/></svg></defs>'
             '<use xlink:href="#q"/>'
         ),
-        ":2: … <use> … width or height … px or mm",
+        ":2: … is copied … width or height … px or mm",
     ),
     "stray sign": (svg('<polygon points="1,1 4,1 4 4 - 5 6"/>'), ':2: … points: "- 5'),
     "two commas": (svg('<polygon points="1,1,,4,1 4,4"/>'), ':2: … points: ",,4'),

@@ -31,7 +31,7 @@ AREA = 1e-6
 """[m] The edges of an area may differ by this: another version of the library that makes them
 rounds in its own way."""
 LOOKED_AT = 20
-"""Places of each edge of an area that are looked at"""
+"""Places of each edge of an area that are looked at: it may be drawn anew between two corners."""
 
 
 @dataclass(frozen=True)
@@ -222,18 +222,13 @@ def _areas(record: Record, scene: Scene) -> Iterator[str]:
         if _same_rings(inside, world):
             continue
         one, other = (shapely.MultiLineString([*map(_closed, rings)]) for rings in (inside, world))
-        if one.is_empty != other.is_empty or _farthest(one, other) > AREA:
+        far = shapely.hausdorff_distance(one, other, densify=1.0 / LOOKED_AT)
+        if one.is_empty != other.is_empty or far > AREA:
             yield f"the {name} area is another in the record than by the world inside it"
 
 
 def _same_rings(some: Sequence[FloatArray], others: Sequence[FloatArray]) -> bool:
     return len(some) == len(others) and all(map(np.array_equal, some, others))
-
-
-def _farthest(one: Any, other: Any) -> float:
-    """[m] between two sets of lines, looked at between their points, too: edges may be drawn anew
-    between the same corners."""
-    return float(shapely.hausdorff_distance(one, other, densify=1.0 / LOOKED_AT))
 
 
 def _closed(ring: FloatArray) -> FloatArray:

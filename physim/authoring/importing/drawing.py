@@ -171,8 +171,7 @@ LEAST_ROBOT = 10.0**-DIGITS
 def check_options(source: Path, kind: str, options: Options) -> None:
     """Refuse options that would be without effect for a kind of source, or that none can take."""
     for name, (kinds, purpose) in ONLY_FOR.items():
-        given = getattr(options, name)
-        if given is not None and given is not False and given != () and kind not in kinds:
+        if getattr(options, name) != getattr(Options, name) and kind not in kinds:
             raise refused(source, f"--{name}: {purpose}; this is read as {kind}")
     if options.robot is not None and not min(options.robot) >= LEAST_ROBOT:
         sides = ",".join(f"{side:g}" for side in options.robot)

@@ -65,7 +65,6 @@ UNGIVEN = {
 """What holds of an element that does not say so: the library would take that of one about it."""
 FURTHER = {
     "rect": RADII,
-    "circle": (),
     "ellipse": RADII,
     "use": ("width", "height"),
     "svg": ("viewBox",),
@@ -120,10 +119,10 @@ class BareSvg:
             for key in ("x", "y"):
                 kept.pop(key, None)
                 style.pop(key, None)
-        if style:
-            kept["style"] = ";".join(f"{key}:{value}" for key, value in style.items())
         if tag == "svg":  # of which the library reads no style
             kept, style = {**kept, **style}, {}
+        if style:
+            kept["style"] = ";".join(f"{key}:{value}" for key, value in style.items())
         own = {**kept, **style}
         if "d" in kept:
             kept["d"] = as_meant(kept["d"])

@@ -7,6 +7,10 @@ from dataclasses import dataclass, field
 
 MOST_COPIES = 100
 """Copies of copies."""
+UNSIZED = (
+    "of an <svg> with a viewBox in it width or height is a share, or not given; give both in px or "
+    "mm"
+)
 
 
 @dataclass
@@ -33,12 +37,12 @@ class Element:
 
 
 def written_out(
-    drawing: Element, elements: Mapping[str, Element], itself: Callable[[str], Exception]
+    drawing: Element, elements: Mapping[str, Element], refused: Callable[[str, str], Exception]
 ) -> tuple[int, int]:
     """Elements of a drawing, and functions that move them, copies counted.
 
-    ``elements`` are those that have an id. Raises what ``itself`` makes of the id of one that
-    contains a copy of itself.
+    ``elements`` are those that have an id. Raises what ``refused`` makes of the id of one that
+    cannot be copied, and why.
     """
     known: dict[str, tuple[int, int]] = {}
 
@@ -51,11 +55,14 @@ def written_out(
 
     def copy_of(name: str, within: tuple[str, ...]) -> tuple[int, int]:
         if name in within:
-            raise itself(name)
+            raise refused(name, "copies itself (use)")
         if len(within) > MOST_COPIES:
             return 10**9, 0
         if name not in known:
-            known[name] = whole(elements.get(name, Element()), (*within, name))
+            element = elements.get(name, Element())
+            if element.has_shares:  # the library takes them of the wrong view
+                raise refused(name, f"is copied (use), and {UNSIZED}")
+            known[name] = whole(element, (*within, name))
         return known[name]
 
     return whole(drawing, ())

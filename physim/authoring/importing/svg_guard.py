@@ -53,7 +53,14 @@ from physim.authoring.importing.svg_values import (
     transform_fault,
     turns,
 )
-from physim.authoring.importing.svg_views import WHOLE, ViewError, fitted, views_of
+from physim.authoring.importing.svg_views import (
+    WHOLE,
+    ViewError,
+    fitted,
+    has_share,
+    styled_size,
+    views_of,
+)
 from physim.escaping import escaped
 
 MOST_ELEMENTS = 100_000
@@ -85,7 +92,6 @@ class _Guard:
         self.drawn = 0
         self.hidden = 0
         self.sheets = Sheets()
-        self.copied: list[tuple[str, int]] = []  # ids, and lines of the copies
         self.has_names = True  # whether elements are of the namespace of SVG, as they should be
         self.pages = 0  # drawings within the drawing that have ended
         self.views: list[tuple[int, str, dict[str, str]]] = []  # pages and symbols, by depth
@@ -114,15 +120,7 @@ class _Guard:
             self.look.left_out.append(
                 "a style has an animation, not followed: what it changes is taken as it stands"
             )
-        for name, line in self.copied:
-            if name in self.elements and self.elements[name].has_shares:
-                raise refused(  # the library takes them of the wrong view
-                    self.path,
-                    "<use>: copies an <svg> with a viewBox whose width or height is a share, or "
-                    "not given; give both in px or mm",
-                    line,
-                )
-        count, turned = written_out(self.all, self.elements, self._copies_itself)
+        count, turned = written_out(self.all, self.elements, self._not_copied)
         if count > MOST_ELEMENTS:
             raise refused(self.path, f"more than {MOST_ELEMENTS} elements, copies written out")
         if turned > MOST_TURNED:
@@ -149,7 +147,8 @@ class _Guard:
 
     def _start(self, name: str, attributes: dict[str, str]) -> None:
         line = self.parser.CurrentLineNumber
-        self.has_names = name.startswith(SVG) if not self.open else self.has_names
+        if not self.open:
+            self.has_names = name.startswith(SVG)
         if self.has_names and "|" not in name:  # taken out of the namespace
             name = f"|{name}"
         tag = name.removeprefix(SVG)
@@ -250,10 +249,8 @@ class _Guard:
                     f'refers to "{escaped(href[:60])}"; nothing outside the file is read'
                 )
             element.copies.append((href[1:], 1))  # x and y of a copy move it
-            self.copied.append((href[1:], self.parser.CurrentLineNumber))
         if tag == "svg" and self.open and "viewBox" in attributes:
-            sizes = (attributes.get(key, WHOLE) for key in ("width", "height"))
-            element.has_shares = any(size.strip().endswith("%") for size in sizes)
+            element.has_shares = has_share(attributes)
         own = attributes.get("id")
         if own is not None:
             self.elements.setdefault(own, element)
@@ -277,11 +274,9 @@ class _Guard:
         if not self.open:
             return page_fault(attributes)
         has_view = "viewBox" in values
-        for key in declarations(attributes.get("style", ""), ("width", "height")):
-            if has_view:
-                return f"its style has a {key}, which not all browsers read; make it an attribute"
-        share = self._share({"width": "100%", "height": "100%", **values}) if has_view else ""
-        return share or page_fault(attributes) or place_fault(values, has_view)
+        share = self._share({"width": WHOLE, "height": WHOLE, **values}) if has_view else ""
+        sized = styled_size(attributes) if has_view else ""
+        return sized or share or page_fault(attributes) or place_fault(values, has_view)
 
     def _share(self, values: dict[str, str]) -> str:
         is_plain = not self.pages and all(
@@ -343,6 +338,6 @@ class _Guard:
         parent.turned += element.turned
         parent.copies += element.copies
 
-    def _copies_itself(self, name: str) -> ImportSourceError:
+    def _not_copied(self, name: str, why: str) -> ImportSourceError:
         line = self.look.lines.get(name)
-        return refused(self.path, f'"{escaped(name[:60])}" copies itself (use)', line)
+        return refused(self.path, f'"{escaped(name[:60])}" {why}', line)

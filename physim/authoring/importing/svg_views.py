@@ -6,6 +6,7 @@ symbol, or else as the page, and the view lies in that box by ``preserveAspectRa
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 
 from physim.authoring.importing.svg_css import NAMESPACE
@@ -16,6 +17,7 @@ from physim.escaping import escaped
 BOX = ("x", "y", "width", "height")
 ALIGN = {"Min": 0.0, "Mid": 0.5, "Max": 1.0}
 """Share of what is left over that lies before the view"""
+RATIO = re.compile(r"\s*(?:none|x(Min|Mid|Max)Y(Min|Mid|Max))(?:\s+(meet|slice))?\s*")
 WHOLE = "100%"
 """Size of what has none: that of the page"""
 
@@ -64,36 +66,46 @@ def fitted(
     """
     own = {**attributes, **declarations(attributes.get("style", ""), BOX)}
     if tag == "svg":
-        if any(own[key] != view.get(key, WHOLE) for key in ("width", "height") if key in own):
+        if any(own[key] != view.get(key) for key in ("width", "height") if key in own):
             raise ViewError("gives an <svg> with a viewBox another size, which is not read")
         return attributes
-    for key in declarations(attributes.get("style", ""), ("width", "height")):
-        raise ViewError(f"its style has a {key}, which not all browsers read; make it an attribute")
-    if wrong := page_fault({"viewBox": view.get("viewBox", "0 0 1 1")}) or place_fault(view, True):
-        raise ViewError(f"copies a symbol: {wrong}")
-    if wrong := place_fault(own, True):
+    if wrong := styled_size(attributes) or place_fault(own, of_page=True):
         raise ViewError(wrong)
+    box = view.get("viewBox", "0 0 1 1")
+    if wrong := page_fault({"viewBox": box}) or place_fault(view, of_page=True):
+        raise ViewError(f"copies a symbol: {wrong}")
     x, y = (
         _length(own.get(key, "0"), key, page) + _length(view.get(key, "0"), key, page)
         for key in ("x", "y")
     )
     if "viewBox" not in view:
         return _moved(attributes, f"translate({x!r},{y!r})")
-    left, top, wide, high = (float(one) for one in NUMBER.findall(view["viewBox"]))
+    left, top, wide, high = (float(one) for one in NUMBER.findall(box))
     own = {**{key: view[key] for key in ("width", "height") if key in view}, **own}
     width, height = (_length(own.get(key, WHOLE), key, page) for key in ("width", "height"))
     a, d = width / wide, height / high
-    align, _, how = (view.get("preserveAspectRatio") or "xMidYMid").strip().partition(" ")
-    shares = [ALIGN.get(align[k : k + 3], -1.0) for k in (1, 5)]
-    is_known = align == "none" or (min(shares) >= 0.0 and len(align) == len("xMidYMid"))
-    if not is_known or how.strip() not in ("", "meet", "slice"):
-        given = escaped(view["preserveAspectRatio"])[:40]
+    ratio = view.get("preserveAspectRatio") or "xMidYMid"
+    if (found := RATIO.fullmatch(ratio)) is None:
+        given = escaped(ratio)[:40]
         raise ViewError(f'copies a symbol: preserveAspectRatio="{given}" cannot be read')
-    if align != "none":
-        a = d = max(a, d) if how.strip() == "slice" else min(a, d)
-        x += shares[0] * (width - a * wide)
-        y += shares[1] * (height - d * high)
+    if found[1]:
+        a = d = max(a, d) if found[3] == "slice" else min(a, d)
+        x += ALIGN[found[1]] * (width - a * wide)
+        y += ALIGN[found[2]] * (height - d * high)
     return _moved(attributes, f"matrix({a!r},0,0,{d!r},{x - a * left!r},{y - d * top!r})")
+
+
+def styled_size(attributes: Mapping[str, str]) -> str:
+    """What is wrong with a size in the style of what has a view, or copies it; else empty."""
+    style = declarations(attributes.get("style", ""), ("width", "height"))
+    key = next(iter(style), "")
+    return key and f"its style has a {key}, which not all browsers read; make it an attribute"
+
+
+def has_share(attributes: Mapping[str, str]) -> bool:
+    """Whether width or height of an ``svg`` within another is a share of what is about it."""
+    sizes = (attributes.get(key, WHOLE) for key in ("width", "height"))
+    return any(size.strip().endswith("%") for size in sizes)
 
 
 def _moved(attributes: Mapping[str, str], moved: str) -> dict[str, str]:

@@ -217,3 +217,29 @@ def test_the_report_says_what_foretold_means(rear_end):
     text = report(validate(rear_end))
     assert states(text, "foretold: ", "share of decisions", within=40)
     assert max(len(line) for line in text.splitlines()) <= 100
+
+
+SQUEEZED = """\
+name: squeezed
+time: {step: 0.01, duration: 0.5}
+boundaries: [[[-5.6, -2.545], [5.6, -2.545], [5.6, 2.545], [-5.6, 2.545], [-5.6, -2.545]]]
+reference_path: [[-4.89, 0], [5.09, 0]]
+robots:
+  - {name: a, footprint: {length: 0.8, width: 0.6}, mass: 1240927.3, path: {offset: 0},
+     pose: [2.8170773283208357, -0.9106364289298421, -2.3306764797952706]}
+  - {name: b, footprint: {length: 1.8, width: 1.0}, mass: 5.392222746862628, path: {offset: 0},
+     pose: [1.5899950120109612, -0.8536493389162545, -1.1133371763104298]}
+  - {name: c, footprint: [[1, 0], [-0.7, 0.55], [-0.7, -0.55]], mass: 684656.3, path: {offset: 0},
+     pose: [0.47475453207287366, -1.1954205460187861, 1.8834819664204563]}
+controller:
+  type: constant
+  commands: [[0.36806231139392387, -0.397205397641], [-0.154033526961, 0], [0.0243985147, 0.64965]]
+"""
+"""Two of a thousand tonnes and more close on one of five kilograms, which slips out by levers."""
+
+
+def test_a_light_robot_that_heavy_ones_squeeze_out_is_not_doubted():
+    found = validate(physim.simulate(physim.parse_world(SQUEEZED)))
+    assert found.contacts
+    assert found.motion.strays == ()
+    assert found.code == 1

@@ -7,6 +7,16 @@ from tests.sabotage.edit import Edit
 EDITS = (
     Edit(
         "validation",
+        "physim/analysis/validation/pushing.py",
+        "Pushing._allowed",
+        "LEVER * fastest[group]",
+        "0.5 * LEVER * fastest[group]",
+        "a light robot slips out between heavy ones by levers",
+        "tests/validation/test_motion.py::"
+        "test_a_light_robot_that_heavy_ones_squeeze_out_is_not_doubted",
+    ),
+    Edit(
+        "validation",
         "physim/analysis/validation/prediction.py",
         "Predictor.predict",
         "is_near or",

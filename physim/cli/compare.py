@@ -27,7 +27,7 @@ from physim.errors import PhysimError, nearest
 from physim.escaping import escaped
 
 if TYPE_CHECKING:
-    from physim.campaigns.compare import Arm
+    from physim.campaigns.compare import Arm, Comparison
     from physim.campaigns.outcomes import Outcomes
 
 OWN = re.compile(r"([a-z][a-z0-9_]*):(more|less)")
@@ -132,8 +132,6 @@ def compare(options: Options) -> int:
     from physim.campaigns.compare import compare as compared
     from physim.campaigns.folder import Folder
     from physim.campaigns.own_metrics import PREFIX
-    from physim.campaigns.report.comparison_page import comparison_page
-    from physim.campaigns.report.comparison_text import comparison_text, comparison_values
     from physim.campaigns.unlike import with_unlike
 
     spare(options.json, *_folders(options), option="--json")
@@ -158,23 +156,32 @@ def compare(options: Options) -> int:
     found = compared(pairs, [*chosen], options.test, own)
     if options.seeds is None and options.b is not None:
         found = with_unlike(found, Folder(options.a), Folder(options.b))
+    _write_out(options, found, name)
+    return 0
+
+
+def _write_out(options: Options, found: list[Comparison], name: str) -> None:
+    """Write page, JSON and table of what was found in the pairs called ``name``."""
+    from physim.campaigns.own_metrics import PREFIX
+    from physim.campaigns.report.comparison_page import comparison_page
+    from physim.campaigns.report.comparison_text import comparison_text, comparison_values
+
     looked = options.seeds is None and any(map(_looked_at, _folders(options)))
     if options.output is not None:
-        page = comparison_page(found, options.test, name, looked)
-        write_text(options.output, page)
+        write_text(options.output, comparison_page(found, options.test, name, looked))
     if options.json is not None:
         values = comparison_values(found, options.test, looked)
         write_json(options.json, json.dumps(values, indent=2, ensure_ascii=False, allow_nan=False))
-    if not options.quiet:
-        stream = text_stream(options.json)
-        stream.write(comparison_text(found, options.test, looked))
-        known = {finding.name for one in found for finding in one.findings}
-        for asked in [name for name in options.only or () if name not in known]:
-            measure = escaped(asked.removeprefix(PREFIX))
-            stream.write(f"{measure}: not compared, as no seed has a value on both sides\n")
-        if options.output is not None:
-            stream.write(f"written to {options.output}\n")
-    return 0
+    if options.quiet:
+        return
+    stream = text_stream(options.json)
+    stream.write(comparison_text(found, options.test, looked))
+    known = {finding.name for one in found for finding in one.findings}
+    for asked in [name for name in options.only or () if name not in known]:
+        measure = escaped(asked.removeprefix(PREFIX))
+        stream.write(f"{measure}: not compared, as no seed has a value on both sides\n")
+    if options.output is not None:
+        stream.write(f"written to {options.output}\n")
 
 
 def _check(options: Options) -> None:

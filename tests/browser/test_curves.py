@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 import shapely
 
-from physim.authoring.importing import ImportSourceError, Options, import_world
+from physim.authoring.importing import Options, import_world
 
 SHAPES = (
     '<circle id="c" cx="8" cy="9" r="3"/>', '<ellipse id="c" cx="8" cy="9" rx="4" ry="1.5"/>',
@@ -25,28 +25,6 @@ TRANSFORMS = (
     "translate(3 2)", "rotate(20)", "rotate(-35)", "scale(1.5 0.6)", "scale(1 0.8)", "scale(-1 1)",
     "skewX(25)", "skewY(-15)", "matrix(1 0.2 0.3 0.9 0 0)", "scale(1.3)",
 )  # fmt: skip
-STYLES = (
-    "translate(3px)", "translate(3px, 2px)", "translate(1in, 2mm) rotate(0.3rad)",
-    "translateX(3px)",
-    "translateY(-2pt)", "scale(.5)", "scaleX(.5)", "scaleY(50%)", "scale(50%, 2)", "skew(20deg)",
-    "skew(10deg, 5deg)", "skewX(20deg)", "skewY(10grad)", "rotate(0.05turn)", "rotate(0)",
-    "matrix(1,0,0.2,1,3,0)", "TRANSLATE(3PX)", "translate(0) translate(+3px)", "translate(1e1px)",
-    "/* a */ translate(/* b */ 3px)/**/scale(.5)", "none", "initial", "unset",
-    # not valid: as if it were not there
-    "translate(3)", "rotate(10)", "skewX(20)", "scale(.5 .5)", "matrix(1 0 0 1 3 0)", "scale(.5,)",
-    "rotate(10deg 6px 3px)", "rotate(10,6,3)", "translate(3px 0)", "translate(3px, 0) bogus(1)",
-    "matrix(1,0,0,1,3px,0)", "translate()", "translate(3px,,2px)", "translate(3deg)",
-    "rotate(10px)",
-    "3px", "'translate(3px)'", "translateX(3px, 2px)", "matrix(1,0,0,1,3)",
-)  # fmt: skip
-"""Transforms of a style"""
-UNREAD = (
-    "translate3d(3px,0,0)", "matrix3d(1,0,0,0,0,1,0,0,0,0,1,0,3,0,0,1)", "rotateZ(20deg)",
-    "translateX(3em)", "translate(10%)", "translate(calc(1px + 2px))", "translate(10vw)",
-    "rotate(calc(10deg))", "perspective(9px) translate(3px)", "translate(var(--x, 3px))",
-    "rotateX(60deg)", "var(--t)", "scale(0)", "inherit",
-)  # fmt: skip
-"""Such as are refused"""
 DRAWN = """() => {
   const one = document.getElementById('c');
   const m = document.documentElement.getScreenCTM().inverse().multiply(one.getScreenCTM());
@@ -75,29 +53,6 @@ def test_curves_lie_where_a_browser_draws_them(browser: Any, tmp_path: Path, see
         page.goto(path.as_uri())
         check_drawn(page, path)
     page.close()
-
-
-@pytest.mark.parametrize("key", ["transform", "-webkit-transform"])
-def test_transforms_of_a_style_are_those_of_a_browser(
-    browser: Any, tmp_path: Path, key: str
-) -> None:
-    page, path = browser.new_page(), tmp_path / "plan.svg"
-    for style in STYLES if key == "transform" else STYLES[:5]:
-        shape = SHAPES[0].replace(" id", f' transform="translate(1 2)" style="{key}:{style}" id')
-        path.write_text(drawing(f'<g id="obstacle">{shape}</g>'))
-        page.goto(path.as_uri())
-        check_drawn(page, path)
-    page.close()
-
-
-@pytest.mark.parametrize("style", UNREAD)
-def test_other_transforms_of_a_style_are_refused(tmp_path: Path, style: str) -> None:
-    path = tmp_path / "plan.svg"
-    path.write_text(
-        drawing(f'<rect id="obstacle" width="9" height="9" style="transform:{style}"/>')
-    )
-    with pytest.raises(ImportSourceError, match="transform"):
-        import_world(path, Options(scale=1.0))
 
 
 def drawing(inner: str) -> str:

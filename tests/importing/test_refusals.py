@@ -45,6 +45,11 @@ TRACKS = {
     "underscore": (HEADER + "0,0,3,3\n5,1_0,3,3\n", ":3: … y_m … nan"),
     "cut row": (HEADER + "0,0,3,3\n5,0\n", ":3: … 2 values … 4"),
     "decimal comma": ("0,5;0;3;3\n1;0;3;3\n", ":1: … comma … point"),
+    "decimal commas below names": (
+        HEADER + "10,0,20,5,3,5,3,5\n",
+        ":2: … 8 values in 4 columns … decimal comma … point",
+    ),
+    "a fifth value": ("0,0,3,3\n5,0,3,3,x\n", ":2: … 5 values in 4 columns"),
     "spaces": ("0 0 3 3\n1 0 3 3\n", ":1: … spaces … commas"),
     "other columns": (
         "# s_m; x_m; y_m; psi_rad\n0;0;0;0\n",
@@ -222,6 +227,12 @@ DOUBLING = "".join(
     f'<g id="g{k}"><use href="#g{k - 1}"/><use href="#g{k - 1}"/></g>' for k in range(1, 40)
 )
 
+
+def turned(transform: str) -> str:
+    """A drawing with a wall in a group of this transform."""
+    return svg(f'<g id="wall" transform="{transform}"><path d="M0,0H9"/></g>')
+
+
 DRAWINGS = {
     "entity bomb": (BILLION, ":3: … XML entity"),
     "external entity": (
@@ -246,43 +257,20 @@ DRAWINGS = {
         svg('<path id="boundary" d="M 0,0 1,1" transform="scale(2) rotate(30,120)"/>'),
         ':2: … transform: … "rotate(30,120)" … 2 … 1 or 3',
     ),
-    "turning": (svg('<g transform="turn(30)"/>'), ':2: … transform: … "turn(30)" … matrix'),
-    "degrees": (svg('<g transform="rotate(30°)"/>'), ':2: … transform: … "rotate(30°)" … numbers'),
-    "size of a copy": (
-        svg(
-            '<defs><svg id="q" viewBox="0 0 4 4" width="2"><path d="M0,0 H3 V3 Z"/></svg>'
-            '</defs><use xlink:href="#q" width="100%" height="100%"/>'
-        ),
-        ":2: … <use> … another size",
+    "turning": (
+        svg('<g id="wall" transform="turn(30)"><path d="M0,0H9"/></g>'),
+        ':2: … transform: … "turn(30)" … matrix',
     ),
-    "share as the size of what is copied": (
-        svg(
-            '<defs><svg id="q" viewBox="0 0 4 4" width="60%" height="2"><path d="M0,0 H3 V3 Z"/>'
-            '</svg></defs><use xlink:href="#q"/>'
-        ),
-        ":2: … is copied … width or height … px or mm",
+    "degrees": (
+        svg('<g id="wall" transform="rotate(30°)"><path d="M0,0H9"/></g>'),
+        ':2: … transform: … "rotate(30°)" … numbers',
     ),
-    "no size in what is copied": (
-        svg(
-            '<g id="q"><svg viewBox="0 0 4 4" height="3"><path d="M0,0 H3 V3 Z"/></svg></g>'
-            '<use xlink:href="#q" x="3"/>'
-        ),
-        ":2: … is copied … width or height … px or mm",
+    "stray sign": (svg('<polygon id="path" points="1,1 4,1 4 4 - 5 6"/>'), ':2: … points: "- 5'),
+    "two commas": (svg('<polygon id="path" points="1,1,,4,1 4,4"/>'), ':2: … points: ",,4'),
+    "unclosed": (
+        svg('<g id="wall" transform="rotate(30"><path d="M0,0H9"/></g>'),
+        ':2: … transform: … "rotate(30"',
     ),
-    "no size of what is copied": (
-        svg(
-            '<defs><svg id="q" viewBox="0 0 4 4"><path d="M0,0 H3 V3 Z"/></svg></defs>'
-            '<use xlink:href="#q"/>'
-        ),
-        ":2: … is copied … width or height … px or mm",
-    ),
-    "stray sign": (svg('<polygon points="1,1 4,1 4 4 - 5 6"/>'), ':2: … points: "- 5'),
-    "two commas": (svg('<polygon points="1,1,,4,1 4,4"/>'), ':2: … points: ",,4'),
-    "size in a style": (
-        svg('<svg viewBox="0 0 4 4" style="width:9px"><path d="M0,0 H3 V3 Z"/></svg>'),
-        ":2: … style has a width … attribute",
-    ),
-    "unclosed": (svg('<g transform="rotate(30"/>'), ':2: … transform: … "rotate(30"'),
     "beyond numbers": (svg('<path id="boundary" d="M 0,0 L 1e999,3 L 4,4 Z"/>'), "finite number"),
     "no boundary": (svg('<path id="fence" d="M 0,0 24,0 24,14 Z"/>'), "no line is a boundary"),
     "open boundary": (
@@ -352,6 +340,25 @@ POLYGONS = {
     "numbered.geojson": (
         polygon(SQUARE, crs={"properties": {"code": 4326}, "type": "EPSG"}),
         "degrees … crs",
+    ),
+    **{
+        f"{name.replace(' ', '-')}.geojson": (
+            polygon(SQUARE, crs={"type": "name", "properties": {"name": name}}),
+            "degrees … crs",
+        )
+        for name in ("WGS 84", "wgs1984", "+proj=longlat +datum=WGS84", "+proj=latlong")
+    },
+    "digits.geojson": (polygon(SQUARE, crs=4326), "degrees … crs"),
+    "zeros.wkt": (
+        "SRID=0000000004326;POLYGON ((0 0, 9 0, 9 9, 0 0))",
+        ":1: … degrees … 0000000004326",
+    ),
+    "nul.wkt": ("POLYGON ((0 0, 9 0, 9 9, 0 0))\0 oops (", ":1: … NUL"),
+    "own.geojson": (
+        json.dumps(
+            {"type": "Feature", "geometry": {**json.loads(polygon(SQUARE)), "crs": {"name": "x"}}}
+        ),
+        "crs of its own … the file",
     ),
     "twice.geojson": (
         polygon(SQUARE).replace('"coordinates"', '"coordinates": [], "coordinates"'),

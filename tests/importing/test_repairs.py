@@ -420,6 +420,33 @@ def test_lines_away_from_the_area_are_dropped(tmp_path: Path) -> None:
     check_says(only(imported, "obstacle of"), "2.000 m² … (31.00, 13.50) … dropped")
 
 
+NECK = "20 0, 20 9.9998, 23 9.9998, 23 0, 42 0, 42 20, 23 20, 23 10.0001, 20 10.0001, 20 20"
+
+
+def test_halves_joined_by_a_neck_below_a_millimetre_are_told_apart(tmp_path: Path) -> None:
+    """That with the path in it is the area; the other is listed with its size."""
+    path = tmp_path / "plan.wkt"
+    halves = {"LINESTRING (2 3, 18 3)": 20.0, "LINESTRING (25 3, 40 3)": 19.0}
+    for line, width in halves.items():
+        path.write_text(f"POLYGON ((0 0, {NECK}, 0 20, 0 0))\n{line}\n")
+        imported = import_world(path)
+        (wall,) = imported.world.boundaries
+        assert np.ptp(np.array(wall, dtype=float), axis=0).tolist() == [width, 20.0]
+        check_says(only(imported, "parts"), "2 parts … millimetre")
+        check_says(only(imported, "not the area"), f"{(39.0 - width) * 20.0:.3f} m² … left out")
+
+
+def test_what_points_have_beside_their_place_is_told(tmp_path: Path) -> None:
+    path = tmp_path / "plan.wkt"
+    for kind, said in (("Z", ["height"]), ("M", ["(M)"]), ("ZM", ["height", "(M)"])):
+        more = " 1" * len(kind)
+        path.write_text(f"POLYGON {kind} ((0 0{more}, 40 0{more}, 40 20{more}, 0 0{more}))")
+        told = [one for one in import_world(path).changes if "left out" in one]
+        assert len(told) == len(said)
+        for one, what in zip(told, said, strict=True):
+            assert what in one
+
+
 def test_a_polygon_that_crosses_itself_is_repaired(tmp_path: Path) -> None:
     path = tmp_path / "p.wkt"
     path.write_text("POLYGON ((0 0, 20 0, 20 10, 4 10, 4 12, 3 12, 3 10, 6 10, 0 10, 0 0))")

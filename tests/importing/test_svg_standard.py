@@ -45,77 +45,67 @@ def shape(imported: Imported) -> Any:
     return shapely.Polygon(ring)
 
 
-PAGES = {
-    "place": ('<svg x="10" y="6" width="4" height="2">{}</svg>', (12, 7, 14, 8)),
-    "style": ('<svg style="x: 10px; y:6" width="4" height="2">{}</svg>', (12, 7, 14, 8)),
-    "units": ('<svg x="96pt" y="0.0625in" width="4" height="2">{}</svg>', (130, 7, 132, 8)),
-    "view": ('<svg x="10" y="6" width="4" height="2" viewBox="0 0 4 2">{}</svg>', (12, 7, 14, 8)),
-    "within another": ('<svg x="9" y="5"><svg x="1" y="1">{}</svg></svg>', (12, 7, 14, 8)),
-    "copied": (
-        '<defs><svg id="it" x="8" y="6">{}</svg></defs><use href="#it" x="2"/>', (12, 7, 14, 8),
-    ),
-    "moved": ('<svg x="8" y="6" transform="translate(2,0)">{}</svg>', (12, 7, 14, 8)),
-    "turned": (
-        '<g transform="translate(10,6) rotate(90)"><svg x="1" y="-5">{}</svg></g>', (13, 9, 14, 11),
-    ),
-}  # fmt: skip
-
-
-@pytest.mark.parametrize("how", PAGES)
-def test_a_drawing_within_the_drawing_is_where_it_is_placed(tmp_path: Path, how: str) -> None:
-    text, expected = PAGES[how]
-    if how == "units":  # a pixel is a metre: leave the room as wide as they need
-        text = f'<g transform="translate(-118,0)">{text}</g>'
-        expected = (12, 7, 14, 8)
-    made = plan(tmp_path, text.format(PILLAR.format("")))
-    assert expected == box(made)
-    assert not [one for one in made.changes if "short" not in one]
-
-
 def test_the_page_itself_is_not_moved(tmp_path: Path) -> None:
-    for page in ('x="5" y="1"', 'style="x: 5; y: 1"'):
-        assert box(plan(tmp_path, PILLAR.format(""), page)) == (2, 1, 4, 2)
-
-
-EDGES = {
-    "across": ('width="4" height="1.5"', "line 3: … <svg> … hut … its edge … taken whole"),
-    "as large": ('width="4" height="2"', ""),
-    "seen beyond": ('width="1" height="1" style="overflow: visible"', ""),
-}
-
-
-@pytest.mark.parametrize("how", EDGES)
-def test_what_reaches_out_of_a_drawing_within_the_drawing_is_told(tmp_path: Path, how: str) -> None:
-    values, message = EDGES[how]
-    page = f'<svg id="hut" x="10" y="6" {values}>{PILLAR.format("")}</svg>'
-    made = plan(tmp_path, f'<g transform="translate(2,0) rotate(3)">{page}</g>')
-    said = [one for one in made.changes if "whole" in one]
-    assert len(said) == bool(message)
-    for one in said:
-        check_says(one, message)
+    assert box(plan(tmp_path, PILLAR.format(""), 'x="5" y="1"')) == (2, 1, 4, 2)
 
 
 TURN = 'transform="rotate(3)"'
 REFUSED = {
+    "a drawing within": (
+        f'<svg x="4">\n{PILLAR.format("")}</svg>', ":3: … <svg> … within the drawing … not read",
+    ),
+    "a copy of a drawing within": (
+        f'<defs><svg id="hut">{PILLAR.format("")}</svg></defs>\n<use href="#hut"/>',
+        ':3: … <svg> "hut" … within the drawing',
+    ),
+    "a symbol with a view": (
+        '<symbol id="q" viewBox="0 0 9 9"><path d="M0,0h1v1z"/></symbol>\n'
+        '<g id="obstacle"><use href="#q"/></g>',
+        ':3: … <symbol> "q" … viewBox … group',
+    ),
+    "a symbol with a place": (
+        '<symbol id="q" x="3"><path d="M0,0h1v1z"/></symbol>\n'
+        '<g id="obstacle"><use href="#q"/></g>',
+        ':3: … <symbol> "q" … x or y',
+    ),
     "place in percent": (
-        '<svg id="hut" x="10%"><g/></svg>', ':3: … <svg> "hut" … x="10%" … give it in px or mm',
+        PILLAR.format("").replace('x="2"', 'x="50%"'), ':3: … obstacle … x="50%" … or with px',
     ),
-    "place of a word": ('<svg y="low"><g/></svg>', ':3: … <svg> … y="low" … number'),
-    "percent below": (
-        '<svg width="4" height="2"><g/></svg>\n' + PILLAR.format("").replace('x="2"', 'x="50%"'),
-        ":4: … 'obstacle' … x=\"50%\" … below an <svg>",
-    ),
-    "percent within": (
-        f'<svg width="4" height="2">{PILLAR.format("").replace("2", "50%", 1)}</svg>',
-        ":3: … 'obstacle' … x=\"50%\" … page without viewBox",
-    ),
-    "copy in percent below": (
-        '<svg width="4" height="2"><g/></svg><path id="a"/>\n<use href="#a" y="10%" width="100%"/>',
-        ':4: … <use> … y="10%" … below an <svg>',
+    "copy in percent": (
+        '<path id="a" d="M0,0h1v1z"/>\n<use id="obstacle" href="#a" y="10%" width="100%"/>',
+        ':4: … <use> … y="10%" … with px',
     ),
     "copy at a word": (
-        '<path id="a"/><use href="#a" id="b" x="left"/>', ':3: … <use> "b" … x="left" … number',
+        '<path id="a" d="M0,0h1v1z"/><g id="obstacle"><use href="#a" x="left"/></g>',
+        ':3: … <use> … x="left" … number',
     ),
+    "copy with a place in its style": (
+        '<path id="a" d="M0,0h1v1z"/><g id="obstacle"><use href="#a" style="x:3px"/></g>',
+        ':3: … <use> … style … "x" … attribute',
+    ),
+    "a number without decimals": (
+        '<path id="obstacle" d="M10. 4h2v2z"/>', ':3: … path data … ". 4h2v2z" cannot be read',
+    ),
+    "transform in a style": (
+        PILLAR.format('style="transform: scale(2)"'), ':3: … obstacle … "transform" … attribute',
+    ),
+    "transform in a style, of a group": (
+        f'<g style="transform: none">{PILLAR.format("")}</g>', ':3: … <g> … "transform"',
+    ),
+    "size in a style": (PILLAR.format('style="width: 3px"'), ':3: … obstacle … "width"'),
+    "everything in a style": (PILLAR.format('style="all: unset"'), ':3: … obstacle … "all"'),
+    "size in a sheet": (
+        f"<style>rect {{height: 3px}}</style>\n{PILLAR.format('')}",
+        ':4: … obstacle … "height"',
+    ),
+    "transform in a sheet": (
+        f"<style>#floor {{transform: scale(2)}}</style>\n<g id='floor'>{PILLAR.format('')}</g>",
+        ':4: … <g> "floor" … "transform"',
+    ),
+    "transform in a sheet, by more": (
+        "<style>g rect {transform: scale(2)}</style>", ':3: … <style> … "g rect" … moves',
+    ),
+    "one of several sheets": ('<style title="a">.k {fill:red}</style>', ":3: … <style> … title"),
     "origin": (
         PILLAR.format(f'{TURN} transform-origin="3 1.5"'),
         ':3: … <rect> "obstacle" … transform-origin: 3 1.5 … (0, 0)',
@@ -124,29 +114,30 @@ REFUSED = {
         PILLAR.format(f'{TURN} style="transform-origin: center"'),
         ":3: … obstacle … transform-origin: center … (0, 0)",
     ),
-    "both in a style": (
-        PILLAR.format('style="transform: scale(2); transform-origin: 1px 1px"'),
-        ":3: … obstacle … transform-origin: 1px 1px",
-    ),
     "box": (
         PILLAR.format(f'{TURN} style="transform-box: fill-box"'),
         ":3: … obstacle … transform-box: fill-box … (0, 0)",
     ),
     "origin in a sheet": (
-        f"<style>.a {{transform-origin: center}}</style>\n{PILLAR.format(TURN)}",
-        ':4: … obstacle … transform … <style> ".a" has transform-origin: center',
+        f"<style>rect {{transform-origin: center}}</style>\n{PILLAR.format(TURN)}",
+        ":4: … obstacle … transform-origin: center … (0, 0)",
     ),
     "origin in a sheet below": (
         f"{PILLAR.format(TURN)}\n<style>#obstacle {{transform-origin: center}}</style>",
-        ':3: … obstacle … transform … <style> "#obstacle" has transform-origin: center',
+        ":3: … obstacle … transform-origin: center",
+    ),
+    "origin in a sheet, by more": (
+        "<style>g > rect {transform-origin: center}</style>", ':3: … <style> … "g > rect" … moves',
     ),
     "rotate in a style": (PILLAR.format('style="rotate: 30deg"'), ":3: … obstacle … rotate"),
-    "rotate in a sheet": ("<style>.a {rotate: 30deg}</style>", ':3: … <style> … ".a" … rotate'),
+    "rotate in a sheet": (
+        f"<style>rect {{rotate: 30deg}}</style>\n{PILLAR.format('')}", ':4: … obstacle … "rotate"',
+    ),
     "path in a style": (
         '<path id="obstacle" d="M4 4h2v2z" style="d: path(\'M5 5h2v2z\')"/>',
         ':3: … <path> "obstacle" … style … "d"',
     ),
-    "radius in percent": (PILLAR.format('rx="2.5%"'), ':3: … obstacle … rx="2.5%" … px or mm'),
+    "radius in percent": (PILLAR.format('rx="2.5%"'), ':3: … obstacle … rx="2.5%" … px, mm'),
     "radius as the other, in percent": (
         '<ellipse id="obstacle" cx="9" cy="9" rx="auto" ry="5%"/>', ':3: … obstacle … ry="5%"',
     ),
@@ -187,11 +178,25 @@ def test_an_origin_that_changes_nothing_is_no_fault(tmp_path: Path, values: str)
     plan(tmp_path, PILLAR.format(values))
 
 
-def test_a_share_of_the_page_matters_for_what_has_a_role_alone(tmp_path: Path) -> None:
-    """Programs paint the page by a shape as large as all of it."""
-    page = '<svg width="4" height="2"><rect id="paper" width="100%" height="100%"/></svg>'
-    (said,) = plan(tmp_path, page).changes
-    check_says(said, "paper … left out")
+FOR_LINES_ALONE = {
+    "a share of the page": '<rect id="paper" width="100%" height="100%"/>',
+    "a drawing within": '<svg id="icon" viewBox="0 0 9 9"><rect width="4" height="4"/></svg>',
+    "a style that moves": '<path id="hand" style="transform:rotate(3deg)" d="M0,0h9v9z"/>',
+    "path data": '<path id="scribble" d="M0,0 h"/>',
+    "points": '<polygon id="star" points="0,0 4,0 4"/>',
+    "a transform": '<g id="icons" transform="turn(3)"><rect width="4" height="4"/></g>',
+}
+
+
+@pytest.mark.parametrize("what", FOR_LINES_ALONE)
+def test_what_is_not_read_matters_for_what_has_a_role_alone(tmp_path: Path, what: str) -> None:
+    text = FOR_LINES_ALONE[what]
+    (said,) = plan(tmp_path, text).changes
+    check_says(said, "left out")
+    path = tmp_path / "plan.svg"
+    name = text.split('id="')[1].split('"')[0]
+    with pytest.raises(ImportSourceError, match=f'plan.svg:3: <.*"{name}"'):
+        import_world(path, Options(scale=1.0, boundary=(name,)))
 
 
 CURVES = {
@@ -215,7 +220,7 @@ def test_smooth_curves_go_on_after_their_own_kind_alone(tmp_path: Path, how: str
 def test_a_radius_may_be_as_long_as_the_other(tmp_path: Path) -> None:
     round_one = shape(plan(tmp_path, PILLAR.format('rx="0.4"')))
     assert round_one.area < 1.9
-    for values in ('rx="auto" ry="0.4"', 'rx="0.4" ry="0.1" style="ry: auto"'):
+    for values in ('rx="auto" ry="0.4"', 'ry="0.4"', 'rx="0.4" ry="auto"'):
         assert shape(plan(tmp_path, PILLAR.format(values))).equals(round_one)
     ellipse = '<ellipse id="obstacle" cx="9" cy="9" rx="auto" ry="1"/>'
     assert box(plan(tmp_path, ellipse)) == (8, 8, 10, 10)
@@ -282,14 +287,6 @@ def test_copies_of_ids_that_stand_twice_are_counted_before_they_are_made(tmp_pat
     assert "copies written out" in told(
         tmp_path, f'<defs>{copies}{empty}{last}</defs><use href="#u0"/>'
     )
-
-
-def test_a_share_of_the_page_in_what_is_copied_is_refused(tmp_path: Path) -> None:
-    """The library took it for one of a drawing that had ended."""
-    page = '<svg x="10" y="6" width="4" height="2" viewBox="0 0 4 2"/>'
-    rect = '<rect id="z" x="50%" y="50%" width="4" height="2"/>'
-    inner = f'<defs>{rect}</defs>{page}<g id="obstacle"><use href="#z"/></g>'
-    check_says(told(tmp_path, inner), ":3: … x … 50%")
 
 
 @pytest.mark.parametrize(

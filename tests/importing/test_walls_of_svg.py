@@ -147,3 +147,11 @@ def test_what_is_named_but_not_drawn_is_told_with_its_line(
     told = refusal(drawing(tmp_path, plan), "it")
     assert f"--boundary it: line {line}: " in told
     assert "not drawn where it stands" in told
+
+
+def test_what_is_not_read_is_no_advice(tmp_path: Path) -> None:
+    drawn = '<rect id="{}" width="30" height="20" {}/>'
+    shapes = drawn.format("paper", 'style="y:3px"') + drawn.format("hall", "")
+    said = refusal(drawing(tmp_path, f'<svg xmlns="http://www.w3.org/2000/svg">{shapes}</svg>'))
+    assert "hall" in said
+    assert "paper" not in said

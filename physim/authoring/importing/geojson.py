@@ -29,8 +29,10 @@ from physim.escaping import escaped
 
 MOST_DIGITS = 300
 """Digits of a whole number, about what fits into a float."""
-EPSG = re.compile(r"epsg.*?(\d{1,9})\D*$", re.I | re.S)
+EPSG = re.compile(r"(?:epsg.*?|^\s*)(\d{1,9})\D*$", re.I | re.S)
 """How a crs gives the number by which it is known; a version may stand before it."""
+DEGREES = re.compile(r"crs:?84|wgs[ _]?(?:19)?84\s*$|long?_?lat|lat_?long?", re.I)
+"""Names of a crs in degrees"""
 ROLES = ("boundary", "obstacle", "path", "robot")
 COLLECTIONS = {"FeatureCollection": "features", "GeometryCollection": "geometries"}
 
@@ -51,7 +53,7 @@ def read_geojson(path: Path, options: Options) -> Drawing:
     if not isinstance(value, dict) or "type" not in value:
         raise refused(path, 'not GeoJSON: an object with "type" is needed')
     crs = _text_of(value.get("crs") or "")
-    if "crs84" in crs.lower():
+    if DEGREES.search(crs):
         raise degrees(path, "the crs of the file")
     parts = list(islice(_features(path, value, "", "", 0), MOST_GEOMETRIES + 1))
     check_count(path, parts)
@@ -112,6 +114,8 @@ def _features(path: Path, value: Any, role: str, name: str, depth: int) -> Any:
         raise refused(path, f"nested deeper than {MOST_DEPTH} levels")
     if not isinstance(value, dict):
         raise refused(path, "not GeoJSON: a feature or geometry is an object")
+    if depth and value.get("crs"):
+        raise refused(path, "a feature or geometry has a crs of its own; give one to the file")
     kind = str(value.get("type"))
     if kind in COLLECTIONS:
         entries = value.get(COLLECTIONS[kind])

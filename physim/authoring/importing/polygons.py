@@ -29,6 +29,7 @@ from physim.authoring.importing.drawing import (
 from physim.authoring.importing.enclosure import chosen_area, join_ends
 from physim.authoring.importing.source import read_text
 from physim.authoring.importing.work import check_work, depth_of, lines_of
+from physim.errors import plural
 from physim.escaping import escaped
 from physim.geometry.shapes import FloatArray
 
@@ -41,6 +42,7 @@ DEGREES = (4326, 4258)
 MAYBE_DEGREES = range(4001, 20_000)
 """EPSG codes, the others of degrees among them, and some of metres with places farther away"""
 HEIGHTS = "third coordinates (height) left out"
+MEASURES = "measures (M) of points left out"
 
 
 @dataclass(frozen=True)
@@ -73,8 +75,8 @@ def read_wkt(path: Path, options: Options) -> Drawing:
         text = " ".join(rows)
         srid = re.match(r"SRID\s*=\s*(\d+)\s*;?\s*", text, re.I)
         found = _from_wkt(path, k, text[srid.end() :] if srid else text)
-        if srid is not None and int(srid[1][:9]):
-            check_code(path, int(srid[1][:9]), f"SRID {srid[1]}"[:40], found, options, k)
+        if srid is not None and (code := srid[1].lstrip("0")[:9]):
+            check_code(path, int(code), f"SRID {srid[1]}"[:40], found, options, k)
             srids[f"lengths of its SRID, {srid[1][:30]}, are taken as they are"] = None
         parts += found
     drawing = drawing_of(path, "WKT", parts, options)
@@ -99,6 +101,8 @@ def check_code(
 
 
 def _from_wkt(path: Path, line: int, text: str) -> list[Part]:
+    if "\0" in text:
+        raise refused(path, "holds a character NUL, at which programs cease to read", line)
     if text.count("(") > 1_000_000 or depth_of(text) > MOST_DEPTH:
         raise refused(path, f"nested deeper than {MOST_DEPTH} levels", line)
     try:
@@ -171,7 +175,7 @@ def drawing_of(path: Path, kind: str, parts: list[Part], options: Options) -> Dr
         elif part.role == "obstacle":
             drawing.obstacles.append(_ring(shape))
         else:
-            polygons.append(_valid(path, shape, part.line, drawing))
+            polygons += _valid(path, shape, part.line, drawing)
     drawing.changes += listed(unused)
     if polygons:
         chosen = chosen_area(polygons, drawing, options.origin)
@@ -218,8 +222,9 @@ def _scaled(path: Path, part: Part, scale: float, origin: FloatArray, drawing: D
             "--scale, or leave out what lies far away",
             part.line,
         )
-    if part.shape.has_z and HEIGHTS not in drawing.changes:
-        drawing.changes.append(HEIGHTS)
+    for is_there, told in ((part.shape.has_z, HEIGHTS), (part.shape.has_m, MEASURES)):
+        if is_there and told not in drawing.changes:
+            drawing.changes.append(told)
     return shape
 
 
@@ -247,24 +252,26 @@ def _line(drawing: Drawing, part: Part, points: FloatArray, unused: list[str]) -
         unused.append(f"second line from {place(points[0])} to {place(points[-1])}: left out")
 
 
-def _valid(path: Path, shape: Any, line: int | None, drawing: Drawing) -> Any:
-    """Polygon on the millimetre grid; one that crosses itself is repaired, which is reported."""
+def _valid(path: Path, shape: Any, line: int | None, drawing: Drawing) -> list[Any]:
+    """Polygon on the millimetre grid, in parts where it has necks narrower than that.
+
+    One that crosses itself is repaired, which is reported.
+    """
     if not shape.is_valid:
         reason = shapely.is_valid_reason(shape)
         # holes are taken out of what is within the outline, also where they touch or cross it
-        repaired = shapely.make_valid(shape, method="structure", keep_collapsed=False)
-        valid = _polygons_of(repaired)
-        if not valid:
+        shape = shapely.make_valid(shape, method="structure", keep_collapsed=False)
+        if not (parts := _polygons_of(shape)):
             raise refused(path, f"a polygon encloses no area ({reason})", line)
-        shape = max(valid, key=shapely.area)
-        drawing.changes.append(
-            f"polygon repaired ({reason}): {len(valid)} parts, the largest of {shape.area:.3f} m² "
-            "is kept"
-        )
+        drawing.changes.append(f"polygon repaired ({reason}): {plural(len(parts), 'part')}")
     whole = _polygons_of(shapely.set_precision(shape, 10.0**-DIGITS))
     if not whole:
         raise refused(path, "a polygon is smaller than a millimetre; check --scale", line)
-    return max(whole, key=shapely.area)
+    if shape.geom_type == "Polygon" and len(whole) > 1:
+        drawing.changes.append(
+            f"polygon in {len(whole)} parts: what lies between them is narrower than a millimetre"
+        )
+    return whole
 
 
 def _polygons_of(shape: Any) -> list[Any]:

@@ -215,9 +215,9 @@ def _simplified(path: Path, exact: Any, tolerance: float) -> Any:
         if simple.geom_type == "Polygon" and simple.is_valid and kept and not simple.is_empty:
             return simple
     parts = [one for one in shapely.get_parts(simple) if one.geom_type == "Polygon"]
-    if not parts:
+    if len(parts) != 1:
         raise refused(path, "its outlines cannot be rounded to the millimetre; smooth the map")
-    return max(parts, key=shapely.area)
+    return parts[0]
 
 
 def _on_grid(polygon: Any, grid: float) -> Any:

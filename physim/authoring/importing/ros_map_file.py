@@ -118,16 +118,17 @@ class _Yaml:
         if not isinstance(value, str) or not value.strip() or "\0" in value:
             raise self._fault(("image",), "must be the name of a file")
         folder = self.path.parent.resolve()
+        given = escaped(value[:100])
         try:
             image = (folder / value).resolve()
+            is_there = image.exists()
         except (OSError, RuntimeError, ValueError):
-            raise self._fault(("image",), "is not the name of a file") from None
-        given = escaped(value[:100])
+            raise self._fault(("image",), f'"{given}" is not the name of a file') from None
         if not image.is_relative_to(folder):
             raise self._fault(
                 ("image",), f'"{given}" lies outside the folder of the map; put the image beside it'
             )
-        if not image.exists():
+        if not is_there:
             there = sorted(p.name for p in folder.iterdir() if p.suffix in (".pgm", ".png"))
             near = nearest(value, there)
             raise self._fault(("image",), f'no file "{given}" in {folder.name or "/"}{near}')

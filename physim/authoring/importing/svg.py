@@ -28,7 +28,7 @@ from physim.authoring.importing.drawing import (
 )
 from physim.authoring.importing.enclosure import join_ends
 from physim.authoring.importing.source import read_xml
-from physim.authoring.importing.svg_bare import CUT, FAULT, LINE, SPILLS, TAG
+from physim.authoring.importing.svg_bare import CUT, FAULT, LINE, TAG
 from physim.authoring.importing.svg_curves import subpaths
 from physim.authoring.importing.svg_guard import look_at
 from physim.authoring.importing.svg_look import SvgLook
@@ -51,8 +51,6 @@ OTHER = re.compile(
 ROLES = {"bou": "boundary", "wal": "boundary", "obs": "obstacle", "pat": "path", "ref": "path",
          "rob": "robot"}  # fmt: skip
 UNITS = ("mm", "cm", "in", "pt", "pc")
-PAGES = "physim-pages"
-"""Value of a shape: the drawings within the drawing that it is in."""
 METRES_PER_PIXEL = 0.0254 / 96.0
 
 
@@ -107,18 +105,17 @@ def read_svg(path: Path, options: Options) -> Drawing:
             left_out.append(f"{where}: in no layer boundary, obstacle, path or robot, left out")
             walls.note(element, name, frame.metres)
             continue
-        if fault := own.get(FAULT):
-            raise refused(path, f"{where}: {fault}", line)
+        if fault := element.values.get(FAULT):
+            _, at, what = fault.split(" ", 2)
+            raise refused(path, what, int(at[:-1]))
         try:
             found = subpaths(
                 svgelements.Path(element), tolerance / frame.metres, MOST_POINTS - count
             )
         except (ValueError, ArithmeticError) as error:
             raise refused(path, f"{where}: {escaped(str(error))[:160]}", line) from None
-        across = _edge_across(found, element.values.get(PAGES, ()))
-        for cut in (element.values.get(CUT), across):
-            if cut:
-                cuts[f"{cut} is not applied; taken whole"] = None
+        if cut := element.values.get(CUT):
+            cuts[f"{cut} is not applied; taken whole"] = None
         for points, closed in found:
             placed = rounded(frame.placed(points))
             if len(placed) < 2:
@@ -210,35 +207,13 @@ def _shapes(group: Any, role: str, name: str, walls: Walls) -> Any:
         within = name if role else ""  # that of a group without a role names nothing in it
         if isinstance(element, svgelements.Group | svgelements.Use):
             named = rest or within if own or role else label or name
-            for shape, *found in _shapes(element, own or role, named, walls):
-                if isinstance(element, svgelements.SVG):
-                    shape.values[PAGES] = (*shape.values.get(PAGES, ()), element)
-                yield shape, *found
+            yield from _shapes(element, own or role, named, walls)
         elif isinstance(element, svgelements.Shape):
             if own and role and own != role and not rest and not is_asked_for:
                 own = role
             drawn = str(element.values.get("attributes", {}).get(LABEL) or "")
             named = rest or (drawn if drawn and not own else within) if own or role else name
             yield element, own or role, named
-
-
-def _edge_across(lines: list[tuple[FloatArray, bool]], pages: Any) -> str:
-    """Which of the drawings within the drawing that hold some lines they reach out of; or empty."""
-    for page in pages if lines else ():
-        own = page.values.get("attributes", {})
-        if SPILLS in own:
-            continue
-        m = ~svgelements.Matrix(page.transform)
-        turn = np.array([[m.a, m.b], [m.c, m.d]], dtype=np.float64)
-        points = np.vstack([line for line, _ in lines]) @ turn + (float(m.e), float(m.f))
-        low = np.array([page.x, page.y], dtype=np.float64)
-        size = np.array([page.width, page.height], dtype=np.float64)
-        grain = 1e-6 * size.sum()
-        if (points < low - grain).any() or (points > low + size + grain).any():
-            label = next(iter(names_of(page)), "")
-            which = f'<svg> "{escaped(label)[:60]}"' if label else "<svg>"
-            return f"line {own.get(LINE)}: {which}: its edge"
-    return ""
 
 
 def _sort(path: Path, drawing: Drawing, lines: list[_Line], walls: Walls) -> None:

@@ -7,10 +7,7 @@ from dataclasses import dataclass, field
 
 MOST_COPIES = 100
 """Copies of copies."""
-UNSIZED = (
-    "of an <svg> with a viewBox in it width or height is a share, or not given; give both in px or "
-    "mm"
-)
+MISPLACED = "is copied (use) out of a switch, a shape or a copy; move it into <defs>"
 
 
 @dataclass
@@ -25,8 +22,8 @@ class Element:
     """functions that move these, its own only when it has ended"""
     copies: list[tuple[str, int]] = field(default_factory=list)
     """ids, and how many functions below this element move what is copied"""
-    has_shares: bool = False
-    """whether an ``svg`` with a viewBox is in it that is as large as a share of what is about it"""
+    is_misplaced: bool = False
+    """whether it stands where what is drawn elsewhere may not be drawn"""
     is_drawn: bool = False
     """of a ``switch``: whether one of its alternatives is"""
 
@@ -60,8 +57,8 @@ def written_out(
             return 10**9, 0
         if name not in known:
             element = elements.get(name, Element())
-            if element.has_shares:  # the library takes them of the wrong view
-                raise refused(name, f"is copied (use), and {UNSIZED}")
+            if element.is_misplaced:  # it is hidden there, but its copies are not
+                raise refused(name, MISPLACED)
             known[name] = whole(element, (*within, name))
         return known[name]
 

@@ -15,8 +15,7 @@ from typing import Any, NamedTuple
 import tinycss2
 import tinycss2.color4
 
-from physim.authoring.importing.svg_transforms import as_attribute
-from physim.authoring.importing.svg_values import EXTENTS, ORIGINS, PLACES
+from physim.authoring.importing.svg_values import ORIGINS, TAKES
 
 PAINTS = ("fill", "stroke")
 """Properties by which a shape is seen"""
@@ -27,9 +26,12 @@ AMOUNTS = ("fill-opacity", "stroke-opacity", "stroke-width")
 UNSEEN = (*SHOWN, *PAINTS, *AMOUNTS)
 CUTS = ("clip-path", "mask")
 """Properties by which only a part of an element is drawn; they are not applied, but told."""
-UNREAD = ("d", "rotate", "scale", "translate", "offset", "offset-path")
-"""Properties that change lines, and are read nowhere but as attributes or in ``transform``."""
-COUNTED = frozenset((*UNSEEN, *CUTS, *UNREAD, *PLACES, *EXTENTS, *ORIGINS, "transform", "overflow"))
+MOVES = ("transform", "rotate", "scale", "translate", "offset", "offset-path", "all")
+"""Properties that move what is in an element; they are read nowhere but as attributes."""
+SIZES = ("width", "height")
+PLACED = (*MOVES, *dict.fromkeys((*SIZES, *(key for takes in TAKES.values() for key in takes))))
+"""Properties that say where lines lie"""
+COUNTED = frozenset((*UNSEEN, *CUTS, *PLACED, *ORIGINS, "overflow"))
 """Properties that are looked at"""
 CALLED_SO: Mapping[str, str] = {
     **{f"-webkit-{key}": key for key in ("transform", "transform-origin", "opacity", *CUTS)},
@@ -209,7 +211,7 @@ def _declared(nodes: Iterable[Any]) -> tuple[Declaration, ...]:
         name = CALLED_SO.get(node.lower_name, node.lower_name)
         keys: Sequence[str] = [name] if name in COUNTED else ()
         if node.lower_name == "all" and _word(node.value) in ("initial", *HELD):
-            keys = UNSEEN
+            keys = (*UNSEEN, "all")
         for key in keys:
             if value := _meant(key, node.value):
                 found.append(Declaration(key, value, node.important))
@@ -225,8 +227,8 @@ def _meant(key: str, tokens: Iterable[Any]) -> str:
     known = [token for token in tokens if token.type not in ("whitespace", "comment")]
     if not known or any(token.type == "error" for token in known):
         return ""
-    if key == "transform":
-        return _transform(known)
+    if key in PLACED:  # whatever it is, it is not read
+        return "some"
     if key in CUTS:
         return "none" if _word(known) == "none" else "some"
     if key not in UNSEEN:
@@ -250,14 +252,6 @@ def _of_word(key: str, word: str) -> str:
     return _MEANINGS[key](tinycss2.parse_component_value_list(word), word)
 
 
-def _transform(tokens: Sequence[Any]) -> str:
-    word = _word(tokens)
-    if word in ("none", "initial", *HELD[1:], "revert-layer"):
-        return "none"
-    found = None if word == "inherit" or _refers(tokens) else as_attribute(tokens)
-    return _written(tokens) if found is None else found
-
-
 def _word(tokens: Iterable[Any]) -> str:
     """The word that a value consists of; or empty."""
     known = [token for token in tokens if token.type not in ("whitespace", "comment")]
@@ -265,7 +259,8 @@ def _word(tokens: Iterable[Any]) -> str:
 
 
 def _display(tokens: Sequence[Any], word: str) -> str:
-    is_known = all(one.type == "ident" and DISPLAYS.fullmatch(one.lower_value) for one in tokens)
+    words = [one.lower_value if one.type == "ident" else "" for one in tokens]
+    is_known = all(map(DISPLAYS.fullmatch, words)) and (word or not {*words} & {"none", "contents"})
     return (word if word in ("none", "contents") else "inline") if is_known else ""
 
 

@@ -7,7 +7,6 @@ messages.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from pathlib import Path
 from xml.parsers import expat
 
@@ -22,13 +21,11 @@ from physim.authoring.importing.svg_bare import (
     SVG,
     called,
     copied,
-    functions_of,
     hidden,
     is_hidden,
-    transform_of,
 )
 from physim.authoring.importing.svg_copies import MOST_COPIES, Element, written_out
-from physim.authoring.importing.svg_css import SHOWN, UNREAD
+from physim.authoring.importing.svg_css import MOVES, SHOWN, SIZES
 from physim.authoring.importing.svg_look import SvgLook
 from physim.authoring.importing.svg_paths import path_fault
 from physim.authoring.importing.svg_sheets import (
@@ -40,26 +37,15 @@ from physim.authoring.importing.svg_sheets import (
     sheets_of,
 )
 from physim.authoring.importing.svg_values import (
-    EXTENTS,
     NUMBER,
     ORIGINS,
-    PLACES,
     SHAPES,
+    TAKES,
     origin_of,
     page_fault,
-    place_fault,
     shape_fault,
-    share_fault,
     transform_fault,
     turns,
-)
-from physim.authoring.importing.svg_views import (
-    WHOLE,
-    ViewError,
-    fitted,
-    has_share,
-    styled_size,
-    views_of,
 )
 from physim.escaping import escaped
 
@@ -93,14 +79,10 @@ class _Guard:
         self.hidden = 0
         self.sheets = Sheets()
         self.has_names = True  # whether elements are of the namespace of SVG, as they should be
-        self.pages = 0  # drawings within the drawing that have ended
-        self.views: list[tuple[int, str, dict[str, str]]] = []  # pages and symbols, by depth
-        self.symbols: dict[str, tuple[str, Mapping[str, str]]] = {}
         self.parser = expat.ParserCreate("utf-8", namespace_separator="|")
 
     def run(self, text: str) -> SvgLook:
         self.sheets = sheets_of(text, lambda *wrong: refused(self.path, *wrong))
-        self.symbols = views_of(text)
         self.look.may_be_painted = self.sheets.may_paint
         if self.sheets.imports:
             self.look.left_out.append("<style> imports another style sheet, which is not read")
@@ -152,56 +134,47 @@ class _Guard:
         if self.has_names and "|" not in name:  # taken out of the namespace
             name = f"|{name}"
         tag = name.removeprefix(SVG)
-        attributes = self._shown(tag, self._styled(tag, attributes))
+        styled = self._styled(tag, attributes)
+        attributes = self._shown(styled)
+        is_misplaced = attributes is not styled
         self._check_shown(tag, attributes)
         if hides := is_hidden(tag, attributes):
             attributes = hidden(attributes)
-        style = declarations(attributes.get("style", ""), (*PLACES, *EXTENTS))
-        values = {**attributes, **style}
-        fault = ""
-        if tag in SHAPES:  # what is copied may be so behind a drawing within this one
-            fault = share_fault(values) if self.hidden else self._share(values)
+        fault = self._fault(tag, attributes)
         self.look.bare.start(name, attributes, line, fault)
         if not self.open:
-            self._check_root(tag, name, hides)
-            self.look.width, self.look.line = attributes.get("width", ""), line
+            self._check_root(tag, name, attributes, hides)
         self._count(attributes)
-        if wrong := self._fault(tag, attributes):
-            raise self._refused(f"{called(tag, attributes)}: {wrong}")
-        if tag not in NOT_LINES and not hides:
-            self._check_turn(tag, attributes)
         self._hide(tag, attributes, hides)
         if tag in SHAPES and not self.hidden:
-            if wrong := shape_fault(tag, values):
-                raise self._refused(f"{called(tag, attributes)}: {wrong}")
             self.look.drawn.append((line, called(tag, attributes)))
-        self._enter(tag, attributes)
+        self._enter(tag, attributes, is_misplaced)
 
     def _styled(self, tag: str, attributes: dict[str, str]) -> dict[str, str]:
-        """Attributes with what style sheets say, and a copy fitted into its box."""
+        """Attributes with what style sheets say."""
         try:
-            attributes = self.sheets.styled(tag, attributes)
-            if tag == "use" and (view := self.symbols.get(copied(attributes)[1:])):
-                attributes = fitted(attributes, *view, self.views[-1][2] if self.views else {})
-        except (StyleError, ViewError) as error:
+            return self.sheets.styled(tag, attributes)
+        except StyleError as error:
             raise self._refused(f"{called(tag, attributes)}: {error}") from None
-        return attributes
 
-    def _shown(self, tag: str, attributes: dict[str, str]) -> dict[str, str]:
+    def _shown(self, attributes: dict[str, str]) -> dict[str, str]:
         """Attributes, of what is not drawn where it stands so that it is hidden."""
         within = self.open[-1][0] if self.open else ""
         if within == "switch":
             attributes = self._alternative(attributes)
         elif "requiredExtensions" in attributes:
             attributes = hidden(attributes)
-        is_drawn = within not in (*SHAPES, "use")  # nothing is drawn in a shape, or in a copy
-        return attributes if is_drawn else hidden(attributes)
+        return hidden(attributes) if within in TAKES else attributes  # a shape, or a copy
 
-    def _check_root(self, tag: str, name: str, hides: bool) -> None:
+    def _check_root(self, tag: str, name: str, attributes: dict[str, str], hides: bool) -> None:
+        self.look.width = attributes.get("width", "")
+        self.look.line = self.parser.CurrentLineNumber
         if tag != "svg":
             raise self._refused(f"the root is <{escaped(name[:40])}>, not <svg>")
         if hides:
             raise self._refused("the whole drawing is hidden, by display or opacity")
+        if wrong := page_fault(attributes):
+            raise self._refused(f"{called(tag, attributes)}: {wrong}")
 
     def _count(self, attributes: dict[str, str]) -> None:
         """Refuse more than can be read."""
@@ -239,9 +212,10 @@ class _Guard:
         if told:
             self.look.left_out.append(f"line {self.parser.CurrentLineNumber}: {told}")
 
-    def _enter(self, tag: str, attributes: dict[str, str]) -> None:
+    def _enter(self, tag: str, attributes: dict[str, str], is_misplaced: bool) -> None:
         """Take note of an element about those to come, and of what it copies."""
-        element = Element(functions_of(tag, attributes))
+        moves = attributes.get("transform", "").count("(")
+        element = Element(moves, is_misplaced=is_misplaced)
         if tag == "use":
             href = copied(attributes)
             if not href.startswith("#"):
@@ -249,58 +223,36 @@ class _Guard:
                     f'refers to "{escaped(href[:60])}"; nothing outside the file is read'
                 )
             element.copies.append((href[1:], 1))  # x and y of a copy move it
-        if tag == "svg" and self.open and "viewBox" in attributes:
-            element.has_shares = has_share(attributes)
         own = attributes.get("id")
         if own is not None:
             self.elements.setdefault(own, element)
             self.look.lines.setdefault(own, self.parser.CurrentLineNumber)
-        if tag == "svg" or (tag == ONLY_COPIED and "viewBox" in attributes):
-            self.views.append((len(self.open), tag, attributes))
         self.open.append((tag, element))
 
     def _fault(self, tag: str, attributes: dict[str, str]) -> str:
-        """What is wrong with an element that is read, whether it is seen or not; else empty."""
-        if tag == "path" and (wrong := path_fault(attributes.get("d", ""))):
-            return f"path data: {wrong}"
-        if wrong := transform_fault(transform_of(attributes).get("transform", "")):
+        """What of an element is not read, so that no line in it can be; else empty."""
+        wrong = self._fault_of_place(tag, attributes) or shape_fault(tag, attributes)
+        if tag == "path" and (unread := path_fault(attributes.get("d", ""))):
+            wrong = wrong or f"path data: {unread}"
+        return f"{called(tag, attributes)}: {wrong}" if wrong else ""
+
+    def _fault_of_place(self, tag: str, attributes: dict[str, str]) -> str:
+        is_page = not self.open
+        if tag == "svg" and not is_page:
+            return "a drawing within the drawing is not read; take what it holds out of it"
+        if tag == ONLY_COPIED and any(key in attributes for key in ("viewBox", "x", "y")):
+            return "a symbol with a viewBox, x or y is not read; make it a group"
+        style = attributes.get("style", "")
+        takes = SIZES if is_page else (*TAKES.get(tag, ()),)
+        if key := next(iter(declarations(style, (*MOVES, *takes))), ""):
+            return f'its style has "{key}", which is not read; make it an attribute'
+        transform = attributes.get("transform", "")
+        if wrong := transform_fault(transform):
             return f"transform: {wrong}"
-        if tag not in ("svg", "use"):
-            return ""
-        values = {**attributes, **declarations(attributes.get("style", ""), (*PLACES, *EXTENTS))}
-        if tag == "use":  # its width and height are not applied, and often 100%
-            places = {key: value for key, value in values.items() if key in ("x", "y")}
-            return place_fault(places, True) or self._share(places)
-        if not self.open:
-            return page_fault(attributes)
-        has_view = "viewBox" in values
-        share = self._share({"width": WHOLE, "height": WHOLE, **values}) if has_view else ""
-        sized = styled_size(attributes) if has_view else ""
-        return sized or share or page_fault(attributes) or place_fault(values, has_view)
-
-    def _share(self, values: dict[str, str]) -> str:
-        is_plain = not self.pages and all(
-            tag == "svg" and "viewBox" in view for _, tag, view in self.views[-1:]
-        )
-        return "" if is_plain else share_fault(values)
-
-    def _check_turn(self, tag: str, attributes: dict[str, str]) -> None:
-        """Refuse what is turned about another point than (0, 0), or changed in ways not read."""
-        text = attributes.get("style", "")
-        for key, value in declarations(text, UNREAD).items():
-            if value.lower() != "none":
-                raise self._refused(
-                    f'{called(tag, attributes)}: its style has "{key}", which is not read; '
-                    "save as plain SVG"
-                )
-        style = declarations(text, ORIGINS)
-        if not turns(transform_of(attributes).get("transform", "")):
-            return
-        if own := origin_of({**attributes, **style}):
-            raise self._refused(f"{called(tag, attributes)}: {own}; {NO_ORIGIN}")
-        if self.sheets.origin:
-            message = f"has a transform, and in <style> {self.sheets.origin}"
-            raise self._refused(f"{called(tag, attributes)}: {message}; {NO_ORIGIN}")
+        if is_page and transform:
+            return "the page itself has a transform; give it to what it holds"
+        origin = origin_of({**attributes, **declarations(style, ORIGINS)})
+        return f"{origin}; {NO_ORIGIN}" if origin and turns(transform) else ""
 
     def _check_shown(self, tag: str, attributes: dict[str, str]) -> None:
         """Refuse what its own attribute hides where a rule that is not followed may show it."""
@@ -325,16 +277,12 @@ class _Guard:
         return attributes
 
     def _end(self, _: str) -> None:
-        tag, element = self.open.pop()
-        self.pages += tag == "svg"
-        if self.views and self.views[-1][0] == len(self.open):
-            self.views.pop()
+        _, element = self.open.pop()
         self.hidden = max(self.hidden - 1, 0)
         self.look.bare.end()
         element.moved_by(element.functions)
         parent = self.open[-1][1] if self.open else self.all
         parent.count += element.count
-        parent.has_shares |= element.has_shares
         parent.turned += element.turned
         parent.copies += element.copies
 

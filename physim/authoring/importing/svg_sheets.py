@@ -18,8 +18,8 @@ from physim.authoring.importing.svg_css import (
     AMOUNTS,
     CUTS,
     PAINTS,
+    PLACED,
     SHOWN,
-    UNREAD,
     UNSEEN,
     WORDS,
     Declaration,
@@ -29,17 +29,11 @@ from physim.authoring.importing.svg_css import (
     meant,
     rules,
 )
-from physim.authoring.importing.svg_values import EXTENTS, PLACES, origin_of
+from physim.authoring.importing.svg_values import ORIGINS
 from physim.escaping import escaped
 
 MOST_CLASSES = 200
 """Classes of an element"""
-IGNORED = "physim-ignored"
-"""Attribute that tells of properties that a sheet has and that are not applied"""
-FROM_SHEETS = (*UNSEEN, *CUTS)
-"""Properties that count in a style sheet."""
-TOLD = (*PLACES, *EXTENTS)
-"""Properties of a style sheet that are not applied, but told"""
 MOST_SELECTORS = 100_000
 """Selectors of all style sheets"""
 MOST_STYLE = 2_500_000
@@ -75,8 +69,6 @@ class Sheets:
         """whether something changes as time goes by, which is not followed"""
         self.may_paint = False
         """whether a rule that is not followed says of elements how they are painted"""
-        self.origin = ""
-        """what in a style sheet turns elements about another point than (0, 0)"""
         self._declared = lru_cache(STYLES_KEPT)(self._declarations)
         self._meant = lru_cache(STYLES_KEPT)(self._meaning)
 
@@ -113,27 +105,21 @@ class Sheets:
         if not rule.found:
             return
         last = last_of(rule.found)
-        for key in ("transform", *UNREAD):
-            if last.get(key, "none").lower() != "none":
-                raise _fault(rule, f"has a {key}; only those of elements are read")
         if wrong := unread(last):
             raise _fault(rule, f"has {wrong}")
-        if wrong := origin_of(last):
-            self.origin = self.origin or f"{_quoted(rule.selector)} has {wrong}"
         hides = bool(hidden_by(last))
         if rule.is_followed:
             self._hides = self._hides or (_quoted(rule.selector) if hides else "")
-        elif cut_of(last) or hides:
-            raise _fault(rule, f"hides or cuts what it selects, {BEYOND}")
+        elif hides or cut_of(last) or any(key in last for key in (*PLACED, *ORIGINS)):
+            raise _fault(rule, f"hides, cuts or moves what it selects, {BEYOND}")
         else:
             self.may_paint |= any(key in (*PAINTS, *AMOUNTS) for key in last)
             if any(key in SHOWN for key in last):
                 self.shows = self.shows or rule.selector
-        found = [one for one in rule.found if one.key in (*FROM_SHEETS, *TOLD)]
-        for name in rule.names if found else ():
-            self._put(name, found)
+        for name in rule.names:
+            self._put(name, rule.found)
 
-    def _put(self, selector: str, found: list[Declaration]) -> None:
+    def _put(self, selector: str, found: Iterable[Declaration]) -> None:
         known = self._rules.setdefault(selector, {})
         self._count += 1
         if self._count > MOST_SELECTORS:
@@ -148,16 +134,13 @@ class Sheets:
     def styled(self, tag: str, attributes: dict[str, str]) -> dict[str, str]:
         """Attributes of an element with all that counts of its style in ``style``.
 
-        As ``key:value;key:value``, each property once; those that are not applied are named in
-        `IGNORED`. Raises StyleError.
+        As ``key:value;key:value``, each property once. Raises StyleError.
         """
-        attributes = {key: value for key, value in attributes.items() if key != IGNORED}
+        attributes = {**attributes}
         for key in [one for one in UNSEEN if one in attributes]:
             value = self._meant(key, attributes.pop(key))
             attributes |= {key: value} if value else {}
         best = self._of_rules(tag, attributes)
-        if told := " and ".join(key for key in TOLD if best.pop(key, None)):
-            attributes[IGNORED] = told
         for key, value, is_important in self._declared(attributes.pop("style", "")):
             own = ((is_important, 1_000, 0), value)
             if key not in best or own[0] >= best[key][0]:
@@ -245,10 +228,12 @@ def sheets_of(text: str, wrong: Callable[[str, int], Exception]) -> Sheets:
         return sheets
     within: list[tuple[str, list[str]]] = []
 
-    def start(name: str, attributes: dict[str, str], _: int) -> None:
+    def start(name: str, attributes: dict[str, str], line: int) -> None:
         media = attributes.get("media", "")
         on_screen = is_for_screen(media)
         is_css = attributes.get("type", "").lower() in ("", "text/css")
+        if name in STYLES and is_css and attributes.get("title"):
+            raise wrong("<style>: one of several, by its title; delete it or its title", line)
         if name in STYLES and is_css and on_screen is not False:
             within.append(("" if on_screen else f"@media {media} ", []))
 

@@ -13,30 +13,37 @@ NUMBERS = {
     "skewY": (1,),
 }  # fmt: skip
 """How many numbers each function of a transform takes."""
-NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?")
+NUMBER = re.compile(r"[-+]?(?:\d+(?:\.\d+)?|\.\d+)(?:[eE][-+]?\d+)?")
 FUNCTION = re.compile(r"\s*([A-Za-z]+)\s*\(([^()]*)\)\s*,?")
 STRAY = re.compile(r"^\s*,|,\s*,|,\s*$")
 """A comma that does not stand between two numbers"""
-LENGTH = re.compile(rf"\s*({NUMBER.pattern})\s*(?:px|mm|cm|in|pt|pc|%)?\s*$", re.I)
+LENGTH = re.compile(rf"\s*({NUMBER.pattern})\s*(?:px|mm|cm|in|pt|pc)?\s*$", re.I)
 PAGE = re.compile(rf"\s*({NUMBER.pattern})\s*[A-Za-z%]*\s*$")
 """A unit that is none stands for user units, as some programs write ``30m``."""
 NO_LENGTH = re.compile(r"(?:em|ex|ch|lh|rem|v[a-z]+)\s*$", re.I)
 """Units of a font or of a window"""
 NO_POINTS = re.compile(r"[^0,\s]|,\s*,|^\s*,")
 """Of points, with noughts for their numbers"""
-PLACES = ("x", "y", "cx", "cy", "x1", "y1", "x2", "y2")
-EXTENTS = ("width", "height", "r", "rx", "ry")
-RADII = ("rx", "ry")
 AUTO = "auto"
 """Of a radius: as long as the other."""
-PIXELS = {"": 1.0, "px": 1.0, "mm": 96.0 / 25.4, "cm": 96.0 / 2.54, "in": 96.0, "pt": 4.0 / 3.0,
-          "pc": 16.0}  # fmt: skip
-"""Pixels of a unit of length."""
+RADII = ("rx", "ry")
+EXTENTS = ("width", "height", "r", *RADII)
+TAKES: Mapping[str, Mapping[str, str]] = {
+    "path": {"d": ""},
+    "rect": {**dict.fromkeys(("x", "y", "width", "height"), "0"), **dict.fromkeys(RADII, AUTO)},
+    "circle": dict.fromkeys(("cx", "cy", "r"), "0"),
+    "ellipse": {"cx": "0", "cy": "0", **dict.fromkeys(RADII, AUTO)},
+    "line": dict.fromkeys(("x1", "y1", "x2", "y2"), "0"),
+    "polyline": {"points": ""},
+    "polygon": {"points": ""},
+    "use": {"x": "0", "y": "0"},
+}
+"""What says where the lines of an element lie, and what holds where it is not said"""
+SHAPES = tuple(tag for tag in TAKES if tag != "use")
 ORIGINS = ("transform-origin", "transform-box")
 """Properties that say about which point an element is turned."""
 NO_ORIGIN = re.compile(r"(?:(?:[-+]?(?:0+\.?0*|\.0+)(?:px|mm|cm|in|pt|pc|%)?|left|top)(?:\s+|$))+")
 """The point (0, 0), about which elements are turned anyway."""
-SHAPES = ("path", "rect", "circle", "ellipse", "line", "polyline", "polygon")
 
 
 def page_fault(values: dict[str, str]) -> str:
@@ -55,46 +62,6 @@ def page_fault(values: dict[str, str]) -> str:
     if not all(map(isfinite, numbers)) or min(numbers[2:]) <= 0.0:
         return f'viewBox="{escaped(box)[:60]}": its width and height, the last two, must be above 0'
     return ""
-
-
-def place_fault(values: Mapping[str, str], of_page: bool) -> str:
-    """What is wrong with x and y of a copy, or of an ``svg`` within another; else empty.
-
-    ``of_page`` says whether they may be shares of the page.
-    """
-    for key in ("x", "y"):
-        given = values.get(key, "0").strip()
-        found = LENGTH.match(given)
-        if found is None or not isfinite(float(found[1])):
-            units = "px, mm, cm, in, pt, pc or %" if of_page else "px, mm, cm, in, pt or pc"
-            return f'{key}="{escaped(given)[:40]}": a number is needed, alone or with {units}'
-        if given.endswith("%") and float(found[1]) and not of_page:
-            return f'{key}="{escaped(given)[:40]}": a share of the page; give it in px or mm'
-    return ""
-
-
-def share_fault(values: dict[str, str]) -> str:
-    """What is wrong with shares of a page below a drawing within it, or without a viewBox.
-
-    The library takes them for shares of that one, as if it had not ended, and without a viewBox
-    those of the width for some of the height. Empty where there are none.
-    """
-    for key in (*PLACES, *EXTENTS):
-        given = values.get(key, "").strip()
-        if given.endswith("%"):
-            return (
-                f'{key}="{escaped(given)[:40]}": a share of a page without viewBox, or below an '
-                "<svg> within it; give it in px or mm"
-            )
-    return ""
-
-
-def pixels_of(length: str) -> float:
-    """Length in pixels, without a fault by `place_fault`."""
-    found = LENGTH.match(length)
-    if found is None:
-        return 0.0
-    return float(found[1]) * PIXELS.get(length[found.end(1) :].strip().lower(), 0.0)
 
 
 def turns(transform: str) -> bool:
@@ -119,24 +86,19 @@ def origin_of(values: dict[str, str]) -> str:
     return " and ".join(f"{key}: {escaped(value)[:40]}" for key, value in given.items())
 
 
-def shape_fault(tag: str, values: dict[str, str]) -> str:
-    """What is wrong with the lengths and points of a shape; empty where nothing is."""
-    for key in (*PLACES, *EXTENTS) if tag in SHAPES else ():
+def shape_fault(tag: str, values: Mapping[str, str]) -> str:
+    """What is wrong with the lengths and points of a shape, or a copy; empty where nothing is."""
+    for key in TAKES.get(tag, ()):
         given = values.get(key, "").strip()
-        if not given or (given == AUTO and key in EXTENTS and key != "r"):
+        if key in ("d", "points") or not given or (given == AUTO and key in EXTENTS and key != "r"):
             continue
         found = LENGTH.match(given)
         if found is None or not isfinite(float(found[1])):
-            units = "px, mm, cm, in, pt, pc or %"
+            units = "px, mm, cm, in, pt or pc"
             return f'{key}="{escaped(given)[:40]}": a number is needed, alone or with {units}'
-        if key == "r" and given.endswith("%"):
-            return f'r="{escaped(given)[:40]}": a share of a diagonal; give it in px or mm'
-        is_radius = key in RADII and (tag == "rect" or AUTO in map(values.get, RADII))
-        if is_radius and given.endswith("%"):
-            return f'{key}="{escaped(given)[:40]}": a share of the page; give it in px or mm'
         if key in EXTENTS and float(found[1]) < 0.0:
             return f'{key}="{escaped(given)[:40]}": must not be negative'
-    points = values.get("points", "") if tag in ("polyline", "polygon") else ""
+    points = values.get("points", "") if "points" in TAKES.get(tag, ()) else ""
     gaps = NUMBER.sub(lambda found: "0" * len(found[0]), points)
     if bad := NO_POINTS.search(gaps):
         return f'points: "{escaped(points[bad.start() : bad.start() + 20])}" cannot be read'

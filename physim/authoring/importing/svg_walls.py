@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from physim.authoring.importing.svg_bare import LINE, SAME_ID
+from physim.authoring.importing.svg_bare import FAULT, LINE, SAME_ID
 from physim.errors import nearest
 from physim.escaping import escaped
 
@@ -51,7 +51,7 @@ class Walls:
         It goes by its own name, else by that of the group.
         """
         name = next(iter(names_of(element)), "") or group
-        if not name or self._measured >= MOST_MEASURED:
+        if not name or FAULT in element.values or self._measured >= MOST_MEASURED:
             return
         box = element.bbox()
         self._measured += 1

@@ -39,6 +39,8 @@ class Columns:
 
     order: tuple[int, ...]
     separator: str
+    count: int
+    """of all columns"""
     extra: tuple[str, ...] = ()
 
 
@@ -63,7 +65,7 @@ def columns_of(path: Path, rows: Sequence[tuple[int, str]]) -> Columns:
             raise refused(path, _unknown(names), k)
     if not headers:
         _check_count(path, data, separator, count)
-        return Columns((0, 1, 2, 3), separator)
+        return Columns((0, 1, 2, 3), separator, count)
     line, header = headers[-1]
     if any(name not in header for name in COLUMNS):
         raise refused(path, _unknown(header), line)
@@ -71,7 +73,8 @@ def columns_of(path: Path, rows: Sequence[tuple[int, str]]) -> Columns:
     if twice is not None:
         raise refused(path, f"two columns {twice}", line)
     extra = tuple(escaped(name) for name in header if name and name not in COLUMNS)
-    return Columns(tuple(header.index(name) for name in COLUMNS), separator, extra)
+    order = tuple(header.index(name) for name in COLUMNS)
+    return Columns(order, separator, len(header), extra)
 
 
 def is_data(row: str) -> bool:
@@ -182,6 +185,10 @@ def _numbers(path: Path, line: int, row: str, columns: Columns) -> list[float]:
         raise refused(path, "numbers with a decimal comma; write a point", line)
     if len(cells) <= max(order):
         raise refused(path, f"{len(cells)} values; {max(order) + 1} are needed", line)
+    if any(cells[columns.count :]):
+        more = "; numbers with a decimal comma? write a point" if separator == "," else ""
+        message = f"{len(cells)} values in {columns.count} columns{more}"
+        raise refused(path, message, line)
     values = []
     for name, cell in zip(COLUMNS, (cells[k] for k in order), strict=True):
         try:

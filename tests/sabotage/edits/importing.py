@@ -421,4 +421,22 @@ EDITS = (
         "robots are no smaller than a world can say",
         "tests/importing/test_refusals.py::test_options",
     ),
+    Edit(
+        "importing",
+        "physim/authoring/importing/polygons.py",
+        "_valid",
+        "return whole",
+        "return [max(whole, key=shapely.area)]",
+        "no part of a polygon is lost to its rounding",
+        "tests/importing/test_repairs.py::test_halves_joined_by_a_neck_below_a_millimetre_are_told_apart",
+    ),
+    Edit(
+        "importing",
+        "physim/authoring/importing/track_file.py",
+        "_numbers",
+        "if any(cells[columns.count :]):",
+        "if False:",
+        "a row has no more values than there are columns",
+        "tests/importing/test_refusals.py::test_tracks",
+    ),
 )

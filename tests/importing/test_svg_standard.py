@@ -94,6 +94,9 @@ REFUSED = {
     ),
     "size in a style": (PILLAR.format('style="width: 3px"'), ':3: … obstacle … "width"'),
     "everything in a style": (PILLAR.format('style="all: unset"'), ':3: … obstacle … "all"'),
+    "everything in a style, anew": (
+        PILLAR.format('style="display: none; all: unset"'), ':3: … obstacle … "all"',
+    ),
     "size in a sheet": (
         f"<style>rect {{height: 3px}}</style>\n{PILLAR.format('')}",
         ':4: … obstacle … "height"',

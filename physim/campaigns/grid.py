@@ -245,9 +245,9 @@ def _check_count(cells: int, seeds: int, most: int | None) -> None:
     if not count:
         raise PhysimError("nothing to run: no worlds, seeds or values")
     if count > MOST_EVER:
-        years, size = count / RUNS_A_SECOND / (365.25 * 86400), count * ROW_BYTES / 1e9
+        days, size = count / RUNS_A_SECOND / 86400, count * ROW_BYTES / 1e9
         raise PhysimError(
-            f"{count:,} runs: at {RUNS_A_SECOND} a second they would take {years:,.2g} years, and "
+            f"{count:,} runs: at {RUNS_A_SECOND} a second they would take {days:,.3g} days, and "
             f"their rows {size:,.0f} GB; allowed: at most {MOST_EVER:,} in a folder"
         )
     if cells > MOST_CELLS:

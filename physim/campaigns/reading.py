@@ -36,17 +36,29 @@ def read(folder: str | os.PathLike[str]) -> pa.Table:
     its key is not that of its cell and seed.
     """
     place = Folder(folder)
-    table = read_rows(place)
+    table = _all_rows(place)
     _check_runs(place, table)
-    return own_metrics.with_columns(table)
+    return own_metrics.with_columns(_in_order(table))
 
 
 def read_rows(place: Folder) -> pa.Table:
     """As `read`, whatever the campaign tells."""
+    return _in_order(_all_rows(place))
+
+
+def check_rows(place: Folder) -> None:
+    """Raise PhysimError as `read` does."""
+    _check_runs(place, _all_rows(place))
+
+
+def _all_rows(place: Folder) -> pa.Table:
     import pyarrow as pa
 
-    found = _each_once(pa.concat_tables([schema().empty_table(), *place.shards.tables()]))
-    return found.sort_by([(name, "ascending") for name in ORDER])
+    return pa.concat_tables([schema().empty_table(), *place.shards.tables()])
+
+
+def _in_order(table: pa.Table) -> pa.Table:
+    return _each_once(table).sort_by([(name, "ascending") for name in ORDER])
 
 
 def read_part(folder: Path, grid: Grid) -> pa.Table:
@@ -122,4 +134,4 @@ def _each_once(table: pa.Table) -> pa.Table:
     return table.take(np.sort(order[last]))
 
 
-__all__ = ["read", "read_part", "read_rows", "write_results"]
+__all__ = ["check_rows", "read", "read_part", "read_rows", "write_results"]

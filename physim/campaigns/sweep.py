@@ -16,7 +16,7 @@ from physim.campaigns.folder import Claims, Folder
 from physim.campaigns.grid import Grid
 from physim.campaigns.one_run import Taken, never, one_line, ready, row_without_run, take
 from physim.campaigns.processes import Processes
-from physim.campaigns.reading import write_results
+from physim.campaigns.reading import check_rows, write_results
 from physim.campaigns.rows import write_whole
 from physim.campaigns.runner import POLL_SECONDS, Outcome, outcomes
 from physim.campaigns.spec import RunSpec
@@ -96,11 +96,13 @@ def sweep(
     `physim.campaigns.one_run.KEEP`; with ``retry`` runs that failed are done again. ``decided`` is
     asked after every row in the order of ``specs``, whoever was done first; when it says True no
     more runs are begun. Raises
-    PhysimError for the folder of another campaign, and where it cannot be written.
+    PhysimError for the folder of another campaign, for rows in it that are of none of its runs, and
+    where it cannot be written.
     """
     place = Folder(folder)
     asked = specs.asked if isinstance(specs, Grid) and decided is None else None
     place.open(_cells(specs), asked)
+    check_rows(place)
     work = _Sweep(place, specs, executor, keep, retry, decided)
     try:
         work.go(stop, progress)

@@ -92,6 +92,12 @@ def test_two_runs_go_in_step_beside_each_other_or_in_one_view(
     assert seen.page.locator(".view:visible canvas").count() == 2
     seen.drawn_at(5.0)
     assert seen.ask("physim.views.map((view) => view.drawn.time)") == [5.0, 4.0]
+    held = seen.page.locator(".over:visible")  # the run that is over by then
+    assert held.count() == 1
+    assert "4.0 s" in held.inner_text()
+    for time in (3.0, 6.0):
+        seen.drawn_at(time)
+        assert seen.page.locator(".over:visible").count() == 0
     seen.page.check("#ghosts")
     seen.settle()
     assert seen.page.locator(".view:visible canvas").count() == 1

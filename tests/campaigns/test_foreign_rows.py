@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import shutil
 from collections.abc import Callable
+from concurrent.futures import Executor
 from dataclasses import asdict, replace
 from pathlib import Path
 
@@ -14,6 +15,7 @@ from physim.campaigns.columns import FINISHED, Row
 from physim.campaigns.folder import CAMPAIGN, Folder
 from physim.campaigns.one_run import row_without_run
 from physim.campaigns.reading import read
+from physim.campaigns.sweep import sweep
 from physim.errors import PhysimError
 from tests.campaigns.samples import FIXED, specs
 from tests.cli.commands import physim
@@ -67,6 +69,28 @@ def test_rows_of_another_campaign_are_refused(campaign: Path) -> None:
     place = put(campaign, other)
     with pytest.raises(PhysimError, match=facts(place, "fixed")):
         read(campaign)
+
+
+def test_a_row_behind_which_the_true_one_stands_is_refused_too(campaign: Path) -> None:
+    """That of another seed was passed over, as a run that has two rows."""
+    run = specs(3)[2]
+    place = put(campaign, replace(row_without_run(run, FINISHED, ""), seed=SEED))
+    Folder(campaign).shards.write([row_without_run(run, FINISHED, "")])
+    with pytest.raises(PhysimError, match=facts(place.split(":")[0], CAMPAIGN, str(SEED))):
+        read(campaign)
+
+
+def test_a_sweep_does_nothing_beside_them(campaign: Path) -> None:
+    place = put(campaign, CHANGES["seed"](row_without_run(specs(4)[3], FINISHED, "")))
+    before = {file.name: file.read_bytes() for file in (campaign / "rows").iterdir()}
+    with pytest.raises(PhysimError, match=facts(place, CAMPAIGN)):
+        sweep(specs(5), campaign, Unused())
+    after = {file.name: file.read_bytes() for file in (campaign / "rows").iterdir()}
+    assert before == after
+
+
+class Unused(Executor):
+    """Is never given anything to do."""
 
 
 def test_the_same_rows_in_a_second_file_count_once(campaign: Path) -> None:

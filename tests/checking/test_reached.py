@@ -57,7 +57,17 @@ def test_without_walls_it_is_said_that_no_room_is_judged(tmp_path):
     )
     assert lines(found)[0]
     assert found.clearance == ()
-    assert facts_in(found.notes[0], "not judged", "boundary")
+    assert facts_in(found.notes[0], "not judged", "boundaries")
+
+
+def test_room_is_not_judged_by_half_of_what_there_is(tmp_path):
+    """One obstacle alone was taken for all that stands there."""
+    obstacle = "obstacles: [[[40, 9], [42, 9], [42, 10]]]\n"
+    for wrong in ((UPPER, "7"), ("[[-3, -4]", "[[-3, x]")):
+        found = check(tmp_path, changed(DRAWN, wrong) + obstacle)
+        assert found.clearance == ()
+        assert facts_in(found.notes[0], "not judged", "boundaries", "obstacles")
+    assert check(tmp_path, DRAWN + obstacle).clearance
 
 
 def facts_in(text: str, *parts: str) -> bool:

@@ -502,3 +502,20 @@ def test_the_room_of_a_path_through_an_obstacle_is_its_depth(tmp_path, thin):
     told = json.loads(json.dumps(one.as_json()))
     assert told["narrowest"]["clearance"] == pytest.approx(-depth, abs=1e-3)
     assert min(told["clearance"]) >= told["narrowest"]["clearance"] - 1e-6
+
+
+@pytest.mark.parametrize("own", [False, True])
+def test_a_heading_of_a_start_region_may_be_in_degrees_too(tmp_path, own):
+    region = "start: {region: [[2, -2], [9, -2], [9, 2], [2, 2]], heading: 90}"
+    lines_of = CORRIDOR.split("\n")
+    at = next(k for k, line in enumerate(lines_of) if "pose: " in line)
+    if own:
+        lines_of[at] = "    " + region
+    else:
+        lines_of[at : at + 1] = []
+        lines_of.insert(next(k for k, one in enumerate(lines_of) if one == "robots:"), region)
+    _, warnings = lines(check(tmp_path, "\n".join(lines_of)))
+    (warning,) = [one for one in warnings if "full turn" in one]
+    check_finding(
+        warning, "7:66 robots[0].start.heading" if own else "4:62 start.heading", "90 rad", "1.5708"
+    )

@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+import re
+from pathlib import Path
+
 import pytest
 
 from tests.forgeries.edits import FORGERIES
 from tests.forgeries.runs import UNUSUAL, make_runs
 from tests.forgeries.trial import doubted, tried
+
+ROOT = Path(__file__).parents[2]
 
 
 @pytest.fixture(scope="module")
@@ -17,6 +22,17 @@ def made(tmp_path_factory):
 def test_there_are_enough_of_them():
     names = [forgery.name for forgery in FORGERIES]
     assert len(set(names)) == len(names) >= 40
+
+
+def test_the_page_lists_all_of_them():
+    page = (ROOT / "docs" / "VALIDATION.md").read_text(encoding="utf-8")
+    assert f"edits records in {len(FORGERIES)} ways" in page
+    for run in ("free", "touching", "staged"):
+        listed = re.search(rf"^\| {run} \| (\d+) \| (.*) \|$", page, re.M)
+        assert listed is not None
+        names = [forgery.name for forgery in FORGERIES if forgery.run == run]
+        assert int(listed[1]) == len(names)
+        assert sorted(listed[2].split("; ")) == sorted(names)
 
 
 @pytest.mark.parametrize("forgery", FORGERIES, ids=lambda forgery: forgery.name)

@@ -50,6 +50,8 @@ from physim.world.file.nodes import Document, collector_paused
 from physim.world.layout.layout import PartialLayout, partial_layout
 from physim.world.partial import sound_parts
 
+PLACES = (("corridor",), ("road",), ("boundaries",), ("obstacles",))
+"""Keys of a world that say where there is room"""
 MOST_REPORTED = 100
 """Errors, and likewise warnings, of one world that are reported one by one."""
 
@@ -140,7 +142,8 @@ def _check_layout(
     check_headings(laid, found)
     check_start_stations(laid, found)
     astray = check_paths(laid, found)
-    profiles = clearance_profiles(laid, safe_distance)
+    is_unread = any(fault.location[:1] in PLACES for fault in written)
+    profiles = () if is_unread else clearance_profiles(laid, safe_distance)
     too_wide = check_width(laid, found)
     fitting = tuple(profile for profile in profiles if profile.number not in too_wide)
     check_room(laid, fitting, astray, found)
@@ -162,18 +165,20 @@ def _check_layout(
     check_rings(laid, found)
     if checked.world is not None:
         check_shared_stops(laid, at, found)
-    found.notes += _not_judged(laid, profiles)
+    found.notes += _not_judged(laid, profiles, is_unread)
     return profiles
 
 
-def _not_judged(laid: PartialLayout, profiles: tuple[ClearanceProfile, ...]) -> list[str]:
+def _not_judged(
+    laid: PartialLayout, profiles: tuple[ClearanceProfile, ...], is_unread: bool
+) -> list[str]:
     """A line about the robots whose room is not known, if there are any."""
     known = {profile.number for profile in profiles}
     left = [i for i in range(len(laid.world.robots)) if i not in known]
     if not left:
         return []
-    if not laid.walls and not laid.solids:
-        return ["room on the paths: not judged, as no boundary can be read"]
+    if is_unread:
+        return ["room on the paths: not judged, as not all boundaries and obstacles can be read"]
     names = ", ".join(describe(laid.names[i]) for i in left[:MOST_ALIKE])
     more = f" and {len(left) - MOST_ALIKE} more" if len(left) > MOST_ALIKE else ""
     return [f"room on the paths: {names}{more} left out, whose footprint or path has an error"]

@@ -203,6 +203,8 @@ def check_scale(laid: PartialLayout, found: Diagnostics) -> list[Location]:
         count += len(found.warnings) > before
         if count >= MOST_ALIKE:
             break
+    if world.start is not None:
+        _check_heading(("start", "heading"), world.start.heading, found)
     for e, robot in enumerate(world.entries):
         _check_choices(("robots", e), robot.speeds, robot.omegas, found)
     is_sound = not any(fault.location[:1] == ("controller",) for fault in found.errors)
@@ -274,13 +276,10 @@ def _check_robot(laid: PartialLayout, i: int, found: Diagnostics) -> None:
                 (*where, "footprint"),
                 f"{name} is only {size:.4g} m long; lengths are in metres",
             )
-    heading = 0.0 if is_drawn(laid, i) else robot.pose[2]
-    if abs(heading) > 2.0 * pi:
-        found.warn(
-            (*where, "pose", 2),
-            f"{heading:.6g} rad is more than a full turn; headings are in radians; if "
-            f"degrees are meant, write {radians(heading):.6g}",
-        )
+    if not is_drawn(laid, i):
+        _check_heading((*where, "pose", 2), robot.pose[2], found)
+    if robot.start is not None:
+        _check_heading((*where, "start", "heading"), robot.start.heading, found)
     v, omega = robot.limits.v, robot.limits.omega
     if v is not None and v > FASTEST:
         found.warn(
@@ -293,6 +292,15 @@ def _check_robot(laid: PartialLayout, i: int, found: Diagnostics) -> None:
             (*where, "limits", "omega"),
             f"{omega:.6g} rad/s is very fast; it is in radians per second; if degrees per "
             f"second are meant, write {radians(omega):.6g}",
+        )
+
+
+def _check_heading(where: Location, heading: float | str, found: Diagnostics) -> None:
+    if not isinstance(heading, str) and abs(heading) > 2.0 * pi:
+        found.warn(
+            where,
+            f"{heading:.6g} rad is more than a full turn; headings are in radians; if "
+            f"degrees are meant, write {radians(heading):.6g}",
         )
 
 

@@ -48,10 +48,11 @@ class Page {
       "aria-label": `${run.label}: ${run.robots} robots from above. The tables below say what happened.`,
     });
     const title = el("h2", { class: "title" }, run.label);
-    const box = el("div", { class: "view" }, this.runs.length > 1 ? title : null, canvas);
+    const over = el("p", { class: "over", hidden: "" }, `ended at ${run.duration.toFixed(1)} s, its last picture`);
+    const box = el("div", { class: "view" }, this.runs.length > 1 ? [title, over] : null, canvas);
     byId("views").append(box);
     const view = new View(run, canvas);
-    Object.assign(view, { box, title });
+    Object.assign(view, { box, title, over });
     listen(view, {
       time: () => Math.min(this.player.time, run.duration),
       redraw: (moved) => this.redraw(moved),
@@ -238,6 +239,8 @@ class Page {
       const chosen = k === this.active ? this.robot : -1;
       const speed = this.player.speed;
       view.draw(time, { colours, speed, chosen, layers });
+      view.over.hidden = time <= view.run.duration || time >= this.duration;
+      view.box.classList.toggle("held", !view.over.hidden);
     });
     this.plots.draw(time, { colours, scheme: this.scheme, active: this.active, chosen: this.robot });
     this.figures.update(time);

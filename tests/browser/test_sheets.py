@@ -139,4 +139,4 @@ def test_odd_sheets_are_followed_or_refused(browser: Any, tmp_path: Path) -> Non
         else:
             assert found == sorted(page.evaluate(SHOWN)), sheet
     page.close()
-    assert refused <= 8  # three of them for what they say of all properties
+    assert refused <= 15  # for what is said of all properties, and odd words of display

@@ -405,7 +405,9 @@ def test_ends_that_nearly_meet_are_joined(tmp_path: Path) -> None:
 
 
 def test_two_open_walls_get_caps(tmp_path: Path) -> None:
-    imported = drawn(tmp_path, '<g id="boundary"><path d="M 0,0 24,0"/><path d="M 24,8 0,8"/></g>')
+    imported = drawn(
+        tmp_path, '<g id="boundary" stroke="red"><path d="M 0,0 24,0"/><path d="M 24,8 0,8"/></g>'
+    )
     check_says(imported.changes[0], "cap … (0.00, 14.00) … (0.00, 6.00)")
     assert len(imported.world.boundaries or ()) == 4
 
@@ -434,6 +436,27 @@ def test_halves_joined_by_a_neck_below_a_millimetre_are_told_apart(tmp_path: Pat
         assert np.ptp(np.array(wall, dtype=float), axis=0).tolist() == [width, 20.0]
         check_says(only(imported, "parts"), "2 parts … millimetre")
         check_says(only(imported, "not the area"), f"{(39.0 - width) * 20.0:.3f} m² … left out")
+
+
+@pytest.mark.parametrize(
+    "wall",
+    [
+        "0 20, 0 0), (20 3, 20.0004 3, 20.0004 19, 20 19, 20 3)",
+        "20.0004 20, 20.0004 2, 20 2, 20 20, 0 20, 0 0)",
+        "20 20, 20 2, 20 20, 0 20, 0 0)",
+    ],
+)
+def test_walls_below_a_millimetre_are_told(tmp_path: Path, wall: str) -> None:
+    """A hole, a slit, and a line to and fro; a wall of two millimetres stays."""
+    path = tmp_path / "plan.wkt"
+    path.write_text(f"POLYGON ((0 0, 40 0, 40 20, {wall})\nLINESTRING (3 1.5, 37 0.6)\n")
+    imported = import_world(path)
+    assert not imported.world.obstacles
+    check_says(only(imported, "thinner"), "millimetre … left out … (20.00,")
+    path.write_text(path.read_text().replace("20.0004", "20.002"))
+    if "20.002" in path.read_text():
+        imported = import_world(path)
+        assert not [one for one in imported.changes if "thinner" in one]
 
 
 def test_what_points_have_beside_their_place_is_told(tmp_path: Path) -> None:

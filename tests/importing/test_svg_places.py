@@ -29,6 +29,7 @@ FAULTS = {
     "viewBox negative": (page('viewBox="0 0 -24 14"'), ':1: … viewBox="0 0 -24 14" … above 0'),
     "viewBox of three": (page('viewBox="0 0 24"'), ':1: … viewBox="0 0 24" … four numbers'),
     "viewBox of words": (page('viewBox="a b c d"'), ':1: … viewBox="a b c d" … four numbers'),
+    "page width with a blank": (page('width="9 mm" viewBox="0 0 24 14"'), ':1: … "9 mm" … 240mm'),
     "no page width": (page('width="0mm" viewBox="0 0 24 14"'), ':1: … width="0mm" … above 0'),
     "page width": (page('width="wide" viewBox="0 0 24 14"'), ':1: … width="wide" … 240mm'),
     "page height": (page('height="-1cm" viewBox="0 0 24 14"'), ':1: … height="-1cm" … above 0'),
@@ -222,7 +223,10 @@ CUT = {
     "attribute": ('clip-path="url(#k)"', "line 3: … <rect> … room … clip-path … whole"),
     "style": ('style="fill:red;mask:url(#k)"', "line 3: … <rect> … room … mask … whole"),
     "sheet": ('class="half"', "its clip-path … whole"),
-    "none": ('clip-path="none" style="mask: none"', ""),
+    "filter": ('filter="url(#k)"', "line 3: … <rect> … room … filter … whole"),
+    "another name": ('style="-webkit-mask-image:url(#k)"', "line 3: … its mask … whole"),
+    "unknown": ('style="content-visibility:hidden"', "line 3: … content-visibility … whole"),
+    "none": ('clip-path="none" style="mask: none;filter:none;font-size:3px;-inkscape-x:y"', ""),
 }
 
 
@@ -258,6 +262,7 @@ def test_a_group_or_copy_that_is_cut_is_told_once_and_not_where_it_is_left_out(t
 def test_of_a_switch_one_alternative_is_drawn(tmp_path):
     """The first that needs no extension, as programs draw it; the others are told."""
     foreign = '<foreignObject requiredExtensions="http://example.org/"><p/></foreignObject>'
+    foreign += '<i:x xmlns:i="urn:i"/>'  # nor is what is no SVG
     found, changes = obstacles(
         tmp_path, f"<switch>{foreign}<g>{PILLAR}</g><g>{OTHER}</g></switch>{OTHER}"
     )
@@ -324,17 +329,70 @@ def test_where_its_lines_lie_is_said_by_each_element_alone(tmp_path, inner, at):
     ("moves", "said"),
     [
         ('<set attributeName="x" to="9"/>', "<set>"),
-        ("<style>rect{animation:blink 2s}</style>", "an animation"),
-        ("<style>rect{Animation-Name : blink}</style>", "an animation"),
-        ('<g style="animation: blink 2s"/>', "an animation"),
+        ("<script>document.x = 3</script>", "<script>"),
+        ('<h:script xmlns:h="http://www.w3.org/1999/xhtml">document.x = 3</h:script>', "<script>"),
+        ("<style>#a{animation:blink 2s}</style>", "its animation"),
+        ("<style>#a{ANIM\\41 tion-/**/Name/**/ : blink}</style>", ""),
+        ("<style>#a{ANIM\\41 tion-Name/**/ : blink}</style>", "its animation-name"),
+        ("<style>g #a{-webkit-animation/**/:blink 2s}</style>", "-webkit-animation"),
         ("<style>rect{transition:none}</style>", ""),
     ],
 )
 def test_what_changes_as_time_goes_by_is_told_and_taken_as_it_stands(tmp_path, moves, said):
-    found, changes = obstacles(tmp_path, PILLAR + OTHER + moves)
+    found, changes = obstacles(tmp_path, PILLAR.replace("<rect", '<rect id="a"') + OTHER + moves)
     assert found == [10.0, 15.0]
-    assert len([one for one in changes if "not followed" in one and said in one]) == bool(said)
+    told = [one for one in changes if "not followed" in one or "not applied" in one]
+    assert len(told) == bool(said)
+    assert all(said in one for one in told)
     assert not [one for one in changes if "hidden" in one]
+
+
+@pytest.mark.parametrize(
+    ("paint", "told"),
+    [
+        ('fill="currentColor"', "depends"),
+        ('style="fill:var(--x)"', "depends"),
+        ('fill="oklch(what)"', "depends"),
+        ('fill="currentColor" stroke="red"', ""),
+        ('fill="url(#x)"', ""),
+    ],
+)
+def test_a_shape_that_may_be_seen_through_is_taken_which_is_told(tmp_path, paint, told):
+    found, changes = obstacles(tmp_path, PILLAR.replace("<rect", f"<rect {paint}") + OTHER)
+    assert found == [10.0, 15.0]
+    said = [one for one in changes if "depends" in one]
+    assert len(said) == bool(told)
+    for one in said:
+        check_says(one, "line 3: … <rect> … taken")
+
+
+def test_a_wall_that_no_browser_draws_is_taken_which_is_told(tmp_path):
+    """By its layer: it has neither line nor area, as nothing is said of a line."""
+    path = tmp_path / "plan.svg"
+    wall = '<g id="boundary"><path id="rim" {} d="M 0,14 H 24"/></g>'
+    rest = '<path id="boundary rest" d="M 24,14 V 0 H 0 V 14"/>'
+    for line, count in (("", 1), ('stroke="black"', 0)):
+        path.write_text(svg(f"{wall.format(line)}\n{rest}\n{PATH}"))
+        said = [one for one in import_world(path, METRES).changes if "stroke" in one]
+        assert len(said) == count
+        for one in said:
+            check_says(one, "line 2: … rim … no line (stroke) … taken")
+
+
+@pytest.mark.parametrize(
+    ("name", "role"),
+    [
+        ("wallpaper", False), ("pathcollection_1", False), ("robotics", False), ("path_12", False),
+        ("path-copy-2", False), ("obstacle_12", True), ("obstacle2", True), ("obstacleA", True),
+        ("Obstacles", True), ("obstacle-left", True),
+    ],
+)  # fmt: skip
+def test_names_of_roles_are_words_of_their_own(tmp_path, name, role):
+    path = tmp_path / "plan.svg"
+    path.write_text(svg(f"{WALLS}\n{PILLAR.replace('<rect', f'<rect id={name!r}')}\n{PATH}"))
+    made = import_world(path, METRES)
+    assert bool(made.world.obstacles) == role
+    assert bool([one for one in made.changes if "in no layer" in one]) != role
 
 
 @pytest.mark.parametrize("sized", ["", 'width="2"', 'style="overflow:visible"'])

@@ -61,14 +61,13 @@ HIDDEN = {
     "by a rule that does not end": (".h {display:none", 'class="h"', ""),
     "by a name with escapes": (".\\68 {dis\\70lay:no\\6e e}", 'class="h"', ""),
     "with comments": (".h/**/{display/* */:/*x*/none/* */}", 'class="h"', ""),
-    "before what is not valid": (".h {display:none; display:nowhere}", 'class="h"', ""),
+    "before what is not valid": (".h {visibility:hidden; visibility:x}", 'class="h"', ""),
     "by itself, before a string": (
         "", "style=\"display:none; font-family:'a;display:inline'\"", "",
     ),
     "in letters of any size": (".h {DISPLAY:None}", 'class="h"', ""),
     "by an attribute in letters of any size": ("", 'visibility=" HIDDEN "', ""),
     "seen through": (".h {fill:rgb(0 0 0 / 0%)}", 'class="h"', ""),
-    "a shape without a box": (".h {display:contents}", 'class="h"', ""),
     "not painted": (".h {fill:none; stroke:none}", 'class="h"', ""),
 }  # fmt: skip
 

@@ -108,6 +108,35 @@ REFUSED = {
     "transform in a sheet, by more": (
         "<style>g rect {transform: scale(2)}</style>", ':3: … <style> … "g rect" … moves',
     ),
+    "a group without a box": (
+        f'<g style="display:contents">{PILLAR.format("")}</g>', ":3: … <g> … display: contents",
+    ),
+    "a radius in words": (PILLAR.format('rx="auto" ry="0.4"'), ':3: … obstacle … rx="auto"'),
+    "a display of two words": (
+        f'<g style="display:inline none">{PILLAR.format("")}</g>', ":3: … display: inline none",
+    ),
+    "a language": (
+        f'<g systemLanguage="en">{PILLAR.format("")}</g>', ":3: … <g> … languages",
+    ),
+    "a switch by language": (
+        f'<switch><text systemLanguage="de">a</text><g>{PILLAR.format("")}</g></switch>',
+        ":3: … <g> … languages",
+    ),
+    "a blank before a unit": (
+        PILLAR.format("").replace('x="2"', 'x="2 px"'), ':3: … obstacle … x="2 px" … alone or with',
+    ),
+    "a blank of another kind": (
+        PILLAR.format("").replace('x="2"', 'x="2\u00a0"'), ":3: … obstacle … number",
+    ),
+    "points with a blank of another kind": (
+        '<polygon id="obstacle" points="2,2\u00a04,2 4,4"/>', ":3: … points: … cannot be read",
+    ),
+    "digits of another script": (
+        PILLAR.format('transform="translate(5\u0660,2)"'), ":3: … transform: … only numbers",
+    ),
+    "an element within a sheet": (
+        "<style>.a{fill:red}\n<desc>.a{fill:blue}</desc></style>", ":4: … <style> … element",
+    ),
     "one of several sheets": ('<style title="a">.k {fill:red}</style>', ":3: … <style> … title"),
     "origin": (
         PILLAR.format(f'{TURN} transform-origin="3 1.5"'),
@@ -142,7 +171,7 @@ REFUSED = {
     ),
     "radius in percent": (PILLAR.format('rx="2.5%"'), ':3: … obstacle … rx="2.5%" … px, mm'),
     "radius as the other, in percent": (
-        '<ellipse id="obstacle" cx="9" cy="9" rx="auto" ry="5%"/>', ':3: … obstacle … ry="5%"',
+        '<ellipse id="obstacle" cx="9" cy="9" ry="5%"/>', ':3: … obstacle … ry="5%"',
     ),
     "flag": (
         '<path id="obstacle" d="M10 4A2 1 0 2 1 12 4z"/>',
@@ -223,9 +252,9 @@ def test_smooth_curves_go_on_after_their_own_kind_alone(tmp_path: Path, how: str
 def test_a_radius_may_be_as_long_as_the_other(tmp_path: Path) -> None:
     round_one = shape(plan(tmp_path, PILLAR.format('rx="0.4"')))
     assert round_one.area < 1.9
-    for values in ('rx="auto" ry="0.4"', 'ry="0.4"', 'rx="0.4" ry="auto"'):
+    for values in ('ry="0.4"', 'rx="0.4" ry="0.4"'):
         assert shape(plan(tmp_path, PILLAR.format(values))).equals(round_one)
-    ellipse = '<ellipse id="obstacle" cx="9" cy="9" rx="auto" ry="1"/>'
+    ellipse = '<ellipse id="obstacle" cx="9" cy="9" ry="1"/>'
     assert box(plan(tmp_path, ellipse)) == (8, 8, 10, 10)
 
 
@@ -294,9 +323,102 @@ def test_copies_of_ids_that_stand_twice_are_counted_before_they_are_made(tmp_pat
 
 @pytest.mark.parametrize(
     "text",
-    ['<?xml-stylesheet href="a.css"?>', "<style>@IMPORT url(a.css);</style>"],
+    [
+        '<?xml-stylesheet href="a.css"?>',
+        "<style>@IMPORT url(a.css);</style>",
+        '<link xmlns="http://www.w3.org/1999/xhtml" rel="stylesheet" href="a.css"/>',
+    ],
 )
 def test_style_sheets_in_other_files_are_told(tmp_path: Path, text: str) -> None:
     told = [one for one in plan(tmp_path, text).changes if "style sheet" in one]
     assert len(told) == 1
     assert "not read" in told[0]
+
+
+def test_properties_that_are_not_known_are_told_of_rules_that_are_not_followed(
+    tmp_path: Path,
+) -> None:
+    for sheet, count in (("g rect {zoom: 2}", 1), ("g rect {font-size: 2px}", 0)):
+        changes = plan(tmp_path, f"<style>{sheet}</style>{PILLAR.format('')}").changes
+        said = [one for one in changes if "zoom" in one]
+        assert len(said) == count
+        for one in said:
+            check_says(one, '<style> … "g rect" … zoom … not applied')
+
+
+def test_a_copy_of_nothing_draws_nothing(tmp_path: Path) -> None:
+    assert box(plan(tmp_path, PILLAR.format("") + "<use/><use href=''/>")) == (2, 1, 4, 2)
+
+
+def test_a_radius_in_another_unit_is_no_longer_than_half_the_side(tmp_path: Path) -> None:
+    """The library reckoned with its number alone: the outline lay 38 m outside of itself."""
+    sharp = box(plan(tmp_path, PILLAR.format("")))
+    for values in ('rx="1cm"', 'ry="1in"', 'rx="9mm" ry="2pc"'):
+        made = plan(tmp_path, PILLAR.format(values))
+        assert box(made) == (2, 1, 4, 2)
+        assert shape(made).area < 2.0
+    assert sharp == (2, 1, 4, 2)
+
+
+def test_a_copy_of_what_is_not_there_draws_nothing_whatever_its_units(tmp_path: Path) -> None:
+    inner = PILLAR.format("") + '<g id="obstacle"><use href="#nix" x="5mm" y="2pt"/></g>'
+    assert box(plan(tmp_path, inner)) == (2, 1, 4, 2)
+
+
+def test_a_link_in_a_link_is_not_drawn(tmp_path: Path) -> None:
+    inner = RECT.format("z", "")
+    assert box(plan(tmp_path, f'{PILLAR.format("")}<a><a id="obstacle">{inner}</a></a>')) == (
+        2, 1, 4, 2,
+    )  # fmt: skip
+
+
+ROOM = '<path id="boundary" d="M 10,20 H 34 V 34 H 10 Z"/><path id="path" d="M 12,22 H 30"/>'
+PAGES = {
+    "as large": ('width="50mm" height="40mm" viewBox="0 0 50 40"', 0.001, (10, 6)),
+    "moved": ('width="50mm" height="40mm" viewBox="5 10 50 40"', 0.001, (5, 16)),
+    "without gaps": ('width="50mm" height="40mm" viewBox="-5-10 50,40"', 0.001, (15, -4)),
+    "twice": ('width="100mm" height="80mm" viewBox="0 0 50 40"', 0.002, (10, 6)),
+    "fitted": ('width="100mm" height="300mm" viewBox="0 0 50 40"', 0.002, (10, 6)),
+    "cut": (
+        'width="100mm" height="120mm" viewBox="0 0 50 40" preserveAspectRatio="xMinYMax slice"',
+        0.003, (10, 6),
+    ),
+    "fitted with two blanks": (
+        'width="100mm" height="300mm" viewBox="0 0 50 40" preserveAspectRatio=" xMinYMax  meet "',
+        0.002, (10, 6),
+    ),
+    "in another case": (
+        'width="100mm" height="120mm" viewBox="0 0 50 40" preserveAspectRatio="xminyminslice"',
+        0.002, (10, 6),
+    ),
+    "without a height": ('width="100mm" viewBox="0 0 50 40"', 0.002, (10, 6)),
+    "a share high": ('width="100mm" height="100%" viewBox="0 0 50 40"', 0.002, (10, 6)),
+    "without a viewBox": ('width="50mm" height="40mm"', 0.0254 / 96, (10, 40 * 96 / 25.4 - 34)),
+    "of no height": ('width="50mm"', 0.0254 / 96, (10, -34)),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("how", PAGES)
+def test_a_page_has_one_scale_and_a_corner(tmp_path: Path, how: str) -> None:
+    """Metres of a unit, and where in units the lower left corner of the room is, of the page's."""
+    page, unit, corner = PAGES[how]
+    path = tmp_path / "plan.svg"
+    path.write_text(f'<svg xmlns="http://www.w3.org/2000/svg" {page}>{ROOM}</svg>')
+    # the unit is told, too, where the world is enlarged beyond it
+    imported = import_world(path, Options(scale=1.0))
+    points = np.concatenate([np.array(one, dtype=float) for one in imported.world.boundaries])
+    assert points.min(axis=0) == pytest.approx(corner, abs=1e-3)
+    assert np.ptp(points, axis=0) == pytest.approx((24.0, 14.0), abs=1e-3)
+    assert ("upper" in "".join(imported.facts)) == (how == "of no height")
+    with pytest.raises(ImportSourceError, match=r"--scale") as caught:  # of some centimetres
+        import_world(path, Options())
+    size = " x ".join(f"{round(length * unit, 3):g}" for length in (24.0, 14.0))
+    assert size in str(caught.value)
+
+
+def test_the_name_of_an_element_is_told_in_one_short_line(tmp_path: Path) -> None:
+    for name in ("urn:a\n  written: b", "urn:" + "u" * 10_000):
+        inner = f'<x:y xmlns:x="{name}" display="none"/>'.replace("\n", "&#10;")
+        (said,) = [one for one in plan(tmp_path, inner).changes if "hidden" in one]
+        assert "\n" not in said
+        assert len(said) < 200

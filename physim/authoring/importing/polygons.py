@@ -257,6 +257,7 @@ def _valid(path: Path, shape: Any, line: int | None, drawing: Drawing) -> list[A
 
     One that crosses itself is repaired, which is reported.
     """
+    drawn = shape
     if not shape.is_valid:
         reason = shapely.is_valid_reason(shape)
         # holes are taken out of what is within the outline, also where they touch or cross it
@@ -267,11 +268,33 @@ def _valid(path: Path, shape: Any, line: int | None, drawing: Drawing) -> list[A
     whole = _polygons_of(shapely.set_precision(shape, 10.0**-DIGITS))
     if not whole:
         raise refused(path, "a polygon is smaller than a millimetre; check --scale", line)
+    if (walls := _lost_walls(drawn, whole)) is not None:
+        drawing.changes.append(walls)
     if shape.geom_type == "Polygon" and len(whole) > 1:
         drawing.changes.append(
             f"polygon in {len(whole)} parts: what lies between them is narrower than a millimetre"
         )
     return whole
+
+
+def _lost_walls(drawn: Any, whole: list[Any]) -> str | None:
+    """What is to be said of lines of a polygon that are none of what became of it, but within it.
+
+    By the corners and middles of its lines, farther from all that is left than rounding moves them.
+    """
+    lines = lines_of(drawn)
+    points = np.vstack([one for line in lines for one in (line, (line[1:] + line[:-1]) / 2.0)])
+    within = points[shapely.contains_xy(shapely.MultiPolygon(whole), points)]
+    sides = shapely.STRtree(_sides([line for one in whole for line in lines_of(one)]))
+    _, away = sides.query_nearest(shapely.points(within), return_distance=True, all_matches=False)
+    lost = within[away > 2.0 * 10.0**-DIGITS]
+    if not len(lost):
+        return None
+    return f"walls thinner than a millimetre: left out, the first at {place(lost[0])}"
+
+
+def _sides(lines: list[FloatArray]) -> Any:
+    return np.concatenate([shapely.linestrings(np.stack([a[:-1], a[1:]], axis=1)) for a in lines])
 
 
 def _polygons_of(shape: Any) -> list[Any]:

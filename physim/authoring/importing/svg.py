@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import io
 import re
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -29,10 +30,12 @@ from physim.authoring.importing.drawing import (
 from physim.authoring.importing.enclosure import join_ends
 from physim.authoring.importing.source import read_xml
 from physim.authoring.importing.svg_bare import CUT, FAULT, LINE, TAG
+from physim.authoring.importing.svg_css import SIZES
 from physim.authoring.importing.svg_curves import subpaths
 from physim.authoring.importing.svg_guard import look_at
 from physim.authoring.importing.svg_look import SvgLook
-from physim.authoring.importing.svg_seen import is_seen
+from physim.authoring.importing.svg_seen import has_area, has_line, is_seen, is_unsure
+from physim.authoring.importing.svg_values import NUMBER, pixels_of
 from physim.authoring.importing.svg_walls import LABEL, NAMES, Walls, names_of
 from physim.authoring.importing.work import MOST_POINTS, check_work
 from physim.escaping import escaped
@@ -41,8 +44,12 @@ from physim.geometry.shapes import FloatArray
 TOLERANCE = 0.01
 """[m] chords of curves, unless the user says otherwise"""
 ROLE = re.compile(
-    r"(boundar(?:y|ies)|walls?|obstacles?|paths?|reference|robots?)(?:[\s_.:#-]*(.*))?$"
+    r"(boundar(?:y|ies)|walls?|obstacles?|paths?|reference|robots?)"
+    r"(?:[\s_.:#-]+(.*)|(\d.*|[a-z]))?$"
 )
+"""Roles are words of their own: a wallpaper is no wall."""
+OF_PROGRAMS = re.compile(r"path[-_]?\d[\d_-]*|path-copy.*")
+"""Ids that programs give by themselves"""
 OTHER = re.compile(
     r"(?:^|[\s_.:#-])(routes?|tracks?|traject\w*|paths?|goals?|starts?|targets?|labels?|texts?|"
     r"names?|icons?|legend|areas?|zones?)(?:$|[\s_.:#-])"
@@ -51,6 +58,8 @@ OTHER = re.compile(
 ROLES = {"bou": "boundary", "wal": "boundary", "obs": "obstacle", "pat": "path", "ref": "path",
          "rob": "robot"}  # fmt: skip
 UNITS = ("mm", "cm", "in", "pt", "pc")
+RATIO = re.compile(r"\s*(none|x(?:Min|Mid|Max)Y(?:Min|Mid|Max))(?:\s+(meet|slice))?\s*", re.A)
+"""How a page fits into its size; any other text is as none"""
 METRES_PER_PIXEL = 0.0254 / 96.0
 
 
@@ -79,7 +88,7 @@ def read_svg(path: Path, options: Options) -> Drawing:
     except (ValueError, TypeError, ArithmeticError, AttributeError, LookupError) as error:
         reason = escaped(str(error))[:100] or type(error).__name__
         raise refused(path, f"cannot be read as SVG: {reason}") from None
-    frame = _Frame.of(path, root, look, options)
+    frame = _Frame.of(path, look, options)
     tolerance = TOLERANCE if options.tolerance is None else options.tolerance
     lines: list[_Line] = []
     left_out: list[str] = []
@@ -94,8 +103,8 @@ def read_svg(path: Path, options: Options) -> Drawing:
         where = escaped(repr(label)) if label else f"<{own.get(TAG, 'element')}>"
         line = int(own[LINE]) if LINE in own else None
         seen.add(line)
-        is_meant = look.may_be_painted or walls.asked_for(element) or bool(_role(element)[0])
-        if not is_seen(element.values, is_meant):
+        is_named = walls.asked_for(element) or bool(_role(element)[0])
+        if not is_seen(element.values, look.may_be_painted or is_named):
             told = f"line {line}: hidden <{own.get(TAG, 'element')}> {escaped(label)[:60]}"
             hidden.append(f"{told.rstrip()}, left out")
             if not role and is_seen(element.values, is_meant=True):  # it may be asked for
@@ -116,6 +125,8 @@ def read_svg(path: Path, options: Options) -> Drawing:
             raise refused(path, f"{where}: {escaped(str(error))[:160]}", line) from None
         if cut := element.values.get(CUT):
             cuts[f"{cut} is not applied; taken whole"] = None
+        if not is_named and (doubt := _doubt(element.values, found)):
+            cuts[f"line {line}: {where}: {doubt}; taken"] = None
         for points, closed in found:
             placed = rounded(frame.placed(points))
             if len(placed) < 2:
@@ -128,8 +139,8 @@ def read_svg(path: Path, options: Options) -> Drawing:
     for changes in ([*dict.fromkeys(hidden)], left_out, [*cuts], look.not_among(seen)):
         drawing.changes += listed(changes)
     drawing.facts.append(
-        f"{frame.scale}; curves flattened within {tolerance:g} m; y turned up, the page's lower "
-        "left corner is (0, 0)"
+        f"{frame.scale}; curves flattened within {tolerance:g} m; y turned up, {frame.corner} is "
+        "(0, 0)"
     )
     check_work(path, [line.points for line in lines])
     drawing.sources = [Source(one.role, one.where, one.line, one.points) for one in lines]
@@ -137,45 +148,81 @@ def read_svg(path: Path, options: Options) -> Drawing:
     return drawing
 
 
+def _doubt(values: Mapping[str, Any], lines: Sequence[tuple[FloatArray, bool]]) -> str:
+    """Why a shape with these lines may not be seen, or is not, though it has a role; or empty."""
+    if is_unsure(values):
+        return "whether its paint is seen depends on what is not read"
+    if has_area(values) and not has_line(values) and not any(_area(line) for line, _ in lines):
+        return "has no line (stroke), and no area that is painted"
+    return ""
+
+
+def _area(points: FloatArray) -> float:
+    """Of a polyline that is closed; 0 for one that lies in a line, give or take a grain."""
+    x, y = (points - points[0]).T
+    area = abs(float(x @ np.roll(y, -1) - y @ np.roll(x, -1))) / 2.0
+    return area if area > 1e-9 * float(np.ptp(points, axis=0).max()) ** 2 else 0.0
+
+
 @dataclass(frozen=True)
 class _Frame:
-    """From pixels of svgelements to metres of the world."""
+    """From user units of a drawing to metres of the world."""
 
     metres: float
-    height: float
+    left: float
+    bottom: float
+    corner: str
+    """what is (0, 0)"""
     scale: str
     """what is said of it"""
 
     @classmethod
-    def of(cls, path: Path, root: Any, look: SvgLook, options: Options) -> _Frame:
-        matrix = svgelements.Matrix(root.viewbox_transform or "")
-        units = sorted((abs(float(matrix.a)), abs(float(matrix.d))))
-        if not units[0] > 0.0 or units[1] > units[0] * 1.000001:
-            raise refused(
-                path,
-                "<svg>: width, height and viewBox stretch the page, by "
-                f"{units[0]:.4g} and {units[1]:.4g}; give it one scale",
-                look.line,
-            )
-        pixels = units[0]  # of one user unit
-        unit = re.sub(r"[-+0-9.eE\s]", "", look.width).lower()
+    def of(cls, path: Path, look: SvgLook, options: Options) -> _Frame:
+        page = look.page
+        box = [float(one) for one in NUMBER.findall(page.get("viewBox", ""))]
+        size = [pixels_of(page.get(key, "")) for key in SIZES]
+        pixels, wrong = _pixels(page, box, size)
+        if wrong:
+            raise refused(path, wrong, look.line)
+        unit = re.sub(r"[-+0-9.eE\s]", "", page.get("width", "")).lower()
         if options.scale is not None:
-            metres = options.scale / pixels
+            metres = options.scale
             scale = f"{options.scale:g} m per user unit (--scale)"
         elif unit in UNITS:
-            metres = METRES_PER_PIXEL
-            scale = f"real-world units of the page ({unit}): {pixels * metres:.6g} m per user unit"
+            metres = METRES_PER_PIXEL * pixels
+            scale = f"real-world units of the page ({unit}): {metres:.6g} m per user unit"
         else:
             raise refused(
                 path,
                 "the page has no real-world units; --scale M says how many metres a user unit is",
                 look.line,
             )
-        height = float(root.height or 0.0)
-        return cls(metres, height if np.isfinite(height) and height > 0.0 else 0.0, scale)
+        left, top, _, height = box or [0.0, 0.0, *size]
+        is_known = bool(box) or height > 0.0
+        corner = f"the page's {'lower' if is_known else 'upper'} left corner"
+        return cls(metres, left, top + height, corner, scale)
 
     def placed(self, points: FloatArray) -> FloatArray:
-        return np.stack([points[:, 0], self.height - points[:, 1]], axis=1) * self.metres
+        return np.stack([points[:, 0] - self.left, self.bottom - points[:, 1]], 1) * self.metres
+
+
+def _pixels(
+    page: Mapping[str, str], box: Sequence[float], size: Sequence[float]
+) -> tuple[float, str]:
+    """Pixels of a user unit of a page with this viewBox [units] and size [px], and what is wrong.
+
+    A size that is not known is 0: that of the window, which is as large as is needed.
+    """
+    sides = sorted(known / side for known, side in zip(size, box[2:], strict=False) if known > 0.0)
+    if not sides:
+        return 1.0, ""
+    ratio = RATIO.fullmatch(page.get("preserveAspectRatio", ""))
+    if sides[-1] > sides[0] * 1.000001 and ratio is not None and ratio[1] == "none":
+        return 1.0, (
+            "<svg>: width, height and viewBox stretch the page, by "
+            f"{sides[0]:.4g} and {sides[-1]:.4g}; give it one scale"
+        )
+    return sides[-1 if ratio is not None and ratio[2] == "slice" else 0], ""
 
 
 def _role(element: Any) -> tuple[str, str]:
@@ -184,9 +231,9 @@ def _role(element: Any) -> tuple[str, str]:
     for key in NAMES:
         text = str(own.get(key) or "").strip().lower()
         found = ROLE.match(text)
-        if found is not None and OTHER.search(found[2] or ""):
+        if found is None or OTHER.search(found[2] or ""):
             continue
-        if found is None or (key != LABEL and re.fullmatch(r"path-?\d[\d-]*", text)):
+        if key != LABEL and OF_PROGRAMS.fullmatch(text):
             continue
         label = str(own[key]).strip()
         return ROLES[text[:3]], label[len(found[1]) :].strip(" _:#-")

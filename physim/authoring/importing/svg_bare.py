@@ -11,11 +11,11 @@ from collections.abc import Mapping
 from urllib.parse import unquote
 from xml.sax.saxutils import quoteattr
 
-from physim.authoring.importing.svg_css import CUTS, NAMESPACE, SIZES
+from physim.authoring.importing.svg_css import CUTS, NAMESPACE, OTHER
 from physim.authoring.importing.svg_paths import as_meant
 from physim.authoring.importing.svg_seen import handed_on
 from physim.authoring.importing.svg_sheets import cut_of, declarations, hidden_by
-from physim.authoring.importing.svg_values import AUTO, NUMBER, RADII, SHAPES, TAKES
+from physim.authoring.importing.svg_values import AUTO, NUMBER, RADII, SHAPES, TAKES, pixels_of
 from physim.escaping import escaped
 
 XLINK = "http://www.w3.org/1999/xlink|href"
@@ -28,12 +28,11 @@ FAULT, CUT = "physim-fault", "physim-cut"
 SAME_ID = "physim-id"
 """Attribute for an id that an element before has, which is the one that copies (``use``) mean"""
 PREFIXES = {LABEL: "inkscape:label", XLINK: "xlink:href"}
-VIEW = ("viewBox", "preserveAspectRatio")
-"""Attributes of the page, beside its size"""
 NOT_LINES = ("text", "image", "foreignObject", "flowRoot")
 """Elements that hold no lines; they are listed as left out."""
 ONLY_COPIED = "symbol"
 """An element that is drawn by its copies (``use``) alone"""
+LINK = "http://www.w3.org/1999/xhtml|link"
 MOVING = ("animate", "animateMotion", "animateTransform", "set")
 """Elements that change what they stand in as time goes by"""
 NOT_DRAWN = ("defs", "clipPath", "pattern", "mask", "marker", ONLY_COPIED)
@@ -74,7 +73,7 @@ class BareSvg:
             kept[SAME_ID] = kept.pop("id")
         self._ids.add(kept.get("id", ""))
         kept |= {LINE: str(line), TAG: tag if tag.isascii() and tag.isalnum() else "element"}
-        style = declarations(attributes.get("style", ""), ("display", "overflow", *CUTS))
+        style = declarations(attributes.get("style", ""), ("display", "overflow", *CUTS, OTHER))
         own = {**attributes, **style}
         if own.get("display") == "none":
             kept["display"] = "none"
@@ -82,11 +81,8 @@ class BareSvg:
             kept[XLINK] = copied(attributes)
         if fault:
             kept[FAULT] = f"line {line}: {fault}"
-        elif self._ends:
+        elif self._ends:  # the page is where it is
             kept |= _geometry(tag, attributes)
-        else:
-            kept |= {key: own[key] for key in VIEW if key in own}
-            kept |= {key: own[key].lower() for key in SIZES if key in own}
         cut = cut_of(own) or ("edge" if tag == ONLY_COPIED and not _spills(own) else "")
         if cut:
             kept[CUT] = f"line {line}: {called(tag, attributes)}: its {cut}"
@@ -124,12 +120,11 @@ def _geometry(tag: str, given: Mapping[str, str]) -> dict[str, str]:
                 kept[key] = as_meant(value)
             case "points":  # the library wants gaps between them
                 kept[key] = " ".join(NUMBER.findall(value))
-            case _:  # and units in small letters
-                kept[key] = value.strip().lower() or "0"
+            case _ if value != AUTO:  # it reckons with units where it may not
+                kept[key] = repr(pixels_of(value))
     for key, other in (RADII, RADII[::-1]):
         if kept.get(key) == AUTO:
-            kept[key] = kept[other]
-    kept = {key: "0" if value == AUTO else value for key, value in kept.items()}
+            kept[key] = kept[other] if kept[other] != AUTO else "0"
     return {**kept, **({"transform": given["transform"]} if "transform" in given else {})}
 
 
@@ -143,12 +138,11 @@ def copied(attributes: dict[str, str]) -> str:
     return unquote(attributes.get("href", attributes.get(XLINK, "")))
 
 
-def is_hidden(tag: str, attributes: dict[str, str]) -> bool:
+def is_hidden(attributes: dict[str, str]) -> bool:
     """Whether an element hides itself and all in it."""
     own = {**attributes, **declarations(attributes.get("style", ""), ("display", "opacity"))}
-    is_without_box = own.get("display") == "contents" and tag in SHAPES
     own.pop("visibility", "")  # which what is in it may have otherwise
-    return is_without_box or bool(hidden_by(own))
+    return bool(hidden_by(own))
 
 
 def called(tag: str, attributes: dict[str, str]) -> str:

@@ -26,6 +26,8 @@ class Element:
     """whether it stands where what is drawn elsewhere may not be drawn"""
     is_drawn: bool = False
     """of a ``switch``: whether one of its alternatives is"""
+    by_language: bool = False
+    """of a ``switch``: whether which of them is drawn depends on a language"""
 
     def moved_by(self, functions: int) -> None:
         """Take all in it to be moved by so many functions more."""

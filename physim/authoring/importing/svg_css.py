@@ -24,8 +24,18 @@ SHOWN = ("display", "visibility", "opacity")
 AMOUNTS = ("fill-opacity", "stroke-opacity", "stroke-width")
 """Properties of which nothing is seen of a paint where they are 0"""
 UNSEEN = (*SHOWN, *PAINTS, *AMOUNTS)
-CUTS = ("clip-path", "mask")
-"""Properties by which only a part of an element is drawn; they are not applied, but told."""
+CUTS = ("clip-path", "mask", "filter")
+"""Properties by which an element is drawn in part, or elsewhere; they are not applied, but told."""
+OTHER = "other"
+"""Key of a property that is not known: its value is its name, which is told"""
+HARMLESS = re.compile(
+    r"--|-inkscape-|(fill|stroke|font|text|color|marker|stop|flood|lighting|shape|image|writing|"
+    r"letter|word|dominant|alignment|baseline|unicode|glyph|clip|solid|background|pointer|user)-|"
+    r"(color|marker|font|line-height|kerning|direction|cursor|isolation|mix-blend-mode|background|"
+    r"paint-order|vector-effect|enable-background|white-space|transition.*|"
+    r"will-change|content|order|z-index)$"
+)
+"""Properties that change nothing of where lines are, nor whether they are seen"""
 MOVES = ("transform", "rotate", "scale", "translate", "offset", "offset-path", "all")
 """Properties that move what is in an element; they are read nowhere but as attributes."""
 SIZES = ("width", "height")
@@ -35,7 +45,7 @@ COUNTED = frozenset((*UNSEEN, *CUTS, *PLACED, *ORIGINS, "overflow"))
 """Properties that are looked at"""
 CALLED_SO: Mapping[str, str] = {
     **{f"-webkit-{key}": key for key in ("transform", "transform-origin", "opacity", *CUTS)},
-    "mask-image": "mask", "-webkit-mask-image": "mask",
+    "mask-image": "mask", "-webkit-mask-image": "mask", "-webkit-filter": "filter",
 }  # fmt: skip
 """Other names of properties"""
 INITIAL: Mapping[str, str] = {
@@ -44,10 +54,12 @@ INITIAL: Mapping[str, str] = {
 }  # fmt: skip
 """What holds where nothing is said"""
 INHERITED = ("visibility", *PAINTS, *AMOUNTS)
-WORDS = ("inline", "contents", "none", "visible", "hidden", "inherit", "black", "0", "1")
+UNSURE = "unsure"
+"""Of a paint: it may be one that is seen through"""
+WORDS = ("inline", "none", UNSURE, "visible", "hidden", "inherit", "black", "0", "1")
 """What these properties come to; any other value is not read"""
 DISPLAYS = re.compile(
-    r"none|(inline-)?(block|flex|grid|table)|inline|contents|flow(-root)?|list-item|ruby|math|"
+    r"none|(inline-)?(block|flex|grid|table)|inline|flow(-root)?|list-item|ruby|math|"
     r"table-(row|column|cell|caption|(row|column|header|footer)-group|column-group)|"
     r"-webkit-(inline-)?(box|flex)"
 )
@@ -212,6 +224,8 @@ def _declared(nodes: Iterable[Any]) -> tuple[Declaration, ...]:
         keys: Sequence[str] = [name] if name in COUNTED else ()
         if node.lower_name == "all" and _word(node.value) in ("initial", *HELD):
             keys = (*UNSEEN, "all")
+        elif not keys and not HARMLESS.match(name):
+            found.append(Declaration(OTHER, name, False))
         for key in keys:
             if value := _meant(key, node.value):
                 found.append(Declaration(key, value, node.important))
@@ -234,7 +248,7 @@ def _meant(key: str, tokens: Iterable[Any]) -> str:
     if key not in UNSEEN:
         return _written(tokens)
     if _refers(known) and key not in SHOWN:  # what another value gives is taken for seen
-        return "black" if key in PAINTS else "1"
+        return UNSURE if key in PAINTS else "1"
     if _refers(known):
         return _written(tokens)
     word = _word(known)
@@ -248,7 +262,7 @@ def _of_word(key: str, word: str) -> str:
     if word in HELD:
         return "inherit" if key in INHERITED else INITIAL[key]
     if word == "revert-layer":
-        return word if key in SHOWN else "black" if key in PAINTS else "1"
+        return word if key in SHOWN else UNSURE if key in PAINTS else "1"
     return _MEANINGS[key](tinycss2.parse_component_value_list(word), word)
 
 
@@ -259,9 +273,9 @@ def _word(tokens: Iterable[Any]) -> str:
 
 
 def _display(tokens: Sequence[Any], word: str) -> str:
-    words = [one.lower_value if one.type == "ident" else "" for one in tokens]
-    is_known = all(map(DISPLAYS.fullmatch, words)) and (word or not {*words} & {"none", "contents"})
-    return (word if word in ("none", "contents") else "inline") if is_known else ""
+    if DISPLAYS.fullmatch(word):
+        return "none" if word == "none" else "inline"
+    return " ".join(_written([one]) for one in tokens)  # whether it is valid is not known
 
 
 def _visibility(_: Sequence[Any], word: str) -> str:
@@ -282,16 +296,18 @@ def _width(tokens: Sequence[Any], _: str) -> str:
 
 
 def _paint(tokens: Sequence[Any], word: str) -> str:
-    """``none``, also for a colour that is seen through, or ``black`` for any other paint."""
+    """``none``, also for a colour that is seen through, ``black`` for other paints, or unsure."""
     if word == "none":
         return "none"
     first, *others = tokens
-    if word in ANOTHER_PAINT or first.type == "url" or (first.type == "function" and others):
+    if word in ANOTHER_PAINT:
+        return UNSURE
+    if first.type == "url":
         return "black"
     colour = None if others else tinycss2.color4.parse_color(first)
-    if colour is None:  # a function that is not known is taken for a colour
-        return "black" if first.type == "function" else ""
-    return "black" if colour == "currentcolor" or colour.alpha else "none"
+    if colour is None:  # a function that is not known may be a colour
+        return UNSURE if first.type == "function" else ""
+    return UNSURE if colour == "currentcolor" else "black" if colour.alpha else "none"
 
 
 _MEANINGS = {

@@ -14,6 +14,7 @@ from physim.authoring.importing.drawing import ImportSourceError, refused
 from physim.authoring.importing.svg_bare import (
     DRAWN,
     LABEL,
+    LINK,
     MOVING,
     NOT_DRAWN,
     NOT_LINES,
@@ -58,6 +59,8 @@ MOST_NUMBERS = 300_000
 MOST_TURNED = 150_000
 """Functions of transforms, each counted for every element that it moves, copies written out."""
 
+LANGUAGE = "systemLanguage"
+"""Attribute by which an element is drawn or not, which depends on who looks"""
 NO_ORIGIN = "transforms are read about (0, 0) alone; apply it to the shape (Inkscape: ungroup)"
 
 
@@ -98,10 +101,8 @@ class _Guard:
         except expat.ExpatError as error:
             reason = expat.ErrorString(error.code)
             raise refused(self.path, f"not valid XML: {reason}", error.lineno) from None
-        if self.sheets.animates:
-            self.look.left_out.append(
-                "a style has an animation, not followed: what it changes is taken as it stands"
-            )
+        if self.sheets.other:
+            self.look.left_out.append(f"<style>: {self.sheets.other}, which is not applied")
         count, turned = written_out(self.all, self.elements, self._not_copied)
         if count > MOST_ELEMENTS:
             raise refused(self.path, f"more than {MOST_ELEMENTS} elements, copies written out")
@@ -135,10 +136,10 @@ class _Guard:
             name = f"|{name}"
         tag = name.removeprefix(SVG)
         styled = self._styled(tag, attributes)
-        attributes = self._shown(styled)
+        attributes = self._shown(tag, styled)
         is_misplaced = attributes is not styled
         self._check_shown(tag, attributes)
-        if hides := is_hidden(tag, attributes):
+        if hides := is_hidden(attributes):
             attributes = hidden(attributes)
         fault = self._fault(tag, attributes)
         self.look.bare.start(name, attributes, line, fault)
@@ -157,17 +158,18 @@ class _Guard:
         except StyleError as error:
             raise self._refused(f"{called(tag, attributes)}: {error}") from None
 
-    def _shown(self, attributes: dict[str, str]) -> dict[str, str]:
+    def _shown(self, tag: str, attributes: dict[str, str]) -> dict[str, str]:
         """Attributes, of what is not drawn where it stands so that it is hidden."""
         within = self.open[-1][0] if self.open else ""
-        if within == "switch":
+        if within == "switch" and "|" not in tag:
             attributes = self._alternative(attributes)
         elif "requiredExtensions" in attributes:
             attributes = hidden(attributes)
-        return hidden(attributes) if within in TAKES else attributes  # a shape, or a copy
+        is_drawn = within not in TAKES and not within == tag == "a"  # a shape, a copy, or a link
+        return attributes if is_drawn else hidden(attributes)
 
     def _check_root(self, tag: str, name: str, attributes: dict[str, str], hides: bool) -> None:
-        self.look.width = attributes.get("width", "")
+        self.look.page = attributes
         self.look.line = self.parser.CurrentLineNumber
         if tag != "svg":
             raise self._refused(f"the root is <{escaped(name[:40])}>, not <svg>")
@@ -201,11 +203,14 @@ class _Guard:
         if self.hidden or tag in NOT_DRAWN:
             self.hidden += 1
             return
-        if tag in MOVING:
-            told = f"<{tag}>, not followed: what it changes is taken as it stands"
+        if tag in MOVING or tag.endswith("script"):
+            name = escaped(tag.rpartition("|")[2])
+            told = f"<{name}>, not followed: what it changes is taken as it stands"
+        elif tag == LINK:
+            told = "a style sheet in a file of its own, not read"
         elif hides:
             label = escaped(attributes.get(LABEL, attributes.get("id", "")))[:60]
-            told = f"hidden <{tag}> {label}".rstrip() + ", left out"
+            told = f"hidden <{escaped(tag)[:40]}> {label}".rstrip() + ", left out"
         elif tag in NOT_LINES:
             told = f"<{tag}> holds no lines, left out"
         self.hidden = int(bool(told) or tag not in DRAWN)
@@ -218,7 +223,7 @@ class _Guard:
         element = Element(moves, is_misplaced=is_misplaced)
         if tag == "use":
             href = copied(attributes)
-            if not href.startswith("#"):
+            if href and not href.startswith("#"):
                 raise self._refused(
                     f'refers to "{escaped(href[:60])}"; nothing outside the file is read'
                 )
@@ -238,6 +243,8 @@ class _Guard:
 
     def _fault_of_place(self, tag: str, attributes: dict[str, str]) -> str:
         is_page = not self.open
+        if LANGUAGE in attributes or (self.open and self.open[-1][1].by_language):
+            return "is drawn for readers of some languages alone; take the condition away"
         if tag == "svg" and not is_page:
             return "a drawing within the drawing is not read; take what it holds out of it"
         if tag == ONLY_COPIED and any(key in attributes for key in ("viewBox", "x", "y")):
@@ -268,12 +275,13 @@ class _Guard:
     def _alternative(self, attributes: dict[str, str]) -> dict[str, str]:
         """Attributes of what stands in a ``switch``, hidden unless it is what is drawn of it.
 
-        That is the first that needs no extension, of whatever language.
+        That is the first that needs no extension; of those by language each may be.
         """
         within = self.open[-1][1]
         if within.is_drawn or "requiredExtensions" in attributes:
             return hidden(attributes)
-        within.is_drawn = True
+        within.by_language |= LANGUAGE in attributes
+        within.is_drawn = LANGUAGE not in attributes
         return attributes
 
     def _end(self, _: str) -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Set
+from collections.abc import Mapping, Set
 from dataclasses import dataclass, field
 
 from physim.authoring.importing.svg_bare import BareSvg
@@ -10,11 +10,12 @@ from physim.authoring.importing.svg_bare import BareSvg
 
 @dataclass
 class SvgLook:
-    """What the first look found: the line of each id, things without lines, width of the page."""
+    """What the first look found: the line of each id, things without lines, the page."""
 
     lines: dict[str, int] = field(default_factory=dict)
     left_out: list[str] = field(default_factory=list)
-    width: str = ""
+    page: Mapping[str, str] = field(default_factory=dict)
+    """attributes of the root"""
     line: int = 1
     """of the root"""
     may_be_painted: bool = False

@@ -12,9 +12,9 @@ TAKES = {"M": 2, "L": 2, "H": 1, "V": 1, "C": 6, "S": 4, "Q": 4, "T": 2, "A": 7,
 """How many numbers each command takes, again and again but for Z."""
 LETTERS = "".join(TAKES) + "".join(TAKES).lower()
 COMMAND = re.compile(rf"([{LETTERS}])([^{LETTERS}]*)")
-STRAY = re.compile(rf"[^{LETTERS},\s]")
+STRAY = re.compile(rf"[^{LETTERS},\s]", re.A)
 """Beside its numbers."""
-GAP = re.compile(r"[\s,]*")
+GAP = re.compile(r"[\s,]*", re.A)
 FLAG = re.compile("[01]")
 FLAGS = (3, 4)
 """Which numbers of an arc are flags; no gap need stand after one."""

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from physim.authoring.importing.svg_css import INHERITED, INITIAL
+from physim.authoring.importing.svg_css import INHERITED, INITIAL, UNSURE
 from physim.authoring.importing.svg_sheets import declarations
 
 PREFIX = "physim-"
@@ -29,8 +29,30 @@ def is_seen(values: Mapping[str, Any], is_meant: bool) -> bool:
     ``is_meant``: it counts without area and line, too, as one that is named by its role, or of
     which a style sheet may say otherwise.
     """
-    look = {key: values.get(PREFIX + key, INITIAL[key]) for key in INHERITED}
-    has_area = look["fill"] != "none" and look["fill-opacity"] != "0"
-    has_line = look["stroke"] != "none" and look["stroke-opacity"] != "0"
-    is_painted = has_area or (has_line and look["stroke-width"] != "0")
+    look = _look(values)
+    is_painted = has_area(values) or has_line(values)
     return look["visibility"] != "hidden" and (is_painted or is_meant)
+
+
+def has_area(values: Mapping[str, Any]) -> bool:
+    """Whether the area of a shape is painted."""
+    look = _look(values)
+    return look["fill"] != "none" and look["fill-opacity"] != "0"
+
+
+def has_line(values: Mapping[str, Any]) -> bool:
+    """Whether the outline of a shape is painted."""
+    look = _look(values)
+    is_seen = look["stroke"] != "none" and look["stroke-opacity"] != "0"
+    return is_seen and look["stroke-width"] != "0"
+
+
+def is_unsure(values: Mapping[str, Any]) -> bool:
+    """Whether a shape that is painted may be so by a colour that is seen through alone."""
+    look = _look(values)
+    paints = [look["fill"]] * has_area(values) + [look["stroke"]] * has_line(values)
+    return bool(paints) and set(paints) == {UNSURE}
+
+
+def _look(values: Mapping[str, Any]) -> dict[str, str]:
+    return {key: values.get(PREFIX + key, INITIAL[key]) for key in INHERITED}

@@ -17,6 +17,7 @@ from xml.parsers import expat
 from physim.authoring.importing.svg_css import (
     AMOUNTS,
     CUTS,
+    OTHER,
     PAINTS,
     PLACED,
     SHOWN,
@@ -42,7 +43,6 @@ STYLES_KEPT = 10_000
 """Styles of elements that are not read again"""
 BEYOND = "by more than a tag, a class or an id; delete what is hidden, or save as plain SVG"
 IMPORT = re.compile(r"@import\b", re.IGNORECASE)
-ANIMATION = re.compile(r"\banimation(-name)?\s*:", re.IGNORECASE)
 STYLES = ("style", "http://www.w3.org/2000/svg|style", "http://www.w3.org/1999/xhtml|style")
 """Elements that hold a style sheet"""
 
@@ -65,8 +65,8 @@ class Sheets:
         """the first selector that is not followed and says what is shown"""
         self.imports = False
         """whether a sheet may refer to another file, which is not read"""
-        self.animates = False
-        """whether something changes as time goes by, which is not followed"""
+        self.other = ""
+        """the first selector that is not followed and says what is not known"""
         self.may_paint = False
         """whether a rule that is not followed says of elements how they are painted"""
         self._declared = lru_cache(STYLES_KEPT)(self._declarations)
@@ -82,7 +82,6 @@ class Sheets:
 
     def _measure(self, text: str) -> None:
         self._length += len(text)
-        self.animates = self.animates or ANIMATION.search(text) is not None
         if self._length > MOST_STYLE:
             raise StyleError(f"more than {MOST_STYLE / 1e6:g} million characters of style")
 
@@ -107,12 +106,13 @@ class Sheets:
         last = last_of(rule.found)
         if wrong := unread(last):
             raise _fault(rule, f"has {wrong}")
-        hides = bool(hidden_by(last))
+        hides, other = bool(hidden_by(last)), last.get(OTHER, "")
         if rule.is_followed:
             self._hides = self._hides or (_quoted(rule.selector) if hides else "")
-        elif hides or cut_of(last) or any(key in last for key in (*PLACED, *ORIGINS)):
+        elif hides or any(key in last for key in (*CUTS, *PLACED, *ORIGINS)):
             raise _fault(rule, f"hides, cuts or moves what it selects, {BEYOND}")
         else:
+            self.other = self.other or (other and f"{_quoted(rule.selector)} has a {other}")
             self.may_paint |= any(key in (*PAINTS, *AMOUNTS) for key in last)
             if any(key in SHOWN for key in last):
                 self.shows = self.shows or rule.selector
@@ -184,9 +184,9 @@ def hidden_by(properties: dict[str, str]) -> str:
 
 
 def cut_of(properties: dict[str, str]) -> str:
-    """``clip-path``, ``mask``, both, or neither: by what an element of these properties is cut."""
-    given = (key for key in CUTS if properties.get(key, "none").strip().lower() != "none")
-    return " and ".join(given)
+    """By what an element of these properties is cut, or looks otherwise: ``clip-path and mask``."""
+    given = [key for key in CUTS if properties.get(key, "none").strip().lower() != "none"]
+    return " and ".join([*given, *([properties[OTHER]] if OTHER in properties else [])])
 
 
 def last_of(found: Iterable[Declaration]) -> dict[str, str]:
@@ -229,6 +229,8 @@ def sheets_of(text: str, wrong: Callable[[str, int], Exception]) -> Sheets:
     within: list[tuple[str, list[str]]] = []
 
     def start(name: str, attributes: dict[str, str], line: int) -> None:
+        if within:
+            raise wrong("<style>: holds an element; browsers read the text beside it alone", line)
         media = attributes.get("media", "")
         on_screen = is_for_screen(media)
         is_css = attributes.get("type", "").lower() in ("", "text/css")

@@ -13,21 +13,31 @@ NUMBERS = {
     "skewY": (1,),
 }  # fmt: skip
 """How many numbers each function of a transform takes."""
-NUMBER = re.compile(r"[-+]?(?:\d+(?:\.\d+)?|\.\d+)(?:[eE][-+]?\d+)?")
-FUNCTION = re.compile(r"\s*([A-Za-z]+)\s*\(([^()]*)\)\s*,?")
-STRAY = re.compile(r"^\s*,|,\s*,|,\s*$")
+NUMBER = re.compile(r"[-+]?(?:\d+(?:\.\d+)?|\.\d+)(?:[eE][-+]?\d+)?", re.A)
+FUNCTION = re.compile(r"\s*([A-Za-z]+)\s*\(([^()]*)\)\s*,?", re.A)
+STRAY = re.compile(r"^\s*,|,\s*,|,\s*$", re.A)
 """A comma that does not stand between two numbers"""
-LENGTH = re.compile(rf"\s*({NUMBER.pattern})\s*(?:px|mm|cm|in|pt|pc)?\s*$", re.I)
-PAGE = re.compile(rf"\s*({NUMBER.pattern})\s*[A-Za-z%]*\s*$")
+LENGTH = re.compile(rf"\s*({NUMBER.pattern})(?:px|mm|cm|in|pt|pc)?\s*$", re.I | re.A)
+PAGE = re.compile(rf"\s*({NUMBER.pattern})[A-Za-z%]*\s*$", re.A)
 """A unit that is none stands for user units, as some programs write ``30m``."""
+VIEW = re.compile(
+    rf"\s*{NUMBER.pattern}(?:(?:\s+,?\s*|,\s*|(?=[-+])){NUMBER.pattern}){{3}}\s*", re.A
+)
 NO_LENGTH = re.compile(r"(?:em|ex|ch|lh|rem|v[a-z]+)\s*$", re.I)
 """Units of a font or of a window"""
-NO_POINTS = re.compile(r"[^0,\s]|,\s*,|^\s*,")
+NO_POINTS = re.compile(r"[^0,\s]|,\s*,|^\s*,", re.A)
 """Of points, with noughts for their numbers"""
+BLANKS = " \t\r\n\f"
+"""Those of the standard alone"""
 AUTO = "auto"
-"""Of a radius: as long as the other."""
+"""Of a radius that is not given: as long as the other"""
 RADII = ("rx", "ry")
 EXTENTS = ("width", "height", "r", *RADII)
+PIXELS: Mapping[str, float] = {
+    "": 1.0, "px": 1.0, "mm": 96.0 / 25.4, "cm": 96.0 / 2.54, "in": 96.0, "pt": 4.0 / 3.0,
+    "pc": 16.0,
+}  # fmt: skip
+"""Pixels of a unit of length"""
 TAKES: Mapping[str, Mapping[str, str]] = {
     "path": {"d": ""},
     "rect": {**dict.fromkeys(("x", "y", "width", "height"), "0"), **dict.fromkeys(RADII, AUTO)},
@@ -57,16 +67,24 @@ def page_fault(values: dict[str, str]) -> str:
             return f'{key}="{escaped(given)[:40]}": has no length of its own; give it as 240mm'
     box = values.get("viewBox", "0 0 1 1")
     numbers = [float(one) for one in NUMBER.findall(box)]
-    if NUMBER.sub("", box).strip(" \t\r\n,") or len(numbers) != 4:
+    if VIEW.fullmatch(box) is None:
         return f'viewBox="{escaped(box)[:60]}": four numbers are needed: x, y, width and height'
     if not all(map(isfinite, numbers)) or min(numbers[2:]) <= 0.0:
         return f'viewBox="{escaped(box)[:60]}": its width and height, the last two, must be above 0'
     return ""
 
 
+def pixels_of(length: str) -> float:
+    """Length in pixels, of one without a `shape_fault`."""
+    found = LENGTH.match(length)
+    if found is None:
+        return 0.0
+    return float(found[1]) * PIXELS[length[found.end(1) :].strip(BLANKS).lower()]
+
+
 def turns(transform: str) -> bool:
     """Whether a transform does more than move."""
-    at, text = 0, transform.strip()
+    at, text = 0, transform.strip(BLANKS)
     while found := FUNCTION.match(text, at):
         numbers = [float(one) for one in NUMBER.findall(found[2])]
         is_plain = found[1] == "matrix" and numbers[:4] == [1.0, 0.0, 0.0, 1.0]
@@ -78,7 +96,7 @@ def turns(transform: str) -> bool:
 
 def origin_of(values: dict[str, str]) -> str:
     """``transform-origin: center``: what turns elements about another point than (0, 0)."""
-    given = {key: values[key].strip().lower() for key in ORIGINS if values.get(key)}
+    given = {key: values[key].strip(BLANKS).lower() for key in ORIGINS if values.get(key)}
     if given.get("transform-box") == "view-box":
         del given["transform-box"]
     if NO_ORIGIN.fullmatch(given.get("transform-origin", "0")):
@@ -89,8 +107,8 @@ def origin_of(values: dict[str, str]) -> str:
 def shape_fault(tag: str, values: Mapping[str, str]) -> str:
     """What is wrong with the lengths and points of a shape, or a copy; empty where nothing is."""
     for key in TAKES.get(tag, ()):
-        given = values.get(key, "").strip()
-        if key in ("d", "points") or not given or (given == AUTO and key in EXTENTS and key != "r"):
+        given = values.get(key, "").strip(BLANKS)
+        if key in ("d", "points") or not given:
             continue
         found = LENGTH.match(given)
         if found is None or not isfinite(float(found[1])):
@@ -113,14 +131,14 @@ def transform_fault(text: str) -> str:
     One with too many or too few numbers would be applied as something else.
     """
     at = 0
-    text = text.strip()
+    text = text.strip(BLANKS)
     while at < len(text) and text != "none":
         found = FUNCTION.match(text, at)
         if found is None or found[1] not in NUMBERS:
             return f'"{escaped(text[at : at + 30])}" is none of {", ".join(NUMBERS)}'
         quoted, allowed = escaped(found[0].strip(" ,"))[:60], NUMBERS[found[1]]
         numbers = NUMBER.findall(found[2])
-        if NUMBER.sub(" ", found[2]).strip(" \t\r\n,") or STRAY.search(found[2]):
+        if NUMBER.sub(" ", found[2]).strip(BLANKS + ",") or STRAY.search(found[2]):
             return f'"{quoted}": only numbers may stand in the brackets'
         if found[0].rstrip().endswith(",") and found.end() == len(text):
             return f'"{quoted}" is followed by a comma and nothing else'

@@ -271,7 +271,25 @@ DRAWINGS = {
         svg('<g id="wall" transform="rotate(30"><path d="M0,0H9"/></g>'),
         ':2: … transform: … "rotate(30"',
     ),
-    "beyond numbers": (svg('<path id="boundary" d="M 0,0 L 1e999,3 L 4,4 Z"/>'), "finite number"),
+    **{
+        f"comma {k}": (svg(f'<path id="boundary" d="{text}"/>'), ":2: … path data … comma")
+        for k, text in enumerate(
+            (
+                "M20 20,,h90v90z",
+                "M,20 20h90v90z",
+                "M20,,20h90v90z",
+                "M20 20h90v90 h,-20z",
+                "M20 20h90v90z,m0 100h30v30z",
+                "M20 20a20,20,0,,0,1,50,50",
+                "M2 2 4 4,",
+            )
+        )
+    },
+    "a radius near to 0": (
+        svg('<path id="boundary" d="M50 50A1e-200 1e-200 0 0 1 70 50z"/>'),
+        ':2: … "1e-200" … 0',
+    ),
+    "beyond numbers": (svg('<path id="boundary" d="M 0,0 L 1e999,3 L 4,4 Z"/>'), '"1e999" … large'),
     "no boundary": (svg('<path id="fence" d="M 0,0 24,0 24,14 Z"/>'), "no line is a boundary"),
     "open boundary": (
         svg('<path id="boundary" d="M 0,0 24,0 24,14"/>'),
@@ -399,7 +417,11 @@ POLYGONS = {
     ),
     "bracket.wkt": (
         "POLYGON ((0 0, 30 0, 30 10, 0 10, 0 0)\nLINESTRING (2 5, 9 5)\n",
-        "bracket is missing … 2 opening, 1 closing … one closing",
+        ":1: … bracket is missing … 3 opening, 2 closing … one closing",
+    ),
+    "curve of lines.wkt": (
+        "CURVEPOLYGON (CIRCULARSTRING (0 0, 4 0, 4 4, 0 4, 0 0))",
+        "curves … lines",
     ),
     "brackets.wkt": ("POLYGON ((0 0, 30 0, 30 10\n", "bracket is missing … 2 closing more"),
     "word.wkt": ("POLIGON ((0 0, 30 0, 30 10, 0 0))", ":1: … WKT … 'POLIGON'"),

@@ -25,7 +25,8 @@ from physim.authoring.importing import (
 from physim.authoring.importing import (
     robots as group,
 )
-from physim.authoring.importing.lines import CrossingError, without_loops
+from physim.authoring.importing.lines import CrossingError, Outline, without_loops
+from physim.authoring.importing.route import smooth
 from tests.importing.plans import (
     CELL,
     SAMPLES,
@@ -422,6 +423,16 @@ def test_lines_away_from_the_area_are_dropped(tmp_path: Path) -> None:
     check_says(only(imported, "obstacle of"), "2.000 m² … (31.00, 13.50) … dropped")
 
 
+def test_a_geometry_goes_over_lines_until_its_brackets_are_closed(tmp_path: Path) -> None:
+    path = tmp_path / "plan.wkt"
+    path.write_text(
+        "GEOMETRYCOLLECTION (\nPOLYGON ((0 0, 40 0,\n40 20, 0 20, 0 0)),\n"
+        "LINESTRING (3 10, 37 10)\n)\n"
+    )
+    imported = import_world(path)
+    assert np.array(imported.world.reference_path)[:, 1].tolist() == [10.0, 10.0]
+
+
 NECK = "20 0, 20 9.9998, 23 9.9998, 23 0, 42 0, 42 20, 23 20, 23 10.0001, 20 10.0001, 20 20"
 
 
@@ -627,3 +638,18 @@ def test_a_path_that_ends_far_from_where_it_was_asked_to_is_told_first(tmp_path:
     assert not any("--to" in change for change in near.changes)
     back = import_world(there, Options(origin=(36.0, 6.0), goal=(4.0, 6.0)))
     check_says(only(back, "--from"), "--from (36.00, 6.00)")
+
+
+def test_a_way_too_long_for_points_close_to_each_other_stays_where_there_is_room() -> None:
+    """Its points were 16 m apart, and stretches between them led through walls."""
+    turns, pitch = 60, 10.0
+    angle = np.linspace(0.0, 2.0 * math.pi * turns, 12_000)
+    radius = pitch * (1.0 + angle / (2.0 * math.pi))
+    way, outer, inner = (
+        (radius - less)[:, None] * np.stack([np.cos(angle), np.sin(angle)], axis=1)
+        for less in (4.7, 0.5, 9.0)
+    )
+    place = shapely.Polygon(np.vstack([outer, inner[::-1]]))
+    assert place.is_valid
+    area = Outline(place)
+    assert not area.crossed([shapely.LineString(smooth(way[50:-50], area, 1.5))]).size

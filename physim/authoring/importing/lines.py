@@ -17,7 +17,7 @@ import shapely
 from physim.authoring.importing.drawing import rounded
 from physim.authoring.importing.work import MANY
 from physim.geometry.corridor import offset_polyline
-from physim.geometry.shapes import FloatArray
+from physim.geometry.shapes import FloatArray, IntArray
 
 MOST_SAMPLES = 5000
 
@@ -97,6 +97,12 @@ class Outline:
         at = shapely.points(points)
         distance = self.distances(at)
         return np.asarray(np.where(shapely.covers(self.area, at), distance, -distance))
+
+    def crossed(self, lines: Any) -> IntArray:
+        """Numbers of the shapely lines that meet the edge."""
+        if self._tree is None:
+            return np.flatnonzero(shapely.intersects(self.edge, lines))
+        return np.unique(self._tree.query(lines, predicate="intersects")[0])
 
     def distances(self, shapes: Any) -> FloatArray:
         """(k,) [m] distance of shapely shapes to the edge."""

@@ -59,14 +59,18 @@ def read_wkt(path: Path, options: Options) -> Drawing:
     """Read a WKT file: one geometry, or one a line; ``#`` begins a comment."""
     rows = read_text(path).split("\n")
     texts: list[tuple[int, list[str]]] = []
+    opened = 0
     for k, row in enumerate(rows, start=1):
         row = row.split("#", 1)[0].strip().rstrip(";")
         if not row:
             continue
-        if re.match(r"(SRID\s*=\s*\d+\s*;?\s*)?[A-Za-z]", row) or not texts:
+        begins = re.match(r"(SRID\s*=\s*\d+\s*;?\s*)?[A-Za-z]", row) is not None
+        if not texts or (begins and opened <= 0):
             texts.append((k, [row]))
+            opened = 0
         else:  # a geometry may go over several lines
             texts[-1][1].append(row)
+        opened += row.count("(") - row.count(")")
     if not texts:
         raise refused(path, "holds no geometry; POLYGON ((x y, ...)) is needed")
     parts: list[Part] = []
@@ -106,10 +110,12 @@ def _from_wkt(path: Path, line: int, text: str) -> list[Part]:
     if text.count("(") > 1_000_000 or depth_of(text) > MOST_DEPTH:
         raise refused(path, f"nested deeper than {MOST_DEPTH} levels", line)
     try:
-        with np.errstate(invalid="ignore"):
+        with np.errstate(invalid="ignore", over="ignore"):
             shape = shapely.from_wkt(text)
     except (shapely.errors.ShapelyError, ValueError, NotImplementedError) as error:
         reason = escaped(str(error).split(": ", 1)[-1].strip())[:100]
+        if "onlinear" in reason:
+            reason = "it has curves; make lines of them first (ST_CurveToLine)"
         raise refused(path, f"not valid WKT: {reason}{_missing(text)}", line) from None
     return [Part(one, line=line) for one in flat(shape)]
 

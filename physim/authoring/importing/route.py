@@ -29,10 +29,15 @@ ROUNDS = 60
 
 
 def smooth(line: FloatArray, area: Outline, room: float) -> FloatArray:
-    """Straighten and round a line (n, 2) whose points have clearance ``room`` [m] in ``area``."""
+    """Straighten and round a line (n, 2) whose points have clearance ``room`` [m] in ``area``.
+
+    One that is too long for points close to each other is straightened alone.
+    """
     line = _straightened(line, area, room)
     at = samples(length_of(line), 0.3 * room)
     points = points_at(line, at)
+    if len(at) > 1 and at[1] - at[0] > 0.5 * room:
+        return line
     low = np.minimum(area.clearances(points), room)
     for _ in range(ROUNDS):
         moved = points.copy()
@@ -141,7 +146,10 @@ def _grid(outline: Outline, step: float) -> _Grid:
         seconds.append(there[both])
         lengths.append(np.full(int(both.sum()), step * np.hypot(dx, dy)))
     first, second, length = (np.concatenate(v) for v in (firsts, seconds, lengths))
-    clear = np.maximum(gaps[first], gaps[second]) > length / 2.0  # no link through a thin wall
+    clear = gaps[first] + gaps[second] > length  # else there may be a thin wall between them
+    narrow = np.flatnonzero(~clear)
+    links = shapely.linestrings(np.stack([nodes[first[narrow]], nodes[second[narrow]]], axis=1))
+    clear[np.delete(narrow, outline.crossed(links))] = True
     return _Grid(nodes, gaps, first[clear], second[clear], length[clear])
 
 

@@ -14,6 +14,10 @@ LETTERS = "".join(TAKES) + "".join(TAKES).lower()
 COMMAND = re.compile(rf"([{LETTERS}])([^{LETTERS}]*)")
 STRAY = re.compile(rf"[^{LETTERS},\s]", re.A)
 """Beside its numbers."""
+COMMA = re.compile(rf"[{LETTERS}]\s*,|,\s*(?=,|[{LETTERS}]|$)", re.A)
+"""A comma that does not stand between two numbers"""
+LARGEST, LEAST = 1e30, 1e-30
+"""Numbers with which curves can be reckoned"""
 GAP = re.compile(r"[\s,]*", re.A)
 FLAG = re.compile("[01]")
 FLAGS = (3, 4)
@@ -29,6 +33,13 @@ def path_fault(text: str) -> str:
     """What is wrong with path data, so that no two programs read it alike; else empty."""
     if bad := STRAY.search(NUMBER.sub(lambda found: " " * len(found[0]), text)):
         return f'"{escaped(text[bad.start() : bad.start() + 20])}" cannot be read'
+    blank = NUMBER.sub(lambda found: "0" * len(found[0]), text)
+    if bad := COMMA.search(blank):
+        shown = escaped(" ".join(text[bad.start() :].split())[:20])
+        return f'"{shown}": a comma stands between two numbers alone'
+    for number in NUMBER.findall(text):
+        if number.lower().find("e") > 0 and not LEAST < abs(float(number) or 1.0) < LARGEST:
+            return f'"{escaped(number)[:20]}" is too large, or too near to 0, to be drawn'
     if (start := text.strip()) and start[0] not in "Mm":
         return f'"{escaped(start[:20])}" must begin with M, a move'
     for found in COMMAND.finditer(text):

@@ -33,11 +33,11 @@ from physim.authoring.importing.svg_css import (
 from physim.authoring.importing.svg_values import ORIGINS
 from physim.escaping import escaped
 
-MOST_CLASSES = 200
+MOST_CLASSES = 20
 """Classes of an element"""
-MOST_SELECTORS = 100_000
+MOST_SELECTORS = 30_000
 """Selectors of all style sheets"""
-MOST_STYLE = 2_500_000
+MOST_STYLE = 1_000_000
 """Characters of all style sheets and styles that are read, each different style once"""
 STYLES_KEPT = 10_000
 """Styles of elements that are not read again"""

@@ -17,13 +17,13 @@ NUMBER = re.compile(r"[-+]?(?:\d+(?:\.\d+)?|\.\d+)(?:[eE][-+]?\d+)?", re.A)
 FUNCTION = re.compile(r"\s*([A-Za-z]+)\s*\(([^()]*)\)\s*,?", re.A)
 STRAY = re.compile(r"^\s*,|,\s*,|,\s*$", re.A)
 """A comma that does not stand between two numbers"""
-LENGTH = re.compile(rf"\s*({NUMBER.pattern})(?:px|mm|cm|in|pt|pc)?\s*$", re.I | re.A)
-PAGE = re.compile(rf"\s*({NUMBER.pattern})[A-Za-z%]*\s*$", re.A)
+LENGTH = re.compile(rf"({NUMBER.pattern})(px|mm|cm|in|pt|pc|)", re.I | re.A)
+PAGE = re.compile(rf"({NUMBER.pattern})[A-Za-z%]*", re.A)
 """A unit that is none stands for user units, as some programs write ``30m``."""
 VIEW = re.compile(
     rf"\s*{NUMBER.pattern}(?:(?:\s+,?\s*|,\s*|(?=[-+])){NUMBER.pattern}){{3}}\s*", re.A
 )
-NO_LENGTH = re.compile(r"(?:em|ex|ch|lh|rem|v[a-z]+)\s*$", re.I)
+NO_LENGTH = re.compile(r"(?:em|ex|ch|lh|rem|v[a-z]+)$", re.I)
 """Units of a font or of a window"""
 NO_POINTS = re.compile(r"[^0,\s]|,\s*,|^\s*,", re.A)
 """Of points, with noughts for their numbers"""
@@ -52,15 +52,17 @@ TAKES: Mapping[str, Mapping[str, str]] = {
 SHAPES = tuple(tag for tag in TAKES if tag != "use")
 ORIGINS = ("transform-origin", "transform-box")
 """Properties that say about which point an element is turned."""
-NO_ORIGIN = re.compile(r"(?:(?:[-+]?(?:0+\.?0*|\.0+)(?:px|mm|cm|in|pt|pc|%)?|left|top)(?:\s+|$))+")
+NO_ORIGIN = re.compile(
+    r"(?:(?:[-+]?(?:0+(?:\.0*)?|\.0+)(?:px|mm|cm|in|pt|pc|%)?|left|top)(?:\s+|$))+"
+)
 """The point (0, 0), about which elements are turned anyway."""
 
 
 def page_fault(values: dict[str, str]) -> str:
     """What is wrong with width, height and viewBox of an ``svg``; empty where nothing is."""
     for key in ("width", "height"):
-        given = values.get(key, "1")
-        found = PAGE.match(given)
+        given = values.get(key, "1").strip(BLANKS)
+        found = PAGE.fullmatch(given)
         if found is None or not 0.0 < float(found[1]) < float("inf"):
             return f'{key}="{escaped(given)[:40]}": a length above 0 is needed, such as 240mm'
         if NO_LENGTH.search(given):
@@ -76,10 +78,8 @@ def page_fault(values: dict[str, str]) -> str:
 
 def pixels_of(length: str) -> float:
     """Length in pixels, of one without a `shape_fault`."""
-    found = LENGTH.match(length)
-    if found is None:
-        return 0.0
-    return float(found[1]) * PIXELS[length[found.end(1) :].strip(BLANKS).lower()]
+    found = LENGTH.fullmatch(length.strip(BLANKS))
+    return float(found[1]) * PIXELS[found[2].lower()] if found is not None else 0.0
 
 
 def turns(transform: str) -> bool:
@@ -110,7 +110,7 @@ def shape_fault(tag: str, values: Mapping[str, str]) -> str:
         given = values.get(key, "").strip(BLANKS)
         if key in ("d", "points") or not given:
             continue
-        found = LENGTH.match(given)
+        found = LENGTH.fullmatch(given)
         if found is None or not isfinite(float(found[1])):
             units = "px, mm, cm, in, pt or pc"
             return f'{key}="{escaped(given)[:40]}": a number is needed, alone or with {units}'

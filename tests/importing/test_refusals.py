@@ -245,6 +245,11 @@ DRAWINGS = {
         svg('<use href="other.svg#a"/>'),
         ':2: … "other.svg#a" … outside the file',
     ),
+    "an entity that is told elsewhere": (
+        '<!DOCTYPE svg PUBLIC "-//W3C//DTD SVG 1.1//EN" "svg11.dtd">\n<!-- &nbsp; -->\n'
+        + svg('<rect id="boundary" x="6&foo;0" width="9" height="9"/>'),
+        ":4: … XML entity &foo;",
+    ),
     "not XML": ("<svg><path</svg>", ":1: … XML"),
     "not SVG": ("<html></html>", ":1: … <html> … <svg>"),
     "deep": (svg("<g>" * 3000 + "</g>" * 3000), ":2: … groups … ungroup"),
@@ -365,6 +370,17 @@ POLYGONS = {
             "degrees … crs",
         )
         for name in ("WGS 84", "wgs1984", "+proj=longlat +datum=WGS84", "+proj=latlong")
+    },
+    **{
+        f"{k}.geojson": (polygon(SQUARE, crs={"properties": about}), "degrees … crs")
+        for k, about in enumerate(
+            (
+                {"name": "EPSG:4326+EPSG:3855"},
+                {"name": "NAD83"},
+                {"name": "ESRI:104305"},
+                {"href": "http://spatialreference.org/ref/epsg/4326/proj4/", "type": "proj4"},
+            )
+        )
     },
     "digits.geojson": (polygon(SQUARE, crs=4326), "degrees … crs"),
     "zeros.wkt": (

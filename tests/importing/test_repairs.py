@@ -433,6 +433,36 @@ def test_a_geometry_goes_over_lines_until_its_brackets_are_closed(tmp_path: Path
     assert np.array(imported.world.reference_path)[:, 1].tolist() == [10.0, 10.0]
 
 
+def test_robots_of_one_name_have_names_of_their_own(tmp_path: Path) -> None:
+    corners = [[3, 3], [5, 3], [5, 4], [3, 4], [3, 3]]
+    other = [[x, y + 4] for x, y in corners]
+    features = [
+        {"type": "Feature", "properties": {"role": role, "name": "q "}, "geometry": geometry}
+        for role, geometry in (
+            ("robot", {"type": "MultiPolygon", "coordinates": [[corners], [other]]}),
+            ("path", {"type": "LineString", "coordinates": [[3, 5], [37, 5]]}),
+            ("boundary", {"type": "Polygon", "coordinates": [ROUND]}),
+        )
+    ]
+    path = tmp_path / "plan.geojson"
+    path.write_text(json.dumps({"type": "FeatureCollection", "features": features}))
+    names = [robot.name for robot in import_world(path, Options(scale=1.0)).world.robots]
+    assert names == ["q", "q_2"]
+
+
+ROUND = [[0, 0], [40, 0], [40, 12], [0, 12], [0, 0]]
+
+
+@pytest.mark.parametrize("quote", ['"', ""])
+def test_values_of_a_track_may_be_quoted(tmp_path: Path, quote: str) -> None:
+    path = tmp_path / "track.csv"
+    rows = "\n".join(",".join(f"{quote}{v}{quote}" for v in (9 * k, 2, 4, 5)) for k in range(6))
+    path.write_text(f"x_m,y_m,w_tr_right_m,w_tr_left_m\n{rows}\n")
+    (first, *_), *_ = import_world(path).world.boundaries or ()
+    assert len(import_world(path).world.robots) > 0
+    assert len(first) == 2
+
+
 NECK = "20 0, 20 9.9998, 23 9.9998, 23 0, 42 0, 42 20, 23 20, 23 10.0001, 20 10.0001, 20 20"
 
 

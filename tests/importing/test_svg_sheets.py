@@ -110,7 +110,7 @@ WORK = {
     ),
     "a long value": (f"* {{fill:{'a' * 300_000}}}", "<g/>" * 20_000),
     "a long value that is passed on": (f"* {{clip-path:{'a ' * 300_000}}}", "<g/>" * 20_000),
-    "many declarations": (f".a {{{'fill:none;' * 80_000}}}", ""),
+    "many declarations": (f".a {{{'fill:none;' * 190_000}}}", ""),
     "rules for many media": (
         f"@media {','.join(f'x{k}' for k in range(20_000))} {{{'.a {fill:none}' * 20_000}}}", "",
     ),
@@ -146,7 +146,7 @@ def test_a_flood_of_styles_is_refused(tmp_path: Path) -> None:
     path.write_text(svg(f"{WALLS}{PATH}{styles}"))
     with pytest.raises(ImportSourceError) as caught:
         import_world(path, Options(scale=1.0))
-    check_says(str(caught.value), "<g> … 1 million characters of style")
+    check_says(str(caught.value), "<g> … 2 million characters of style")
 
 
 def test_a_flood_of_selectors_is_refused(tmp_path: Path) -> None:
@@ -156,6 +156,14 @@ def test_a_flood_of_selectors_is_refused(tmp_path: Path) -> None:
     with pytest.raises(ImportSourceError) as caught:
         import_world(path, Options(scale=1.0))
     check_says(str(caught.value), f"<style> … {MOST_SELECTORS} selectors")
+
+
+def test_an_element_without_an_id_has_none(tmp_path: Path) -> None:
+    found = imported(tmp_path, "#None {display:none} .h {fill:none} #None {fill:red}", "", "")
+    assert found.world.obstacles
+    assert not imported(
+        tmp_path, ".h {fill:none} #None {fill:red}", 'class="h"', ""
+    ).world.obstacles
 
 
 @pytest.mark.parametrize("how", ['display="none"', 'visibility="hidden"', 'opacity="0"'])

@@ -92,6 +92,15 @@ class Drawing:
             shapely.dwithin(_lines([source])[0], shapely.Point(point[:2]), distance)
         )
 
+    def free_name(self, name: str) -> str:
+        """Name of the next robot: its own, unless there is none or another bears it."""
+        number = len(self.robots) + 1
+        name = escaped(name)[:80].strip() or f"r{number}"
+        taken = {robot.name for robot in self.robots}
+        while name in taken:
+            name = f"{name}_{number}"
+        return name
+
     def named(self, point: Sequence[float] | FloatArray, *roles: str) -> str:
         """`` ('pillar', line 3)`` for the source nearest to a point; empty where none is known."""
         source = self.source_at(point, *roles)

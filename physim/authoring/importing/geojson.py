@@ -17,7 +17,7 @@ from physim.authoring.importing.polygons import (
     MOST_DEPTH,
     MOST_GEOMETRIES,
     Part,
-    check_code,
+    check_codes,
     check_count,
     degrees,
     drawing_of,
@@ -29,8 +29,8 @@ from physim.escaping import escaped
 
 MOST_DIGITS = 300
 """Digits of a whole number, about what fits into a float."""
-EPSG = re.compile(r"(?:epsg.*?|^\s*)(\d{1,9})\D*$", re.I | re.S)
-"""How a crs gives the number by which it is known; a version may stand before it."""
+CODE = re.compile(r"(?<!\d)\d{1,9}(?!\d)")
+"""What may be the number by which a crs is known; versions may stand beside it"""
 DEGREES = re.compile(r"crs:?84|wgs[ _]?(?:19)?84\s*$|long?_?lat|lat_?long?", re.I)
 """Names of a crs in degrees"""
 ROLES = ("boundary", "obstacle", "path", "robot")
@@ -59,8 +59,10 @@ def read_geojson(path: Path, options: Options) -> Drawing:
     check_count(path, parts)
     if options.scale is None and not value.get("crs") and parts:
         _check_degrees(path, parts)
-    if code := EPSG.search(crs):
-        check_code(path, int(code[1]), "the crs of the file", parts, options)
+    if value.get("crs"):
+        is_code = "epsg" in crs.lower() or crs.strip().isdigit()
+        codes = [int(code) for code in CODE.findall(crs)] if is_code else []
+        check_codes(path, codes, "the crs of the file", parts, options)
     drawing = drawing_of(path, "GeoJSON", parts, options)
     if value.get("crs"):
         name = _name_of(value["crs"])

@@ -8,6 +8,7 @@ that at ``--from``, that with most of the robots, or the largest is taken. Those
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -41,6 +42,8 @@ DEGREES = (4326, 4258)
 """EPSG codes of degrees that are met most"""
 MAYBE_DEGREES = range(4001, 20_000)
 """EPSG codes, the others of degrees among them, and some of metres with places farther away"""
+LEAST_CODE = 1024
+"""EPSG code of the first system"""
 HEIGHTS = "third coordinates (height) left out"
 MEASURES = "measures (M) of points left out"
 
@@ -64,7 +67,7 @@ def read_wkt(path: Path, options: Options) -> Drawing:
         row = row.split("#", 1)[0].strip().rstrip(";")
         if not row:
             continue
-        begins = re.match(r"(SRID\s*=\s*\d+\s*;?\s*)?[A-Za-z]", row) is not None
+        begins = re.match(r"(SRID\s*=\s*\d+\s*(?:;\s*)?)?[A-Za-z]", row) is not None
         if not texts or (begins and opened <= 0):
             texts.append((k, [row]))
             opened = 0
@@ -77,10 +80,10 @@ def read_wkt(path: Path, options: Options) -> Drawing:
     srids: dict[str, None] = {}
     for k, rows in texts:
         text = " ".join(rows)
-        srid = re.match(r"SRID\s*=\s*(\d+)\s*;?\s*", text, re.I)
+        srid = re.match(r"SRID\s*=\s*(\d+)\s*(?:;\s*)?", text, re.I)
         found = _from_wkt(path, k, text[srid.end() :] if srid else text)
         if srid is not None and (code := srid[1].lstrip("0")[:9]):
-            check_code(path, int(code), f"SRID {srid[1]}"[:40], found, options, k)
+            check_codes(path, [int(code)], f"SRID {srid[1]}"[:40], found, options, k)
             srids[f"lengths of its SRID, {srid[1][:30]}, are taken as they are"] = None
         parts += found
     drawing = drawing_of(path, "WKT", parts, options)
@@ -88,16 +91,23 @@ def read_wkt(path: Path, options: Options) -> Drawing:
     return drawing
 
 
-def check_code(
-    path: Path, code: int, named: str, parts: list[Part], options: Options, line: int | None = None
+def check_codes(
+    path: Path,
+    codes: Sequence[int],
+    named: str,
+    parts: list[Part],
+    options: Options,
+    line: int | None = None,
 ) -> None:
-    """Refuse degrees: known by the EPSG code of the source, or by code and numbers together.
+    """Refuse degrees: known by EPSG codes of the source, or by codes and numbers together.
 
     With ``--scale`` the user says what a unit is, and the numbers say nothing.
     """
-    if code in DEGREES:
+    if {*codes} & {*DEGREES}:
         raise degrees(path, named, line)
-    if code in MAYBE_DEGREES and options.scale is None and parts:
+    is_known = any(code >= LEAST_CODE for code in codes)
+    is_doubtful = not is_known or any(code in MAYBE_DEGREES for code in codes)
+    if is_doubtful and options.scale is None and parts:
         points = np.concatenate([shapely.get_coordinates(part.shape) for part in parts])
         if (np.abs(points) <= (180.0, 90.0)).all():
             why = f"{named}, and all within 180 by 90 units; --scale 1 if these are metres"
@@ -176,8 +186,7 @@ def drawing_of(path: Path, kind: str, parts: list[Part], options: Options) -> Dr
             at = place(shapely.get_coordinates(shape)[0])
             unused.append(f"{shape.geom_type} at {at}: holds no lines, left out")
         elif part.role == "robot":
-            name = part.name or f"r{len(drawing.robots) + 1}"
-            drawing.robots.append(DrawnRobot(name, _ring(shape)))
+            drawing.robots.append(DrawnRobot(drawing.free_name(part.name), _ring(shape)))
         elif part.role == "obstacle":
             drawing.obstacles.append(_ring(shape))
         else:

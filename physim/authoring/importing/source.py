@@ -75,7 +75,10 @@ def read_text(path: Path) -> str:
     return text.replace("\r\n", "\n").replace("\r", "\n")
 
 
-DECLARED = re.compile(r"\s*<\?xml[^>]*?\bencoding\s*=\s*[\"']([^\"'>]*)[\"'][^>]*\?>")
+DECLARATION = re.compile(r"\s*<\?xml\s[^>]{0,200}\?>")
+ENCODING = re.compile(r"\bencoding\s*=\s*[\"']([^\"'>]*)[\"']")
+COMMENT = re.compile(r"<!--.*?-->", re.S)
+ENTITY = re.compile(r"&(?!(?:amp|lt|gt|quot|apos);)[A-Za-z_][\w.-]*;")
 
 
 def read_xml(path: Path) -> str:
@@ -84,8 +87,14 @@ def read_xml(path: Path) -> str:
     Raises ImportSourceError where it declares another than UTF-8 and it matters.
     """
     text = read_text(path)
-    found = DECLARED.match(text)
-    if found is None:
+    is_elsewhere = "<!DOCTYPE" in text and "<!ENTITY" not in text
+    bare = COMMENT.sub(lambda one: "\n" * one[0].count("\n"), text) if is_elsewhere else ""
+    if entity := ENTITY.search(bare):  # which a parser may pass over, as its meaning is elsewhere
+        line = bare.count("\n", 0, entity.start()) + 1
+        raise refused(path, f"has the XML entity {escaped(entity[0])[:40]}; save it without", line)
+    declaration = DECLARATION.match(text)
+    found = ENCODING.search(declaration[0]) if declaration is not None else None
+    if declaration is None or found is None:
         return text
     try:
         same = found[1].lower() in ("utf-8", "utf8") or (
@@ -96,7 +105,7 @@ def read_xml(path: Path) -> str:
     if not same:
         message = f'declares the encoding "{escaped(found[1])[:40]}"; save the file as UTF-8'
         raise refused(path, message, 1)
-    return "\n" * found[0].count("\n") + text[found.end() :].lstrip(" ")
+    return "\n" * declaration[0].count("\n") + text[declaration.end() :].lstrip(" ")
 
 
 def format_of(path: Path) -> str:

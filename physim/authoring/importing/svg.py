@@ -277,7 +277,7 @@ def _sort(path: Path, drawing: Drawing, lines: list[_Line], walls: Walls) -> Non
             if len(ring) < 3:
                 message = f"{line.where}: a robot at {place(ring[0])} has no area; draw its outline"
                 raise refused(path, message, line.line)
-            drawing.robots.append(DrawnRobot(_free_name(line.name, drawing), ring))
+            drawing.robots.append(DrawnRobot(drawing.free_name(line.name), ring))
         else:
             drawing.obstacles.append(ring)
         if line.role in ("robot", "obstacle") and not (line.is_closed and len(points) > 2):
@@ -293,16 +293,6 @@ def _sort(path: Path, drawing: Drawing, lines: list[_Line], walls: Walls) -> Non
             "no line is a boundary; put the walls into a layer named boundary, or give them the "
             f"id boundary{walls.advice()}",
         )
-
-
-def _free_name(name: str, drawing: Drawing) -> str:
-    """Name of the next robot: its own, unless there is none or another bears it."""
-    number = len(drawing.robots) + 1
-    name = escaped(name)[:80] or f"r{number}"
-    taken = {robot.name for robot in drawing.robots}
-    while name in taken:
-        name = f"{name}_{number}"
-    return name
 
 
 def _paths(drawing: Drawing, paths: list[_Line]) -> None:

@@ -15,7 +15,15 @@ from physim.authoring.importing.svg_css import CUTS, NAMESPACE, OTHER
 from physim.authoring.importing.svg_paths import as_meant
 from physim.authoring.importing.svg_seen import handed_on
 from physim.authoring.importing.svg_sheets import cut_of, declarations, hidden_by
-from physim.authoring.importing.svg_values import AUTO, NUMBER, RADII, SHAPES, TAKES, pixels_of
+from physim.authoring.importing.svg_values import (
+    AUTO,
+    BLANKS,
+    NUMBER,
+    RADII,
+    SHAPES,
+    TAKES,
+    pixels_of,
+)
 from physim.escaping import escaped
 
 XLINK = "http://www.w3.org/1999/xlink|href"
@@ -135,7 +143,7 @@ def hidden(attributes: dict[str, str]) -> dict[str, str]:
 
 def copied(attributes: dict[str, str]) -> str:
     """What a ``use`` of these attributes copies."""
-    return unquote(attributes.get("href", attributes.get(XLINK, "")))
+    return unquote(attributes.get("href", attributes.get(XLINK, "")).strip(BLANKS))
 
 
 def is_hidden(attributes: dict[str, str]) -> bool:

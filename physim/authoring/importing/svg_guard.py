@@ -200,12 +200,12 @@ class _Guard:
     def _hide(self, tag: str, attributes: dict[str, str], hides: bool) -> None:
         """Take note of what is not seen, with all in it, and tell the first of it."""
         told = ""
-        if self.hidden or tag in NOT_DRAWN:
-            self.hidden += 1
-            return
-        if tag in MOVING or tag.endswith("script"):
+        if tag in MOVING or tag.endswith("script"):  # wherever it stands
             name = escaped(tag.rpartition("|")[2])
             told = f"<{name}>, not followed: what it changes is taken as it stands"
+        elif self.hidden or tag in NOT_DRAWN:
+            self.hidden += 1
+            return
         elif tag == LINK:
             told = "a style sheet in a file of its own, not read"
         elif hides:
@@ -213,7 +213,7 @@ class _Guard:
             told = f"hidden <{escaped(tag)[:40]}> {label}".rstrip() + ", left out"
         elif tag in NOT_LINES:
             told = f"<{tag}> holds no lines, left out"
-        self.hidden = int(bool(told) or tag not in DRAWN)
+        self.hidden = self.hidden + 1 if self.hidden else int(bool(told) or tag not in DRAWN)
         if told:
             self.look.left_out.append(f"line {self.parser.CurrentLineNumber}: {told}")
 

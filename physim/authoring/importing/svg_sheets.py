@@ -35,10 +35,12 @@ from physim.escaping import escaped
 
 MOST_CLASSES = 20
 """Classes of an element"""
-MOST_SELECTORS = 30_000
+MOST_SELECTORS = 100_000
 """Selectors of all style sheets"""
-MOST_STYLE = 1_000_000
+MOST_STYLE = 2_000_000
 """Characters of all style sheets and styles that are read, each different style once"""
+PART = 50
+"""Characters that take as long as to begin with a style"""
 STYLES_KEPT = 10_000
 """Styles of elements that are not read again"""
 BEYOND = "by more than a tag, a class or an id; delete what is hidden, or save as plain SVG"
@@ -81,7 +83,7 @@ class Sheets:
         return meant(key, value)
 
     def _measure(self, text: str) -> None:
-        self._length += len(text)
+        self._length += len(text) + PART
         if self._length > MOST_STYLE:
             raise StyleError(f"more than {MOST_STYLE / 1e6:g} million characters of style")
 
@@ -155,7 +157,8 @@ class Sheets:
         if not self._rules:
             return best
         names = [f".{one}" for one in classes_of(attributes)]
-        for name in ("*", tag, *names, *(tag + one for one in names), f"#{attributes.get('id')}"):
+        own = [f"#{attributes['id']}"] if "id" in attributes else []
+        for name in ("*", tag, *names, *(tag + one for one in names), *own):
             for key, found in self._rules.get(name, {}).items():
                 best[key] = max(best.get(key, found), found)
         return best

@@ -8,6 +8,7 @@ the sides of the road in silence.
 
 from __future__ import annotations
 
+import csv
 import math
 import re
 from collections.abc import Sequence
@@ -54,7 +55,7 @@ def columns_of(path: Path, rows: Sequence[tuple[int, str]]) -> Columns:
     if data is None:
         raise refused(path, "no row of numbers; columns: " + ", ".join(COLUMNS))
     separator = ";" if ";" in data[1] else ","
-    count = len(data[1].split(separator))
+    count = len(next(csv.reader([data[1]], delimiter=separator)))
     above = [(k, row, _names(row)) for k, row in rows if k < data[0]]
     headers = [(k, names) for k, _, names in above if _is_header(names)]
     for k, row, names in above:
@@ -180,7 +181,7 @@ def read_track_file(path: Path, text: str, scale: float) -> TrackFile:
 
 def _numbers(path: Path, line: int, row: str, columns: Columns) -> list[float]:
     order, separator = columns.order, columns.separator
-    cells = [cell.strip() for cell in row.split(separator)]
+    cells = [cell.strip() for cell in next(csv.reader([row], delimiter=separator))]
     if separator == ";" and any("," in cell for cell in cells):
         raise refused(path, "numbers with a decimal comma; write a point", line)
     if len(cells) <= max(order):
@@ -192,7 +193,7 @@ def _numbers(path: Path, line: int, row: str, columns: Columns) -> list[float]:
     values = []
     for name, cell in zip(COLUMNS, (cells[k] for k in order), strict=True):
         try:
-            values.append(float(cell) if "_" not in cell else math.nan)
+            values.append(float(cell) if cell.isascii() and "_" not in cell else math.nan)
         except ValueError:
             message = f'{name}: "{escaped(cell[:40])}" is not a number'
             raise refused(path, message, line) from None

@@ -361,7 +361,7 @@ EDITS = (
     Edit(
         "importing",
         "physim/authoring/importing/polygons.py",
-        "check_code",
+        "check_codes",
         "code in MAYBE_DEGREES",
         "False",
         "degrees of every system are refused",

@@ -101,8 +101,11 @@ def _check_runs(place: Folder, table: pa.Table) -> None:
             why = f"run {run} is not what {CAMPAIGN} makes of its world, controller and seed {seed}"
         else:
             continue
+        row = dict(
+            zip((*ORDER, *OF_CELL), (*label, seed, run, world_hash, physim, engine), strict=True)
+        )
         raise PhysimError(
-            f"{place.shards.place_of(run)}: {escaped(why)}; is this a row of another campaign?"
+            f"{place.shards.place_of(row)}: {escaped(why)}; is this a row of another campaign?"
         )
 
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 import json
 import os
 import warnings
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import asdict
 from pathlib import Path
@@ -104,13 +104,13 @@ class Shards:
             text = f"{file}:{number}: the last line is cut off; its run counts as not done"
             warnings.warn(text, Notice, stacklevel=2)
 
-    def place_of(self, run: str) -> str:
-        """``FILE:LINE`` of the last row of a run, which one of the shards has."""
-        place = str(self.folder)
+    def place_of(self, row: Mapping[str, object]) -> str:
+        """``FILE:LINE`` of the last row with these columns, which one of the shards has."""
+        place, run = str(self.folder), str(row["run"]).encode()
         for file in self.files():
-            with suppress(OSError):
+            with suppress(OSError, ValueError):
                 for number, line in enumerate(file.read_bytes().split(b"\n"), 1):
-                    if run.encode() in line:
+                    if run in line and row.items() <= json.loads(line).items():
                         place = f"{file}:{number}"
         return place
 

@@ -75,8 +75,9 @@ def test_a_row_behind_which_the_true_one_stands_is_refused_too(campaign: Path) -
     """That of another seed was passed over, as a run that has two rows."""
     run = specs(3)[2]
     place = put(campaign, replace(row_without_run(run, FINISHED, ""), seed=SEED))
-    Folder(campaign).shards.write([row_without_run(run, FINISHED, "")])
-    with pytest.raises(PhysimError, match=facts(place.split(":")[0], CAMPAIGN, str(SEED))):
+    file = Path(place.removesuffix(":2"))
+    first = file.rename(file.with_name("0-2-x-1.jsonl"))
+    with pytest.raises(PhysimError, match=facts(str(first), CAMPAIGN, str(SEED))):
         read(campaign)
 
 

@@ -30,12 +30,11 @@ from physim.authoring.importing.drawing import (
 from physim.authoring.importing.enclosure import join_ends
 from physim.authoring.importing.source import read_xml
 from physim.authoring.importing.svg_bare import CUT, FAULT, LINE, TAG
-from physim.authoring.importing.svg_css import SIZES
 from physim.authoring.importing.svg_curves import subpaths
 from physim.authoring.importing.svg_guard import look_at
 from physim.authoring.importing.svg_look import SvgLook
+from physim.authoring.importing.svg_page import Frame
 from physim.authoring.importing.svg_seen import has_area, has_line, is_seen, is_unsure
-from physim.authoring.importing.svg_values import NUMBER, pixels_of
 from physim.authoring.importing.svg_walls import LABEL, NAMES, Walls, names_of
 from physim.authoring.importing.work import MOST_POINTS, check_work
 from physim.escaping import escaped
@@ -57,10 +56,6 @@ OTHER = re.compile(
 """Words after a role by which a thing is something else: ``robot_route_0`` is no robot."""
 ROLES = {"bou": "boundary", "wal": "boundary", "obs": "obstacle", "pat": "path", "ref": "path",
          "rob": "robot"}  # fmt: skip
-UNITS = ("mm", "cm", "in", "pt", "pc")
-RATIO = re.compile(r"\s*(none|x(?:Min|Mid|Max)Y(?:Min|Mid|Max))(?:\s+(meet|slice))?\s*", re.A)
-"""How a page fits into its size; any other text is as none"""
-METRES_PER_PIXEL = 0.0254 / 96.0
 
 
 @dataclass(frozen=True)
@@ -88,64 +83,92 @@ def read_svg(path: Path, options: Options) -> Drawing:
     except (ValueError, TypeError, ArithmeticError, AttributeError, LookupError) as error:
         reason = escaped(str(error))[:100] or type(error).__name__
         raise refused(path, f"cannot be read as SVG: {reason}") from None
-    frame = _Frame.of(path, look, options)
-    tolerance = TOLERANCE if options.tolerance is None else options.tolerance
-    lines: list[_Line] = []
-    left_out: list[str] = []
-    cuts: dict[str, None] = {}
-    seen: set[int | None] = set()
-    count = 0
-    hidden = [*look.left_out]
-    walls = Walls(frozenset(options.boundary), hidden)
-    for element, role, name in _shapes(root, "", "", walls):
-        label = next(iter(names_of(element)), "")
+    found = _Lines(path, look, options)
+    for element, role, name in _shapes(root, "", "", found.walls):
+        found.look_at(element, role, name)
+    if unknown := found.walls.unknown(look.lines):
+        raise refused(path, unknown)
+    drawing.changes += found.told()
+    drawing.facts.append(
+        f"{found.frame.scale}; curves flattened within {found.tolerance:g} m; y turned up, "
+        f"{found.frame.corner} is (0, 0)"
+    )
+    check_work(path, [line.points for line in found.lines])
+    drawing.sources = [Source(one.role, one.where, one.line, one.points) for one in found.lines]
+    _sort(path, drawing, found.lines, found.walls)
+    return drawing
+
+
+class _Lines:
+    """The lines of a drawing, shape by shape, and what is said of those that are not taken."""
+
+    def __init__(self, path: Path, look: SvgLook, options: Options) -> None:
+        self.path, self.look = path, look
+        self.frame = Frame.of(path, look, options)
+        self.tolerance = TOLERANCE if options.tolerance is None else options.tolerance
+        self.lines: list[_Line] = []
+        self._hidden = [*look.left_out]
+        self.walls = Walls(frozenset(options.boundary), self._hidden)
+        self._left_out: list[str] = []
+        self._whole: dict[str, None] = {}  # what is taken as it would not be drawn
+        self._seen: set[int | None] = set()
+        self._count = 0
+
+    def look_at(self, element: Any, role: str, name: str) -> None:
+        """Take the lines of a shape, if it has a role and is seen; refuse those that are not read.
+
+        Without a role ``name`` is that of the group that has one.
+        """
         own = element.values.get("attributes", {})
+        label = next(iter(names_of(element)), "")
         where = escaped(repr(label)) if label else f"<{own.get(TAG, 'element')}>"
         line = int(own[LINE]) if LINE in own else None
-        seen.add(line)
-        is_named = walls.asked_for(element) or bool(_role(element)[0])
-        if not is_seen(element.values, look.may_be_painted or is_named):
+        self._seen.add(line)
+        is_named = self.walls.asked_for(element) or bool(_role(element)[0])
+        if not is_seen(element.values, self.look.may_be_painted or is_named):
             told = f"line {line}: hidden <{own.get(TAG, 'element')}> {escaped(label)[:60]}"
-            hidden.append(f"{told.rstrip()}, left out")
+            self._hidden.append(f"{told.rstrip()}, left out")
             if not role and is_seen(element.values, is_meant=True):  # it may be asked for
-                walls.note(element, name, frame.metres)
-            continue
-        if not role:
-            left_out.append(f"{where}: in no layer boundary, obstacle, path or robot, left out")
-            walls.note(element, name, frame.metres)
-            continue
-        if fault := element.values.get(FAULT):
-            _, at, what = fault.split(" ", 2)
-            raise refused(path, what, int(at[:-1]))
+                self.walls.note(element, name, self.frame.metres)
+        elif not role:
+            told = f"{where}: in no layer boundary, obstacle, path or robot, left out"
+            self._left_out.append(told)
+            self.walls.note(element, name, self.frame.metres)
+        else:
+            if fault := element.values.get(FAULT):
+                _, at, what = fault.split(" ", 2)
+                raise refused(self.path, what, int(at[:-1]))
+            found = self._subpaths(element, where, line)
+            if cut := element.values.get(CUT):
+                self._whole[f"{cut} is not applied; taken whole"] = None
+            if not is_named and (doubt := _doubt(element.values, found)):
+                self._whole[f"line {line}: {where}: {doubt}; taken"] = None
+            for points, closed in found:
+                self._take(
+                    _Line(role, name, rounded(self.frame.placed(points)), closed, where, line)
+                )
+
+    def _subpaths(
+        self, element: Any, where: str, line: int | None
+    ) -> list[tuple[FloatArray, bool]]:
+        tolerance = self.tolerance / self.frame.metres
         try:
-            found = subpaths(
-                svgelements.Path(element), tolerance / frame.metres, MOST_POINTS - count
-            )
+            return subpaths(svgelements.Path(element), tolerance, MOST_POINTS - self._count)
         except (ValueError, ArithmeticError) as error:
-            raise refused(path, f"{where}: {escaped(str(error))[:160]}", line) from None
-        if cut := element.values.get(CUT):
-            cuts[f"{cut} is not applied; taken whole"] = None
-        if not is_named and (doubt := _doubt(element.values, found)):
-            cuts[f"line {line}: {where}: {doubt}; taken"] = None
-        for points, closed in found:
-            placed = rounded(frame.placed(points))
-            if len(placed) < 2:
-                left_out.append(f"{where}: a line of no length, left out")
-            else:
-                lines.append(_Line(role, name, placed, closed, where, line))
-                count += len(placed)
-    if unknown := walls.unknown(look.lines):
-        raise refused(path, unknown)
-    for changes in ([*dict.fromkeys(hidden)], left_out, [*cuts], look.not_among(seen)):
-        drawing.changes += listed(changes)
-    drawing.facts.append(
-        f"{frame.scale}; curves flattened within {tolerance:g} m; y turned up, {frame.corner} is "
-        "(0, 0)"
-    )
-    check_work(path, [line.points for line in lines])
-    drawing.sources = [Source(one.role, one.where, one.line, one.points) for one in lines]
-    _sort(path, drawing, lines, walls)
-    return drawing
+            raise refused(self.path, f"{where}: {escaped(str(error))[:160]}", line) from None
+
+    def _take(self, line: _Line) -> None:
+        if len(line.points) < 2:
+            self._left_out.append(f"{line.where}: a line of no length, left out")
+        else:
+            self.lines.append(line)
+            self._count += len(line.points)
+
+    def told(self) -> list[str]:
+        """What is said of all that was not taken, or not as it would be drawn."""
+        hidden, nothing = [*dict.fromkeys(self._hidden)], self.look.not_among(self._seen)
+        kinds = (hidden, self._left_out, [*self._whole], nothing)
+        return [one for kind in kinds for one in listed(kind)]
 
 
 def _doubt(values: Mapping[str, Any], lines: Sequence[tuple[FloatArray, bool]]) -> str:
@@ -162,67 +185,6 @@ def _area(points: FloatArray) -> float:
     x, y = (points - points[0]).T
     area = abs(float(x @ np.roll(y, -1) - y @ np.roll(x, -1))) / 2.0
     return area if area > 1e-9 * float(np.ptp(points, axis=0).max()) ** 2 else 0.0
-
-
-@dataclass(frozen=True)
-class _Frame:
-    """From user units of a drawing to metres of the world."""
-
-    metres: float
-    left: float
-    bottom: float
-    corner: str
-    """what is (0, 0)"""
-    scale: str
-    """what is said of it"""
-
-    @classmethod
-    def of(cls, path: Path, look: SvgLook, options: Options) -> _Frame:
-        page = look.page
-        box = [float(one) for one in NUMBER.findall(page.get("viewBox", ""))]
-        size = [pixels_of(page.get(key, "")) for key in SIZES]
-        pixels, wrong = _pixels(page, box, size)
-        if wrong:
-            raise refused(path, wrong, look.line)
-        unit = re.sub(r"[-+0-9.eE\s]", "", page.get("width", "")).lower()
-        if options.scale is not None:
-            metres = options.scale
-            scale = f"{options.scale:g} m per user unit (--scale)"
-        elif unit in UNITS:
-            metres = METRES_PER_PIXEL * pixels
-            scale = f"real-world units of the page ({unit}): {metres:.6g} m per user unit"
-        else:
-            raise refused(
-                path,
-                "the page has no real-world units; --scale M says how many metres a user unit is",
-                look.line,
-            )
-        left, top, _, height = box or [0.0, 0.0, *size]
-        is_known = bool(box) or height > 0.0
-        corner = f"the page's {'lower' if is_known else 'upper'} left corner"
-        return cls(metres, left, top + height, corner, scale)
-
-    def placed(self, points: FloatArray) -> FloatArray:
-        return np.stack([points[:, 0] - self.left, self.bottom - points[:, 1]], 1) * self.metres
-
-
-def _pixels(
-    page: Mapping[str, str], box: Sequence[float], size: Sequence[float]
-) -> tuple[float, str]:
-    """Pixels of a user unit of a page with this viewBox [units] and size [px], and what is wrong.
-
-    A size that is not known is 0: that of the window, which is as large as is needed.
-    """
-    sides = sorted(known / side for known, side in zip(size, box[2:], strict=False) if known > 0.0)
-    if not sides:
-        return 1.0, ""
-    ratio = RATIO.fullmatch(page.get("preserveAspectRatio", ""))
-    if sides[-1] > sides[0] * 1.000001 and ratio is not None and ratio[1] == "none":
-        return 1.0, (
-            "<svg>: width, height and viewBox stretch the page, by "
-            f"{sides[0]:.4g} and {sides[-1]:.4g}; give it one scale"
-        )
-    return sides[-1 if ratio is not None and ratio[2] == "slice" else 0], ""
 
 
 def _role(element: Any) -> tuple[str, str]:

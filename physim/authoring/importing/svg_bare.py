@@ -89,7 +89,7 @@ class BareSvg:
             kept[XLINK] = copied(attributes)
         if fault:
             kept[FAULT] = f"line {line}: {fault}"
-        elif self._ends:  # the page is where it is
+        else:
             kept |= _geometry(tag, attributes)
         cut = cut_of(own) or ("edge" if tag == ONLY_COPIED and not _spills(own) else "")
         if cut:

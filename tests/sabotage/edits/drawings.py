@@ -84,7 +84,7 @@ EDITS = (
         "given.get(key, default) for key, default in TAKES.get(tag, {}).items()",
         "given[key] for key in TAKES.get(tag, {}) if key in given",
         "what an element lacks is not that of a group",
-        "tests/importing/test_svg_places.py::test_where_its_lines_lie_is_said_by_each_element_alone",
+        "tests/importing/test_svg_standard.py::test_what_no_viewer_paints_is_no_obstacle",
     ),
     Edit(
         "importing",
@@ -215,7 +215,7 @@ EDITS = (
     Edit(
         "importing",
         "physim/authoring/importing/svg.py",
-        "read_svg",
+        "_Lines.look_at",
         "if cut := element.values.get(CUT):",
         'if cut := "":',
         "a shape that is cut is told to be taken whole",
@@ -322,15 +322,6 @@ EDITS = (
     ),
     Edit(
         "importing",
-        "physim/authoring/importing/svg_bare.py",
-        "BareSvg.start",
-        "elif self._ends:",
-        "else:",
-        "the page itself is not moved",
-        "tests/importing/test_svg_standard.py::test_the_page_itself_is_not_moved",
-    ),
-    Edit(
-        "importing",
         "physim/authoring/importing/svg_guard.py",
         "_Guard._fault_of_place",
         "origin = origin_of({**attributes, **declarations(style, ORIGINS)})",
@@ -359,7 +350,7 @@ EDITS = (
     Edit(
         "importing",
         "physim/authoring/importing/svg.py",
-        "read_svg",
+        "_Lines.look_at",
         "if fault := element.values.get(FAULT):",
         'if fault := "":',
         "a line in what is not read is refused",

@@ -250,6 +250,10 @@ DRAWINGS = {
         + svg('<rect id="boundary" x="6&foo;0" width="9" height="9"/>'),
         ":4: … XML entity &foo;",
     ),
+    "an entity of a document type": (
+        "<!DOCTYPE svg [\n%x;]>\n" + svg('<rect id="boundary" width="9" height="9"/>'),
+        "XML entity … %x;",
+    ),
     "not XML": ("<svg><path</svg>", ":1: … XML"),
     "not SVG": ("<html></html>", ":1: … <html> … <svg>"),
     "deep": (svg("<g>" * 3000 + "</g>" * 3000), ":2: … groups … ungroup"),

@@ -355,6 +355,7 @@ def test_what_changes_as_time_goes_by_is_told_and_taken_as_it_stands(tmp_path, m
         ('fill="currentColor"', "depends"),
         ('style="fill:var(--x)"', "depends"),
         ('fill="oklch(what)"', "depends"),
+        ('style="fill-opacity:calc(0*1)"', "depends"),
         ('fill="currentColor" stroke="red"', ""),
         ('fill="url(#x)"', ""),
     ],

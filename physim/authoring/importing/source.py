@@ -78,7 +78,9 @@ def read_text(path: Path) -> str:
 DECLARATION = re.compile(r"\s*<\?xml\s[^>]{0,200}\?>")
 ENCODING = re.compile(r"\bencoding\s*=\s*[\"']([^\"'>]*)[\"']")
 COMMENT = re.compile(r"<!--.*?-->", re.S)
-ENTITY = re.compile(r"&(?!(?:amp|lt|gt|quot|apos);)[A-Za-z_][\w.-]*;")
+ENTITY = re.compile(
+    r"&(?!(?:amp|lt|gt|quot|apos);)[A-Za-z_][\w.-]*;|(?<=\[)[^\]<>]*%[A-Za-z_][\w.-]*;"
+)
 
 
 def read_xml(path: Path) -> str:

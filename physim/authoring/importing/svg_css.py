@@ -248,7 +248,7 @@ def _meant(key: str, tokens: Iterable[Any]) -> str:
     if key not in UNSEEN:
         return _written(tokens)
     if _refers(known) and key not in SHOWN:  # what another value gives is taken for seen
-        return UNSURE if key in PAINTS else "1"
+        return UNSURE
     if _refers(known):
         return _written(tokens)
     word = _word(known)
@@ -262,7 +262,7 @@ def _of_word(key: str, word: str) -> str:
     if word in HELD:
         return "inherit" if key in INHERITED else INITIAL[key]
     if word == "revert-layer":
-        return word if key in SHOWN else UNSURE if key in PAINTS else "1"
+        return word if key in SHOWN else UNSURE
     return _MEANINGS[key](tinycss2.parse_component_value_list(word), word)
 
 

@@ -36,22 +36,28 @@ def is_seen(values: Mapping[str, Any], is_meant: bool) -> bool:
 
 def has_area(values: Mapping[str, Any]) -> bool:
     """Whether the area of a shape is painted."""
-    look = _look(values)
-    return look["fill"] != "none" and look["fill-opacity"] != "0"
+    return "0" not in _area(values)
 
 
 def has_line(values: Mapping[str, Any]) -> bool:
     """Whether the outline of a shape is painted."""
-    look = _look(values)
-    is_seen = look["stroke"] != "none" and look["stroke-opacity"] != "0"
-    return is_seen and look["stroke-width"] != "0"
+    return "0" not in _line(values)
 
 
 def is_unsure(values: Mapping[str, Any]) -> bool:
-    """Whether a shape that is painted may be so by a colour that is seen through alone."""
+    """Whether a shape that is painted may be so by what is seen through alone."""
+    paints = [one for one in (_area(values), _line(values)) if "0" not in one]
+    return bool(paints) and all(UNSURE in one for one in paints)
+
+
+def _area(values: Mapping[str, Any]) -> set[str]:
     look = _look(values)
-    paints = [look["fill"]] * has_area(values) + [look["stroke"]] * has_line(values)
-    return bool(paints) and set(paints) == {UNSURE}
+    return {look["fill"].replace("none", "0"), look["fill-opacity"]}
+
+
+def _line(values: Mapping[str, Any]) -> set[str]:
+    look = _look(values)
+    return {look["stroke"].replace("none", "0"), look["stroke-opacity"], look["stroke-width"]}
 
 
 def _look(values: Mapping[str, Any]) -> dict[str, str]:

@@ -98,8 +98,8 @@ EDITS = (
     Edit(
         "importing",
         "physim/authoring/importing/svg_seen.py",
-        "has_area",
-        'and look["fill-opacity"] != "0"',
+        "_area",
+        ', look["fill-opacity"]',
         "",
         "an area that is seen through is none",
         "tests/importing/test_svg_standard.py::test_what_no_viewer_paints_is_no_obstacle",

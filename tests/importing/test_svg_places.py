@@ -259,6 +259,15 @@ def test_a_group_or_copy_that_is_cut_is_told_once_and_not_where_it_is_left_out(t
     assert not [one for one in obstacles(tmp_path, outside)[1] if "whole" in one]
 
 
+def test_all_that_cuts_a_shape_is_told(tmp_path):
+    cut = '<g clip-path="url(#c)"><g mask="url(#m)">{}</g></g>'
+    _, changes = obstacles(tmp_path, cut.format(PILLAR.replace("<rect", '<rect filter="url(#f)"')))
+    told = [one for one in changes if "whole" in one]
+    assert [key for key in ("clip-path", "mask", "filter") for one in told if key in one] == [
+        "clip-path", "mask", "filter",
+    ]  # fmt: skip
+
+
 def test_of_a_switch_one_alternative_is_drawn(tmp_path):
     """The first that needs no extension, as programs draw it; the others are told."""
     foreign = '<foreignObject requiredExtensions="http://example.org/"><p/></foreignObject>'

@@ -111,6 +111,9 @@ REFUSED = {
     "a group without a box": (
         f'<g style="display:contents">{PILLAR.format("")}</g>', ":3: … <g> … display: contents",
     ),
+    "a link in a switch": (
+        f"<switch><a>{PILLAR.format('')}</a></switch>", ":3: … <a> … link in a switch",
+    ),
     "a radius in words": (PILLAR.format('rx="auto" ry="0.4"'), ':3: … obstacle … rx="auto"'),
     "a display of two words": (
         f'<g style="display:inline none">{PILLAR.format("")}</g>', ":3: … display: inline none",

@@ -139,7 +139,7 @@ class _Lines:
                 _, at, what = fault.split(" ", 2)
                 raise refused(self.path, what, int(at[:-1]))
             found = self._subpaths(element, where, line)
-            if cut := element.values.get(CUT):
+            for cut in (value for key, value in element.values.items() if CUT in key):
                 self._whole[f"{cut} is not applied; taken whole"] = None
             if not is_named and (doubt := _doubt(element.values, found)):
                 self._whole[f"line {line}: {where}: {doubt}; taken"] = None

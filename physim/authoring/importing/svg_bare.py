@@ -32,7 +32,10 @@ SVG = f"{NAMESPACE}|"
 LINE, TAG = "physim-line", "physim-tag"
 """Attributes that tell of an element where it stands, and what it is"""
 FAULT, CUT = "physim-fault", "physim-cut"
-"""Attributes, handed on to all that is in an element: what of it is not read, what it is cut by"""
+"""Attributes, handed on to all that is in an element: what of it is not read, what it is cut by
+
+The name of the latter has a number after it, as all that stand about a shape cut it.
+"""
 SAME_ID = "physim-id"
 """Attribute for an id that an element before has, which is the one that copies (``use``) mean"""
 PREFIXES = {LABEL: "inkscape:label", XLINK: "xlink:href"}
@@ -93,7 +96,7 @@ class BareSvg:
             kept |= _geometry(tag, attributes)
         cut = cut_of(own) or ("edge" if tag == ONLY_COPIED and not _spills(own) else "")
         if cut:
-            kept[CUT] = f"line {line}: {called(tag, attributes)}: its {cut}"
+            kept[f"{CUT}-{len(self._parts)}"] = f"line {line}: {called(tag, attributes)}: its {cut}"
         kept |= handed_on(attributes)
         self._open(tag, "".join(f" {PREFIXES.get(key, key)}={quoteattr(value)}"
                                 for key, value in kept.items()), bool(fault))  # fmt: skip

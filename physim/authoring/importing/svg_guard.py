@@ -245,6 +245,8 @@ class _Guard:
         is_page = not self.open
         if LANGUAGE in attributes or (self.open and self.open[-1][1].by_language):
             return "is drawn for readers of some languages alone; take the condition away"
+        if tag == "a" and self.open and self.open[-1][0] == "switch":
+            return "a link in a switch is drawn in part; take the link away"
         if tag == "svg" and not is_page:
             return "a drawing within the drawing is not read; take what it holds out of it"
         if tag == ONLY_COPIED and any(key in attributes for key in ("viewBox", "x", "y")):

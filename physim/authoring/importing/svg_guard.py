@@ -201,7 +201,7 @@ class _Guard:
         """Take note of what is not seen, with all in it, and tell the first of it."""
         told = ""
         if tag in MOVING or tag.endswith("script"):  # wherever it stands
-            name = escaped(tag.rpartition("|")[2])
+            name = escaped(tag.rpartition("|")[2])[-40:]
             told = f"<{name}>, not followed: what it changes is taken as it stands"
         elif self.hidden or tag in NOT_DRAWN:
             self.hidden += 1

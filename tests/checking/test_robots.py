@@ -519,3 +519,10 @@ def test_a_heading_of_a_start_region_may_be_in_degrees_too(tmp_path, own):
     check_finding(
         warning, "7:66 robots[0].start.heading" if own else "4:62 start.heading", "90 rad", "1.5708"
     )
+
+
+@pytest.mark.parametrize("start", ["[1, 2]", "5", "[]", "true", "{a: 1}", "{heading: null}"])
+def test_a_start_that_cannot_be_read_has_no_heading(tmp_path, start):
+    text = CORRIDOR.replace("robots:", f"start: {start}\nrobots:", 1)
+    errors, _ = lines(check(tmp_path, text))
+    assert "start" in errors[0]

@@ -49,6 +49,7 @@ TRACKS = {
         HEADER + "10,0,20,5,3,5,3,5\n",
         ":2: … 8 values in 4 columns … decimal comma … point",
     ),
+    "a value without end": ("0,0,3,3\n" + "1" * 140_000 + ",0,3,3\n", ":2: … none of a table"),
     "a fifth value": ("0,0,3,3\n5,0,3,3,x\n", ":2: … 5 values in 4 columns"),
     "spaces": ("0 0 3 3\n1 0 3 3\n", ":1: … spaces … commas"),
     "other columns": (
@@ -56,7 +57,7 @@ TRACKS = {
         ":1: … w_tr_right_m … s_m, x_m, y_m, psi_rad",
     ),
     "two columns": ("0,0\n1,0\n", ":1: … 2 columns … 4 … x_m, y_m, w_tr_right_m, w_tr_left_m"),
-    "empty": ("", "row of numbers … x_m, y_m, w_tr_right_m, w_tr_left_m"),
+    "empty": ("", "begins with a number … x_m, y_m, w_tr_right_m, w_tr_left_m"),
     "one point": (HEADER + "0,0,3,3\n", "1 points … 2"),
     "far away": (HEADER + "0,0,3,3\n5e6,0,3,3\n", ":3: … x_m … 5e+06 m … 1e+06 m … --scale"),
     "words below": (HEADER + ROWS + "the end\n", ':22: … "the end" … numbers'),
@@ -294,6 +295,10 @@ DRAWINGS = {
             )
         )
     },
+    "a radius near to 0, in full": (
+        svg(f'<path id="boundary" d="M50 50A0.{"0" * 60}1 1 0 0 1 70 50z"/>'),
+        ":2: … data … 0",
+    ),
     "a radius near to 0": (
         svg('<path id="boundary" d="M50 50A1e-200 1e-200 0 0 1 70 50z"/>'),
         ':2: … "1e-200" … 0',

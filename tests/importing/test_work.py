@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -209,3 +211,38 @@ def test_noise_is_no_map(monkeypatch: pytest.MonkeyPatch) -> None:
     with pytest.raises(ImportSourceError) as caught:
         ros_map.outline_map(PLACE, Drawing(kind="map"), cells, 1.0, (0.0, 0.0, 0.0), Options())
     check_says(str(caught.value), "plan: … 8 edges … at most 4 … noise")
+
+
+BLANKS = " " * 100_000
+SLOW = {
+    "comments.xml": "<!-- a -->\n" * 60 + "<foo/>",
+    "comments.svg": "<!DOCTYPE svg>" + "<!--" * 100_000,
+    "brackets.svg": "<!DOCTYPE svg" + "[" * 100_000,
+    "length.svg": svg(f'<rect id="wall" x="1{BLANKS}y" width="9" height="9"/>'),
+    "width.svg": f'<svg xmlns="http://www.w3.org/2000/svg" width="200{BLANKS}!"/>',
+    "unit.svg": f'<svg xmlns="http://www.w3.org/2000/svg" width="1{"v" * 100_000}%"/>',
+    "view.svg": f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0{BLANKS}0{BLANKS}0{BLANKS}x"/>',
+    "origin.svg": svg(
+        f'<g id="wall" transform-origin="{"0" * 100_000}x" transform="rotate(3)">'
+        '<path d="M0,0h1"/></g>'
+    ),
+    "declared.svg": "<?xml " + 'encoding="x" ' * 80_000,
+    "srid.wkt": f"SRID=1{BLANKS}(\nPOLYGON ((0 0, 9 0, 9 9, 0 0))",
+    "crs.geojson": '{"type":"Polygon","crs":"' + "epsg" * 100_000 + '","coordinates":[]}',
+    "lists.geojson": '{"type":"LineString","coordinates":[' + "[],\n" * 1_000_001 + "]}",
+    "row.csv": "0,0,3,3\n" + "1" * 1_000_000,
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", SLOW)
+def test_texts_that_go_on_for_long_are_refused_in_their_length(tmp_path: Path, name: str) -> None:
+    """Minutes, or for ever, where each character is looked at anew from each before it."""
+    path = tmp_path / name
+    path.write_text(SLOW[name])
+    done = subprocess.run(
+        [sys.executable, "-m", "physim", "import", str(path), "-o", str(tmp_path / "w.yaml")],
+        capture_output=True, text=True, timeout=60, check=False,
+    )  # fmt: skip
+    assert done.returncode == 2
+    assert len(done.stderr) < 2_000
+    assert "Traceback" not in done.stderr

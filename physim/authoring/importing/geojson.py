@@ -27,6 +27,7 @@ from physim.authoring.importing.source import read_text
 from physim.errors import nearest
 from physim.escaping import escaped
 
+MOST_LISTS = 1_000_000
 MOST_DIGITS = 300
 """Digits of a whole number, about what fits into a float."""
 CODE = re.compile(r"(?<!\d)\d{1,9}(?!\d)")
@@ -40,6 +41,8 @@ COLLECTIONS = {"FeatureCollection": "features", "GeometryCollection": "geometrie
 def read_geojson(path: Path, options: Options) -> Drawing:
     """Read a GeoJSON file in metres; degrees are refused."""
     text = read_text(path)
+    if text.count("[") > MOST_LISTS:
+        raise refused(path, f"more than {MOST_LISTS:,} points and lists; simplify the lines first")
     try:
         value = json.loads(
             text, parse_constant=_not_finite, parse_int=_whole, object_pairs_hook=_once

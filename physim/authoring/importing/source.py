@@ -77,10 +77,8 @@ def read_text(path: Path) -> str:
 
 DECLARATION = re.compile(r"\s*<\?xml\s[^>]{0,200}\?>")
 ENCODING = re.compile(r"\bencoding\s*=\s*[\"']([^\"'>]*)[\"']")
-COMMENT = re.compile(r"<!--.*?-->", re.S)
-ENTITY = re.compile(
-    r"&(?!(?:amp|lt|gt|quot|apos);)[A-Za-z_][\w.-]*;|(?<=\[)[^\]<>]*%[A-Za-z_][\w.-]*;"
-)
+ENTITY = re.compile(r"&(?!(?:amp|lt|gt|quot|apos);)[A-Za-z_][\w.-]*;")
+DOCTYPE = "<!DOCTYPE"
 
 
 def read_xml(path: Path) -> str:
@@ -89,11 +87,8 @@ def read_xml(path: Path) -> str:
     Raises ImportSourceError where it declares another than UTF-8 and it matters.
     """
     text = read_text(path)
-    is_elsewhere = "<!DOCTYPE" in text and "<!ENTITY" not in text
-    bare = COMMENT.sub(lambda one: "\n" * one[0].count("\n"), text) if is_elsewhere else ""
-    if entity := ENTITY.search(bare):  # which a parser may pass over, as its meaning is elsewhere
-        line = bare.count("\n", 0, entity.start()) + 1
-        raise refused(path, f"has the XML entity {escaped(entity[0])[:40]}; save it without", line)
+    if DOCTYPE in text and "<!ENTITY" not in text:
+        _check_entities(path, text)
     declaration = DECLARATION.match(text)
     found = ENCODING.search(declaration[0]) if declaration is not None else None
     if declaration is None or found is None:
@@ -110,6 +105,30 @@ def read_xml(path: Path) -> str:
     return "\n" * declaration[0].count("\n") + text[declaration.end() :].lstrip(" ")
 
 
+def _check_entities(path: Path, text: str) -> None:
+    """Refuse entities that are declared elsewhere: a parser may pass over them."""
+    bare = without_comments(text)
+    at = bare.find(DOCTYPE)
+    kind = bare[at : max(bare.find(">", at), bare.find("]", at))]
+    found = re.search(r"%[A-Za-z_][\w.-]*;", kind)
+    start = at + found.start() if found is not None else -1
+    if found is None and (found := ENTITY.search(bare)) is not None:
+        start = found.start()
+    if found is not None:
+        line = bare.count("\n", 0, start) + 1
+        raise refused(path, f"has the XML entity {escaped(found[0])[:40]}; save it without", line)
+
+
+def without_comments(text: str) -> str:
+    """An XML text with the line ends of its comments alone."""
+    first, *others = text.split("<!--")
+    parts = [first]
+    for one in others:
+        comment, _, rest = one.partition("-->")
+        parts += ["\n" * comment.count("\n"), rest]
+    return "".join(parts)
+
+
 def format_of(path: Path) -> str:
     """Kind of a source, by its suffix, else by what it begins with."""
     suffix = path.suffix.lower()
@@ -124,7 +143,7 @@ def format_of(path: Path) -> str:
     if suffix in (".gz", ".svgz", ".zip"):
         raise refused(path, "is compressed; unpack it first (Inkscape: save as plain SVG)")
     start = read_bytes(path, MOST_TEXT)[:4000].decode("utf-8", errors="replace").lstrip("\ufeff \n")
-    if re.match(r"(<\?xml[^>]*>\s*)?(<!--.*?-->\s*)*<svg\b", start, re.DOTALL):
+    if re.match(r"(<\?xml[^>]*>)?\s*(<!DOCTYPE[^>]*>)?\s*<(\w+:)?svg\b", without_comments(start)):
         return "svg"
     if start.startswith("{"):
         return "geojson"

@@ -121,7 +121,7 @@ class _Lines:
         """
         own = element.values.get("attributes", {})
         label = next(iter(names_of(element)), "")
-        where = escaped(repr(label)) if label else f"<{own.get(TAG, 'element')}>"
+        where = escaped(repr(label[:60])) if label else f"<{own.get(TAG, 'element')}>"
         line = int(own[LINE]) if LINE in own else None
         self._seen.add(line)
         is_named = self.walls.asked_for(element) or bool(_role(element)[0])
@@ -175,8 +175,8 @@ def _doubt(values: Mapping[str, Any], lines: Sequence[tuple[FloatArray, bool]]) 
     """Why a shape with these lines may not be seen, or is not, though it has a role; or empty."""
     if is_unsure(values):
         return "whether its paint is seen depends on what is not read"
-    if has_area(values) and not has_line(values) and not any(_area(line) for line, _ in lines):
-        return "has no line (stroke), and no area that is painted"
+    if has_area(values) and not has_line(values) and not all(_area(line) for line, _ in lines):
+        return "has no line (stroke), and no area that is painted, or a part has none"
     return ""
 
 

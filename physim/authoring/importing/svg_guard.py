@@ -213,6 +213,12 @@ class _Guard:
             told = f"hidden <{escaped(tag)[:40]}> {label}".rstrip() + ", left out"
         elif tag in NOT_LINES:
             told = f"<{tag}> holds no lines, left out"
+        for key in attributes if not self.hidden else ():
+            if key.startswith("on"):
+                label = f"{called(tag, attributes)}: its {escaped(key)[:40]}"
+                self.look.left_out.append(
+                    f"line {self.parser.CurrentLineNumber}: {label}, a script, is not followed"
+                )
         self.hidden = self.hidden + 1 if self.hidden else int(bool(told) or tag not in DRAWN)
         if told:
             self.look.left_out.append(f"line {self.parser.CurrentLineNumber}: {told}")

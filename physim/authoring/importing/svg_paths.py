@@ -38,7 +38,7 @@ def path_fault(text: str) -> str:
         shown = escaped(" ".join(text[bad.start() :].split())[:20])
         return f'"{shown}": a comma stands between two numbers alone'
     for number in NUMBER.findall(text):
-        if number.lower().find("e") > 0 and not LEAST < abs(float(number) or 1.0) < LARGEST:
+        if not LEAST < abs(float(number) or 1.0) < LARGEST:
             return f'"{escaped(number)[:20]}" is too large, or too near to 0, to be drawn'
     if (start := text.strip()) and start[0] not in "Mm":
         return f'"{escaped(start[:20])}" must begin with M, a move'

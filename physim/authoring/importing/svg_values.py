@@ -18,12 +18,10 @@ FUNCTION = re.compile(r"\s*([A-Za-z]+)\s*\(([^()]*)\)\s*,?", re.A)
 STRAY = re.compile(r"^\s*,|,\s*,|,\s*$", re.A)
 """A comma that does not stand between two numbers"""
 LENGTH = re.compile(rf"({NUMBER.pattern})(px|mm|cm|in|pt|pc|)", re.I | re.A)
-PAGE = re.compile(rf"({NUMBER.pattern})[A-Za-z%]*", re.A)
+PAGE = re.compile(rf"({NUMBER.pattern})([A-Za-z%]*)", re.A)
 """A unit that is none stands for user units, as some programs write ``30m``."""
-VIEW = re.compile(
-    rf"\s*{NUMBER.pattern}(?:(?:\s+,?\s*|,\s*|(?=[-+])){NUMBER.pattern}){{3}}\s*", re.A
-)
-NO_LENGTH = re.compile(r"(?:em|ex|ch|lh|rem|v[a-z]+)$", re.I)
+VIEW = re.compile(rf"\s*{NUMBER.pattern}(?:(?:\s*,\s*|\s+|(?=[-+])){NUMBER.pattern}){{3}}\s*", re.A)
+NO_LENGTH = re.compile(r"em|ex|ch|lh|rem|v[a-z]+", re.I)
 """Units of a font or of a window"""
 NO_POINTS = re.compile(r"[^0,\s]|,\s*,|^\s*,", re.A)
 """Of points, with noughts for their numbers"""
@@ -65,7 +63,7 @@ def page_fault(values: dict[str, str]) -> str:
         found = PAGE.fullmatch(given)
         if found is None or not 0.0 < float(found[1]) < float("inf"):
             return f'{key}="{escaped(given)[:40]}": a length above 0 is needed, such as 240mm'
-        if NO_LENGTH.search(given):
+        if NO_LENGTH.fullmatch(found[2]):
             return f'{key}="{escaped(given)[:40]}": has no length of its own; give it as 240mm'
     box = values.get("viewBox", "0 0 1 1")
     numbers = [float(one) for one in NUMBER.findall(box)]

@@ -53,9 +53,9 @@ def columns_of(path: Path, rows: Sequence[tuple[int, str]]) -> Columns:
     """
     data = next(((k, row) for k, row in rows if not row.startswith("#") and is_data(row)), None)
     if data is None:
-        raise refused(path, "no row of numbers; columns: " + ", ".join(COLUMNS))
+        raise refused(path, "no row that begins with a number; columns: " + ", ".join(COLUMNS))
     separator = ";" if ";" in data[1] else ","
-    count = len(next(csv.reader([data[1]], delimiter=separator)))
+    count = len(_cells(path, *data, separator))
     above = [(k, row, _names(row)) for k, row in rows if k < data[0]]
     headers = [(k, names) for k, _, names in above if _is_header(names)]
     for k, row, names in above:
@@ -76,6 +76,13 @@ def columns_of(path: Path, rows: Sequence[tuple[int, str]]) -> Columns:
     extra = tuple(escaped(name) for name in header if name and name not in COLUMNS)
     order = tuple(header.index(name) for name in COLUMNS)
     return Columns(order, separator, len(header), extra)
+
+
+def _cells(path: Path, line: int, row: str, separator: str) -> list[str]:
+    try:
+        return [cell.strip() for cell in next(csv.reader([row], delimiter=separator))]
+    except csv.Error:
+        raise refused(path, "a row that is none of a table", line) from None
 
 
 def is_data(row: str) -> bool:
@@ -156,7 +163,8 @@ def read_track_file(path: Path, text: str, scale: float) -> TrackFile:
     rows = [(k, row.strip()) for k, row in enumerate(text.split("\n"), start=1)]
     rows = [(k, row) for k, row in rows if row]
     columns = columns_of(path, rows)
-    changes = [f"columns left out: {', '.join(columns.extra)}"] if columns.extra else []
+    extra = f"columns left out: {', '.join(columns.extra)}"
+    changes = [f"{extra[:200]}…" if len(extra) > 200 else extra] if columns.extra else []
     values: list[list[float]] = []
     repeated: list[str] = []
     for k, row in rows:
@@ -181,7 +189,7 @@ def read_track_file(path: Path, text: str, scale: float) -> TrackFile:
 
 def _numbers(path: Path, line: int, row: str, columns: Columns) -> list[float]:
     order, separator = columns.order, columns.separator
-    cells = [cell.strip() for cell in next(csv.reader([row], delimiter=separator))]
+    cells = _cells(path, line, row, separator)
     if separator == ";" and any("," in cell for cell in cells):
         raise refused(path, "numbers with a decimal comma; write a point", line)
     if len(cells) <= max(order):

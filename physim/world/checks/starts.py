@@ -295,8 +295,9 @@ def _check_robot(laid: PartialLayout, i: int, found: Diagnostics) -> None:
         )
 
 
-def _check_heading(where: Location, heading: float | str, found: Diagnostics) -> None:
-    if not isinstance(heading, str) and abs(heading) > 2.0 * pi:
+def _check_heading(where: Location, heading: Any, found: Diagnostics) -> None:
+    """Of a heading that could be read."""
+    if isinstance(heading, int | float) and abs(heading) > 2.0 * pi:
         found.warn(
             where,
             f"{heading:.6g} rad is more than a full turn; headings are in radians; if "

@@ -184,3 +184,21 @@ def test_formats_of_the_command_line_are_those_of_the_import() -> None:
     from physim.cli.importing import FORMATS as OFFERED
 
     assert OFFERED == FORMATS
+
+
+def test_errors_of_the_world_are_told_from_warnings(
+    tmp_path: Path, capture: pytest.CaptureFixture[str]
+) -> None:
+    """Walls drawn as areas that lie over each other at the corner."""
+    walls = "".join(
+        f'<rect id="wall {k}" x="{x}" y="{y}" width="{w}" height="{h}"/>'
+        for k, (x, y, w, h) in enumerate(
+            ((0, 0, 40, 1), (0, 19, 40, 1), (0, 0, 1, 20), (39, 0, 1, 20))
+        )
+    )
+    path = tmp_path / "plan.svg"
+    path.write_text(svg(f'{walls}<path id="path" d="M 4,10 H 36"/>'))
+    done = physim("import", path, "--scale", "1", "-o", tmp_path / "w.yaml", capture=capture)
+    told = [one for one in done.out.splitlines() if "crosses" in one]
+    assert told
+    assert all(one.startswith("  error: ") for one in told)

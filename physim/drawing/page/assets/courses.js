@@ -14,9 +14,10 @@ export function courses(runs) {
 const DASHED = ["", "dashed", "dotted", "dash-dotted"];
 
 /** What the lines of a row mean: the runs, or of one run the thresholds. */
-function noteOf(runs, column, colours = "") {
+function noteOf(runs, shown, column, colours = "") {
   if (runs.length > 1) {
-    return runs.slice(1, 4).map((run, k) => `${DASHED[k + 1]}: ${run.label}`).join(", ");
+    const said = runs.slice(1, 4).map((run, k) => (shown.includes(run) ? `${DASHED[k + 1]}: ${run.label}` : ""));
+    return said.filter(Boolean).join(", ");
   }
   const limit = thresholdOf(runs[0], column);
   return limit && runs[0].header.why.avoids ? `level lines${colours}: danger below, dashed: safe again above` : "";
@@ -113,8 +114,8 @@ function distances(runs) {
   }
   const draw = (context, frame, { colours, active, chosen }) => {
     const { pair, wall } = runs[active].header.curves;
-    if (pair) thresholds(context, frame, runs[active], "distance", colours.link);
-    if (wall) thresholds(context, frame, runs[active], "boundary_distance", colours.reference);
+    if (pair) thresholds(context, frame, runs, "distance", colours.link);
+    if (wall) thresholds(context, frame, runs, "boundary_distance", colours.reference);
     runs.forEach((run, k) => {
       if (run.header.curves.wall) drawBins(context, frame, run, "wall", colours.reference, DASHES[k % 4]);
       if (run.header.curves.pair) drawBins(context, frame, run, "pair", colours.link, DASHES[k % 4]);
@@ -128,7 +129,7 @@ function distances(runs) {
   ].filter(Boolean);
   const title = `shortest distance [m] ${words.join(", ")}`;
   const { pair, wall } = runs[0].header.curves;
-  const note = noteOf(runs, pair ? "distance" : "boundary_distance", pair && wall ? ", in the same colours" : "");
+  const note = noteOf(runs, shown, pair ? "distance" : "boundary_distance", pair && wall ? ", in the same colours" : "");
   return { title, note, limits: [least, most], share: 1, draw };
 }
 
@@ -140,7 +141,7 @@ function times(runs) {
     for (const value of run.array("times")) if (Number.isFinite(value)) most = Math.max(most, value);
   }
   const draw = (context, frame, { colours, active, chosen }) => {
-    thresholds(context, frame, runs[active], "collision_time", colours.quiet);
+    thresholds(context, frame, runs, "collision_time", colours.quiet);
     runs.forEach((run, k) => {
       if (run.header.curves.times) drawBins(context, frame, run, "times", colours.link, DASHES[k % 4]);
     });
@@ -148,13 +149,15 @@ function times(runs) {
     if (chosen >= 0) drawSteps(context, frame, run, chosen, run.column("own:collision_time"), colours.ink, 1.5);
   };
   const title = "shortest collision time that decided [s]";
-  return { title, note: noteOf(runs, "collision_time"), limits: [0, most], share: 1, draw };
+  return { title, note: noteOf(runs, shown, "collision_time"), limits: [0, most], share: 1, draw };
 }
 
 const thresholdOf = (run, column) => run.header.why.thresholds.find((one) => one.column === column);
 
 /** Where danger begins, and above which it can end. */
-function thresholds(context, frame, run, column, colour) {
+function thresholds(context, frame, runs, column, colour) {
+  if (runs.length > 1) return; // their dashes tell runs apart
+  const [run] = runs;
   const limit = thresholdOf(run, column);
   if (!limit || !run.header.why.avoids) return;
   context.lineWidth = 1;

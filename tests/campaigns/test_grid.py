@@ -134,7 +134,7 @@ def test_more_than_a_million_if_wanted(here: Path) -> None:
 
 
 def test_too_many_are_counted_and_not_made(here: Path) -> None:
-    with pytest.raises(PhysimError, match=facts("99,999,999,999", "years", "10,000,000")):
+    with pytest.raises(PhysimError, match=facts("99,999,999,999", "days", "10,000,000")):
         make_grid(["small.yaml"], range(99_999_999_999), most=None)
     axes = [f"robots.{k}.pose={','.join(map(str, range(100)))}" for k in range(9)]
     with pytest.raises(PhysimError, match="10,000,000"):

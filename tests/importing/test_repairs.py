@@ -434,10 +434,11 @@ def test_a_geometry_goes_over_lines_until_its_brackets_are_closed(tmp_path: Path
 
 
 def test_robots_of_one_name_have_names_of_their_own(tmp_path: Path) -> None:
+    """Keys of properties are in capitals, as those of shapefiles may be."""
     corners = [[3, 3], [5, 3], [5, 4], [3, 4], [3, 3]]
     other = [[x, y + 4] for x, y in corners]
     features = [
-        {"type": "Feature", "properties": {"role": role, "name": "q "}, "geometry": geometry}
+        {"type": "Feature", "properties": {"ROLE": role, "Name": "q "}, "geometry": geometry}
         for role, geometry in (
             ("robot", {"type": "MultiPolygon", "coordinates": [[corners], [other]]}),
             ("path", {"type": "LineString", "coordinates": [[3, 5], [37, 5]]}),

@@ -131,6 +131,7 @@ def _features(path: Path, value: Any, role: str, name: str, depth: int) -> Any:
     elif kind == "Feature":
         about = value.get("properties")
         about = about if isinstance(about, dict) else {}
+        about = {key.lower(): one for key, one in about.items()}  # shapefiles have capitals
         own = _role(path, about)
         label = escaped(str(about.get("name", value.get("id", "")) or ""))[:80]
         if value.get("geometry") is not None:

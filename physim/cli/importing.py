@@ -150,9 +150,9 @@ def _doubts(world: Path, lanes: int) -> list[str]:
     def rank(finding: Finding) -> int:
         return next((k for k, key in enumerate(order) if finding.key.startswith(key)), len(order))
 
-    said = [*found.errors, *sorted(found.warnings, key=rank)]
     lines = [f"  error: {one}" for one in found.errors]
-    lines += [f"  {one}" for one in said[len(lines) :]]
+    lines += [f"  {one}" for one in sorted(found.warnings, key=rank)]
+    said = (*found.errors, *found.warnings)
     if lanes > 1 and any(one.key.startswith("formation") for one in said):
         lines.append("  --lanes 1 has fewer places where paths come close")
     return ["physim check reports:", *lines] if lines else []

@@ -105,6 +105,40 @@ def test_two_runs_go_in_step_beside_each_other_or_in_one_view(
     assert "the other" in seen.text(".figures")
 
 
+SPIED = """() => {
+  window.dashes = [];
+  const line = CanvasRenderingContext2D.prototype, set = line.setLineDash;
+  line.setLineDash = function(dash) {
+    window.dashes.push(String(dash));
+    set.call(this, dash);
+  };
+}"""
+"""Notes each pattern of dashes that a line is drawn with"""
+AVOIDING = """() => {
+  const thresholds = [{ column: "distance", enter: 0.5, leave: 0.8 }];
+  for (const run of physim.runs) Object.assign(run.header.why, { avoids: true, thresholds });
+}"""
+"""Gives all runs a threshold"""
+
+
+def test_dashes_are_those_of_thresholds_or_tell_runs_apart(
+    opened: Opened, record: Record, tmp_path: Path
+) -> None:
+    drawn = {}
+    for count in (1, 2):
+        seen = opened(write_page([record] * count, tmp_path / f"{count}.html"))
+        seen.page.evaluate(SPIED)
+        seen.page.evaluate(AVOIDING)
+        seen.page.set_viewport_size({"width": 1100, "height": 800})  # all is drawn anew
+        seen.settle()
+        seen.drawn_at(2.0)
+        drawn[count] = set(seen.page.evaluate("window.dashes"))
+    of_thresholds = drawn[1] - {""}
+    assert of_thresholds
+    assert not of_thresholds & drawn[2]
+    assert drawn[2] - {""}
+
+
 def test_on_a_phone_all_is_reached_by_a_finger(opened: Opened) -> None:
     seen = opened(size=PHONE, touch=True)
     assert seen.ask("document.documentElement.scrollWidth") <= PHONE[0]

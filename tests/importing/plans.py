@@ -13,6 +13,8 @@ import cv2
 import numpy as np
 import shapely
 
+from physim.authoring.importing import Imported
+
 SAMPLES = Path(__file__).parent / "samples"
 
 CELL = 0.1
@@ -111,3 +113,11 @@ def main() -> None:
 
 if __name__ == "__main__":
     main()
+
+
+def only(imported: Imported, word: str) -> str:
+    """The one change that speaks of something."""
+    found = [change for change in imported.changes if word in change]
+    assert len(found) == 1, imported.changes
+    assert found[0] in imported.text.replace("\n#   ", " ")
+    return found[0]

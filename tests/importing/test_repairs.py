@@ -25,14 +25,14 @@ from physim.authoring.importing import (
 from physim.authoring.importing import (
     robots as group,
 )
-from physim.authoring.importing.lines import CrossingError, Outline, without_loops
-from physim.authoring.importing.route import smooth
+from physim.authoring.importing.lines import CrossingError, without_loops
 from tests.importing.plans import (
     CELL,
     SAMPLES,
     check_says,
     free_cells,
     map_yaml,
+    only,
     pgm,
     svg,
     write_map,
@@ -46,14 +46,6 @@ def drawn(folder: Path, body: str, options: Options = ONE) -> Imported:
     path = folder / "d.svg"
     path.write_text(svg(body))
     return import_world(path, options)
-
-
-def only(imported: Imported, word: str) -> str:
-    """The one change that speaks of something."""
-    found = [change for change in imported.changes if word in change]
-    assert len(found) == 1, imported.changes
-    assert found[0] in imported.text.replace("\n#   ", " ")
-    return found[0]
 
 
 def test_walls_that_cross_themselves_in_a_tight_bend_are_cut_clean(tmp_path: Path) -> None:
@@ -423,37 +415,6 @@ def test_lines_away_from_the_area_are_dropped(tmp_path: Path) -> None:
     check_says(only(imported, "obstacle of"), "2.000 m² … (31.00, 13.50) … dropped")
 
 
-def test_a_geometry_goes_over_lines_until_its_brackets_are_closed(tmp_path: Path) -> None:
-    path = tmp_path / "plan.wkt"
-    path.write_text(
-        "GEOMETRYCOLLECTION (\nPOLYGON ((0 0, 40 0,\n40 20, 0 20, 0 0)),\n"
-        "LINESTRING (3 10, 37 10)\n)\n"
-    )
-    imported = import_world(path)
-    assert np.array(imported.world.reference_path)[:, 1].tolist() == [10.0, 10.0]
-
-
-def test_robots_of_one_name_have_names_of_their_own(tmp_path: Path) -> None:
-    """Keys of properties are in capitals, as those of shapefiles may be."""
-    corners = [[3, 3], [5, 3], [5, 4], [3, 4], [3, 3]]
-    other = [[x, y + 4] for x, y in corners]
-    features = [
-        {"type": "Feature", "properties": {"ROLE": role, "Name": "q "}, "geometry": geometry}
-        for role, geometry in (
-            ("robot", {"type": "MultiPolygon", "coordinates": [[corners], [other]]}),
-            ("path", {"type": "LineString", "coordinates": [[3, 5], [37, 5]]}),
-            ("boundary", {"type": "Polygon", "coordinates": [ROUND]}),
-        )
-    ]
-    path = tmp_path / "plan.geojson"
-    path.write_text(json.dumps({"type": "FeatureCollection", "features": features}))
-    names = [robot.name for robot in import_world(path, Options(scale=1.0)).world.robots]
-    assert names == ["q", "q_2"]
-
-
-ROUND = [[0, 0], [40, 0], [40, 12], [0, 12], [0, 0]]
-
-
 @pytest.mark.parametrize("quote", ['"', ""])
 def test_values_of_a_track_may_be_quoted(tmp_path: Path, quote: str) -> None:
     path = tmp_path / "track.csv"
@@ -462,63 +423,6 @@ def test_values_of_a_track_may_be_quoted(tmp_path: Path, quote: str) -> None:
     (first, *_), *_ = import_world(path).world.boundaries or ()
     assert len(import_world(path).world.robots) > 0
     assert len(first) == 2
-
-
-NECK = "20 0, 20 9.9998, 23 9.9998, 23 0, 42 0, 42 20, 23 20, 23 10.0001, 20 10.0001, 20 20"
-
-
-def test_halves_joined_by_a_neck_below_a_millimetre_are_told_apart(tmp_path: Path) -> None:
-    """That with the path in it is the area; the other is listed with its size."""
-    path = tmp_path / "plan.wkt"
-    halves = {"LINESTRING (2 3, 18 3)": 20.0, "LINESTRING (25 3, 40 3)": 19.0}
-    for line, width in halves.items():
-        path.write_text(f"POLYGON ((0 0, {NECK}, 0 20, 0 0))\n{line}\n")
-        imported = import_world(path)
-        (wall,) = imported.world.boundaries
-        assert np.ptp(np.array(wall, dtype=float), axis=0).tolist() == [width, 20.0]
-        check_says(only(imported, "parts"), "2 parts … millimetre")
-        check_says(only(imported, "not the area"), f"{(39.0 - width) * 20.0:.3f} m² … left out")
-
-
-@pytest.mark.parametrize(
-    "wall",
-    [
-        "0 20, 0 0), (20 3, 20.0004 3, 20.0004 19, 20 19, 20 3)",
-        "20.0004 20, 20.0004 2, 20 2, 20 20, 0 20, 0 0)",
-        "20 20, 20 2, 20 20, 0 20, 0 0)",
-    ],
-)
-def test_walls_below_a_millimetre_are_told(tmp_path: Path, wall: str) -> None:
-    """A hole, a slit, and a line to and fro; a wall of two millimetres stays."""
-    path = tmp_path / "plan.wkt"
-    path.write_text(f"POLYGON ((0 0, 40 0, 40 20, {wall})\nLINESTRING (3 1.5, 37 0.6)\n")
-    imported = import_world(path)
-    assert not imported.world.obstacles
-    check_says(only(imported, "thinner"), "millimetre … left out … (20.00,")
-    path.write_text(path.read_text().replace("20.0004", "20.002"))
-    if "20.002" in path.read_text():
-        imported = import_world(path)
-        assert not [one for one in imported.changes if "thinner" in one]
-
-
-def test_what_points_have_beside_their_place_is_told(tmp_path: Path) -> None:
-    path = tmp_path / "plan.wkt"
-    for kind, said in (("Z", ["height"]), ("M", ["(M)"]), ("ZM", ["height", "(M)"])):
-        more = " 1" * len(kind)
-        path.write_text(f"POLYGON {kind} ((0 0{more}, 40 0{more}, 40 20{more}, 0 0{more}))")
-        told = [one for one in import_world(path).changes if "left out" in one]
-        assert len(told) == len(said)
-        for one, what in zip(told, said, strict=True):
-            assert what in one
-
-
-def test_a_polygon_that_crosses_itself_is_repaired(tmp_path: Path) -> None:
-    path = tmp_path / "p.wkt"
-    path.write_text("POLYGON ((0 0, 20 0, 20 10, 4 10, 4 12, 3 12, 3 10, 6 10, 0 10, 0 0))")
-    told = only(import_world(path), "repaired")
-    check_says(told, "repaired … Self-intersection")
-    path.write_text("MULTIPOLYGON (((0 0, 20 0, 20 10, 0 10, 0 0)), ((30 0, 34 0, 34 2, 30 0)))")
-    assert only(import_world(path), "polygon of 4.000 m² at")
 
 
 def test_of_several_polygons_that_with_the_robots_is_taken(tmp_path: Path) -> None:
@@ -669,18 +573,3 @@ def test_a_path_that_ends_far_from_where_it_was_asked_to_is_told_first(tmp_path:
     assert not any("--to" in change for change in near.changes)
     back = import_world(there, Options(origin=(36.0, 6.0), goal=(4.0, 6.0)))
     check_says(only(back, "--from"), "--from (36.00, 6.00)")
-
-
-def test_a_way_too_long_for_points_close_to_each_other_stays_where_there_is_room() -> None:
-    """Its points were 16 m apart, and stretches between them led through walls."""
-    turns, pitch = 60, 10.0
-    angle = np.linspace(0.0, 2.0 * math.pi * turns, 12_000)
-    radius = pitch * (1.0 + angle / (2.0 * math.pi))
-    way, outer, inner = (
-        (radius - less)[:, None] * np.stack([np.cos(angle), np.sin(angle)], axis=1)
-        for less in (4.7, 0.5, 9.0)
-    )
-    place = shapely.Polygon(np.vstack([outer, inner[::-1]]))
-    assert place.is_valid
-    area = Outline(place)
-    assert not area.crossed([shapely.LineString(smooth(way[50:-50], area, 1.5))]).size

@@ -425,3 +425,11 @@ def test_the_name_of_an_element_is_told_in_one_short_line(tmp_path: Path) -> Non
         (said,) = [one for one in plan(tmp_path, inner).changes if "hidden" in one]
         assert "\n" not in said
         assert len(said) < 200
+
+
+def test_a_document_type_ends_where_it_ends(tmp_path: Path) -> None:
+    """What looks like an entity of one, far below, is none."""
+    path = tmp_path / "plan.svg"
+    kind = '<!DOCTYPE svg PUBLIC "-//W3C//DTD SVG 1.1//EN" "svg11.dtd">\n'
+    path.write_text(kind + svg(f"{WALLS}<style><![CDATA[.a{{x-y:50%z;fill:red}}]]></style>{PATH}"))
+    assert import_world(path, Options(scale=1.0)).world.boundaries

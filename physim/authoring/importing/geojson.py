@@ -32,7 +32,7 @@ MOST_DIGITS = 300
 """Digits of a whole number, about what fits into a float."""
 CODE = re.compile(r"(?<!\d)\d{1,9}(?!\d)")
 """What may be the number by which a crs is known; versions may stand beside it"""
-DEGREES = re.compile(r"crs:?84|wgs[ _]?(?:19)?84\s*$|long?_?lat|lat_?long?", re.I)
+IN_DEGREES = re.compile(r"crs:?84|wgs[ _]?(?:19)?84\s*$|long?_?lat|lat_?long?", re.I)
 """Names of a crs in degrees"""
 ROLES = ("boundary", "obstacle", "path", "robot")
 COLLECTIONS = {"FeatureCollection": "features", "GeometryCollection": "geometries"}
@@ -56,7 +56,7 @@ def read_geojson(path: Path, options: Options) -> Drawing:
     if not isinstance(value, dict) or "type" not in value:
         raise refused(path, 'not GeoJSON: an object with "type" is needed')
     crs = _text_of(value.get("crs") or "")
-    if DEGREES.search(crs):
+    if IN_DEGREES.search(crs):
         raise degrees(path, "the crs of the file")
     parts = list(islice(_features(path, value, "", "", 0), MOST_GEOMETRIES + 1))
     check_count(path, parts)

@@ -79,6 +79,9 @@ DECLARATION = re.compile(r"\s*<\?xml\s[^>]{0,200}\?>")
 ENCODING = re.compile(r"\bencoding\s*=\s*[\"']([^\"'>]*)[\"']")
 ENTITY = re.compile(r"&(?!(?:amp|lt|gt|quot|apos);)[A-Za-z_][\w.-]*;")
 DOCTYPE = "<!DOCTYPE"
+KIND = re.compile(DOCTYPE + r"[^>\[]*\[[^\]]*")
+"""A document type, up to the end of what it declares"""
+PARAMETER = re.compile(r"%[A-Za-z_][\w.-]*;")
 
 
 def read_xml(path: Path) -> str:
@@ -108,14 +111,11 @@ def read_xml(path: Path) -> str:
 def _check_entities(path: Path, text: str) -> None:
     """Refuse entities that are declared elsewhere: a parser may pass over them."""
     bare = without_comments(text)
-    at = bare.find(DOCTYPE)
-    kind = bare[at : max(bare.find(">", at), bare.find("]", at))]
-    found = re.search(r"%[A-Za-z_][\w.-]*;", kind)
-    start = at + found.start() if found is not None else -1
-    if found is None and (found := ENTITY.search(bare)) is not None:
-        start = found.start()
+    kind = KIND.match(bare, bare.find(DOCTYPE))
+    found = PARAMETER.search(bare, kind.start(), kind.end()) if kind is not None else None
+    found = found or ENTITY.search(bare)
     if found is not None:
-        line = bare.count("\n", 0, start) + 1
+        line = bare.count("\n", 0, found.start()) + 1
         raise refused(path, f"has the XML entity {escaped(found[0])[:40]}; save it without", line)
 
 

@@ -136,8 +136,8 @@ class _Lines:
             self.walls.note(element, name, self.frame.metres)
         else:
             if fault := element.values.get(FAULT):
-                _, at, what = fault.split(" ", 2)
-                raise refused(self.path, what, int(at[:-1]))
+                at, _, what = fault.partition(" ")
+                raise refused(self.path, what, int(at))
             found = self._subpaths(element, where, line)
             for cut in (value for key, value in element.values.items() if CUT in key):
                 self._whole[f"{cut} is not applied; taken whole"] = None

@@ -34,7 +34,8 @@ LINE, TAG = "physim-line", "physim-tag"
 FAULT, CUT = "physim-fault", "physim-cut"
 """Attributes, handed on to all that is in an element: what of it is not read, what it is cut by
 
-The name of the latter has a number after it, as all that stand about a shape cut it.
+Before the former stands its line; the name of the latter has a number after it, as all that stand
+about a shape cut it.
 """
 SAME_ID = "physim-id"
 """Attribute for an id that an element before has, which is the one that copies (``use``) mean"""
@@ -91,15 +92,15 @@ class BareSvg:
         if tag == "use":
             kept[XLINK] = copied(attributes)
         if fault:
-            kept[FAULT] = f"line {line}: {fault}"
+            kept[FAULT] = f"{line} {fault}"
         else:
             kept |= _geometry(tag, attributes)
         cut = cut_of(own) or ("edge" if tag == ONLY_COPIED and not _spills(own) else "")
         if cut:
             kept[f"{CUT}-{len(self._parts)}"] = f"line {line}: {called(tag, attributes)}: its {cut}"
         kept |= handed_on(attributes)
-        self._open(tag, "".join(f" {PREFIXES.get(key, key)}={quoteattr(value)}"
-                                for key, value in kept.items()), bool(fault))  # fmt: skip
+        written = (f" {PREFIXES.get(key, key)}={quoteattr(value)}" for key, value in kept.items())
+        self._open(tag, "".join(written), bool(fault))
 
     def _open(self, tag: str, written: str, is_faulty: bool) -> None:
         begin, end = ("<defs>", "</defs>") if tag == ONLY_COPIED else ("", "")
@@ -151,9 +152,9 @@ def copied(attributes: dict[str, str]) -> str:
 
 def is_hidden(attributes: dict[str, str]) -> bool:
     """Whether an element hides itself and all in it."""
-    own = {**attributes, **declarations(attributes.get("style", ""), ("display", "opacity"))}
-    own.pop("visibility", "")  # which what is in it may have otherwise
-    return bool(hidden_by(own))
+    keys = ("display", "opacity")  # what is in it may have another visibility
+    own = {**attributes, **declarations(attributes.get("style", ""), keys)}
+    return bool(hidden_by({key: own[key] for key in keys if key in own}))
 
 
 def called(tag: str, attributes: dict[str, str]) -> str:
@@ -164,4 +165,4 @@ def called(tag: str, attributes: dict[str, str]) -> str:
 
 def _spills(own: Mapping[str, str]) -> bool:
     """Whether what is in a symbol is drawn beyond its edges, too."""
-    return own.get("overflow", "").strip().lower() == "visible"
+    return own.get("overflow", "").strip(BLANKS).lower() == "visible"

@@ -38,8 +38,7 @@ HARMLESS = re.compile(
 """Properties that change nothing of where lines are, nor whether they are seen"""
 MOVES = ("transform", "rotate", "scale", "translate", "offset", "offset-path", "all")
 """Properties that move what is in an element; they are read nowhere but as attributes."""
-SIZES = ("width", "height")
-PLACED = (*MOVES, *dict.fromkeys((*SIZES, *(key for takes in TAKES.values() for key in takes))))
+PLACED = frozenset((*MOVES, *(key for takes in TAKES.values() for key in takes)))
 """Properties that say where lines lie"""
 COUNTED = frozenset((*UNSEEN, *CUTS, *PLACED, *ORIGINS, "overflow"))
 """Properties that are looked at"""

@@ -26,7 +26,7 @@ from physim.authoring.importing.svg_bare import (
     is_hidden,
 )
 from physim.authoring.importing.svg_copies import MOST_COPIES, Element, written_out
-from physim.authoring.importing.svg_css import MOVES, SHOWN, SIZES
+from physim.authoring.importing.svg_css import MOVES, SHOWN
 from physim.authoring.importing.svg_look import SvgLook
 from physim.authoring.importing.svg_paths import path_fault
 from physim.authoring.importing.svg_sheets import (
@@ -41,6 +41,7 @@ from physim.authoring.importing.svg_values import (
     NUMBER,
     ORIGINS,
     SHAPES,
+    SIZES,
     TAKES,
     origin_of,
     page_fault,

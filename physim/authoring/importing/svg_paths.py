@@ -12,8 +12,8 @@ TAKES = {"M": 2, "L": 2, "H": 1, "V": 1, "C": 6, "S": 4, "Q": 4, "T": 2, "A": 7,
 """How many numbers each command takes, again and again but for Z."""
 LETTERS = "".join(TAKES) + "".join(TAKES).lower()
 COMMAND = re.compile(rf"([{LETTERS}])([^{LETTERS}]*)")
-STRAY = re.compile(rf"[^{LETTERS},\s]", re.A)
-"""Beside its numbers."""
+STRAY = re.compile(rf"[^{LETTERS},\s0]", re.A)
+"""Of path data with noughts for its numbers"""
 COMMA = re.compile(rf"[{LETTERS}]\s*,|,\s*(?=,|[{LETTERS}]|$)", re.A)
 """A comma that does not stand between two numbers"""
 LARGEST, LEAST = 1e30, 1e-30
@@ -31,10 +31,10 @@ SMOOTH = (
 
 def path_fault(text: str) -> str:
     """What is wrong with path data, so that no two programs read it alike; else empty."""
-    if bad := STRAY.search(NUMBER.sub(lambda found: " " * len(found[0]), text)):
+    noughts = NUMBER.sub(lambda found: "0" * len(found[0]), text)
+    if bad := STRAY.search(noughts):
         return f'"{escaped(text[bad.start() : bad.start() + 20])}" cannot be read'
-    blank = NUMBER.sub(lambda found: "0" * len(found[0]), text)
-    if bad := COMMA.search(blank):
+    if bad := COMMA.search(noughts):
         shown = escaped(" ".join(text[bad.start() :].split())[:20])
         return f'"{shown}": a comma stands between two numbers alone'
     for number in NUMBER.findall(text):

@@ -30,7 +30,8 @@ BLANKS = " \t\r\n\f"
 AUTO = "auto"
 """Of a radius that is not given: as long as the other"""
 RADII = ("rx", "ry")
-EXTENTS = ("width", "height", "r", *RADII)
+SIZES = ("width", "height")
+EXTENTS = (*SIZES, "r", *RADII)
 PIXELS: Mapping[str, float] = {
     "": 1.0, "px": 1.0, "mm": 96.0 / 25.4, "cm": 96.0 / 2.54, "in": 96.0, "pt": 4.0 / 3.0,
     "pc": 16.0,
@@ -58,7 +59,7 @@ NO_ORIGIN = re.compile(
 
 def page_fault(values: dict[str, str]) -> str:
     """What is wrong with width, height and viewBox of an ``svg``; empty where nothing is."""
-    for key in ("width", "height"):
+    for key in SIZES:
         given = values.get(key, "1").strip(BLANKS)
         found = PAGE.fullmatch(given)
         if found is None or not 0.0 < float(found[1]) < float("inf"):

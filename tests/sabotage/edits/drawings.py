@@ -39,7 +39,7 @@ EDITS = (
         "if not len(lost):",
         "if True:",
         "walls that rounding takes away are told",
-        "tests/importing/test_repairs.py::test_walls_below_a_millimetre_are_told",
+        "tests/importing/test_polygons.py::test_walls_below_a_millimetre_are_told",
     ),
     Edit(
         "importing",
@@ -297,7 +297,7 @@ EDITS = (
         "importing",
         "physim/authoring/importing/svg_bare.py",
         "is_hidden",
-        'declarations(attributes.get("style", ""), ("display", "opacity"))',
+        'declarations(attributes.get("style", ""), keys)',
         "{}",
         "a style counts for more than an attribute",
         "tests/importing/test_as_meant.py::test_what_is_invisible_is_no_obstacle",

@@ -428,7 +428,7 @@ EDITS = (
         "return whole",
         "return [max(whole, key=shapely.area)]",
         "no part of a polygon is lost to its rounding",
-        "tests/importing/test_repairs.py::test_halves_joined_by_a_neck_below_a_millimetre_are_told_apart",
+        "tests/importing/test_polygons.py::test_halves_joined_by_a_neck_below_a_millimetre_are_told_apart",
     ),
     Edit(
         "importing",

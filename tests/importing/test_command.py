@@ -189,16 +189,16 @@ def test_formats_of_the_command_line_are_those_of_the_import() -> None:
 def test_errors_of_the_world_are_told_from_warnings(
     tmp_path: Path, capture: pytest.CaptureFixture[str]
 ) -> None:
-    """Walls drawn as areas that lie over each other at the corner."""
-    walls = "".join(
-        f'<rect id="wall {k}" x="{x}" y="{y}" width="{w}" height="{h}"/>'
-        for k, (x, y, w, h) in enumerate(
-            ((0, 0, 40, 1), (0, 19, 40, 1), (0, 0, 1, 20), (39, 0, 1, 20))
+    """A robot's own path that leads out of the place and back."""
+    path = tmp_path / "plan.svg"
+    path.write_text(
+        svg(
+            '<rect id="wall" width="40" height="20"/><path id="path" d="M 4,10 H 36"/>'
+            '<path id="robot arrow" d="M 4,5 h 2 v 1 h -2 z"/>'
+            '<path id="path arrow" d="M 5,5.5 H 20 V -9 H 22 V 5.5 H 34"/>'
         )
     )
-    path = tmp_path / "plan.svg"
-    path.write_text(svg(f'{walls}<path id="path" d="M 4,10 H 36"/>'))
     done = physim("import", path, "--scale", "1", "-o", tmp_path / "w.yaml", capture=capture)
-    told = [one for one in done.out.splitlines() if "crosses" in one]
+    told = [one for one in done.out.splitlines() if "leaves the accessible area" in one]
     assert told
     assert all(one.startswith("  error: ") for one in told)

@@ -418,15 +418,15 @@ POLYGONS = {
     "flat.geojson": (polygon([1, 2, 3]), '"Polygon" … [x, y]'),
     "role.geojson": (
         featured("Polygon", [SQUARE], role="obsacle"),
-        'role: … "obsacle" … boundary, obstacle, path, robot … "obstacle"',
+        'role: … "obsacle" … boundary, wall, obstacle, path, robot … "obstacle"',
     ),
     "number.geojson": (
         featured("Polygon", [SQUARE], role=3),
-        'role: … "3" … boundary, obstacle, path, robot',
+        'role: … "3" … boundary, wall, obstacle, path, robot',
     ),
     "layer.geojson": (
         featured("Polygon", [SQUARE], layer="Robots"),
-        'layer: … "robots" … boundary, obstacle, path, robot',
+        'layer: … "robots" … boundary, wall, obstacle, path, robot',
     ),
     "fence.geojson": (
         featured("LineString", SQUARE, role="obstacle"),

@@ -77,6 +77,8 @@ class Drawing:
     changes: list[str] = field(default_factory=list)
     sources: list[Source] = field(default_factory=list)
     """of what the lines were made, where the source has a name and a line for each"""
+    repairs: list[str] = field(default_factory=list)
+    """those of the changes that may be the cause of what is wrong afterwards"""
 
     def source_at(self, point: Sequence[float] | FloatArray, *roles: str) -> Source | None:
         """The source of one of some roles, of any without, nearest to a point (2,) [m]."""
@@ -110,6 +112,7 @@ class Drawing:
         self, path: Path, message: str, point: Sequence[float] | FloatArray, *roles: str
     ) -> ImportSourceError:
         """Error at the source nearest to a point, with its name and line where these are known."""
+        message = "; its cause may be: ".join([message, *self.repairs[:1]])
         source = self.source_at(point, *roles)
         if source is None:
             return refused(path, message)

@@ -7,7 +7,7 @@ Lines away from the area of the robots are dropped.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from itertools import combinations, compress
+from itertools import compress
 from operator import not_
 from pathlib import Path
 from typing import Any
@@ -15,10 +15,13 @@ from typing import Any
 import numpy as np
 import shapely
 
-from physim.authoring.importing.drawing import DIGITS, Drawing, listed, place, refused
+from physim.authoring.importing.drawing import DIGITS, Drawing, listed, place, refused, rounded
+from physim.authoring.importing.joining import faces_and_loose, open_ends
+from physim.errors import plural
 from physim.geometry.area import inner_lines
 from physim.geometry.shapes import FloatArray
 from physim.geometry.thinning import simplified
+from physim.world.layout.shape_checks import crossings, self_crossings
 
 SMALLEST_PLACE, LARGEST_PLACE = 1.0, 10_000.0
 """[m] extent below which a place is refused, and above which its scale is doubted"""
@@ -139,77 +142,6 @@ def _thinned_ring(ring: FloatArray, within: float) -> FloatArray:
     return thin if len(thin) > 2 else ring
 
 
-MOST_ENDS = 600
-"""Ends of open lines that are compared with each other."""
-NEARLY = 0.01
-"""[-] Ends nearer than this share of the drawing's extent are taken to meet."""
-
-
-def faces_of(lines: list[FloatArray]) -> list[Any]:
-    """Shapely polygons of all areas that lines enclose."""
-    return _faces_and_loose(lines)[0]
-
-
-def _faces_and_loose(lines: list[FloatArray]) -> tuple[list[Any], list[Any]]:
-    """Shapely polygons of all areas that lines enclose, and the lines that enclose nothing."""
-    united = shapely.union_all([shapely.LineString(line) for line in lines])
-    faces, cuts, dangles, _ = shapely.polygonize_full([united])
-    loose = [*shapely.get_parts(cuts), *shapely.get_parts(dangles)]
-    return list(shapely.get_parts(faces)), loose
-
-
-def loose_ends(lines: list[FloatArray]) -> tuple[list[FloatArray], list[tuple[float, int, int]]]:
-    """Both ends (2,) [m] of every line that is not closed, and how far any two are apart [m].
-
-    The nearest two come first.
-    """
-    ends = [line[k] for line in lines if (line[0] != line[-1]).any() for k in (0, -1)]
-    if len(ends) > MOST_ENDS:
-        return ends, []
-    gaps = [(float(np.hypot(*(ends[i] - ends[j]))), i, j)
-            for i, j in combinations(range(len(ends)), 2)]  # fmt: skip
-    return ends, sorted(gaps)
-
-
-def join_ends(lines: list[FloatArray]) -> list[str]:
-    """Close a drawing whose lines enclose nothing; says what was done. Changes ``lines``.
-
-    Lines that enclose an area already are left as they are.
-    """
-    if not lines or faces_of(lines):
-        return []
-    changes = _bridged(lines, NEARLY * float(np.ptp(np.vstack(lines), axis=0).max()))
-    if len(lines) != 2 or faces_of(lines):
-        return changes
-    first, second = lines
-    straight = np.hypot(*(first[0] - second[0])) + np.hypot(*(first[-1] - second[-1]))
-    crossed = np.hypot(*(first[0] - second[-1])) + np.hypot(*(first[-1] - second[0]))
-    if crossed < straight:
-        second = second[::-1]
-    caps = ((first[0], second[0]), (first[-1], second[-1]))
-    if any((a == b).all() for a, b in caps):
-        return changes  # one wall in two pieces, and a gap
-    for a, b in caps:
-        lines.append(np.array([a, b]))
-        changes.append(f"two open walls closed by a cap from {place(a)} to {place(b)}")
-    return changes
-
-
-def _bridged(lines: list[FloatArray], near: float) -> list[str]:
-    """Bridge the gap from each loose end to the nearest other end within ``near`` [m]."""
-    changes = []
-    ends, gaps = loose_ends(lines)
-    used: set[int] = set()
-    for gap, i, j in gaps:
-        if gap > near or used & {i, j}:
-            continue
-        used |= {i, j}
-        if gap > 0.0:
-            lines.append(np.array([ends[i], ends[j]]))
-            changes.append(f"wall ends {gap:.3f} m apart at {place(ends[i])} joined")
-    return changes
-
-
 HALF_WALL = 0.0005
 """[m] Half the thickness that a wall in the area is given: that of the rounding of its points."""
 NEAR = 1e-6
@@ -225,9 +157,9 @@ def enclose(path: Path, drawing: Drawing, inside: tuple[float, float] | None) ->
     """
     if not drawing.boundaries:
         raise refused(path, "no boundary found; a world needs lines that enclose an area")
-    faces, loose = _faces_and_loose(drawing.boundaries)
+    faces, loose = faces_and_loose(drawing.boundaries)
     if not faces:
-        said, at = _open_ends(drawing)
+        said, at = open_ends(drawing)
         message = f"the boundaries enclose no area; {said}"
         raise drawing.refused_at(path, message, at, "boundary")
     face = chosen_area(faces, drawing, inside)
@@ -244,14 +176,35 @@ def enclose(path: Path, drawing: Drawing, inside: tuple[float, float] | None) ->
     drawing.changes += listed(list(compress(rings, map(not_, solid))), _dropped_obstacle)
     drawing.boundaries = list(compress(lines, near))
     drawing.obstacles = list(compress(rings, solid))
+    inner = inner_lines(face, loose)
+    _unite(drawing, face, inner)
     solids = [shapely.Polygon(ring) for ring in drawing.obstacles]
-    walls = [shapely.buffer(inner_lines(face, loose), HALF_WALL, cap_style="square")]
+    walls = [shapely.buffer(inner, HALF_WALL, cap_style="square")]
     free = face.difference(shapely.union_all(solids + walls))
     if free.is_empty:
         message = "the obstacles leave no place for robots; they cover the whole area"
         largest = max(drawing.obstacles, key=lambda ring: float(shapely.Polygon(ring).area))
         raise drawing.refused_at(path, message, largest[0], "obstacle")
     drawing.area = chosen_area(shapely.get_parts(free), drawing, inside)
+
+
+def _unite(drawing: Drawing, face: Any, inner: Any) -> None:
+    """Replace boundaries that cross by the outline of the area, and what of them stands in it.
+
+    A world refuses them, and plans are drawn so: thick walls, one over the other at the corners.
+    """
+    lines = drawing.boundaries
+    if not crossings(lines) and not any(map(self_crossings, lines)):
+        return
+    drawing.boundaries = [
+        line
+        for edge in shapely.get_parts([face.boundary, inner])
+        if len(line := rounded(shapely.get_coordinates(edge))) > 1
+    ]
+    drawing.changes.append(
+        f"{plural(len(lines), 'boundary crosses itself', 'boundaries cross')}: the outline of the "
+        f"area is taken instead, {plural(sum(map(len, drawing.boundaries)), 'point')}"
+    )
 
 
 def chosen_area(areas: Sequence[Any], drawing: Drawing, inside: tuple[float, float] | None) -> Any:
@@ -284,41 +237,3 @@ def _dropped_obstacle(ring: FloatArray) -> str:
         f"obstacle of {polygon.area:.3f} m² at {place(polygon.centroid.coords[0])}: away from the "
         "area of the robots, dropped"
     )
-
-
-def _open_ends(drawing: Drawing) -> tuple[str, FloatArray]:
-    """Say where lines that enclose nothing are open, and a point (2,) [m] of the one to mend.
-
-    That is at the nearest two ends that touch no line; where an end lies nearer to the course of
-    another line, that is said instead.
-    """
-    boundaries, somewhere = drawing.boundaries, drawing.boundaries[0][0]
-    if len(boundaries) > MOST_ENDS // 2:
-        return "draw them closed", somewhere
-    shapes = [shapely.LineString(line) for line in boundaries]
-    ends = [
-        (k, shapely.Point(end))
-        for k, line in enumerate(boundaries)
-        if (line[0] != line[-1]).any()
-        for end in line[[0, -1]]
-    ]
-    others = {k: shapely.union_all(shapes[:k] + shapes[k + 1 :]) for k, _ in ends}
-    loose = [(k, end) for k, end in ends if others[k].is_empty or end.distance(others[k]) > 0.0]
-    pairs = [(a.distance(b), a, b) for (_, a), (_, b) in combinations(loose, 2)]
-    if not pairs:
-        return "draw them closed", somewhere
-    gap, a, b = min(pairs, key=lambda pair: pair[0])
-    walls = [(end.distance(others[k]), end, others[k]) for k, end in loose if others[k]]
-    near, end, wall = min(walls, key=lambda one: one[0], default=(gap, a, b))
-    if near < gap:
-        at = shapely.get_coordinates(shapely.shortest_line(end, wall))[1]
-        which = drawing.named(at, "boundary")
-        said = f"the end at {place(_xy(end))} stops {near:.3g} m short of the line at {place(at)}"
-        return said + which, _xy(end)
-    which = drawing.named(_xy(b), "boundary")
-    said = f"the nearest ends, {place(_xy(a))} and {place(_xy(b))}{which}, are {gap:.3g} m apart"
-    return said, _xy(a)
-
-
-def _xy(point: Any) -> FloatArray:
-    return np.array([point.x, point.y])

@@ -40,6 +40,8 @@ STOP_ROOM = 1.3
 SMALLEST = 0.01
 MOST_TRIMMED = 0.3
 """[-] share of the path that may be left out at either end to get away from a wall"""
+DOUBTED = 0.1
+"""[m] clearance below which, if there is no more anywhere, the scale is doubted"""
 SLIVER = 1e-6
 """[m] of a path outside the area that are rounding"""
 TOLD = 0.01
@@ -198,7 +200,10 @@ def _largest_size(
     where = points_at(reference, at[k])
     wall = drawing.named(where, "boundary", "obstacle")
     beyond = "leaves the area" if gaps[k] < 0.0 else f"comes within {gaps[k]:.3g} m of a boundary"
-    message = f"the path {beyond}{wall} at {place(where)}; it must keep away from the boundaries"
+    doubt = "; check --scale" if gaps.max() < DOUBTED else ""
+    message = (
+        f"the path {beyond}{wall} at {place(where)}; it must keep away from the boundaries{doubt}"
+    )
     raise drawing.refused_at(path, message, where, "path")
 
 

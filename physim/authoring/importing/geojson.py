@@ -34,7 +34,7 @@ CODE = re.compile(r"(?<!\d)\d{1,9}(?!\d)")
 """What may be the number by which a crs is known; versions may stand beside it"""
 IN_DEGREES = re.compile(r"crs:?84|wgs[ _]?(?:19)?84\s*$|long?_?lat|lat_?long?", re.I)
 """Names of a crs in degrees"""
-ROLES = ("boundary", "obstacle", "path", "robot")
+ROLES = ("boundary", "wall", "obstacle", "path", "robot")
 COLLECTIONS = {"FeatureCollection": "features", "GeometryCollection": "geometries"}
 
 
@@ -149,7 +149,6 @@ def _role(path: Path, about: dict[str, Any]) -> str:
     """
     given = about.get("role")
     own = str(given if given is not None else about.get("layer") or "").strip().lower()
-    own = "boundary" if own == "wall" else own
     near = nearest(own, list(ROLES))
     if own and own not in ROLES and (given is not None or near):
         key = "role" if given is not None else "layer"

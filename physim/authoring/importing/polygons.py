@@ -27,7 +27,8 @@ from physim.authoring.importing.drawing import (
     refused,
     rounded,
 )
-from physim.authoring.importing.enclosure import chosen_area, join_ends
+from physim.authoring.importing.enclosure import chosen_area
+from physim.authoring.importing.joining import join_ends, take_paths
 from physim.authoring.importing.source import read_text
 from physim.authoring.importing.work import check_work, depth_of, lines_of
 from physim.errors import plural
@@ -177,11 +178,12 @@ def drawing_of(path: Path, kind: str, parts: list[Part], options: Options) -> Dr
     check_work(path, [line for shape in shapes for line in lines_of(shape)])
     polygons: list[Any] = []
     unused: list[str] = []
+    paths: list[tuple[str, FloatArray]] = []
     for part, shape in zip(parts, shapes, strict=True):
         if part.role in ("robot", "obstacle") and shape.geom_type == "Polygon" and shape.interiors:
             unused.append(f"{part.role} at {place(_ring(shape)[0])}: solid, its holes filled")
         if shape.geom_type in ("LineString", "LinearRing"):
-            _line(drawing, part, rounded(shapely.get_coordinates(shape)), unused)
+            _line(drawing, part, rounded(shapely.get_coordinates(shape)), paths, unused)
         elif shape.geom_type != "Polygon":
             at = place(shapely.get_coordinates(shape)[0])
             unused.append(f"{shape.geom_type} at {at}: holds no lines, left out")
@@ -189,8 +191,11 @@ def drawing_of(path: Path, kind: str, parts: list[Part], options: Options) -> Dr
             drawing.robots.append(DrawnRobot(drawing.free_name(part.name), _ring(shape)))
         elif part.role == "obstacle":
             drawing.obstacles.append(_ring(shape))
+        elif part.role == "wall":
+            drawing.boundaries += map(rounded, lines_of(shape))
         else:
             polygons += _valid(path, shape, part.line, drawing)
+    take_paths(drawing, paths)
     drawing.changes += listed(unused)
     if polygons:
         chosen = chosen_area(polygons, drawing, options.origin)
@@ -254,17 +259,20 @@ def _ring(shape: Any) -> FloatArray:
     return points[:-1] if len(points) > 1 else points
 
 
-def _line(drawing: Drawing, part: Part, points: FloatArray, unused: list[str]) -> None:
+def _line(
+    drawing: Drawing,
+    part: Part,
+    points: FloatArray,
+    paths: list[tuple[str, FloatArray]],
+    unused: list[str],
+) -> None:
+    """A wall, or a piece of a path; only what has that role has the name of a robot."""
     if len(points) < 2:
         unused.append(f"line of no length at {place(points[0])}: left out")
     elif part.role in ("boundary", "wall"):
         drawing.boundaries.append(points)
-    elif part.name and part.role == "path" and part.name in {r.name for r in drawing.robots}:
-        drawing.paths[part.name] = points
-    elif drawing.reference is None:
-        drawing.reference = points
     else:
-        unused.append(f"second line from {place(points[0])} to {place(points[-1])}: left out")
+        paths.append((part.name if part.role == "path" else "", points))
 
 
 def _valid(path: Path, shape: Any, line: int | None, drawing: Drawing) -> list[Any]:
@@ -279,7 +287,9 @@ def _valid(path: Path, shape: Any, line: int | None, drawing: Drawing) -> list[A
         shape = shapely.make_valid(shape, method="structure", keep_collapsed=False)
         if not (parts := _polygons_of(shape)):
             raise refused(path, f"a polygon encloses no area ({reason})", line)
-        drawing.changes.append(f"polygon repaired ({reason}): {plural(len(parts), 'part')}")
+        repair = f"polygon repaired ({reason}): {plural(len(parts), 'part')}"
+        drawing.changes.append(repair)
+        drawing.repairs.append(repair)
     whole = _polygons_of(shapely.set_precision(shape, 10.0**-DIGITS))
     if not whole:
         raise refused(path, "a polygon is smaller than a millimetre; check --scale", line)

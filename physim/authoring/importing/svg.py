@@ -27,7 +27,7 @@ from physim.authoring.importing.drawing import (
     refused,
     rounded,
 )
-from physim.authoring.importing.enclosure import join_ends
+from physim.authoring.importing.joining import join_ends, take_paths
 from physim.authoring.importing.source import read_xml
 from physim.authoring.importing.svg_bare import CUT, FAULT, LINE, TAG
 from physim.authoring.importing.svg_curves import subpaths
@@ -37,6 +37,7 @@ from physim.authoring.importing.svg_page import Frame
 from physim.authoring.importing.svg_seen import has_area, has_line, is_seen, is_unsure
 from physim.authoring.importing.svg_walls import LABEL, NAMES, Walls, names_of
 from physim.authoring.importing.work import MOST_POINTS, check_work
+from physim.errors import nearest
 from physim.escaping import escaped
 from physim.geometry.shapes import FloatArray
 
@@ -56,6 +57,8 @@ OTHER = re.compile(
 """Words after a role by which a thing is something else: ``robot_route_0`` is no robot."""
 ROLES = {"bou": "boundary", "wal": "boundary", "obs": "obstacle", "pat": "path", "ref": "path",
          "rob": "robot"}  # fmt: skip
+WORDS = ["boundary", "boundaries", "wall", "walls", "obstacle", "obstacles", "path", "robot",
+         "robots"]  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -109,6 +112,7 @@ class _Lines:
         self.lines: list[_Line] = []
         self._hidden = [*look.left_out]
         self.walls = Walls(frozenset(options.boundary), self._hidden)
+        self._nameless: dict[Any, list[tuple[str, int | None, str]]] = {}  # by group, if in one
         self._left_out: list[str] = []
         self._whole: dict[str, None] = {}  # what is taken as it would not be drawn
         self._seen: set[int | None] = set()
@@ -131,8 +135,8 @@ class _Lines:
             if not role and is_seen(element.values, is_meant=True):  # it may be asked for
                 self.walls.note(element, name, self.frame.metres)
         elif not role:
-            told = f"{where}: in no layer boundary, obstacle, path or robot, left out"
-            self._left_out.append(told)
+            group = (name, None if name else len(self._nameless))
+            self._nameless.setdefault(group, []).append((where, line, label))
             self.walls.note(element, name, self.frame.metres)
         else:
             if fault := element.values.get(FAULT):
@@ -167,8 +171,19 @@ class _Lines:
     def told(self) -> list[str]:
         """What is said of all that was not taken, or not as it would be drawn."""
         hidden, nothing = [*dict.fromkeys(self._hidden)], self.look.not_among(self._seen)
-        kinds = (hidden, self._left_out, [*self._whole], nothing)
+        nameless = [_no_role(group, of) for (group, _), of in self._nameless.items()]
+        kinds = (hidden, nameless, self._left_out, [*self._whole], nothing)
         return [one for kind in kinds for one in listed(kind)]
+
+
+def _no_role(group: str, shapes: Sequence[tuple[str, int | None, str]]) -> str:
+    """What is said of shapes of a group, "" for none, that have no role: what, line and label."""
+    where, line, label = shapes[0]
+    more = f" and {len(shapes) - 1} more" if len(shapes) > 1 else ""
+    within = f" in {escaped(repr(group[:60]))}" if group and group != label else ""
+    near = nearest(group.lower(), WORDS) or nearest(label.lower(), WORDS)
+    told = f"line {line}: {where}{more}{within}: in no layer boundary, obstacle, path or robot"
+    return f"{told}, left out{near}"
 
 
 def _doubt(values: Mapping[str, Any], lines: Sequence[tuple[FloatArray, bool]]) -> str:
@@ -227,14 +242,18 @@ def _shapes(group: Any, role: str, name: str, walls: Walls) -> Any:
 
 def _sort(path: Path, drawing: Drawing, lines: list[_Line], walls: Walls) -> None:
     """Give every line its place in the drawing."""
-    named_paths: list[_Line] = []
+    paths: list[tuple[str, FloatArray]] = []
     for line in lines:
         points = line.points
         ring = points[:-1] if (points[0] == points[-1]).all() else points
         if line.role == "boundary":
             drawing.boundaries.append(points)
         elif line.role == "path":
-            named_paths.append(line)
+            if line.is_closed:
+                drawing.changes.append(
+                    f"path at {place(points[0])} is closed: cut open there, before its last stretch"
+                )
+            paths.append((line.name, points[:-1] if line.is_closed else points))
         elif line.role == "robot":
             if len(ring) < 3:
                 message = f"{line.where}: a robot at {place(ring[0])} has no area; draw its outline"
@@ -247,7 +266,7 @@ def _sort(path: Path, drawing: Drawing, lines: list[_Line], walls: Walls) -> Non
                 f"line {line.line}: {line.where}: {line.role} at {place(points[0])} is not closed: "
                 "closed by a straight line"
             )
-    _paths(drawing, named_paths)
+    take_paths(drawing, paths)
     drawing.changes += join_ends(drawing.boundaries)
     if not drawing.boundaries:
         raise refused(
@@ -255,26 +274,3 @@ def _sort(path: Path, drawing: Drawing, lines: list[_Line], walls: Walls) -> Non
             "no line is a boundary; put the walls into a layer named boundary, or give them the "
             f"id boundary{walls.advice()}",
         )
-
-
-def _paths(drawing: Drawing, paths: list[_Line]) -> None:
-    """A path with a robot's name is that robot's; the first of the others is the reference."""
-    robots = {robot.name for robot in drawing.robots}
-    for line in paths:
-        points = line.points
-        if line.is_closed:
-            points = points[:-1]
-            drawing.changes.append(
-                f"path at {place(points[0])} is closed: cut open there, before its last stretch"
-            )
-        if line.name in robots:
-            drawing.paths[line.name] = points
-        elif drawing.reference is None:
-            drawing.reference = points
-        else:
-            drawing.changes.append(
-                f"path from {place(points[0])} to {place(points[-1])}: belongs to no robot, "
-                "left out"
-            )
-    if drawing.reference is None and drawing.paths:
-        drawing.reference = next(iter(drawing.paths.values()))

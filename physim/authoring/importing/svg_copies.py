@@ -16,6 +16,8 @@ class Element:
 
     functions: int = 0
     """of its transform"""
+    name: str | None = None
+    """its id"""
     count: int = 1
     """elements, itself among them"""
     turned: int = 0

@@ -227,7 +227,8 @@ class _Guard:
     def _enter(self, tag: str, attributes: dict[str, str], is_misplaced: bool) -> None:
         """Take note of an element about those to come, and of what it copies."""
         moves = attributes.get("transform", "").count("(")
-        element = Element(moves, is_misplaced=is_misplaced)
+        own = attributes.get("id")
+        element = Element(moves, own, is_misplaced=is_misplaced)
         if tag == "use":
             href = copied(attributes)
             if href and not href.startswith("#"):
@@ -235,7 +236,6 @@ class _Guard:
                     f'refers to "{escaped(href[:60])}"; nothing outside the file is read'
                 )
             element.copies.append((href[1:], 1))  # x and y of a copy move it
-        own = attributes.get("id")
         if own is not None:
             self.elements.setdefault(own, element)
             self.look.lines.setdefault(own, self.parser.CurrentLineNumber)
@@ -254,6 +254,8 @@ class _Guard:
             return "is drawn for readers of some languages alone; take the condition away"
         if tag == "a" and self.open and self.open[-1][0] == "switch":
             return "a link in a switch is drawn in part; take the link away"
+        if tag == "use" and copied(attributes)[1:] in [element.name for _, element in self.open]:
+            return "copies an id that a group around it has, too; give each an id of its own"
         if tag == "svg" and not is_page:
             return "a drawing within the drawing is not read; take what it holds out of it"
         if tag == ONLY_COPIED and any(key in attributes for key in ("viewBox", "x", "y")):

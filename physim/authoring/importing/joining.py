@@ -1,0 +1,179 @@
+"""Ends of drawn lines: joined where they nearly meet, and named where nothing is enclosed."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import combinations
+from math import dist, inf
+from typing import Any
+
+import numpy as np
+import shapely
+
+from physim.authoring.importing.drawing import Drawing, listed, place, rounded
+from physim.geometry.shapes import FloatArray
+
+MOST_ENDS = 600
+"""Ends of open lines that are compared with each other."""
+NEARLY = 0.01
+"""[-] Ends nearer than this share of the drawing's extent are taken to meet."""
+
+
+def faces_of(lines: list[FloatArray]) -> list[Any]:
+    """Shapely polygons of all areas that lines enclose."""
+    return faces_and_loose(lines)[0]
+
+
+def faces_and_loose(lines: list[FloatArray]) -> tuple[list[Any], list[Any]]:
+    """Shapely polygons of all areas that lines enclose, and the lines that enclose nothing."""
+    united = shapely.union_all([shapely.LineString(line) for line in lines])
+    faces, cuts, dangles, _ = shapely.polygonize_full([united])
+    loose = [*shapely.get_parts(cuts), *shapely.get_parts(dangles)]
+    return list(shapely.get_parts(faces)), loose
+
+
+def loose_ends(lines: list[FloatArray]) -> tuple[list[FloatArray], list[tuple[float, int, int]]]:
+    """Both ends (2,) [m] of every line that is not closed, and how far any two are apart [m].
+
+    The nearest two come first.
+    """
+    ends = [line[k] for line in lines if (line[0] != line[-1]).any() for k in (0, -1)]
+    if len(ends) > MOST_ENDS:
+        return ends, []
+    gaps = [(float(np.hypot(*(ends[i] - ends[j]))), i, j)
+            for i, j in combinations(range(len(ends)), 2)]  # fmt: skip
+    return ends, sorted(gaps)
+
+
+def join_ends(lines: list[FloatArray]) -> list[str]:
+    """Close a drawing whose lines enclose nothing; says what was done. Changes ``lines``.
+
+    Lines that enclose an area already are left as they are.
+    """
+    if not lines or faces_of(lines):
+        return []
+    changes = _bridged(lines, NEARLY * float(np.ptp(np.vstack(lines), axis=0).max()))
+    if len(lines) != 2 or faces_of(lines):
+        return changes
+    first, second = lines
+    straight = np.hypot(*(first[0] - second[0])) + np.hypot(*(first[-1] - second[-1]))
+    crossed = np.hypot(*(first[0] - second[-1])) + np.hypot(*(first[-1] - second[0]))
+    if crossed < straight:
+        second = second[::-1]
+    caps = ((first[0], second[0]), (first[-1], second[-1]))
+    if any((a == b).all() for a, b in caps):
+        return changes  # one wall in two pieces, and a gap
+    for a, b in caps:
+        lines.append(np.array([a, b]))
+        changes.append(f"two open walls closed by a cap from {place(a)} to {place(b)}")
+    return changes
+
+
+def _bridged(lines: list[FloatArray], near: float) -> list[str]:
+    """Bridge the gap from each loose end to the nearest other end within ``near`` [m]."""
+    changes = []
+    ends, gaps = loose_ends(lines)
+    used: set[int] = set()
+    for gap, i, j in gaps:
+        if gap > near or used & {i, j}:
+            continue
+        used |= {i, j}
+        if gap > 0.0:
+            lines.append(np.array([ends[i], ends[j]]))
+            changes.append(f"wall ends {gap:.3f} m apart at {place(ends[i])} joined")
+    return changes
+
+
+def take_paths(drawing: Drawing, named: Sequence[tuple[str, FloatArray]]) -> None:
+    """Give a drawing its paths: names of their own and points, once all robots are known.
+
+    A path with a robot's name is that robot's, the others are the reference. Without the latter the
+    first of the former is.
+    """
+    robots = {robot.name for robot in drawing.robots}
+    pieces: dict[str, list[FloatArray]] = {}
+    for name, points in named:
+        pieces.setdefault(name if name in robots else "", []).append(points)
+    for name, lines in pieces.items():
+        path, left, changes = _join_pieces(lines)
+        if name:
+            drawing.paths[name] = path
+        else:
+            drawing.reference = path
+        whose = f"robot {name} has a path already" if name else "belongs to no robot"
+        drawing.changes += listed(changes)
+        drawing.changes += listed(
+            [
+                f"path from {place(line[0])} to {place(line[-1])}: {whose}, and its ends do not "
+                "meet those of the first; left out"
+                for line in left
+            ]
+        )
+    if drawing.reference is None and drawing.paths:
+        drawing.reference = next(iter(drawing.paths.values()))
+
+
+def _join_pieces(pieces: list[FloatArray]) -> tuple[FloatArray, list[FloatArray], list[str]]:
+    """A path drawn in pieces (n, 2) [m]: the first with those whose ends meet its own, in turn.
+
+    In the direction of the first. Returns it, the pieces that are left, and what was done. Ends
+    meet where they are nearer than a share of the extent of all pieces, as those of walls.
+    """
+    path, left, changes = pieces[0], pieces[1:], []
+    near = NEARLY * float(np.ptp(np.vstack(pieces), axis=0).max())
+    while len(pieces) <= MOST_ENDS // 2:
+        meetings = [
+            (dist(path[own], piece[other]), k, own, other)
+            for k, piece in enumerate(left)
+            for own in (-1, 0)
+            for other in (0, -1)
+        ]
+        gap, k, own, other = min(meetings, default=(inf, 0, 0, 0))
+        if gap > near:
+            break
+        piece = left.pop(k)
+        joint = (path[own] + piece[other]) / 2.0
+        changes.append(f"pieces of the path, {gap:.3f} m apart, joined at {place(joint)}")
+        first, second = (path, piece) if own else (piece, path)
+        first = first[::-1] if not own and not other else first
+        second = second[::-1] if own and other else second
+        path = rounded(np.vstack([first[:-1], joint, second[1:]]))
+    return path, left, changes
+
+
+def open_ends(drawing: Drawing) -> tuple[str, FloatArray]:
+    """Say where lines that enclose nothing are open, and a point (2,) [m] of the one to mend.
+
+    That is at the nearest two ends that touch no line; where an end lies nearer to the course of
+    another line, that is said instead.
+    """
+    boundaries, somewhere = drawing.boundaries, drawing.boundaries[0][0]
+    if len(boundaries) > MOST_ENDS // 2:
+        return "draw them closed", somewhere
+    shapes = [shapely.LineString(line) for line in boundaries]
+    ends = [
+        (k, shapely.Point(end))
+        for k, line in enumerate(boundaries)
+        if (line[0] != line[-1]).any()
+        for end in line[[0, -1]]
+    ]
+    others = {k: shapely.union_all(shapes[:k] + shapes[k + 1 :]) for k, _ in ends}
+    loose = [(k, end) for k, end in ends if others[k].is_empty or end.distance(others[k]) > 0.0]
+    pairs = [(a.distance(b), a, b) for (_, a), (_, b) in combinations(loose, 2)]
+    if not pairs:
+        return "draw them closed", somewhere
+    gap, a, b = min(pairs, key=lambda pair: pair[0])
+    walls = [(end.distance(others[k]), end, others[k]) for k, end in loose if others[k]]
+    near, end, wall = min(walls, key=lambda one: one[0], default=(gap, a, b))
+    if near < gap:
+        at = shapely.get_coordinates(shapely.shortest_line(end, wall))[1]
+        which = drawing.named(at, "boundary")
+        said = f"the end at {place(_xy(end))} stops {near:.3g} m short of the line at {place(at)}"
+        return said + which, _xy(end)
+    which = drawing.named(_xy(b), "boundary")
+    said = f"the nearest ends, {place(_xy(a))} and {place(_xy(b))}{which}, are {gap:.3g} m apart"
+    return said, _xy(a)
+
+
+def _xy(point: Any) -> FloatArray:
+    return np.array([point.x, point.y])

@@ -1,0 +1,184 @@
+"""Lines drawn in pieces, walls that lie over each other, and what is said of lines left out."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import shapely
+
+from physim.authoring.importing import ImportSourceError, Options, import_world
+from physim.world.checks import check_world
+from tests.importing.plans import check_says, only, svg
+
+METRES = Options(scale=1.0)
+THICK = ((0, 0, 40, 1), (0, 19, 40, 1), (0, 0, 1, 20), (39, 0, 1, 20), (20, 0, 1, 5))
+"""[m] x, y, width and height of four walls of a room and one that stands in it"""
+ROOM = shapely.box(0, 0, 40, 20).difference(
+    shapely.union_all([shapely.box(x, y, x + w, y + h) for x, y, w, h in THICK])
+)
+
+
+def walls_as_drawn(folder: Path) -> Path:
+    shapes = "".join(
+        f'<rect x="{x}" y="{19 - y + 1 - h}" width="{w}" height="{h}"/>' for x, y, w, h in THICK
+    )
+    path = folder / "thick.svg"
+    page = 'width="40" height="20"'
+    path.write_text(svg(f'<g id="walls">{shapes}</g><path id="path" d="M 4,10 H 36"/>', page))
+    return path
+
+
+def walls_of_a_plan(folder: Path) -> Path:
+    shapes = [("wall", shapely.box(x, y, x + w, y + h)) for x, y, w, h in THICK]
+    return geojson(folder, [*shapes, ("path", shapely.LineString([(4, 10), (36, 10)]))])
+
+
+def geojson(folder: Path, parts: list[tuple[str, Any]], **names: str) -> Path:
+    path = folder / "plan.geojson"
+    features = [
+        {
+            "type": "Feature",
+            "properties": {"role": role.split(" ")[0], "name": role.partition(" ")[2]},
+            "geometry": shapely.geometry.mapping(shape),
+        }
+        for role, shape in parts
+    ]
+    path.write_text(json.dumps({"type": "FeatureCollection", "features": features}))
+    return path
+
+
+def area_of(text: str, folder: Path) -> float:
+    """[m²] that a world has by its check, which must find no error."""
+    world = folder / "made.yaml"
+    world.write_text(text)
+    assert not check_world(world).errors
+    made = import_lines(text)
+    return float(max(shapely.get_parts(shapely.polygonize(made)), key=lambda one: one.area).area)
+
+
+def import_lines(text: str) -> list[Any]:
+    from physim.world.file import parse_world
+
+    boundaries = parse_world(text, "made").boundaries
+    assert boundaries is not None
+    return [shapely.LineString(line) for line in boundaries]
+
+
+@pytest.mark.parametrize("drawn", [walls_as_drawn, walls_of_a_plan])
+def test_walls_that_lie_over_each_other_enclose_the_room(tmp_path: Path, drawn: Any) -> None:
+    made = import_world(drawn(tmp_path), METRES)
+    assert area_of(made.text, tmp_path) == pytest.approx(ROOM.area, abs=1e-3)
+    assert only(made, "5 boundaries cross")
+
+
+def test_walls_that_only_touch_stay_as_they_are_drawn(tmp_path: Path) -> None:
+    ring = '<path id="boundary" d="M 0,0 24,0 24,14 0,14 Z"/>'
+    path = tmp_path / "plan.svg"
+    path.write_text(svg(f'{ring}<path id="wall" d="M 12,0 V 5"/><path id="path" d="M 2,7 H 20"/>'))
+    made = import_world(path, METRES)
+    assert not [one for one in made.changes if "cross" in one]
+    assert made.world.boundaries is not None
+    assert [len(line) for line in made.world.boundaries] == [5, 2]
+
+
+PIECES = {
+    "in turn": ["M 2,7 H 8", "M 8,7 H 14", "M 14,7 H 20"],
+    "in another order": ["M 2,7 H 8", "M 14,7 H 20", "M 8,7 H 14"],
+    "drawn against it": ["M 2,7 H 8", "M 20,7 H 14", "M 14,7 H 8"],
+    "begun within": ["M 8,7 H 14", "M 2,7 H 8", "M 14,7 H 20"],
+    "nearly met": ["M 2,7 H 8", "M 8.05,7.02 H 14", "M 13.9,7 H 20"],
+}
+
+
+@pytest.mark.parametrize("pieces", PIECES.values(), ids=PIECES)
+def test_pieces_of_a_path_are_joined_where_they_meet(tmp_path: Path, pieces: list[str]) -> None:
+    path = tmp_path / "plan.svg"
+    shapes = "".join(f'<path d="{piece}"/>' for piece in pieces)
+    ring = '<path id="boundary" d="M 0,0 24,0 24,14 0,14 Z"/>'
+    path.write_text(svg(f'{ring}<g id="path">{shapes}</g>'))
+    made = import_world(path, METRES)
+    line = made.world.reference_path
+    assert line is not None
+    assert shapely.LineString(line).length == pytest.approx(17.1, abs=0.1)
+    assert (np.diff(np.asarray(line)[:, 0]) >= 0.0).all()  # as the first piece goes
+    assert sum("joined at" in one for one in made.changes) == 2
+
+
+def test_pieces_of_a_path_that_do_not_meet_are_left_out_and_told(tmp_path: Path) -> None:
+    path = tmp_path / "plan.wkt"
+    path.write_text(
+        "POLYGON ((0 0, 24 0, 24 14, 0 14, 0 0))\nLINESTRING (2 7, 12 7)\nLINESTRING (14 7, 20 7)\n"
+    )
+    made = import_world(path)
+    assert only(made, "(14.00, 7.00) to (20.00, 7.00)").endswith("left out")
+    assert made.world.reference_path is not None
+    assert max(x for x, _ in made.world.reference_path) < 12.01
+
+
+@pytest.mark.parametrize("first", ["robot", "path"])
+def test_a_path_is_that_of_its_robot_wherever_that_stands(tmp_path: Path, first: str) -> None:
+    robot = ("robot arrow", shapely.box(3, 4, 5, 5))
+    own = ("path arrow", shapely.LineString([(4, 4.5), (20, 4.5)]))
+    place = ("boundary", shapely.box(0, 0, 24, 14))
+    way = ("path", shapely.LineString([(2, 9), (20, 9)]))
+    parts = [place, robot, own, way] if first == "robot" else [place, own, robot, way]
+    made = import_world(geojson(tmp_path, parts))
+    assert made.world.reference_path is not None
+    assert {y for _, y in made.world.reference_path} == {9.0}
+    assert [y for _, y in made.world.robots[0].path] == [4.5, 4.5]
+
+
+def test_a_robot_keeps_the_first_of_two_paths(tmp_path: Path) -> None:
+    parts = [
+        ("boundary", shapely.box(0, 0, 24, 14)), ("robot arrow", shapely.box(3, 4, 5, 5)),
+        ("path arrow", shapely.LineString([(4, 4.5), (20, 4.5)])),
+        ("path arrow", shapely.LineString([(4, 9), (20, 9)])),
+    ]  # fmt: skip
+    made = import_world(geojson(tmp_path, parts))
+    assert [y for _, y in made.world.robots[0].path] == [4.5, 4.5]
+    assert "arrow has a path already" in only(made, "(4.00, 9.00) to (20.00, 9.00)")
+
+
+@pytest.mark.parametrize(
+    ("layer", "near"), [("obstacels", '"obstacles"'), ("wals", '"walls"'), ("notes", "")]
+)
+def test_a_layer_that_is_none_is_told_once_by_its_name(
+    tmp_path: Path, layer: str, near: str
+) -> None:
+    path = tmp_path / "plan.svg"
+    shapes = '<rect id="rect88" x="9" y="2" width="1" height="1"/>' * 3
+    path.write_text(
+        svg(
+            '<path id="boundary" d="M 0,0 24,0 24,14 0,14 Z"/>\n<path id="path" d="M 2,7 H 20"/>\n'
+            f'<g inkscape:label="{layer}">{shapes}</g>'
+        )
+    )
+    told = only(import_world(path, METRES), "in no layer")
+    check_says(told, f"line 4: … 'rect88' and 2 more … '{layer}'")
+    assert told.endswith(f"did you mean {near}?") if near else "did you mean" not in told
+
+
+def test_a_polygon_that_crosses_itself_is_named_as_a_cause(tmp_path: Path) -> None:
+    bow = shapely.Polygon([(0, 0), (30, 20), (30, 0), (0, 20)])
+    parts = [("boundary", bow), ("path", shapely.LineString([(2, 4), (28, 4)]))]
+    with pytest.raises(ImportSourceError) as caught:
+        import_world(geojson(tmp_path, parts))
+    check_says(str(caught.value), "path leaves the area … cause … [15 10]")
+
+
+@pytest.mark.parametrize(("unit", "asked"), [(1.0, False), (0.001, True)])
+def test_a_place_too_narrow_in_kilometres_is_asked_for_its_scale(
+    tmp_path: Path, unit: float, asked: bool
+) -> None:
+    path = tmp_path / "plan.wkt"
+    place = shapely.box(0, 0, 4000, 12) - shapely.box(1999, 0.5, 2001, 11.5)
+    way = shapely.LineString([(9, 6), (3990, 6)])
+    rows = (shapely.transform(one, lambda points: points * unit).wkt for one in (place, way))
+    path.write_text("\n".join(rows))
+    with pytest.raises(ImportSourceError) as caught:
+        import_world(path)
+    assert ("--scale" in str(caught.value)) == asked

@@ -22,7 +22,7 @@ from physim.analysis.validation.prediction import AGREES, TOUCHED_BEFORE, Predic
 from physim.contacts import FALSE_CONTACT_ROW, Kind, Phase
 from physim.drawing.timeline import Timeline, episodes
 from physim.drawing.video.ground import ground
-from physim.drawing.video.panel import SWEPT, signs
+from physim.drawing.video.legend import SWEPT, signs
 from tests.validation.reports import states
 from tests.validation.runs import edited, lane, side_by_side
 

@@ -14,8 +14,10 @@ from physim.drawing import palette
 from physim.drawing.timeline import Timeline
 from physim.drawing.video import frame_at, layout, render
 from physim.drawing.video.frames import (
+    BARS,
     FOOTER,
     HEADER,
+    PAD,
     Beside,
     differences,
     file_names,
@@ -23,7 +25,7 @@ from physim.drawing.video.frames import (
     titles,
 )
 from physim.drawing.video.ground import ground
-from physim.drawing.video.layout import Box
+from physim.drawing.video.layout import Box, Image
 from physim.drawing.video.view import View
 from physim.record import Record
 from physim.world.file import parse_world
@@ -33,6 +35,18 @@ from tests.video.test_frames import pixels
 
 LEFT = (slice(0, HEADER), slice(0, layout.WIDTH // 2 - 2))
 RIGHT = (slice(0, HEADER), slice(layout.WIDTH // 2 + 2, layout.WIDTH))
+TINY = """\
+name: tiny
+time: {step: 0.005, duration: 2.0}  # [s]
+corridor: {centreline: [[0, 0], [1.0, 0]], width: 0.4}  # [m]
+robots:
+  - name: a
+    footprint: {length: 0.09, width: 0.05}  # [m]
+    pose: [0.3, 0.0, 0.0]
+    path: {offset: 0.0}
+controller: {type: constant, commands: [[0.05, 0.0]]}
+"""
+"""Robots of some centimetres."""
 BLOCKED = SMALL + "obstacles: [[[8.0, 0.0], [8.5, 0.0], [8.5, 2.0], [8.0, 2.0]]]\n"
 
 
@@ -55,7 +69,7 @@ def blocked() -> Record:
 def test_either_half_is_the_view_of_its_own_run(free: Record, blocked: Record) -> None:
     image = frame_at(free, 0.8, beside=blocked, speed=1.0)
     assert image.shape == (layout.HEIGHT, layout.WIDTH, 3)
-    half, high = (layout.WIDTH - 3) // 2, layout.HEIGHT - HEADER - FOOTER
+    half, high = (layout.WIDTH - 3) // 2, layout.HEIGHT - HEADER - BARS - FOOTER
     for record, left in ((free, 0), (blocked, layout.WIDTH - half)):
         box, alone = Box(left, HEADER, half, high), np.zeros_like(image)
         timeline = Timeline(record)
@@ -78,7 +92,7 @@ def test_a_run_that_is_over_stays_as_it_ended(free: Record, blocked: Record) -> 
     painter = Beside(Timeline(free), Timeline(blocked), 1.0, 25.0)
     assert painter.duration == pytest.approx(2.0)
     at_its_end = Beside(Timeline(blocked), Timeline(blocked), 1.0, 25.0).frame(1.4)
-    below = slice(HEADER, layout.HEIGHT - FOOTER), slice(layout.WIDTH // 2 + 2, layout.WIDTH)
+    below = slice(HEADER, layout.HEIGHT - BARS - FOOTER), slice(layout.WIDTH // 2 + 2, layout.WIDTH)
     assert np.array_equal(painter.frame(2.0)[below], at_its_end[below])
 
 
@@ -225,7 +239,7 @@ def test_a_run_that_has_ended_first_keeps_its_last_picture_pale_and_marked(
     free: Record, blocked: Record
 ) -> None:
     painter = Beside(Timeline(free), Timeline(blocked), 1.0, 25.0)
-    below = slice(HEADER, layout.HEIGHT - FOOTER), slice(layout.WIDTH // 2 + 2, layout.WIDTH)
+    below = slice(HEADER, layout.HEIGHT - BARS - FOOTER), slice(layout.WIDTH // 2 + 2, layout.WIDTH)
     just_before, ended, later = (painter.frame(time)[below] for time in (1.38, 1.4, 1.8))
     assert np.array_equal(ended, later)
     assert not np.array_equal(ended, painter.frame(2.0)[below])  # both whole
@@ -236,7 +250,7 @@ def test_a_run_that_has_ended_first_keeps_its_last_picture_pale_and_marked(
     assert dark[1] > dark[0] + 0.1  # and its header marked
     dark = [(painter.frame(time)[LEFT] == palette.INK).all(axis=2).mean() for time in (1.3, 1.4)]
     assert dark[1] < dark[0] + 0.01
-    left = slice(HEADER, layout.HEIGHT - FOOTER), slice(0, layout.WIDTH // 2 - 2)
+    left = slice(HEADER, layout.HEIGHT - BARS - FOOTER), slice(0, layout.WIDTH // 2 - 2)
     assert not np.array_equal(painter.frame(1.5)[left], painter.frame(1.8)[left])
 
 
@@ -252,3 +266,45 @@ def test_what_marks_a_run_that_is_over_covers_no_words_of_its_header(
     changed = np.flatnonzero((before != after).any(axis=(0, 2)))
     written = np.flatnonzero((before[34:57] < 200).any(axis=(0, 2)))
     assert written[written < layout.WIDTH // 3].max() < changed.min()
+
+
+@pytest.fixture(scope="module")
+def large() -> Record:
+    """The small world on a road twice as long and wide."""
+    world = parse_world(SMALL)
+    wide = world.changed(corridor={"centreline": [[0.0, 0.0], [40.0, 0.0]], "width": 16.0})
+    return physim.simulate(wide)
+
+
+def test_both_views_have_one_scale_where_robots_stay_large_enough(
+    free: Record, large: Record
+) -> None:
+    painter = Beside(Timeline(free), Timeline(large), 1.0, 25.0)
+    alone = [Beside(Timeline(one), Timeline(one), 1.0, 25.0) for one in (free, large)]
+    scales = [one._views[0].camera.scale for one in alone]
+    assert scales[0] != scales[1]
+    assert {view.camera.scale for view in painter._views} == {min(scales)}
+
+
+def test_views_keep_their_scales_where_a_robot_would_be_too_small() -> None:
+    small, large = (physim.simulate(parse_world(text)) for text in (TINY, SMALL))
+    painter = Beside(Timeline(small), Timeline(large), 1.0, 25.0)
+    scales = [view.camera.scale for view in painter._views]
+    assert scales[0] > 5.0 * scales[1]
+
+
+def bar(image: Image, left: int) -> int:
+    """[px] length of the scale bar of a view that begins at ``left``."""
+    row = (image[layout.HEIGHT - FOOTER - BARS // 2, left + PAD :] == palette.INK).all(axis=1)
+    return int(np.argmin(row))  # the first pixel that is none of it
+
+
+def test_a_bar_tells_the_scale_of_its_view(free: Record) -> None:
+    small = physim.simulate(parse_world(TINY))
+    painter = Beside(Timeline(small), Timeline(free), 1.0, 25.0)
+    image = painter.frame(0.5)
+    for view in painter._views:
+        scale, drawn = view.camera.scale, bar(image, view.box.left)
+        power = 10.0 ** np.floor(np.log10(drawn / scale))
+        expected = np.array([1.0, 2.0, 5.0, 10.0]) * power * scale
+        assert np.abs(expected - drawn).min() <= 3.0  # two ends of lines of 2 px

@@ -17,8 +17,8 @@ from physim.drawing.timeline import Timeline
 from physim.drawing.video import layout, panel, view
 from physim.drawing.video.frames import Painter
 from physim.drawing.video.ground import PATH_TINT, ground
+from physim.drawing.video.legend import signs
 from physim.drawing.video.movie import VideoFile
-from physim.drawing.video.panel import signs
 from physim.parts.declarations import PAPER_MODES
 from tests.records import make_record
 from tests.video.test_frames import BELOW, pixels

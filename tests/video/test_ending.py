@@ -18,8 +18,8 @@ from physim.drawing.video.ending import ACROSS, MOST_NOTES, across, notes, why
 from physim.drawing.video.frames import Painter
 from physim.drawing.video.ground import ground
 from physim.drawing.video.layout import PANEL_WIDTH, TEXT, Box
+from physim.drawing.video.legend import DEEP, NO_MODES, PAD, signs
 from physim.drawing.video.marks import draw_contacts
-from physim.drawing.video.panel import DEEP, NO_MODES, PAD, signs
 from physim.drawing.video.text import BOLD, width
 from physim.parts.declarations import NO_NUMBER
 from physim.tolerances import DEEP as DEPTH

@@ -25,9 +25,9 @@ from physim.drawing.video import frame_at
 from physim.drawing.video.closest import Closest, pairs_within
 from physim.drawing.video.ground import Background, Ground, Stroke, draw_ground, ground
 from physim.drawing.video.layout import ONE, SMALL, arrange
+from physim.drawing.video.legend import signs
 from physim.drawing.video.marks import Fleet, draw_reference_point
 from physim.drawing.video.names import Labels
-from physim.drawing.video.panel import signs
 from physim.drawing.video.text import shorten, sprite, stamp, width, wrapped
 from physim.drawing.video.view import Camera, Lens
 from physim.geometry.shapes import FloatArray

@@ -25,7 +25,7 @@ from physim.drawing.page.why import explanations
 from physim.drawing.timeline import Timeline
 from physim.drawing.video.ground import ground
 from physim.drawing.video.layout import SHORT_TRAIL, TRAIL
-from physim.drawing.video.panel import signs
+from physim.drawing.video.legend import signs
 from physim.errors import RecordError
 from physim.record import Record
 

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from math import inf
+
 import cv2
 import numpy as np
 import shapely
@@ -26,8 +29,14 @@ class Camera:
     """
 
     def __init__(
-        self, timeline: Timeline, extent: tuple[FloatArray, FloatArray], box: Box, speed: float
+        self,
+        timeline: Timeline,
+        extent: tuple[FloatArray, FloatArray],
+        box: Box,
+        speed: float,
+        most: float = inf,
     ) -> None:
+        """``extent`` [m] are the lowest and highest x and y of the ground; ``most`` [px/m]."""
         self.box = box
         self.extent = extent
         low, high = extent
@@ -38,11 +47,13 @@ class Camera:
         self.whole = fit * robot >= WHOLE
         self._times = np.zeros(1)
         self._centre = ((low + high) / 2.0)[None, :]
-        self.scale = fit
+        self.scale = min(fit, most)
         if not self.whole:
-            self._follow(timeline, room, robot, speed)
+            self._follow(timeline, room, robot, speed, most)
 
-    def _follow(self, timeline: Timeline, room: FloatArray, robot: float, speed: float) -> None:
+    def _follow(
+        self, timeline: Timeline, room: FloatArray, robot: float, speed: float, most: float
+    ) -> None:
         period = max(0.25, speed / 8.0, timeline.duration / 20000.0)
         count = max(2, int(np.ceil(timeline.duration / period)) + 1)
         self._times = np.linspace(0.0, max(timeline.duration, period), count)
@@ -52,6 +63,7 @@ class Camera:
         spread = (high - low).max(axis=0) + 2.0 * reach
         least = SHORT if (room / spread).min() * robot < LONG else LONG
         self.scale = float(np.clip((room / spread).min(), least / robot, LARGE / robot))
+        self.scale = min(self.scale, most)
         centre = (low + high) / 2.0
         lost = ((high - low + 2.0 * reach) * self.scale > room + 1e-9).any(axis=1)
         centre[lost] = np.median(places[lost], axis=1)
@@ -85,6 +97,12 @@ class Camera:
             float(round(self.box.width / 2.0 - x * self.scale)),
             float(round(self.box.height / 2.0 + y * self.scale)),
         )
+
+
+def common_scale(cameras: Sequence[Camera], timelines: Sequence[Timeline]) -> float:
+    """Largest scale [px/m] that all cameras can have; inf where a robot would be too small."""
+    scale = min(camera.scale for camera in cameras)
+    return scale if min(map(smallest_length, timelines)) * scale >= SHORT else inf
 
 
 def smallest_length(timeline: Timeline) -> float:

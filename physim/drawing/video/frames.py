@@ -12,18 +12,20 @@ import numpy as np
 from physim.drawing import palette
 from physim.drawing.palette import rgb
 from physim.drawing.timeline import Timeline
+from physim.drawing.video.camera import Camera, common_scale
 from physim.drawing.video.ground import Overview, ground, plain
 from physim.drawing.video.layout import HEIGHT, TEXT, TITLE, WIDTH, Box, Image, arrange
-from physim.drawing.video.panel import (
+from physim.drawing.video.legend import (
     CONTACT,
     ROW,
     SIGN,
-    Panel,
+    draw_ground_signs,
     draw_modes,
-    draw_progress,
     draw_signs,
     signs,
 )
+from physim.drawing.video.panel import Panel, draw_progress
+from physim.drawing.video.scale import draw_scale
 from physim.drawing.video.strip import Strip
 from physim.drawing.video.text import BOLD, shorten, width, write
 from physim.drawing.video.view import View
@@ -77,11 +79,15 @@ class Painter:
         return self._image
 
 
-HEADER, FOOTER = 62, 78
-"""[px] height of the titles above the two views, and of time and legend below"""
+HEADER, BARS, FOOTER = 62, 26, 78
+"""[px] height of the titles above the two views, of the scale bars below them, and of time and
+legend below these"""
 PAD, GAP = 16, 3
 BAR_END = WIDTH - 140
 """[px] where the bar of the time ends; then comes the sign of a contact"""
+BARS_TOP = HEIGHT - FOOTER - BARS
+BESIDE = 230
+"""[px] from the left end of a scale bar to the first sign beside it"""
 LEAST_WORDS = 24
 """[px] of a mode's words, however many there are"""
 OUTCOME, ENDED = 200, 340
@@ -108,12 +114,13 @@ class Beside:
         timelines = left, right
         self.duration = max(timeline.duration for timeline in timelines)
         self._speed = speed
-        half, high = (WIDTH - GAP) // 2, HEIGHT - HEADER - FOOTER
+        half, high = (WIDTH - GAP) // 2, HEIGHT - HEADER - BARS - FOOTER
         boxes = Box(0, HEADER, half, high), Box(WIDTH - half, HEADER, half, high)
-        self._views = [
-            View(timeline, ground(timeline), box, speed, fps)
-            for timeline, box in zip(timelines, boxes, strict=True)
-        ]
+        self._grounds = [ground(timeline) for timeline in timelines]
+        shown = [*zip(timelines, self._grounds, boxes, strict=True)]
+        cameras = [Camera(one, world.extent, box, speed) for one, world, box in shown]
+        most = common_scale(cameras, timelines)
+        self._views = [View(one, world, box, speed, fps, most) for one, world, box in shown]
         self._titles = titles(left.record.world, right.record.world)
         self._names = file_names(left.record.path, right.record.path)
         self._still = self._draw_still()
@@ -137,6 +144,8 @@ class Beside:
                 shown = view.box.of(image)
                 shown[:] = (PALE * 255.0 + (1.0 - PALE) * shown).astype(np.uint8)
             self._outcome(image, view, now.time, then, held)
+            over = view.timeline.over(now.time) and not held
+            draw_scale(image, view.box.left + PAD, BARS_TOP + BARS // 2, view.scales[over])
         y = HEIGHT - FOOTER + 32
         write(image, f"{time:.1f} s", (PAD, y), 24, weight=BOLD)
         draw_progress(image, PAD + 200, BAR_END, y - 8, time / max(self.duration, 1e-9))
@@ -190,6 +199,10 @@ class Beside:
         """The modes: of both runs in one row, or of each below its view where they would mix up."""
         top = HEIGHT - FOOTER + 48
         draw_signs(image, BAR_END + 2 * PAD, HEIGHT - FOOTER + 14, ROW, [CONTACT])
+        for view, world in zip(self._views, self._grounds, strict=True):
+            left, right = view.box.left + BESIDE, view.box.left + view.box.width - PAD
+            entries = signs(view.timeline, world)
+            draw_ground_signs(image, left, right, BARS_TOP + (BARS - ROW) // 2, ROW, entries)
         both = [
             [view.timeline.scene.modes[k] for k in view.timeline.explained_modes]
             for view in self._views

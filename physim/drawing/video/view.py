@@ -68,11 +68,20 @@ class View:
     """
 
     def __init__(
-        self, timeline: Timeline, world: Ground, box: Box, speed: float, fps: float
+        self,
+        timeline: Timeline,
+        world: Ground,
+        box: Box,
+        speed: float,
+        fps: float,
+        most: float = math.inf,
     ) -> None:
-        """``world`` is the ground that the record shows, ``box`` where the view stands."""
+        """``world`` is the ground that the record shows, ``box`` where the view stands.
+
+        ``most`` is the largest scale [px/m] during the run.
+        """
         self.timeline, self.box = timeline, box
-        self.camera = Camera(timeline, world.extent, box, speed)
+        self.camera = Camera(timeline, world.extent, box, speed, most)
         self._speed = speed
         self._lasts = max(mark_lasts(speed), timeline.spacing)
         self._background = Background(world, self.camera.scale)

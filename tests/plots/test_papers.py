@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import re
 from collections.abc import Iterator
+from itertools import combinations
 from pathlib import Path
 from typing import Any
 
@@ -18,12 +19,14 @@ from physim.drawing.labels import signed
 from physim.drawing.plots import NAMES, draw
 from physim.drawing.plots.curves import deviation, speeds
 from physim.drawing.plots.frame import in_rows
+from physim.drawing.plots.maps import trajectories
 from physim.drawing.plots.multiples import MOST_TOGETHER
 from physim.drawing.plots.paper import fitted
 from physim.drawing.plots.pictures import PICTURES
 from physim.drawing.plots.style import DATE, robot_colour, styled
 from physim.errors import PhysimError
 from physim.record import Record
+from tests.metrics.histories import history
 from tests.records import make_record
 
 
@@ -152,3 +155,36 @@ def test_files_have_no_date_whatever_the_environment_says(
     assert b"dc:date" not in written
     assert b"CreationDate" not in written
     assert os.environ[DATE] == date
+
+
+def to_and_fro() -> Record:
+    """A robot that comes past the same places five times, 10 m beside the time before."""
+    pose = np.zeros((501, 1, 3))
+    along = np.linspace(0.0, 5.0, 501)
+    pose[:, 0, 0] = 60.0 * np.abs((along + 1.0) % 2.0 - 1.0)
+    pose[:, 0, 1] = 10.0 * np.floor(along)
+    return history([{"step": 0, "robot": 0}], robots=1, steps_run=500, pose=pose)
+
+
+@pytest.mark.parametrize("width", [3.5, 7.16])
+def test_times_on_a_map_do_not_lie_over_each_other(width: float) -> None:
+    with to_and_fro() as record, styled():
+        figure = fitted(lambda: trajectories(record, 0.5), False, width)
+        figure.draw_without_rendering()
+        (axis,) = figure.axes
+        boxes = [text.get_window_extent() for text in axis.texts if text.get_gid() == "time"]
+        room = axis.get_window_extent()
+    assert len(boxes) >= 8
+    assert not [(a, b) for a, b in combinations(boxes, 2) if a.overlaps(b)]
+    assert all(room.containsx(x) for box in boxes for x in (box.x0, box.x1))
+    assert all(room.containsy(y) for box in boxes for y in (box.y0, box.y1))
+
+
+@pytest.mark.parametrize("title", [True, False])
+def test_a_map_leaves_no_free_bands(title: bool, seven: Record) -> None:
+    with styled():
+        figure = fitted(lambda: trajectories(seven), title, 3.5)
+        figure.draw_without_rendering()
+    (axis,) = figure.axes
+    slot = axis.get_position(original=True).height * figure.bbox.height
+    assert slot - axis.get_tightbbox().height < 0.1 * figure.bbox.height

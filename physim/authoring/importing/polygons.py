@@ -192,7 +192,8 @@ def drawing_of(path: Path, kind: str, parts: list[Part], options: Options) -> Dr
         elif part.role == "obstacle":
             drawing.obstacles.append(_ring(shape))
         elif part.role == "wall":
-            drawing.boundaries += map(rounded, lines_of(shape))
+            for line in lines_of(shape):
+                _line(drawing, part, rounded(line), paths, unused)
         else:
             polygons += _valid(path, shape, part.line, drawing)
     take_paths(drawing, paths)

@@ -8,7 +8,6 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from physim.analysis.metrics import Width, corridor_width
 from physim.analysis.metrics.distances import width_extreme
@@ -26,9 +25,10 @@ from physim.drawing.plots.frame import (
 )
 from physim.drawing.plots.scene import add_bodies, add_lines, draw_scene
 from physim.drawing.plots.style import CONTACT, INK, QUIET, WIDTH, WIDTHS, robot_colour
+from physim.drawing.plots.times import write_times
 from physim.drawing.scene_model import SceneModel, placed
 from physim.drawing.timeline import Timeline
-from physim.geometry.shapes import FloatArray, IntArray
+from physim.geometry.shapes import IntArray
 from physim.record import Record
 
 SNAPSHOTS = 10
@@ -38,7 +38,6 @@ MANY_CONTACTS = 30
 """Contacts from which on their marks are small."""
 COLUMNS = 5
 """of the legend"""
-UP = np.array([0.0, 1.0])
 SIMPLE = (1.0, 2.0, 3.0, 5.0)
 """Leading figures of the time between snapshots."""
 LONGEST = 32
@@ -70,7 +69,7 @@ def trajectories(record: Record, snapshots: float | None = None) -> Any:
     handles += _courses(axis, record)
     handles += _snapshots(axis, timeline, at)
     handles += _contacts(axis, record)
-    _times(axis, record, at)
+    write_times(axis, record, at)
     axis.set_title(f"robots every {every:g} s", loc="right", fontsize=8.5)
     rows = legend_below(figure, handles, COLUMNS)
     figure.set_size_inches(WIDTH, tall + 0.5 + ROW * rows)
@@ -186,42 +185,6 @@ def _snapshots(axis: Any, timeline: Timeline, at: IntArray) -> list[Any]:
         for k, mode in enumerate(scene.modes)
         if k in given
     ]
-
-
-def _times(axis: Any, record: Record, at: IntArray) -> None:
-    """Time of each snapshot, left of its robots as they go."""
-    wide = float(np.ptp(axis.get_xlim()))
-    last: FloatArray | None = None
-    for row in at:
-        group = _group(record.pose[row, :, :2], 0.1 * wide)
-        places = record.pose[row, group, :2]
-        middle = np.median(places, axis=0)
-        if last is not None and np.hypot(*(middle - last)) < 0.045 * wide:
-            continue  # it would be written over the one before
-        last = middle
-        around = np.clip([row - record.samples // 100, row + record.samples // 100], 0, None)
-        ends = np.median(record.pose[np.minimum(around, record.samples - 1)][:, group, :2], axis=1)
-        ahead = np.hypot(*(ends[1] - ends[0]))
-        left = np.array([-1.0, 1.0]) * (ends[1] - ends[0])[::-1] / ahead if ahead > 0.0 else UP
-        beside = float(((places - middle) @ left).max())
-        time = float(record.time[row])
-        said = f"{time:.3g} s" if time < 999.5 else f"{time:.0f} s"
-        axis.annotate(
-            said, middle + beside * left, xytext=tuple(15.0 * left),
-            textcoords="offset points", ha="center", va="center", fontsize=7.5, color=INK,
-            zorder=6, gid="time",
-            bbox={"boxstyle": "square,pad=0.1", "fc": "white", "alpha": 0.75, "linewidth": 0},
-        )  # fmt: skip
-
-
-def _group(places: FloatArray, near: float) -> NDArray[np.bool_]:
-    """Robots (N,) beside which a time is written: those about the middle of all, or, where these
-    are few since robots come from several sides, the first robot and those about it."""
-    middle, first = (
-        np.asarray(np.hypot(*(places - about).T) <= near)
-        for about in (np.median(places, axis=0), places[0])
-    )
-    return middle if np.count_nonzero(middle) >= len(places) / 4.0 else first
 
 
 def _contacts(axis: Any, record: Record) -> list[Any]:

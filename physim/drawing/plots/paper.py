@@ -7,6 +7,7 @@ from operator import itemgetter
 from typing import Any
 
 from physim.drawing.plots.frame import ROW, clear_marks, in_rows, legend_below
+from physim.drawing.plots.times import clear_times
 
 LEAST, MOST = 2.0, 20.0
 """[in] of a width"""
@@ -29,8 +30,22 @@ def fitted(make: Callable[[], Any], title: bool, width: float | None) -> Any:
             _legends_below(figure)
         if title:
             _shortened(figure)
+        _cut_to_map(figure)
         clear_marks(figure)
+    clear_times(figure)
     return figure
+
+
+def _cut_to_map(figure: Any) -> None:
+    """Take off the height that a map, of which x and y have one scale, leaves free."""
+    figure.draw_without_rendering()
+    free = [
+        axis.get_position(original=True).height - axis.get_tightbbox().height / figure.bbox.height
+        for axis in figure.axes
+        if axis.get_aspect() != "auto"
+    ]
+    wide, high = figure.get_size_inches()
+    figure.set_size_inches(wide, high * (1.0 - max([0.0, *free])))
 
 
 def _untitled(figure: Any) -> None:

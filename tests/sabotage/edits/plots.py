@@ -215,7 +215,7 @@ EDITS = (
     ),
     Edit(
         "plots",
-        "physim/drawing/plots/maps.py",
+        "physim/drawing/plots/times.py",
         "_group",
         ">= len(places) / 4.0",
         ">= 0",

@@ -143,9 +143,9 @@ def _numbers(text: str) -> tuple[float, float]:
 
 
 def _number(text: str) -> float:
-    """Number, or NaN, which no bounds hold."""
+    """Number in plain digits, or NaN, which no bounds hold."""
     try:
-        return float(text)
+        return float(text) if text.isascii() and "_" not in text else math.nan
     except ValueError:
         return math.nan
 

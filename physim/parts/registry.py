@@ -16,6 +16,7 @@ from importlib.metadata import entry_points
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from physim.errors import ControllerError, Fault, Location, WorldError, dotted, nearest
+from physim.escaping import escaped
 from physim.parts.user_code import (
     attribute,
     broken_by,
@@ -137,7 +138,7 @@ def find_part(kind: Kind, name: str, trusted: bool = False) -> type[Any]:
     known = sorted(entries)
     raise ControllerError(
         f"no {kind.word} is called {describe(name)}; registered: {', '.join(known) or 'none'}"
-        f"{_elsewhere(kind, name) or nearest(name[:100], known) or _registering(kind)}"
+        f"{_elsewhere(kind, name) or nearest(name[:100], known) or _own(kind, name, trusted)}"
     )
 
 
@@ -298,7 +299,7 @@ def _changed(folder: str) -> int | None:
 
 
 def _registered(kind: Kind, entries: Mapping[str, tuple[str, ...]], name: str) -> type[Any]:
-    """Import what is registered under a name; `ControllerError` where that are several classes."""
+    """Import what is registered under a name; `ControllerError` where they are several classes."""
     target, *others = entries[name]
     if others:
         raise ControllerError(
@@ -337,11 +338,13 @@ def _elsewhere(kind: Kind, name: str) -> str:
     return ""
 
 
-def _registering(kind: Kind) -> str:
-    group = describe(kind.group)
-    return f"; register one by an entry point in the group {group}, then pip install again"
+def _own(kind: Kind, name: str, trusted: bool) -> str:
+    registered = f"register one by an entry point in the group {describe(kind.group)}"
+    module, _, own = name.removesuffix(".py").rpartition("/")[2].partition(".")
+    like = f"{escaped(module)[:40]}:{escaped(own)[:40] or 'CLASS'}"
+    given = f"one of your own is given as MODULE:CLASS, here {like}; or " if trusted else ""
+    return f"; {given}{registered}, then pip install again"
 
 
 def _first_line(part: type[Any]) -> str:
-    lines = (part.__doc__ or "").strip().splitlines()
-    return lines[0] if lines else "no description"
+    return next(iter((part.__doc__ or "").strip().splitlines()), "no description")

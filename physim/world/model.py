@@ -290,6 +290,10 @@ class World(Model):
     def changed(self, **changes: Any) -> World:
         """Return this world with some values replaced; checked like a new one (WorldError).
 
+        Whether controller and stages are registered, and have these settings, is checked where they
+        are used, by `physim.simulate` or a file that is loaded. A dotted key, such as
+        ``robots.0.limits.v``, is changed by ``load_world(name, overrides=["KEY=VALUE"])``.
+
         A mapping given for a group, as ``formation={"gain": 0.02}``, changes these keys alone, as
         ``--set formation.gain=0.02`` does; with a ``type`` it is another part, without the settings
         of the one before. None for a setting of the controller leaves that setting out.

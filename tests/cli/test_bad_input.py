@@ -194,6 +194,10 @@ ARGUMENTS = {
     "unknown controller": (
         ["small.yaml", "--controller", "nobody"], "--controller:", '"nobody"', REGISTERED,
     ),
+    "a file": (["small.yaml", "--controller", "own/ctl.py"], "--controller:", "ctl:CLASS"),
+    "a module with a class": (
+        ["small.yaml", "--controller", "ctl.Ttc"], "--controller:", "MODULE:CLASS", "ctl:Ttc",
+    ),
     "no such module": (
         ["small.yaml", "--controller", "no_such_module:X"],
         "--controller:", '"no_such_module:X"', 'no module "no_such_module"',
@@ -229,6 +233,14 @@ def test_faulty_seed(seed: str, here: Path, capsys: pytest.CaptureFixture[str]) 
     done = physim("run", "small.yaml", "--seed", seed, capture=capsys)
     given = seed or '""'
     check(done, f"--seed {given}:", "a whole number from 0 to 10^15", "physim run --help")
+    assert tree(here) == before
+
+
+@pytest.mark.parametrize("scale", ["1_0", "١", "1e", "0x1", "1,0", ""])
+def test_faulty_number(scale: str, here: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    before = tree(here)
+    done = physim("import", "a.svg", "-o", "w.yaml", "--scale", scale, capture=capsys)
+    check(done, f"--scale {scale or chr(34) * 2}:", "physim import --help")
     assert tree(here) == before
 
 

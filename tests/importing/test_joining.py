@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import json
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 import shapely
+import shapely.affinity
 
 from physim.authoring.importing import ImportSourceError, Options, import_world
 from physim.world.checks import check_world
@@ -105,7 +107,38 @@ def test_pieces_of_a_path_are_joined_where_they_meet(tmp_path: Path, pieces: lis
     assert line is not None
     assert shapely.LineString(line).length == pytest.approx(17.1, abs=0.1)
     assert (np.diff(np.asarray(line)[:, 0]) >= 0.0).all()  # as the first piece goes
-    assert sum("joined at" in one for one in made.changes) == 2
+    check_says(only(made, "pieces joined"), "3 pieces … from (2.00, 7.00) to (20.00, 7.00)")
+
+
+def test_very_many_pieces_of_a_path_are_joined(tmp_path: Path) -> None:
+    x = np.linspace(2.0, 22.0, 2001)
+    pieces = [shapely.LineString([(a, 7.0), (b, 7.0)]) for a, b in pairwise(x)]
+    turned = [piece.reverse() if k % 3 else piece for k, piece in enumerate(pieces)]
+    order = [0, *(1 + np.random.default_rng(1).permutation(len(turned) - 1)).tolist()]
+    place = ("boundary", shapely.box(0, 0, 24, 14))
+    made = import_world(geojson(tmp_path, [place, *(("path", turned[k]) for k in order)]))
+    check_says(only(made, "pieces joined"), "2000 pieces … from (2.00, 7.00) to (22.00, 7.00)")
+
+
+@pytest.mark.parametrize(
+    ("pieces", "length"),
+    [
+        ([("path a", [(2, 7), (20, 7)]), ("path b", [(2, 7), (2, 12)])], 18.0),
+        ([("path", [(2, 7), (12, 7)]), ("path", [(12, 7), (20, 7)]),
+          ("path", [(12, 7), (12, 12)])], 10.0),
+    ],
+    ids=["other names", "fork"],
+)  # fmt: skip
+def test_paths_of_other_names_and_forks_are_not_joined(
+    tmp_path: Path, pieces: list[Any], length: float
+) -> None:
+    lines = [(role, shapely.LineString(points)) for role, points in pieces]
+    made = import_world(geojson(tmp_path, [("boundary", shapely.box(0, 0, 24, 14)), *lines]))
+    assert not [one for one in made.changes if "joined" in one]
+    assert sum("left out" in one for one in made.changes) == len(pieces) - 1
+    assert made.world.reference_path is not None
+    cut = shapely.LineString(made.world.reference_path).length
+    assert length - 3.0 < cut <= length  # shortened at walls
 
 
 def test_pieces_of_a_path_that_do_not_meet_are_left_out_and_told(tmp_path: Path) -> None:
@@ -140,7 +173,7 @@ def test_a_robot_keeps_the_first_of_two_paths(tmp_path: Path) -> None:
     ]  # fmt: skip
     made = import_world(geojson(tmp_path, parts))
     assert [y for _, y in made.world.robots[0].path] == [4.5, 4.5]
-    assert "arrow has a path already" in only(made, "(4.00, 9.00) to (20.00, 9.00)")
+    assert only(made, "(4.00, 9.00) to (20.00, 9.00)").endswith("left out")
 
 
 @pytest.mark.parametrize(
@@ -182,3 +215,48 @@ def test_a_place_too_narrow_in_kilometres_is_asked_for_its_scale(
     with pytest.raises(ImportSourceError) as caught:
         import_world(path)
     assert ("--scale" in str(caught.value)) == asked
+
+
+@pytest.mark.parametrize("role", ["wall", "layer"])
+def test_walls_that_leave_the_room_open_are_told(tmp_path: Path, role: str) -> None:
+    """With a door to the outside: what is enclosed then is the inside of a wall."""
+    boxes = [shapely.box(x, y, x + w, y + h) for x, y, w, h in (*THICK[:3], (39, 0, 1, 8),
+                                                                (39, 9, 1, 11))]  # fmt: skip
+    if role == "wall":
+        path = geojson(tmp_path, [("wall", box) for box in boxes])
+    else:
+        path = tmp_path / "plan.svg"
+        lines = "".join(f'<rect x="{x}" y="{20 - t}" width="{u - x}" height="{t - y}"/>'
+                        for x, y, u, t in (box.bounds for box in boxes))  # fmt: skip
+        path.write_text(svg(f'<g id="walls">{lines}</g>', 'width="40" height="20"'))
+    assert only(import_world(path, METRES), "WARNING").find("--from") > 0
+    drawn = import_world(walls_as_drawn(tmp_path), METRES)
+    assert not [one for one in drawn.changes if "WARNING" in one]
+
+
+def test_walls_about_a_polygon_leave_it_the_area(tmp_path: Path) -> None:
+    """Without a path to say so: what is between the walls of a building and it is larger."""
+    hall, building = shapely.box(10, 10, 40, 30), shapely.box(0, 0, 100, 60)
+    parts = [("boundary", hall), ("wall", building.exterior), ("wall", shapely.LineString(
+        [(20, 10), (20, 16)]))]  # fmt: skip
+    made = import_world(geojson(tmp_path, parts))
+    assert area_of(made.text, tmp_path) == pytest.approx(hall.area)
+
+
+def test_plans_of_walls_over_each_other_have_no_crossings(tmp_path: Path) -> None:
+    """Turned by any angle, with pillars that touch walls or lie over them."""
+    rng = np.random.default_rng(5)
+    for k in range(25):
+        corners = rng.uniform((1, 1), (34, 16), (6, 2))
+        sizes = rng.choice([0.3, 1.0, 2.0, 4.0], (6, 2))
+        boxes = [shapely.box(x, y, x + w, y + h) for x, y, w, h in THICK[:4]]
+        boxes += [
+            shapely.box(*low, *(low + size)) for low, size in zip(corners, sizes, strict=True)
+        ]
+        angle = float(rng.uniform(0, 90)) if k > 5 else 0.0
+        turned = shapely.affinity.rotate(shapely.MultiPolygon(boxes), angle, origin=(20, 10)).geoms
+        made = import_world(geojson(tmp_path, [("wall", one) for one in turned]))
+        (tmp_path / "made.yaml").write_text(made.text)
+        assert not [
+            one for one in check_world(tmp_path / "made.yaml").errors if "cross" in str(one)
+        ]

@@ -117,3 +117,19 @@ def test_a_way_too_long_for_points_close_to_each_other_stays_where_there_is_room
     assert place.is_valid
     area = Outline(place)
     assert not area.crossed([shapely.LineString(smooth(way[50:-50], area, 1.5))]).size
+
+
+@pytest.mark.parametrize("layer", ["Room", "hall", "bath", "0", ""])
+def test_layers_may_have_any_name(tmp_path: Path, layer: str) -> None:
+    """As programs that draw write them; those of roles have these."""
+    place = shapely.geometry.mapping(shapely.box(0, 0, 24, 14))
+    pillar = shapely.geometry.mapping(shapely.box(3, 2, 5, 4))
+    path = tmp_path / "plan.geojson"
+    features = [
+        {"type": "Feature", "properties": {"Layer": name}, "geometry": shape}
+        for name, shape in ((layer, place), ("obstacle", pillar))
+    ]
+    path.write_text(json.dumps({"type": "FeatureCollection", "features": features}))
+    made = import_world(path)
+    assert made.world.obstacles is not None
+    assert len(made.world.obstacles) == 1

@@ -424,10 +424,6 @@ POLYGONS = {
         featured("Polygon", [SQUARE], role=3),
         'role: … "3" … boundary, wall, obstacle, path, robot',
     ),
-    "layer.geojson": (
-        featured("Polygon", [SQUARE], layer="Robots"),
-        'layer: … "robots" … boundary, wall, obstacle, path, robot',
-    ),
     "fence.geojson": (
         featured("LineString", SQUARE, role="obstacle"),
         'LineString … "obstacle" … Polygon',

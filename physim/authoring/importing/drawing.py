@@ -62,7 +62,8 @@ class Drawing:
     """Lines of a source [m], world frame, x right and y up.
 
     ``boundaries`` are polylines, closed ones with the first point repeated; ``obstacles`` are
-    rings without that; ``area`` is the shapely polygon that robots may use, once it is known.
+    rings without that; ``area`` is the shapely polygon that robots may use, once it is known, and
+    ``within`` the one that a source of polygons says is where they may.
     ``facts`` say what was read and how; ``changes`` every line that was dropped or repaired.
     """
 
@@ -73,12 +74,13 @@ class Drawing:
     robots: list[DrawnRobot] = field(default_factory=list)
     paths: dict[str, FloatArray] = field(default_factory=dict)
     area: Any = None
+    within: Any = None
     facts: list[str] = field(default_factory=list)
     changes: list[str] = field(default_factory=list)
     sources: list[Source] = field(default_factory=list)
     """of what the lines were made, where the source has a name and a line for each"""
     repairs: list[str] = field(default_factory=list)
-    """those of the changes that may be the cause of what is wrong afterwards"""
+    """those of the changes that may be why the area does not suit the path"""
 
     def source_at(self, point: Sequence[float] | FloatArray, *roles: str) -> Source | None:
         """The source of one of some roles, of any without, nearest to a point (2,) [m]."""

@@ -158,6 +158,8 @@ def enclose(path: Path, drawing: Drawing, inside: tuple[float, float] | None) ->
     if not drawing.boundaries:
         raise refused(path, "no boundary found; a world needs lines that enclose an area")
     faces, loose = faces_and_loose(drawing.boundaries)
+    if drawing.within is not None:
+        faces = [one for one in faces if drawing.within.covers(one.representative_point())]
     if not faces:
         said, at = open_ends(drawing)
         message = f"the boundaries enclose no area; {said}"
@@ -169,6 +171,8 @@ def enclose(path: Path, drawing: Drawing, inside: tuple[float, float] | None) ->
             raise drawing.refused_at(path, message, drawing.reference[0], "path")
     elif inside is not None and not face.contains(shapely.Point(inside)):
         raise refused(path, f"--from {place(inside)}: in no area that the boundaries enclose")
+    elif inside is None and not drawing.robots:
+        drawing.changes[:0] = _doubts_of_a_wall(face, drawing)
     lines, rings = drawing.boundaries, drawing.obstacles
     near = [face.distance(shapely.LineString(line)) <= NEAR for line in lines]
     solid = [face.intersects(shapely.Polygon(ring)) for ring in rings]
@@ -188,6 +192,28 @@ def enclose(path: Path, drawing: Drawing, inside: tuple[float, float] | None) ->
     drawing.area = chosen_area(shapely.get_parts(free), drawing, inside)
 
 
+def _doubts_of_a_wall(face: Any, drawing: Drawing) -> list[str]:
+    """What is to be said of an area that is the inside of one closed line which others meet.
+
+    A wall drawn as an outline is no place for robots, and seems to be one where the room is open.
+    """
+    closed = [line for line in drawing.boundaries if (line[0] == line[-1]).all() and len(line) > 3]
+    around = [line for line in closed if shapely.Polygon(line).covers(face.representative_point())]
+    if len(around) != 1 or drawing.within is not None:
+        return []
+    inside = shapely.Polygon(around[0])
+    outside = [shapely.LineString(line) for line in closed if line is not around[0]]
+    if not any(line.intersects(inside) and not inside.covers(line) for line in outside):
+        return []
+    x, y = around[0][0]
+    which = drawing.named((x, y), "boundary") or f" (from {place((x, y))})"
+    return [
+        f"WARNING: the area is the inside of one closed line{which} that others meet: if these are "
+        "thick walls, the room between them is open, and they enclose nothing; close it, or say "
+        "where robots are (--from X,Y, or a path)"
+    ]
+
+
 def _unite(drawing: Drawing, face: Any, inner: Any) -> None:
     """Replace boundaries that cross by the outline of the area, and what of them stands in it.
 
@@ -196,15 +222,21 @@ def _unite(drawing: Drawing, face: Any, inner: Any) -> None:
     lines = drawing.boundaries
     if not crossings(lines) and not any(map(self_crossings, lines)):
         return
-    drawing.boundaries = [
-        line
-        for edge in shapely.get_parts([face.boundary, inner])
-        if len(line := rounded(shapely.get_coordinates(edge))) > 1
-    ]
+    drawing.boundaries, obstacles = [], len(drawing.obstacles)
+    drawing.add_outline(_largest(shapely.set_precision(face, 10.0**-DIGITS)))
+    for edge in shapely.get_parts(inner):
+        if len(line := rounded(shapely.get_coordinates(edge))) > 1:
+            drawing.boundaries.append(line)
+    points = sum(map(len, [*drawing.boundaries, *drawing.obstacles[obstacles:]]))
     drawing.changes.append(
         f"{plural(len(lines), 'boundary crosses itself', 'boundaries cross')}: the outline of the "
-        f"area is taken instead, {plural(sum(map(len, drawing.boundaries)), 'point')}"
+        f"area is taken instead, {plural(points, 'point')}"
     )
+
+
+def _largest(shape: Any) -> Any:
+    """The largest part of a shape."""
+    return max(shapely.get_parts(shape), key=lambda one: float(one.area))
 
 
 def chosen_area(areas: Sequence[Any], drawing: Drawing, inside: tuple[float, float] | None) -> Any:

@@ -133,7 +133,8 @@ def _features(path: Path, value: Any, role: str, name: str, depth: int) -> Any:
         about = about if isinstance(about, dict) else {}
         about = {key.lower(): one for key, one in about.items()}  # shapefiles have capitals
         own = _role(path, about)
-        label = escaped(str(about.get("name", value.get("id", "")) or ""))[:80]
+        number = "" if own == "path" else value.get("id", "")  # pieces of one path have each one
+        label = escaped(str(about.get("name", number) or ""))[:80]
         if value.get("geometry") is not None:
             yield from _features(path, value["geometry"], own, label, depth + 1)
     else:
@@ -145,15 +146,18 @@ def _features(path: Path, value: Any, role: str, name: str, depth: int) -> Any:
 def _role(path: Path, about: dict[str, Any]) -> str:
     """What a feature is for, by its property ``role``, else by ``layer`` where that is a role.
 
-    A role that is none is refused, and so is a layer that seems to be one misspelt.
+    A role that is none is refused. A layer may have any name.
     """
-    given = about.get("role")
-    own = str(given if given is not None else about.get("layer") or "").strip().lower()
-    near = nearest(own, list(ROLES))
-    if own and own not in ROLES and (given is not None or near):
-        key = "role" if given is not None else "layer"
-        raise refused(path, f'{key}: "{escaped(own)[:40]}" is none of {", ".join(ROLES)}{near}')
-    return own if own in ROLES else ""
+    role, layer = (str(about.get(key) or "").strip().lower() for key in ("role", "layer"))
+    if about.get("role") is None:
+        return layer if layer in ROLES else ""
+    if role and role not in ROLES:
+        raise refused(
+            path,
+            f'role: "{escaped(role)[:40]}" is none of {", ".join(ROLES)}'
+            f"{nearest(role, list(ROLES))}",
+        )
+    return role
 
 
 def _check_role(path: Path, shape: Any, role: str) -> None:

@@ -4,14 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from itertools import combinations
-from math import dist, inf
+from math import dist
 from typing import Any
 
 import numpy as np
 import shapely
+from scipy.spatial import cKDTree
 
 from physim.authoring.importing.drawing import Drawing, listed, place, rounded
-from physim.geometry.shapes import FloatArray
+from physim.geometry.shapes import FloatArray, IntArray
 
 MOST_ENDS = 600
 """Ends of open lines that are compared with each other."""
@@ -87,28 +88,31 @@ def _bridged(lines: list[FloatArray], near: float) -> list[str]:
 def take_paths(drawing: Drawing, named: Sequence[tuple[str, FloatArray]]) -> None:
     """Give a drawing its paths: names of their own and points, once all robots are known.
 
-    A path with a robot's name is that robot's, the others are the reference. Without the latter the
-    first of the former is.
+    A path with a robot's name is that robot's, the first of the others is the reference. Without
+    that the first of the former is.
     """
     robots = {robot.name for robot in drawing.robots}
     pieces: dict[str, list[FloatArray]] = {}
     for name, points in named:
-        pieces.setdefault(name if name in robots else "", []).append(points)
+        pieces.setdefault(name, []).append(points)
+    unused: list[tuple[FloatArray, str]] = []
     for name, lines in pieces.items():
+        if name not in robots and drawing.reference is not None:
+            unused += [(line, "belongs to no robot") for line in lines]
+            continue
         path, left, changes = _join_pieces(lines)
-        if name:
+        drawing.changes += listed(changes)
+        unused += [(line, "its ends do not meet those of the first piece") for line in left]
+        if name in robots:
             drawing.paths[name] = path
         else:
             drawing.reference = path
-        whose = f"robot {name} has a path already" if name else "belongs to no robot"
-        drawing.changes += listed(changes)
-        drawing.changes += listed(
-            [
-                f"path from {place(line[0])} to {place(line[-1])}: {whose}, and its ends do not "
-                "meet those of the first; left out"
-                for line in left
-            ]
-        )
+    drawing.changes += listed(
+        [
+            f"path from {place(line[0])} to {place(line[-1])}: {why}, left out"
+            for line, why in unused
+        ]
+    )
     if drawing.reference is None and drawing.paths:
         drawing.reference = next(iter(drawing.paths.values()))
 
@@ -116,29 +120,48 @@ def take_paths(drawing: Drawing, named: Sequence[tuple[str, FloatArray]]) -> Non
 def _join_pieces(pieces: list[FloatArray]) -> tuple[FloatArray, list[FloatArray], list[str]]:
     """A path drawn in pieces (n, 2) [m]: the first with those whose ends meet its own, in turn.
 
-    In the direction of the first. Returns it, the pieces that are left, and what was done. Ends
-    meet where they are nearer than a share of the extent of all pieces, as those of walls.
+    In the direction of the first. Returns it, the pieces that are left, and what was done. Two
+    ends meet where they are the same, or else nearer than a share of the extent of all pieces, as
+    those of walls; not where there is a third.
     """
-    path, left, changes = pieces[0], pieces[1:], []
-    near = NEARLY * float(np.ptp(np.vstack(pieces), axis=0).max())
-    while len(pieces) <= MOST_ENDS // 2:
-        meetings = [
-            (dist(path[own], piece[other]), k, own, other)
-            for k, piece in enumerate(left)
-            for own in (-1, 0)
-            for other in (0, -1)
-        ]
-        gap, k, own, other = min(meetings, default=(inf, 0, 0, 0))
-        if gap > near:
+    ends = np.vstack([piece[[0, -1]] for piece in pieces])
+    other = _met(ends, NEARLY * float(np.ptp(np.vstack(pieces), axis=0).max()))
+    used, told = {0}, []
+    joined = pieces[0]
+    for at_end in (True, False):
+        end = int(at_end)  # of the ends, that at which the path goes on
+        while (met := int(other[end])) >= 0 and met // 2 not in used:
+            used.add(met // 2)
+            piece = pieces[met // 2]
+            piece = piece[::-1] if (met % 2 == 1) == at_end else piece  # on in the same direction
+            if gap := dist(ends[end], ends[met]):
+                told.append(f"path ends {gap:.3f} m apart at {place(ends[end])} joined")
+            joint = (ends[[end]] + ends[[met]]) / 2.0
+            first, second = (joined, piece) if at_end else (piece, joined)
+            joined = np.vstack([first[:-1], joint, second[1:]])
+            end = met ^ 1
+    if len(used) > 1:
+        begin, final = place(joined[0]), place(joined[-1])
+        told.insert(0, f"path of {len(used)} pieces joined: it goes from {begin} to {final}")
+    left = [piece for k, piece in enumerate(pieces) if k not in used]
+    return rounded(joined), left, told
+
+
+def _met(ends: FloatArray, near: float) -> IntArray:
+    """(n,) for each of the ends (n, 2) [m] of pieces, two a piece, the one it meets; else -1."""
+    other = np.full(len(ends), -1)
+    for reach in (0.0, near):
+        free = np.flatnonzero(other < 0)
+        if len(free) < 2:
             break
-        piece = left.pop(k)
-        joint = (path[own] + piece[other]) / 2.0
-        changes.append(f"pieces of the path, {gap:.3f} m apart, joined at {place(joint)}")
-        first, second = (path, piece) if own else (piece, path)
-        first = first[::-1] if not own and not other else first
-        second = second[::-1] if own and other else second
-        path = rounded(np.vstack([first[:-1], joint, second[1:]]))
-    return path, left, changes
+        away, found = cKDTree(ends[free]).query(ends[free], k=min(4, len(free)))
+        is_other = (away <= reach) & (found != np.arange(len(free))[:, None])
+        is_other &= (free[found] ^ 1) != free[:, None]  # the other end of its own piece
+        alone = is_other.sum(axis=1) == 1
+        partner = np.where(alone, found[np.arange(len(free)), is_other.argmax(axis=1)], -1)
+        mutual = alone & (partner[partner] == np.arange(len(free)))
+        other[free[mutual]] = free[partner[mutual]]
+    return other
 
 
 def open_ends(drawing: Drawing) -> tuple[str, FloatArray]:

@@ -177,6 +177,7 @@ def drawing_of(path: Path, kind: str, parts: list[Part], options: Options) -> Dr
     shapes = [_scaled(path, part, options.unit, origin, drawing) for part in parts]
     check_work(path, [line for shape in shapes for line in lines_of(shape)])
     polygons: list[Any] = []
+    repairs: list[str] = []  # of each of these
     unused: list[str] = []
     paths: list[tuple[str, FloatArray]] = []
     for part, shape in zip(parts, shapes, strict=True):
@@ -195,12 +196,17 @@ def drawing_of(path: Path, kind: str, parts: list[Part], options: Options) -> Dr
             for line in lines_of(shape):
                 _line(drawing, part, rounded(line), paths, unused)
         else:
-            polygons += _valid(path, shape, part.line, drawing)
+            found, repair = _valid(path, shape, part.line, drawing)
+            polygons += found
+            repairs += [repair] * len(found)
     take_paths(drawing, paths)
     drawing.changes += listed(unused)
     if polygons:
         chosen = chosen_area(polygons, drawing, options.origin)
-        drawing.changes += listed([one for one in polygons if one is not chosen], _left_out)
+        taken = next(k for k, one in enumerate(polygons) if one is chosen)
+        drawing.repairs += filter(None, [repairs[taken]])
+        drawing.within = shapely.Polygon(chosen.exterior)
+        drawing.changes += listed(polygons[:taken] + polygons[taken + 1 :], _left_out)
         drawing.add_outline(chosen)
     elif not drawing.boundaries:
         raise refused(path, "holds no polygon; one says where robots may go")
@@ -276,12 +282,12 @@ def _line(
         paths.append((part.name if part.role == "path" else "", points))
 
 
-def _valid(path: Path, shape: Any, line: int | None, drawing: Drawing) -> list[Any]:
+def _valid(path: Path, shape: Any, line: int | None, drawing: Drawing) -> tuple[list[Any], str]:
     """Polygon on the millimetre grid, in parts where it has necks narrower than that.
 
-    One that crosses itself is repaired, which is reported.
+    And how one was repaired that crosses itself, which is reported; else empty.
     """
-    drawn = shape
+    drawn, repair = shape, ""
     if not shape.is_valid:
         reason = shapely.is_valid_reason(shape)
         # holes are taken out of what is within the outline, also where they touch or cross it
@@ -290,7 +296,6 @@ def _valid(path: Path, shape: Any, line: int | None, drawing: Drawing) -> list[A
             raise refused(path, f"a polygon encloses no area ({reason})", line)
         repair = f"polygon repaired ({reason}): {plural(len(parts), 'part')}"
         drawing.changes.append(repair)
-        drawing.repairs.append(repair)
     whole = _polygons_of(shapely.set_precision(shape, 10.0**-DIGITS))
     if not whole:
         raise refused(path, "a polygon is smaller than a millimetre; check --scale", line)
@@ -300,7 +305,7 @@ def _valid(path: Path, shape: Any, line: int | None, drawing: Drawing) -> list[A
         drawing.changes.append(
             f"polygon in {len(whole)} parts: what lies between them is narrower than a millimetre"
         )
-    return whole
+    return whole, repair
 
 
 def _lost_walls(drawn: Any, whole: list[Any]) -> str | None:

@@ -43,6 +43,7 @@ POLL_SECONDS = 0.01
 GRACE_SECONDS = 5.0
 """[s] beyond its limit a worker is killed from outside, where its own timer did not end it."""
 MOST_WORKERS = 8
+UNGUARDED = '; in a program of your own the runs must be begun under if __name__ == "__main__":'
 
 
 def worker_count() -> int:
@@ -152,9 +153,12 @@ class Processes(Executor):
                     self._dismiss(next(one for one in self._team if one.job is None))
                 try:
                     one = _Worker.begun(self._context, self._halt)
+                except RuntimeError:  # a program that begins runs while it is only imported
+                    self._refuse(UNGUARDED)
+                    return
                 except OSError as error:  # of files, processes or memory there are no more
                     if not self._team:  # else those that are there do it later
-                        self._refuse(f"({error.strerror or error})")
+                        self._refuse(f" ({error.strerror or error})")
                         return
                     if all(one.job is None for one in self._team):
                         self._dismiss(self._team[0])
@@ -187,7 +191,7 @@ class Processes(Executor):
         while self._waiting:
             future, _ = self._waiting.popleft()
             if future.set_running_or_notify_cancel():
-                future.set_exception(StartError(f"worker processes cannot be started {why}"))
+                future.set_exception(StartError(f"worker processes cannot be started{why}"))
 
     def _ready(self, busy: list[_Worker], given_up: float | None) -> list[_Worker]:
         """Workers that have something to say or are to say nothing more; waits for one."""
@@ -276,10 +280,7 @@ class _Worker:
         """Why a process that did a job is no more."""
         code = self.process.exitcode
         if not self.ready and code is not None and code > 0:
-            return StartError(
-                f"worker processes cannot be started (exit code {code}); in a program of your own "
-                'the runs must be begun under if __name__ == "__main__":'
-            )
+            return StartError(f"worker processes cannot be started (exit code {code}){UNGUARDED}")
         if job.limit is not None and (
             code == -signal.SIGALRM or (self.due is not None and self.due <= time.monotonic())
         ):

@@ -69,6 +69,8 @@ class Recorder:
         self.size = max(1, min(BLOCK_STEPS, BLOCK_POSES // writer.robots))
         self.steps: list[Step] = []
         self.first = self.rejected = 0
+        self.taken = 0
+        """steps taken down"""
         self.latest: FloatArray | None = None
         """(N, 2) latest command of each controller, once commands came from outside"""
 
@@ -96,6 +98,7 @@ class Recorder:
     def after_step(self, step: Step) -> None:
         """Take down a step and the sample to which it led."""
         self.steps.append(step)
+        self.taken += 1
         count = len(self.steps)
         late = time.monotonic() - self.last_write > BLOCK_SECONDS
         if count == self.size or late:

@@ -108,7 +108,7 @@ def record_run(
             simulation.look_on(observer)
             looking_on.append(observer)  # one whose start failed is not closed
         with folder_kept():
-            ended = _loop(simulation, stop)
+            ended = _loop(simulation, recorder, stop)
             late = _close(looking_on, ended)
     finally:
         simulation.observers = []
@@ -120,7 +120,7 @@ def record_run(
             recorder.close(ended)
         writer.close(
             ended,
-            steps_run=simulation.step_number,
+            steps_run=recorder.taken,
             rejected=recorder.rejected,
             wall_clock={"seconds": elapsed, "factor": simulation.time / max(elapsed, 1e-9)},
         )
@@ -151,10 +151,16 @@ def _close(looking_on: Sequence[Observer], ended: str) -> PhysimError | None:
     return late
 
 
-def _loop(simulation: Simulation, stop: Callable[[], bool] | None) -> str:
-    """Step to the end; says how it ended."""
+def _loop(simulation: Simulation, recorder: Recorder, stop: Callable[[], bool] | None) -> str:
+    """Step to the end; says how it ended. Raises ControllerError for a step not taken down."""
     while simulation.step_number < simulation.scene.steps:
         simulation.step()
+        if recorder.taken != simulation.step_number:
+            after = recorder.taken * simulation.scene.dt
+            raise ControllerError(
+                f"an observer moved the simulation after {after:g} s, or let the recorder go (by "
+                "step, restore, reset or observers); observers look on and change nothing"
+            )
         if simulation.finished:
             return "finished"
         if stop is not None and stop():

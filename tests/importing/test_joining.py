@@ -217,21 +217,70 @@ def test_a_place_too_narrow_in_kilometres_is_asked_for_its_scale(
     assert ("--scale" in str(caught.value)) == asked
 
 
-@pytest.mark.parametrize("role", ["wall", "layer"])
-def test_walls_that_leave_the_room_open_are_told(tmp_path: Path, role: str) -> None:
-    """With a door to the outside: what is enclosed then is the inside of a wall."""
-    boxes = [shapely.box(x, y, x + w, y + h) for x, y, w, h in (*THICK[:3], (39, 0, 1, 8),
-                                                                (39, 9, 1, 11))]  # fmt: skip
-    if role == "wall":
-        path = geojson(tmp_path, [("wall", box) for box in boxes])
-    else:
-        path = tmp_path / "plan.svg"
-        lines = "".join(f'<rect x="{x}" y="{20 - t}" width="{u - x}" height="{t - y}"/>'
-                        for x, y, u, t in (box.bounds for box in boxes))  # fmt: skip
-        path.write_text(svg(f'<g id="walls">{lines}</g>', 'width="40" height="20"'))
+OPEN = (*THICK[:3], (39, 0, 1, 8), (39, 9, 1, 11))
+"""[m] the walls with a door to the outside: what they enclose then is the inside of each"""
+
+
+def test_drawn_walls_that_leave_the_room_open_are_told(tmp_path: Path) -> None:
+    path = tmp_path / "plan.svg"
+    lines = "".join(
+        f'<rect x="{x}" y="{20 - y - h}" width="{w}" height="{h}"/>' for x, y, w, h in OPEN
+    )
+    path.write_text(svg(f'<g id="walls">{lines}</g>', 'width="40" height="20"'))
     assert only(import_world(path, METRES), "WARNING").find("--from") > 0
     drawn = import_world(walls_as_drawn(tmp_path), METRES)
     assert not [one for one in drawn.changes if "WARNING" in one]
+
+
+def test_solid_walls_that_leave_the_room_open_are_refused(tmp_path: Path) -> None:
+    boxes = [("wall", shapely.box(x, y, x + w, y + h)) for x, y, w, h in OPEN]
+    with pytest.raises(ImportSourceError) as caught:
+        import_world(geojson(tmp_path, boxes))
+    check_says(str(caught.value), "walls enclose no area … boundary")
+
+
+def test_the_inside_of_solid_walls_is_no_place(tmp_path: Path) -> None:
+    """As plans have them that are dissolved into one shape: twelve rooms, less than the walls."""
+    rooms = [shapely.box(x, y, x + 2.0, y + 2.0) for x in (2, 6, 10, 14) for y in (2, 6, 10)]
+    largest = shapely.box(2, 14, 6, 18)
+    block = shapely.box(0, 0, 20, 20) - shapely.union_all([*rooms, largest])
+    made = import_world(geojson(tmp_path, [("wall", block)]))
+    assert area_of(made.text, tmp_path) == pytest.approx(largest.area)
+
+
+@pytest.mark.parametrize("pillar", ["", '<rect id="wall 2" x="9" y="6" width="1" height="1"/>'])
+@pytest.mark.parametrize(
+    "walls",
+    ["M 0,0.1 V 14 H 24 V 0 H 0", "M 0,0 H 24 M 24,14 H 0"],
+    ids=["a gap", "two open walls"],
+)
+def test_open_walls_are_closed_whatever_stands_between_them(
+    tmp_path: Path, pillar: str, walls: str
+) -> None:
+    path = tmp_path / "plan.svg"
+    path.write_text(
+        svg(
+            f'<path id="boundary" fill="none" stroke="red" d="{walls}"/>{pillar}'
+            '<path id="path" d="M 2,3 H 20"/>'
+        )
+    )
+    made = import_world(path, METRES)
+    assert area_of(made.text, tmp_path) == pytest.approx(24 * 14, abs=1.1)
+
+
+def test_a_passage_between_walls_in_a_closed_one_stays_open(tmp_path: Path) -> None:
+    """As wide as a gap between ends that are joined, where nothing is enclosed otherwise."""
+    path = tmp_path / "plan.svg"
+    path.write_text(
+        svg(
+            '<path id="boundary" d="M 0,0 H 240 V 140 H 0 Z"/>'
+            '<path id="wall 1" fill="none" stroke="red" d="M 120,0 V 69"/>'
+            '<path id="wall 2" fill="none" stroke="red" d="M 120,71 V 140"/>'
+            '<path id="path" d="M 20,70 H 200"/>'
+        )
+    )
+    made = import_world(path, METRES)
+    assert not [one for one in made.changes if "joined" in one]
 
 
 def test_walls_about_a_polygon_leave_it_the_area(tmp_path: Path) -> None:

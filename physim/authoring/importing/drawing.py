@@ -63,7 +63,8 @@ class Drawing:
 
     ``boundaries`` are polylines, closed ones with the first point repeated; ``obstacles`` are
     rings without that; ``area`` is the shapely polygon that robots may use, once it is known, and
-    ``within`` the one that a source of polygons says is where they may.
+    ``within`` the one that a source of polygons says is where they may; ``solids`` are those that
+    it says are walls all through.
     ``facts`` say what was read and how; ``changes`` every line that was dropped or repaired.
     """
 
@@ -75,6 +76,7 @@ class Drawing:
     paths: dict[str, FloatArray] = field(default_factory=dict)
     area: Any = None
     within: Any = None
+    solids: list[Any] = field(default_factory=list)
     facts: list[str] = field(default_factory=list)
     changes: list[str] = field(default_factory=list)
     sources: list[Source] = field(default_factory=list)

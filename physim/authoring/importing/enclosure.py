@@ -160,11 +160,17 @@ def enclose(path: Path, drawing: Drawing, inside: tuple[float, float] | None) ->
     faces, loose = faces_and_loose(drawing.boundaries)
     if drawing.within is not None:
         faces = [one for one in faces if drawing.within.covers(one.representative_point())]
+    filled = shapely.STRtree(drawing.solids)
+    places = [one for one in faces if not _is_solid(one, filled)]
+    if faces and not places:
+        message = "the walls enclose no area beside what they fill themselves; close the room, or "
+        message += "give its outline the role boundary"
+        raise drawing.refused_at(path, message, drawing.boundaries[0][0], "boundary")
     if not faces:
         said, at = open_ends(drawing)
         message = f"the boundaries enclose no area; {said}"
         raise drawing.refused_at(path, message, at, "boundary")
-    face = chosen_area(faces, drawing, inside)
+    face = chosen_area(places, drawing, inside)
     if drawing.reference is not None:
         if face.intersection(shapely.LineString(drawing.reference)).length <= 0.0:
             message = "no area that the boundaries enclose contains the path"
@@ -190,6 +196,11 @@ def enclose(path: Path, drawing: Drawing, inside: tuple[float, float] | None) ->
         largest = max(drawing.obstacles, key=lambda ring: float(shapely.Polygon(ring).area))
         raise drawing.refused_at(path, message, largest[0], "obstacle")
     drawing.area = chosen_area(shapely.get_parts(free), drawing, inside)
+
+
+def _is_solid(face: Any, solids: Any) -> bool:
+    """Whether an area lies in walls that are solid, in a shapely tree."""
+    return bool(len(solids.query(face.representative_point(), predicate="within")))
 
 
 def _doubts_of_a_wall(face: Any, drawing: Drawing) -> list[str]:

@@ -47,32 +47,48 @@ def loose_ends(lines: list[FloatArray]) -> tuple[list[FloatArray], list[tuple[fl
 
 
 def join_ends(lines: list[FloatArray]) -> list[str]:
-    """Close a drawing whose lines enclose nothing; says what was done. Changes ``lines``.
+    """Close walls that enclose nothing; says what was done. Changes ``lines``.
 
-    Lines that enclose an area already are left as they are.
+    Open lines that enclose an area already are left as they are, and so are those in or at a closed
+    one: they may leave a passage.
     """
-    if not lines or faces_of(lines):
+    closed = [line for line in lines if (line[0] == line[-1]).all()]
+    within = shapely.union_all([shapely.Polygon(face.exterior) for face in faces_of(closed)])
+    walls = [line for line in lines if (line[0] != line[-1]).any() and _is_outside(line, within)]
+    if not walls or faces_of(walls):
         return []
-    changes = _bridged(lines, NEARLY * float(np.ptp(np.vstack(lines), axis=0).max()))
-    if len(lines) != 2 or faces_of(lines):
-        return changes
-    first, second = lines
+    near = NEARLY * float(np.ptp(np.vstack(lines), axis=0).max())
+    joints, changes = _bridged(walls, near)
+    if len(walls) == 2 and not joints:
+        joints, changes = _caps(*walls)
+    lines += joints
+    return changes
+
+
+def _is_outside(line: FloatArray, area: Any) -> bool:
+    return not shapely.LineString(line).intersects(area)
+
+
+def _caps(first: FloatArray, second: FloatArray) -> tuple[list[FloatArray], list[str]]:
+    """Caps that close two open walls at their ends, and what is said of them."""
     straight = np.hypot(*(first[0] - second[0])) + np.hypot(*(first[-1] - second[-1]))
     crossed = np.hypot(*(first[0] - second[-1])) + np.hypot(*(first[-1] - second[0]))
     if crossed < straight:
         second = second[::-1]
     caps = ((first[0], second[0]), (first[-1], second[-1]))
     if any((a == b).all() for a, b in caps):
-        return changes  # one wall in two pieces, and a gap
-    for a, b in caps:
-        lines.append(np.array([a, b]))
-        changes.append(f"two open walls closed by a cap from {place(a)} to {place(b)}")
-    return changes
+        return [], []  # one wall in two pieces, and a gap
+    return [np.array(cap) for cap in caps], [
+        f"two open walls closed by a cap from {place(a)} to {place(b)}" for a, b in caps
+    ]
 
 
-def _bridged(lines: list[FloatArray], near: float) -> list[str]:
-    """Bridge the gap from each loose end to the nearest other end within ``near`` [m]."""
-    changes = []
+def _bridged(lines: list[FloatArray], near: float) -> tuple[list[FloatArray], list[str]]:
+    """Bridges over the gap from each loose end to the nearest other end within ``near`` [m].
+
+    And what is said of them; ends that meet need none.
+    """
+    bridges, changes = [], []
     ends, gaps = loose_ends(lines)
     used: set[int] = set()
     for gap, i, j in gaps:
@@ -80,9 +96,9 @@ def _bridged(lines: list[FloatArray], near: float) -> list[str]:
             continue
         used |= {i, j}
         if gap > 0.0:
-            lines.append(np.array([ends[i], ends[j]]))
+            bridges.append(np.array([ends[i], ends[j]]))
             changes.append(f"wall ends {gap:.3f} m apart at {place(ends[i])} joined")
-    return changes
+    return bridges, changes
 
 
 def take_paths(drawing: Drawing, named: Sequence[tuple[str, FloatArray]]) -> None:

@@ -193,6 +193,7 @@ def drawing_of(path: Path, kind: str, parts: list[Part], options: Options) -> Dr
         elif part.role == "obstacle":
             drawing.obstacles.append(_ring(shape))
         elif part.role == "wall":
+            drawing.solids.append(shape)
             for line in lines_of(shape):
                 _line(drawing, part, rounded(line), paths, unused)
         else:
@@ -200,6 +201,8 @@ def drawing_of(path: Path, kind: str, parts: list[Part], options: Options) -> Dr
             polygons += found
             repairs += [repair] * len(found)
     take_paths(drawing, paths)
+    if len(drawing.solids) == 1 and not drawing.solids[0].interiors:
+        drawing.solids = []  # the outline of a place
     drawing.changes += listed(unused)
     if polygons:
         chosen = chosen_area(polygons, drawing, options.origin)

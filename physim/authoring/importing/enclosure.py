@@ -155,21 +155,7 @@ def enclose(path: Path, drawing: Drawing, inside: tuple[float, float] | None) ->
     of a plan, for example, a wall ends at a door. Raises ImportSourceError when nothing is
     enclosed, or neither the reference path nor, without one, the point ``inside``.
     """
-    if not drawing.boundaries:
-        raise refused(path, "no boundary found; a world needs lines that enclose an area")
-    faces, loose = faces_and_loose(drawing.boundaries)
-    if drawing.within is not None:
-        faces = [one for one in faces if drawing.within.covers(one.representative_point())]
-    filled = shapely.STRtree(drawing.solids)
-    places = [one for one in faces if not _is_solid(one, filled)]
-    if faces and not places:
-        message = "the walls enclose no area beside what they fill themselves; close the room, or "
-        message += "give its outline the role boundary"
-        raise drawing.refused_at(path, message, drawing.boundaries[0][0], "boundary")
-    if not faces:
-        said, at = open_ends(drawing)
-        message = f"the boundaries enclose no area; {said}"
-        raise drawing.refused_at(path, message, at, "boundary")
+    places, loose = _places(path, drawing)
     face = chosen_area(places, drawing, inside)
     if drawing.reference is not None:
         if face.intersection(shapely.LineString(drawing.reference)).length <= 0.0:
@@ -198,9 +184,28 @@ def enclose(path: Path, drawing: Drawing, inside: tuple[float, float] | None) ->
     drawing.area = chosen_area(shapely.get_parts(free), drawing, inside)
 
 
-def _is_solid(face: Any, solids: Any) -> bool:
-    """Whether an area lies in walls that are solid, in a shapely tree."""
-    return bool(len(solids.query(face.representative_point(), predicate="within")))
+def _places(path: Path, drawing: Drawing) -> tuple[list[Any], list[Any]]:
+    """Areas where robots could be, and the lines that enclose nothing."""
+    if not drawing.boundaries:
+        raise refused(path, "no boundary found; a world needs lines that enclose an area")
+    faces, loose = faces_and_loose(drawing.boundaries)
+    if not faces:
+        said, at = open_ends(drawing)
+        message = f"the boundaries enclose no area; {said}"
+        raise drawing.refused_at(path, message, at, "boundary")
+    solids = shapely.union_all(drawing.solids)
+    shapely.prepare(solids)
+    inner = [(one, one.representative_point()) for one in faces]
+    places = [
+        one
+        for one, point in inner
+        if not solids.contains(point) and (drawing.within is None or drawing.within.covers(point))
+    ]
+    if not places:
+        message = "the walls enclose no area beside what they fill themselves; close the room, or "
+        message += "give its outline the role boundary"
+        raise drawing.refused_at(path, message, drawing.boundaries[0][0], "boundary")
+    return places, loose
 
 
 def _doubts_of_a_wall(face: Any, drawing: Drawing) -> list[str]:

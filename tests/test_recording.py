@@ -15,6 +15,7 @@ import shapely
 
 from physim.analysis.metrics import contact_episodes
 from physim.contacts import FALSE_CONTACT_ROW
+from physim.errors import ControllerError
 from physim.parts.controller import Decision, Observation
 from physim.parts.declarations import PAPER_MODES
 from physim.record import Record, RecordWriter
@@ -242,3 +243,40 @@ def test_a_simulation_that_has_made_steps_is_not_recorded() -> None:
     simulation.step()
     with pytest.raises(ValueError, match=facts("step 1", "step 0")):
         record_run(simulation)
+
+
+class Meddles:
+    """Does something to the simulation that it looks at, after a step."""
+
+    def __init__(self, what: str, step: int) -> None:
+        self.what, self.step = what, step
+
+    def start(self, simulation: Simulation) -> None:
+        self.simulation, self.state = simulation, simulation.state
+
+    def after_step(self, step: Any) -> None:
+        if step.truth.step == self.step:
+            made = self.simulation
+            if self.what == "reset":
+                made.reset()
+            elif self.what == "restore":
+                made.restore(self.state)
+            else:
+                made.observers.clear()
+
+    def close(self, ended: str) -> None:
+        pass
+
+
+@pytest.mark.parametrize("what", ["reset", "restore", "clear"])
+def test_an_observer_that_moves_the_simulation_ends_the_run(
+    wild: Any, what: str, tmp_path: Path
+) -> None:
+    """Its record holds what was taken down before, and says that the run broke off."""
+    path = tmp_path / "record.h5"
+    with pytest.raises(ControllerError, match="observer"):
+        simulate(wild, controller=Says(drift), observers=[Meddles(what, 30)], path=path)
+    with Record.load(path) as record:
+        assert record.ended == "error"
+        assert record.steps_run == 31
+        assert record.samples == 32

@@ -159,7 +159,7 @@ def _loop(simulation: Simulation, recorder: Recorder, stop: Callable[[], bool] |
             after = recorder.taken * simulation.scene.dt
             raise ControllerError(
                 f"an observer moved the simulation after {after:g} s, or let the recorder go (by "
-                "step, restore, reset or observers); observers look on and change nothing"
+                "restore, reset or observers); observers look on and change nothing"
             )
         if simulation.finished:
             return "finished"

@@ -214,6 +214,25 @@ def test_no_module_of_the_working_folder_is_run_as_workers_start(
     assert (done.returncode, done.stderr) == (0, "")
 
 
+def test_a_program_that_begins_runs_as_it_is_imported_is_told(tmp_path: Path) -> None:
+    """A worker imports it, too, and may begin no processes then."""
+    program = tmp_path / "begins.py"
+    program.write_text(
+        "from physim.campaigns.processes import Processes\n"
+        "made = Processes(1)\n"
+        "try:\n"
+        "    print(made.submit(abs, -3).result())\n"
+        "finally:\n"
+        "    made.shutdown()\n"
+    )
+    done = subprocess.run(
+        [sys.executable, str(program)],
+        capture_output=True, text=True, check=False, timeout=LONGEST,
+    )  # fmt: skip
+    assert done.returncode == 1
+    assert done.stderr.splitlines()[-1].endswith('if __name__ == "__main__":')
+
+
 @pytest.mark.parametrize("most", [0, 1])
 def test_no_more_processes_than_the_system_allows(
     executor: Processes, monkeypatch: pytest.MonkeyPatch, most: int

@@ -511,4 +511,13 @@ EDITS = (
         "a comparison of a part of a campaign says so",
         "tests/campaigns/test_asked.py::test_a_comparison_of_a_part_says_so",
     ),
+    Edit(
+        "campaigns",
+        "physim/campaigns/processes.py",
+        "Processes._hand_out",
+        "except RuntimeError:",
+        "except ZeroDivisionError:",
+        "a program that begins runs as it is imported does not wait for ever",
+        "tests/campaigns/test_processes.py::test_a_program_that_begins_runs_as_it_is_imported_is_told",
+    ),
 )

@@ -563,4 +563,13 @@ EDITS = (
         "a controller by name keeps the settings of its own type",
         "tests/test_simulation.py::test_a_controller_by_name_keeps_the_settings_of_its_own_type",
     ),
+    Edit(
+        "loop",
+        "physim/simulation/run.py",
+        "_loop",
+        "recorder.taken != simulation.step_number",
+        "False",
+        "an observer cannot move a run that is recorded",
+        "tests/test_recording.py::test_an_observer_that_moves_the_simulation_ends_the_run",
+    ),
 )

@@ -222,4 +222,22 @@ EDITS = (
         "times stand beside robots of that moment",
         "tests/plots/test_figures.py::test_times_stand_beside_robots_of_that_moment",
     ),
+    Edit(
+        "plots",
+        "physim/drawing/plots/times.py",
+        "clear_times",
+        "and not any(box.overlaps(one) for one in kept)",
+        "",
+        "times on a map do not lie over each other",
+        "tests/plots/test_papers.py::test_times_on_a_map_do_not_lie_over_each_other",
+    ),
+    Edit(
+        "plots",
+        "physim/drawing/plots/paper.py",
+        "_cut_to_map",
+        "max([0.0, *free])",
+        "0.0",
+        "a map in print has no free bands",
+        "tests/plots/test_papers.py::test_a_map_leaves_no_free_bands",
+    ),
 )

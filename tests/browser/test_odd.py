@@ -101,6 +101,7 @@ def test_no_number_beside_a_plot_is_cut(opened: Opened, tmp_path: Path) -> None:
           write.call(this, words, x, y, ...more);
         };"""
     seen = opened(write_page([run(controller=Far())], tmp_path / "r.html"), script=script)
+    seen.settle()
     begins = seen.ask("window.begins")
     assert {"0", "1e9"} <= begins.keys()
     assert min(begins.values()) >= 0.0

@@ -102,7 +102,47 @@ def test_two_runs_go_in_step_beside_each_other_or_in_one_view(
     seen.settle()
     assert seen.page.locator(".view:visible canvas").count() == 1
     assert seen.ask("physim.views[0].ghosts.length") == 1
+    title = seen.page.locator(".view:visible .title").inner_text()
+    assert "dashed outlines: the other" in title
+    assert "ended at 4.0 s" in title
     assert "the other" in seen.text(".figures")
+
+
+def test_runs_side_by_side_have_one_scale(opened: Opened, record: Record, tmp_path: Path) -> None:
+    with make_record(tmp_path / "other.h5", 2, 4.0, name="the other") as other:
+        seen = opened(write_page([record, other], tmp_path / "both.html"))
+    for follow in ("'whole'", "'robots'"):
+        seen.ask(f"physim.look({follow})")
+        seen.drawn_at(2.0)
+        scales = seen.ask("physim.views.map((view) => view.drawn.lens.scale)")
+        assert scales[0] == pytest.approx(scales[1])
+
+
+OVERVIEW = """([x, y]) => {
+  const { view, player } = physim, { camera } = view;
+  camera.zoom = 3;
+  physim.show(player.time);
+  const { lens, pose, size } = view.drawn;
+  const wanted = x < 0 ? [size[0] + x, y] : [x, size[1] - y];
+  camera.pan(wanted[0] - (pose[0] * lens.scale + lens.x),
+             wanted[1] - (lens.y - pose[1] * lens.scale), player.time);
+  const seen = [], { prototype } = CanvasRenderingContext2D;
+  const alpha = Object.getOwnPropertyDescriptor(prototype, "globalAlpha");
+  Object.defineProperty(prototype, "globalAlpha", {
+    ...alpha, set(value) { seen.push(value); alpha.set.call(this, value); },
+  });
+  physim.show(player.time);
+  Object.defineProperty(prototype, "globalAlpha", alpha);
+  return seen.includes(0.3);
+}"""
+"""Puts the first robot at a place [px], from the right where x is negative; whether it is pale"""
+
+
+def test_the_overview_is_pale_over_robots(opened: Opened) -> None:
+    seen = opened()
+    seen.drawn_at(2.0)
+    assert seen.page.evaluate(OVERVIEW, [-40, 40])
+    assert not seen.page.evaluate(OVERVIEW, [120, 60])
 
 
 SPIED = """() => {

@@ -5,6 +5,7 @@ const LOOKS = 60; // moments at which the size of the group is taken
 const NEAR = 2.6; // times its range, shown round a robot that is followed
 const USUAL_RANGE = 10; // [m]
 const WHOLE_SHARE = 0.72; // of the scene, from which the group's part is no closer look
+const MOST_UNLIKE = 3; // times as large may be what one scale shows beside another
 const SMOOTH = 1.0; // [s] before and after, over which the place of the group is averaged
 
 export class Camera {
@@ -15,6 +16,7 @@ export class Camera {
     this.shift = [0, 0]; // [m] by hand
     this.size = [1, 1];
     [this.low, this.high] = run.header.scene.extent;
+    this.whole = [0, 1].map((axis) => this.high[axis] - this.low[axis]); // [m] that must be seen
     this.group = groupSize(run);
     this.scratch = new Float64Array(3 * run.robots);
   }
@@ -30,7 +32,7 @@ export class Camera {
   }
 
   get wholeScale() {
-    return this.scaleFor(this.high[0] - this.low[0], this.high[1] - this.low[1]);
+    return this.scaleFor(...this.whole);
   }
 
   /** Whether following the robots would show little less than everything. */
@@ -95,6 +97,17 @@ export class Camera {
   copy(other) {
     Object.assign(this, { follow: other.follow, zoom: other.zoom, shift: [...other.shift] });
     if (typeof this.follow === "number" && this.follow >= this.run.robots) this.follow = "robots";
+  }
+}
+
+/** Gives cameras of runs that are shown side by side one scale, if none is far too small for it. */
+export function agree(cameras) {
+  for (const what of ["whole", "group"]) {
+    const sizes = cameras.map((camera) => camera[what]);
+    const largest = [0, 1].map((axis) => Math.max(...sizes.map((size) => size[axis])));
+    const least = [0, 1].map((axis) => Math.min(...sizes.map((size) => size[axis])));
+    if (largest.some((size, axis) => size > MOST_UNLIKE * least[axis])) continue;
+    for (const camera of cameras) camera[what] = largest;
   }
 }
 

@@ -1,6 +1,7 @@
 // The rows of the plots: formation error, distances, collision times, modes.
 
-const DASHES = [[], [5, 3], [2, 2], [8, 3, 2, 3]]; // one a run
+export const DASHES = [[], [5, 3], [2, 2], [8, 3, 2, 3]]; // one a run
+export const DASHED = ["", "dashed", "dotted", "dash-dotted"];
 const FEW = 60;
 
 /**
@@ -10,8 +11,6 @@ const FEW = 60;
 export function courses(runs) {
   return [errors(runs), distances(runs), times(runs), modes(runs)].filter(Boolean);
 }
-
-const DASHED = ["", "dashed", "dotted", "dash-dotted"];
 
 /** What the lines of a row mean: the runs, or of one run the thresholds. */
 function noteOf(runs, shown, column, colours = "") {

@@ -1,5 +1,7 @@
 // Puts the page together: reads the runs, shows a moment of them, and follows what the reader does.
 
+import { agree } from "./camera.js";
+import { DASHED } from "./courses.js";
 import { unpack } from "./decode.js";
 import { button, byId, el, say } from "./dom.js";
 import { readHash, writeHash } from "./hash.js";
@@ -29,6 +31,7 @@ class Page {
     const speed = SPEEDS.find((one) => this.duration / one <= USUAL) ?? SPEEDS.at(-1);
     this.player = new Player(this.duration, Math.max(1, speed), (time) => this.show(time));
     this.views = runs.map((run) => this.makeView(run));
+    agree(this.views.map((view) => view.camera));
     this.plots = new Plots(byId("plots"), runs, this.duration, (time) => this.player.seek(time));
     this.build();
     this.listen();
@@ -130,8 +133,11 @@ class Page {
   setGhosts(together) {
     const [first, ...others] = this.views;
     first.ghosts = together ? others : [];
-    const outlines = others.map(({ run }) => run.label).join(", ");
-    say(first.title, together ? `${first.run.label}; outlines: ${outlines}` : first.run.label);
+    const outlines = others.map(({ run }, k) => {
+      const ends = run.duration < this.duration ? `, ended at ${run.duration.toFixed(1)} s` : "";
+      return `${DASHED[k + 1]} outlines: ${run.label}${ends}`;
+    });
+    say(first.title, together ? [first.run.label, ...outlines].join("; ") : first.run.label);
     for (const view of others) view.box.hidden = together;
     if (together) this.go({ run: 0 });
     this.player.draw();

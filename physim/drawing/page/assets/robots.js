@@ -52,7 +52,7 @@ export class Fleet {
   }
 
   /** Draws the robots in `seen`, those of one colour in one go. */
-  draw(context, pose, lens, seen, colourOf, { ghost = false } = {}) {
+  draw(context, pose, lens, seen, colourOf, { ghost = false, dash = [] } = {}) {
     const groups = new Map();
     const marks = new Path2D();
     const withMarks = this.largest * lens.scale > MARK_FROM && !ghost;
@@ -69,8 +69,10 @@ export class Fleet {
       context.strokeStyle = ghost ? colour : darker(colour);
       context.lineWidth = ghost ? 1.5 : Math.min(1, 0.15 * this.largest * lens.scale);
       if (!ghost) context.fill(path, "evenodd");
+      context.setLineDash(dash);
       context.stroke(path);
     }
+    context.setLineDash([]);
     context.fillStyle = "#ffffff";
     context.fill(marks);
   }

@@ -2,6 +2,7 @@
 
 import { Camera, toPixels } from "./camera.js";
 import { Contacts } from "./contacts.js";
+import { DASHES } from "./courses.js";
 import { fitted } from "./dom.js";
 import { Ground } from "./ground.js";
 import {
@@ -13,6 +14,7 @@ import { roundBelow } from "./words.js";
 const CONTACT_LASTS = 1; // [s] least simulated time that the mark of a contact stays
 const FINGER = 16; // [px]
 const OVERVIEW = 0.2; // share of the view's shorter side
+const PALE = 0.3; // of the overview over robots
 const FEW = 60; // robots that all have names, targets and trails of their own
 
 export class View {
@@ -70,7 +72,9 @@ export class View {
     if (layers.targets && few && run.targets) {
       drawTargets(context, run, pose, at, lens, seen, colours);
     }
-    for (const ghost of this.ghosts) ghost.drawGhost(context, time, lens, size, colours);
+    this.ghosts.forEach((ghost, k) => {
+      ghost.drawGhost(context, time, lens, size, colours, DASHES[k + 1]);
+    });
     this.fleet.draw(context, pose, lens, seen, (robot) => this.modeColour(robot, at, colours));
     this.drawReferencePoints(context, pose, lens, seen, colours);
     const shown = this.contacts.shown(at, Math.max(CONTACT_LASTS, 0.5 * speed));
@@ -101,7 +105,7 @@ export class View {
     const discs = few ? seen.map((robot) => this.discOf(robot, pose, lens)) : [];
     writeLabels(context, labels, colours, size, discs);
     drawScale(context, roundBelow(130 / lens.scale), lens, size[1], colours);
-    if (lens.scale > 1.25 * camera.wholeScale) this.drawOverview(context, pose, lens, at, size, colours);
+    if (lens.scale > 1.25 * camera.wholeScale) this.drawOverview(context, pose, lens, at, size, colours, seen);
     this.drawn = { time: at, pose: pose.slice(), lens, ratio, shown, size };
   }
 
@@ -130,7 +134,7 @@ export class View {
   }
 
   /** The robots of this run as outlines in the view of another. */
-  drawGhost(context, time, lens, size, colours) {
+  drawGhost(context, time, lens, size, colours, dash) {
     const { run } = this;
     const at = Math.min(time, run.duration);
     const pose = run.poses(at);
@@ -139,12 +143,12 @@ export class View {
       if (this.fleet.isSeen(robot, pose, lens, size)) seen.push(robot);
     }
     const colourOf = (robot) => this.modeColour(robot, at, colours);
-    this.fleet.draw(context, pose, lens, seen, colourOf, { ghost: true });
+    this.fleet.draw(context, pose, lens, seen, colourOf, { ghost: true, dash });
     drawContacts(context, this.contacts.shown(at, CONTACT_LASTS), lens, colours, 0, true);
   }
 
-  /** The whole scene, small, with the part that the view shows. */
-  drawOverview(context, pose, lens, time, [width, height], colours) {
+  /** The whole scene, small, with the part that the view shows; pale where it lies over robots. */
+  drawOverview(context, pose, lens, time, [width, height], colours, seen) {
     const { low, high } = this.camera;
     const [wide, high_] = [high[0] - low[0], high[1] - low[1]];
     const room = Math.max(90, OVERVIEW * Math.min(width, height) * 1.4);
@@ -153,6 +157,11 @@ export class View {
     const [left, top] = [width - box[0] - 10, 10];
     const small = { scale, x: left + 5 - low[0] * scale, y: top + 5 + high[1] * scale };
     context.save();
+    const hides = seen.some((robot) => {
+      const [x, y, radius] = this.discOf(robot, pose, lens);
+      return x + radius > left && y - radius < top + box[1];
+    });
+    context.globalAlpha = hides ? PALE : 1;
     context.beginPath();
     context.rect(left, top, ...box);
     context.fillStyle = colours.outside;

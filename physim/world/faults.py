@@ -192,7 +192,8 @@ def _meant(given: str | int, key: str) -> bool:
 
 def _missing(model: type[BaseModel], location: Location) -> str:
     field = field_at(model, location)
-    return f"missing; needed: {field.description}" if field is not None else "missing"
+    needed = None if field is None else field.description
+    return f"missing; needed: {needed}" if needed else "missing; it has no default"
 
 
 def _misspelt_type(details: Mapping[str, Any]) -> str:

@@ -171,6 +171,10 @@ class World(Model):
         size = f"{len(self.robots)} robot{'' if len(self.robots) == 1 else 's'}"
         return f"<World {describe(self.name)}{seed}: {size}, {self.time.duration:g} s>"
 
+    def __str__(self) -> str:
+        """As its `repr`: the fields of all robots would be a wall of text."""
+        return repr(self)
+
     def _repr_html_(self) -> str:
         """What a notebook shows of it; `physim preview` draws it."""
         formation = "none" if self.formation is None else f"at {self.formation.speed:g} m/s"

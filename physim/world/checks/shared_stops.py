@@ -16,6 +16,8 @@ from physim.world.layout.layout import PartialLayout
 
 MOST_PAIRS = 5_000
 """Pairs that are counted: of a crowd that stops in one place, these."""
+LEAST = 1e-3
+"""[m] of an overlap from which on its measure is told"""
 
 
 def check_shared_stops(laid: PartialLayout, at: list[Stop], found: Diagnostics) -> None:
@@ -40,13 +42,17 @@ def check_shared_stops(laid: PartialLayout, at: list[Stop], found: Diagnostics) 
     x, y = stop.pose[:2]
     count = "more than " * (len(pairs) > MOST_PAIRS) + plural(len(pairs) - 1, "more pair")
     more = f" (so {'does' if len(pairs) == 2 else 'do'} {count})" if len(pairs) > 1 else ""
+    by = (
+        f"more than {back:.4g} m earlier ({needed:.4g} m apart)"
+        if back > LEAST
+        else "a bit earlier"
+    )
     found.warn(
         laid.path_key(stop.number),
         f"{describe(laid.names[stop.number])} stops at station {stop.station:.2f} m of its path, "
         f"{place_text(x, y, 4)}, where {describe(laid.names[other.number])} stops too{more}: both "
         f"cannot stand there, and one will not arrive; their stops are {now:.4g} m apart: end one "
-        f"path more than {back:.4g} m earlier ({needed:.4g} m apart), or keep them apart by "
-        "formation.spacing",
+        f"path {by}, or keep them apart by formation.spacing",
     )
 
 

@@ -154,7 +154,8 @@ def check_headings(laid: PartialLayout, found: Diagnostics) -> None:
             found.warn(
                 (*laid.world.entry_of(i), "pose", 2),
                 f"{describe(laid.names[i])} starts facing {np.degrees(away):.0f} degrees away from "
-                f"its path, which goes {along:.4g} rad there; it will have to turn round",
+                f"its path, which goes {along:.4g} rad ({np.degrees(along):.0f} degrees) there; it "
+                "will have to turn round",
             )
 
 

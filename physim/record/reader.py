@@ -284,7 +284,7 @@ class Record(RecordedHistory):
         return frame(self, table)
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Write a copy of the whole record to a file.
+        """Write a copy of the whole record to a file, in place of an earlier one.
 
         Raises RecordError when that fails, and where a run is writing the file.
         """

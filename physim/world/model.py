@@ -320,7 +320,10 @@ class World(Model):
         return yaml_text(self)
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Write the world to a file, whole or not at all; PhysimError when it cannot be written."""
+        """Write the world to a file, whole or not at all, in place of an earlier one.
+
+        Raises PhysimError when it cannot be written.
+        """
         from physim.world.yaml_text import write_atomically
 
         write_atomically(Path(path), self.to_yaml())

@@ -71,7 +71,7 @@ def write_page(
     path: str | os.PathLike[str],
     validation: Validation | None = None,
 ) -> Path:
-    """Write the page of one run or several to a file.
+    """Write the page of one run or several to a file, in place of an earlier one.
 
     ``validation`` is that of the one run, and is told in the page, each finding with a link to its
     moment. Raises PhysimError where there are no records, too many, or more than the one that was

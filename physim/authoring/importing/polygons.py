@@ -30,6 +30,7 @@ from physim.authoring.importing.drawing import (
 from physim.authoring.importing.enclosure import chosen_area
 from physim.authoring.importing.joining import join_ends, take_paths
 from physim.authoring.importing.source import read_text
+from physim.authoring.importing.walls import is_thick, made_valid, polygons_of, take_walls
 from physim.authoring.importing.work import check_work, depth_of, lines_of
 from physim.errors import plural
 from physim.escaping import escaped
@@ -177,6 +178,7 @@ def drawing_of(path: Path, kind: str, parts: list[Part], options: Options) -> Dr
     shapes = [_scaled(path, part, options.unit, origin, drawing) for part in parts]
     check_work(path, [line for shape in shapes for line in lines_of(shape)])
     polygons: list[Any] = []
+    walls: list[Any] = []
     repairs: list[str] = []  # of each of these
     unused: list[str] = []
     paths: list[tuple[str, FloatArray]] = []
@@ -193,16 +195,15 @@ def drawing_of(path: Path, kind: str, parts: list[Part], options: Options) -> Dr
         elif part.role == "obstacle":
             drawing.obstacles.append(_ring(shape))
         elif part.role == "wall":
-            drawing.solids.append(shape)
-            for line in lines_of(shape):
+            walls += [shape] if is_thick(shape) else []
+            for line in [] if is_thick(shape) else lines_of(shape):
                 _line(drawing, part, rounded(line), paths, unused)
         else:
             found, repair = _valid(path, shape, part.line, drawing)
             polygons += found
             repairs += [repair] * len(found)
     take_paths(drawing, paths)
-    if len(drawing.solids) == 1 and not drawing.solids[0].interiors:
-        drawing.solids = []  # the outline of a place
+    take_walls(drawing, walls)
     drawing.changes += listed(unused)
     if polygons:
         chosen = chosen_area(polygons, drawing, options.origin)
@@ -293,13 +294,12 @@ def _valid(path: Path, shape: Any, line: int | None, drawing: Drawing) -> tuple[
     drawn, repair = shape, ""
     if not shape.is_valid:
         reason = shapely.is_valid_reason(shape)
-        # holes are taken out of what is within the outline, also where they touch or cross it
-        shape = shapely.make_valid(shape, method="structure", keep_collapsed=False)
-        if not (parts := _polygons_of(shape)):
+        shape = made_valid(shape)
+        if not (parts := polygons_of(shape)):
             raise refused(path, f"a polygon encloses no area ({reason})", line)
         repair = f"polygon repaired ({reason}): {plural(len(parts), 'part')}"
         drawing.changes.append(repair)
-    whole = _polygons_of(shapely.set_precision(shape, 10.0**-DIGITS))
+    whole = polygons_of(shapely.set_precision(shape, 10.0**-DIGITS))
     if not whole:
         raise refused(path, "a polygon is smaller than a millimetre; check --scale", line)
     if (walls := _lost_walls(drawn, whole)) is not None:
@@ -329,8 +329,3 @@ def _lost_walls(drawn: Any, whole: list[Any]) -> str | None:
 
 def _sides(lines: list[FloatArray]) -> Any:
     return np.concatenate([shapely.linestrings(np.stack([a[:-1], a[1:]], axis=1)) for a in lines])
-
-
-def _polygons_of(shape: Any) -> list[Any]:
-    """Polygons with area among the parts of a shape."""
-    return [one for one in shapely.get_parts(shape) if one.geom_type == "Polygon" and one.area > 0]

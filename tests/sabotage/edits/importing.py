@@ -369,8 +369,8 @@ EDITS = (
     ),
     Edit(
         "importing",
-        "physim/authoring/importing/polygons.py",
-        "_valid",
+        "physim/authoring/importing/walls.py",
+        "made_valid",
         'method="structure", keep_collapsed=False',
         'method="linework"',
         "a column at a wall is solid",
@@ -537,5 +537,14 @@ EDITS = (
         "pass",
         "drawn walls that leave a room open are told",
         "tests/importing/test_joining.py::test_drawn_walls_that_leave_the_room_open_are_told",
+    ),
+    Edit(
+        "importing",
+        "physim/authoring/importing/walls.py",
+        "take_walls",
+        ", 10.0**-DIGITS",
+        "",
+        "walls that meet at an angle do not part as they are rounded",
+        "tests/importing/test_joining.py::test_walls_that_meet_at_any_angle_enclose_the_room",
     ),
 )

@@ -523,15 +523,6 @@ EDITS = (
     Edit(
         "importing",
         "physim/authoring/importing/enclosure.py",
-        "_unite",
-        "shapely.set_precision(face, 10.0**-DIGITS)",
-        "face",
-        "the outline of walls that lie over each other does not cross itself",
-        "tests/importing/test_joining.py::test_plans_of_walls_over_each_other_have_no_crossings",
-    ),
-    Edit(
-        "importing",
-        "physim/authoring/importing/enclosure.py",
         "enclose",
         "drawing.changes[:0] = _doubts_of_a_wall(face, drawing)",
         "pass",

@@ -64,7 +64,7 @@ class Drawing:
     ``boundaries`` are polylines, closed ones with the first point repeated; ``obstacles`` are
     rings without that; ``area`` is the shapely polygon that robots may use, once it is known, and
     ``within`` the one that a source of polygons says is where they may; ``solids`` are those that
-    it says are walls all through.
+    it says are walls all through, ``painted`` walls that are drawn so: they may be a floor.
     ``facts`` say what was read and how; ``changes`` every line that was dropped or repaired.
     """
 
@@ -77,6 +77,7 @@ class Drawing:
     area: Any = None
     within: Any = None
     solids: list[Any] = field(default_factory=list)
+    painted: list[Any] = field(default_factory=list)
     facts: list[str] = field(default_factory=list)
     changes: list[str] = field(default_factory=list)
     sources: list[Source] = field(default_factory=list)
@@ -127,10 +128,10 @@ class Drawing:
         self.boundaries.append(shapely.get_coordinates(polygon.exterior))
         for ring in polygon.interiors:
             points = shapely.get_coordinates(ring)
-            if len(points) - 1 <= MOST_CORNERS:
-                self.obstacles.append(points[:-1])
-            else:
+            if is_long(ring):
                 self.boundaries.append(points)
+            else:
+                self.obstacles.append(points[:-1])
 
 
 @dataclass(frozen=True)
@@ -196,6 +197,11 @@ def check_options(source: Path, kind: str, options: Options) -> None:
             f"--robot {sides}: length and width must be at least {LEAST_ROBOT:g} m, as worlds are "
             "written to the millimetre",
         )
+
+
+def is_long(ring: Any) -> bool:
+    """Whether a closed shapely line has too many corners for an obstacle of a world."""
+    return bool(shapely.get_num_coordinates(ring) - 1 > MOST_CORNERS)
 
 
 def _lines(sources: Sequence[Source]) -> list[Any]:

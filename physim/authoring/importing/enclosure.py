@@ -6,7 +6,6 @@ Lines away from the area of the robots are dropped.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from itertools import compress
 from operator import not_
 from pathlib import Path
@@ -16,7 +15,7 @@ import numpy as np
 import shapely
 
 from physim.authoring.importing.drawing import DIGITS, Drawing, listed, place, refused, rounded
-from physim.authoring.importing.joining import faces_and_loose, open_ends
+from physim.authoring.importing.places import chosen_area, place_of
 from physim.errors import plural
 from physim.geometry.area import inner_lines
 from physim.geometry.shapes import FloatArray
@@ -151,20 +150,12 @@ NEAR = 1e-6
 def enclose(path: Path, drawing: Drawing, inside: tuple[float, float] | None) -> None:
     """Find the area of a drawing; drop and list the lines that do not bound it.
 
-    The area is the one that `chosen_area` takes, without walls that stand in it: between two rooms
-    of a plan, for example, a wall ends at a door. Raises ImportSourceError when nothing is
-    enclosed, or neither the reference path nor, without one, the point ``inside``.
+    The area is the one that `place_of` takes, without walls that stand in it: between two rooms of
+    a plan, for example, a wall ends at a door. Raises ImportSourceError when nothing is enclosed,
+    when neither the reference path is nor, without one, the point ``inside``, and when it is in
+    doubt whether what is enclosed is a place or a wall.
     """
-    places, loose = _places(path, drawing)
-    face = chosen_area(places, drawing, inside)
-    if drawing.reference is not None:
-        if face.intersection(shapely.LineString(drawing.reference)).length <= 0.0:
-            message = "no area that the boundaries enclose contains the path"
-            raise drawing.refused_at(path, message, drawing.reference[0], "path")
-    elif inside is not None and not face.contains(shapely.Point(inside)):
-        raise refused(path, f"--from {place(inside)}: in no area that the boundaries enclose")
-    elif inside is None and not drawing.robots:
-        drawing.changes[:0] = _doubts_of_a_wall(face, drawing)
+    face, loose = place_of(path, drawing, inside)
     lines, rings = drawing.boundaries, drawing.obstacles
     near = [face.distance(shapely.LineString(line)) <= NEAR for line in lines]
     solid = [face.intersects(shapely.Polygon(ring)) for ring in rings]
@@ -182,52 +173,6 @@ def enclose(path: Path, drawing: Drawing, inside: tuple[float, float] | None) ->
         largest = max(drawing.obstacles, key=lambda ring: float(shapely.Polygon(ring).area))
         raise drawing.refused_at(path, message, largest[0], "obstacle")
     drawing.area = chosen_area(shapely.get_parts(free), drawing, inside)
-
-
-def _places(path: Path, drawing: Drawing) -> tuple[list[Any], list[Any]]:
-    """Areas where robots could be, and the lines that enclose nothing."""
-    if not drawing.boundaries:
-        raise refused(path, "no boundary found; a world needs lines that enclose an area")
-    faces, loose = faces_and_loose(drawing.boundaries)
-    if not faces:
-        said, at = open_ends(drawing)
-        message = f"the boundaries enclose no area; {said}"
-        raise drawing.refused_at(path, message, at, "boundary")
-    solids = shapely.union_all(drawing.solids)
-    shapely.prepare(solids)
-    inner = [(one, one.representative_point()) for one in faces]
-    places = [
-        one
-        for one, point in inner
-        if not solids.contains(point) and (drawing.within is None or drawing.within.covers(point))
-    ]
-    if not places:
-        message = "the walls enclose no area beside what they fill themselves; close the room, or "
-        message += "give its outline the role boundary"
-        raise drawing.refused_at(path, message, drawing.boundaries[0][0], "boundary")
-    return places, loose
-
-
-def _doubts_of_a_wall(face: Any, drawing: Drawing) -> list[str]:
-    """What is to be said of an area that is the inside of one closed line which others meet.
-
-    A wall drawn as an outline is no place for robots, and seems to be one where the room is open.
-    """
-    closed = [line for line in drawing.boundaries if (line[0] == line[-1]).all() and len(line) > 3]
-    around = [line for line in closed if shapely.Polygon(line).covers(face.representative_point())]
-    if len(around) != 1 or drawing.within is not None:
-        return []
-    inside = shapely.Polygon(around[0])
-    outside = [shapely.LineString(line) for line in closed if line is not around[0]]
-    if not any(line.intersects(inside) and not inside.covers(line) for line in outside):
-        return []
-    x, y = around[0][0]
-    which = drawing.named((x, y), "boundary") or f" (from {place((x, y))})"
-    return [
-        f"WARNING: the area is the inside of one closed line{which} that others meet: if these are "
-        "thick walls, the room between them is open, and they enclose nothing; close it, or say "
-        "where robots are (--from X,Y, or a path)"
-    ]
 
 
 def _unite(drawing: Drawing, face: Any, inner: Any) -> None:
@@ -253,22 +198,6 @@ def _unite(drawing: Drawing, face: Any, inner: Any) -> None:
 def _largest(shape: Any) -> Any:
     """The largest part of a shape."""
     return max(shapely.get_parts(shape), key=lambda one: float(one.area))
-
-
-def chosen_area(areas: Sequence[Any], drawing: Drawing, inside: tuple[float, float] | None) -> Any:
-    """The shapely polygon that is meant for the robots.
-
-    The one that holds the most of the reference path, else the point ``inside`` or is nearest to
-    it, else the most robots, else the largest.
-    """
-    if drawing.reference is not None:
-        line = shapely.LineString(drawing.reference)
-        return max(areas, key=lambda area: (area.intersection(line).length, area.area))
-    if inside is not None:
-        point = shapely.Point(inside)
-        return min(areas, key=lambda area: (area.distance(point), -area.area))
-    robots = [shapely.MultiPoint(one.outline).convex_hull.centroid for one in drawing.robots]
-    return max(areas, key=lambda area: (sum(area.contains(r) for r in robots), area.area))
 
 
 def _dropped_boundary(points: FloatArray) -> str:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import re
 from collections import Counter
+from dataclasses import replace
 from itertools import islice
 from pathlib import Path
 from typing import Any
@@ -12,7 +13,7 @@ from typing import Any
 import numpy as np
 import shapely
 
-from physim.authoring.importing.drawing import Drawing, Options, refused
+from physim.authoring.importing.drawing import Drawing, Options, listed, refused
 from physim.authoring.importing.polygons import (
     MOST_DEPTH,
     MOST_GEOMETRIES,
@@ -24,7 +25,7 @@ from physim.authoring.importing.polygons import (
     flat,
 )
 from physim.authoring.importing.source import read_text
-from physim.errors import nearest
+from physim.errors import nearest, plural
 from physim.escaping import escaped
 
 MOST_LISTS = 1_000_000
@@ -35,6 +36,11 @@ CODE = re.compile(r"(?<!\d)\d{1,9}(?!\d)")
 IN_DEGREES = re.compile(r"crs:?84|wgs[ _]?(?:19)?84\s*$|long?_?lat|lat_?long?", re.I)
 """Names of a crs in degrees"""
 ROLES = ("boundary", "wall", "obstacle", "path", "robot")
+LAYERS = {
+    **{role: role for role in ROLES}, "boundaries": "boundary",
+    **{f"{role}s": role for role in ROLES[1:]},
+}  # fmt: skip
+"""Names of layers that are roles"""
 COLLECTIONS = {"FeatureCollection": "features", "GeometryCollection": "geometries"}
 
 
@@ -67,6 +73,7 @@ def read_geojson(path: Path, options: Options) -> Drawing:
         codes = [int(code) for code in CODE.findall(crs)] if is_code else []
         check_codes(path, codes, "the crs of the file", parts, options)
     drawing = drawing_of(path, "GeoJSON", parts, options)
+    drawing.changes += _layers_without_role(parts)
     if value.get("crs"):
         name = _name_of(value["crs"])
         drawing.facts.insert(1, f"lengths of its crs, {name}, are taken as they are")
@@ -136,7 +143,9 @@ def _features(path: Path, value: Any, role: str, name: str, depth: int) -> Any:
         number = "" if own == "path" else value.get("id", "")  # pieces of one path have each one
         label = escaped(str(about.get("name", number) or ""))[:80]
         if value.get("geometry") is not None:
-            yield from _features(path, value["geometry"], own, label, depth + 1)
+            layer = "" if own else str(about.get("layer") or "").strip()
+            for part in _features(path, value["geometry"], own, label, depth + 1):
+                yield replace(part, layer=layer or part.layer)
     else:
         for one in flat(_shape(path, value)):
             _check_role(path, one, role)
@@ -146,18 +155,31 @@ def _features(path: Path, value: Any, role: str, name: str, depth: int) -> Any:
 def _role(path: Path, about: dict[str, Any]) -> str:
     """What a feature is for, by its property ``role``, else by ``layer`` where that is a role.
 
-    A role that is none is refused. A layer may have any name.
+    A role that is none is refused. A layer may have any name, and the plural is the same.
     """
     role, layer = (str(about.get(key) or "").strip().lower() for key in ("role", "layer"))
-    if about.get("role") is None:
-        return layer if layer in ROLES else ""
-    if role and role not in ROLES:
+    if not role:
+        return LAYERS.get(layer, "")
+    if role not in ROLES:
         raise refused(
             path,
             f'role: "{escaped(role)[:40]}" is none of {", ".join(ROLES)}'
             f"{nearest(role, list(ROLES))}",
         )
     return role
+
+
+def _layers_without_role(parts: list[Part]) -> list[str]:
+    """What is said of layers whose names are no role, of what they hold."""
+    found = Counter(part.layer for part in parts if part.layer)
+    return listed(
+        [
+            f'layer "{escaped(name)[:40]}" is no role ({", ".join(ROLES)}): '
+            f"{plural(count, 'shape')} taken as without one, a line as a path, a polygon as a place"
+            f"{nearest(name.lower(), [*LAYERS])}"
+            for name, count in found.items()
+        ]
+    )
 
 
 def _check_role(path: Path, shape: Any, role: str) -> None:

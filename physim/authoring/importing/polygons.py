@@ -22,13 +22,15 @@ from physim.authoring.importing.drawing import (
     Drawing,
     DrawnRobot,
     Options,
+    is_long,
     listed,
     place,
     refused,
     rounded,
 )
-from physim.authoring.importing.enclosure import chosen_area
-from physim.authoring.importing.joining import join_ends, take_paths
+from physim.authoring.importing.joining import join_ends
+from physim.authoring.importing.path_pieces import take_paths
+from physim.authoring.importing.places import chosen_area
 from physim.authoring.importing.source import read_text
 from physim.authoring.importing.walls import is_thick, made_valid, polygons_of, take_walls
 from physim.authoring.importing.work import check_work, depth_of, lines_of
@@ -52,12 +54,16 @@ MEASURES = "measures (M) of points left out"
 
 @dataclass(frozen=True)
 class Part:
-    """A shapely polygon or line, its role ("" if none is said) and name, and where it stands."""
+    """A shapely polygon or line, its role ("" if none is said) and name, and where it stands.
+
+    ``layer`` is the name of its layer, where that says no role.
+    """
 
     shape: Any
     role: str = ""
     name: str = ""
     line: int | None = None
+    layer: str = ""
 
 
 def read_wkt(path: Path, options: Options) -> Drawing:
@@ -209,7 +215,7 @@ def drawing_of(path: Path, kind: str, parts: list[Part], options: Options) -> Dr
         chosen = chosen_area(polygons, drawing, options.origin)
         taken = next(k for k, one in enumerate(polygons) if one is chosen)
         drawing.repairs += filter(None, [repairs[taken]])
-        drawing.within = shapely.Polygon(chosen.exterior)
+        drawing.within = shapely.Polygon(chosen.exterior, [*filter(is_long, chosen.interiors)])
         drawing.changes += listed(polygons[:taken] + polygons[taken + 1 :], _left_out)
         drawing.add_outline(chosen)
     elif not drawing.boundaries:

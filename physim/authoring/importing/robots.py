@@ -301,18 +301,26 @@ def _as_drawn(robot: DrawnRobot, drawing: Drawing, found: Fit, outline: Outline)
     ahead = directions_at(line, station_of(line, middle), found.size)
     centre, heading = rectangle_of(robot.outline, ahead)
     centre, heading = centre.round(3), round(heading, 4)
-    station = station_of(line, centre)
-    tx, ty = directions_at(line, station, found.size)
     footprint = footprint_of(robot.outline, centre, heading)
     pose = (float(centre[0]), float(centre[1]), heading)
     if own is not None:
         return Placed(robot.name, footprint, pose, own, None)
-    x, y = centre - points_at(line, station)
-    gap = round(float(shapely.LineString(line).distance(shapely.Point(centre))), 2)
-    offset = gap if tx * y - ty * x >= 0.0 else -gap
+    offset = round(_beside(line, centre), 2)
     one = lane(line, offset, outline, found.room, found.size, len(drawing.robots))
     if narrowing := one.narrowing():
         drawing.changes.append(
             f"path of {robot.name}, {offset:+.2f} m beside the reference path, {narrowing}"
         )
     return Placed(robot.name, footprint, pose, one.line, one.plain_offset)
+
+
+def _beside(line: FloatArray, point: FloatArray) -> float:
+    """How far [m] left of a path a point (2,) is; beyond an end, of its last straight piece."""
+    station = station_of(line, point)
+    x, y = point - points_at(line, station)
+    end = length_of(line)
+    if 0.0 < station < end:
+        tx, ty = directions_at(line, station, 1e-6 * end)
+        return hypot(x, y) if tx * y - ty * x >= 0.0 else -hypot(x, y)
+    tx, ty = (line[1] - line[0]) if station <= 0.0 else (line[-1] - line[-2])
+    return float((tx * y - ty * x) / hypot(tx, ty))

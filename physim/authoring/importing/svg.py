@@ -27,7 +27,8 @@ from physim.authoring.importing.drawing import (
     refused,
     rounded,
 )
-from physim.authoring.importing.joining import join_ends, take_paths
+from physim.authoring.importing.joining import join_ends
+from physim.authoring.importing.path_pieces import take_paths
 from physim.authoring.importing.source import read_xml
 from physim.authoring.importing.svg_bare import CUT, FAULT, LINE, TAG
 from physim.authoring.importing.svg_curves import subpaths
@@ -36,6 +37,7 @@ from physim.authoring.importing.svg_look import SvgLook
 from physim.authoring.importing.svg_page import Frame
 from physim.authoring.importing.svg_seen import has_area, has_line, is_seen, is_unsure
 from physim.authoring.importing.svg_walls import LABEL, NAMES, Walls, names_of
+from physim.authoring.importing.walls import painted
 from physim.authoring.importing.work import MOST_POINTS, check_work
 from physim.errors import nearest
 from physim.escaping import escaped
@@ -55,7 +57,7 @@ OTHER = re.compile(
     r"names?|icons?|legend|areas?|zones?)(?:$|[\s_.:#-])"
 )
 """Words after a role by which a thing is something else: ``robot_route_0`` is no robot."""
-ROLES = {"bou": "boundary", "wal": "boundary", "obs": "obstacle", "pat": "path", "ref": "path",
+ROLES = {"bou": "boundary", "wal": "wall", "obs": "obstacle", "pat": "path", "ref": "path",
          "rob": "robot"}  # fmt: skip
 WORDS = ["boundary", "boundaries", "wall", "walls", "obstacle", "obstacles", "path", "robot",
          "robots"]  # fmt: skip
@@ -99,6 +101,7 @@ def read_svg(path: Path, options: Options) -> Drawing:
     check_work(path, [line.points for line in found.lines])
     drawing.sources = [Source(one.role, one.where, one.line, one.points) for one in found.lines]
     _sort(path, drawing, found.lines, found.walls)
+    drawing.painted = [area for rings in found.painted for area in painted(rings)]
     return drawing
 
 
@@ -110,6 +113,7 @@ class _Lines:
         self.frame = Frame.of(path, look, options)
         self.tolerance = TOLERANCE if options.tolerance is None else options.tolerance
         self.lines: list[_Line] = []
+        self.painted: list[list[FloatArray]] = []  # closed lines of each wall with a painted area
         self._hidden = [*look.left_out]
         self.walls = Walls(frozenset(options.boundary), self._hidden)
         self._nameless: dict[Any, list[tuple[str, int | None, str]]] = {}  # by group, if in one
@@ -147,10 +151,15 @@ class _Lines:
                 self._whole[f"{cut} is not applied; taken whole"] = None
             if not is_named and (doubt := _doubt(element.values, found)):
                 self._whole[f"line {line}: {where}: {doubt}; taken"] = None
-            for points, closed in found:
-                self._take(
-                    _Line(role, name, rounded(self.frame.placed(points)), closed, where, line)
-                )
+            kind = "boundary" if role == "wall" else role
+            lines = [
+                _Line(kind, name, rounded(self.frame.placed(points)), closed, where, line)
+                for points, closed in found
+            ]
+            if role == "wall" and has_area(element.values):
+                self.painted.append([one.points for one in lines if one.is_closed])
+            for one in lines:
+                self._take(one)
 
     def _subpaths(
         self, element: Any, where: str, line: int | None
@@ -226,7 +235,7 @@ def _shapes(group: Any, role: str, name: str, walls: Walls) -> Any:
         own, rest = _role(element)
         is_asked_for = walls.takes(element)
         if is_asked_for:
-            own, rest = "boundary", ""
+            own, rest = "wall", ""
         label = next(iter(names_of(element)), "")
         within = name if role else ""  # that of a group without a role names nothing in it
         if isinstance(element, svgelements.Group | svgelements.Use):

@@ -1,15 +1,18 @@
-"""Walls that a source of polygons draws with their thickness: solid, and one where they meet."""
+"""Walls that are drawn with their thickness: solid, and one where they meet."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from typing import Any
 
+import numpy as np
 import shapely
 
-from physim.authoring.importing.drawing import DIGITS, Drawing
+from physim.authoring.importing.drawing import DIGITS, Drawing, rounded
+from physim.authoring.importing.joining import faces_of, knit
 from physim.authoring.importing.work import lines_of
 from physim.errors import plural
+from physim.geometry.shapes import FloatArray
 
 
 def polygons_of(shape: Any) -> list[Any]:
@@ -33,15 +36,47 @@ def is_thick(wall: Any) -> bool:
 def take_walls(drawing: Drawing, walls: Sequence[Any]) -> None:
     """Take the outlines of walls with area, of those that meet or cross as one.
 
-    On the millimetre grid: rounded each by itself, walls that meet at an angle would part. A single
-    one without holes is the outline of a place, and not solid.
+    On the millimetre grid, and with the corners of each in the sides of others that they lie on:
+    rounded each by itself, walls that meet at an angle would part.
     """
-    united = polygons_of(shapely.union_all([made_valid(one) for one in walls], 10.0**-DIGITS))
+    lines = [rounded(line) for wall in walls for line in lines_of(wall)]
+    knit(lines)
+    rings, knitted = iter(lines), []
+    for wall in walls:
+        shell, *holes = (next(rings) for _ in lines_of(wall))
+        knitted.append(shapely.Polygon(shell, [hole for hole in holes if len(hole) > 3]))
+    united = polygons_of(
+        shapely.union_all([made_valid(one) for one in knitted], grid_size=10.0**-DIGITS)
+    )
     drawing.boundaries += [line for one in united for line in lines_of(one)]
-    if len(walls) > 1 or any(len(one.interiors) for one in walls):
-        drawing.solids = united
+    drawing.solids = united
     if len(united) < len(walls):
         met = plural(len(walls), "wall")
         drawing.changes.append(
             f"{met} that meet or cross: united, {plural(len(united), 'outline')}"
         )
+
+
+def painted(rings: Sequence[FloatArray]) -> list[Any]:
+    """Shapely polygons of what closed lines (n, 2) [m] of one painted shape fill.
+
+    Where one lies in another it is a hole, as of walls drawn as one path (even-odd).
+    """
+    rings = [ring for ring in rings if len(ring) > 3]
+    if not (faces := faces_of(list(rings))):
+        return []
+    inside = [face.representative_point() for face in faces]
+    boxes = shapely.STRtree([shapely.LineString(ring) for ring in rings])
+    times = np.zeros(len(faces), int)
+    for k, ring in boxes.query(inside).T:  # those whose box has the point in it
+        times[k] += _goes_round(rings[ring], inside[k])
+    return [face for face, count in zip(faces, times, strict=True) if count % 2]
+
+
+def _goes_round(ring: FloatArray, point: Any) -> bool:
+    """Whether a closed line crosses a ray from a shapely point an odd number of times."""
+    (x0, y0), (x1, y1) = ring[:-1].T, ring[1:].T
+    is_level = (y0 > point.y) != (y1 > point.y)
+    along = (point.y - y0[is_level]) / (y1 - y0)[is_level]
+    crossed = x0[is_level] + along * (x1 - x0)[is_level]
+    return bool((crossed > point.x).sum() % 2)

@@ -17,7 +17,6 @@ from physim.authoring.importing.drawing import Drawing, place, refused
 from physim.authoring.importing.joining import faces_and_loose
 from physim.authoring.importing.openings import open_ends, opening
 from physim.errors import plural
-from physim.geometry.shapes import FloatArray
 
 OUTSIDE = 0.25
 """[-] share of the length about an area that lines beyond it have, from which on it is in doubt"""
@@ -123,9 +122,9 @@ def _check_no_doubt(path: Path, drawing: Drawing, face: Any, loose: list[Any]) -
     if beyond > OUTSIDE * face.length:
         said, at = open_ends(drawing)
         message = f"{what}, is hardly the place: {beyond:.3g} m of lines beyond it enclose nothing "
-        raise drawing.refused_at(path, f"{message}({said}); {ADVICE}", at, "boundary")
-    closed = [line for line in drawing.boundaries if (line[0] == line[-1]).all() and len(line) > 3]
-    about = _walls_about(closed, face)
+        message += f"({said}); leave them out, {ADVICE}"
+        raise drawing.refused_at(path, message, at, "boundary")
+    about = _walls_about(drawing, face)
     if about is not None and face.area < APART * about.area:
         message = f"{what}, seems to be the inside of a wall that others meet, and the room between"
         message += f" them open{_where_open(drawing, about.centroid)}; {ADVICE}"
@@ -136,12 +135,19 @@ def _check_no_doubt(path: Path, drawing: Drawing, face: Any, loose: list[Any]) -
         raise drawing.refused_at(path, message, at, "boundary")
 
 
-def _walls_about(closed: list[FloatArray], face: Any) -> Any:
-    """What walls drawn as outlines, that meet the one which a face is within, stand about."""
+def _walls_about(drawing: Drawing, face: Any) -> Any:
+    """What walls drawn as outlines, that meet the one which a face is within, stand about.
+
+    Of those that are known to be solid none is such a one.
+    """
+    solids = shapely.union_all([*drawing.solids, *drawing.painted])
+    shapely.prepare(solids)
+    lines = [line for line in drawing.boundaries if (line[0] == line[-1]).all() and len(line) > 3]
+    closed = [shapely.Polygon(line) for line in lines]
+    closed = [one for one in closed if not solids.contains(one.representative_point())]
     point = face.representative_point()
-    around = [ring for line in closed if (ring := shapely.Polygon(line)).covers(point)]
+    around = [one for one in closed if one.covers(point)]
     if len(around) != 1:
         return None
-    lines = [shapely.LineString(line) for line in closed]
-    others = [line for line in lines if line.intersects(around[0]) and not around[0].covers(line)]
+    others = [one for one in closed if one.intersects(around[0]) and not around[0].covers(one)]
     return shapely.union_all([around[0], *others]).convex_hull if others else None

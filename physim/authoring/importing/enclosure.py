@@ -71,12 +71,14 @@ def check_size(path: Path, extent: FloatArray) -> None:
 
 def _obstacles(path: Path, drawing: Drawing) -> list[FloatArray]:
     """Obstacles with area; grains are listed, and what has none otherwise is refused."""
-    if len(drawing.obstacles) > MOST_OBSTACLES:
-        raise refused(
-            path,
-            f"{len(drawing.obstacles)} obstacles; at most {MOST_OBSTACLES} are read; leave out "
-            "small ones, or draw those that touch as one",
-        )
+    closed = sum((line[0] == line[-1]).all() for line in drawing.boundaries)
+    for count, what in ((len(drawing.obstacles), "obstacles"), (closed, "closed walls")):
+        if count > MOST_OBSTACLES:
+            raise refused(
+                path,
+                f"{count} {what}; at most {MOST_OBSTACLES} are read; leave out small ones, or draw "
+                "those that touch as one",
+            )
     kept, grains = [], []
     for ring in drawing.obstacles:
         if _has_area(ring):

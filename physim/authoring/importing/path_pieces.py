@@ -3,14 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import dist
+from math import atan2, degrees, dist
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from physim.authoring.importing.drawing import Drawing, listed, place, rounded
 from physim.authoring.importing.joining import NEARLY
 from physim.geometry.shapes import FloatArray, IntArray
+
+MOST_TURN = 149.0
+"""[deg] by which a path may turn where lanes beside it are to be"""
+
+FORK = "it meets others where they fork or turn back"
+APART = "its ends do not meet those of the first piece"
 
 
 def take_paths(drawing: Drawing, named: Sequence[tuple[str, FloatArray]]) -> None:
@@ -23,14 +30,14 @@ def take_paths(drawing: Drawing, named: Sequence[tuple[str, FloatArray]]) -> Non
     pieces: dict[str, list[FloatArray]] = {}
     for name, points in named:
         pieces.setdefault(name, []).append(points)
-    unused: list[tuple[FloatArray, str]] = []
+    unused: list[tuple[FloatArray, str]] = []  # and why
     for name, lines in pieces.items():
         if name not in robots and drawing.reference is not None:
             unused += [(line, "belongs to no robot") for line in lines]
             continue
         path, left, changes = _join_pieces(lines)
         drawing.changes += listed(changes)
-        unused += [(line, "its ends do not meet those of the first piece") for line in left]
+        unused += left
         if name in robots:
             drawing.paths[name] = path
         else:
@@ -45,34 +52,73 @@ def take_paths(drawing: Drawing, named: Sequence[tuple[str, FloatArray]]) -> Non
         drawing.reference = next(iter(drawing.paths.values()))
 
 
-def _join_pieces(pieces: list[FloatArray]) -> tuple[FloatArray, list[FloatArray], list[str]]:
+def _join_pieces(
+    pieces: list[FloatArray],
+) -> tuple[FloatArray, list[tuple[FloatArray, str]], list[str]]:
     """A path drawn in pieces (n, 2) [m]: the first with those whose ends meet its own, in turn.
 
-    In the direction of the first. Returns it, the pieces that are left, and what was done. Two
-    ends meet where they are the same, or else nearer than a share of the extent of all pieces, as
-    those of walls; not where there is a third.
+    In the direction of the first. Returns it, the pieces that are left, each with why, and what was
+    done. Two ends meet where they are the same, or else nearer than a share of the extent of all
+    pieces, as those of walls; not where there is a third, and not where the path would turn back.
     """
+    pieces, twice = _each_once(pieces)
     ends = np.vstack([piece[[0, -1]] for piece in pieces])
-    other = _met(ends, NEARLY * float(np.ptp(np.vstack(pieces), axis=0).max()))
+    near = NEARLY * float(np.ptp(np.vstack(pieces), axis=0).max())
+    other = _met(ends, near)
     used, told = {0}, []
     joined = pieces[0]
     for at_end in (True, False):
         end = int(at_end)  # of the ends, that at which the path goes on
         while (met := int(other[end])) >= 0 and met // 2 not in used:
-            used.add(met // 2)
             piece = pieces[met // 2]
             piece = piece[::-1] if (met % 2 == 1) == at_end else piece  # on in the same direction
+            first, second = (joined, piece) if at_end else (piece, joined)
+            if _turn(first, second) > MOST_TURN:
+                break
+            used.add(met // 2)
             if gap := dist(ends[end], ends[met]):
                 told.append(f"path ends {gap:.3f} m apart at {place(ends[end])} joined")
             joint = (ends[[end]] + ends[[met]]) / 2.0
-            first, second = (joined, piece) if at_end else (piece, joined)
             joined = np.vstack([first[:-1], joint, second[1:]])
             end = met ^ 1
     if len(used) > 1:
         begin, final = place(joined[0]), place(joined[-1])
         told.insert(0, f"path of {len(used)} pieces joined: it goes from {begin} to {final}")
-    left = [piece for k, piece in enumerate(pieces) if k not in used]
-    return rounded(joined), left, told
+    is_fork = _meets_others(ends, near)
+    left = [
+        (piece, FORK if is_fork[[2 * k, 2 * k + 1]].any() else APART)
+        for k, piece in enumerate(pieces)
+        if k not in used
+    ]
+    return rounded(joined), twice + left, told
+
+
+def _each_once(
+    pieces: list[FloatArray],
+) -> tuple[list[FloatArray], list[tuple[FloatArray, str]]]:
+    """Pieces without those that lie on an earlier one, in either direction, and these."""
+    known: set[bytes] = set()
+    once, twice = [], []
+    for piece in pieces:
+        if piece.tobytes() in known:
+            twice.append((piece, "drawn twice"))
+            continue
+        known |= {piece.tobytes(), piece[::-1].tobytes()}
+        once.append(piece)
+    return once, twice
+
+
+def _turn(first: FloatArray, second: FloatArray) -> float:
+    """[deg] by which a path turns from the end of one piece to the beginning of another."""
+    (ax, ay), (bx, by) = first[-1] - first[-2], second[1] - second[0]
+    return abs(degrees(atan2(ax * by - ay * bx, ax * bx + ay * by)))
+
+
+def _meets_others(ends: FloatArray, near: float) -> NDArray[np.bool_]:
+    """(n,) whether one of another piece is within ``near`` [m] of each end (n, 2) [m]."""
+    away, found = cKDTree(ends).query(ends, k=min(4, len(ends)))
+    own = np.arange(len(ends))[:, None]
+    return np.asarray(((away <= near) & (found != own) & (found != own ^ 1)).any(axis=1))
 
 
 def _met(ends: FloatArray, near: float) -> IntArray:

@@ -252,12 +252,18 @@ def _shapes(group: Any, role: str, name: str, walls: Walls) -> Any:
 def _sort(path: Path, drawing: Drawing, lines: list[_Line], walls: Walls) -> None:
     """Give every line its place in the drawing."""
     paths: list[tuple[str, FloatArray]] = []
+    open_paths = {line.name for line in lines if line.role == "path" and not line.is_closed}
     for line in lines:
         points = line.points
         ring = points[:-1] if (points[0] == points[-1]).all() else points
         if line.role == "boundary":
             drawing.boundaries.append(points)
         elif line.role == "path":
+            if line.is_closed and line.name in open_paths:  # the head of an arrow
+                drawing.changes.append(
+                    f"line {line.line}: {line.where}: closed, beside an open path: left out"
+                )
+                continue
             if line.is_closed:
                 drawing.changes.append(
                     f"path at {place(points[0])} is closed: cut open there, before its last stretch"

@@ -136,10 +136,45 @@ def test_paths_of_other_names_and_forks_are_not_joined(
     lines = [(role, shapely.LineString(points)) for role, points in pieces]
     made = import_world(geojson(tmp_path, [("boundary", shapely.box(0, 0, 24, 14)), *lines]))
     assert not [one for one in made.changes if "joined" in one]
-    assert sum("left out" in one for one in made.changes) == len(pieces) - 1
+    left = [one for one in made.changes if "left out" in one]
+    assert len(left) == len(pieces) - 1
+    assert all("fork" in one for one in left) == (pieces[0][0] == "path")
     assert made.world.reference_path is not None
     cut = shapely.LineString(made.world.reference_path).length
     assert length - 3.0 < cut <= length  # shortened at walls
+
+
+@pytest.mark.parametrize("again", [[(2, 7), (12, 7)], [(12, 7), (2, 7)]])
+def test_a_piece_of_a_path_that_is_drawn_twice_counts_once(
+    tmp_path: Path, again: list[tuple[float, float]]
+) -> None:
+    pieces = [[(2, 7), (12, 7)], again, [(12, 7), (20, 7)]]
+    lines = [("path", shapely.LineString(points)) for points in pieces]
+    made = import_world(geojson(tmp_path, [("boundary", shapely.box(0, 0, 24, 14)), *lines]))
+    assert shapely.LineString(made.world.reference_path or []).length == pytest.approx(
+        17.5, abs=0.5
+    )
+    assert only(made, "drawn twice")
+
+
+def test_a_path_does_not_turn_back_at_a_piece_beside_it(tmp_path: Path) -> None:
+    lanes = [("path", shapely.LineString([(5, y), (235, y)])) for y in (40.0, 41.5)]
+    made = import_world(geojson(tmp_path, [("boundary", shapely.box(0, 0, 240, 80)), *lanes]))
+    assert {y for _, y in made.world.reference_path or ()} == {40.0}
+    check_says(only(made, "left out"), "(5.00, 41.50) … turn back")
+
+
+@pytest.mark.parametrize("head", ["M 20,7 l -0.5,-0.3 v 0.6 z", "M 20,7 l -0.5,-2 v 4 z"])
+@pytest.mark.parametrize("first", [True, False])
+def test_the_head_of_an_arrow_is_no_path(tmp_path: Path, head: str, first: bool) -> None:
+    shapes = [f'<path d="{head}"/>', '<path fill="none" stroke="red" d="M 2,7 H 20"/>']
+    body = "".join(shapes if first else shapes[::-1])
+    path = tmp_path / "plan.svg"
+    ring = '<path id="boundary" d="M 0,0 24,0 24,14 0,14 Z"/>'
+    path.write_text(svg(f'{ring}<g id="path">{body}</g>'))
+    made = import_world(path, METRES)
+    assert np.ptp(np.asarray(made.world.reference_path), axis=0)[1] == 0.0
+    assert only(made, "closed, beside an open path")
 
 
 def test_pieces_of_a_path_that_do_not_meet_are_left_out_and_told(tmp_path: Path) -> None:
@@ -222,22 +257,11 @@ OPEN = (*THICK[:3], (39, 0, 1, 8), (39, 9, 1, 11))
 """[m] the walls with a door to the outside: what they enclose then is the inside of each"""
 
 
-def test_drawn_walls_that_leave_the_room_open_are_told(tmp_path: Path) -> None:
-    path = tmp_path / "plan.svg"
-    lines = "".join(
-        f'<rect x="{x}" y="{20 - y - h}" width="{w}" height="{h}"/>' for x, y, w, h in OPEN
-    )
-    path.write_text(svg(f'<g id="walls">{lines}</g>', 'width="40" height="20"'))
-    assert only(import_world(path, METRES), "WARNING").find("--from") > 0
-    drawn = import_world(walls_as_drawn(tmp_path), METRES)
-    assert not [one for one in drawn.changes if "WARNING" in one]
-
-
 def test_solid_walls_that_leave_the_room_open_are_refused(tmp_path: Path) -> None:
     boxes = [("wall", shapely.box(x, y, x + w, y + h)) for x, y, w, h in OPEN]
     with pytest.raises(ImportSourceError) as caught:
         import_world(geojson(tmp_path, boxes))
-    check_says(str(caught.value), "walls enclose no area … boundary")
+    check_says(str(caught.value), "walls enclose no area … open at (39.50, 8.50), 1 m wide")
 
 
 def test_the_inside_of_solid_walls_is_no_place(tmp_path: Path) -> None:

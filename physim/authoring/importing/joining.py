@@ -56,10 +56,15 @@ def knit(lines: list[FloatArray]) -> None:
     corners = shapely.points(points)
     at, side = shapely.STRtree(sides).query(corners, predicate="dwithin", distance=ROUNDED)
     apart = shapely.distance(corners[at], sides[side])
-    is_new = (of_point[at] != of_side[side]) & (apart > 0.0)
+    is_along_axis = (first == last).any(axis=1)  # what is on such a line is so exactly
+    is_new = (of_point[at] != of_side[side]) & (~is_along_axis[side] | (apart > 0.0))
+    at, side = at[is_new], side[is_new]
+    nearest = np.lexsort((apart[is_new], of_side[side], at))
+    _, once = np.unique(np.stack([at, of_side[side]])[:, nearest], axis=1, return_index=True)
+    at, side = at[nearest][once], side[nearest][once]
     begin = np.cumsum([0, *(len(line) - 1 for line in lines)])
     more: dict[int, list[tuple[int, float, FloatArray]]] = {}
-    for k, s in zip(at[is_new], side[is_new], strict=True):
+    for k, s in zip(at, side, strict=True):
         along = float((points[k] - first[s]) @ (last[s] - first[s]))
         more.setdefault(int(of_side[s]), []).append((int(s - begin[of_side[s]]), along, points[k]))
     for k, added in more.items():

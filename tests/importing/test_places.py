@@ -1,0 +1,265 @@
+"""Which area of a drawing is the place of the robots, and where it is open or in doubt."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import shapely
+import shapely.affinity
+
+from physim.authoring.importing import Imported, ImportSourceError, Options, import_world
+from physim.geometry.area import accessible_area
+from physim.world.checks import check_world
+from tests.importing.plans import check_says, only, svg, svg_path
+from tests.importing.test_joining import geojson
+
+METRES = Options(scale=1.0)
+LINE = 'fill="none" stroke="black"'
+
+
+def drawing(folder: Path, body: str, extent: float = 60.0) -> Path:
+    path = folder / "plan.svg"
+    path.write_text(svg(body, f'width="{extent:g}" height="{extent:g}"'))
+    return path
+
+
+def free_area(made: Imported, folder: Path) -> float:
+    """[m²] that the robots of a world may use; its check must find no error."""
+    world = folder / "made.yaml"
+    world.write_text(made.text)
+    assert not check_world(world).errors
+    boundaries = [np.asarray(line) for line in made.world.boundaries or ()]
+    obstacles = [np.asarray(getattr(one, "outline", one)) for one in made.world.obstacles or ()]
+    path = np.asarray(made.world.reference_path)
+    return float(accessible_area(boundaries, obstacles, path).polygon.area)
+
+
+def refusal(path: Path, options: Options = METRES) -> str:
+    with pytest.raises(ImportSourceError) as caught:
+        import_world(path, options)
+    assert "\n" not in str(caught.value)
+    return str(caught.value)
+
+
+def filled(shape: Any) -> str:
+    """Path data of a shapely polygon with its holes, y turned down as on a page of 60."""
+    rings = [shape.exterior, *shape.interiors]
+    return " ".join(f"{svg_path([(x, 60 - y) for x, y in ring.coords])} Z" for ring in rings)
+
+
+ROOM = "M 0,0 H 40 V 40 H 0 V 0.1"
+"""An outer wall that stops 0.1 m short of its beginning, at (0, 60) to (0, 59.9)"""
+
+
+@pytest.mark.parametrize(
+    "thing",
+    [
+        '<rect x="20" y="0" width="2" height="2"/>',
+        '<rect x="39" y="39" width="2" height="2"/>',
+        '<rect x="20" y="36" width="8" height="4"/>',
+    ],
+    ids=["column at the wall", "column on the corner", "table at the wall"],
+)
+def test_ends_are_joined_whatever_touches_the_wall(tmp_path: Path, thing: str) -> None:
+    path = drawing(tmp_path, f'<g id="boundary" {LINE}><path d="{ROOM}"/>{thing}</g>')
+    made = import_world(path, METRES)
+    assert only(made, "0.100 m apart at (0.00, 60.00) joined")
+    assert 1560.0 < free_area(made, tmp_path) < 1600.5
+
+
+CLOSET = '<path d="M 30,40 V 30"/><path d="M 30,30 H 40"/>'
+
+
+def test_a_closet_in_an_open_room_is_not_taken_for_the_room(tmp_path: Path) -> None:
+    body = f'<g id="boundary" {LINE}><path d="{ROOM}"/>{CLOSET}</g>'
+    path = drawing(tmp_path, body)
+    said = refusal(path)
+    check_says(said, ":2: … 100 m² … (0.00, 60.00) and (0.00, 59.90) … 0.1 m apart … --from")
+    inside = Options(scale=1.0, origin=(35.0, 25.0))
+    assert free_area(import_world(path, inside), tmp_path) == pytest.approx(100.0)
+    closed = drawing(tmp_path, body.replace("V 0.1", "V 0"))
+    assert free_area(import_world(closed, METRES), tmp_path) == pytest.approx(1500.0)
+
+
+def test_lines_beside_a_closed_room_make_no_room_of_their_own(tmp_path: Path) -> None:
+    kerbs = '<path d="M 0,50 H 30"/><path d="M 0,58 H 30"/>'
+    room = '<path d="M 0,0 H 40 V 40 H 0 Z"/>'
+    body = f'<g id="boundary" {LINE}>{room}{kerbs}</g>'
+    said = refusal(drawing(tmp_path, body))
+    check_says(said, "1.6e+03 m² … 60 m of lines beyond it")
+    here = Options(scale=1.0, origin=(20.0, 40.0))
+    made = import_world(drawing(tmp_path, body), here)
+    assert free_area(made, tmp_path) == pytest.approx(1600.0)
+    assert not [one for one in made.changes if "cap" in one]
+
+
+@pytest.mark.parametrize("tails", [0.0, 0.6])
+def test_lines_that_go_a_little_too_far_are_no_doubt(tmp_path: Path, tails: float) -> None:
+    a, b = 10.0 - tails, 50.0 + tails
+    lines = f"M {a},10 H {b} M {a},50 H {b} M 10,{a} V {b} M 50,{a} V {b}"
+    stub = f'<rect x="30" y="{10 - tails}" width="1" height="6" id="wall 2"/>'
+    path = drawing(tmp_path, f'<path id="boundary" {LINE} d="{lines}"/>{stub}')
+    assert 1590.0 < free_area(import_world(path, METRES), tmp_path) < 1600.0
+
+
+TWELVE = [shapely.box(x, y, x + 4.0, y + 4.0) for x in (2, 7, 12, 17) for y in (2, 7, 12)]
+HALL = shapely.box(2, 17, 12, 27)
+BLOCK = shapely.box(1, 1, 22, 28) - shapely.union_all([*TWELVE, HALL])
+"""Walls of thirteen rooms in one shape; their own area is larger than that of any room."""
+
+
+def test_walls_drawn_as_one_filled_path_are_no_place(tmp_path: Path) -> None:
+    assert BLOCK.area > HALL.area
+    path = drawing(tmp_path, f'<path id="walls" d="{filled(BLOCK)}"/>')
+    made = import_world(path, METRES)
+    assert free_area(made, tmp_path) == pytest.approx(HALL.area)
+    check_says(only(made, "areas"), "13 areas … 100.0 m² … --from")
+
+
+def test_an_open_room_of_filled_walls_is_asked_for(tmp_path: Path) -> None:
+    """Where and how wide it is open; who says that robots go in the walls has his way."""
+    ring = shapely.box(10, 10, 50, 30) - shapely.box(11, 11, 49, 29) - shapely.box(20, 9, 21.5, 12)
+    path = drawing(tmp_path, f'<path id="walls" d="{filled(ring)}"/>')
+    check_says(refusal(path), "'walls' … open at (20.75, 10.50), 1.5 m wide … boundary … --from")
+    in_room = refusal(path, Options(scale=1.0, origin=(30.0, 20.0)))
+    check_says(in_room, "--from (30.00, 20.00) … open at (20.75, 10.50), 1.5 m wide")
+    in_wall = import_world(path, Options(scale=1.0, origin=(30.0, 10.5)))
+    assert free_area(in_wall, tmp_path) == pytest.approx(ring.area)
+    outline = drawing(tmp_path, f'<path id="boundary" d="{filled(ring)}"/>')
+    assert free_area(import_world(outline, METRES), tmp_path) == pytest.approx(ring.area)
+
+
+@pytest.mark.parametrize("gap", [0.1, 0.9])
+def test_a_path_in_an_open_room_is_told_where_it_is_open(tmp_path: Path, gap: float) -> None:
+    sides = [(10, 10, 40, 1), (10, 29, 40, 1), (10, 11 + gap, 1, 18 - gap), (49, 10, 1, 20)]
+    walls = "".join(
+        f'<rect x="{x}" y="{60 - y - h}" width="{w}" height="{h}"/>' for x, y, w, h in sides
+    )
+    body = f'<g id="walls" {LINE}>{walls}</g><path id="path" d="M 14,40 H 45"/>'
+    said = refusal(drawing(tmp_path, body))
+    check_says(said, f"'path' … (10.50, {11 + gap / 2:.2f}), {gap:g} m wide")
+
+
+def test_a_wall_of_a_plan_is_solid_though_it_is_the_only_one(tmp_path: Path) -> None:
+    site, block = ("boundary", shapely.box(0, 0, 20, 10)), shapely.box(5, -1, 25, 11)
+    made = import_world(geojson(tmp_path, [site, ("wall", block)]))
+    assert free_area(made, tmp_path) == pytest.approx(50.0)
+    said = refusal(geojson(tmp_path, [("wall", shapely.box(0, 0, 20, 10))]))
+    check_says(said, "what they fill themselves … boundary")
+
+
+def test_dissolved_walls_with_a_door_are_no_place(tmp_path: Path) -> None:
+    """All rooms are joined by doors, and the outer wall has one: there is no hole."""
+    doors = [shapely.box(3, y, 20, y + 1) for y in (4, 9, 14, 20)] + [shapely.box(3, 3, 4, 20)]
+    walls = BLOCK - shapely.union_all([*doors, shapely.box(0, 20, 3, 21)])
+    largest = max(shapely.get_parts(walls), key=lambda one: one.area)
+    assert not largest.interiors
+    said = refusal(geojson(tmp_path, [("wall", one) for one in shapely.get_parts(walls)]))
+    check_says(said, "enclose no area … open at (1.50, 20.50), 1 m wide")
+
+
+@pytest.mark.parametrize("corners", [2000, 2001])
+def test_a_hole_is_no_place_however_many_corners_it_has(tmp_path: Path, corners: int) -> None:
+    turn = np.linspace(0.0, 2.0 * np.pi, corners, endpoint=False)
+    hole = 44.0 * np.stack([np.cos(turn), np.sin(turn)], axis=1)
+    road = shapely.Polygon(shapely.Point(0, 0).buffer(50.0, 64).exterior, [hole])
+    path = tmp_path / "road.wkt"
+    path.write_text(road.wkt)
+    assert free_area(import_world(path), tmp_path) == pytest.approx(road.area, rel=1e-3)
+
+
+@pytest.mark.parametrize("layer", ["wall", "Walls", "WALLS"])
+def test_layers_are_roles_in_the_plural_too(tmp_path: Path, layer: str) -> None:
+    path = geojson(tmp_path, [("boundary", shapely.box(0, 0, 24, 14)),
+                              ("wall", shapely.LineString([(12, 0), (12, 6)]))])  # fmt: skip
+    text = path.read_text().replace('{"role": "wall", ', f'{{"role": "", "Layer": "{layer}", ')
+    assert layer in text
+    path.write_text(text)
+    made = import_world(path)
+    assert made.world.boundaries is not None
+    assert sorted(map(len, made.world.boundaries)) == [2, 5]
+
+
+def test_a_layer_that_is_no_role_is_told(tmp_path: Path) -> None:
+    """A line without a role is the path."""
+    path = geojson(tmp_path, [("boundary", shapely.box(0, 0, 24, 14)),
+                              ("wall", shapely.LineString([(2, 7), (20, 7)]))])  # fmt: skip
+    path.write_text(path.read_text().replace('"role": "wall"', '"layer": "wals"'))
+    check_says(only(import_world(path), '"wals"'), 'no role … 1 shape … path … mean "walls"')
+
+
+ANGLES = np.linspace(3.0, 87.0, 15)
+
+
+@pytest.mark.parametrize("angle", ANGLES)
+@pytest.mark.parametrize("kind", ["lines", "outlines"])
+def test_walls_that_end_at_the_side_of_others_meet_them_at_any_angle(
+    tmp_path: Path, kind: str, angle: float
+) -> None:
+    """Drawn without a gap; rounded to the millimetre they would leave one, or cross."""
+    if kind == "lines":
+        parts = [[(0, 10), (40, 10)], [(0, 30), (40, 30)], [(4, 10), (4, 30)], [(30, 10), (30, 30)]]
+        shapes: list[Any] = [shapely.LineString(part) for part in parts]
+        area = 26.0 * 20.0
+    else:
+        boxes = [(0, 10, 40, 1), (0, 29, 40, 1), (4, 11, 1, 18), (30, 11, 1, 18)]
+        shapes = [shapely.box(x, y, x + w, y + h) for x, y, w, h in boxes]
+        area = 25.0 * 18.0
+    turned = [shapely.affinity.rotate(one, angle, origin=(20, 20)) for one in shapes]
+    lines = [one if kind == "lines" else one.exterior for one in turned]
+    way = shapely.affinity.rotate(shapely.LineString([(8, 20), (26, 20)]), angle, origin=(20, 20))
+    close = "" if kind == "lines" else " Z"
+    walls = "".join(f'<path {LINE} d="{svg_path(line.coords)}{close}"/>' for line in lines)
+    body = f'<g id="walls">{walls}</g><path id="path" d="{svg_path(way.coords)}"/>'
+    made = import_world(drawing(tmp_path, body), METRES)
+    assert free_area(made, tmp_path) == pytest.approx(area, abs=0.1)
+
+
+def test_very_many_open_walls_are_joined_at_their_gap(tmp_path: Path) -> None:
+    corners = shapely.box(0, 0, 50, 50).exterior.segmentize(0.4).coords
+    lines = [shapely.LineString(pair) for pair in zip(corners, corners[1:], strict=False)]
+    assert len(lines) > 400
+    x, y = lines[0].coords[1]
+    lines[0] = shapely.LineString([lines[0].coords[0], (x, y - 0.05)])
+    made = import_world(geojson(tmp_path, [("wall", line) for line in lines]))
+    assert only(made, "0.050 m apart")
+    assert free_area(made, tmp_path) == pytest.approx(2500.0)
+
+
+def test_a_partition_at_a_corner_leaves_the_wall_its_join(tmp_path: Path) -> None:
+    """The nearest end to that of the wall is not the one that closes the room."""
+    lines = ["M 0.2,0 H 40", "M 40,0 V 40", "M 40,40 H 0", "M 0,40 V 0.2", "M 0.15,0.05 L 10,12"]
+    body = "".join(f'<path d="{line}"/>' for line in lines)
+    path = drawing(tmp_path, f'<g id="boundary" {LINE}>{body}</g>')
+    assert free_area(import_world(path, METRES), tmp_path) == pytest.approx(1600.0, abs=0.5)
+
+
+def test_what_is_nowhere_wider_than_a_wall_is_asked_for(tmp_path: Path) -> None:
+    """One of four walls that do not touch: their sizes alone do not tell a wall from a corridor."""
+    sides = [(10, 10, 40, 0.5), (10, 29, 40, 0.5), (10, 11, 0.5, 17), (49, 11, 0.5, 17)]
+    walls = "".join(f'<rect x="{x}" y="{y}" width="{w}" height="{h}"/>' for x, y, w, h in sides)
+    path = drawing(tmp_path, f'<g id="boundary" {LINE}>{walls}</g>')
+    check_says(refusal(path), "nowhere wider than 0.6 m … --from … --scale")
+    made = import_world(path, Options(scale=1.0, origin=(30.0, 49.75)))
+    assert free_area(made, tmp_path) == pytest.approx(20.0)
+
+
+def test_walls_are_as_many_as_obstacles_at_most(tmp_path: Path) -> None:
+    posts = [("wall", shapely.box(x, y, x + 0.5, y + 0.5)) for x in range(60) for y in range(60)]
+    said = refusal(geojson(tmp_path, [("boundary", shapely.box(-5, -5, 65, 65)), *posts]))
+    check_says(said, "3601 closed walls … 3000")
+
+
+@pytest.mark.parametrize(("x", "y", "offset"), [(4, 7, 0.0), (4, 9, 2.0), (20.5, 6, -1.0)])
+def test_a_robot_in_line_with_its_path_is_not_beside_it(
+    tmp_path: Path, x: float, y: float, offset: float
+) -> None:
+    """Before its beginning or past its end: its distance to the path is along it."""
+    robot = ("robot a", shapely.box(x - 0.5, y - 0.3, x + 0.5, y + 0.3))
+    way = ("path", shapely.LineString([(6, 7), (20, 7)]))
+    made = import_world(geojson(tmp_path, [("boundary", shapely.box(0, 0, 26, 14)), robot, way]))
+    (line,) = (one.path for one in made.world.robots)
+    assert (0.0 if line is None else line.offset) == pytest.approx(offset)

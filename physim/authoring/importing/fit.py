@@ -69,6 +69,7 @@ def fit(path: Path, drawing: Drawing, options: Options) -> Fit:
     reference, area = drawing.reference, drawing.area
     assert reference is not None  # the pipeline finds one before
     reference = _inside(drawing, reference)
+    _check_no_wall(path, drawing, reference)
     length = length_of(reference)
     at = samples(length, min(0.1, length / 500.0))
     gaps = clearances(points_at(reference, at), coarse(area, GRAIN))
@@ -101,7 +102,6 @@ def fit(path: Path, drawing: Drawing, options: Options) -> Fit:
         )
         raise drawing.refused_at(path, message, where, "path")
     trimmed = stretch(reference, float(at[first]), float(at[last]))
-    _check_no_wall(path, drawing, trimmed)
     for name, left_out in (("start", at[first]), ("end", length - at[last])):
         if left_out > TOLD:
             drawing.changes.append(
@@ -111,13 +111,15 @@ def fit(path: Path, drawing: Drawing, options: Options) -> Fit:
 
 
 def _check_no_wall(path: Path, drawing: Drawing, line: FloatArray) -> None:
-    """Refuse a path through a wall too thin for the samples."""
+    """Refuse a path that leaves the area, where it does so first."""
     beyond = shapely.LineString(line).difference(drawing.area)
     if beyond.length > SLIVER:
-        where = shapely.get_coordinates(beyond)[0]
+        parts = shapely.get_parts(beyond)
+        ends = shapely.get_coordinates(parts[int(np.argmax(shapely.length(parts) > 0.0))])
+        where = ends[-1] if (ends[0] == line[0]).all() else ends[0]
         wall = drawing.named(where, "boundary", "obstacle")
-        message = f"the path leads through a wall{wall} at {place(where)}; lead it around"
-        raise drawing.refused_at(path, message, where, "path")
+        message = f"the path leaves the area, or leads through a wall{wall}, at {place(where)}"
+        raise drawing.refused_at(path, f"{message}; lead it around", where, "path")
 
 
 def _inside(drawing: Drawing, reference: FloatArray) -> FloatArray:

@@ -16,6 +16,8 @@ MOST_ENDS = 2_000
 """Loose ends among which the one to mend is looked for"""
 MOST_POINTS = 5_000
 """Points of walls among whose sides an opening is looked for"""
+CLOSED = 1e-6
+"""[m] what is open by less is closed"""
 ROUNDS = 24
 """Halvings by which the width of an opening is found"""
 
@@ -70,6 +72,8 @@ def opening(walls: Any, inside: Any = None) -> str:
         middle = 0.5 * (low + high)
         closed = _closed(walls, middle, inside)
         low, high, found = (middle, high, found) if closed is None else (low, middle, closed)
+    if high < CLOSED:
+        return ""
     within, outside = found
     neck = shapely.shortest_line(within, outside)
     at = shapely.get_coordinates(neck).mean(axis=0)

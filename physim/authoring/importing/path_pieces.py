@@ -76,9 +76,10 @@ def _join_pieces(
             if _turn(first, second) > MOST_TURN:
                 break
             used.add(met // 2)
-            if gap := dist(ends[end], ends[met]):
+            gap, joint = dist(ends[end], ends[met]), (ends[[end]] + ends[[met]]) / 2.0
+            if gap:
                 told.append(f"path ends {gap:.3f} m apart at {place(ends[end])} joined")
-            joint = (ends[[end]] + ends[[met]]) / 2.0
+                first, second = _cut(first[::-1], joint, gap)[::-1], _cut(second, joint, gap)
             joined = np.vstack([first[:-1], joint, second[1:]])
             end = met ^ 1
     if len(used) > 1:
@@ -106,6 +107,16 @@ def _each_once(
         known |= {piece.tobytes(), piece[::-1].tobytes()}
         once.append(piece)
     return once, twice
+
+
+def _cut(piece: FloatArray, joint: FloatArray, gap: float) -> FloatArray:
+    """A piece (n, 2) without the points after its first that a joint lies as near to as the gap.
+
+    Where two pieces lie over one another they would go to and fro; the last point stays.
+    """
+    is_far = np.hypot(*(piece - joint).T) > gap
+    k = int(np.argmax(is_far[1:-1])) + 1 if is_far[1:-1].any() else len(piece) - 1
+    return np.vstack([piece[:1], piece[k:]])
 
 
 def _turn(first: FloatArray, second: FloatArray) -> float:

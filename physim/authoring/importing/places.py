@@ -13,7 +13,7 @@ from typing import Any
 
 import shapely
 
-from physim.authoring.importing.drawing import Drawing, place, refused
+from physim.authoring.importing.drawing import Drawing, DrawnRobot, place, refused
 from physim.authoring.importing.joining import faces_and_loose
 from physim.authoring.importing.openings import open_ends, opening
 from physim.errors import plural
@@ -21,7 +21,7 @@ from physim.errors import plural
 OUTSIDE = 0.25
 """[-] share of the length about an area that lines beyond it have, from which on it is in doubt"""
 APART = 0.5
-"""[-] share of what walls that meet stand about, below which the inside of one is in doubt"""
+"""[-] share that outlines which meet have of their hull, below which they seem to be walls"""
 THIN = 0.6
 """[m] what is nowhere wider may be the inside of a wall"""
 ADVICE = "close it, or say where robots are (--from X,Y, or a path)"
@@ -49,13 +49,19 @@ def place_of(
         if face.intersection(shapely.LineString(drawing.reference)).length <= 0.0:
             middle = shapely.LineString(drawing.reference).interpolate(0.5, normalized=True)
             message = "no area that the boundaries enclose contains the path"
-            message += _where_open(drawing, middle)
+            message += _where_open(drawing, middle) or _said_by_a_polygon(drawing)
             raise drawing.refused_at(path, message, drawing.reference[0], "path")
     elif inside is not None:
         if not face.contains(point := shapely.Point(inside)):
             message = f"--from {place(inside)}: in no area that the boundaries enclose"
             raise refused(path, message + _where_open(drawing, point))
-    elif not drawing.robots and drawing.within is None:
+    elif drawing.robots:
+        robot, middle = drawing.robots[0], _middle(drawing.robots[0])
+        if not any(face.contains(_middle(one)) for one in drawing.robots):
+            message = f"no area that the boundaries enclose contains {robot.name!r}"
+            message += _where_open(drawing, middle) or _said_by_a_polygon(drawing)
+            raise drawing.refused_at(path, message, robot.outline[0], "robot")
+    elif drawing.within is None:
         _check_no_doubt(path, drawing, face, loose)
         if len(places) > 1:
             drawing.changes.insert(0, _others(face, len(places)))
@@ -74,8 +80,22 @@ def chosen_area(areas: Sequence[Any], drawing: Drawing, inside: tuple[float, flo
     if inside is not None:
         point = shapely.Point(inside)
         return min(areas, key=lambda area: (area.distance(point), -area.area))
-    robots = [shapely.MultiPoint(one.outline).convex_hull.centroid for one in drawing.robots]
+    robots = [_middle(one) for one in drawing.robots]
     return max(areas, key=lambda area: (sum(area.contains(r) for r in robots), area.area))
+
+
+def _middle(robot: DrawnRobot) -> Any:
+    return shapely.MultiPoint(robot.outline).convex_hull.centroid
+
+
+def _said_by_a_polygon(drawing: Drawing) -> str:
+    if drawing.within is None:
+        return ""
+    at = place(drawing.within.representative_point().coords[0])
+    return (
+        f"; a polygon of {drawing.within.area:.3g} m² about {at} says where robots may go: one "
+        "without a role does, too"
+    )
 
 
 def _places(path: Path, drawing: Drawing, faces: list[Any], painted: list[Any]) -> list[Any]:
@@ -125,9 +145,9 @@ def _check_no_doubt(path: Path, drawing: Drawing, face: Any, loose: list[Any]) -
         message += f"({said}); leave them out, {ADVICE}"
         raise drawing.refused_at(path, message, at, "boundary")
     about = _walls_about(drawing, face)
-    if about is not None and face.area < APART * about.area:
+    if about is not None and about.area < APART * about.convex_hull.area:
         message = f"{what}, seems to be the inside of a wall that others meet, and the room between"
-        message += f" them open{_where_open(drawing, about.centroid)}; {ADVICE}"
+        message += f" them open{_where_open(drawing, about.convex_hull.centroid)}; {ADVICE}"
         raise drawing.refused_at(path, message, at, "boundary")
     if shapely.buffer(face, -0.5 * THIN, quad_segs=2).is_empty:
         message = f"{what}, is nowhere wider than {THIN} m: it seems to be the inside of a wall"
@@ -136,7 +156,7 @@ def _check_no_doubt(path: Path, drawing: Drawing, face: Any, loose: list[Any]) -
 
 
 def _walls_about(drawing: Drawing, face: Any) -> Any:
-    """What walls drawn as outlines, that meet the one which a face is within, stand about.
+    """The one outline that a face is within, with those that meet it, as one shapely shape.
 
     Of those that are known to be solid none is such a one.
     """
@@ -150,4 +170,4 @@ def _walls_about(drawing: Drawing, face: Any) -> Any:
     if len(around) != 1:
         return None
     others = [one for one in closed if one.intersects(around[0]) and not around[0].covers(one)]
-    return shapely.union_all([around[0], *others]).convex_hull if others else None
+    return shapely.union_all([around[0], *others]) if others else None

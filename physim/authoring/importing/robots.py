@@ -108,15 +108,18 @@ def least_stop_gap(
     return min((gap, int(i), int(j)) for gap, (i, j) in zip(gaps, near.T, strict=True))
 
 
-def stop_warnings(reference: FloatArray, robots: Sequence[Placed], size: float) -> list[str]:
+def stop_warnings(
+    reference: FloatArray, robots: Sequence[Placed], size: float, are_drawn: bool
+) -> list[str]:
     """Say which two robots stop so near each other that they may wait for ever; else nothing."""
     gap, i, j = least_stop_gap(reference, robots, size)
     if gap >= WAITING * size:
         return []
+    mend = "draw them farther apart" if are_drawn else "fewer --robots or --lanes 1"
     return [
         f"note: {robots[i].name} and {robots[j].name} stop {gap:.2f} m from each other at the end "
-        "of the path, and may wait for each other and never arrive; another end of the path "
-        "(--to), fewer --robots or --lanes 1"
+        f"of the path, and may wait for each other and never arrive; another end of the path "
+        f"(--to), or {mend}"
     ]
 
 

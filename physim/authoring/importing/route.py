@@ -7,7 +7,7 @@ longer, and is then drawn smooth, without coming nearer to the walls than it mus
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -15,8 +15,16 @@ import numpy as np
 import shapely
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components, dijkstra
+from scipy.spatial import cKDTree
 
-from physim.authoring.importing.drawing import Drawing, Options, place, refused, rounded
+from physim.authoring.importing.drawing import (
+    Drawing,
+    ImportSourceError,
+    Options,
+    place,
+    refused,
+    rounded,
+)
 from physim.authoring.importing.fit import LENGTH, ROOM, room_of
 from physim.authoring.importing.lines import Outline, clearances, length_of, points_at, samples
 from physim.authoring.importing.work import GRAIN, coarse
@@ -110,6 +118,8 @@ def find_route(path: Path, drawing: Drawing, options: Options) -> None:
     grid = _grid(rough, step)
     _check_inside(path, area, "--from", options.origin)
     _check_inside(path, area, "--to", options.goal)
+    if options.origin is None and drawing.robots and options.robots is None:
+        options = replace(options, origin=_rear(path, grid, drawing, options))
     room, a, b = _ends(path, grid, options)
     graph = grid.graph(room, widest=True)
     before = dijkstra(graph, directed=False, indices=a, return_predecessors=True)[1]
@@ -125,6 +135,27 @@ def find_route(path: Path, drawing: Drawing, options: Options) -> None:
         f"path found from {place(line[0])} to {place(line[-1])}, {length:.2f} m, at "
         f"least {gaps.min():.2f} m from every boundary (--from, --to)"
     )
+
+
+def _rear(
+    path: Path, grid: _Grid, drawing: Drawing, options: Options
+) -> tuple[float, float] | None:
+    """Where of the robots drawn the one stands whose way to the goal is longest.
+
+    Without a goal that is the place farthest from the first of them. None where no way is found.
+    """
+    hulls = [shapely.MultiPoint(one.outline).convex_hull for one in drawing.robots]
+    centres = shapely.get_coordinates(shapely.centroid(hulls))
+    first = (float(centres[0][0]), float(centres[0][1]))
+    try:
+        room, _, goal = _ends(path, grid, replace(options, origin=first))
+    except ImportSourceError:
+        return None
+    away = dijkstra(grid.graph(room, widest=False), directed=False, indices=goal)
+    fits = np.flatnonzero(np.isfinite(away))
+    near = cKDTree(grid.nodes[fits]).query(centres)[1]
+    x, y = centres[int(np.argmax(away[fits[near]]))]
+    return float(x), float(y)
 
 
 def _grid(outline: Outline, step: float) -> _Grid:

@@ -35,7 +35,13 @@ from physim.authoring.importing.svg_curves import subpaths
 from physim.authoring.importing.svg_guard import look_at
 from physim.authoring.importing.svg_look import SvgLook
 from physim.authoring.importing.svg_page import Frame
-from physim.authoring.importing.svg_seen import has_area, has_line, is_seen, is_unsure
+from physim.authoring.importing.svg_seen import (
+    has_area,
+    has_line,
+    is_even_odd,
+    is_seen,
+    is_unsure,
+)
 from physim.authoring.importing.svg_walls import LABEL, NAMES, Walls, names_of
 from physim.authoring.importing.walls import painted
 from physim.authoring.importing.work import MOST_POINTS, check_work
@@ -101,7 +107,7 @@ def read_svg(path: Path, options: Options) -> Drawing:
     check_work(path, [line.points for line in found.lines])
     drawing.sources = [Source(one.role, one.where, one.line, one.points) for one in found.lines]
     _sort(path, drawing, found.lines, found.walls)
-    drawing.painted = [area for rings in found.painted for area in painted(rings)]
+    drawing.painted = found.painted
     return drawing
 
 
@@ -113,7 +119,7 @@ class _Lines:
         self.frame = Frame.of(path, look, options)
         self.tolerance = TOLERANCE if options.tolerance is None else options.tolerance
         self.lines: list[_Line] = []
-        self.painted: list[list[FloatArray]] = []  # closed lines of each wall with a painted area
+        self.painted: list[Any] = []  # shapely polygons of walls with a painted area
         self._hidden = [*look.left_out]
         self.walls = Walls(frozenset(options.boundary), self._hidden)
         self._nameless: dict[Any, list[tuple[str, int | None, str]]] = {}  # by group, if in one
@@ -157,7 +163,8 @@ class _Lines:
                 for points, closed in found
             ]
             if role == "wall" and has_area(element.values):
-                self.painted.append([one.points for one in lines if one.is_closed])
+                rings = [one.points for one in lines if one.is_closed]
+                self.painted += painted(rings, is_even_odd(element.values))
             for one in lines:
                 self._take(one)
 

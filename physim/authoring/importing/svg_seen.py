@@ -16,11 +16,14 @@ from physim.authoring.importing.svg_sheets import declarations
 PREFIX = "physim-"
 """Before the names of attributes that the library hands on to what stands in an element"""
 
+RULE = "fill-rule"
+HANDED_ON = (*INHERITED, RULE)
+
 
 def handed_on(attributes: Mapping[str, str]) -> dict[str, str]:
     """What an element says of them, as attributes under names of their own."""
-    own = {**attributes, **declarations(attributes.get("style", ""), INHERITED)}
-    return {PREFIX + key: own[key] for key in INHERITED if own.get(key, "inherit") != "inherit"}
+    own = {**attributes, **declarations(attributes.get("style", ""), HANDED_ON)}
+    return {PREFIX + key: own[key] for key in HANDED_ON if own.get(key, "inherit") != "inherit"}
 
 
 def is_seen(values: Mapping[str, Any], is_meant: bool) -> bool:
@@ -37,6 +40,11 @@ def is_seen(values: Mapping[str, Any], is_meant: bool) -> bool:
 def has_area(values: Mapping[str, Any]) -> bool:
     """Whether the area of a shape is painted."""
     return "0" not in _area(values)
+
+
+def is_even_odd(values: Mapping[str, Any]) -> bool:
+    """Whether what lies within an even number of a shape's lines is not painted."""
+    return str(values.get(PREFIX + RULE, "")).strip().lower() == "evenodd"
 
 
 def has_line(values: Mapping[str, Any]) -> bool:

@@ -57,26 +57,27 @@ def take_walls(drawing: Drawing, walls: Sequence[Any]) -> None:
         )
 
 
-def painted(rings: Sequence[FloatArray]) -> list[Any]:
-    """Shapely polygons of what closed lines (n, 2) [m] of one painted shape fill.
+def painted(rings: Sequence[FloatArray], is_even_odd: bool) -> list[Any]:
+    """Shapely polygons of what closed lines (n, 2) [m] of one painted shape fill, by its fill-rule.
 
-    Where one lies in another it is a hole, as of walls drawn as one path (even-odd).
+    A line within another is a hole if it is drawn the other way round, or in any case (even-odd).
     """
     rings = [ring for ring in rings if len(ring) > 3]
     if not (faces := faces_of(list(rings))):
         return []
     inside = [face.representative_point() for face in faces]
     boxes = shapely.STRtree([shapely.LineString(ring) for ring in rings])
-    times = np.zeros(len(faces), int)
+    turns = np.zeros(len(faces), int)
     for k, ring in boxes.query(inside).T:  # those whose box has the point in it
-        times[k] += _goes_round(rings[ring], inside[k])
-    return [face for face, count in zip(faces, times, strict=True) if count % 2]
+        turns[k] += _turns_about(rings[ring], inside[k])
+    filled = turns % 2 if is_even_odd else turns
+    return [face for face, is_filled in zip(faces, filled, strict=True) if is_filled]
 
 
-def _goes_round(ring: FloatArray, point: Any) -> bool:
-    """Whether a closed line crosses a ray from a shapely point an odd number of times."""
+def _turns_about(ring: FloatArray, point: Any) -> int:
+    """How often a closed line goes round a shapely point, by where it crosses a ray from it."""
     (x0, y0), (x1, y1) = ring[:-1].T, ring[1:].T
     is_level = (y0 > point.y) != (y1 > point.y)
     along = (point.y - y0[is_level]) / (y1 - y0)[is_level]
-    crossed = x0[is_level] + along * (x1 - x0)[is_level]
-    return bool((crossed > point.x).sum() % 2)
+    is_right = x0[is_level] + along * (x1 - x0)[is_level] > point.x
+    return int(np.sign(y1 - y0)[is_level][is_right].sum())

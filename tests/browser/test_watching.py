@@ -118,6 +118,41 @@ def test_runs_side_by_side_have_one_scale(opened: Opened, record: Record, tmp_pa
         assert scales[0] == pytest.approx(scales[1])
 
 
+BAR = """(scale) => {
+  const { view, player } = physim, { camera } = view, bars = [], { prototype } =
+    CanvasRenderingContext2D, write = prototype.fillText, Path = Path2D;
+  camera.zoom *= scale / camera.lens(player.time).scale;
+  let words = "", end = 0;
+  window.Path2D = class extends Path {
+    constructor(drawn) {
+      super(drawn);
+      end = Number(/^M14 .*H([\\d.e-]+)M/.exec(drawn)?.[1] ?? end);
+    }
+  };
+  prototype.fillText = function(text, x, y) {
+    if (Math.abs(x - end - 8) < 1e-6) words = text;
+    write.call(this, text, x, y);
+  };
+  physim.show(player.time);
+  window.Path2D = Path;
+  prototype.fillText = write;
+  return [words, (end - 14) / view.drawn.lens.scale, end - 14];
+}"""
+"""Words and length [m], [px] of the scale bar at about a scale [px/m]"""
+
+
+def test_the_words_of_the_scale_bar_are_its_length(opened: Opened) -> None:
+    seen = opened()
+    for scale in (0.01, 0.3, 7.0, 51.0, 52.0, 480.0, 4_800.0, 9e4, 2.3e7, 4e8):
+        words, length, pixels = seen.page.evaluate(BAR, scale)
+        number, unit = words.split()
+        assert unit == "m"
+        assert "e" not in number
+        assert len(number.strip("0.")) == 1
+        assert float(number) == pytest.approx(length, rel=1e-6)
+        assert 0.35 * 130.0 <= pixels <= 130.0 + 1e-6
+
+
 OVERVIEW = """([x, y]) => {
   const { view, player } = physim, { camera } = view;
   camera.zoom = 3;

@@ -424,4 +424,13 @@ EDITS = (
         "the scale bar is as long as it says",
         "tests/video/test_beside.py::test_a_bar_tells_the_scale_of_its_view",
     ),
+    Edit(
+        "video",
+        "physim/drawing/video/scale.py",
+        "draw_scale",
+        "number(length, length)",
+        "number(length, 1.0)",
+        "the words of the scale bar are its length",
+        "tests/video/test_parts.py::test_words_of_a_scale_bar_are_its_length",
+    ),
 )

@@ -12,11 +12,14 @@ import numpy as np
 import pytest
 from PIL import Image
 
+import physim
 from physim.drawing.page import write_page
 from physim.drawing.page.data import TOLERANCE
 from physim.drawing.scene_model import SceneModel, placed
 from physim.record import Record
+from physim.world.file import parse_world
 from tests.browser.driver import PHONE, Seen
+from tests.campaigns.real import WORLD
 from tests.records import make_record
 
 PIXEL = 1.0
@@ -104,8 +107,29 @@ def test_two_runs_go_in_step_beside_each_other_or_in_one_view(
     assert seen.ask("physim.views[0].ghosts.length") == 1
     title = seen.page.locator(".view:visible .title").inner_text()
     assert "dashed outlines: the other" in title
-    assert "ended at 4.0 s" in title
+    assert "ends at 4.0 s" in title
     assert "the other" in seen.text(".figures")
+
+
+@pytest.mark.parametrize(
+    ("keys", "same"),
+    [
+        ({"seed": 5}, True),
+        ({"corridor": {"centreline": [[0, 0], [20, 0]], "width": 8.01}}, False),
+        ({"obstacles": [[[12, -1], [13, -1], [13, 0], [12, 0]]]}, False),
+    ],
+)
+def test_runs_with_other_walls_are_not_shown_in_one_view(
+    opened: Opened, tmp_path: Path, keys: dict[str, Any], same: bool
+) -> None:
+    world = parse_world(WORLD)
+    runs = [physim.simulate(one) for one in (world, world.changed(**keys))]
+    seen = opened(write_page(runs, tmp_path / "both.html"))
+    box = seen.page.locator("#ghosts")
+    assert box.is_enabled() == same
+    told = seen.text("label:has(#ghosts)")
+    assert ("their walls differ" in told) != same
+    assert seen.page.locator(".view:visible canvas").count() == 2
 
 
 def test_runs_side_by_side_have_one_scale(opened: Opened, record: Record, tmp_path: Path) -> None:

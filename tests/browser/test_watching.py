@@ -177,6 +177,33 @@ def test_the_words_of_the_scale_bar_are_its_length(opened: Opened) -> None:
         assert 0.35 * 130.0 <= pixels <= 130.0 + 1e-6
 
 
+SMALL_ROBOTS = """\
+name: small robots
+time: {{step: {step}, duration: 2.0}}
+corridor: {{centreline: [[0, 0], [{far}, 0]], width: {wide}}}
+robots:
+  - name: a
+    footprint: {{length: {long}, width: {long}}}
+    pose: [{long}, 0, 0]
+    path: {{offset: 0}}
+controller: {{type: constant, commands: [[0.02, 0.0]]}}
+"""
+
+
+@pytest.mark.parametrize("long", [0.04, 1.6])
+def test_robots_of_any_size_are_seen_as_large(opened: Opened, tmp_path: Path, long: float) -> None:
+    """Of centimetres they had been dots in a view of 16 m."""
+    step = min(0.002 * long / 0.04, 0.02)
+    text = SMALL_ROBOTS.format(step=step, long=long, far=100.0 * long, wide=8.0 * long)
+    record = physim.simulate(parse_world(text))
+    seen = opened(write_page([record], tmp_path / "small.html"))
+    seen.ask("physim.look('robots')")
+    assert seen.drawn_at(1.0)["lens"]["scale"] * long > 30.0
+    seen.ask("physim.look(0)")
+    whole = seen.ask("physim.view.camera.wholeScale")
+    assert seen.drawn_at(1.0)["lens"]["scale"] > 1.5 * whole
+
+
 OVERVIEW = """([x, y]) => {
   const { view, player } = physim, { camera } = view;
   camera.zoom = 3;

@@ -16,7 +16,9 @@ from physim.drawing.labels import (
     leader,
     metres,
     number,
+    plain,
     shortened,
+    significant,
     spread,
     ticks,
 )
@@ -63,6 +65,13 @@ def test_numbers() -> None:
     assert [metres(v) for v in (1.234, 0.0999, -0.0123, 0.0)] == [
         "1.23 m", "0.10 m", "−0.012 m", "0.000 m",
     ]  # fmt: skip
+
+
+def test_small_lengths_are_written_without_an_exponent() -> None:
+    assert [plain(v) for v in (1.234e-5, -2e-7, 0.0, 0.5, 12.34, 1234.0)] == [
+        "0.0000123", "-0.0000002", "0", "0.5", "12.3", "1230",
+    ]  # fmt: skip
+    assert [significant(v) for v in (1e-5, 0.25, 2.0)] == ["0.00001", "0.25", "2.00"]
 
 
 @given(st.floats(1e-5, 1e5))

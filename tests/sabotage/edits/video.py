@@ -433,4 +433,13 @@ EDITS = (
         "the words of the scale bar are its length",
         "tests/video/test_parts.py::test_words_of_a_scale_bar_are_its_length",
     ),
+    Edit(
+        "video",
+        "physim/drawing/labels.py",
+        "significant",
+        "else plain(value, digits)",
+        'else f"{value:.{digits}g}"',
+        "small lengths are written without an exponent",
+        "tests/video/test_parts.py::test_small_lengths_are_written_without_an_exponent",
+    ),
 )

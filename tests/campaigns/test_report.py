@@ -195,7 +195,7 @@ def test_the_picture_of_a_least_distance_marks_that_one(
     pose, path = "[6.0, 1.0, random], path: {offset: 1.0}", "[3.0, -1.0, 0.3]"
     assert pose in REAL
     assert path in REAL
-    text = REAL.replace(pose, f"[6.0, {y}, {heading}], path: {{offset: {y}}}")
+    text = REAL.replace(pose, f"[6.0, {y}, {heading}], path: {{offset: {y + 1.5 * heading}}}")
     text = text.replace(path, "[6.0, -1.0, 0.0]")
     record = physim.simulate(parse_world(text, controller="path_following"))
     figured = figures(record)

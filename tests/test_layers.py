@@ -64,6 +64,7 @@ LAYERS = {
     "physim.drawing.palette": (0, 0),
     "physim.drawing.labels": (0, 5),
     "physim.drawing.crowd": (0, 5),
+    "physim.drawing.printed": (0, 0),
     "physim.drawing.split_line": (0, 5),
     "physim.drawing.scene_model": (5, 0),
     "physim.drawing.timeline": (5, 1),

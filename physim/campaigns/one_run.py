@@ -11,7 +11,8 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from physim._version import __version__
-from physim.analysis.metrics import Metric, measure
+from physim.analysis.metrics import Metric, Moment, measure
+from physim.analysis.metrics.distances import least_distance
 from physim.campaigns import own_metrics
 from physim.campaigns.columns import ERROR, Row
 from physim.campaigns.sources import provide
@@ -149,14 +150,11 @@ def figures(record: Record) -> dict[str, Any]:
         given = value(name)
         return None if given is None else abs(float(given))
 
-    def pair(metric: Metric | None) -> str:
-        if metric is None:
-            return ""
-        return ", ".join(names[i] for i in metric.bodies)
+    def pair(of: Metric | Moment | None) -> str:
+        return "" if of is None else ", ".join(names[i] for i in of.bodies)
 
     first, time_left = found.get("first_contact"), found.get("shortest_collision_time")
-    near = [found[n] for n in ("shortest_distance", "shortest_boundary_distance") if n in found]
-    nearest = min(near, key=lambda one: float(one.value), default=None)
+    nearest = least_distance(record)
     return {
         "ended": record.ended,
         "seconds": record.steps_run * record.dt,

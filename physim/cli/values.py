@@ -11,6 +11,7 @@ from typing import Any
 
 import click
 
+from physim.drawing.printed import WIDTHS, printed_width
 from physim.escaping import escaped
 
 LONGEST_QUOTE = 60
@@ -94,16 +95,9 @@ POSITIVE = number_from(math.nextafter(0.0, 1.0), allowed="a number greater than 
 DISTANCE = number_from(0.0, allowed="a number of 0 or more")
 
 
-COLUMN_WIDTHS = {"column": 3.5, "page": 7.16}
-"""[in] of one and of two columns of the usual paper"""
-
-
 def print_width(text: str) -> float:
     """Read a width in print [in]. Raises ValueError with what is allowed."""
-    value = COLUMN_WIDTHS.get(text, _number(text))
-    if not 2.0 <= value <= 20.0:
-        raise ValueError("column (3.5 in), page (7.16 in), or a number of inches from 2 to 20")
-    return value
+    return printed_width(text if text in WIDTHS else _number(text))
 
 
 PRINTED = Value(print_width)

@@ -13,6 +13,7 @@ import re
 import unicodedata
 from bisect import bisect_right
 from collections.abc import Callable
+from decimal import Decimal
 from typing import NamedTuple
 
 import numpy as np
@@ -73,7 +74,12 @@ def significant(value: float, digits: int = 3) -> str:
     """Write a length: some significant digits, from 1 on with their zeros, and whole metres."""
     if value >= 10.0 ** (digits - 1):
         return f"{value:,.0f}"
-    return f"{value:#.{digits}g}" if value >= 1.0 else f"{value:.{digits}g}"
+    return f"{value:#.{digits}g}" if value >= 1.0 else plain(value, digits)
+
+
+def plain(value: float, digits: int = 3) -> str:
+    """Write a finite number with some significant digits, and never with an exponent."""
+    return f"{Decimal(f'{value:.{digits}g}'):f}"
 
 
 def clean(text: str) -> str:

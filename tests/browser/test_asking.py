@@ -221,6 +221,30 @@ def test_what_happened_to_a_robot_is_found_without_the_view(opened: Opened, reco
     seen.until("physim.contact === 0")
 
 
+def test_a_time_in_danger_may_go_through_several_modes(opened: Opened) -> None:
+    seen = opened()
+    mode = "physim.runs[0].modes.findIndex(({{ words }}) => words === 'danger, by {}')".format
+    seen.ask("physim.go({ robot: 1 })")
+    seen.settle()
+    before = seen.text("#why .story").splitlines()
+    seen.ask(f"""(() => {{
+        const [run] = physim.runs;
+        const [one, other] = [{mode("distance")}, {mode("collision time")}];
+        for (let row = run.first[1]; row < run.first[2]; row++) {{
+          if (run.mode[row] === one && row % 2) run.mode[row] = other;
+        }}
+        physim.go({{ robot: -1 }});
+        physim.go({{ robot: 1 }});
+    }})()""")
+    seen.settle()
+    after = seen.text("#why .story").splitlines()
+    assert "in danger, " in before[0]
+    assert after[0] == before[0]
+    assert len(after) == len(before)
+    both = {"danger, by distance", "danger, by collision time"}
+    assert any(set(line.partition(": ")[2].split("; ")) == both for line in after[1:])
+
+
 def test_the_label_of_the_closest_pair_covers_no_robot(
     opened: Opened, ten: Record, page_of_ten: Path
 ) -> None:

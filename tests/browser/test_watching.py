@@ -12,11 +12,14 @@ import numpy as np
 import pytest
 from PIL import Image
 
+import physim
 from physim.drawing.page import write_page
 from physim.drawing.page.data import TOLERANCE
 from physim.drawing.scene_model import SceneModel, placed
 from physim.record import Record
+from physim.world.file import parse_world
 from tests.browser.driver import PHONE, Seen
+from tests.campaigns.real import WORLD
 from tests.records import make_record
 
 PIXEL = 1.0
@@ -104,8 +107,29 @@ def test_two_runs_go_in_step_beside_each_other_or_in_one_view(
     assert seen.ask("physim.views[0].ghosts.length") == 1
     title = seen.page.locator(".view:visible .title").inner_text()
     assert "dashed outlines: the other" in title
-    assert "ended at 4.0 s" in title
+    assert "ends at 4.0 s" in title
     assert "the other" in seen.text(".figures")
+
+
+@pytest.mark.parametrize(
+    ("keys", "same"),
+    [
+        ({"seed": 5}, True),
+        ({"corridor": {"centreline": [[0, 0], [20, 0]], "width": 8.01}}, False),
+        ({"obstacles": [[[12, -1], [13, -1], [13, 0], [12, 0]]]}, False),
+    ],
+)
+def test_runs_with_other_walls_are_not_shown_in_one_view(
+    opened: Opened, tmp_path: Path, keys: dict[str, Any], same: bool
+) -> None:
+    world = parse_world(WORLD)
+    runs = [physim.simulate(one) for one in (world, world.changed(**keys))]
+    seen = opened(write_page(runs, tmp_path / "both.html"))
+    box = seen.page.locator("#ghosts")
+    assert box.is_enabled() == same
+    told = seen.text("label:has(#ghosts)")
+    assert ("their walls differ" in told) != same
+    assert seen.page.locator(".view:visible canvas").count() == 2
 
 
 def test_runs_side_by_side_have_one_scale(opened: Opened, record: Record, tmp_path: Path) -> None:
@@ -116,6 +140,68 @@ def test_runs_side_by_side_have_one_scale(opened: Opened, record: Record, tmp_pa
         seen.drawn_at(2.0)
         scales = seen.ask("physim.views.map((view) => view.drawn.lens.scale)")
         assert scales[0] == pytest.approx(scales[1])
+
+
+BAR = """(scale) => {
+  const { view, player } = physim, { camera } = view, bars = [], { prototype } =
+    CanvasRenderingContext2D, write = prototype.fillText, Path = Path2D;
+  camera.zoom *= scale / camera.lens(player.time).scale;
+  let words = "", end = 0;
+  window.Path2D = class extends Path {
+    constructor(drawn) {
+      super(drawn);
+      end = Number(/^M14 .*H([\\d.e-]+)M/.exec(drawn)?.[1] ?? end);
+    }
+  };
+  prototype.fillText = function(text, x, y) {
+    if (Math.abs(x - end - 8) < 1e-6) words = text;
+    write.call(this, text, x, y);
+  };
+  physim.show(player.time);
+  window.Path2D = Path;
+  prototype.fillText = write;
+  return [words, (end - 14) / view.drawn.lens.scale, end - 14];
+}"""
+"""Words and length [m], [px] of the scale bar at about a scale [px/m]"""
+
+
+def test_the_words_of_the_scale_bar_are_its_length(opened: Opened) -> None:
+    seen = opened()
+    for scale in (0.01, 0.3, 7.0, 51.0, 52.0, 480.0, 4_800.0, 9e4, 2.3e7, 4e8):
+        words, length, pixels = seen.page.evaluate(BAR, scale)
+        number, unit = words.split()
+        assert unit == "m"
+        assert "e" not in number
+        assert len(number.strip("0.")) == 1
+        assert float(number) == pytest.approx(length, rel=1e-6)
+        assert 0.35 * 130.0 <= pixels <= 130.0 + 1e-6
+
+
+SMALL_ROBOTS = """\
+name: small robots
+time: {{step: {step}, duration: 2.0}}
+corridor: {{centreline: [[0, 0], [{far}, 0]], width: {wide}}}
+robots:
+  - name: a
+    footprint: {{length: {long}, width: {long}}}
+    pose: [{long}, 0, 0]
+    path: {{offset: 0}}
+controller: {{type: constant, commands: [[0.02, 0.0]]}}
+"""
+
+
+@pytest.mark.parametrize("long", [0.04, 1.6])
+def test_robots_of_any_size_are_seen_as_large(opened: Opened, tmp_path: Path, long: float) -> None:
+    """Of centimetres they had been dots in a view of 16 m."""
+    step = min(0.002 * long / 0.04, 0.02)
+    text = SMALL_ROBOTS.format(step=step, long=long, far=100.0 * long, wide=8.0 * long)
+    record = physim.simulate(parse_world(text))
+    seen = opened(write_page([record], tmp_path / "small.html"))
+    seen.ask("physim.look('robots')")
+    assert seen.drawn_at(1.0)["lens"]["scale"] * long > 30.0
+    seen.ask("physim.look(0)")
+    whole = seen.ask("physim.view.camera.wholeScale")
+    assert seen.drawn_at(1.0)["lens"]["scale"] > 1.5 * whole
 
 
 OVERVIEW = """([x, y]) => {

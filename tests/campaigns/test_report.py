@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 
 import physim
+from physim.campaigns.one_run import figures
 from physim.campaigns.outcomes import Outcomes
 from physim.campaigns.report.contents import Report, report_of
 from physim.campaigns.report.page import Shown, report_page
@@ -21,11 +22,14 @@ from physim.campaigns.report.pictures import _draw_view
 from physim.campaigns.report.plots import distribution, paired_plot, shift_plot, spread_axis
 from physim.campaigns.report.text import report_text, report_values
 from physim.campaigns.report.wording import amount, interval, percent
-from physim.drawing.video import frame_at
+from physim.drawing.labels import metres
+from physim.drawing.video import frame_at, view
+from physim.drawing.video.text import sprite
 from physim.statistics.goal import read_goal
 from physim.statistics.proportion import clopper_pearson
 from physim.statistics.sequence import running
 from physim.world.file import parse_world
+from tests.campaigns.real import WORLD as REAL
 from tests.campaigns.samples import WORLD
 from tests.campaigns.tables import failed, hit, many, row, table
 
@@ -178,6 +182,37 @@ def test_a_least_distance_at_the_end_is_shown_from_near(tmp_path: Path) -> None:
     near = (tmp_path / "before.png").read_bytes()
     assert (tmp_path / "end.png").read_bytes() == (tmp_path / "later.png").read_bytes() == near
     assert not np.array_equal(frame_at(record, 1.0), frame_at(record, 0.98))
+
+
+@pytest.mark.parametrize(
+    ("y", "heading", "bodies"), [(3.2, 0.0, (0, 2)), (0.3, 0.0, (0, 1)), (2.9, 0.6, (0, 2))]
+)
+def test_the_picture_of_a_least_distance_marks_that_one(
+    y: float, heading: float, bodies: tuple[int, int], tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:  # fmt: skip
+    """Where it was one to a wall, the closest two robots had been marked."""
+    pose, path = "[6.0, 1.0, random], path: {offset: 1.0}", "[3.0, -1.0, 0.3]"
+    assert pose in REAL
+    assert path in REAL
+    text = REAL.replace(pose, f"[6.0, {y}, {heading}], path: {{offset: {y + 1.5 * heading}}}")
+    text = text.replace(path, "[6.0, -1.0, 0.0]")
+    record = physim.simulate(parse_world(text, controller="path_following"))
+    figured = figures(record)
+    names = [record.bodies[body].name for body in bodies]
+    assert figured["shortest_distance_pair"] == ", ".join(names)
+    drawn, said = [], []
+    monkeypatch.setattr(view, "draw_closest", lambda _image, _lens, pair: drawn.append(pair))
+    monkeypatch.setattr(view, "sprite", lambda text, *how: said.append(text) or sprite(text, *how))
+    _draw_view(record, tmp_path / "least.png", figured["shortest_distance_time"])
+    [pair] = drawn
+    assert (pair.a, pair.b) == bodies
+    least = figured["shortest_distance"]
+    assert (least < 0.0) == (heading != 0.0)
+    assert pair.distance == pytest.approx(max(least, 0.0), abs=1e-9)
+    assert said[0] == (metres(least) if least > 0.0 else "contact")
+    if bodies[1] >= record.robots:
+        assert abs(pair.points[1][1] - 4.0) <= max(-least, 0.0) + 1e-9
 
 
 def test_it_says_where_the_least_distances_leave_cells_out() -> None:

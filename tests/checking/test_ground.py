@@ -142,6 +142,54 @@ def test_obstacles_that_fill_the_road_are_reported(tmp_path):
     check_finding(errors[0], "4:3 boundaries", "obstacles", "nothing", "reference path")
 
 
+@pytest.mark.parametrize("world", [CORRIDOR, DRAWN])
+@pytest.mark.parametrize(("x", "low", "high"), [(1, -5, 5), (15, -4, 4), (15, -4.5, 9)])
+def test_an_obstacle_right_across_the_way_is_named_and_nothing_that_follows(
+    tmp_path, world, x, low, high
+):
+    """Robots and paths beyond it stand right."""
+    ring = f"[[{x}, {low}], [{x}.2, {low}], [{x}.2, {high}], [{x}, {high}]]"
+    errors, _ = lines(check(tmp_path, f"{world}obstacles: [{ring}]\n"))
+    assert len(errors) == 1
+    place = f"{len(world.splitlines()) + 1}:13 obstacles[0]"
+    check_finding(errors[0], place, f"({x}, 0)", f"{x:.2f} m", "right across the way")
+
+
+def test_obstacles_that_cut_the_way_together_are_named(tmp_path):
+    low, high = ("[[{0}, {1}], [{0}.5, {1}], [{0}.5, {2}], [{0}, {2}]]".format(15, *ends)
+                 for ends in ((-5, 0), (0, 5)))  # fmt: skip
+    bent = CORRIDOR.replace("[[0, 0], [30, 0]]", "[[0, 0], [15, -0.1], [15.5, 0.1], [30, 0]]")
+    errors, _ = lines(check(tmp_path, f"{bent}obstacles: [{low}, {high}]\n"))
+    assert len(errors) == 2
+    for k, error in enumerate(errors):
+        check_finding(
+            error.partition(" ")[2],
+            f"obstacles[{k}]",
+            f"with obstacles[{1 - k}]",
+            "right across the way",
+        )
+
+
+def test_a_reference_path_through_an_obstacle_names_it(tmp_path):
+    text = CORRIDOR + "obstacles: [[[15, -1], [16, -1], [16, 1.5], [15, 1.5]]]\n"
+    errors, _ = lines(check(tmp_path, text))
+    assert len(errors) == 1
+    check_finding(
+        errors[0], "3:24 corridor.centreline", "through obstacles[0]", "15.00 m", "16.00 m"
+    )
+
+
+def test_a_path_that_an_obstacle_cuts_off_names_it(tmp_path):
+    """The reference path ends before it; the area is what lies on this side."""
+    text = changed(
+        DRAWN, ("reference_path: [[0, 0], [30, 0]]", "reference_path: [[0, 0], [20, 0]]")
+    )
+    text += "obstacles: [[[24, -5], [25, -5], [25, 5], [24, 5]]]\n"
+    errors, _ = lines(check(tmp_path, text))
+    assert len(errors) == 1
+    check_finding(errors[0], "11:11 robots[0].path", '"a"', "24.00 m", "obstacles[0] cuts off")
+
+
 def test_a_centreline_that_crosses_itself_is_reported(tmp_path):
     text = changed(
         CORRIDOR, ("[[0, 0], [30, 0]]", "[[0, 0], [40, 0], [40, 30], [20, 30], [20, -30]]")

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import pytest
+
 from physim.world.layout.scene_builder import build_scene
 from tests.checking.worlds import CORRIDOR, REGION, changed, check, check_finding, lines, with_facts
 
@@ -71,3 +73,34 @@ def test_a_formation_of_poses_that_overlaps_points_to_the_poses(tmp_path):
     parts = ("0 m", '"a"', '"b"', "overlap", "initial", "poses", "formation.spacing")
     check_finding(errors[0], "13:12 formation", *parts)
     assert "seed" not in errors[0]
+
+
+@pytest.mark.parametrize("length", [12, 28])
+def test_robots_abreast_are_told_the_width_that_they_need(tmp_path, length):
+    """No region along a road 8 m wide is enough for them, however long it is."""
+    text = changed(REGION, ("min_gap: 0.4", "min_gap: 2.5, abreast: 3, heading: along"))
+    text = changed(text, ("[12, -3.5], [12, 3.5]", f"[{length}, -3.5], [{length}, 3.5]"))
+    text += "  - {name: c, footprint: {length: 1.8, width: 1.0}, path: {offset: 0.0}}\n"
+    errors, _ = lines(check(tmp_path, text))
+    assert len(errors) == 1
+    parts = (
+        "3 abreast",
+        "need 8 m across",
+        "13 m from wall to wall",
+        "3 m of it",
+        "2.5 m from all",
+    )
+    check_finding(errors[0], "5:17 start.region", *parts)
+    assert "are enough" not in errors[0]
+
+
+def test_robots_abreast_with_room_beside_each_other_are_told_the_area(tmp_path):
+    text = changed(REGION, ("min_gap: 0.4", "min_gap: 0.4, abreast: 2, heading: along"))
+    text = changed(text, ("[12, -3.5], [12, 3.5]", "[2, -3.5], [2, 3.5]"))
+    for k in range(8):
+        text += (
+            f"  - {{name: c{k}, footprint: {{length: 1.8, width: 1.0}}, path: {{offset: 0.0}}}}\n"
+        )
+    errors, _ = lines(check(tmp_path, text))
+    assert len(errors) == 1
+    check_finding(errors[0], "5:17 start.region", "are enough: enlarge the region")

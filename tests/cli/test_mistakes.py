@@ -50,8 +50,8 @@ MISTAKES = {
     ("crashtest", "--cases", "0"): ("--cases 0", "whole number from 1 to 1000000000"),
     ("crashtest", "--cases", ""): ('--cases ""', "whole number from 1 to 1000000000"),
     ("reproduce", "--workers", "65"): ("--workers 65", "whole number from 1 to 64"),
-    ("plot", "x", "--width", "0.3"): ("--width 0.3", "column", "page", "from 2 to 20"),
-    ("plot", "x", "--width", "colum"): ("--width colum", "column", "page", "from 2 to 20"),
+    ("plot", "x", "--width", "0.3"): ("--width 0.3", "column", "page", "from 3.3 to 20"),
+    ("plot", "x", "--width", "colum"): ("--width colum", "column", "page", "from 3.3 to 20"),
     ("plot", "x", "--snapshots", "0"): ("--snapshots 0", "number greater than 0"),
     ("plot", "x", "--snapshots", "inf"): ("--snapshots inf", "number greater than 0"),
     ("run", "x", "--set", "robots[0].name=a", "--set", "robots.0.name=b"): (

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import math
 import os
 import re
 from collections.abc import Iterator
-from itertools import combinations
+from itertools import chain, combinations
 from pathlib import Path
 from typing import Any
 
@@ -23,7 +24,8 @@ from physim.drawing.plots.maps import trajectories
 from physim.drawing.plots.multiples import MOST_TOGETHER
 from physim.drawing.plots.paper import fitted
 from physim.drawing.plots.pictures import PICTURES
-from physim.drawing.plots.style import DATE, robot_colour, styled
+from physim.drawing.plots.style import DATE, DPI, robot_colour, styled
+from physim.drawing.printed import LEAST
 from physim.errors import PhysimError
 from physim.record import Record
 from tests.metrics.histories import history
@@ -138,9 +140,34 @@ def test_the_file_has_the_size(seven: Record, tmp_path: Path) -> None:
     (file,) = draw(seven, tmp_path, only=("distances",), width=3.5, title=False)
     with Image.open(file) as image:
         assert image.width == 700
-    with pytest.raises(PhysimError, match="2 to 20"):
-        draw(seven, tmp_path / "no", width=1.0)
+
+
+@pytest.mark.parametrize(("word", "inches"), [("column", 3.5), ("page", 7.16)])
+def test_a_width_may_be_a_word(seven: Record, tmp_path: Path, word: str, inches: float) -> None:
+    (file,) = draw(seven, tmp_path, only=("distances",), width=word, format="pdf")
+    (other,) = draw(seven, tmp_path / "o", only=("distances",), width=inches, format="pdf")
+    assert file.read_bytes() == other.read_bytes()
+
+
+@pytest.mark.parametrize("width", [1.0, 3.2, 20.1, math.nan, "collumn", "3.5", True, [3.5]])
+def test_another_width_is_refused_in_words(seven: Record, tmp_path: Path, width: Any) -> None:
+    with pytest.raises(PhysimError, match=r"^width .* given; .* column .* 3\.3 to 20"):
+        draw(seven, tmp_path / "no", width=width)
     assert not (tmp_path / "no").exists()
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_titles_of_the_narrowest_figure_do_not_overlap(name: str, seven: Record) -> None:
+    with styled():
+        figure = fitted(lambda: PICTURES[name](seven), True, LEAST)
+        figure.set_dpi(DPI)
+        figure.draw_without_rendering()
+        titles = [(a.title, a._left_title, a._right_title) for a in figure.axes]
+        texts = [*figure.texts, *chain(*titles)]
+        boxes = [t.get_window_extent() for t in texts if t.get_visible() and t.get_text()]
+    for one, other in combinations(boxes, 2):
+        assert not one.overlaps(other)
+    assert all(box.x0 >= -1.0 and box.x1 <= figure.bbox.width + 1.0 for box in boxes)
 
 
 @pytest.mark.parametrize("format", ["svg", "pdf"])

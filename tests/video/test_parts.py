@@ -16,18 +16,21 @@ from physim.drawing.labels import (
     leader,
     metres,
     number,
+    plain,
     shortened,
+    significant,
     spread,
     ticks,
 )
 from physim.drawing.timeline import Timeline
-from physim.drawing.video import frame_at
+from physim.drawing.video import frame_at, scale
 from physim.drawing.video.closest import Closest, pairs_within
 from physim.drawing.video.ground import Background, Ground, Stroke, draw_ground, ground
 from physim.drawing.video.layout import ONE, SMALL, arrange
 from physim.drawing.video.legend import signs
 from physim.drawing.video.marks import Fleet, draw_reference_point
 from physim.drawing.video.names import Labels
+from physim.drawing.video.scale import LONGEST, draw_scale
 from physim.drawing.video.text import shorten, sprite, stamp, width, wrapped
 from physim.drawing.video.view import Camera, Lens
 from physim.geometry.shapes import FloatArray
@@ -62,6 +65,30 @@ def test_numbers() -> None:
     assert [metres(v) for v in (1.234, 0.0999, -0.0123, 0.0)] == [
         "1.23 m", "0.10 m", "−0.012 m", "0.000 m",
     ]  # fmt: skip
+
+
+def test_small_lengths_are_written_without_an_exponent() -> None:
+    assert [plain(v) for v in (1.234e-5, -2e-7, 0.0, 0.5, 12.34, 1234.0)] == [
+        "0.0000123", "-0.0000002", "0", "0.5", "12.3", "1230",
+    ]  # fmt: skip
+    assert [significant(v) for v in (1e-5, 0.25, 2.0)] == ["0.00001", "0.25", "2.00"]
+
+
+@given(st.floats(1e-5, 1e5))
+@example(50.0)
+@example(480.0)
+@example(4_800.0)
+def test_words_of_a_scale_bar_are_its_length(pixels: float) -> None:
+    image = np.full((20, 200, 3), 255, np.uint8)
+    with pytest.MonkeyPatch.context() as patch:
+        said: list[str] = []
+        patch.setattr(scale, "write", lambda _image, text, *_place: said.append(text))
+        draw_scale(image, 10, 10, pixels)
+    drawn = int((image[10] == palette.INK).all(axis=1).sum()) - 3  # two ends of lines of 2 px
+    assert 0.4 * LONGEST - 1 <= drawn <= LONGEST
+    words, unit = said[0].split()
+    assert unit == "m"
+    assert float(words) * pixels == pytest.approx(drawn, abs=1.0)
 
 
 @given(st.text(max_size=40), st.integers(10, 200))

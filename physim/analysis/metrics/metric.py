@@ -26,6 +26,11 @@ class Moment:
     b: int | None = None
     """body id, where the value belongs to two bodies"""
 
+    @property
+    def bodies(self) -> tuple[int, ...]:
+        """Ids of the bodies that the value belongs to."""
+        return (self.a,) if self.b is None else (self.a, self.b)
+
 
 @dataclass(frozen=True)
 class Each:
@@ -110,8 +115,7 @@ class Metric:
             return None
         name, unit = definition.name, definition.unit
         if isinstance(found, Moment):
-            bodies = (found.a,) if found.b is None else (found.a, found.b)
-            return cls(name, unit, found.value, time=found.time, bodies=bodies)
+            return cls(name, unit, found.value, time=found.time, bodies=found.bodies)
         if isinstance(found, Place):
             return cls(name, unit, found.value, station=found.station, bodies=(found.robot,))
         if isinstance(found, Each):

@@ -46,7 +46,8 @@ class AveragedSpeeds(NamedTuple):
 def deviations(record: Record, every: float = GRID) -> Series:
     """Signed deviation of each robot from its own path over time (Figs. 1b, 2c, 7d).
 
-    Values (K, N) [m], left of the path positive; exact at the samples, linear between.
+    Values (K, N) [m], left of the path positive; exact at the samples, linear between. Every
+    0.1 s, or every ``every`` [s]: `deviation_peak` may lie between.
     """
     return samples_over_time(record, record.course[:, :, 1], every)
 

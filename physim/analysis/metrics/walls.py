@@ -37,9 +37,20 @@ def near_wall(record: Record, robot: int, body: int, step: int) -> str:
     k = int(np.searchsorted(record.steps, step))
     if body < record.robots or k == len(record.steps) or record.steps[k] != step:
         return ""
-    shape = placed(record, robot, np.asarray(record.pose_at(step))[robot][None])[0]
-    line = shapely.shortest_line(_wall(record, body), shape)
-    return along_wall(record, body, shapely.get_coordinates(line)[0])
+    line = nearest_points(record, body, robot, np.asarray(record.pose_at(step)))
+    return along_wall(record, body, line[0])
+
+
+def nearest_points(record: Record, a: int, b: int, pose: FloatArray) -> FloatArray:
+    """Nearest points (2, 2) [m] of two bodies with the robots at ``pose`` (N, 3).
+
+    Of bodies that overlap the two are one point, of both.
+    """
+    one, other = (
+        placed(record, body, pose[body][None])[0] if body < record.robots else _wall(record, body)
+        for body in (a, b)
+    )
+    return np.asarray(shapely.get_coordinates(shapely.shortest_line(one, other)))
 
 
 def touched_wall(record: Record, episode: Episode) -> str:

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 from urllib.parse import urlencode
 
+from physim.analysis.metrics.distances import least_distance
 from physim.campaigns.columns import COLUMNS, Row
 from physim.campaigns.folder import PAGES, STILLS, VIDEOS, Folder
 from physim.campaigns.one_run import simulation_of
@@ -177,12 +178,17 @@ def _its_folder(file: Path) -> None:
 
 
 def _draw_view(record: Record, path: Path, time: float) -> None:
-    """The view of a still, without the panel beside it, which would be too small to read."""
+    """The view of a still, in which the least distance of the run is marked.
+
+    Without the panel beside it, which would be too small to read.
+    """
     from physim.drawing.video import frame_at
     from physim.drawing.video.animation import resized, save_still
     from physim.drawing.video.layout import arrange
 
     view, _, _ = arrange()
     within = max(0.0, min(time, (record.steps_run - 1) * record.dt))  # a film ends far away
-    picture = view.of(frame_at(record, within))
+    least = least_distance(record)
+    between = None if least is None or least.b is None else (least.a, least.b)
+    picture = view.of(frame_at(record, within, between=between))
     save_still(path, resized(picture, (STILL_WIDTH, STILL_WIDTH * view.height // view.width)))

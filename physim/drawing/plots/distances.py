@@ -16,7 +16,7 @@ from physim.analysis.metrics import (
     shortest_boundary_distance,
     shortest_distance,
 )
-from physim.drawing.labels import true_minus
+from physim.drawing.labels import plain, true_minus
 from physim.drawing.plots.curves import draw_bands
 from physim.drawing.plots.frame import (
     LONGEST_NAME,
@@ -137,7 +137,7 @@ def _pairs(axis: Any, record: Record) -> list[Any]:
         handles[0].set_label("each pair")
         if farthest is not None:
             who = names_of(record, [farthest.a, farthest.b])
-            mark(axis, farthest.time, farthest.value, f"farthest {farthest.value:.3g} m ({who})")
+            mark(axis, farthest.time, farthest.value, f"farthest {plain(farthest.value)} m ({who})")
     axis.set_ylim(0.0, 1.12 * axis.get_ylim()[1])
     return list(handles)
 
@@ -180,4 +180,4 @@ def _least(axis: Any, record: Record) -> list[Any]:
 
 def _metres(value: float) -> str:
     """A distance as labels have it; of bodies that touch within the tolerance 0."""
-    return true_minus(f"{value if abs(value) > tolerances.CONTACT else 0.0:.3g} m")
+    return true_minus(f"{plain(value if abs(value) > tolerances.CONTACT else 0.0)} m")

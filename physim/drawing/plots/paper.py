@@ -9,8 +9,6 @@ from typing import Any
 from physim.drawing.plots.frame import ROW, clear_marks, in_rows, legend_below
 from physim.drawing.plots.times import clear_times
 
-LEAST, MOST = 2.0, 20.0
-"""[in] of a width"""
 SLENDER = 4.5
 """[in] below which a legend stands below, not beside"""
 

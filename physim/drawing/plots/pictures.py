@@ -30,8 +30,9 @@ from physim.drawing.plots.frame import nothing_in
 from physim.drawing.plots.loading import load_matplotlib
 from physim.drawing.plots.maps import trajectories, width
 from physim.drawing.plots.modes import modes
-from physim.drawing.plots.paper import LEAST, MOST, fitted
+from physim.drawing.plots.paper import fitted
 from physim.drawing.plots.style import save_figure
+from physim.drawing.printed import printed_width
 from physim.errors import PhysimError, RecordError, WorldError, nearest
 from physim.parts.user_code import asked, broken_by
 from physim.record import Record, check_record
@@ -79,19 +80,19 @@ def draw(
     snapshots: float | None = None,
     stop: Callable[[], bool] | None = None,
     title: bool = True,
-    width: float | None = None,
+    width: float | str | None = None,
     left_out: Callable[[str, str], None] | None = None,
 ) -> tuple[Path, ...]:
     """Draw pictures of a record, all or ``only`` some, as ``folder/NAME.FORMAT``.
 
     Returns the files. Of all pictures those are left out in which there is nothing to see:
     ``left_out(name, why)`` is told, and with ``force`` an earlier one is removed. Without
-    ``title`` neither that nor the run is written; ``width`` [in] is that in print. ``stop()`` is
-    asked after each picture; once True, no more are drawn. ``snapshots`` [s] is the time between
-    the snapshots of ``trajectories``. The same record gives the same file. Raises PhysimError for
-    an unknown name or format, for a record with a fault, of which no picture stays, for a file that
-    exists unless ``force`` is set, where the folder cannot be written, and where a picture that a
-    package registered fails.
+    ``title`` neither that nor the run is written; ``width`` is that in print: "column", "page", or
+    inches. ``stop()`` is asked after each picture; once True, no more are drawn. ``snapshots`` [s]
+    is the time between the snapshots of ``trajectories``. The same record gives the same file.
+    Raises PhysimError for an unknown name, format or width, for a record with a fault, of which no
+    picture stays, for a file that exists unless ``force`` is set, where the folder cannot be
+    written, and where a picture that a package registered fails.
     """
     check_record(record)
     known, every = names(), only is None
@@ -103,8 +104,7 @@ def draw(
             close = nearest(name[:100], list(known))
             raise PhysimError(f'no picture is called "{name}"; there are {", ".join(known)}{close}')
     own = {name: _own_part(name) for name in only if name not in PICTURES}
-    if width is not None and not LEAST <= width <= MOST:
-        raise PhysimError(f"width {width:g} given; allowed: {LEAST:g} to {MOST:g} inches")
+    inches = None if width is None else _inches(width)
     if format not in FORMATS:
         raise PhysimError(f'format "{format}" given; allowed: {", ".join(FORMATS)}')
     paths = tuple(Path(folder) / f"{name}.{format}" for name in dict.fromkeys(only))
@@ -118,7 +118,7 @@ def draw(
         for path in paths:
             make = partial(_figure, record, path.stem, snapshots, own.get(path.stem))
             try:
-                save_figure(path, format, lambda: _worth_it(fitted(make, title, width), every))  # noqa: B023
+                save_figure(path, format, lambda: _worth_it(fitted(make, title, inches), every))  # noqa: B023
                 drawn.append(path)
             except NothingToSeeError as empty:
                 path.unlink(missing_ok=True)
@@ -133,6 +133,14 @@ def draw(
     except OSError as error:
         raise PhysimError(f"{folder}: cannot be written ({error.strerror})") from None
     return tuple(drawn)
+
+
+def _inches(width: float | str) -> float:
+    """[in] of a width as it was given; PhysimError unless it is one."""
+    try:
+        return printed_width(width)
+    except ValueError as allowed:
+        raise PhysimError(f"width {width!r} given; allowed: {allowed}") from None
 
 
 class NothingToSeeError(Exception):

@@ -133,18 +133,22 @@ def frame_at(
     beside: Record | None = None,
     fps: float = FPS,
     speed: float | None = None,
+    between: tuple[int, int] | None = None,
 ) -> Image:
     """Return the picture (720, 1280, 3) uint8 RGB of a record at ``time`` [s].
 
     It equals the video's frame of that time but for the places of names, which glide in a video;
-    ``beside`` as for `render`. A time outside the record is taken to its nearer end. Raises
-    `physim.errors.PhysimError`.
+    ``beside`` as for `render`. In the view of one run the distance ``between`` a robot and another
+    body (ids) is marked, by default that of the closest two robots. A time outside the record is
+    taken to its nearer end. Raises `physim.errors.PhysimError`.
     """
     if not math.isfinite(time):
         raise PhysimError(f"time of a still: {time} given; allowed: a finite number of seconds")
     timelines = _timelines(record, beside)
     duration = _duration(timelines)
     painter = _painter(timelines, _speed(speed, duration, MP4.longest), rate(MP4, fps))
+    if between is not None and isinstance(painter, Painter):
+        painter.mark(*between)
     return painter.frame(min(max(float(time), 0.0), duration))
 
 

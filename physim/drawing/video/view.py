@@ -13,6 +13,7 @@ from collections.abc import Iterable, Mapping
 import numpy as np
 from numpy.typing import NDArray
 
+from physim.analysis.metrics.walls import nearest_points
 from physim.drawing import palette
 from physim.drawing.crowd import NAMED
 from physim.drawing.labels import Label, grown, leader, metres
@@ -94,6 +95,7 @@ class View:
         solid = [stroke.pieces for stroke in world.strokes if stroke.colour == palette.WALL]
         self._walls = np.concatenate(solid)
         self._names = [shorten(name, TEXT, 110) for name in timeline.record.names]
+        self._between: tuple[int, int] | None = None
         self._crowd = timeline.robots > NAMED
         self._trail = SHORT_TRAIL if self._crowd else TRAIL
         steps = SHORT_STEPS if self._crowd else TRAIL_STEPS
@@ -114,11 +116,13 @@ class View:
         the view is ``held``, since another run goes on.
         """
         view, lens = self.box.of(image), self.camera.lens(now.time)
-        pair = self._closest.pair(now.pose)
+        closest = pair = self._closest.pair(now.pose)
+        if self._between is not None:
+            pair = self._marked(now.pose, *self._between)
         over = self.timeline.over(now.time) and not held
         if over and self._closing is not None:
             self._closing.paint(view, now, self._fleet)
-            return pair
+            return closest
         self._background.paint(view, lens)
         self._draw_trails(view, lens, now)
         seen = self._seen(lens, now.pose)
@@ -146,7 +150,15 @@ class View:
         self._write_labels(view, lens, now, pair, shapes, boxes)
         if over and (lines := notes(self.timeline)):
             write_corner(view, ["at the end", *lines])
-        return pair
+        return closest
+
+    def mark(self, a: int, b: int) -> None:
+        """Mark the distance of robot ``a`` to body ``b``, not that of the closest two robots."""
+        self._between = a, b
+
+    def _marked(self, pose: FloatArray, a: int, b: int) -> Pair:
+        points = nearest_points(self.timeline.record, a, b, pose)
+        return Pair(a, b, float(np.hypot(*(points[1] - points[0]))), points)
 
     def _seen(self, lens: Lens, pose: FloatArray) -> IntArray:
         """Robots of which some may be in the view, by index."""

@@ -6,6 +6,7 @@ import numpy as np
 import shapely
 
 from physim.errors import Location, place_text, plural
+from physim.geometry.area import NEAR_EDGE
 from physim.geometry.corridor import offset_polyline
 from physim.geometry.path import SHARPEST_TURN
 from physim.geometry.polygon import least_width
@@ -62,10 +63,17 @@ def _check_inside(
         else ""
     )
     line = shapely.LineString(path)
-    middle = line.interpolate((first + last) / 2.0)
     place = f"from {first:.2f} m to {last:.2f} m along it{more}"
-    through = next((name for name, solid in laid.solids if solid.covers(middle)), None)
-    if through is not None:
+    edge = first + NEAR_EDGE if first > 0.0 else last - NEAR_EDGE  # where it goes out, or comes in
+    met = [one for one in laid.solids if one[1].covers(line.interpolate(edge))]
+    through = met[0][0] if met else None
+    if met and not met[0][1].covers(line.interpolate((first + last) / 2.0)):
+        found.error(
+            laid.path_key(i),
+            f"the path of {describe(laid.names[i])} leaves the accessible area {place}: {through} "
+            "cuts off what lies beyond it; make it smaller or move it, or let the path end there",
+        )
+    elif through is not None:
         found.warn(
             laid.path_key(i),
             f"the path of {describe(laid.names[i])} leads through {through} {place}; the robot "

@@ -22,6 +22,7 @@ from physim.geometry.shapes import FloatArray
 from physim.geometry.tangles import meet_more_often, segments_of
 from physim.geometry.thinning import thinned
 from physim.world import Offset, World
+from physim.world.layout.cuts import cut_faults
 from physim.world.layout.road import with_drawn_road
 from physim.world.layout.robots import distinct, footprints_of, path_of, paths_of
 from physim.world.layout.self_overlap import self_overlap
@@ -272,10 +273,19 @@ def _area(laid: PartialLayout, reference: FloatArray, faults: list[Fault]) -> Ar
     outside = area.outside_stretches(reference)
     if not len(outside):
         return area
+    if cuts := cut_faults(lines, laid.obstacles, reference):
+        faults += cuts
+        return None  # paths and robots beyond them are where they should be
     first, last = outside[0]
+    place = f"from {first:.2f} m to {last:.2f} m along it"
+    middle = shapely.LineString(reference).interpolate((first + last) / 2.0)
+    through = next((name for name, solid in laid.solids if solid.covers(middle)), None)
     message = (
-        f"the reference path leaves the accessible area from {first:.2f} m to {last:.2f} m along "
-        "it; it must lie between the boundaries and beside the obstacles"
+        f"the reference path leaves the accessible area {place}; it must lie between the "
+        "boundaries and beside the obstacles"
+        if through is None
+        else f"the reference path leads through {through} {place}; it must lie beside the "
+        "obstacles: lead it around, or move the obstacle"
     )
     faults.append(Fault(laid.reference_key, message))
     return area

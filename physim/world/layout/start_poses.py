@@ -141,7 +141,7 @@ class _Group:
             self.occupied.leave(placed)
             if not placed and attempt >= 1:
                 break
-        return self._fault(self._crowded(most, self.world.robots[stuck].name))
+        return self._fault(self._crowded(most, stuck, candidates))
 
     def _found(
         self, i: int, candidates: Candidates, draw: np.random.Generator, tight: bool
@@ -161,9 +161,9 @@ class _Group:
                 return np.asarray(poses[fits[np.argmin(room[fits])]])
         return None
 
-    def _crowded(self, placed: int, name: str) -> str:
+    def _crowded(self, placed: int, stuck: int, candidates: Candidates) -> str:
         """What to do about robots that do not fit: in figures."""
-        gap, n = self.start.min_gap, len(self.members)
+        gap, n, name = self.start.min_gap, len(self.members), self.world.robots[stuck].name
         room = self.free.difference(self.occupied.kept_clear(gap))
         if placed == 0 and (too_narrow := self._narrow(room, name)):
             return too_narrow
@@ -177,6 +177,8 @@ class _Group:
             f'for "{name}"; {free:.3g} m² of it are free, and the robots with half the gap around '
             f"them take {need:.3g} m²"
         )
+        if too_wide := self._too_wide(room, stuck, candidates):
+            return f"{counted}; {too_wide}"
         if need > FILLED * free:
             return (
                 f"{counted}; about {_rounded_up(need / FILLED)} m² are enough: enlarge the region, "
@@ -184,6 +186,32 @@ class _Group:
             )
         rows = ", fewer abreast or none" if self.start.abreast is not None else ""
         return f"{counted}, but not in this shape; use a wider region{rows} or a smaller min_gap"
+
+    def _too_wide(self, room: shapely.Geometry, stuck: int, candidates: Candidates) -> str:
+        """What to say where the robots abreast of one need more width than ``room`` has there."""
+        abreast, gap = self.start.abreast, self.start.min_gap
+        if abreast is None:
+            return ""
+        place = self.members.index(stuck) // abreast * abreast
+        row = self.members[place : place + abreast]
+        need = sum(self._across(i) for i in row) + (len(row) - 1) * gap
+        wide = candidates.width_beside(stuck, room)
+        if need <= wide:
+            return ""
+        return (
+            f"side by side {len(row)} abreast with these gaps need {need:.4g} m across the road, "
+            f"{need + 2.0 * gap:.4g} m from wall to wall, and {wide:.4g} m of it are {gap:.6g} m "
+            "from all walls; use fewer abreast, a smaller min_gap, or a wider region and road"
+        )
+
+    def _across(self, i: int) -> float:
+        """Width [m] that robot i takes across the road; if it may stand at a slant, the least."""
+        footprint = self.occupied.footprints[i]
+        return (
+            float(np.ptp(footprint[:, 1]))
+            if self.start.heading == "along"
+            else (least_width(footprint))
+        )
 
     def _narrow(self, room: shapely.Geometry, name: str) -> str:
         """What to say where no place of ``room`` is as wide as any robot at its narrowest."""

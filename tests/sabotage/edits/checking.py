@@ -445,4 +445,32 @@ EDITS = (
         "a tolerance of arrival of more than half a robot is told",
         "tests/checking/test_tolerance.py::test_more_than_half_a_robot_is_told",
     ),
+    Edit(
+        "checking",
+        "physim/world/layout/cuts.py",
+        "cut_faults",
+        "for k in alone or met:",
+        "for k in alone[:0]:",
+        "an obstacle right across the way is named, not what follows from it",
+        "tests/checking/test_ground.py"
+        "::test_an_obstacle_right_across_the_way_is_named_and_nothing_that_follows",
+    ),
+    Edit(
+        "checking",
+        "physim/world/checks/paths.py",
+        "_check_inside",
+        "first + NEAR_EDGE if first > 0.0",
+        "(first + last) / 2.0 if first > 0.0",
+        "an obstacle that cuts off the end of a path is named",
+        "tests/checking/test_ground.py::test_a_path_that_an_obstacle_cuts_off_names_it",
+    ),
+    Edit(
+        "checking",
+        "physim/world/layout/start_poses.py",
+        "_Group._too_wide",
+        "if need <= wide:",
+        "if True:",
+        "robots abreast without room beside each other are told the width that they need",
+        "tests/checking/test_regions.py::test_robots_abreast_are_told_the_width_that_they_need",
+    ),
 )

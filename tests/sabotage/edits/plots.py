@@ -240,4 +240,13 @@ EDITS = (
         "a map in print has no free bands",
         "tests/plots/test_papers.py::test_a_map_leaves_no_free_bands",
     ),
+    Edit(
+        "plots",
+        "physim/drawing/printed.py",
+        "printed_width",
+        "not LEAST <= value <= MOST",
+        "not 0.0 < value <= MOST",
+        "figures so narrow that titles overlap are refused",
+        "tests/plots/test_papers.py::test_another_width_is_refused_in_words",
+    ),
 )

@@ -177,4 +177,13 @@ EDITS = (
         "of a single run nothing is promised",
         "tests/campaigns/test_report.py::test_of_a_single_run_it_promises_nothing",
     ),
+    Edit(
+        "reports",
+        "physim/campaigns/report/pictures.py",
+        "_draw_view",
+        "between=between",
+        "between=None",
+        "the picture of the least distance of a run marks that distance",
+        "tests/campaigns/test_report.py::test_the_picture_of_a_least_distance_marks_that_one",
+    ),
 )

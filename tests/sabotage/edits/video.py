@@ -424,4 +424,22 @@ EDITS = (
         "the scale bar is as long as it says",
         "tests/video/test_beside.py::test_a_bar_tells_the_scale_of_its_view",
     ),
+    Edit(
+        "video",
+        "physim/drawing/video/scale.py",
+        "draw_scale",
+        "number(length, length)",
+        "number(length, 1.0)",
+        "the words of the scale bar are its length",
+        "tests/video/test_parts.py::test_words_of_a_scale_bar_are_its_length",
+    ),
+    Edit(
+        "video",
+        "physim/drawing/labels.py",
+        "significant",
+        "else plain(value, digits)",
+        'else f"{value:.{digits}g}"',
+        "small lengths are written without an exponent",
+        "tests/video/test_parts.py::test_small_lengths_are_written_without_an_exponent",
+    ),
 )

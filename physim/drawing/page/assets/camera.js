@@ -3,7 +3,10 @@
 const PAD = 28; // [px]
 const LOOKS = 60; // moments at which the size of the group is taken
 const NEAR = 2.6; // times its range, shown round a robot that is followed
-const USUAL_RANGE = 10; // [m]
+const USUAL_RANGE = 10; // times the largest robot's reach, where no range is known
+const LONGEST_RANGE = 30; // times that reach: of a longer range the robot would be a dot
+const LEAST = 16; // times that reach, at least to be seen of the world when the robots are followed
+const ROUND = 4; // times that reach, of room round them
 const WHOLE_SHARE = 0.72; // of the scene, from which the group's part is no closer look
 const MOST_UNLIKE = 3; // times as large may be what one scale shows beside another
 const SMOOTH = 1.0; // [s] before and after, over which the place of the group is averaged
@@ -17,7 +20,8 @@ export class Camera {
     this.size = [1, 1];
     [this.low, this.high] = run.header.scene.extent;
     this.whole = [0, 1].map((axis) => this.high[axis] - this.low[axis]); // [m] that must be seen
-    this.group = groupSize(run);
+    this.reach = largestReach(run);
+    this.group = groupSize(run, this.reach);
     this.scratch = new Float64Array(3 * run.robots);
   }
 
@@ -54,7 +58,8 @@ export class Camera {
   aim(time) {
     if (typeof this.follow === "number") {
       this.run.place(this.follow, time, this.scratch, 0);
-      const near = NEAR * (this.run.header.range ?? USUAL_RANGE);
+      const range = this.run.header.range ?? USUAL_RANGE * this.reach;
+      const near = NEAR * Math.min(range, LONGEST_RANGE * this.reach);
       const scale = Math.max(this.scaleFor(near, near), this.wholeScale);
       return [scale, [this.scratch[0], this.scratch[1]]];
     }
@@ -128,8 +133,14 @@ function boxOf(run, time, scratch) {
   return [low, high];
 }
 
+/** Distance [m] of the farthest point of any robot from the point that it is steered by. */
+function largestReach({ header: { scene } }) {
+  const points = scene.shapes.flatMap(({ rings }) => rings.flat());
+  return points.reduce((most, [x, y]) => Math.max(most, Math.hypot(x, y)), 1e-3);
+}
+
 /** Width and height [m] of the group at nearly all times, with room round it. */
-function groupSize(run) {
+function groupSize(run, reach) {
   const scratch = new Float64Array(3 * run.robots);
   const sizes = Array.from({ length: LOOKS }, (_, k) => {
     const [low, high] = boxOf(run, (run.duration * k) / (LOOKS - 1), scratch);
@@ -137,6 +148,6 @@ function groupSize(run) {
   });
   return [0, 1].map((axis) => {
     const ordered = sizes.map((size) => size[axis]).sort((a, b) => a - b);
-    return Math.max(ordered[Math.floor(0.95 * (LOOKS - 1))] + 4, 16);
+    return Math.max(ordered[Math.floor(0.95 * (LOOKS - 1))] + ROUND * reach, LEAST * reach);
   });
 }

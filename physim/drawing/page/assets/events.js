@@ -43,12 +43,21 @@ function summary(view, robot, events) {
   return `${run.names[robot]} in this run: ${parts.join("; ")}`;
 }
 
+/** Times in danger from its begin to its end, whichever modes of danger it goes through. */
 function dangers(run, robot) {
-  return run.spans(robot)
-    .filter(([, , mode]) => mode >= 0 && run.modes[mode].danger)
-    .map(([from, to, mode]) => ({
-      time: from, lasts: to - from, words: `${at(from)} to ${at(to)}: ${run.modes[mode].words}`,
-    }));
+  const found = [];
+  for (const [from, to, mode] of run.spans(robot)) {
+    if (mode < 0 || !run.modes[mode].danger) continue;
+    const last = found.at(-1);
+    if (last?.to === from) {
+      last.to = to;
+      last.modes.add(mode);
+    } else found.push({ from, to, modes: new Set([mode]) });
+  }
+  return found.map(({ from, to, modes }) => {
+    const words = [...modes].map((mode) => run.modes[mode].words).join("; ");
+    return { time: from, lasts: to - from, words: `${at(from)} to ${at(to)}: ${words}` };
+  });
 }
 
 function contacts({ run, contacts: all }, robot) {

@@ -18,6 +18,9 @@ const SPEEDS = [0.1, 0.25, 0.5, 1, 2, 4, 8, 16, 32];
 const HIDDEN = 120; // [px] of the view that is left where the page was scrolled away from it
 const USUAL = 60; // [s] of the reader's time that a run takes at most, as it opens
 
+/** What robots cannot go through, as text: the same of runs that may be shown in one view. */
+const solid = ({ header: { scene } }) => JSON.stringify([scene.walls, scene.obstacles]);
+
 class Page {
   constructor(runs, schemes) {
     Object.assign(this, { runs, schemes });
@@ -126,7 +129,8 @@ class Page {
 
   ghostBox() {
     const box = el("input", { type: "checkbox", id: "ghosts", change: () => this.setGhosts(box.checked) });
-    return el("label", {}, box, "in one view");
+    box.disabled = new Set(this.runs.map(solid)).size > 1;
+    return el("label", {}, box, box.disabled ? "in one view (not these: their walls differ)" : "in one view");
   }
 
   /** Shows all runs in the first view, the others as outlines; or side by side. */
@@ -134,7 +138,7 @@ class Page {
     const [first, ...others] = this.views;
     first.ghosts = together ? others : [];
     const outlines = others.map(({ run }, k) => {
-      const ends = run.duration < this.duration ? `, ended at ${run.duration.toFixed(1)} s` : "";
+      const ends = run.duration < this.duration ? `, ends at ${run.duration.toFixed(1)} s` : "";
       return `${DASHED[k + 1]} outlines: ${run.label}${ends}`;
     });
     say(first.title, together ? [first.run.label, ...outlines].join("; ") : first.run.label);

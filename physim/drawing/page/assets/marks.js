@@ -2,7 +2,7 @@
 
 import { toPixels } from "./camera.js";
 import { closestPoints } from "./robots.js";
-import { metres } from "./words.js";
+import { metres, multiple } from "./words.js";
 
 const FLASH = 0.5; // [s of the reader's time] that a ring grows round a new contact
 const still = matchMedia("(prefers-reduced-motion: reduce)");
@@ -177,7 +177,8 @@ export function drawScale(context, length, lens, height, colours) {
   context.textBaseline = "middle";
   context.lineWidth = 3;
   context.strokeStyle = colours.paper;
-  context.strokeText(`${length} m`, end + 8, y);
+  const words = `${multiple(length, length)} m`;
+  context.strokeText(words, end + 8, y);
   context.fillStyle = colours.ink;
-  context.fillText(`${length} m`, end + 8, y);
+  context.fillText(words, end + 8, y);
 }

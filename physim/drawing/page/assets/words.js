@@ -44,11 +44,15 @@ export function roundAbove(least) {
   return decade * ([1, 2, 5].find((factor) => factor * decade >= least * (1 - 1e-9)) ?? 10);
 }
 
+/** A multiple of a round step, with as many decimals as the step needs. */
+export const multiple = (value, step) =>
+  decimal(value, Math.max(0, -Math.floor(Math.log10(step) + 1e-9)));
+
 const LONGEST_TICK = 6; // characters that stand beside a plot
 
 /** A tick, with as many decimals as the step between ticks needs; long ones with an exponent. */
 export function tick(value, step) {
-  const plain = decimal(value, Math.max(0, -Math.floor(Math.log10(step) + 1e-9)));
+  const plain = multiple(value, step);
   if (plain.length <= LONGEST_TICK || !value) return plain;
   return Number(value.toPrecision(3)).toExponential().replace("e+", "e").replaceAll("-", "\u2212");
 }

@@ -538,4 +538,13 @@ EDITS = (
         "a program that does not shut its processes down ends",
         "tests/campaigns/test_processes.py::test_a_program_that_does_not_shut_it_down_ends",
     ),
+    Edit(
+        "campaigns",
+        "physim/campaigns/shard.py",
+        "_one_by_one",
+        "parse_json(line, once=True)",
+        "parse_json(line)",
+        "a row with a column given twice is refused",
+        "tests/campaigns/test_foreign_rows.py::test_a_column_given_twice_is_told_with_its_line",
+    ),
 )

@@ -54,13 +54,13 @@ CONTACT_ROW = np.dtype(
     ]
 )
 """Contact row: sample, body ids a < b, `Phase`, `Kind`, deepest point x, y [m], unit normal nx, ny
-from a to b (world frame), depth [m] (0 when just touching), impulse [N s], along the normal and by
-friction together. In a row of phase
-*ended* the bodies are apart: depth is minus their distance, point and normal are those of the
-gap, impulse is what they exchanged before they parted. In a row of kind *swept* step is the sample
-at the end of the step in which they touch, phase is *began*; point, normal and depth are those of
-the instant at which they are closest (deepest), from exact geometry; impulse is 0. Packed, so no
-byte is undefined."""
+from a to b (world frame), depth [m] (0 when just touching), impulse [N s] of the step that led to
+the sample, along the normal and by friction together. In a row of phase *ended* the bodies are
+apart: depth is minus their distance, point and normal are those of the gap, impulse is what they
+exchanged in the step in which they parted. In a row of kind *swept* step is the sample at the end
+of the step in which they touch, phase is *began*; point, normal and depth are those of the instant
+at which they are closest (deepest), from exact geometry; impulse is 0. Packed, so no byte is
+undefined."""
 
 FALSE_CONTACT_ROW = np.dtype([("step", "<i8"), ("a", "<i4"), ("b", "<i4"), ("distance", "<f8")])
 """A contact that the engine reported and the exact check rejected: sample, body ids a < b, signed

@@ -21,7 +21,7 @@ from physim.parts.declarations import PAPER_MODES
 from physim.record import Record, RecordWriter
 from physim.simulation.loop import Simulation
 from physim.simulation.recorder import Recorder, SaveAt
-from physim.simulation.run import record_run, simulate
+from physim.simulation.run import LateError, record_run, simulate
 from physim.world.file import load_world
 from physim.world.file.files import find_world
 from physim.world.layout.scene_builder import build_scene
@@ -280,3 +280,81 @@ def test_an_observer_that_moves_the_simulation_ends_the_run(
         assert record.ended == "error"
         assert record.steps_run == 31
         assert record.samples == 32
+
+
+class Steps:
+    """Steps the simulation when the run is over."""
+
+    def start(self, simulation: Simulation) -> None:
+        self.simulation = simulation
+
+    def after_step(self, step: Any) -> None:
+        pass
+
+    def close(self, ended: str) -> None:
+        self.simulation.step()
+
+
+def test_an_observer_that_steps_in_close_is_told_and_the_record_is_whole(
+    wild: Any, tmp_path: Path
+) -> None:
+    path = tmp_path / "record.h5"
+    simulate(wild, controller=Says(drift), path=tmp_path / "alone.h5")
+    with pytest.raises(LateError, match=facts("observer Steps", "moved", "close")):
+        simulate(wild, controller=Says(drift), observers=[Steps()], path=path)
+    with Record.load(path) as record, Record.load(tmp_path / "alone.h5") as alone:
+        assert (record.ended, record.steps_run) == (alone.ended, alone.steps_run)
+        assert np.array_equal(record.pose, alone.pose)
+
+
+class Added:
+    """Takes down what it sees, and fails where it is asked to."""
+
+    def __init__(self, fails: int | str) -> None:
+        self.fails, self.told = fails, list[int | str]()
+
+    def start(self, simulation: Simulation) -> None:
+        self._note("start")
+
+    def after_step(self, step: Any) -> None:
+        self._note(step.truth.step)
+
+    def close(self, ended: str) -> None:
+        self._note(ended)
+
+    def _note(self, what: int | str) -> None:
+        self.told.append(what)
+        if what == self.fails:
+            raise ZeroDivisionError("out of patience")
+
+
+class Adds:
+    """Lets another look on, from the start or after a step."""
+
+    def __init__(self, other: Added, step: int | None) -> None:
+        self.other, self.step = other, step
+
+    def start(self, simulation: Simulation) -> None:
+        self.simulation = simulation
+        if self.step is None:
+            simulation.look_on(self.other)
+
+    def after_step(self, step: Any) -> None:
+        if step.truth.step == self.step:
+            self.simulation.look_on(self.other)
+
+    def close(self, ended: str) -> None:
+        pass
+
+
+@pytest.mark.parametrize("step", [None, 30])
+@pytest.mark.parametrize("fails", [31, 40, "duration"])
+def test_an_observer_that_another_let_look_on_is_named_and_closed(
+    wild: Any, step: int | None, fails: int | str
+) -> None:
+    other = Added(fails)
+    at = "6.11 s" if fails == "duration" else f"{(int(fails) + 1) * 0.01:g} s"
+    with pytest.raises(ControllerError, match=facts("observer Added", at, "ZeroDivisionError")):
+        simulate(wild, controller=Says(drift), observers=[Adds(other, step)])
+    assert other.told[:2] == ["start", 0 if step is None else step + 1]
+    assert other.told[-1] == ("duration" if fails == "duration" else "error")

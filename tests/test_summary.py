@@ -262,12 +262,12 @@ def test_contacts_one_by_one() -> None:
         ]  # fmt: skip
     summary = summarise(history(contacts=contacts))
     first = summary.contacts.episodes[0]
-    assert (first.depth, first.impact, first.impulse) == pytest.approx((0.0134, 30.0, 34.0))
+    assert (first.depth, first.impact, first.impulse) == pytest.approx((0.0134, 30.0, 35.0))
     told = json.loads(summary.to_json())["contacts"]["episodes"][0]
     assert told.pop("bodies") == ["r1", "r2"]
     assert told == pytest.approx(
         {"begin_s": 0.0, "duration_s": 0.02, "max_depth_m": 0.0134,
-         "impact_newton_seconds": 30.0, "impulse_newton_seconds": 34.0}
+         "impact_newton_seconds": 30.0, "impulse_newton_seconds": 35.0}
     )  # fmt: skip
     assert (summary.contacts.between_robots, summary.contacts.with_boundaries) == (6, 5)
     text = table(summary)

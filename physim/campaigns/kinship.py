@@ -22,6 +22,8 @@ ENDING = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 
 HOME = str(Path(__file__).resolve().parents[2])
 """Folder in which physim stands"""
+WORKER, WARMING = "physim worker", "physim warming"
+"""What multiprocessing calls processes of ours: those of campaigns, and one that compiles"""
 SAFE_PATH, BY_US = "PYTHONSAFEPATH", "physim"
 """Variable by which Python leaves the working folder out of its path, and our value of it"""
 
@@ -61,6 +63,24 @@ def settle() -> None:
     if os.environ.get(SAFE_PATH) == BY_US:
         del os.environ[SAFE_PATH]  # what it begins is its own affair
     signal.pthread_sigmask(signal.SIG_UNBLOCK, ENDING)
+
+
+def is_importing() -> bool:
+    """Whether this process is new and still imports the program that began it.
+
+    multiprocessing itself asks so before it begins a process; it has no public name for it.
+    """
+    return getattr(multiprocessing.current_process(), "_inheriting", False)
+
+
+def end_if_importing() -> None:
+    """End a process of ours that is to begin runs while it still imports the program it is of.
+
+    At once, with exit code 1, and not by an exception that the program may catch, to go on and wait
+    for runs that its parent has claimed. Who began the process says why.
+    """
+    if is_importing() and multiprocessing.current_process().name in (WORKER, WARMING):
+        sys.exit(1)
 
 
 @contextmanager

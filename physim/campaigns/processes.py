@@ -20,9 +20,16 @@ from contextlib import suppress
 from dataclasses import dataclass
 from multiprocessing.connection import Connection, wait
 from multiprocessing.reduction import ForkingPickler
+from multiprocessing.util import Finalize
 from typing import Any
 
-from physim.campaigns.kinship import begun_apart, children_allowed
+from physim.campaigns.kinship import (
+    WORKER,
+    begun_apart,
+    children_allowed,
+    end_if_importing,
+    is_importing,
+)
 from physim.campaigns.worker import (
     BEGINS,
     READY,
@@ -43,6 +50,7 @@ POLL_SECONDS = 0.01
 GRACE_SECONDS = 5.0
 """[s] beyond its limit a worker is killed from outside, where its own timer did not end it."""
 MOST_WORKERS = 8
+NOT_STARTED = "worker processes cannot be started"
 UNGUARDED = '; in a program of your own the runs must be begun under if __name__ == "__main__":'
 
 
@@ -50,6 +58,16 @@ def worker_count() -> int:
     """Cores that this process may use, at most `MOST_WORKERS`."""
     cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
     return max(1, min(cores or 1, MOST_WORKERS))
+
+
+def check_guarded() -> None:
+    """Let a program begin no runs while a process that it began only imports it.
+
+    A worker of ours ends there; raises StartError in a process of another.
+    """
+    end_if_importing()
+    if is_importing():
+        raise StartError(NOT_STARTED + UNGUARDED)
 
 
 class Processes(Executor):
@@ -69,6 +87,7 @@ class Processes(Executor):
         self._gone: list[Any] = []
         self._woken, self._wake = self._context.Pipe(duplex=False)
         self._thread: threading.Thread | None = None
+        self._at_exit: Finalize | None = None
         self._ends = False
 
     def submit(self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future[Any]:
@@ -77,6 +96,7 @@ class Processes(Executor):
 
     def begin(self, job: Job) -> Future[Any]:
         """Have a job done. Its future may raise `LostError`, `OverdueError` or what it raised."""
+        check_guarded()
         future: Future[Any] = Future()
         with self._lock:
             if self._ends:
@@ -85,6 +105,9 @@ class Processes(Executor):
             if self._thread is None:
                 self._thread = threading.Thread(target=self._serve, daemon=True)
                 self._thread.start()
+                # without a `shutdown` it ends with the program: workers do not hear TERM
+                last = {"cancel_futures": True}
+                self._at_exit = Finalize(None, self.shutdown, (), last, exitpriority=0)
         self._wake.send_bytes(b"1")
         return future
 
@@ -107,6 +130,8 @@ class Processes(Executor):
         """
         with self._lock:
             self._ends = True
+            if self._at_exit is not None:
+                self._at_exit.cancel()
             if cancel_futures:
                 self.halt()
                 for future, _ in self._waiting:
@@ -131,7 +156,10 @@ class Processes(Executor):
                 if self._halt.value:
                     given_up = given_up or time.monotonic() + LAST_SECONDS
                 for one in self._ready(busy, given_up):
-                    one.end(bool(self._halt.value))
+                    error = one.end(bool(self._halt.value))
+                    if isinstance(error, StartError):  # nor could another
+                        with self._lock:
+                            self._refuse(error)
                     if one.gone:
                         self._team.remove(one)
         finally:
@@ -153,12 +181,12 @@ class Processes(Executor):
                     self._dismiss(next(one for one in self._team if one.job is None))
                 try:
                     one = _Worker.begun(self._context, self._halt)
-                except RuntimeError:  # a program that begins runs while it is only imported
-                    self._refuse(UNGUARDED)
+                except RuntimeError as error:  # as the interpreter ends
+                    self._refuse(StartError(f"{NOT_STARTED} ({error})"))
                     return
                 except OSError as error:  # of files, processes or memory there are no more
                     if not self._team:  # else those that are there do it later
-                        self._refuse(f" ({error.strerror or error})")
+                        self._refuse(StartError(f"{NOT_STARTED} ({error.strerror or error})"))
                         return
                     if all(one.job is None for one in self._team):
                         self._dismiss(self._team[0])
@@ -186,12 +214,12 @@ class Processes(Executor):
         one.pipe.close()
         self._gone.append(one.process)
 
-    def _refuse(self, why: str) -> None:
+    def _refuse(self, error: StartError) -> None:
         """Let the jobs that wait fail."""
         while self._waiting:
             future, _ = self._waiting.popleft()
             if future.set_running_or_notify_cancel():
-                future.set_exception(StartError(f"worker processes cannot be started{why}"))
+                future.set_exception(error)
 
     def _ready(self, busy: list[_Worker], given_up: float | None) -> list[_Worker]:
         """Workers that have something to say or are to say nothing more; waits for one."""
@@ -235,7 +263,7 @@ class _Worker:
     def begun(cls, context: Any, halt: Any) -> _Worker:
         """A new process that waits for jobs."""
         ours, theirs = context.Pipe()
-        process = context.Process(target=do_jobs, args=(theirs, halt), daemon=True)
+        process = context.Process(target=do_jobs, name=WORKER, args=(theirs, halt), daemon=True)
         with children_allowed(), begun_apart():
             process.start()
         theirs.close()
@@ -247,8 +275,11 @@ class _Worker:
         with suppress(OSError):
             self.pipe.send_bytes(packed)
 
-    def end(self, halted: bool) -> None:
-        """Take what came of its job: of one that was lost after a halt, that it was stopped."""
+    def end(self, halted: bool) -> BaseException | None:
+        """Take what came of its job: of one that was lost after a halt, that it was stopped.
+
+        Gives the error that it came to, if any.
+        """
         future, job = self.future, self.job
         assert future is not None
         assert job is not None
@@ -258,11 +289,11 @@ class _Worker:
             answer = self.pipe.recv()
             if answer == READY:
                 self.ready = True
-                return
+                return None
             if answer == BEGINS:
                 limit = job.limit or 0.0
                 self.due = time.monotonic() + limit + GRACE_SECONDS
-                return
+                return None
             done, found = answer
         except Exception:  # it is gone, or what it does wrote into the pipe
             self.gone = True
@@ -273,14 +304,16 @@ class _Worker:
         self.job = self.future = self.due = None
         if done:
             future.set_result(found)
-        else:
-            future.set_exception(found)
+            return None
+        error: BaseException = found
+        future.set_exception(error)
+        return error
 
     def _lost(self, job: Job) -> PhysimError:
         """Why a process that did a job is no more."""
         code = self.process.exitcode
-        if not self.ready and code is not None and code > 0:
-            return StartError(f"worker processes cannot be started (exit code {code}){UNGUARDED}")
+        if not self.ready and code is not None and code >= 0:
+            return StartError(f"{NOT_STARTED} (exit code {code}){UNGUARDED}")
         if job.limit is not None and (
             code == -signal.SIGALRM or (self.due is not None and self.due <= time.monotonic())
         ):
@@ -308,4 +341,4 @@ def _plainly(fn: Callable[..., Any], args: Any, kwargs: Any, _: Stop) -> Any:
     return fn(*args, **kwargs)
 
 
-__all__ = ["Processes", "worker_count"]
+__all__ = ["Processes", "check_guarded", "worker_count"]

@@ -105,7 +105,7 @@ def _one_by_one(file: Path, lines: list[bytes], ends: bool, before: int) -> Part
     for number, line in enumerate(lines, before + 1):
         try:
             try:
-                tree = parse_json(line)
+                tree = parse_json(line, once=True)
             except ValueError as error:
                 if ends or line is not lines[-1]:
                     raise ValueError(f"is no row: {error}") from None

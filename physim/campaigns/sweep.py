@@ -15,7 +15,7 @@ from physim.campaigns.columns import ERROR, KILLED, TIMEOUT, Brief, Row, briefs
 from physim.campaigns.folder import Claims, Folder
 from physim.campaigns.grid import Grid
 from physim.campaigns.one_run import Taken, never, one_line, ready, row_without_run, take
-from physim.campaigns.processes import Processes
+from physim.campaigns.processes import Processes, check_guarded
 from physim.campaigns.reading import check_rows, write_results
 from physim.campaigns.rows import write_whole
 from physim.campaigns.runner import POLL_SECONDS, Outcome, outcomes
@@ -95,10 +95,12 @@ def sweep(
     memory does not depend on how many are asked for. ``keep`` is one of
     `physim.campaigns.one_run.KEEP`; with ``retry`` runs that failed are done again. ``decided`` is
     asked after every row in the order of ``specs``, whoever was done first; when it says True no
-    more runs are begun. Raises
-    PhysimError for the folder of another campaign, for rows in it that are of none of its runs, and
-    where it cannot be written.
+    more runs are begun. A
+    program must call it under ``if __name__ == "__main__":``, since its worker processes import it.
+    Raises StartError where it does not, PhysimError for the folder of another campaign, for rows in
+    it that are of none of its runs, and where it cannot be written.
     """
+    check_guarded()
     place = Folder(folder)
     asked = specs.asked if isinstance(specs, Grid) and decided is None else None
     place.open(_cells(specs), asked)

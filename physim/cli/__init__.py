@@ -29,6 +29,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
     Every error is a line on standard error that begins with where the fault lies: the
     file with line and column, the file, the option, or the command.
     """
+    if "multiprocessing.spawn" in sys.modules:  # else nobody began this process
+        from physim.campaigns.kinship import end_if_importing
+
+        end_if_importing()
     alone = arguments is None
     with without_warnings(), gates(), breaks(last=alone) as broken:
         code = _run(arguments, broken)

@@ -13,7 +13,7 @@ import sys
 from contextlib import suppress
 from multiprocessing.connection import Connection
 
-from physim.campaigns.kinship import begun_apart, settle
+from physim.campaigns.kinship import WARMING, begun_apart, settle
 from physim.compiled import is_kept
 from physim.geometry.clearance import fill
 
@@ -22,7 +22,6 @@ CONTROLLER = "constant"
 """Makes no decision that would have to be compiled."""
 SECONDS = "0.2"
 """[s] simulated"""
-NAME = "physim-warming"
 
 
 class SecondProcess:
@@ -32,7 +31,7 @@ class SecondProcess:
         context = multiprocessing.get_context("spawn")
         self._line, theirs = context.Pipe()
         work = context.Process(
-            target=compile_rest, args=(theirs, controller), name=NAME, daemon=True
+            target=compile_rest, args=(theirs, controller), name=WARMING, daemon=True
         )
         with begun_apart():
             work.start()
@@ -100,7 +99,7 @@ def warm_up_checks(controller: str) -> None:
 def finish(quiet: bool) -> None:
     """Wait for the second process, if there is one; Ctrl-C ends it."""
     for process in multiprocessing.active_children():
-        if process.name == NAME:
+        if process.name == WARMING:
             if not quiet:
                 text = "compiling what validate and reproduce need, too ..."
                 print(text, file=sys.stderr, flush=True)

@@ -157,7 +157,7 @@ class Simulation:
         return observe(self.scene, self._sense()[0], i)
 
     def look_on(self, observer: Observer) -> None:
-        """Let an observer look on from now on."""
+        """Let an observer look on from now on; during a step, from the next on."""
         observer.start(self)
         self.observers.append(observer)
 
@@ -183,7 +183,7 @@ class Simulation:
         self._told = truth, self._sensed, decided, filtered, applied
         self._arrive(truth.step + 1, nominal)
         if self.observers and (last := self.last):
-            for observer in self.observers:
+            for observer in tuple(self.observers):  # one that is added sees the next step first
                 observer.after_step(last)
 
     @property

@@ -24,7 +24,7 @@ from physim.parts.controller import Controller
 from physim.parts.declarations import kept_distance
 from physim.parts.registry import OBSERVER, check_part
 from physim.parts.stages import Disturbance, Filter, Observer, SensingStage, Step
-from physim.parts.user_code import folder_kept
+from physim.parts.user_code import MistakenError, folder_kept
 from physim.parts.world_checks import call, listed, naming
 from physim.record import Record, RecordWriter
 from physim.simulation.engine import Physics
@@ -36,6 +36,7 @@ from physim.world import World
 from physim.world.scene import Scene
 
 EVERYTHING = SaveAt()
+LOOK_ON = "observers look on and change nothing"
 
 
 def simulate(
@@ -103,16 +104,17 @@ def record_run(
     try:
         looking_on.append(recorder)
         simulation.look_on(recorder)
-        others: list[Observer] = [Named(one) for one in listed("observers", observers)]
+        others: list[Observer] = [Named(one, simulation) for one in listed("observers", observers)]
         for observer in [*others, *([] if progress is None else [Progress(progress)])]:
             simulation.look_on(observer)
             looking_on.append(observer)  # one whose start failed is not closed
         with folder_kept():
-            ended = _loop(simulation, recorder, stop)
-            late = _close(looking_on, ended)
+            ended = _loop(simulation, recorder, looking_on, stop)
+            late = _close(simulation, looking_on, ended)
     finally:
         simulation.observers = []
         elapsed = time.perf_counter() - started
+        simulated = recorder.taken * simulation.scene.dt
         if ended == "error":
             for observer in looking_on[1:]:
                 with suppress(Exception):  # the error that ended the run is the one to report
@@ -122,7 +124,10 @@ def record_run(
             ended,
             steps_run=recorder.taken,
             rejected=recorder.rejected,
-            wall_clock={"seconds": elapsed, "factor": simulation.time / max(elapsed, 1e-9)},
+            wall_clock={
+                "seconds": elapsed,
+                "factor": simulated / max(elapsed, 1e-9),
+            },
         )
     if late is not None:
         raise LateError(str(late), writer.record()) from late
@@ -137,12 +142,15 @@ class LateError(ControllerError):
         super().__init__(message)
 
 
-def _close(looking_on: Sequence[Observer], ended: str) -> PhysimError | None:
+def _close(
+    simulation: Simulation, looking_on: Sequence[Observer], ended: str
+) -> PhysimError | None:
     """Close every observer, whatever becomes of the others; the first error of one."""
-    late = None
+    late: PhysimError | None = None
     try:
         looking_on[0].close(ended)  # the recorder
     finally:
+        simulation.observers = []  # the record is whole
         for observer in looking_on[1:]:
             try:
                 observer.close(ended)
@@ -151,15 +159,22 @@ def _close(looking_on: Sequence[Observer], ended: str) -> PhysimError | None:
     return late
 
 
-def _loop(simulation: Simulation, recorder: Recorder, stop: Callable[[], bool] | None) -> str:
+def _loop(
+    simulation: Simulation,
+    recorder: Recorder,
+    looking_on: list[Observer],
+    stop: Callable[[], bool] | None,
+) -> str:
     """Step to the end; says how it ended. Raises ControllerError for a step not taken down."""
     while simulation.step_number < simulation.scene.steps:
+        if simulation.observers and len(simulation.observers) > len(looking_on):
+            _take_in(simulation, looking_on)
         simulation.step()
         if recorder.taken != simulation.step_number:
             after = recorder.taken * simulation.scene.dt
             raise ControllerError(
                 f"an observer moved the simulation after {after:g} s, or let the recorder go (by "
-                "restore, reset or observers); observers look on and change nothing"
+                f"restore, reset or observers); {LOOK_ON}"
             )
         if simulation.finished:
             return "finished"
@@ -168,29 +183,40 @@ def _loop(simulation: Simulation, recorder: Recorder, stop: Callable[[], bool] |
     return "duration"
 
 
+def _take_in(simulation: Simulation, looking_on: list[Observer]) -> None:
+    """Name and close those that an observer let look on, by `look_on`, as those of the run."""
+    known = {id(one) for one in looking_on}
+    both = [one if id(one) in known else Named(one, simulation) for one in simulation.observers]
+    looking_on += [one for one in both if id(one) not in known]
+    simulation.observers = both
+
+
 class Named:
     """An observer whose errors are one line that names it and the time; they end the run."""
 
-    def __init__(self, observer: Observer) -> None:
+    def __init__(self, observer: Observer, simulation: Simulation) -> None:
         check_part(OBSERVER, observer)
         self.observer = observer
+        self.simulation, self.time = simulation, simulation.time
 
     def start(self, simulation: Simulation) -> None:
         """Let it look at sample 0."""
-        self.dt, self.time = simulation.scene.dt, simulation.time
         with naming(OBSERVER, self.observer, self.time):
             call(OBSERVER, self.observer, "start", simulation)
 
     def after_step(self, step: Step) -> None:
         """Let it look at a step."""
-        self.time = (step.truth.step + 1) * self.dt
+        self.time = (step.truth.step + 1) * self.simulation.scene.dt
         with naming(OBSERVER, self.observer, self.time):
             call(OBSERVER, self.observer, "after_step", step)
 
     def close(self, ended: str) -> None:
         """Let it finish."""
         with naming(OBSERVER, self.observer, self.time):
+            now = self.simulation.now
             call(OBSERVER, self.observer, "close", ended)
+            if self.simulation.now is not now:
+                raise MistakenError(f"it moved the simulation in close; {LOOK_ON}")
 
 
 class Progress:

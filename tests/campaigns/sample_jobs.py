@@ -12,6 +12,7 @@ import threading
 import time
 from contextlib import suppress
 
+from physim.campaigns.processes import Processes
 from physim.campaigns.worker import Stop, limited
 from physim.errors import PhysimError
 
@@ -19,6 +20,15 @@ from physim.errors import PhysimError
 def echo(value: int, stop: Stop) -> int:
     """Gives back what it has."""
     return value
+
+
+def has_workers() -> int:
+    """Has a job done by a worker of its own."""
+    own = Processes(1)
+    try:
+        return own.submit(abs, -3).result(timeout=60.0)
+    finally:
+        own.shutdown(cancel_futures=True)
 
 
 def process(stop: Stop) -> int:

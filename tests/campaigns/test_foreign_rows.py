@@ -71,6 +71,14 @@ def test_rows_of_another_campaign_are_refused(campaign: Path) -> None:
         read(campaign)
 
 
+def test_a_column_given_twice_is_told_with_its_line(campaign: Path) -> None:
+    file = campaign / "rows/9-2-x-1.jsonl"
+    row = json.dumps(asdict(row_without_run(specs(1)[0], FINISHED, "")))
+    file.write_text(f'{row}\n{row[:-1]}, "contacts": 7}}\n', encoding="utf-8")
+    with pytest.raises(PhysimError, match=facts(f"{file}:2", "contacts", "twice")):
+        read(campaign)
+
+
 def test_a_row_behind_which_the_true_one_stands_is_refused_too(campaign: Path) -> None:
     """That of another seed was passed over, as a run that has two rows."""
     run = specs(3)[2]

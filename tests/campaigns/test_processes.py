@@ -10,13 +10,15 @@ import subprocess
 import sys
 import time
 from collections.abc import Iterator
-from concurrent.futures import Executor, wait
+from concurrent.futures import Executor, ThreadPoolExecutor, wait
+from contextlib import suppress
 from pathlib import Path
 
 import pytest
 
 from physim.campaigns import processes
 from physim.campaigns.processes import Processes
+from physim.campaigns.sweep import sweep
 from physim.campaigns.worker import Job, LostError, OverdueError, StartError
 from tests.campaigns import sample_jobs as sample
 
@@ -214,23 +216,78 @@ def test_no_module_of_the_working_folder_is_run_as_workers_start(
     assert (done.returncode, done.stderr) == (0, "")
 
 
-def test_a_program_that_begins_runs_as_it_is_imported_is_told(tmp_path: Path) -> None:
-    """A worker imports it, too, and may begin no processes then."""
-    program = tmp_path / "begins.py"
-    program.write_text(
+UNGUARDED = {
+    "submit": "print(Processes(1).submit(abs, -3).result())",
+    "sweep 1": "sweep([spec_of(world, seed) for seed in range(2)], 'campaign', Processes(1))",
+    "sweep 2": "sweep([spec_of(world, seed) for seed in range(2)], 'campaign', Processes(2))",
+    "caught": "try:\n    sweep([spec_of(world, 1)], 'campaign', Processes(1))\n"
+    "except PhysimError as error:\n    sys.exit(str(error))",
+    "command": "sys.exit(main(['sweep', 'straight', '--seeds', '0:2', '--set', "
+    "'time.duration=0.5', '-o', 'campaign', '--workers', '2', '--quiet']))",
+    "check": "sys.exit(main(['validate', '--seeds', '0:2', 'ten_robots', '--quiet']))",
+}  # fmt: skip
+"""What a program without a guard does, which its workers do again as they import it"""
+HEAD = """\
+import sys
+import physim
+from physim import PhysimError
+from physim.campaigns import Processes, spec_of, sweep
+from physim.cli import main
+world = physim.load_world("straight", overrides=["time.duration=0.5"])
+"""
+
+
+@pytest.mark.parametrize("how", UNGUARDED)
+def test_a_program_that_begins_runs_as_it_is_imported_is_told(tmp_path: Path, how: str) -> None:
+    """A worker that swept, too, waited without end for runs that its parent had claimed."""
+    (tmp_path / "begins.py").write_text(f"{HEAD}{UNGUARDED[how]}\n")
+    process = subprocess.Popen(
+        [sys.executable, "begins.py"], cwd=tmp_path, start_new_session=True, text=True,
+        stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+    )  # fmt: skip
+    try:
+        _, err = process.communicate(timeout=LONGEST)  # as long as anything has its pipes
+    finally:
+        with suppress(ProcessLookupError):
+            os.killpg(process.pid, signal.SIGKILL)
+    *before, last = err.splitlines()
+    assert process.returncode != 0
+    assert last.endswith(processes.UNGUARDED.removeprefix("; "))
+    assert err.count(processes.UNGUARDED) == 1
+    assert err.count("Traceback") == (0 if how in ("caught", "command", "check") else 1)
+    assert before == [] or how not in ("caught", "command")
+
+
+def test_a_process_of_another_that_imports_is_told(
+    executor: Processes, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    """multiprocessing marks it so, whoever began it; it is not ours to end."""
+    this = multiprocessing.current_process()
+    monkeypatch.setattr(this, "_inheriting", True, raising=False)
+    with pytest.raises(StartError, match="__main__"):
+        sweep([], tmp_path / "campaign", ThreadPoolExecutor(1))
+    assert not (tmp_path / "campaign").exists()
+    with pytest.raises(StartError, match="__main__"):
+        executor.submit(abs, -3)
+
+
+def test_a_program_that_does_not_shut_it_down_ends(tmp_path: Path) -> None:
+    """Its workers hear no TERM, by which multiprocessing ends what is left."""
+    (tmp_path / "begins.py").write_text(
         "from physim.campaigns.processes import Processes\n"
-        "made = Processes(1)\n"
-        "try:\n"
-        "    print(made.submit(abs, -3).result())\n"
-        "finally:\n"
-        "    made.shutdown()\n"
+        "if __name__ == '__main__':\n"
+        "    print(Processes(1).submit(abs, -3).result())\n"
     )
     done = subprocess.run(
-        [sys.executable, str(program)],
+        [sys.executable, str(tmp_path / "begins.py")],
         capture_output=True, text=True, check=False, timeout=LONGEST,
     )  # fmt: skip
-    assert done.returncode == 1
-    assert done.stderr.splitlines()[-1].endswith('if __name__ == "__main__":')
+    assert (done.returncode, done.stdout, done.stderr) == (0, "3\n", "")
+
+
+def test_a_worker_may_have_workers(executor: Processes) -> None:
+    """It has imported the program by then."""
+    assert executor.submit(sample.has_workers).result(timeout=LONGEST) == 3
 
 
 @pytest.mark.parametrize("most", [0, 1])

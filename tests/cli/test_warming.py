@@ -9,8 +9,9 @@ from pathlib import Path
 
 import pytest
 
+from physim.campaigns.kinship import WARMING
 from physim.cli import warming
-from physim.cli.warming import NAME, SecondProcess, finish, second_process
+from physim.cli.warming import SecondProcess, finish, second_process
 
 NEEDED = """
 from numba.core.caching import Cache
@@ -61,7 +62,7 @@ def test_nothing_is_left_to_compile_for_a_run_and_its_checks() -> None:
 
 
 def helpers() -> list[multiprocessing.process.BaseProcess]:
-    return [one for one in multiprocessing.active_children() if one.name == NAME]
+    return [one for one in multiprocessing.active_children() if one.name == WARMING]
 
 
 def test_the_second_process_says_when_a_run_can_go_on_and_ends(

@@ -123,6 +123,19 @@ def test_the_run_starts_shortly_before_its_contact_and_no_nearer_than_a_start_ma
     assert gap(shrunk.world) >= 0.15
 
 
+def test_no_robot_comes_to_move_faster_than_it_can() -> None:
+    """Its limits are kept, and rounded down, where they are below the usual ones."""
+    tree = tree_of(into_the_wall())
+    tree["robots"][0]["limits"] = {"v": 1.06, "omega": 1.57}
+    world = World(**tree)
+    (found,) = shrink(world, judge(world), EVALUATE, ACCEPTS).world.robots
+    assert (found.limits.v, found.limits.omega) == (1.0, 1.0)
+    tree["robots"][0]["limits"] = {"v": 1.7, "omega": 2.4}
+    world = World(**tree)
+    (found,) = shrink(world, judge(world), EVALUATE, ACCEPTS).world.robots
+    assert "limits" not in found.model_fields_set  # the usual ones are lower
+
+
 class Waits:
     """The second robot stands for three seconds, then drives ahead; the others stand."""
 

@@ -28,7 +28,7 @@ def test_contact_episodes() -> None:
         (5, 0, 1, BEGAN, 0.1, 2.0),
         (6, 0, 1, STAYS, 0.3, 5.0),
         (6, 1, 3, BEGAN, 0.5, 0.5),
-        (7, 0, 1, ENDED, -0.2, 0.0),
+        (7, 0, 1, ENDED, -0.2, 0.25),
         (7, 1, 3, ENDED, -0.2, 0.0),
         (8, 0, 1, BEGAN, 0.2, 4.0),
         (8, 0, 2, BEGAN, 0.0, 0.0),
@@ -39,7 +39,7 @@ def test_contact_episodes() -> None:
     ]  # fmt: skip
     assert [e.robots for e in found] == [True, False, True, False]
     assert [e.depth for e in found] == [0.3, 0.5, 0.2, 0.0]
-    assert [e.impulse for e in found] == [7.0, 0.5, 4.0, 0.0]
+    assert [e.impulse for e in found] == [7.25, 0.5, 4.0, 0.0]
     assert [e.impact for e in found] == [2.0, 0.5, 4.0, 0.0]
     assert found[0].time == pytest.approx(0.05)
 
@@ -60,7 +60,7 @@ def test_episodes_are_maximal_runs(first: list[bool], second: list[bool]) -> Non
         edges = sum(t and not p for t, p in zip(touching, [False, *touching], strict=False))
         mine = [e for e in found if e.b == b]
         assert len(mine) == edges
-        assert sum(e.impulse for e in mine) == sum(touching)
+        assert sum(e.impulse for e in mine) == sum(row[2] == b for row in rows)  # 1 N s each
 
 
 def test_no_rows_at_all() -> None:

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from math import cos, hypot, pi, sin
 
+import h5py
 import pytest
+from numpy import array, sinc
 
 import physim
 from physim import Decision
@@ -105,3 +107,28 @@ def test_without_a_world_masses_are_not_known():
         assert masses(record) is None
         hit = severity(record, contact_episodes(record)[0], masses(record))
         assert (hit.changes, hit.energy) == (None, None)
+
+
+def test_impulses_are_all_that_the_record_holds(tmp_path):
+    """Also the push of the step in which two part: what the robot lacks of its momentum there."""
+    over = ["time.duration=1", "controller.avoidance=none"]
+    path = tmp_path / "record.h5"
+    world = physim.load_world("u_turn", overrides=over)
+    with physim.simulate(world, seed=12, path=path) as record:
+        mass, found = masses(record)[0], contact_episodes(record)
+        (v, omega) = record.commands_over("applied", 88, 89)[0, 0]
+    with h5py.File(path) as file:
+        rows, pose = file["contacts"][()], file["steps/pose"][()]
+    (last,) = rows[rows["phase"] == 2]
+    assert (last["step"], last["a"]) == (89, 0)
+    before, after = pose[88:90, 0]
+    heading = before[2] + omega * 0.01 / 2.0
+    wanted = v * sinc(omega * 0.01 / (2.0 * pi)) * array([cos(heading), sin(heading)])
+    lacks = mass * hypot(*(wanted - (after - before)[:2] / 0.01))
+    assert last["impulse"] == pytest.approx(lacks, rel=1e-9)
+    assert lacks > 100.0
+    for one in found:
+        same = rows[(rows["a"] == one.a) & (rows["b"] == one.b)]
+        same = same[(same["step"] >= one.step) & (same["step"] <= one.step + one.samples)]
+        assert one.impulse == pytest.approx(sum(same["impulse"]), rel=1e-12)
+    assert sum(one.impulse for one in found) == pytest.approx(sum(rows["impulse"]), rel=1e-12)

@@ -33,7 +33,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from physim.contacts import Kind, touching
+from physim.contacts import Kind, Phase, touching
 from physim.geometry.motion import chord_velocity
 from physim.geometry.polygon import signed_area
 from physim.geometry.shapes import FloatArray
@@ -66,7 +66,7 @@ class Episode:
     impact: float
     """[N s] impulse of the first sample: the hit itself"""
     impulse: float
-    """[N s] sum over the samples: the hit and all pushing after it"""
+    """[N s] all that the two exchange: the hit and the pushing after it, until they are apart"""
 
 
 @dataclass(frozen=True)
@@ -93,13 +93,13 @@ def contact_episodes(record: Record) -> tuple[Episode, ...]:
 
     Contacts between two samples are none of them, see `grazes`.
     """
-    rows = touching(record.contacts)
+    rows = record.contacts[record.contacts["kind"] == Kind.PHYSICAL]
     rows = rows[np.lexsort((rows["step"], rows["b"], rows["a"]))]
-    if not len(rows):
-        return ()
+    # of a row of phase ended the impulse is the push of the step in which the two part
+    ended = rows["phase"] == Phase.ENDED
     pair = (np.diff(rows["a"]) != 0) | (np.diff(rows["b"]) != 0)
-    firsts = np.flatnonzero(np.concatenate(([True], pair | (np.diff(rows["step"]) > 1))))
-    runs = np.split(rows, firsts[1:])
+    firsts = np.flatnonzero(pair | (np.diff(rows["step"]) > 1) | ended[:-1]) + 1
+    runs = [run for run in np.split(rows, firsts) if len(touching(run))]
     episodes = [_episode(record, run) for run in runs]
     return tuple(sorted(episodes, key=lambda episode: (episode.step, episode.a, episode.b)))
 
@@ -116,9 +116,10 @@ def grazes(record: Record) -> tuple[Graze, ...]:
 
 def _episode(record: Record, run: NDArray[np.void]) -> Episode:
     a, b, step = int(run["a"][0]), int(run["b"][0]), int(run["step"][0])
-    deepest = run[int(np.argmax(run["depth"]))]
+    rows = touching(run)
+    deepest = rows[int(np.argmax(rows["depth"]))]
     return Episode(
-        a, b, b < record.robots, step, step * record.dt, len(run),
+        a, b, b < record.robots, step, step * record.dt, len(rows),
         float(deepest["depth"]), int(deepest["step"]),
         float(run["impulse"][0]), float(run["impulse"].sum()),
     )  # fmt: skip

@@ -9,13 +9,14 @@ from __future__ import annotations
 
 import copy
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from math import ceil
+from math import ceil, floor
 from typing import Any, Protocol
 
 import yaml
 
 from physim.campaigns.falsify.robustness import Judged
 from physim.world import World
+from physim.world.robot import Limits
 
 Tree = dict[str, Any]
 Place = tuple[str | int, ...]
@@ -135,8 +136,15 @@ def fewer_things(state: State) -> Iterator[Tree]:
     robots = range(len(state.tree["robots"]))
     places += [("robots", k, key) for k in robots for key in OPTIONAL_OF_ROBOT]
     for place in places:
-        if place[-1] in at(state.tree, place[:-1]):
+        if place[-1] in at(state.tree, place[:-1]) and not _loosens(state.tree, place):
             yield without(state.tree, place)
+
+
+def _loosens(tree: Tree, place: Place) -> bool:
+    """Whether a robot without what stands at a place could move faster than with it."""
+    usual = Limits()
+    given = at(tree, place) if place[-1] == "limits" else {}
+    return any(number < getattr(usual, key) for key, number in given.items())
 
 
 def straighter(state: State) -> Iterator[Tree]:
@@ -237,6 +245,8 @@ def _rounded(state: State, places: list[Place]) -> Iterator[Tree]:
         for place in places:
             number = at(tree, place)
             rounded = round(number, decimals) + 0.0  # no -0.0
+            if "limits" in place and rounded > number:  # no robot may come to move faster
+                rounded = floor(number * 10**decimals) / 10**decimals or number
             if rounded != number:
                 found[place] = rounded
         if not found:

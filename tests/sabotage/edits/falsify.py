@@ -249,4 +249,22 @@ EDITS = (
         "a line break in the command does not break the world",
         "tests/falsify/test_command.py::test_a_command_of_several_lines_is_one_line_of_the_world",
     ),
+    Edit(
+        "falsify",
+        "physim/campaigns/falsify/passes.py",
+        "fewer_things",
+        "and not _loosens(state.tree, place)",
+        "",
+        "a robot's limits are not left out where it would move faster",
+        "tests/falsify/test_shrink.py::test_no_robot_comes_to_move_faster_than_it_can",
+    ),
+    Edit(
+        "falsify",
+        "physim/campaigns/falsify/passes.py",
+        "_rounded",
+        'if "limits" in place and rounded > number:',
+        "if False:",
+        "a robot's limits are rounded down",
+        "tests/falsify/test_shrink.py::test_no_robot_comes_to_move_faster_than_it_can",
+    ),
 )

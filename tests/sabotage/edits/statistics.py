@@ -96,4 +96,13 @@ EDITS = (
         "findings are corrected for how many are looked at",
         "tests/statistics/test_paired.py::test_holm_keeps_the_error_of_all_together",
     ),
+    Edit(
+        "statistics",
+        "physim/statistics/paired.py",
+        "wilcoxon",
+        "if len(d) > EXACT_RANKS:",
+        "if len(d) > 13:",
+        "Wilcoxon's test is exact with ties, too",
+        "tests/statistics/test_paired.py::test_wilcoxon_by_enumeration_with_ties",
+    ),
 )

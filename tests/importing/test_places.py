@@ -74,26 +74,34 @@ CLOSET = '<path d="M 30,40 V 30"/><path d="M 30,30 H 40"/>'
 
 
 def test_a_closet_in_an_open_room_is_not_taken_for_the_room(tmp_path: Path) -> None:
+    """The ends of its walls are joined, as they are without it, or it is asked for."""
     body = f'<g id="boundary" {LINE}><path d="{ROOM}"/>{CLOSET}</g>'
-    path = drawing(tmp_path, body)
+    joined = import_world(drawing(tmp_path, body), METRES)
+    assert only(joined, "0.100 m apart at (0.00, 60.00) joined")
+    assert free_area(joined, tmp_path) == pytest.approx(1500.0)
+    path = drawing(tmp_path, body.replace("V 0.1", "V 2"))
     said = refusal(path)
-    check_says(said, ":2: … 100 m² … (0.00, 60.00) and (0.00, 59.90) … 0.1 m apart … --from")
+    check_says(said, ":2: … 100 m² … (0.00, 60.00) and (0.00, 58.00) … 2 m apart … --from")
     inside = Options(scale=1.0, origin=(35.0, 25.0))
     assert free_area(import_world(path, inside), tmp_path) == pytest.approx(100.0)
-    closed = drawing(tmp_path, body.replace("V 0.1", "V 0"))
-    assert free_area(import_world(closed, METRES), tmp_path) == pytest.approx(1500.0)
+
+
+def test_a_closet_of_open_lines_leaves_a_passage_beside_it(tmp_path: Path) -> None:
+    """Nothing is joined where the lines enclose a place: the gap may be a door."""
+    passage = '<path d="M 0,20 H 9.9"/><path d="M 10.1,20 H 40"/>'
+    room = '<path d="M 0,0 H 40 V 40"/><path d="M 40,40 H 0 V 0"/>'
+    made = import_world(drawing(tmp_path, f'<g id="boundary" {LINE}>{room}{passage}</g>'), METRES)
+    assert not [one for one in made.changes if "joined" in one]
 
 
 def test_lines_beside_a_closed_room_make_no_room_of_their_own(tmp_path: Path) -> None:
     kerbs = '<path d="M 0,50 H 30"/><path d="M 0,58 H 30"/>'
     room = '<path d="M 0,0 H 40 V 40 H 0 Z"/>'
     body = f'<g id="boundary" {LINE}>{room}{kerbs}</g>'
-    said = refusal(drawing(tmp_path, body))
-    check_says(said, "1.6e+03 m² … 60 m of lines beyond it")
-    here = Options(scale=1.0, origin=(20.0, 40.0))
-    made = import_world(drawing(tmp_path, body), here)
+    made = import_world(drawing(tmp_path, body), METRES)
     assert free_area(made, tmp_path) == pytest.approx(1600.0)
     assert not [one for one in made.changes if "cap" in one]
+    assert sum("dropped" in one for one in made.changes) == 2
 
 
 @pytest.mark.parametrize("tails", [0.0, 0.6])
@@ -171,7 +179,7 @@ def test_a_hole_is_no_place_however_many_corners_it_has(tmp_path: Path, corners:
     assert free_area(import_world(path), tmp_path) == pytest.approx(road.area, rel=1e-3)
 
 
-@pytest.mark.parametrize("layer", ["wall", "Walls", "WALLS"])
+@pytest.mark.parametrize("layer", ["wall", "Walls", "WALLS", "wall_ext"])
 def test_layers_are_roles_in_the_plural_too(tmp_path: Path, layer: str) -> None:
     path = geojson(tmp_path, [("boundary", shapely.box(0, 0, 24, 14)),
                               ("wall", shapely.LineString([(12, 0), (12, 6)]))])  # fmt: skip
@@ -189,6 +197,84 @@ def test_a_layer_that_is_no_role_is_told(tmp_path: Path) -> None:
                               ("wall", shapely.LineString([(2, 7), (20, 7)]))])  # fmt: skip
     path.write_text(path.read_text().replace('"role": "wall"', '"layer": "wals"'))
     check_says(only(import_world(path), '"wals"'), 'no role … 1 shape … path … mean "walls"')
+    path = geojson(tmp_path, [("wall", shapely.LineString([(2, 7), (20, 7)]))])
+    path.write_text(path.read_text().replace('"role": "wall"', '"layer": "wals"'))
+    check_says(refusal(path), 'no polygon … "wals" … no role … mean "walls"')
+
+
+def test_walls_over_each_other_in_one_path_have_no_holes(tmp_path: Path) -> None:
+    """The corners, which two of them fill, are holes by the even-odd rule alone."""
+    sides = [(10, 10, 40, 2), (10, 28, 40, 2), (10, 10, 2, 20), (48, 10, 2, 8), (48, 20, 2, 10)]
+    data = " ".join(f"M {x},{60 - y - h} h {w} v {h} h {-w} Z" for x, y, w, h in sides)
+    path = drawing(tmp_path, f'<path id="walls" d="{data}"/>')
+    check_says(refusal(path), "open at (49.00, 19.00), 2 m wide")
+
+
+@pytest.mark.parametrize(
+    ("data", "fill"),
+    [
+        ("M 10,10 H 50 V 40 H 10 Z", 'fill="#eee"'),
+        ("M 10,10 H 50 V 40 H 30 V 25 H 10 Z", ""),
+    ],
+)
+@pytest.mark.parametrize("named", ["walls", "boundary", "asked for"])
+def test_a_painted_floor_is_no_wall(tmp_path: Path, data: str, fill: str, named: str) -> None:
+    post = '<rect x="40" y="30" width="1" height="1"/>'
+    name = "floor" if named == "asked for" else named
+    path = drawing(tmp_path, f'<g id="{name}"><path {fill} d="{data}"/>{post}</g>')
+    asked = Options(scale=1.0, boundary=("floor",) if named == "asked for" else ())
+    made = import_world(path, asked)
+    area = shapely.Polygon([(10, 10), (50, 10), (50, 40), (10, 40)]).area - 1.0
+    assert free_area(made, tmp_path) == pytest.approx(area - (0.0 if fill else 300.0))
+
+
+def test_rooms_side_by_side_are_no_walls_about_a_room(tmp_path: Path) -> None:
+    rooms = "".join(f'<rect x="{x}" y="10" width="{w}" height="10"/>' for x, w in
+                    ((10, 10), (20, 11), (31, 10)))  # fmt: skip
+    made = import_world(drawing(tmp_path, f'<g id="boundary" {LINE}>{rooms}</g>'), METRES)
+    assert free_area(made, tmp_path) == pytest.approx(110.0)
+    check_says(only(made, "areas"), "3 areas … 110.0 m²")
+
+
+@pytest.mark.parametrize("post", ["", '<rect x="15" y="35" width="2" height="2"/>'])
+def test_a_robot_in_an_open_hall_is_told_where_it_is_open(tmp_path: Path, post: str) -> None:
+    hall = '<path d="M 10,20 V 10 H 50 V 40 H 10 V 22"/>'
+    robot = '<g id="robot"><rect x="30" y="24" width="1.8" height="1"/></g>'
+    said = refusal(drawing(tmp_path, f'<g id="boundary" {LINE}>{hall}{post}</g>{robot}'))
+    assert "(10.00, 38.00)" in said or "(10.00, 39.00)" in said
+    assert "2 m" in said
+
+
+def test_a_route_begins_at_the_robots_that_are_drawn(tmp_path: Path) -> None:
+    """At the one behind, with the others on its way: the longest route would begin elsewhere."""
+    robots = [("robot", shapely.box(x, 4.5, x + 1.8, 5.5)) for x in (26, 23)]
+    made = import_world(geojson(tmp_path, [("boundary", shapely.box(0, 0, 60, 10)), *robots]))
+    path = np.asarray(made.world.reference_path)
+    assert path[0] == pytest.approx((23.9, 5.0), abs=1.5)
+    assert abs(path[-1, 0] - 60.0) < 4.0
+
+
+@pytest.mark.parametrize("door", ["line", "thick"])
+def test_a_path_through_a_closed_door_is_told_where(tmp_path: Path, door: str) -> None:
+    wall = shapely.LineString([(20, 0), (20, 25)])
+    parts: list[tuple[str, Any]] = [
+        ("boundary", shapely.box(0, 0, 40, 25)),
+        ("wall", wall if door == "line" else wall.buffer(0.15, cap_style="flat")),
+        ("path", shapely.LineString([(3, 12), (35, 12)])),
+        ("robot", shapely.box(6, 11.5, 7.8, 12.5)),
+    ]
+    said = refusal(geojson(tmp_path, parts))
+    x = 20.0 if door == "line" else 19.85
+    check_says(said, f"({x:.2f}, 12.00) … wall")
+
+
+def test_a_polygon_without_a_role_is_named_as_the_place(tmp_path: Path) -> None:
+    ring = shapely.box(0, 0, 40, 25) - shapely.box(0.3, 0.3, 39.7, 24.7)
+    table = shapely.box(30, 20, 31, 21)
+    way = shapely.LineString([(5, 12), (35, 12)])
+    said = refusal(geojson(tmp_path, [("wall", ring), ("", table), ("path", way)]))
+    check_says(said, "polygon of 1 m² about (30.50, 20.50) … no role … boundary … obstacle")
+    assert "(30.50, 20.50)" in refusal(geojson(tmp_path, [("wall", ring), ("", table)]))
 
 
 ANGLES = np.linspace(3.0, 87.0, 15)
@@ -237,12 +323,12 @@ def test_a_partition_at_a_corner_leaves_the_wall_its_join(tmp_path: Path) -> Non
     assert free_area(import_world(path, METRES), tmp_path) == pytest.approx(1600.0, abs=0.5)
 
 
-def test_what_is_nowhere_wider_than_a_wall_is_asked_for(tmp_path: Path) -> None:
+def test_what_is_not_wider_than_a_wall_is_asked_for(tmp_path: Path) -> None:
     """One of four walls that do not touch: their sizes alone do not tell a wall from a corridor."""
     sides = [(10, 10, 40, 0.5), (10, 29, 40, 0.5), (10, 11, 0.5, 17), (49, 11, 0.5, 17)]
     walls = "".join(f'<rect x="{x}" y="{y}" width="{w}" height="{h}"/>' for x, y, w, h in sides)
     path = drawing(tmp_path, f'<g id="boundary" {LINE}>{walls}</g>')
-    check_says(refusal(path), "nowhere wider than 0.6 m … --from … --scale")
+    check_says(refusal(path), "not wider than 0.6 m … --from … --scale")
     made = import_world(path, Options(scale=1.0, origin=(30.0, 49.75)))
     assert free_area(made, tmp_path) == pytest.approx(20.0)
 

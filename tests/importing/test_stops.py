@@ -103,4 +103,4 @@ def test_drawn_robots_that_stop_too_near_are_told(tmp_path: Path) -> None:
     imported = import_world(path, Options(scale=1.0))
     told = [fact for fact in imported.facts if fact.startswith("note: ")]
     assert len(told) == 1
-    check_says(told[0], "a and b … 0.00 m … --to … --robots … --lanes")
+    check_says(told[0], "a and b … 0.00 m … --to … draw")

@@ -69,10 +69,11 @@ def fit(path: Path, drawing: Drawing, options: Options) -> Fit:
     reference, area = drawing.reference, drawing.area
     assert reference is not None  # the pipeline finds one before
     reference = _inside(drawing, reference)
-    _check_no_wall(path, drawing, reference)
     length = length_of(reference)
     at = samples(length, min(0.1, length / 500.0))
     gaps = clearances(points_at(reference, at), coarse(area, GRAIN))
+    doubt = "; check --scale" if gaps.max() < DOUBTED else ""
+    _check_inside(path, drawing, reference, doubt)
     box = _given_box(drawing, options)
     if box is not None:
         size = round(box[0] / LENGTH, 2 if box[0] > 0.2 else 4)
@@ -110,7 +111,7 @@ def fit(path: Path, drawing: Drawing, options: Options) -> Fit:
     return Fit(size, box, rounded(trimmed), room, float(2.0 * gaps[k]), where)
 
 
-def _check_no_wall(path: Path, drawing: Drawing, line: FloatArray) -> None:
+def _check_inside(path: Path, drawing: Drawing, line: FloatArray, doubt: str) -> None:
     """Refuse a path that leaves the area, where it does so first."""
     beyond = shapely.LineString(line).difference(drawing.area)
     if beyond.length > SLIVER:
@@ -118,8 +119,8 @@ def _check_no_wall(path: Path, drawing: Drawing, line: FloatArray) -> None:
         ends = shapely.get_coordinates(parts[int(np.argmax(shapely.length(parts) > 0.0))])
         where = ends[-1] if (ends[0] == line[0]).all() else ends[0]
         wall = drawing.named(where, "boundary", "obstacle")
-        message = f"the path leaves the area, or leads through a wall{wall}, at {place(where)}"
-        raise drawing.refused_at(path, f"{message}; lead it around", where, "path")
+        message = f"the path leaves the area{wall} at {place(where)}, or leads through a wall there"
+        raise drawing.refused_at(path, f"{message}; lead it around{doubt}", where, "path")
 
 
 def _inside(drawing: Drawing, reference: FloatArray) -> FloatArray:

@@ -14,16 +14,14 @@ import numpy as np
 import shapely
 
 from physim.authoring.importing.drawing import Drawing, Options, listed, refused
-from physim.authoring.importing.polygons import (
-    MOST_DEPTH,
+from physim.authoring.importing.parts import (
     MOST_GEOMETRIES,
     Part,
-    check_codes,
     check_count,
-    degrees,
     drawing_of,
-    flat,
 )
+from physim.authoring.importing.polygons import MOST_DEPTH, check_codes, degrees, flat
+from physim.authoring.importing.roles import ROLES, nearest_role, role_named
 from physim.authoring.importing.source import read_text
 from physim.errors import nearest, plural
 from physim.escaping import escaped
@@ -35,12 +33,6 @@ CODE = re.compile(r"(?<!\d)\d{1,9}(?!\d)")
 """What may be the number by which a crs is known; versions may stand beside it"""
 IN_DEGREES = re.compile(r"crs:?84|wgs[ _]?(?:19)?84\s*$|long?_?lat|lat_?long?", re.I)
 """Names of a crs in degrees"""
-ROLES = ("boundary", "wall", "obstacle", "path", "robot")
-LAYERS = {
-    **{role: role for role in ROLES}, "boundaries": "boundary",
-    **{f"{role}s": role for role in ROLES[1:]},
-}  # fmt: skip
-"""Names of layers that are roles"""
 COLLECTIONS = {"FeatureCollection": "features", "GeometryCollection": "geometries"}
 
 
@@ -155,11 +147,11 @@ def _features(path: Path, value: Any, role: str, name: str, depth: int) -> Any:
 def _role(path: Path, about: dict[str, Any]) -> str:
     """What a feature is for, by its property ``role``, else by ``layer`` where that is a role.
 
-    A role that is none is refused. A layer may have any name, and the plural is the same.
+    A role that is none is refused. A layer may have any name, and says a role as that of a drawing.
     """
-    role, layer = (str(about.get(key) or "").strip().lower() for key in ("role", "layer"))
+    role = str(about.get("role") or "").strip().lower()
     if not role:
-        return LAYERS.get(layer, "")
+        return role_named(str(about.get("layer") or ""))[0]
     if role not in ROLES:
         raise refused(
             path,
@@ -176,7 +168,7 @@ def _layers_without_role(parts: list[Part]) -> list[str]:
         [
             f'layer "{escaped(name)[:40]}" is no role ({", ".join(ROLES)}): '
             f"{plural(count, 'shape')} taken as without one, a line as a path, a polygon as a place"
-            f"{nearest(name.lower(), [*LAYERS])}"
+            f"{nearest_role(name)}"
             for name, count in found.items()
         ]
     )

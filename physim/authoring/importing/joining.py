@@ -16,6 +16,10 @@ NEARLY = 0.01
 """[-] Ends nearer than this share of the drawing's extent are taken to meet."""
 ROUNDED = 1.5 * 10.0**-DIGITS
 """[m] A corner that lies on a line stays so near it when all are rounded: half a diagonal twice."""
+OUTSIDE = 0.25
+"""[-] share of the length about an area that lines beyond it have, if it may not be the place"""
+AMONG = 0.25
+"""[-] share of an area that such lines stand about"""
 ROUND = 4.0
 """[-] times as long as the gap between its own ends a line goes round something"""
 NEIGHBOURS = 8
@@ -87,8 +91,8 @@ def loose_ends(lines: list[FloatArray]) -> FloatArray:
 def join_ends(lines: list[FloatArray]) -> list[str]:
     """Close walls that enclose nothing; says what was done. Changes ``lines``.
 
-    Open lines that enclose an area already are left as they are, and so are those within a closed
-    one: they may leave a passage.
+    Open lines that enclose a place already are left as they are, and so are those within a closed
+    one: they may leave a passage. What they enclose is none if far more of them stands about it.
     """
     knit(lines)
     rings = [face for line in lines if (line[0] == line[-1]).all() for face in faces_of([line])]
@@ -99,13 +103,35 @@ def join_ends(lines: list[FloatArray]) -> list[str]:
         for line in lines
         if (line[0] != line[-1]).any() and not within.covers(shapely.LineString(line))
     ]
-    if not walls or faces_of(walls):
+    if not walls:
         return []
     near = NEARLY * float(np.ptp(np.vstack(lines), axis=0).max())
     joints, changes = _bridged(walls, near, within)
+    faces, loose = faces_and_loose(walls)
+    if faces:
+        largest = max(faces, key=lambda one: float(one.area))
+        is_place = beyond_of(largest, loose) <= OUTSIDE * largest.length
+        if is_place or not joints or _largest(walls + joints) <= largest.area:
+            return []
+        lines += joints
+        return changes
     caps, told = _caps(walls + joints, rings)
     lines += joints + caps
     return changes + told
+
+
+def beyond_of(face: Any, loose: list[Any]) -> float:
+    """Length [m] of lines that enclose nothing, beyond a shapely face that lies among them.
+
+    Where it lies beside them they are no walls about it, and the length is 0.
+    """
+    beyond = shapely.union_all(loose).difference(face)
+    among = shapely.area(shapely.intersection(beyond.convex_hull, face))
+    return float(beyond.length) if among > AMONG * face.area else 0.0
+
+
+def _largest(lines: list[FloatArray]) -> float:
+    return max(float(face.area) for face in faces_of(lines))
 
 
 def _caps(walls: list[FloatArray], rings: list[Any]) -> tuple[list[FloatArray], list[str]]:

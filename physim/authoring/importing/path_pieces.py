@@ -23,15 +23,15 @@ APART = "its ends do not meet those of the first piece"
 def take_paths(drawing: Drawing, named: Sequence[tuple[str, FloatArray]]) -> None:
     """Give a drawing its paths: names of their own and points, once all robots are known.
 
-    A path with a robot's name is that robot's, the first of the others is the reference. Without
-    that the first of the former is.
+    A path with a robot's name is that robot's. Of the others that without a name is the reference,
+    else the first; without these the first of the former is.
     """
     robots = {robot.name for robot in drawing.robots}
     pieces: dict[str, list[FloatArray]] = {}
     for name, points in named:
         pieces.setdefault(name, []).append(points)
     unused: list[tuple[FloatArray, str]] = []  # and why
-    for name, lines in pieces.items():
+    for name, lines in sorted(pieces.items(), key=lambda one: one[0] != ""):
         if name not in robots and drawing.reference is not None:
             unused += [(line, "belongs to no robot") for line in lines]
             continue

@@ -14,16 +14,16 @@ from typing import Any
 import shapely
 
 from physim.authoring.importing.drawing import Drawing, DrawnRobot, place, refused
-from physim.authoring.importing.joining import faces_and_loose
+from physim.authoring.importing.joining import OUTSIDE, beyond_of, faces_and_loose
 from physim.authoring.importing.openings import open_ends, opening
 from physim.errors import plural
 
-OUTSIDE = 0.25
-"""[-] share of the length about an area that lines beyond it have, from which on it is in doubt"""
 APART = 0.5
 """[-] share that outlines which meet have of their hull, below which they seem to be walls"""
 THIN = 0.6
-"""[m] what is nowhere wider may be the inside of a wall"""
+"""[m] what is not wider may be the inside of a wall"""
+DIAGONAL = 2.0**0.5
+"""[-] times as wide walls are where they cross"""
 ADVICE = "close it, or say where robots are (--from X,Y, or a path)"
 
 
@@ -138,7 +138,7 @@ def _check_no_doubt(path: Path, drawing: Drawing, face: Any, loose: list[Any]) -
     at = shapely.get_coordinates(face.exterior)[0]
     what = f"the largest area that the lines enclose, {face.area:.3g} m² about "
     what += place(face.representative_point().coords[0])
-    beyond = shapely.length(shapely.union_all(loose).difference(face))
+    beyond = beyond_of(face, loose)
     if beyond > OUTSIDE * face.length:
         said, at = open_ends(drawing)
         message = f"{what}, is hardly the place: {beyond:.3g} m of lines beyond it enclose nothing "
@@ -149,8 +149,9 @@ def _check_no_doubt(path: Path, drawing: Drawing, face: Any, loose: list[Any]) -
         message = f"{what}, seems to be the inside of a wall that others meet, and the room between"
         message += f" them open{_where_open(drawing, about.convex_hull.centroid)}; {ADVICE}"
         raise drawing.refused_at(path, message, at, "boundary")
-    if shapely.buffer(face, -0.5 * THIN, quad_segs=2).is_empty:
-        message = f"{what}, is nowhere wider than {THIN} m: it seems to be the inside of a wall"
+    is_thin = 2.0 * face.area < THIN * face.length
+    if is_thin and shapely.buffer(face, -0.5 * DIAGONAL * THIN, quad_segs=2).is_empty:
+        message = f"{what}, is not wider than {THIN} m: it seems to be the inside of a wall"
         message += f"{_where_open(drawing, None)}; {ADVICE}, and check --scale"
         raise drawing.refused_at(path, message, at, "boundary")
 

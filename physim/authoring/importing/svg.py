@@ -29,6 +29,7 @@ from physim.authoring.importing.drawing import (
 )
 from physim.authoring.importing.joining import join_ends
 from physim.authoring.importing.path_pieces import take_paths
+from physim.authoring.importing.roles import nearest_role, role_named
 from physim.authoring.importing.source import read_xml
 from physim.authoring.importing.svg_bare import CUT, FAULT, LINE, TAG
 from physim.authoring.importing.svg_curves import subpaths
@@ -43,30 +44,15 @@ from physim.authoring.importing.svg_seen import (
     is_unsure,
 )
 from physim.authoring.importing.svg_walls import LABEL, NAMES, Walls, names_of
-from physim.authoring.importing.walls import painted
+from physim.authoring.importing.walls import painted, walls_of
 from physim.authoring.importing.work import MOST_POINTS, check_work
-from physim.errors import nearest
 from physim.escaping import escaped
 from physim.geometry.shapes import FloatArray
 
 TOLERANCE = 0.01
 """[m] chords of curves, unless the user says otherwise"""
-ROLE = re.compile(
-    r"(boundar(?:y|ies)|walls?|obstacles?|paths?|reference|robots?)"
-    r"(?:[\s_.:#-]+(.*)|(\d.*|[a-z]))?$"
-)
-"""Roles are words of their own: a wallpaper is no wall."""
 OF_PROGRAMS = re.compile(r"path[-_]?\d[\d_-]*|path-copy.*")
 """Ids that programs give by themselves"""
-OTHER = re.compile(
-    r"(?:^|[\s_.:#-])(routes?|tracks?|traject\w*|paths?|goals?|starts?|targets?|labels?|texts?|"
-    r"names?|icons?|legend|areas?|zones?)(?:$|[\s_.:#-])"
-)
-"""Words after a role by which a thing is something else: ``robot_route_0`` is no robot."""
-ROLES = {"bou": "boundary", "wal": "wall", "obs": "obstacle", "pat": "path", "ref": "path",
-         "rob": "robot"}  # fmt: skip
-WORDS = ["boundary", "boundaries", "wall", "walls", "obstacle", "obstacles", "path", "robot",
-         "robots"]  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -107,7 +93,7 @@ def read_svg(path: Path, options: Options) -> Drawing:
     check_work(path, [line.points for line in found.lines])
     drawing.sources = [Source(one.role, one.where, one.line, one.points) for one in found.lines]
     _sort(path, drawing, found.lines, found.walls)
-    drawing.painted = found.painted
+    drawing.painted = walls_of(found.painted, drawing.boundaries)
     return drawing
 
 
@@ -197,7 +183,7 @@ def _no_role(group: str, shapes: Sequence[tuple[str, int | None, str]]) -> str:
     where, line, label = shapes[0]
     more = f" and {len(shapes) - 1} more" if len(shapes) > 1 else ""
     within = f" in {escaped(repr(group[:60]))}" if group and group != label else ""
-    near = nearest(group.lower(), WORDS) or nearest(label.lower(), WORDS)
+    near = nearest_role(group) or nearest_role(label)
     told = f"line {line}: {where}{more}{within}: in no layer boundary, obstacle, path or robot"
     return f"{told}, left out{near}"
 
@@ -222,14 +208,10 @@ def _role(element: Any) -> tuple[str, str]:
     """Role of an element and the rest of its name; ids such as path42 are Inkscape's own."""
     own = element.values.get("attributes", {})
     for key in NAMES:
-        text = str(own.get(key) or "").strip().lower()
-        found = ROLE.match(text)
-        if found is None or OTHER.search(found[2] or ""):
-            continue
-        if key != LABEL and OF_PROGRAMS.fullmatch(text):
-            continue
-        label = str(own[key]).strip()
-        return ROLES[text[:3]], label[len(found[1]) :].strip(" _:#-")
+        text = str(own.get(key) or "")
+        role, rest = role_named(text)
+        if role and (key == LABEL or not OF_PROGRAMS.fullmatch(text.strip().lower())):
+            return role, rest
     return "", ""
 
 
@@ -242,14 +224,15 @@ def _shapes(group: Any, role: str, name: str, walls: Walls) -> Any:
         own, rest = _role(element)
         is_asked_for = walls.takes(element)
         if is_asked_for:
-            own, rest = "wall", ""
+            own, rest = "boundary", ""
         label = next(iter(names_of(element)), "")
         within = name if role else ""  # that of a group without a role names nothing in it
         if isinstance(element, svgelements.Group | svgelements.Use):
             named = rest or within if own or role else label or name
             yield from _shapes(element, own or role, named, walls)
         elif isinstance(element, svgelements.Shape):
-            if own and role and own != role and not rest and not is_asked_for:
+            is_wall = {own, role} == {"boundary", "wall"}  # its own name says which
+            if own and role and own != role and not (rest or is_asked_for or is_wall):
                 own = role
             drawn = str(element.values.get("attributes", {}).get(LABEL) or "")
             named = rest or (drawn if drawn and not own else within) if own or role else name

@@ -1,0 +1,258 @@
+"""Polygons and lines of a source, with a role each or none: what each is in a drawing.
+
+An outer ring is a wall, holes are solid; a line without a role is the path, unless another has that
+role, and a polygon without one says where robots may go.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import shapely
+
+from physim.authoring.importing.drawing import (
+    DIGITS,
+    LARGEST,
+    Drawing,
+    DrawnRobot,
+    Options,
+    is_long,
+    listed,
+    place,
+    refused,
+    rounded,
+)
+from physim.authoring.importing.joining import faces_of, join_ends
+from physim.authoring.importing.path_pieces import take_paths
+from physim.authoring.importing.places import chosen_area
+from physim.authoring.importing.roles import nearest_role
+from physim.authoring.importing.walls import is_thick, made_valid, polygons_of, take_walls
+from physim.authoring.importing.work import check_work, lines_of
+from physim.errors import plural
+from physim.escaping import escaped
+from physim.geometry.shapes import FloatArray
+
+KILOMETRE = 1000.0
+HEIGHTS = "third coordinates (height) left out"
+MEASURES = "measures (M) of points left out"
+MOST_GEOMETRIES = 10_000
+
+LESSER = 0.5
+"""[-] share of what walls enclose, below which a polygon within is not what they enclose"""
+
+
+@dataclass(frozen=True)
+class Part:
+    """A shapely polygon or line, its role ("" if none is said) and name, and where it stands.
+
+    ``layer`` is the name of its layer, where that says no role.
+    """
+
+    shape: Any
+    role: str = ""
+    name: str = ""
+    line: int | None = None
+    layer: str = ""
+
+
+def drawing_of(path: Path, kind: str, parts: list[Part], options: Options) -> Drawing:
+    """Give every part of a source its place in a drawing [m]; raises ImportSourceError."""
+    drawing = Drawing(kind=f"{kind} polygons")
+    drawing.facts.append(f"{options.unit:g} m per unit")
+    if not parts:
+        raise refused(path, "holds no polygon and no line")
+    check_count(path, parts)
+    origin = _origin([part.shape for part in parts], options.unit)
+    if origin.any():
+        drawing.facts.append(f"origin moved to {origin[0]:.0f}, {origin[1]:.0f} m of the source")
+    shapes = [_scaled(path, part, options.unit, origin, drawing) for part in parts]
+    check_work(path, [line for shape in shapes for line in lines_of(shape)])
+    polygons: list[Any] = []
+    walls: list[Any] = []
+    repairs: list[str] = []  # of each of these
+    areas: list[Part] = []
+    unused: list[str] = []
+    paths: list[tuple[str, FloatArray]] = []
+    has_path = any(part.role == "path" for part in parts)
+    for part, shape in zip(parts, shapes, strict=True):
+        if part.role in ("robot", "obstacle") and shape.geom_type == "Polygon" and shape.interiors:
+            unused.append(f"{part.role} at {place(_ring(shape)[0])}: solid, its holes filled")
+        if shape.geom_type in ("LineString", "LinearRing"):
+            line = rounded(shapely.get_coordinates(shape))
+            if has_path and not part.role:
+                unused.append(f"line from {place(line[0])}: no role, left out; a path has one")
+            else:
+                _line(drawing, part, line, paths, unused)
+        elif shape.geom_type != "Polygon":
+            at = place(shapely.get_coordinates(shape)[0])
+            unused.append(f"{shape.geom_type} at {at}: holds no lines, left out")
+        elif part.role == "robot":
+            drawing.robots.append(DrawnRobot(drawing.free_name(part.name), _ring(shape)))
+        elif part.role == "obstacle":
+            drawing.obstacles.append(_ring(shape))
+        elif part.role == "wall":
+            walls += [shape] if is_thick(shape) else []
+            for line in [] if is_thick(shape) else lines_of(shape):
+                _line(drawing, part, rounded(line), paths, unused)
+        else:
+            found, repair = _valid(path, shape, part.line, drawing)
+            polygons += found
+            repairs += [repair] * len(found)
+            areas += [part] * len(found)
+    take_paths(drawing, paths)
+    take_walls(drawing, walls)
+    drawing.changes += listed(unused)
+    if polygons:
+        chosen = chosen_area(polygons, drawing, options.origin)
+        taken = next(k for k, one in enumerate(polygons) if one is chosen)
+        drawing.repairs += filter(None, [repairs[taken]])
+        if not areas[taken].role:
+            _check_place(path, drawing, areas[taken], chosen, options)
+        drawing.within = shapely.Polygon(chosen.exterior, [*filter(is_long, chosen.interiors)])
+        drawing.changes += listed(polygons[:taken] + polygons[taken + 1 :], _left_out)
+        drawing.add_outline(chosen)
+    elif not drawing.boundaries:
+        layers = sorted({part.layer for part in parts if part.layer})
+        named = f'; the layer "{escaped(layers[0])[:40]}" is no role' if layers else ""
+        near = nearest_role(layers[0]) if layers else ""
+        message = "holds no polygon; one says where robots may go"
+        raise refused(path, f"{message}{named}{near}", parts[0].line if layers else None)
+    else:
+        drawing.changes += join_ends(drawing.boundaries)
+    return drawing
+
+
+def _check_place(path: Path, drawing: Drawing, part: Part, polygon: Any, options: Options) -> None:
+    """Refuse a polygon without a role as the place, where walls with one stand about more.
+
+    Such as a table in a room. Not where the path, a robot or --from is in it.
+    """
+    said = [shapely.Point(options.origin)] if options.origin is not None else []
+    said += [shapely.Polygon(one.outline).centroid for one in drawing.robots]
+    said += [shapely.LineString(drawing.reference)] if drawing.reference is not None else []
+    if any(polygon.intersects(one) for one in said) or not drawing.boundaries:
+        return
+    about = [face for face in faces_of(drawing.boundaries) if face.covers(polygon)]
+    if any(polygon.area < LESSER * face.area for face in about):
+        at = place(polygon.representative_point().coords[0])
+        raise refused(
+            path,
+            f"the polygon of {polygon.area:.3g} m² about {at} has no role, and lies within walls "
+            "that have one: it has the role boundary if robots may go in it alone, obstacle if not",
+            part.line,
+        )
+
+
+def check_count(path: Path, parts: list[Part]) -> None:
+    """Refuse more geometries than are read."""
+    if len(parts) > MOST_GEOMETRIES:
+        raise refused(path, f"more than {MOST_GEOMETRIES} geometries")
+
+
+def _origin(shapes: list[Any], scale: float) -> FloatArray:
+    """(2,) [m] to be taken from all coordinates: whole kilometres, as national grids need; else 0.
+
+    Only where the place itself is no larger than coordinates may be.
+    """
+    points = shapely.get_coordinates(shapes) * scale
+    if np.isfinite(points).all() and np.abs(points).max() > LARGEST >= np.ptp(points, axis=0).max():
+        return np.asarray(np.floor(points.min(axis=0) / KILOMETRE) * KILOMETRE)
+    return np.zeros(2)
+
+
+def _scaled(path: Path, part: Part, scale: float, origin: FloatArray, drawing: Drawing) -> Any:
+    """Shape of a part in metres from an origin, without heights.
+
+    Raises ImportSourceError for what is too far.
+    """
+    flat_part = shapely.force_2d(part.shape)
+    shape = shapely.transform(flat_part, lambda points: points * scale - origin)
+    points = shapely.get_coordinates(shape)
+    if not np.isfinite(points).all():
+        raise refused(path, "a coordinate is not a finite number", part.line)
+    if np.abs(points).max() > LARGEST:
+        raise refused(
+            path,
+            f"a coordinate of {np.abs(points).max():g} m is beyond {LARGEST:g} m; check "
+            "--scale, or leave out what lies far away",
+            part.line,
+        )
+    for is_there, told in ((part.shape.has_z, HEIGHTS), (part.shape.has_m, MEASURES)):
+        if is_there and told not in drawing.changes:
+            drawing.changes.append(told)
+    return shape
+
+
+def _left_out(polygon: Any) -> str:
+    at = place(polygon.representative_point().coords[0])
+    return f"polygon of {polygon.area:.3f} m² at {at}: not the area of the robots, left out"
+
+
+def _ring(shape: Any) -> FloatArray:
+    """Corners (n, 2) [m] of a polygon's outline, the first not repeated; one of a mere grain."""
+    points = rounded(shapely.get_coordinates(shape.exterior))
+    return points[:-1] if len(points) > 1 else points
+
+
+def _line(
+    drawing: Drawing,
+    part: Part,
+    points: FloatArray,
+    paths: list[tuple[str, FloatArray]],
+    unused: list[str],
+) -> None:
+    """A wall, or a piece of a path; only what has that role has the name of a robot."""
+    if len(points) < 2:
+        unused.append(f"line of no length at {place(points[0])}: left out")
+    elif part.role in ("boundary", "wall"):
+        drawing.boundaries.append(points)
+    else:
+        paths.append((part.name if part.role == "path" else "", points))
+
+
+def _valid(path: Path, shape: Any, line: int | None, drawing: Drawing) -> tuple[list[Any], str]:
+    """Polygon on the millimetre grid, in parts where it has necks narrower than that.
+
+    And how one was repaired that crosses itself, which is reported; else empty.
+    """
+    drawn, repair = shape, ""
+    if not shape.is_valid:
+        reason = shapely.is_valid_reason(shape)
+        shape = made_valid(shape)
+        if not (parts := polygons_of(shape)):
+            raise refused(path, f"a polygon encloses no area ({reason})", line)
+        repair = f"polygon repaired ({reason}): {plural(len(parts), 'part')}"
+        drawing.changes.append(repair)
+    whole = polygons_of(shapely.set_precision(shape, 10.0**-DIGITS))
+    if not whole:
+        raise refused(path, "a polygon is smaller than a millimetre; check --scale", line)
+    if (walls := _lost_walls(drawn, whole)) is not None:
+        drawing.changes.append(walls)
+    if shape.geom_type == "Polygon" and len(whole) > 1:
+        drawing.changes.append(
+            f"polygon in {len(whole)} parts: what lies between them is narrower than a millimetre"
+        )
+    return whole, repair
+
+
+def _lost_walls(drawn: Any, whole: list[Any]) -> str | None:
+    """What is to be said of lines of a polygon that are none of what became of it, but within it.
+
+    By the corners and middles of its lines, farther from all that is left than rounding moves them.
+    """
+    lines = lines_of(drawn)
+    points = np.vstack([one for line in lines for one in (line, (line[1:] + line[:-1]) / 2.0)])
+    within = points[shapely.contains_xy(shapely.MultiPolygon(whole), points)]
+    sides = shapely.STRtree(_sides([line for one in whole for line in lines_of(one)]))
+    _, away = sides.query_nearest(shapely.points(within), return_distance=True, all_matches=False)
+    lost = within[away > 2.0 * 10.0**-DIGITS]
+    if not len(lost):
+        return None
+    return f"walls thinner than a millimetre: left out, the first at {place(lost[0])}"
+
+
+def _sides(lines: list[FloatArray]) -> Any:
+    return np.concatenate([shapely.linestrings(np.stack([a[:-1], a[1:]], axis=1)) for a in lines])

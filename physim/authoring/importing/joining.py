@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -43,15 +44,18 @@ def noded(lines: list[FloatArray]) -> Any:
     return shapely.union_all([shapely.LineString(line) for line in lines])
 
 
-def knit(lines: list[FloatArray]) -> None:
+def knit(lines: list[FloatArray], of_one: Sequence[int] | None = None) -> None:
     """Let lines go through the corners and ends of others that lie on them, give or take rounding.
 
-    A wall that ends at the side of another one parts from it, or crosses it, when the ends of both
-    are rounded, unless they lie along an axis. Changes ``lines``, closed ones stay closed.
+    A wall that ends at the side of another one parts from it when the ends of both are rounded,
+    unless they lie along an axis. Where the other crosses the side anyway, nothing is to be done.
+    Changes ``lines``, closed ones stay closed. ``of_one`` are numbers of what each is a line of:
+    to itself nothing is knit.
     """
     if len(lines) < 2:
         return
     points = np.vstack(lines)
+    of_line = np.arange(len(lines)) if of_one is None else np.asarray(of_one)
     of_point = np.repeat(np.arange(len(lines)), [len(line) for line in lines])
     of_side = np.repeat(np.arange(len(lines)), [len(line) - 1 for line in lines])
     first = np.concatenate([line[:-1] for line in lines])
@@ -59,11 +63,20 @@ def knit(lines: list[FloatArray]) -> None:
     sides = shapely.linestrings(np.stack([first, last], axis=1))
     corners = shapely.points(points)
     at, side = shapely.STRtree(sides).query(corners, predicate="dwithin", distance=ROUNDED)
+    is_other = of_line[of_point[at]] != of_line[of_side[side]]
+    at, side = at[is_other], side[is_other]
+    falls_short = np.ones(len(at), bool)
+    for step in (-1, 1):  # the sides before and after the corner
+        near = np.clip(at + step, 0, len(points) - 1)
+        near = np.where(of_point[near] == of_point[at], near, at)
+        edge = points[near] - points[at]
+        share = np.minimum(4.0 * ROUNDED / np.maximum(np.hypot(*edge.T), ROUNDED), 1.0)
+        ends = points[at] + share[:, None] * edge  # what crosses farther off is of no help here
+        edges = shapely.linestrings(np.stack([points[at], ends], axis=1))
+        falls_short &= ~shapely.intersects(edges, sides[side])
+    at, side = at[falls_short], side[falls_short]
     apart = shapely.distance(corners[at], sides[side])
-    is_along_axis = (first == last).any(axis=1)  # what is on such a line is so exactly
-    is_new = (of_point[at] != of_side[side]) & (~is_along_axis[side] | (apart > 0.0))
-    at, side = at[is_new], side[is_new]
-    nearest = np.lexsort((apart[is_new], of_side[side], at))
+    nearest = np.lexsort((apart, of_side[side], at))
     _, once = np.unique(np.stack([at, of_side[side]])[:, nearest], axis=1, return_index=True)
     at, side = at[nearest][once], side[nearest][once]
     begin = np.cumsum([0, *(len(line) - 1 for line in lines)])

@@ -84,10 +84,14 @@ def _closed(walls: Any, grown: float, inside: Any) -> tuple[Any, Any] | None:
     """What walls thicker by ``grown`` [m] on each side enclose, and what is beyond them."""
     thick = shapely.buffer(walls, grown, quad_segs=4)
     holes = [shapely.Polygon(ring) for part in shapely.get_parts(thick) for ring in part.interiors]
-    found = [one for one in holes if (one.area > 1.0 if inside is None else one.covers(inside))]
-    if not found:
+    if inside is None:
+        found = [one for one in holes if one.area > 1.0]
+        hole = max(found, key=lambda one: float(one.area), default=None)
+    else:  # which the walls may have grown over
+        found = [one for one in holes if one.distance(inside) <= grown]
+        hole = min(found, key=lambda one: float(one.distance(inside)), default=None)
+    if hole is None:
         return None
-    hole = max(found, key=lambda one: float(one.area))
     x0, y0, x1, y1 = thick.bounds
     around = shapely.box(x0 - 1.0, y0 - 1.0, x1 + 1.0, y1 + 1.0)
     return hole, around - shapely.union_all([thick, *holes])

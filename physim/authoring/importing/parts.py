@@ -25,7 +25,7 @@ from physim.authoring.importing.drawing import (
     refused,
     rounded,
 )
-from physim.authoring.importing.joining import faces_of, join_ends
+from physim.authoring.importing.joining import faces_of, join_ends, knit
 from physim.authoring.importing.path_pieces import take_paths
 from physim.authoring.importing.places import chosen_area
 from physim.authoring.importing.roles import nearest_role
@@ -114,6 +114,7 @@ def drawing_of(path: Path, kind: str, parts: list[Part], options: Options) -> Dr
         drawing.within = shapely.Polygon(chosen.exterior, [*filter(is_long, chosen.interiors)])
         drawing.changes += listed(polygons[:taken] + polygons[taken + 1 :], _left_out)
         drawing.add_outline(chosen)
+        knit(drawing.boundaries)
     elif not drawing.boundaries:
         layers = sorted({part.layer for part in parts if part.layer})
         named = f'; the layer "{escaped(layers[0])[:40]}" is no role' if layers else ""

@@ -43,7 +43,7 @@ def take_walls(drawing: Drawing, walls: Sequence[Any]) -> None:
     rounded each by itself, walls that meet at an angle would part.
     """
     lines = [rounded(line) for wall in walls for line in lines_of(wall)]
-    knit(lines)
+    knit(lines, [k for k, wall in enumerate(walls) for _ in lines_of(wall)])
     rings, knitted = iter(lines), []
     for wall in walls:
         shell, *holes = (next(rings) for _ in lines_of(wall))

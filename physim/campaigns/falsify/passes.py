@@ -15,6 +15,7 @@ from typing import Any, Protocol
 import yaml
 
 from physim.campaigns.falsify.robustness import Judged
+from physim.campaigns.falsify.space import TURN
 from physim.world import World
 from physim.world.robot import Limits
 
@@ -218,12 +219,15 @@ def fewer(
 
 
 def rounder(state: State) -> Iterator[Tree]:
-    """Propose rounder numbers; headings may become 0, too."""
+    """Propose rounder numbers; headings that are nearly 0 may become so, too.
+
+    Farther off another failure would be told, and not the one that was found.
+    """
     places = list(_numbers(state.tree, ()))
     for group in _groups(places):
         yield from _rounded(state, group)
     for place in places:
-        if place[-2:] == ("pose", 2) and at(state.tree, place) != 0.0:
+        if place[-2:] == ("pose", 2) and 0.0 < abs(at(state.tree, place)) <= TURN:
             yield replaced(state.tree, {place: 0.0})
         yield from _rounded(state, [place])
 

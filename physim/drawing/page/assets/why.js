@@ -157,7 +157,7 @@ function factTable(run, robot, row, go, time) {
   } else if (count >= 0) {
     add("considered", plural(count, "robot"));
   }
-  if (range) add("range", `${decimal(range, 1)} m. ${why.priority}`);
+  if (range) add("range", `${decimal(range, 1)} m${why.priority ? `. ${why.priority}` : ""}`);
   const [x, y] = ["own:target_x", "own:target_y"].map((name) => run.column(name)[row]);
   if (Number.isFinite(x + y)) add("target", `(${decimal(x, 2)}, ${decimal(y, 2)}) m`);
   const given = run.commands(robot, time);

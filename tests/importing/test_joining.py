@@ -164,6 +164,16 @@ def test_a_path_does_not_turn_back_at_a_piece_beside_it(tmp_path: Path) -> None:
     check_says(only(made, "left out"), "(5.00, 41.50) … turn back")
 
 
+def test_pieces_that_lie_over_one_another_are_cut_at_their_joint(tmp_path: Path) -> None:
+    """Finely drawn ones would go to and fro there."""
+    pieces = [
+        shapely.LineString([(a, 7), (b, 7)]).segmentize(0.05) for a, b in ((2, 12), (11.9, 20))
+    ]
+    parts = [("boundary", shapely.box(0, 0, 24, 14)), *(("path", one) for one in pieces)]
+    made = import_world(geojson(tmp_path, parts))
+    assert (np.diff(np.asarray(made.world.reference_path)[:, 0]) > 0.0).all()
+
+
 @pytest.mark.parametrize("head", ["M 20,7 l -0.5,-0.3 v 0.6 z", "M 20,7 l -0.5,-2 v 4 z"])
 @pytest.mark.parametrize("first", [True, False])
 def test_the_head_of_an_arrow_is_no_path(tmp_path: Path, head: str, first: bool) -> None:

@@ -349,3 +349,63 @@ def test_a_robot_in_line_with_its_path_is_not_beside_it(
     made = import_world(geojson(tmp_path, [("boundary", shapely.box(0, 0, 26, 14)), robot, way]))
     (line,) = (one.path for one in made.world.robots)
     assert (0.0 if line is None else line.offset) == pytest.approx(offset)
+
+
+def test_a_path_begins_behind_the_robots_that_wait_for_it(tmp_path: Path) -> None:
+    """Before it a formation cannot measure how far apart they are."""
+    robots = [("robot", shapely.box(x, 6.5, x + 1.6, 7.5)) for x in (5, 1)]
+    way = ("path", shapely.LineString([(12, 7), (40, 7)]))
+    place = ("boundary", shapely.box(0, 0, 50, 14))
+    made = import_world(geojson(tmp_path, [place, *robots, way]))
+    assert np.asarray(made.world.reference_path)[0] == pytest.approx((1.8, 7.0))
+    check_says(only(made, "earlier"), "10.20 m … (1.80, 7.00)")
+    free_area(made, tmp_path)
+    wall = ("obstacle", shapely.box(9, 6, 10, 8))
+    blocked = import_world(geojson(tmp_path, [place, wall, *robots, way]))
+    check_says(only(blocked, "before the path"), "WARNING … 10.20 m … (12.00, 7.00)")
+
+
+@pytest.mark.parametrize("over", [0.0004, 0.001, 0.0014, 0.003])
+@pytest.mark.parametrize("angle", [0.0, 20.0])
+def test_walls_that_overlap_by_a_grain_stay_closed(
+    tmp_path: Path, over: float, angle: float
+) -> None:
+    """Corners that lie within the other wall must not draw its side back to themselves."""
+    boxes = [(0, 0, 40, 1), (0, 19, 40, 1), (0, 1 - over, 1, 18 + 2 * over),
+             (39, 1 - over, 1, 18 + 2 * over)]  # fmt: skip
+    walls = [
+        shapely.affinity.rotate(shapely.box(x, y, x + w, y + h), angle, origin=(20, 10))
+        for x, y, w, h in boxes
+    ]
+    made = import_world(geojson(tmp_path, [("wall", one) for one in walls]))
+    assert free_area(made, tmp_path) == pytest.approx(38.0 * 18.0, abs=0.2)
+    lines = "".join(f'<path {LINE} d="{svg_path(one.exterior.coords)} Z"/>' for one in walls)
+    way = shapely.affinity.rotate(shapely.LineString([(4, 10), (36, 10)]), angle, origin=(20, 10))
+    body = f'<g id="walls">{lines}</g><path id="path" d="{svg_path(way.coords)}"/>'
+    drawn = import_world(drawing(tmp_path, body), METRES)
+    assert free_area(drawn, tmp_path) == pytest.approx(38.0 * 18.0, abs=0.2)
+
+
+@pytest.mark.parametrize("thick", [0.002, 0.0025, 0.004])
+def test_a_thin_wall_is_not_knit_to_its_own_other_side(tmp_path: Path, thick: float) -> None:
+    ring = shapely.box(0, 0, 20, 10) - shapely.box(thick, thick, 20 - thick, 10 - thick)
+    turned = shapely.affinity.rotate(ring, 17.0, origin=(0, 0))
+    stub = shapely.affinity.rotate(shapely.box(8, 4, 9, 5), 17.0, origin=(0, 0))
+    made = import_world(geojson(tmp_path, [("wall", turned), ("wall", stub)]))
+    assert free_area(made, tmp_path) == pytest.approx(199.0 - 60.0 * thick, abs=0.02)
+
+
+def test_a_wall_that_divides_a_polygon_does_so_at_any_angle(tmp_path: Path) -> None:
+    for angle in ANGLES:
+        place = shapely.affinity.rotate(shapely.box(0, 0, 20, 10), angle, origin=(0, 0))
+        wall = shapely.affinity.rotate(shapely.LineString([(8, 0), (8, 10)]), angle, origin=(0, 0))
+        made = import_world(geojson(tmp_path, [("boundary", place), ("wall", wall)]))
+        assert free_area(made, tmp_path) == pytest.approx(120.0, abs=0.1)
+
+
+def test_an_opening_is_named_beside_a_wall(tmp_path: Path) -> None:
+    """Nearer to a wall than half its width: the walls grow over the path before they close it."""
+    body = f'<path id="boundary" {LINE} d="M 10,24 V 10 H 50 V 40 H 10 V 28"/>'
+    post = '<rect id="boundary 2" fill="none" stroke="red" x="30" y="30" width="2" height="2"/>'
+    way = '<path id="path" d="M 12,11 H 48"/>'
+    check_says(refusal(drawing(tmp_path, body + post + way)), "(10.00, 34.00), 4 m wide")

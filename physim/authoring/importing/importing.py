@@ -21,6 +21,7 @@ from physim.authoring.importing.drawing import (
     place,
     refused,
 )
+from physim.authoring.importing.drawn_robots import as_drawn
 from physim.authoring.importing.enclosure import (
     DENSE,
     LARGEST_PLACE,
@@ -31,7 +32,7 @@ from physim.authoring.importing.enclosure import (
 )
 from physim.authoring.importing.fit import Fit, fit
 from physim.authoring.importing.lines import length_of
-from physim.authoring.importing.robots import Placed, as_drawn, fill_in, stop_warnings
+from physim.authoring.importing.robots import Placed, fill_in, stop_warnings
 from physim.authoring.importing.source import format_of
 from physim.authoring.importing.work import GRAIN
 from physim.authoring.importing.world_text import world_text
@@ -119,7 +120,7 @@ def _imported(source: Path, options: Options) -> Imported:
             f"{plural(len(drawing.robots), 'robot')} of the drawing left out (--robots)"
         )
     if drawn:
-        robots = as_drawn(drawing, found)
+        found, robots = as_drawn(drawing, found)
     else:
         found, robots = fill_in(source, drawing, found, options)
     drawing.changes[:0] = _missed(found, options)

@@ -17,7 +17,6 @@ import shapely
 
 from physim.authoring.importing.drawing import (
     Drawing,
-    DrawnRobot,
     ImportSourceError,
     Options,
     number,
@@ -37,7 +36,7 @@ from physim.authoring.importing.lines import (
     station_of,
     stretch,
 )
-from physim.authoring.importing.outlines import Footprint, footprint_of, rectangle_of
+from physim.authoring.importing.outlines import Footprint
 from physim.authoring.templates.text import ROW, lane_offsets
 from physim.geometry.area import shrunk
 from physim.geometry.shapes import FloatArray
@@ -285,45 +284,3 @@ def _pose(found: Fit, one: Lane, station: float) -> Pose:
         beside = beside + one.offset * np.array([-ty, tx])
     x, y, heading = pose_at(one.line, station_of(one.line, beside), found.size)
     return round(x, 3), round(y, 3), round(heading, 4)
-
-
-def as_drawn(drawing: Drawing, found: Fit) -> list[Placed]:
-    """Robots where they are drawn, each on its own path or beside the reference path.
-
-    A robot heads along its path, as far as the rectangle about its outline allows, whose middle
-    is its reference point: `rectangle_of`.
-    """
-    outline = Outline(drawing.area)
-    return [_as_drawn(robot, drawing, found, outline) for robot in drawing.robots]
-
-
-def _as_drawn(robot: DrawnRobot, drawing: Drawing, found: Fit, outline: Outline) -> Placed:
-    own = drawing.paths.get(robot.name)
-    line = found.reference if own is None else own
-    middle = np.array(shapely.Polygon(robot.outline).centroid.coords[0])
-    ahead = directions_at(line, station_of(line, middle), found.size)
-    centre, heading = rectangle_of(robot.outline, ahead)
-    centre, heading = centre.round(3), round(heading, 4)
-    footprint = footprint_of(robot.outline, centre, heading)
-    pose = (float(centre[0]), float(centre[1]), heading)
-    if own is not None:
-        return Placed(robot.name, footprint, pose, own, None)
-    offset = round(_beside(line, centre), 2)
-    one = lane(line, offset, outline, found.room, found.size, len(drawing.robots))
-    if narrowing := one.narrowing():
-        drawing.changes.append(
-            f"path of {robot.name}, {offset:+.2f} m beside the reference path, {narrowing}"
-        )
-    return Placed(robot.name, footprint, pose, one.line, one.plain_offset)
-
-
-def _beside(line: FloatArray, point: FloatArray) -> float:
-    """How far [m] left of a path a point (2,) is; beyond an end, of its last straight piece."""
-    station = station_of(line, point)
-    x, y = point - points_at(line, station)
-    end = length_of(line)
-    if 0.0 < station < end:
-        tx, ty = directions_at(line, station, 1e-6 * end)
-        return hypot(x, y) if tx * y - ty * x >= 0.0 else -hypot(x, y)
-    tx, ty = (line[1] - line[0]) if station <= 0.0 else (line[-1] - line[-2])
-    return float((tx * y - ty * x) / hypot(tx, ty))

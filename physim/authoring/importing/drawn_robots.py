@@ -1,0 +1,98 @@
+"""Robots that are drawn: their poses, and paths as far beside the reference path as they stand."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from math import hypot
+
+import numpy as np
+import shapely
+
+from physim.authoring.importing.drawing import DIGITS, Drawing, DrawnRobot, place
+from physim.authoring.importing.fit import Fit
+from physim.authoring.importing.lines import (
+    Outline,
+    directions_at,
+    lane,
+    length_of,
+    points_at,
+    station_of,
+)
+from physim.authoring.importing.outlines import footprint_of, rectangle_of
+from physim.authoring.importing.robots import Placed
+from physim.geometry.shapes import FloatArray
+
+
+def as_drawn(drawing: Drawing, found: Fit) -> tuple[Fit, list[Placed]]:
+    """Robots where they are drawn, each on its own path or beside the reference path.
+
+    A robot heads along its path, as far as the rectangle about its outline allows, whose middle
+    is its reference point: `rectangle_of`. Returns the fit with the path that they follow, which
+    begins where the last of them stands.
+    """
+    outline = Outline(drawing.area)
+    found = _begun_behind(drawing, found)
+    return found, [_as_drawn(robot, drawing, found, outline) for robot in drawing.robots]
+
+
+def _begun_behind(drawing: Drawing, found: Fit) -> Fit:
+    """The fit with a path that begins straight behind, where robots stand before its beginning.
+
+    A formation cannot measure their distances there. It stays as it is where no such way is free.
+    """
+    line = found.reference
+    ahead = (line[1] - line[0]) / np.hypot(*(line[1] - line[0]))
+    centres = shapely.get_coordinates(
+        [shapely.Polygon(one.outline).centroid for one in drawing.robots
+         if one.name not in drawing.paths]
+    )  # fmt: skip
+    behind = [
+        -float((centre - line[0]) @ ahead) for centre in centres if station_of(line, centre) <= 0.0
+    ]
+    least = max(behind, default=0.0)
+    if least < 10.0**-DIGITS:
+        return found
+    begin = (line[0] - least * ahead).round(DIGITS)
+    way = shapely.LineString([begin, line[0]])
+    if not drawing.area.covers(way) or way.distance(drawing.area.boundary) <= 0.5 * found.box[1]:
+        drawing.changes.append(
+            f"WARNING: a robot stands {least:.2f} m before the path begins at {place(line[0])}; "
+            "there is no straight way to it from there; draw the path from behind the robots"
+        )
+        return found
+    drawing.changes.append(
+        f"path begun {least:.2f} m earlier, at {place(begin)}, where a robot stands behind it"
+    )
+    return replace(found, reference=np.vstack([begin, line[1:]]))
+
+
+def _as_drawn(robot: DrawnRobot, drawing: Drawing, found: Fit, outline: Outline) -> Placed:
+    own = drawing.paths.get(robot.name)
+    line = found.reference if own is None else own
+    middle = np.array(shapely.Polygon(robot.outline).centroid.coords[0])
+    ahead = directions_at(line, station_of(line, middle), found.size)
+    centre, heading = rectangle_of(robot.outline, ahead)
+    centre, heading = centre.round(3), round(heading, 4)
+    footprint = footprint_of(robot.outline, centre, heading)
+    pose = (float(centre[0]), float(centre[1]), heading)
+    if own is not None:
+        return Placed(robot.name, footprint, pose, own, None)
+    offset = round(_beside(line, centre), 2)
+    one = lane(line, offset, outline, found.room, found.size, len(drawing.robots))
+    if narrowing := one.narrowing():
+        drawing.changes.append(
+            f"path of {robot.name}, {offset:+.2f} m beside the reference path, {narrowing}"
+        )
+    return Placed(robot.name, footprint, pose, one.line, one.plain_offset)
+
+
+def _beside(line: FloatArray, point: FloatArray) -> float:
+    """How far [m] left of a path a point (2,) is; beyond an end, of its last straight piece."""
+    station = station_of(line, point)
+    x, y = point - points_at(line, station)
+    end = length_of(line)
+    if 0.0 < station < end:
+        tx, ty = directions_at(line, station, 1e-6 * end)
+        return hypot(x, y) if tx * y - ty * x >= 0.0 else -hypot(x, y)
+    tx, ty = (line[1] - line[0]) if station <= 0.0 else (line[-1] - line[-2])
+    return float((tx * y - ty * x) / hypot(tx, ty))

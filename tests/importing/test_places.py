@@ -268,6 +268,17 @@ def test_a_path_through_a_closed_door_is_told_where(tmp_path: Path, door: str) -
     check_says(said, f"({x:.2f}, 12.00) … wall")
 
 
+@pytest.mark.parametrize("first", [True, False])
+def test_a_line_without_a_role_is_no_path_beside_one(tmp_path: Path, first: bool) -> None:
+    """Such as a dimension line, wherever it stands in the file."""
+    ways = (("", [(3, 3), (20, 3)]), ("path", [(2, 7), (20, 7)]))
+    lines = [(role, shapely.LineString(points)) for role, points in ways]
+    place = ("boundary", shapely.box(0, 0, 24, 14))
+    made = import_world(geojson(tmp_path, [place, *(lines if first else lines[::-1])]))
+    assert {y for _, y in made.world.reference_path or ()} == {7.0}
+    check_says(only(made, "no role"), "(3.00, 3.00) … left out")
+
+
 def test_a_polygon_without_a_role_is_named_as_the_place(tmp_path: Path) -> None:
     ring = shapely.box(0, 0, 40, 25) - shapely.box(0.3, 0.3, 39.7, 24.7)
     table = shapely.box(30, 20, 31, 21)

@@ -126,7 +126,7 @@ EDITS = (
         "importing",
         "physim/authoring/importing/enclosure.py",
         "_obstacles",
-        "if len(drawing.obstacles) > MOST_OBSTACLES:",
+        "if count > MOST_OBSTACLES:",
         "if False:",
         "no more obstacles are read than stated",
         "tests/importing/test_work.py::test_no_more_obstacles_are_read_than_stated",

@@ -279,7 +279,10 @@ def test_the_inside_of_solid_walls_is_no_place(tmp_path: Path) -> None:
     rooms = [shapely.box(x, y, x + 2.0, y + 2.0) for x in (2, 6, 10, 14) for y in (2, 6, 10)]
     largest = shapely.box(2, 14, 6, 18)
     block = shapely.box(0, 0, 20, 20) - shapely.union_all([*rooms, largest])
-    made = import_world(geojson(tmp_path, [("wall", block)]))
+    with pytest.raises(ImportSourceError, match="--from"):
+        import_world(geojson(tmp_path, [("wall", block)]))
+    here = Options(origin=(4.0, 16.0))
+    made = import_world(geojson(tmp_path, [("wall", block)]), here)
     assert area_of(made.text, tmp_path) == pytest.approx(largest.area)
 
 

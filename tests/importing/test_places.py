@@ -11,6 +11,7 @@ import shapely
 import shapely.affinity
 
 from physim.authoring.importing import Imported, ImportSourceError, Options, import_world
+from physim.authoring.importing.roles import role_named
 from physim.geometry.area import accessible_area
 from physim.world.checks import check_world
 from tests.importing.plans import check_says, only, svg, svg_path
@@ -98,7 +99,8 @@ def test_lines_beside_a_closed_room_make_no_room_of_their_own(tmp_path: Path) ->
     kerbs = '<path d="M 0,50 H 30"/><path d="M 0,58 H 30"/>'
     room = '<path d="M 0,0 H 40 V 40 H 0 Z"/>'
     body = f'<g id="boundary" {LINE}>{room}{kerbs}</g>'
-    made = import_world(drawing(tmp_path, body), METRES)
+    check_says(refusal(drawing(tmp_path, body)), "60 m of lines beyond it … leave them out")
+    made = import_world(drawing(tmp_path, body), Options(scale=1.0, origin=(20.0, 40.0)))
     assert free_area(made, tmp_path) == pytest.approx(1600.0)
     assert not [one for one in made.changes if "cap" in one]
     assert sum("dropped" in one for one in made.changes) == 2
@@ -122,9 +124,12 @@ BLOCK = shapely.box(1, 1, 22, 28) - shapely.union_all([*TWELVE, HALL])
 def test_walls_drawn_as_one_filled_path_are_no_place(tmp_path: Path) -> None:
     assert BLOCK.area > HALL.area
     path = drawing(tmp_path, f'<path id="walls" d="{filled(BLOCK)}"/>')
-    made = import_world(path, METRES)
-    assert free_area(made, tmp_path) == pytest.approx(HALL.area)
-    check_says(only(made, "areas"), "13 areas … 100.0 m² … --from")
+    said = refusal(path)
+    check_says(said, "100 m² … 288 m of walls beyond it … --from")
+    room = Options(scale=1.0, origin=(4.0, 4.0))
+    assert free_area(import_world(path, room), tmp_path) == pytest.approx(16.0)
+    one = drawing(tmp_path, f'<path id="walls" d="{filled(HALL.buffer(0.3) - HALL)}"/>')
+    assert free_area(import_world(one, METRES), tmp_path) == pytest.approx(HALL.area)
 
 
 def test_an_open_room_of_filled_walls_is_asked_for(tmp_path: Path) -> None:
@@ -210,22 +215,81 @@ def test_walls_over_each_other_in_one_path_have_no_holes(tmp_path: Path) -> None
     check_says(refusal(path), "open at (49.00, 19.00), 2 m wide")
 
 
-@pytest.mark.parametrize(
-    ("data", "fill"),
-    [
-        ("M 10,10 H 50 V 40 H 10 Z", 'fill="#eee"'),
-        ("M 10,10 H 50 V 40 H 30 V 25 H 10 Z", ""),
-    ],
-)
-@pytest.mark.parametrize("named", ["walls", "boundary", "asked for"])
-def test_a_painted_floor_is_no_wall(tmp_path: Path, data: str, fill: str, named: str) -> None:
-    post = '<rect x="40" y="30" width="1" height="1"/>'
-    name = "floor" if named == "asked for" else named
-    path = drawing(tmp_path, f'<g id="{name}"><path {fill} d="{data}"/>{post}</g>')
+@pytest.mark.parametrize("fill", ['fill="#eee"', ""])
+@pytest.mark.parametrize("named", ["boundary", "asked for", "in walls"])
+def test_a_painted_floor_is_the_place_if_it_is_called_so(
+    tmp_path: Path, fill: str, named: str
+) -> None:
+    """In a layer of walls it may as well be the rock about a tunnel."""
+    group, own = {"boundary": ("boundary", "a"), "asked for": ("floor", "a"),
+                  "in walls": ("walls", "boundary")}[named]  # fmt: skip
+    floor = f'<path id="{own}" {fill} d="M 10,10 H 50 V 40 H 30 V 25 H 10 Z"/>'
+    body = f'<g id="{group}">{floor}<rect x="40" y="30" width="1" height="1"/></g>'
     asked = Options(scale=1.0, boundary=("floor",) if named == "asked for" else ())
-    made = import_world(path, asked)
-    area = shapely.Polygon([(10, 10), (50, 10), (50, 40), (10, 40)]).area - 1.0
-    assert free_area(made, tmp_path) == pytest.approx(area - (0.0 if fill else 300.0))
+    made = import_world(drawing(tmp_path, body), asked)
+    assert free_area(made, tmp_path) == pytest.approx(900.0 - 1.0)
+    walls = drawing(tmp_path, body.replace('"boundary"', '"a"').replace('id="floor"', 'id="walls"')
+                    .replace('<g id="a"', '<g id="walls"'))  # fmt: skip
+    check_says(refusal(walls), "fill themselves … boundary, not wall … --from")
+    inside = Options(scale=1.0, origin=(45.0, 25.0))
+    assert free_area(import_world(walls, inside), tmp_path) == pytest.approx(900.0 - 1.0)
+
+
+DOOR = [(0, 4), (0, 0), (20, 0), (20, 10), (0, 10), (0, 5)]
+"""[m] the outer wall of a hall with a door"""
+
+
+@pytest.mark.parametrize(
+    "room",
+    [shapely.box(20, 3, 23, 6), shapely.box(17, 0, 20, 3), shapely.box(30, 0, 36, 9)],
+    ids=["annex", "closet", "shed"],
+)
+@pytest.mark.parametrize("thick", [0.0, 0.3])
+def test_a_small_room_is_not_taken_for_an_open_hall(
+    tmp_path: Path, room: Any, thick: float
+) -> None:
+    """Neither beside it nor in it."""
+    hall = shapely.LineString(DOOR)
+    parts = [hall, room.exterior]
+    if thick:
+        walls = shapely.union_all([one.buffer(thick / 2, join_style="mitre") for one in parts])
+        parts = list(shapely.get_parts(walls))
+    said = refusal(geojson(tmp_path, [("wall", one) for one in parts]))
+    check_says(said, "hardly the place … --from")
+    x, y = room.centroid.coords[0]
+    here = import_world(geojson(tmp_path, [("wall", one) for one in parts]),
+                        Options(origin=(x, y)))  # fmt: skip
+    assert free_area(here, tmp_path) == pytest.approx((room.buffer(-thick / 2)).area, rel=0.02)
+
+
+@pytest.mark.parametrize("angle", [0.0, 33.3])
+@pytest.mark.parametrize("gap", [0.0, 0.005, 1.0])
+def test_a_table_without_a_role_is_asked_for(tmp_path: Path, angle: float, gap: float) -> None:
+    """Whether or not the walls about it are drawn to meet."""
+    ends = [[(0, 0), (40, 0)], [(40, 0), (40, 20)], [(40, 20), (0, 20)], [(0, 20), (0, gap)]]
+    shapes = [shapely.box(30, 10, 32, 12), *map(shapely.LineString, ends)]
+    turned = [shapely.affinity.rotate(one, angle, origin=(0, 0)) for one in shapes]
+    parts = [("" if k == 0 else "wall", one) for k, one in enumerate(turned)]
+    check_says(refusal(geojson(tmp_path, parts)), "4 m² … no role … boundary … obstacle")
+
+
+@pytest.mark.parametrize("thick", [0.3, 1.0])
+def test_a_floor_without_a_role_is_the_place_within_its_walls(tmp_path: Path, thick: float) -> None:
+    floor = shapely.box(0, 0, 20, 10)
+    walls = floor.buffer(thick, join_style="mitre") - floor
+    made = import_world(geojson(tmp_path, [("", floor), ("wall", walls)]))
+    assert free_area(made, tmp_path) == pytest.approx(200.0)
+
+
+@pytest.mark.parametrize(
+    ("name", "role"),
+    [("reference path", "path"), ("reference_path", "path"), ("path start-goal", "path"),
+     ("obstacle areas", "obstacle"), ("boundary of track", "boundary"), ("wall_start", "wall"),
+     ("Wall-left", "wall"), ("robot route 0", ""), ("robot path", ""), ("path labels", ""),
+     ("wallpaper", ""), ("A-WALL", "")],
+)  # fmt: skip
+def test_a_role_is_the_first_word_of_a_name(name: str, role: str) -> None:
+    assert role_named(name)[0] == role
 
 
 def test_rooms_side_by_side_are_no_walls_about_a_room(tmp_path: Path) -> None:

@@ -18,9 +18,7 @@ NEARLY = 0.01
 ROUNDED = 1.5 * 10.0**-DIGITS
 """[m] A corner that lies on a line stays so near it when all are rounded: half a diagonal twice."""
 OUTSIDE = 0.25
-"""[-] share of the length about an area that lines beyond it have, if it may not be the place"""
-AMONG = 0.25
-"""[-] share of an area that such lines stand about"""
+"""[-] share of the length about a place that lines beyond it, enclosing nothing, have at most"""
 ROUND = 4.0
 """[-] times as long as the gap between its own ends a line goes round something"""
 NEIGHBOURS = 8
@@ -123,7 +121,7 @@ def join_ends(lines: list[FloatArray]) -> list[str]:
     faces, loose = faces_and_loose(walls)
     if faces:
         largest = max(faces, key=lambda one: float(one.area))
-        is_place = beyond_of(largest, loose) <= OUTSIDE * largest.length
+        is_place = beyond_of(largest, loose) <= OUTSIDE * largest.exterior.length
         if is_place or not joints or _largest(walls + joints) <= largest.area:
             return []
         lines += joints
@@ -133,14 +131,10 @@ def join_ends(lines: list[FloatArray]) -> list[str]:
     return changes + told
 
 
-def beyond_of(face: Any, loose: list[Any]) -> float:
-    """Length [m] of lines that enclose nothing, beyond a shapely face that lies among them.
-
-    Where it lies beside them they are no walls about it, and the length is 0.
-    """
-    beyond = shapely.union_all(loose).difference(face)
-    among = shapely.area(shapely.intersection(beyond.convex_hull, face))
-    return float(beyond.length) if among > AMONG * face.area else 0.0
+def beyond_of(face: Any, lines: Sequence[Any]) -> float:
+    """Length [m] of shapely lines beyond what the outline of a shapely face encloses."""
+    within = shapely.buffer(shapely.Polygon(face.exterior), ROUNDED)
+    return float(shapely.union_all(lines).difference(within).length)
 
 
 def _largest(lines: list[FloatArray]) -> float:

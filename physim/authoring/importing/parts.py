@@ -25,9 +25,9 @@ from physim.authoring.importing.drawing import (
     refused,
     rounded,
 )
-from physim.authoring.importing.joining import faces_of, join_ends, knit
+from physim.authoring.importing.joining import OUTSIDE, beyond_of, join_ends, knit
 from physim.authoring.importing.path_pieces import take_paths
-from physim.authoring.importing.places import chosen_area
+from physim.authoring.importing.places import OTHERS, chosen_area
 from physim.authoring.importing.roles import nearest_role
 from physim.authoring.importing.walls import is_thick, made_valid, polygons_of, take_walls
 from physim.authoring.importing.work import check_work, lines_of
@@ -39,9 +39,6 @@ KILOMETRE = 1000.0
 HEIGHTS = "third coordinates (height) left out"
 MEASURES = "measures (M) of points left out"
 MOST_GEOMETRIES = 10_000
-
-LESSER = 0.5
-"""[-] share of what walls enclose, below which a polygon within is not what they enclose"""
 
 
 @dataclass(frozen=True)
@@ -127,22 +124,25 @@ def drawing_of(path: Path, kind: str, parts: list[Part], options: Options) -> Dr
 
 
 def _check_place(path: Path, drawing: Drawing, part: Part, polygon: Any, options: Options) -> None:
-    """Refuse a polygon without a role as the place, where walls with one stand about more.
+    """Refuse a polygon without a role as the place, where walls that have one lie beyond it.
 
-    Such as a table in a room. Not where the path, a robot or --from is in it.
+    It may be a table in a room. Not where the path, a robot or --from is in it.
     """
     said = [shapely.Point(options.origin)] if options.origin is not None else []
     said += [shapely.Polygon(one.outline).centroid for one in drawing.robots]
     said += [shapely.LineString(drawing.reference)] if drawing.reference is not None else []
-    if any(polygon.intersects(one) for one in said) or not drawing.boundaries:
+    if any(polygon.intersects(one) for one in said):
         return
-    about = [face for face in faces_of(drawing.boundaries) if face.covers(polygon)]
-    if any(polygon.area < LESSER * face.area for face in about):
+    solid = [one.boundary for one in drawing.solids]
+    every = [shapely.LineString(line) for line in drawing.boundaries]
+    outlines = beyond_of(polygon, solid)
+    lines = beyond_of(polygon, every) - outlines
+    if max(lines / OUTSIDE, outlines / OTHERS) > polygon.exterior.length:
         at = place(polygon.representative_point().coords[0])
         raise refused(
             path,
-            f"the polygon of {polygon.area:.3g} m² about {at} has no role, and lies within walls "
-            "that have one: it has the role boundary if robots may go in it alone, obstacle if not",
+            f"the polygon of {polygon.area:.3g} m² about {at} has no role, and there are walls "
+            "beyond it: it has the role boundary if robots may go in it alone, obstacle if not",
             part.line,
         )
 

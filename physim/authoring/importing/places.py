@@ -24,7 +24,11 @@ THIN = 0.6
 """[m] what is not wider may be the inside of a wall"""
 DIAGONAL = 2.0**0.5
 """[-] times as wide walls are where they cross"""
-ADVICE = "close it, or say where robots are (--from X,Y, or a path)"
+OTHERS = 2.0
+"""[-] times as long as the outline of an area all lines beyond it are at most: walls about it are
+drawn with two sides"""
+SAY = "say where robots are (--from X,Y, or a path)"
+ADVICE = f"close it, or {SAY}"
 
 
 def place_of(
@@ -112,7 +116,7 @@ def _places(path: Path, drawing: Drawing, faces: list[Any], painted: list[Any]) 
         message = "the walls enclose no area beside what they fill themselves"
         message += _where_open(drawing, None)
         message += "; close the room, or call its outline boundary, not wall"
-        message += ", or say where in it robots are (--from X,Y, or a path)" if painted else ""
+        message += f", or {SAY}" if painted else ""
         raise drawing.refused_at(path, message, drawing.boundaries[0][0], "boundary")
     return places
 
@@ -139,10 +143,14 @@ def _check_no_doubt(path: Path, drawing: Drawing, face: Any, loose: list[Any]) -
     what = f"the largest area that the lines enclose, {face.area:.3g} m² about "
     what += place(face.representative_point().coords[0])
     beyond = beyond_of(face, loose)
-    if beyond > OUTSIDE * face.length:
+    if beyond > OUTSIDE * face.exterior.length:
         said, at = open_ends(drawing)
         message = f"{what}, is hardly the place: {beyond:.3g} m of lines beyond it enclose nothing "
         message += f"({said}); leave them out, {ADVICE}"
+        raise drawing.refused_at(path, message, at, "boundary")
+    others = beyond_of(face, [shapely.LineString(line) for line in drawing.boundaries])
+    if others > OTHERS * face.exterior.length:
+        message = f"{what}, is hardly the place: there are {others:.3g} m of walls beyond it; {SAY}"
         raise drawing.refused_at(path, message, at, "boundary")
     about = _walls_about(drawing, face)
     if about is not None and about.area < APART * about.convex_hull.area:

@@ -8,14 +8,16 @@ from physim.errors import nearest
 
 ROLES = ("boundary", "wall", "obstacle", "path", "robot")
 NAME = re.compile(
-    r"(boundar(?:y|ies)|walls?|obstacles?|paths?|reference|robots?)"
+    r"(boundar(?:y|ies)|walls?|obstacles?|paths?|reference(?:[\s_-]paths?)?|robots?)"
     r"(?:[\s_.:#-]+(.*)|(\d.*|[a-z]))?$"
 )
 """Roles are words of their own: a wallpaper is no wall."""
-OTHER = re.compile(
-    r"(?:^|[\s_.:#-])(routes?|tracks?|traject\w*|paths?|goals?|starts?|targets?|labels?|texts?|"
-    r"names?|icons?|legend|areas?|zones?)(?:$|[\s_.:#-])"
-)
+ABOUT = "labels?|texts?|names?|icons?|legend"
+OF_A_ROBOT = f"routes?|tracks?|traject\\w*|paths?|goals?|starts?|targets?|areas?|zones?|{ABOUT}"
+OTHER = {
+    is_robot: re.compile(rf"(?:^|[\s_.:#-])({words})(?:$|[\s_.:#-])")
+    for is_robot, words in ((False, ABOUT), (True, OF_A_ROBOT))
+}
 """Words after a role by which a thing is something else: ``robot_route_0`` is no robot."""
 OF_WORD = {"bou": "boundary", "wal": "wall", "obs": "obstacle", "pat": "path", "ref": "path",
            "rob": "robot"}  # fmt: skip
@@ -30,7 +32,7 @@ def role_named(name: str) -> tuple[str, str]:
     """
     text = name.strip().lower()
     found = NAME.match(text)
-    if found is None or OTHER.search(found[2] or ""):
+    if found is None or OTHER[found[1].startswith("robot")].search(found[2] or ""):
         return "", ""
     return OF_WORD[text[:3]], name.strip()[len(found[1]) :].strip(" _:#-")
 

@@ -44,7 +44,7 @@ from physim.authoring.importing.svg_seen import (
     is_unsure,
 )
 from physim.authoring.importing.svg_walls import LABEL, NAMES, Walls, names_of
-from physim.authoring.importing.walls import painted, walls_of
+from physim.authoring.importing.walls import painted
 from physim.authoring.importing.work import MOST_POINTS, check_work
 from physim.escaping import escaped
 from physim.geometry.shapes import FloatArray
@@ -93,7 +93,7 @@ def read_svg(path: Path, options: Options) -> Drawing:
     check_work(path, [line.points for line in found.lines])
     drawing.sources = [Source(one.role, one.where, one.line, one.points) for one in found.lines]
     _sort(path, drawing, found.lines, found.walls)
-    drawing.painted = walls_of(found.painted, drawing.boundaries)
+    drawing.painted = found.painted
     return drawing
 
 

@@ -9,13 +9,10 @@ import numpy as np
 import shapely
 
 from physim.authoring.importing.drawing import DIGITS, Drawing, rounded
-from physim.authoring.importing.joining import NEARLY, faces_of, knit
+from physim.authoring.importing.joining import faces_of, knit
 from physim.authoring.importing.work import lines_of
 from physim.errors import plural
 from physim.geometry.shapes import FloatArray
-
-FLOOR = 0.5
-"""[-] share of its hull that a floor fills at least, and walls about a room do not"""
 
 
 def polygons_of(shape: Any) -> list[Any]:
@@ -58,23 +55,6 @@ def take_walls(drawing: Drawing, walls: Sequence[Any]) -> None:
         drawing.changes.append(
             f"{met} that meet or cross: united, {plural(len(united), 'outline')}"
         )
-
-
-def walls_of(painted: Sequence[Any], lines: Sequence[FloatArray]) -> list[Any]:
-    """Those of the painted shapely polygons that are walls, and no floor with all lines on it.
-
-    A floor has no hole and fills at least ``FLOOR`` of its hull.
-    """
-    united = polygons_of(shapely.union_all(painted)) if painted else []
-    if not united:
-        return []
-    largest = max(united, key=lambda one: float(one.area))
-    hull = largest.convex_hull
-    near = NEARLY * float(np.ptp(np.vstack(lines), axis=0).max())
-    is_floor = not largest.interiors and largest.area >= FLOOR * hull.area
-    if is_floor and hull.buffer(near).covers(shapely.MultiLineString([*lines])):
-        return []
-    return united
 
 
 def painted(rings: Sequence[FloatArray], is_even_odd: bool) -> list[Any]:

@@ -216,7 +216,7 @@ EDITS = (
     ),
     Edit(
         "importing",
-        "physim/authoring/importing/joining.py",
+        "physim/authoring/importing/path_pieces.py",
         "_join_pieces",
         "piece[::-1] if (met % 2 == 1) == at_end else piece",
         "piece",
@@ -225,7 +225,7 @@ EDITS = (
     ),
     Edit(
         "importing",
-        "physim/authoring/importing/joining.py",
+        "physim/authoring/importing/path_pieces.py",
         "take_paths",
         "if name in robots:",
         "if False:",
@@ -234,7 +234,7 @@ EDITS = (
     ),
     Edit(
         "importing",
-        "physim/authoring/importing/polygons.py",
+        "physim/authoring/importing/parts.py",
         "drawing_of",
         'part.role == "wall"',
         "False",
@@ -369,7 +369,7 @@ EDITS = (
     ),
     Edit(
         "importing",
-        "physim/authoring/importing/polygons.py",
+        "physim/authoring/importing/parts.py",
         "_origin",
         "> LARGEST >= np.ptp(points, axis=0).max()",
         "> np.inf",
@@ -450,7 +450,7 @@ EDITS = (
     ),
     Edit(
         "importing",
-        "physim/authoring/importing/polygons.py",
+        "physim/authoring/importing/parts.py",
         "_valid",
         "return whole",
         "return [max(whole, key=shapely.area)]",
@@ -468,7 +468,7 @@ EDITS = (
     ),
     Edit(
         "importing",
-        "physim/authoring/importing/joining.py",
+        "physim/authoring/importing/path_pieces.py",
         "_met",
         "is_other.sum(axis=1) == 1",
         "is_other.sum(axis=1) >= 1",
@@ -477,7 +477,7 @@ EDITS = (
     ),
     Edit(
         "importing",
-        "physim/authoring/importing/enclosure.py",
+        "physim/authoring/importing/places.py",
         "_places",
         "not solids.contains(point)",
         "True",
@@ -486,7 +486,7 @@ EDITS = (
     ),
     Edit(
         "importing",
-        "physim/authoring/importing/enclosure.py",
+        "physim/authoring/importing/places.py",
         "_places",
         "(drawing.within is None or drawing.within.covers(point))",
         "True",
@@ -519,15 +519,6 @@ EDITS = (
         "not joints",
         "where lines enclose a place a passage stays open",
         "tests/importing/test_places.py::test_a_closet_of_open_lines_leaves_a_passage_beside_it",
-    ),
-    Edit(
-        "importing",
-        "physim/authoring/importing/joining.py",
-        "beyond_of",
-        "if among > AMONG * face.area else 0.0",
-        "",
-        "lines beside a room are no walls about it",
-        "tests/importing/test_places.py::test_lines_beside_a_closed_room_make_no_room_of_their_own",
     ),
     Edit(
         "importing",
@@ -636,15 +627,6 @@ EDITS = (
         "one.covers(inside)",
         "an opening is found beside a wall",
         "tests/importing/test_places.py::test_an_opening_is_named_beside_a_wall",
-    ),
-    Edit(
-        "importing",
-        "physim/authoring/importing/walls.py",
-        "walls_of",
-        "if is_floor and",
-        "if False and",
-        "a painted floor is no wall",
-        "tests/importing/test_places.py::test_a_painted_floor_is_no_wall",
     ),
     Edit(
         "importing",
@@ -780,5 +762,32 @@ EDITS = (
         "where = line[-1]",
         "a crossing is named where it is",
         "tests/importing/test_places.py::test_a_path_through_a_closed_door_is_told_where",
+    ),
+    Edit(
+        "importing",
+        "physim/authoring/importing/places.py",
+        "_check_no_doubt",
+        "if others > OTHERS * face.exterior.length:",
+        "if False:",
+        "a closet of an open hall of thick walls is asked for",
+        "tests/importing/test_places.py::test_a_small_room_is_not_taken_for_an_open_hall",
+    ),
+    Edit(
+        "importing",
+        "physim/authoring/importing/parts.py",
+        "_check_place",
+        "max(lines / OUTSIDE, outlines / OTHERS)",
+        "lines / OUTSIDE - outlines",
+        "a floor within thick walls is the place",
+        "tests/importing/test_places.py::test_a_polygon_without_a_role_is_named_as_the_place",
+    ),
+    Edit(
+        "importing",
+        "physim/authoring/importing/roles.py",
+        "role_named",
+        'OTHER[found[1].startswith("robot")]',
+        "OTHER[True]",
+        "a role is the first word of a name",
+        "tests/importing/test_places.py::test_a_role_is_the_first_word_of_a_name",
     ),
 )

@@ -300,6 +300,22 @@ def test_rooms_side_by_side_are_no_walls_about_a_room(tmp_path: Path) -> None:
     check_says(only(made, "areas"), "3 areas … 110.0 m²")
 
 
+@pytest.mark.parametrize(
+    "rule", ['fill-rule="evenodd"', 'style="fill-rule:EvenOdd;fill:#000"', 'class="walls"']
+)
+@pytest.mark.parametrize("in_group", [True, False])
+def test_a_fill_rule_is_read_wherever_it_stands(tmp_path: Path, rule: str, in_group: bool) -> None:
+    """Both lines go round the same way: by the other rule all within is painted."""
+    ring = '<path PLACE d="M 10,10 H 50 V 40 H 10 Z M 11,11 H 49 V 39 H 11 Z"/>'
+    group = f'<g id="walls" {rule if in_group else ""}>{ring}</g>'
+    sheet = "<style>.walls {fill-rule: evenodd}</style>"
+    body = sheet + group.replace("PLACE", "" if in_group else rule)
+    made = import_world(drawing(tmp_path, body), METRES)
+    assert free_area(made, tmp_path) == pytest.approx(38.0 * 28.0)
+    body = body.replace("EvenOdd", "evenodd").replace("evenodd", "nonzero")
+    assert "fill themselves" in refusal(drawing(tmp_path, body))
+
+
 @pytest.mark.parametrize("post", ["", '<rect x="15" y="35" width="2" height="2"/>'])
 def test_a_robot_in_an_open_hall_is_told_where_it_is_open(tmp_path: Path, post: str) -> None:
     hall = '<path d="M 10,20 V 10 H 50 V 40 H 10 V 22"/>'
@@ -435,6 +451,10 @@ def test_a_path_begins_behind_the_robots_that_wait_for_it(tmp_path: Path) -> Non
     assert np.asarray(made.world.reference_path)[0] == pytest.approx((1.8, 7.0))
     check_says(only(made, "earlier"), "10.20 m … (1.80, 7.00)")
     free_area(made, tmp_path)
+    hook = ("path", shapely.LineString([(12, 7), (12.01, 7.02), (40, 7)]))
+    drawn = import_world(geojson(tmp_path, [place, *robots, hook]))
+    check_says(only(drawn, "earlier"), "10.20 m … (1.80, 7.00)")
+    assert [one.pose[2] for one in drawn.world.robots] == pytest.approx([0.0, 0.0], abs=0.05)
     wall = ("obstacle", shapely.box(9, 6, 10, 8))
     blocked = import_world(geojson(tmp_path, [place, wall, *robots, way]))
     check_says(only(blocked, "before the path"), "WARNING … 10.20 m … (12.00, 7.00)")
@@ -484,3 +504,20 @@ def test_an_opening_is_named_beside_a_wall(tmp_path: Path) -> None:
     post = '<rect id="boundary 2" fill="none" stroke="red" x="30" y="30" width="2" height="2"/>'
     way = '<path id="path" d="M 12,11 H 48"/>'
     check_says(refusal(drawing(tmp_path, body + post + way)), "(10.00, 34.00), 4 m wide")
+
+
+def test_the_end_of_a_partition_is_no_opening(tmp_path: Path) -> None:
+    lines = ["M 0,20 H 40", "M 0,26 H 40", "M 20,20 V 23", "M 0,20 V 26"]
+    body = "".join(f'<path d="{line}"/>' for line in lines)
+    said = refusal(drawing(tmp_path, f'<g id="boundary" {LINE}>{body}</g>'))
+    check_says(said, "(40.00, 40.00) and (40.00, 34.00)")
+
+
+def test_an_opening_is_that_of_the_place_that_is_asked_for(tmp_path: Path) -> None:
+    """Of two halls with doors of two widths."""
+    halls = [shapely.LineString([(x + a, b) for a, b in DOOR]) for x in (0, 40)]
+    halls[1] = shapely.LineString([*list(halls[1].coords)[:-1], (40, 7)])
+    walls = [("wall", one.buffer(0.15, join_style="mitre", cap_style="flat")) for one in halls]
+    path = geojson(tmp_path, walls)
+    for x, said in ((10, "(0.00, 4.50), 1 m wide"), (50, "(40.00, 5.50), 3 m wide")):
+        assert said in refusal(path, Options(origin=(float(x), 5.0)))

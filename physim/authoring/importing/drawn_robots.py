@@ -21,6 +21,10 @@ from physim.authoring.importing.lines import (
 from physim.authoring.importing.outlines import footprint_of, rectangle_of
 from physim.authoring.importing.robots import Placed
 from physim.geometry.shapes import FloatArray
+from physim.geometry.thinning import simplified
+
+HOOK = 0.1
+"""[m] at size 1: what a path turns within it is not meant"""
 
 
 def as_drawn(drawing: Drawing, found: Fit) -> tuple[Fit, list[Placed]]:
@@ -41,7 +45,7 @@ def _begun_behind(drawing: Drawing, found: Fit) -> Fit:
     A formation cannot measure their distances there. It stays as it is where no such way is free.
     """
     line = found.reference
-    ahead = (line[1] - line[0]) / np.hypot(*(line[1] - line[0]))
+    ahead, _ = _directions_at_ends(line, found.size)
     centres = shapely.get_coordinates(
         [shapely.Polygon(one.outline).centroid for one in drawing.robots
          if one.name not in drawing.paths]
@@ -63,7 +67,9 @@ def _begun_behind(drawing: Drawing, found: Fit) -> Fit:
     drawing.changes.append(
         f"path begun {least:.2f} m earlier, at {place(begin)}, where a robot stands behind it"
     )
-    return replace(found, reference=np.vstack([begin, line[1:]]))
+    dx, dy = line[1] - line[0]
+    is_straight = abs(float(ahead[0] * dy - ahead[1] * dx)) < 10.0**-DIGITS
+    return replace(found, reference=np.vstack([begin, line[1 if is_straight else 0 :]]))
 
 
 def _as_drawn(robot: DrawnRobot, drawing: Drawing, found: Fit, outline: Outline) -> Placed:
@@ -77,7 +83,7 @@ def _as_drawn(robot: DrawnRobot, drawing: Drawing, found: Fit, outline: Outline)
     pose = (float(centre[0]), float(centre[1]), heading)
     if own is not None:
         return Placed(robot.name, footprint, pose, own, None)
-    offset = round(_beside(line, centre), 2)
+    offset = round(_beside(line, centre, found.size), 2)
     one = lane(line, offset, outline, found.room, found.size, len(drawing.robots))
     if narrowing := one.narrowing():
         drawing.changes.append(
@@ -86,13 +92,21 @@ def _as_drawn(robot: DrawnRobot, drawing: Drawing, found: Fit, outline: Outline)
     return Placed(robot.name, footprint, pose, one.line, one.plain_offset)
 
 
-def _beside(line: FloatArray, point: FloatArray) -> float:
-    """How far [m] left of a path a point (2,) is; beyond an end, of its last straight piece."""
+def _directions_at_ends(line: FloatArray, size: float) -> tuple[FloatArray, FloatArray]:
+    """Unit directions (2,) of a path at its beginning and its end, without hooks of a hand."""
+    plain = simplified(line, HOOK * size)
+    legs = np.stack([plain[1] - plain[0], plain[-1] - plain[-2]])
+    first, last = legs / np.hypot(*legs.T)[:, None]
+    return first, last
+
+
+def _beside(line: FloatArray, point: FloatArray, size: float) -> float:
+    """How far [m] left of a path a point (2,) is; beyond an end, of the straight way on from it."""
     station = station_of(line, point)
     x, y = point - points_at(line, station)
     end = length_of(line)
     if 0.0 < station < end:
         tx, ty = directions_at(line, station, 1e-6 * end)
         return hypot(x, y) if tx * y - ty * x >= 0.0 else -hypot(x, y)
-    tx, ty = (line[1] - line[0]) if station <= 0.0 else (line[-1] - line[-2])
-    return float((tx * y - ty * x) / hypot(tx, ty))
+    tx, ty = _directions_at_ends(line, size)[int(station > 0.0)]
+    return float(tx * y - ty * x)

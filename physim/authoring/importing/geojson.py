@@ -131,9 +131,9 @@ def _features(path: Path, value: Any, role: str, name: str, depth: int) -> Any:
         about = value.get("properties")
         about = about if isinstance(about, dict) else {}
         about = {key.lower(): one for key, one in about.items()}  # shapefiles have capitals
-        own = _role(path, about)
+        own, rest = _role(path, about)
         number = "" if own == "path" else value.get("id", "")  # pieces of one path have each one
-        label = escaped(str(about.get("name", number) or ""))[:80]
+        label = escaped(str(about.get("name") or rest or number or ""))[:80]
         if value.get("geometry") is not None:
             layer = "" if own else str(about.get("layer") or "").strip()
             for part in _features(path, value["geometry"], own, label, depth + 1):
@@ -144,21 +144,23 @@ def _features(path: Path, value: Any, role: str, name: str, depth: int) -> Any:
             yield Part(one, role, name)
 
 
-def _role(path: Path, about: dict[str, Any]) -> str:
+def _role(path: Path, about: dict[str, Any]) -> tuple[str, str]:
     """What a feature is for, by its property ``role``, else by ``layer`` where that is a role.
+
+    And the rest of the name of the layer, as ``1`` of ``path 1``.
 
     A role that is none is refused. A layer may have any name, and says a role as that of a drawing.
     """
     role = str(about.get("role") or "").strip().lower()
     if not role:
-        return role_named(str(about.get("layer") or ""))[0]
+        return role_named(str(about.get("layer") or ""))
     if role not in ROLES:
         raise refused(
             path,
             f'role: "{escaped(role)[:40]}" is none of {", ".join(ROLES)}'
             f"{nearest(role, list(ROLES))}",
         )
-    return role
+    return role, ""
 
 
 def _layers_without_role(parts: list[Part]) -> list[str]:

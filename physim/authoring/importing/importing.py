@@ -120,10 +120,11 @@ def _imported(source: Path, options: Options) -> Imported:
             f"{plural(len(drawing.robots), 'robot')} of the drawing left out (--robots)"
         )
     if drawn:
+        drawing.changes[:0] = _missed(found, options)
         found, robots = as_drawn(drawing, found)
     else:
         found, robots = fill_in(source, drawing, found, options)
-    drawing.changes[:0] = _missed(found, options)
+        drawing.changes[:0] = _missed(found, options)
     drawing.facts += _about(drawing, found, robots, options)
     drawing.facts += stop_warnings(found.reference, robots, found.size, drawn)
     text = world_text(options.name or _name(source), escaped(source.name), drawing, found, robots)

@@ -21,6 +21,8 @@ OUTSIDE = 0.25
 """[-] share of the length about a place that lines beyond it, enclosing nothing, have at most"""
 ROUND = 4.0
 """[-] times as long as the gap between its own ends a line goes round something"""
+MOST_ROUNDS = 5
+"""Times that lines are drawn to corners"""
 NEIGHBOURS = 8
 """Ends among which the nearest of another line is looked for"""
 
@@ -47,11 +49,19 @@ def knit(lines: list[FloatArray], of_one: Sequence[int] | None = None) -> None:
 
     A wall that ends at the side of another one parts from it when the ends of both are rounded,
     unless they lie along an axis. Where the other crosses the side anyway, nothing is to be done.
-    Changes ``lines``, closed ones stay closed. ``of_one`` are numbers of what each is a line of:
-    to itself nothing is knit.
+    A side that is drawn to one end may leave another behind it, so that is done again. Changes
+    ``lines``, closed ones stay closed. ``of_one`` are numbers of what each is a line of: to itself
+    nothing is knit.
     """
+    for _ in range(MOST_ROUNDS):
+        if not _knit_once(lines, of_one):
+            return
+
+
+def _knit_once(lines: list[FloatArray], of_one: Sequence[int] | None) -> bool:
+    """Whether a line was changed by drawing it to corners that lie on it."""
     if len(lines) < 2:
-        return
+        return False
     points = np.vstack(lines)
     of_line = np.arange(len(lines)) if of_one is None else np.asarray(of_one)
     of_point = np.repeat(np.arange(len(lines)), [len(line) for line in lines])
@@ -88,6 +98,7 @@ def knit(lines: list[FloatArray], of_one: Sequence[int] | None = None) -> None:
         line = np.insert(lines[k], where, [point for _, _, point in added], axis=0)
         is_kept = np.concatenate(([True], (np.diff(line, axis=0) != 0.0).any(axis=1)))
         lines[k] = line[is_kept]
+    return bool(more)
 
 
 def loose_ends(lines: list[FloatArray]) -> FloatArray:

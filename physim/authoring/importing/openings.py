@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from typing import Any
 
 import numpy as np
@@ -28,7 +29,7 @@ def open_ends(drawing: Drawing) -> tuple[str, FloatArray]:
     That is at the nearest two ends that touch no line; where an end lies nearer to the course of
     another line, that is said instead.
     """
-    ends = loose_ends(drawing.boundaries)
+    ends = _of_walls(drawing, loose_ends(drawing.boundaries))
     if not 2 <= len(ends) <= MOST_ENDS:
         return "draw them closed", drawing.boundaries[0][0]
     gaps, others = cKDTree(ends).query(ends, k=2)
@@ -49,6 +50,19 @@ def open_ends(drawing: Drawing) -> tuple[str, FloatArray]:
         return said + which, end
     which = drawing.named(b, "boundary")
     return f"the nearest ends, {place(a)} and {place(b)}{which}, are {gap:.3g} m apart", a
+
+
+def _of_walls(drawing: Drawing, ends: FloatArray) -> FloatArray:
+    """Those of some loose ends (n, 2) [m] that are no ends of partitions, which stand on a wall.
+
+    All where there are no two others.
+    """
+    edges = shapely.get_parts(noded(drawing.boundaries))
+    nodes = shapely.get_coordinates([shapely.get_point(edges, k) for k in (0, -1)]).tolist()
+    times = Counter(map(tuple, nodes))
+    other = {tuple(line[k]): tuple(line[-1 - k]) for line in drawing.boundaries for k in (0, -1)}
+    walls = np.array([times[other[tuple(end.tolist())]] < 3 for end in ends], dtype=bool)
+    return ends[walls] if walls.sum() > 1 else ends
 
 
 def opening(walls: Any, inside: Any = None) -> str:

@@ -47,7 +47,7 @@ def place_of(
         message = f"the boundaries enclose no area; {said}"
         raise drawing.refused_at(path, message, at, "boundary")
     is_said = drawing.reference is not None or inside is not None or bool(drawing.robots)
-    places = _places(path, drawing, faces, [] if is_said else drawing.painted)
+    places = _places(path, drawing, inside, faces, [] if is_said else drawing.painted)
     face = chosen_area(places, drawing, inside)
     if drawing.reference is not None:
         if face.intersection(shapely.LineString(drawing.reference)).length <= 0.0:
@@ -102,7 +102,13 @@ def _said_by_a_polygon(drawing: Drawing) -> str:
     )
 
 
-def _places(path: Path, drawing: Drawing, faces: list[Any], painted: list[Any]) -> list[Any]:
+def _places(
+    path: Path,
+    drawing: Drawing,
+    inside: tuple[float, float] | None,
+    faces: list[Any],
+    painted: list[Any],
+) -> list[Any]:
     """Areas where robots could be: not within walls, and where a polygon says that they may."""
     solids = shapely.union_all([*drawing.solids, *painted])
     shapely.prepare(solids)
@@ -114,7 +120,10 @@ def _places(path: Path, drawing: Drawing, faces: list[Any], painted: list[Any]) 
     ]
     if not places:
         message = "the walls enclose no area beside what they fill themselves"
-        message += _where_open(drawing, None)
+        middle = None if inside is None else shapely.Point(inside)
+        if drawing.reference is not None:
+            middle = shapely.LineString(drawing.reference).interpolate(0.5, normalized=True)
+        message += _where_open(drawing, middle)
         message += "; close the room, or call its outline boundary, not wall"
         message += f", or {SAY}" if painted else ""
         raise drawing.refused_at(path, message, drawing.boundaries[0][0], "boundary")

@@ -40,7 +40,8 @@ MOVES = ("transform", "rotate", "scale", "translate", "offset", "offset-path", "
 """Properties that move what is in an element; they are read nowhere but as attributes."""
 PLACED = frozenset((*MOVES, *(key for takes in TAKES.values() for key in takes)))
 """Properties that say where lines lie"""
-COUNTED = frozenset((*UNSEEN, *CUTS, *PLACED, *ORIGINS, "overflow"))
+FILL_RULE = "fill-rule"
+COUNTED = frozenset((*UNSEEN, *CUTS, *PLACED, *ORIGINS, "overflow", FILL_RULE))
 """Properties that are looked at"""
 CALLED_SO: Mapping[str, str] = {
     **{f"-webkit-{key}": key for key in ("transform", "transform-origin", "opacity", *CUTS)},

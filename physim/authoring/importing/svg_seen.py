@@ -10,14 +10,13 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from physim.authoring.importing.svg_css import INHERITED, INITIAL, UNSURE
+from physim.authoring.importing.svg_css import FILL_RULE, INHERITED, INITIAL, UNSURE
 from physim.authoring.importing.svg_sheets import declarations
 
 PREFIX = "physim-"
 """Before the names of attributes that the library hands on to what stands in an element"""
 
-RULE = "fill-rule"
-HANDED_ON = (*INHERITED, RULE)
+HANDED_ON = (*INHERITED, FILL_RULE)
 
 
 def handed_on(attributes: Mapping[str, str]) -> dict[str, str]:
@@ -44,7 +43,7 @@ def has_area(values: Mapping[str, Any]) -> bool:
 
 def is_even_odd(values: Mapping[str, Any]) -> bool:
     """Whether what lies within an even number of a shape's lines is not painted."""
-    return str(values.get(PREFIX + RULE, "")).strip().lower() == "evenodd"
+    return str(values.get(PREFIX + FILL_RULE, "")).strip().lower() == "evenodd"
 
 
 def has_line(values: Mapping[str, Any]) -> bool:

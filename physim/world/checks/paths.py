@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import shapely
+from shapely.ops import substring
 
 from physim.errors import Location, place_text, plural
 from physim.geometry.area import NEAR_EDGE
@@ -67,7 +68,9 @@ def _check_inside(
     edge = first + NEAR_EDGE if first > 0.0 else last - NEAR_EDGE  # where it goes out, or comes in
     met = [one for one in laid.solids if one[1].covers(line.interpolate(edge))]
     through = met[0][0] if met else None
-    if met and not met[0][1].covers(line.interpolate((first + last) / 2.0)):
+    stretch = substring(line, first, last)
+    solids = shapely.union_all([one for _, one in laid.solids if one.intersects(stretch)])
+    if met and stretch.difference(solids).length > LENGTH:
         found.error(
             laid.path_key(i),
             f"the path of {describe(laid.names[i])} leaves the accessible area {place}: {through} "

@@ -5,12 +5,18 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
+import numpy as np
 import shapely
+from scipy.sparse import coo_matrix
+from scipy.sparse.csgraph import connected_components
 
 from physim.errors import Fault, place_text
 from physim.geometry.area import accessible_area
 from physim.geometry.shapes import FloatArray
 from physim.tolerances import LENGTH
+
+MOST_TRIED = 20
+"""Obstacles of a group that are left out one by one, to find those that it needs"""
 
 
 def cut_faults(
@@ -18,39 +24,74 @@ def cut_faults(
 ) -> list[Fault]:
     """A fault for each obstacle, by number, that cuts the way along the reference path in two.
 
-    Where none does so alone, those that the reference path leads through do it together. None
-    where there is a way around them.
+    Obstacles that touch one another may do it together. None where there is a way around them.
     """
     line = shapely.LineString(reference)
     solids = {k: shapely.Polygon(ring) for k, ring in obstacles.items()}
-    met = {k: solid for k, solid in solids.items() if _through(line, solid).length > LENGTH}
-    if not met:
+    groups = [
+        group for group in _touching(solids) if any(solids[k].intersects(line) for k in group)
+    ]
+    if not groups:
         return []
     face = accessible_area(boundaries, [], reference).polygon
-    if not _are_apart(face, [*solids.values()], line):
-        return []
-    alone = [k for k, solid in met.items() if _are_apart(face, [solid], line)]
     faults = []
-    for k in alone or met:
-        within = shapely.points(shapely.get_coordinates(_through(line, met[k])))
+    for group in groups:
+        if not _cut(face, [solids[k] for k in group], line):
+            continue
+        group = _needed(face, {k: solids[k] for k in group}, line)
+        within = shapely.points(shapely.get_coordinates(
+            shapely.union_all([solids[k] for k in group]).intersection(line)
+        ))  # fmt: skip
         station = float(shapely.line_locate_point(line, within).min())
         x, y = shapely.get_coordinates(line.interpolate(station))[0]
-        others = ", ".join(f"obstacles[{other}]" for other in met if other != k and not alone)
-        together = f", with {others}," if others else ""
-        message = (
-            f"stands{together} right across the way at {place_text(x, y)}, {station:.2f} m along"
-            " the reference path, so that no robot can pass; make it smaller, move or remove it"
-        )
-        faults.append(Fault(("obstacles", k), message))
+        for k in group:
+            others = ", ".join(f"obstacles[{other}]" for other in group if other != k)
+            together = f", with {others}," if others else ""
+            message = (
+                f"stands{together} right across the way at {place_text(x, y)}, {station:.2f} m "
+                "along the reference path, so that no robot can pass; make it smaller, move or "
+                "remove it"
+            )
+            faults.append(Fault(("obstacles", k), message))
     return faults
 
 
-def _through(line: Any, solid: Any) -> Any:
-    """The part of a line within a solid."""
-    return shapely.intersection(line, solid)
+def _touching(solids: dict[int, Any]) -> list[list[int]]:
+    """Numbers of the solids in groups of those that touch one another."""
+    keys, shapes = list(solids), np.array([*solids.values()], dtype=object)
+    pairs = shapely.STRtree(shapes).query(shapes, predicate="intersects")
+    graph = coo_matrix((np.ones(pairs.shape[1], bool), (pairs[0], pairs[1])), (len(keys),) * 2)
+    count, labels = connected_components(graph, directed=False)
+    return [[key for key, own in zip(keys, labels, strict=True) if own == k] for k in range(count)]
 
 
-def _are_apart(face: shapely.Polygon, solids: Sequence[Any], line: Any) -> bool:
-    """Whether a line runs through more than one part of what solids leave of a face."""
+def _needed(face: Any, group: dict[int, Any], line: Any) -> list[int]:
+    """Of a group that cuts the way one that does so alone, or else all without which it does not.
+
+    Of very many all.
+    """
+    alone = [k for k, solid in group.items() if _cut(face, [solid], line)]
+    if alone or len(group) > MOST_TRIED:
+        return alone[:1] or list(group)
+    kept = dict(group)
+    for k in group:
+        rest = {key: solid for key, solid in kept.items() if key != k}
+        if _cut(face, list(rest.values()), line):
+            kept = rest
+    return list(kept)
+
+
+def _cut(face: shapely.Polygon, solids: Sequence[Any], line: Any) -> bool:
+    """Whether solids leave the first and the last of a line within a face in different parts."""
     parts = shapely.get_parts(face.difference(shapely.union_all(solids)))
-    return int((shapely.length(shapely.intersection(parts, line)) > LENGTH).sum()) > 1
+    free = [(part, part.intersection(line)) for part in parts]
+    stations = [
+        [float(shapely.line_locate_point(line, point)) for point in shapely.points(
+            shapely.get_coordinates(within))]
+        for _, within in free if within.length > LENGTH
+    ]  # fmt: skip
+    if len(stations) < 2:
+        return False
+    return int(np.argmin([min(one) for one in stations])) != int(
+        np.argmax([max(one) for one in stations])
+    )

@@ -78,6 +78,8 @@ class Drawing:
     within: Any = None
     solids: list[Any] = field(default_factory=list)
     painted: list[Any] = field(default_factory=list)
+    is_one_way: bool = True
+    """whether all robots go along the reference path, as a formation does"""
     facts: list[str] = field(default_factory=list)
     changes: list[str] = field(default_factory=list)
     sources: list[Source] = field(default_factory=list)

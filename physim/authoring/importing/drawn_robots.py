@@ -8,7 +8,7 @@ from math import hypot
 import numpy as np
 import shapely
 
-from physim.authoring.importing.drawing import DIGITS, Drawing, DrawnRobot, place
+from physim.authoring.importing.drawing import DIGITS, Drawing, DrawnRobot, place, rounded
 from physim.authoring.importing.fit import Fit
 from physim.authoring.importing.lines import (
     Outline,
@@ -17,12 +17,15 @@ from physim.authoring.importing.lines import (
     length_of,
     points_at,
     station_of,
+    stretch,
 )
 from physim.authoring.importing.outlines import footprint_of, rectangle_of
 from physim.authoring.importing.robots import Placed
 from physim.geometry.shapes import FloatArray
 from physim.geometry.thinning import simplified
 
+ALONG = 0.5
+"""[-] share of its length that a path has along the reference path, if a formation goes on it"""
 HOOK = 0.1
 """[m] at size 1: what a path turns within it is not meant"""
 
@@ -36,7 +39,44 @@ def as_drawn(drawing: Drawing, found: Fit) -> tuple[Fit, list[Placed]]:
     """
     outline = Outline(drawing.area)
     found = _begun_behind(drawing, found)
-    return found, [_as_drawn(robot, drawing, found, outline) for robot in drawing.robots]
+    robots = [_as_drawn(robot, drawing, found, outline) for robot in drawing.robots]
+    others = [
+        robot.name
+        for robot in robots
+        if robot.name in drawing.paths and not _goes_along(found.reference, robot.path)
+    ]
+    if others:
+        drawing.is_one_way = False
+        drawing.facts.append(
+            f"{others[0]} {'and others go' if len(others) > 1 else 'goes'} another way than the "
+            "reference path: no formation, every robot goes to the end of its own path"
+        )
+        robots = _stopping_behind(drawing, found, robots)
+    return found, robots
+
+
+def _goes_along(reference: FloatArray, path: FloatArray) -> bool:
+    """Whether a path makes most of its way along another, where a formation measures it."""
+    first, last = (station_of(reference, path[k]) for k in (0, -1))
+    return last - first > ALONG * length_of(path)
+
+
+def _stopping_behind(drawing: Drawing, found: Fit, robots: list[Placed]) -> list[Placed]:
+    """Robots of which those on the reference path stop as far behind its end as they start behind.
+
+    Behind the first of them: as a formation has it, but each on a path of its own.
+    """
+    own = [robot for robot in robots if robot.name not in drawing.paths]
+    starts = {robot.name: station_of(found.reference, np.array(robot.pose[:2])) for robot in own}
+    lead = max(starts.values(), default=0.0)
+    made = []
+    for robot in robots:
+        lag = lead - starts.get(robot.name, lead)
+        if lag > 0.0:
+            line = stretch(robot.path, 0.0, length_of(robot.path) - lag)
+            robot = replace(robot, path=rounded(line), offset=None)
+        made.append(robot)
+    return made
 
 
 def _begun_behind(drawing: Drawing, found: Fit) -> Fit:

@@ -126,7 +126,7 @@ def _imported(source: Path, options: Options) -> Imported:
         found, robots = fill_in(source, drawing, found, options)
         drawing.changes[:0] = _missed(found, options)
     drawing.facts += _about(drawing, found, robots, options)
-    drawing.facts += stop_warnings(found.reference, robots, found.size, drawn)
+    drawing.facts += stop_warnings(drawing, found.reference, robots, found.size, drawn)
     text = world_text(options.name or _name(source), escaped(source.name), drawing, found, robots)
     return Imported(
         text,

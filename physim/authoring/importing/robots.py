@@ -85,14 +85,16 @@ def stop_stations(
 
 
 def least_stop_gap(
-    reference: FloatArray, robots: Sequence[Placed], window: float
+    reference: FloatArray, robots: Sequence[Placed], window: float, is_formation: bool = True
 ) -> tuple[float, int, int]:
     """Least distance [m] between two robots at their stops, and which two; infinite for one.
 
-    Each heads along the chord of its path over ``window`` [m] about its stop.
+    Each heads along the chord of its path over ``window`` [m] about its stop; without a formation
+    that is the end of its path.
     """
     lines, poses = [one.path for one in robots], [one.pose for one in robots]
-    stops = stop_stations(reference, lines, poses)
+    ends = np.array([length_of(line) for line in lines])
+    stops = stop_stations(reference, lines, poses) if is_formation else ends
     shapes = [
         shape_at(one.footprint, pose_at(one.path, station, window))
         for one, station in zip(robots, stops, strict=True)
@@ -108,10 +110,10 @@ def least_stop_gap(
 
 
 def stop_warnings(
-    reference: FloatArray, robots: Sequence[Placed], size: float, are_drawn: bool
+    drawing: Drawing, reference: FloatArray, robots: Sequence[Placed], size: float, are_drawn: bool
 ) -> list[str]:
     """Say which two robots stop so near each other that they may wait for ever; else nothing."""
-    gap, i, j = least_stop_gap(reference, robots, size)
+    gap, i, j = least_stop_gap(reference, robots, size, drawing.is_one_way)
     if gap >= WAITING * size:
         return []
     mend = "draw them farther apart" if are_drawn else "fewer --robots or --lanes 1"

@@ -53,7 +53,7 @@ def world_text(name: str, source: str, drawing: Drawing, found: Fit, robots: lis
     for robot in robots:
         anchor = _anchor(robot, robots, named) if robot.offset is None else ""
         lines += _robot(robot, found.size, anchor)
-    lines += _control(found.size)
+    lines += _control(found.size, drawing.is_one_way)
     return "\n".join(lines) + "\n"
 
 
@@ -105,12 +105,13 @@ def _robot(robot: Placed, size: float, anchor: str) -> Iterator[str]:
         yield f"    limits: {{v: {_scaled(1.5, size)}, omega: 1.6}}  # [m/s], [rad/s]"
 
 
-def _control(size: float) -> Iterator[str]:
+def _control(size: float, is_formation: bool) -> Iterator[str]:
     if size != 1.0:
         yield f"# Lengths and speeds below are the usual ones times {size:g}, as the robots are."
     limits = f"[{_scaled(0.8, size)}, {_scaled(1.3, size)}]"
     speeds = f"speed: {_scaled(1.0, size)}, limits: {limits}, range: {_scaled(10.0, size)}"
-    yield f"formation: {{gain: 0.05, {speeds}}}  # [1/s, m/s, m]"
+    if is_formation:
+        yield f"formation: {{gain: 0.05, {speeds}}}  # [1/s, m/s, m]"
     if size != 1.0:
         yield "controller:  # [m]"
         yield "  type: mode_switching"

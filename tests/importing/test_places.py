@@ -521,3 +521,75 @@ def test_an_opening_is_that_of_the_place_that_is_asked_for(tmp_path: Path) -> No
     path = geojson(tmp_path, walls)
     for x, said in ((10, "(0.00, 4.50), 1 m wide"), (50, "(40.00, 5.50), 3 m wide")):
         assert said in refusal(path, Options(origin=(float(x), 5.0)))
+
+
+@pytest.mark.parametrize(
+    "other", [[(45, 9), (5, 9)], [(25, 11), (25, 1)]], ids=["against", "across"]
+)
+def test_robots_that_go_another_way_are_no_formation(
+    tmp_path: Path, other: list[tuple[float, float]]
+) -> None:
+    """It would have those behind stop as far before their ends, after a step."""
+    x, y = other[0]
+    parts = [
+        ("boundary", shapely.box(0, 0, 50, 12)), ("path", shapely.LineString([(3, 4), (47, 4)])),
+        ("path east", shapely.LineString(other)),
+        *(("robot", shapely.box(a, 3.5, a + 1.6, 4.5)) for a in (8, 4)),
+        ("robot east", shapely.box(x - 0.8, y - 0.5, x + 0.8, y + 0.5)),
+    ]  # fmt: skip
+    made = import_world(geojson(tmp_path, parts))
+    assert made.world.formation is None
+    front, rear, east = _paths(made)
+    assert rear[-1, 0] == pytest.approx(front[-1, 0] - 4.0, abs=0.01)
+    assert [tuple(point) for point in east] == other
+    assert [one for one in made.facts if "no formation" in one]
+    along = import_world(geojson(tmp_path, [*parts[:2], *parts[3:5]]))
+    assert along.world.formation is not None
+
+
+def _paths(made: Imported) -> list[Any]:
+    """Points of each robot's path, of the reference path where it is that."""
+    return [
+        np.asarray(
+            made.world.reference_path if not isinstance(one.path, tuple | list) else one.path
+        )
+        for one in made.world.robots
+    ]
+
+
+@pytest.mark.parametrize(("x", "told"), [(31, ""), (24, ", behind a wall")])
+def test_a_robot_far_from_its_path_is_told(tmp_path: Path, x: float, told: str) -> None:
+    """In another room, whose walls leave its path no room beside the reference path."""
+    parts = [
+        ("boundary", shapely.box(0, 0, 40, 20)),
+        *(("wall", shapely.LineString([(20, a), (20, b)])) for a, b in ((0, 9), (11, 20))),
+        *((f"robot {n}", shapely.box(a - 0.9, 3, a + 0.9, 4)) for n, a in (("a", 4), ("b", x))),
+    ]
+    said = only(import_world(geojson(tmp_path, parts)), "WARNING")
+    check_says(said, f"b at ({x:.2f}, 3.50) … path of its own")
+    assert ("behind a wall" in said) == bool(told)
+
+
+def test_polygons_side_by_side_are_told_as_areas_of_their_own(tmp_path: Path) -> None:
+    path = tmp_path / "halves.wkt"
+    halves = [shapely.box(0, 0, 20, 8), shapely.box(20, 0, 40, 8)]
+    rows = [*halves, shapely.LineString([(2, 4), (38, 4)])]
+    path.write_text("\n".join(one.wkt for one in rows))
+    check_says(refusal(path, Options()), "(20.00, 4.00) … 2 polygons … dissolve")
+
+
+@pytest.mark.parametrize("side", ["above", "below"])
+def test_partitions_from_both_sides_of_a_wall_divide_the_rooms(tmp_path: Path, side: str) -> None:
+    """A wall that is drawn to the end of one must not leave that of the other behind."""
+    wrong = []
+    for angle in np.linspace(1.0, 89.0, 25):
+        lines = [[(0, 10), (30, 10)], [(11, 10), (11, 20)], [(17.3, 0), (17.3, 10)]]
+        shapes = [shapely.box(0, 0, 30, 20), *map(shapely.LineString, lines)]
+        turned = [shapely.affinity.rotate(one, angle, origin=(0, 0)) for one in shapes]
+        at = shapely.Point((20.0, 15.0) if side == "above" else (5.0, 5.0))
+        point = shapely.affinity.rotate(at, angle, origin=(0, 0))
+        parts = [("boundary" if k == 0 else "wall", one) for k, one in enumerate(turned)]
+        made = import_world(geojson(tmp_path, parts), Options(origin=(point.x, point.y)))
+        right = 190.0 if side == "above" else 173.0
+        wrong += [angle] if abs(free_area(made, tmp_path) - right) > 0.1 else []
+    assert not wrong

@@ -9,6 +9,7 @@ import numpy as np
 import shapely
 
 from physim.authoring.importing.drawing import DIGITS, Drawing, DrawnRobot, place, rounded
+from physim.authoring.importing.enclosure import HALF_WALL
 from physim.authoring.importing.fit import Fit
 from physim.authoring.importing.lines import (
     Outline,
@@ -26,6 +27,8 @@ from physim.geometry.thinning import simplified
 
 ALONG = 0.5
 """[-] share of its length that a path has along the reference path, if a formation goes on it"""
+FAR = 2.0
+"""[m] from its path at size 1 that a robot has to find a way to it"""
 HOOK = 0.1
 """[m] at size 1: what a path turns within it is not meant"""
 
@@ -128,6 +131,14 @@ def _as_drawn(robot: DrawnRobot, drawing: Drawing, found: Fit, outline: Outline)
     if narrowing := one.narrowing():
         drawing.changes.append(
             f"path of {robot.name}, {offset:+.2f} m beside the reference path, {narrowing}"
+        )
+    way = shapely.shortest_line(shapely.Point(centre), shapely.LineString(one.line))
+    is_walled = way.difference(drawing.area).length > HALF_WALL
+    if is_walled or way.length > FAR * found.size:
+        behind = ", behind a wall" if is_walled else ""
+        drawing.changes.append(
+            f"WARNING: {robot.name} at {place(centre)} stands {way.length:.2f} m from its path "
+            f"beside the reference path{behind}; draw it a path of its own, named {robot.name}"
         )
     return Placed(robot.name, footprint, pose, one.line, one.plain_offset)
 

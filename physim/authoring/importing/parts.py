@@ -106,6 +106,11 @@ def drawing_of(path: Path, kind: str, parts: list[Part], options: Options) -> Dr
         chosen = chosen_area(polygons, drawing, options.origin)
         taken = next(k for k, one in enumerate(polygons) if one is chosen)
         drawing.repairs += filter(None, [repairs[taken]])
+        if len(polygons) > 1:
+            drawing.repairs.append(
+                f"{plural(len(polygons), 'polygon')}, each an area of its own; dissolve those that "
+                "are one place"
+            )
         if not areas[taken].role:
             _check_place(path, drawing, areas[taken], chosen, options)
         drawing.within = shapely.Polygon(chosen.exterior, [*filter(is_long, chosen.interiors)])

@@ -65,6 +65,11 @@ class _Yaml:
         if not isinstance(origin, list) or len(origin) not in (2, 3):
             raise self._fault(("origin",), "must be [x, y, yaw] in m and rad")
         pose = [self._number(("origin", k), v) for k, v in enumerate(origin)] + [0.0]
+        if abs(pose[2]) > 2.0 * math.pi:
+            raise self._fault(
+                ("origin", 2),
+                f"{pose[2]:g} is a yaw in rad, at most a full turn; is it in degrees?",
+            )
         resolution = self._number(("resolution",), values["resolution"])
         if not 1e-6 <= resolution <= 1e3:
             raise self._fault(("resolution",), f"{resolution:g} m per cell; must be greater than 0")

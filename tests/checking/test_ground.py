@@ -170,6 +170,35 @@ def test_obstacles_that_cut_the_way_together_are_named(tmp_path):
         )
 
 
+def box(x0, y0, x1, y1):
+    return f"[[{x0}, {y0}], [{x1}, {y0}], [{x1}, {y1}], [{x0}, {y1}]]"
+
+
+def test_only_those_that_cut_the_way_are_named(tmp_path):
+    """Two from the walls that meet beside the path; it leads through a third that does not."""
+    boxes = [box(20, -1, 21, 1), box(12, -5, 13, 0.5), box(12, 0.4, 13, 5)]
+    errors, _ = lines(check(tmp_path, f"{CORRIDOR}obstacles: [{', '.join(boxes)}]\n"))
+    named = [error.split("obstacles[")[1][0] for error in errors]
+    assert named == ["1", "2"]
+
+
+def test_a_pocket_in_the_way_does_not_cut_it(tmp_path):
+    """The path runs into a place closed off by obstacles, and out of it; the way is beside it."""
+    arch = "[[8, -5], [8, 1], [14, 1], [14, -5], [13.5, -5], [13.5, 0.5], [8.5, 0.5], [8.5, -5]]"
+    errors, _ = lines(check(tmp_path, f"{CORRIDOR}obstacles: [{arch}]\n"))
+    assert errors
+    assert "across the way" not in " ".join(errors)
+
+
+@pytest.mark.parametrize("second", [10.5, 10.4])
+def test_a_path_through_obstacles_that_touch_is_no_error(tmp_path, second):
+    """There is a way around both, as around one as large."""
+    boxes = [box(10, 0.5, 10.5, 2), box(second, 0.5, 12.5, 2)]
+    errors, warnings = lines(check(tmp_path, f"{DRAWN}obstacles: [{', '.join(boxes)}]\n"))
+    assert not errors
+    assert with_facts(warnings, "robots[0].path", "through obstacles[0]", "way around")
+
+
 def test_a_reference_path_through_an_obstacle_names_it(tmp_path):
     text = CORRIDOR + "obstacles: [[[15, -1], [16, -1], [16, 1.5], [15, 1.5]]]\n"
     errors, _ = lines(check(tmp_path, text))

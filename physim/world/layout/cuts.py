@@ -66,13 +66,13 @@ def _touching(solids: dict[int, Any]) -> list[list[int]]:
 
 
 def _needed(face: Any, group: dict[int, Any], line: Any) -> list[int]:
-    """Of a group that cuts the way one that does so alone, or else all without which it does not.
+    """Of a group that cuts the way those that do so alone, or else all without which it does not.
 
     Of very many all.
     """
     alone = [k for k, solid in group.items() if _cut(face, [solid], line)]
     if alone or len(group) > MOST_TRIED:
-        return alone[:1] or list(group)
+        return alone or list(group)
     kept = dict(group)
     for k in group:
         rest = {key: solid for key, solid in kept.items() if key != k}

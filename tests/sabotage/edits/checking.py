@@ -449,8 +449,8 @@ EDITS = (
         "checking",
         "physim/world/layout/cuts.py",
         "cut_faults",
-        "for k in alone or met:",
-        "for k in alone[:0]:",
+        "if not _cut(face, [solids[k] for k in group], line):",
+        "if True:",
         "an obstacle right across the way is named, not what follows from it",
         "tests/checking/test_ground.py"
         "::test_an_obstacle_right_across_the_way_is_named_and_nothing_that_follows",

@@ -514,15 +514,6 @@ EDITS = (
     Edit(
         "importing",
         "physim/authoring/importing/joining.py",
-        "join_ends",
-        "is_place or not joints",
-        "not joints",
-        "where lines enclose a place a passage stays open",
-        "tests/importing/test_places.py::test_a_closet_of_open_lines_leaves_a_passage_beside_it",
-    ),
-    Edit(
-        "importing",
-        "physim/authoring/importing/joining.py",
         "_caps",
         "not ring.intersects(between) or",
         "",

@@ -593,3 +593,48 @@ def test_partitions_from_both_sides_of_a_wall_divide_the_rooms(tmp_path: Path, s
         right = 190.0 if side == "above" else 173.0
         wrong += [angle] if abs(free_area(made, tmp_path) - right) > 0.1 else []
     assert not wrong
+
+
+def test_a_path_drawn_from_its_end_is_told(tmp_path: Path) -> None:
+    """The robots have arrived, or nearly, where they are."""
+    robots = [("robot", shapely.box(x - 0.9, 4.5, x + 0.9, 5.5)) for x in (6, 3)]
+    for way in ([(47, 5), (2, 5)], [(2, 5), (47, 5)]):
+        parts = [
+            ("boundary", shapely.box(0, 0, 50, 10)),
+            *robots,
+            ("path", shapely.LineString(way)),
+        ]
+        told = [one for one in import_world(geojson(tmp_path, parts)).changes if "WARNING" in one]
+        if way[0][0] == 2:
+            assert not told
+        else:
+            check_says(told[0], "of the path of 44.73 m … (2.27, 5.00) … the other way round")
+
+
+@pytest.mark.parametrize("order", [(9, 6, 3), (3, 6, 9), (6, 3, 9)])
+def test_a_queue_of_robots_with_paths_of_their_own_is_a_formation(
+    tmp_path: Path, order: tuple[int, ...]
+) -> None:
+    """On the path of the last: the others do not begin where it stands."""
+    parts: list[tuple[str, Any]] = [("boundary", shapely.box(0, 0, 50, 10))]
+    for x in order:
+        parts += [(f"robot r{x}", shapely.box(x - 0.9, 4.5, x + 0.9, 5.5)),
+                  (f"path r{x}", shapely.LineString([(x, 5), (x + 25, 5)]))]  # fmt: skip
+    made = import_world(geojson(tmp_path, parts))
+    free_area(made, tmp_path)
+    assert made.world.reference_path is not None
+    assert made.world.reference_path[0] == pytest.approx((3.0, 5.0))
+    assert made.world.formation is not None
+
+
+def test_a_path_is_as_wide_as_those_on_it_need(tmp_path: Path) -> None:
+    """Not as a cart needs that goes its own way."""
+    parts = [
+        ("boundary", shapely.box(0, 0, 50, 20)), ("path", shapely.LineString([(3, 5), (47, 5)])),
+        ("robot a", shapely.box(4, 4.5, 5.8, 5.5)), ("obstacle", shapely.box(20, 5.55, 21, 6.5)),
+        ("robot cart", shapely.box(4, 14, 5.8, 15.2)),
+        ("path cart", shapely.LineString([(4, 14.6), (47, 14.6)])),
+    ]  # fmt: skip
+    assert len(import_world(geojson(tmp_path, parts)).world.robots) == 2
+    said = refusal(geojson(tmp_path, parts[:-1]))
+    check_says(said, "0.55 m … 1.2 m wide … draw narrower robots")

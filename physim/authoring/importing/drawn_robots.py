@@ -21,12 +21,14 @@ from physim.authoring.importing.lines import (
     stretch,
 )
 from physim.authoring.importing.outlines import footprint_of, rectangle_of
-from physim.authoring.importing.robots import Placed
+from physim.authoring.importing.robots import Placed, stop_stations
 from physim.geometry.shapes import FloatArray
 from physim.geometry.thinning import simplified
 
 ALONG = 0.5
 """[-] share of its length that a path has along the reference path, if a formation goes on it"""
+LEAST_WAY = 0.25
+"""[-] share of the path that the robot that goes farthest goes at least"""
 FAR = 2.0
 """[m] from its path at size 1 that a robot has to find a way to it"""
 HOOK = 0.1
@@ -55,7 +57,24 @@ def as_drawn(drawing: Drawing, found: Fit) -> tuple[Fit, list[Placed]]:
             "reference path: no formation, every robot goes to the end of its own path"
         )
         robots = _stopping_behind(drawing, found, robots)
+    else:
+        drawing.changes[:0] = _hardly_moving(found, robots)
     return found, robots
+
+
+def _hardly_moving(found: Fit, robots: list[Placed]) -> list[str]:
+    """What is said where no robot goes a good share of the path: they may stand at its end."""
+    line, paths = found.reference, [one.path for one in robots]
+    stops = stop_stations(line, paths, [one.pose for one in robots])
+    starts = [station_of(one.path, np.array(one.pose[:2])) for one in robots]
+    farthest = float((stops - starts).max())
+    if farthest >= LEAST_WAY * length_of(line):
+        return []
+    return [
+        f"WARNING: no robot goes farther than {max(farthest, 0.0):.2f} m of the path of "
+        f"{length_of(line):.2f} m: they stand near its end, {place(line[-1])}; if that is where "
+        "they are to begin, draw it the other way round"
+    ]
 
 
 def _goes_along(reference: FloatArray, path: FloatArray) -> bool:

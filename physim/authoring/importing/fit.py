@@ -96,10 +96,11 @@ def fit(path: Path, drawing: Drawing, options: Options) -> Fit:
     where = points_at(reference, at[k])
     if inner.min() <= 0.5 * box[1]:
         wall = drawing.named(where, "boundary", "obstacle")
+        is_drawn = bool(drawing.robots) and options.robots is None
         message = (
             f"the path passes {max(inner.min(), 0.0):.3g} m from a boundary{wall} at "
-            f"{place(where)}; a robot {box[1]:g} m wide does not fit; move the path, or give "
-            "--robot LENGTH,WIDTH"
+            f"{place(where)}; a robot {box[1]:g} m wide does not fit; move the path, or "
+            f"{'draw narrower robots' if is_drawn else 'give --robot LENGTH,WIDTH'}"
         )
         raise drawing.refused_at(path, message, where, "path")
     trimmed = stretch(reference, float(at[first]), float(at[last]))
@@ -166,12 +167,14 @@ def _narrowest(at: FloatArray, gaps: FloatArray) -> int:
 
 
 def _given_box(drawing: Drawing, options: Options) -> tuple[float, float] | None:
-    """Length and width of the robots, where the user gave or drew them."""
+    """Length of the robots, and width of those on the path, where the user gave or drew them."""
     if options.robot is not None:
         return options.robot
     if drawing.robots:
-        width, length = np.max([_spans(robot.outline) for robot in drawing.robots], axis=0)
-        return float(length), float(width)
+        spans = np.array([_spans(robot.outline) for robot in drawing.robots])
+        on_it = [robot.name not in drawing.paths for robot in drawing.robots]
+        width = spans[on_it if any(on_it) else slice(None), 0].max()
+        return float(spans[:, 1].max()), float(width)
     return None
 
 

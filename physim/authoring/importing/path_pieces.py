@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from math import atan2, degrees, dist
 
 import numpy as np
+import shapely
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
@@ -49,7 +50,24 @@ def take_paths(drawing: Drawing, named: Sequence[tuple[str, FloatArray]]) -> Non
         ]
     )
     if drawing.reference is None and drawing.paths:
-        drawing.reference = next(iter(drawing.paths.values()))
+        drawing.reference = _most_behind(drawing)
+
+
+def _most_behind(drawing: Drawing) -> FloatArray:
+    """Of the robots' paths that before whose beginning the fewest of them stand; or the longest.
+
+    In a queue that is the path of the last: on the others a formation could not measure it.
+    """
+    centres = shapely.centroid([shapely.Polygon(one.outline) for one in drawing.robots])
+    half = max(float(np.ptp(one.outline, axis=0).max()) for one in drawing.robots) / 2.0
+
+    def rank(points: FloatArray) -> tuple[int, float]:
+        line = shapely.LineString(points)
+        before = shapely.line_locate_point(line, centres) <= 0.0
+        is_at_it = shapely.distance(shapely.Point(points[0]), centres) <= half
+        return int((before & ~is_at_it).sum()), -line.length
+
+    return min(drawing.paths.values(), key=rank)
 
 
 def _join_pieces(

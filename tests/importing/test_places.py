@@ -638,3 +638,31 @@ def test_a_path_is_as_wide_as_those_on_it_need(tmp_path: Path) -> None:
     assert len(import_world(geojson(tmp_path, parts)).world.robots) == 2
     said = refusal(geojson(tmp_path, parts[:-1]))
     check_says(said, "0.55 m … 1.2 m wide … draw narrower robots")
+
+
+@pytest.mark.parametrize("kind", ["svg", "geojson"])
+@pytest.mark.parametrize("start", [0, 1, 2])
+def test_a_closed_path_begins_at_the_last_robot_on_it(
+    tmp_path: Path, kind: str, start: int
+) -> None:
+    """Wherever it was drawn from; a robot that has begun a lap drives the whole of it."""
+    corners = [(4, 4), (26, 4), (26, 12), (4, 12)]
+    lap = [*corners[start:], *corners[:start], corners[start]]
+    boxes = [shapely.box(25.5, y, 26.5, y + 1.8) for y in (8.5, 5.5)]
+    if kind == "svg":
+        robots = "".join(f'<path d="{svg_path(one.exterior.coords)} Z"/>' for one in boxes)
+        body = f'<path id="boundary" {LINE} d="M 0,0 H 30 V 16 H 0 Z"/>'
+        body += f'<path id="path" {LINE} d="{svg_path(lap[:-1])} Z"/><g id="robot">{robots}</g>'
+        flip = 60.0
+        path = drawing(tmp_path, body)
+    else:
+        flip = 0.0
+        parts = [("boundary", shapely.box(0, 0, 30, 16)), ("path", shapely.LineString(lap))]
+        path = geojson(tmp_path, [*parts, *(("robot", one) for one in boxes)])
+    made = import_world(path, METRES)
+    first = (26.0, abs(flip - 6.4))
+    assert made.world.reference_path is not None
+    assert made.world.reference_path[0] == pytest.approx(first)
+    assert shapely.LineString(made.world.reference_path).length == pytest.approx(60.0)
+    assert only(made, "closed path begun")
+    free_area(made, tmp_path)

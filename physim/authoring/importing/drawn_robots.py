@@ -107,11 +107,10 @@ def _begun_behind(drawing: Drawing, found: Fit) -> Fit:
     A formation cannot measure their distances there. It stays as it is where no such way is free.
     """
     line = found.reference
+    if (line[0] == line[-1]).all():
+        return _lap(drawing, found)
     ahead, _ = _directions_at_ends(line, found.size)
-    centres = shapely.get_coordinates(
-        [shapely.Polygon(one.outline).centroid for one in drawing.robots
-         if one.name not in drawing.paths]
-    )  # fmt: skip
+    centres = [_centroid(one) for one in drawing.robots if one.name not in drawing.paths]
     behind = [
         -float((centre - line[0]) @ ahead) for centre in centres if station_of(line, centre) <= 0.0
     ]
@@ -134,10 +133,37 @@ def _begun_behind(drawing: Drawing, found: Fit) -> Fit:
     return replace(found, reference=np.vstack([begin, line[1 if is_straight else 0 :]]))
 
 
+def _lap(drawing: Drawing, found: Fit) -> Fit:
+    """The fit with a closed path that begins at the last of the robots on it.
+
+    That is the one ahead of which, all round, the others are nearest: behind it is the longest way
+    without one.
+    """
+    line = found.reference
+    on_it = [one for one in drawing.robots if one.name not in drawing.paths]
+    at = [station_of(line, _centroid(one)) for one in on_it]
+    length = length_of(line)
+    behind = [min(((own - other) % length for other in at if other != own), default=length)
+              for own in at]  # fmt: skip
+    if not at:
+        return found
+    begin = at[int(np.argmax(behind))]
+    if 0.0 < begin < length:
+        line = np.vstack([stretch(line, begin, length)[:-1], stretch(line, 0.0, begin)])
+        drawing.changes.append(
+            f"closed path begun at {place(line[0])}, where the last robot stands"
+        )
+    return replace(found, reference=rounded(line))
+
+
+def _centroid(robot: DrawnRobot) -> FloatArray:
+    return np.array(shapely.Polygon(robot.outline).centroid.coords[0])
+
+
 def _as_drawn(robot: DrawnRobot, drawing: Drawing, found: Fit, outline: Outline) -> Placed:
     own = drawing.paths.get(robot.name)
     line = found.reference if own is None else own
-    middle = np.array(shapely.Polygon(robot.outline).centroid.coords[0])
+    middle = _centroid(robot)
     ahead = directions_at(line, station_of(line, middle), found.size)
     centre, heading = rectangle_of(robot.outline, ahead)
     centre, heading = centre.round(3), round(heading, 4)

@@ -254,11 +254,7 @@ def _sort(path: Path, drawing: Drawing, lines: list[_Line], walls: Walls) -> Non
                     f"line {line.line}: {line.where}: closed, beside an open path: left out"
                 )
                 continue
-            if line.is_closed:
-                drawing.changes.append(
-                    f"path at {place(points[0])} is closed: cut open there, before its last stretch"
-                )
-            paths.append((line.name, points[:-1] if line.is_closed else points))
+            paths.append((line.name, points))
         elif line.role == "robot":
             if len(ring) < 3:
                 message = f"{line.where}: a robot at {place(ring[0])} has no area; draw its outline"

@@ -880,4 +880,13 @@ EDITS = (
         "a path is as wide as those on it need",
         "tests/importing/test_places.py::test_a_path_is_as_wide_as_those_on_it_need",
     ),
+    Edit(
+        "importing",
+        "physim/authoring/importing/drawn_robots.py",
+        "_begun_behind",
+        "return _lap(drawing, found)",
+        "return found",
+        "a lap begins at the last robot",
+        "tests/importing/test_places.py::test_a_closed_path_begins_at_the_last_robot_on_it",
+    ),
 )

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from physim.campaigns.outcomes import CELL, Cell, FloatArray, Outcomes
 from physim.campaigns.own_metrics import PREFIX
+from physim.campaigns.spec import Label
 from physim.errors import PhysimError
 from physim.statistics.goal import RATES
 from physim.statistics.paired import (
@@ -121,14 +122,18 @@ class Comparison:
         return self.a.outcomes.column(name)[a], self.b.outcomes.column(name)[b]
 
 
-def by(outcomes: Outcomes, dimension: str) -> list[tuple[Arm, Arm, str]]:
+def by(
+    outcomes: Outcomes, dimension: str, order: Sequence[Label] = ()
+) -> list[tuple[Arm, Arm, str]]:
     """All pairs of cells of a campaign that differ in ``dimension`` (one of `CELL`) alone.
 
+    A is the one that comes first in ``order``, cells as they were asked for; others follow by name.
     Raises PhysimError where there is none, or more than can be looked at.
     """
     place = CELL.index(dimension)
     groups: dict[tuple[str, ...], list[Cell]] = {}
-    for cell in outcomes.cells:
+    turns = {label: turn for turn, label in enumerate(order)}
+    for cell in sorted(outcomes.cells, key=lambda cell: turns.get(cell.names, len(turns))):
         rest = tuple(name for k, name in enumerate(cell.names) if k != place)
         groups.setdefault(rest, []).append(cell)
     found = [

@@ -14,6 +14,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from multiprocessing import resource_tracker
 from multiprocessing.connection import wait
+from multiprocessing.spawn import get_preparation_data
 from pathlib import Path
 from typing import Any
 
@@ -81,6 +82,20 @@ def end_if_importing() -> None:
     """
     if is_importing() and multiprocessing.current_process().name in (WORKER, WARMING):
         sys.exit(1)
+
+
+def no_file() -> str:
+    """Say that new processes cannot import the program that begins them; nothing where they can.
+
+    They import what its ``__file__`` says, which may be ``<stdin>``.
+    """
+    path = get_preparation_data("").get("init_main_from_path")
+    if path is None or os.path.exists(path):
+        return ""
+    return (
+        f"; they import the program that begins them, and {os.path.basename(path)} is no file: "
+        "save the program as one and run that"
+    )
 
 
 @contextmanager

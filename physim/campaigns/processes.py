@@ -29,6 +29,7 @@ from physim.campaigns.kinship import (
     children_allowed,
     end_if_importing,
     is_importing,
+    no_file,
 )
 from physim.campaigns.worker import (
     BEGINS,
@@ -313,7 +314,7 @@ class _Worker:
         """Why a process that did a job is no more."""
         code = self.process.exitcode
         if not self.ready and code is not None and code >= 0:
-            return StartError(f"{NOT_STARTED} (exit code {code}){UNGUARDED}")
+            return StartError(f"{NOT_STARTED} (exit code {code}){no_file() or UNGUARDED}")
         if job.limit is not None and (
             code == -signal.SIGALRM or (self.due is not None and self.due <= time.monotonic())
         ):

@@ -91,9 +91,12 @@ def check_controller_command(options: Options) -> int:
     _prepare()
     parts: list[WorldResult] = []
     with Bar("check", len(worlds) + len(SITUATIONS), "worlds", quiet=False) as bar:
-        for part in check_worlds(chosen, worlds, options.seconds or SECONDS):
-            parts.append(part)
-            bar.update(len(parts), part.world)
+
+        def begins(name: str) -> None:
+            bar.update(len(parts), name)
+
+        for part in check_worlds(chosen, worlds, options.seconds or SECONDS, begins):
+            parts.append(part)  # one by one: `begins` counts them
     if options.json:
         print(json.dumps(json_of(chosen.name, parts), indent=1))
     else:

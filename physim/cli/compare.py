@@ -114,7 +114,8 @@ def compare(options: Options) -> int:
     Wilcoxon's; p values are corrected after Holm.
 
     With --seeds the runs are made first, as physim sweep makes them, in a folder that goes on where
-    it was left; compared is what is given several of: controllers, values, or two worlds.
+    it was left; compared is what is given several of: controllers, values, or two worlds. A is the
+    one that was given first, B the other.
 
     exit codes:
       0    compared, whatever came out
@@ -130,7 +131,7 @@ def compare(options: Options) -> int:
     """
     from physim.campaigns.compare import USUAL, by
     from physim.campaigns.compare import compare as compared
-    from physim.campaigns.folder import Folder
+    from physim.campaigns.folder import Folder, label_of
     from physim.campaigns.own_metrics import PREFIX
     from physim.campaigns.unlike import with_unlike
 
@@ -148,7 +149,9 @@ def compare(options: Options) -> int:
             return INTERRUPTED
         pairs, name = made
     elif options.by:
-        pairs, name = by(outcomes(options.a), options.by), f"{options.a}, by {options.by}"
+        order = [label_of(cell) for cell in Folder(options.a).cells()]
+        pairs = by(outcomes(options.a), options.by, order)
+        name = f"{options.a}, by {options.by}"
     else:
         pairs, name = _two(options.a, options.b), f"{options.a} and {options.b}"
     chosen = options.only or measures(",".join(USUAL))
@@ -247,7 +250,8 @@ def _made(options: Options) -> tuple[list[tuple[Arm, Arm, str]], str] | None:
     tally, _ = run_grid(grid, folder, workers=options.workers, quiet=options.quiet)
     if tally.interrupted:
         return None
-    return by(Outcomes(read_part(folder, grid)), dimension), f"{', '.join(worlds)}, by {dimension}"
+    pairs = by(Outcomes(read_part(folder, grid)), dimension, [cell.label for cell in grid.cells])
+    return pairs, f"{', '.join(worlds)}, by {dimension}"
 
 
 def outcomes(folder: Path) -> Outcomes:

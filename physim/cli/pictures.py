@@ -53,7 +53,8 @@ SNAPSHOTS = "trajectories"
 )
 @option(
     "--snapshots", type=POSITIVE, metavar="S",
-    help="simulated seconds between the robots in trajectories (default: about ten in the run)",
+    help="simulated seconds between the robots in trajectories (default: about ten in the run, "
+    "fewer of long clusters)",
 )  # fmt: skip
 def plot(options: Options) -> int:
     """Draw the figures of the paper, and more, from a record alone.

@@ -84,9 +84,12 @@ def rate_differences(
 def sign_test(differences: ArrayLike) -> float:
     """P value of the two-sided sign test: is the median of the differences 0? Exact.
 
-    Differences of 0 say nothing and are left out. Errs to the high side. 1 without any other.
+    Differences of 0 say nothing and are left out. Errs to the high side. 1 without any other; nan
+    where a difference is.
     """
     d = np.asarray(differences, float)
+    if np.isnan(d).any():
+        return math.nan
     return mcnemar(int(np.count_nonzero(d > 0)), int(np.count_nonzero(d < 0)))
 
 
@@ -96,12 +99,14 @@ def wilcoxon(differences: ArrayLike) -> float:
     Needs differences that are distributed symmetrically, and then sees smaller ones than
     `sign_test`; without symmetry it may err to either side. Those of 0 are left out, ties have the
     mean of their ranks; exact up to `EXACT_RANKS` differences, ties or not, for more by the normal
-    approximation (`scipy.stats.wilcoxon`).
+    approximation (`scipy.stats.wilcoxon`). nan where a difference is.
     """
     from scipy.stats import rankdata
     from scipy.stats import wilcoxon as signed_rank
 
     d = np.asarray(differences, float)
+    if np.isnan(d).any():
+        return math.nan
     d = d[d != 0.0]
     if len(d) > EXACT_RANKS:
         return float(signed_rank(d).pvalue)
@@ -133,10 +138,11 @@ def median_difference(differences: ArrayLike, confidence: float = CONFIDENCE) ->
     The order statistics with which the sign test would not reject (Thompson, Annals of Mathematical
     Statistics 7, 1936). Errs to the wide side, for any distribution, ties included. It is the
     median of the differences, not the difference of the medians. With too few for any such interval
-    (five or less for 95 %) it is infinite; nan without any.
+    (five or less for 95 %) it is infinite. Without any, or where one is nan, the median is nan and
+    the interval infinite.
     """
     d = np.sort(np.asarray(differences, float))
-    if not len(d):
+    if not len(d) or np.isnan(d[-1]):
         return Interval(math.nan, -math.inf, math.inf)
     beyond = rank_beyond(len(d), confidence)
     value = float(np.median(d))

@@ -244,11 +244,14 @@ def worlds_to_try(worlds: Sequence[WorldLike] | None) -> list[WorldLike]:
 
 
 def check_worlds(
-    chosen: Candidate, worlds: Sequence[WorldLike] | None, seconds: float = SECONDS
+    chosen: Candidate,
+    worlds: Sequence[WorldLike] | None,
+    seconds: float = SECONDS,
+    begins: Callable[[str], object] = lambda name: None,
 ) -> Iterator[WorldResult]:
     """Try a controller in one world after the other, then in each situation.
 
-    Raises as `check_controller` does.
+    ``begins`` gets the name of each before it is tried. Raises as `check_controller` does.
     """
     if not (isfinite(seconds) and seconds > 0.0):
         raise PhysimError(f"seconds = {seconds:g}; it must be a time greater than 0 s")
@@ -257,6 +260,7 @@ def check_worlds(
     for one in given:
         world = one if isinstance(one, World) else load_world(one)
         name = world.name if isinstance(one, World) else str(one)
+        begins(name)
         part = _check_scene(name, build_scene(world), chosen.maker(world), seconds)
         tried = tried or not part.skipped
         refusal = refusal or part.skipped
@@ -268,6 +272,7 @@ def check_worlds(
         )
     make = chosen.maker()
     for name, scene in situations().items():
+        begins(name)
         yield replace(_check_scene(name, scene, make, seconds), situation=True)
 
 

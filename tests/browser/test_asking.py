@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -85,6 +86,15 @@ def test_who_was_near_is_named(opened: Opened, ten: Record, page_of_ten: Path) -
     told = seen.text("#why .because")
     assert f"considered, {record.names[nearest]}, was {metres(float(row['distance']))} away" in told
     assert "below 0.50 m" in told or "not yet above 0.80 m" in told
+    seen.ask(
+        "(({ view }, robot) => view.run.column('own:distance')"
+        f"[view.run.decision(robot, {at + 1e-6})] = 0)(physim, {robot})"
+    )
+    seen.ask("physim.go({robot: -1})")
+    seen.ask(f"physim.go({{robot: {robot}}})")
+    seen.settle()
+    told = seen.text("#why .because")
+    assert re.search(rf"it touched a robot it considered, {record.names[nearest]}(\.$| and )", told)
 
 
 def test_a_contact_tells_what_validate_says(opened: Opened, record: Record) -> None:

@@ -149,6 +149,15 @@ def test_by_matches_cells_that_are_alike_in_the_rest() -> None:
     ]  # fmt: skip
 
 
+def test_a_is_the_one_that_was_asked_for_first() -> None:
+    rows = [row(1, world=world, controller=name) for world in "ab" for name in "xyz"]
+    order = [("a", "", "z"), ("a", "", "x"), ("b", "", "z"), ("b", "", "x")]  # y: of another run
+    pairs = by(Outcomes(table(rows)), "controller", order)
+    assert [(a.label, b.label, common) for a, b, common in pairs] == [
+        (*labels, world) for world in "ab" for labels in (("z", "x"), ("z", "y"), ("x", "y"))
+    ]
+
+
 def test_two_campaigns_are_matched_by_what_they_have_in_common() -> None:
     one = Outcomes(table([row(1, world=world) for world in "ab"]))
     other = Outcomes(table([row(1, world=world, controller="other") for world in "bc"]))

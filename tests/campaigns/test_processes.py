@@ -258,6 +258,19 @@ def test_a_program_that_begins_runs_as_it_is_imported_is_told(tmp_path: Path, ho
     assert before == [] or how not in ("caught", "command")
 
 
+def test_a_program_that_is_no_file_is_told_so(tmp_path: Path) -> None:
+    """Its guard is there; what workers miss is a file to import."""
+    sweeps = UNGUARDED["sweep 1"]
+    done = subprocess.run(
+        [sys.executable, "-"], input=f"{HEAD}if __name__ == '__main__':\n    {sweeps}\n",
+        cwd=tmp_path, capture_output=True, text=True, check=False, timeout=LONGEST,
+    )  # fmt: skip
+    last = done.stderr.splitlines()[-1]
+    assert done.returncode != 0
+    assert last.endswith("and <stdin> is no file: save the program as one and run that")
+    assert "__name__" not in last
+
+
 def test_a_process_of_another_that_imports_is_told(
     executor: Processes, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:

@@ -7,6 +7,7 @@ import re
 
 import pytest
 
+from physim.cli.progress import Bar
 from physim.testing import situations
 from tests.cli.commands import physim
 from tests.facts import facts
@@ -22,6 +23,16 @@ def test_nothing_is_found(capsys: pytest.CaptureFixture[str]) -> None:
     (line,) = done.out.splitlines()
     assert line.startswith(f"{BROKEN}:Sound: ")
     assert re.search(facts("no findings", "decisions", "1 world", "5 situations"), line)
+
+
+def test_the_bar_names_the_world_under_way(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """It stood without a word as long as the first world took, and then named it."""
+    told: list[tuple[float, str]] = []
+    monkeypatch.setattr(Bar, "update", lambda self, done, note="": told.append((done, note)))
+    assert physim("check-controller", f"{BROKEN}:Sound", *STRAIGHT, capture=capsys).code == 0
+    assert told == list(enumerate(["straight", *situations()]))
 
 
 def test_a_line_a_finding(capsys: pytest.CaptureFixture[str]) -> None:

@@ -279,6 +279,11 @@ def test_compare_runs_what_it_compares(
     assert done.code == 0
     (found,) = json.loads(done.out)["comparisons"]
     assert found["seeds"] == 3  # the folder has more
+    for given in (["path_following", "mode_switching"], ["mode_switching", "path_following"]):
+        names = ("--controller", ",".join(given))
+        told = physim("compare", *common, *names, "--json", "-", "--quiet", capture=capsys)
+        (one,) = json.loads(told.out)["comparisons"]
+        assert [one[arm]["label"] for arm in "ab"] == given
     assert read(tmp_path / "sweeps/small").num_rows == 6 + 3
     assert physim("compare", *common, *two, capture=capsys).code == 0
     assert read(tmp_path / "sweeps/small").num_rows == 6 + 3

@@ -6,6 +6,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from math import pi
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
@@ -15,7 +16,7 @@ from physim import Decision, Observation
 from physim.analysis.validation import validate
 from physim.campaigns.falsify.evaluate import accepted, controller_of
 from physim.campaigns.falsify.later import later, starts_of
-from physim.campaigns.falsify.passes import tree_of, with_robots
+from physim.campaigns.falsify.passes import fewer_things, rounder, tree_of, with_robots
 from physim.campaigns.falsify.robustness import ROBOTS, WALL, Judged, Moment, Touched
 from physim.campaigns.falsify.shrink import Shrunk, shrink, size_of
 from physim.simulation.loop import Simulation
@@ -134,6 +135,25 @@ def test_no_robot_comes_to_move_faster_than_it_can() -> None:
     world = World(**tree)
     (found,) = shrink(world, judge(world), EVALUATE, ACCEPTS).world.robots
     assert "limits" not in found.model_fields_set  # the usual ones are lower
+
+
+def test_what_a_robot_chooses_from_stays_as_it_is() -> None:
+    """Rounded, a set of speeds loses choices; left out, it gains those of the controller."""
+    tree = tree_of(into_the_wall())
+    own = {"speeds": [0.0, 0.3, 0.6], "omegas": [-0.3, 0.0, 0.3]}
+    tree["robots"][0].update(own)
+    world = World(**tree)
+    (found,) = shrink(world, judge(world), EVALUATE, ACCEPTS).world.robots
+    assert {"speeds": list(found.speeds or ()), "omegas": list(found.omegas or ())} == own
+
+
+def test_the_sets_of_a_controller_stay_as_they_are() -> None:
+    tree = tree_of(deaf())
+    tree["controller"]["omegas"] = [-0.4, 0.0, 0.4]
+    state = SimpleNamespace(tree=tree, judged=judge(deaf()))
+    proposed = [*rounder(state), *fewer_things(state)]
+    assert len(proposed) > 10
+    assert all(one["controller"].get("omegas") == [-0.4, 0.0, 0.4] for one in proposed)
 
 
 class Waits:

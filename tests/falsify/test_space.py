@@ -191,3 +191,14 @@ def test_limits_go_down_to_what_the_controller_takes(
     space = Space(slow(controller, **limits), ("speed",))
     assert {one.key: one.low for one in space.dimensions} == pytest.approx(least, abs=1e-5)
     Simulation(space.at(np.zeros(len(space.dimensions))).world)
+
+
+def test_bounds_of_starts_with_and_without_a_region_are_told() -> None:
+    robots = [robot("free", 12.0, 0.0, 0.0)]
+    robots += [{"name": "in it", "footprint": {"length": 1.2, "width": 0.8}, "path": {"offset": 0}}]
+    world = in_region(robots=robots)
+    (told,) = Space(world, ("pose",)).lines()
+    near = "up to 1 m along x and y from the start"
+    assert f"2 robots: {near}, or anywhere in the start region; " in told
+    assert "2 robots: anywhere in" not in told
+    assert "robots: anywhere in the start region; " in REGION.lines()[0]

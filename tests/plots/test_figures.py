@@ -35,7 +35,7 @@ from physim.drawing.plots.curves import (
 )
 from physim.drawing.plots.distances import distances
 from physim.drawing.plots.frame import clear_marks, mark
-from physim.drawing.plots.maps import snapshot_rows, trajectories, width
+from physim.drawing.plots.maps import snapshot_interval, snapshot_rows, trajectories, width
 from physim.drawing.plots.modes import mode_counts, modes
 from physim.drawing.plots.pictures import PICTURES
 from physim.drawing.plots.style import DPI, styled
@@ -250,6 +250,32 @@ def test_a_decision_holds_until_the_next_however_short_the_stretches_are() -> No
     assert np.isnan(least[1]).all()
 
 
+@pytest.mark.parametrize("longest", [0.0, 2.0])
+@pytest.mark.parametrize("robots", [2, 5])
+def test_collision_times_below_the_axis_lie_on_its_end_which_says_so(
+    robots: int, longest: float
+) -> None:
+    """A contact, 0 s, stood at 0.01 s, on an axis that went on below it."""
+    rows = [
+        {"step": step, "robot": 0, "collision_time": longest if step < 10 else 0.0}
+        for step in range(20)
+    ]
+    with history(rows, robots=robots) as made:
+        axis = collision_times(made).axes[0]
+        low, high = axis.get_ylim()
+        assert 0.009 < low < 0.01 < high
+        assert axis.get_yticklabels()[0].get_text() == "≤ 0.01"
+        assert axis.get_yticks()[0] == 0.01
+        assert not [tick for tick in axis.get_yticks(minor=True) if low <= tick < 0.01]
+        for band in axis.collections:
+            heights = band.get_datalim(axis.transData).y0
+            assert not np.isfinite(heights) or heights >= low
+    with history([{"step": 1, "robot": 0, "collision_time": 2.0}], robots=robots) as made:
+        assert all(
+            "≤" not in one.get_text() for one in collision_times(made).axes[0].get_yticklabels()
+        )
+
+
 def test_collision_times_of_many_robots_are_a_row_each_below_the_shortest_of_all() -> None:
     with crowd(MOST_SINGLE + 1) as made:
         figure = collision_times(made)
@@ -285,7 +311,7 @@ def moods(modes: Sequence[int], robots: int = 2) -> Record:
         for i in range(robots)
     ]
     pose = np.zeros((100 * len(modes) + 1, robots, 3))
-    pose[:, :, 0] += 3.0 * np.arange(robots)
+    pose[:, :, 0] += np.linspace(0.0, 60.0, robots)
     return history(rows, robots=robots, steps_run=100 * len(modes), pose=pose, declared=FIVE)
 
 
@@ -322,6 +348,18 @@ def test_modes_tell_each_share(record: Record) -> None:
         corners = [path.vertices for path in bars.get_paths()]
         area += sum(float(np.ptp(c[:, 0])) for c in corners)
     assert area == pytest.approx(3 * record.steps_run * record.dt)
+
+
+@pytest.mark.parametrize(("robots", "most"), [(5, 20.0), (MOST_LINES + 1, 50.0)])
+def test_robots_that_are_no_cluster_are_shown_five_times_at_least(robots: int, most: float) -> None:
+    """Two groups on one road, in opposite directions, were shown at two moments."""
+    pose = np.zeros((101, robots, 3))
+    way = np.where(np.arange(robots) % 2 == 0, 1.0, -1.0)
+    pose[:, :, 0] = 40.0 * way * np.linspace(-1.0, 1.0, 101)[:, None]
+    pose[:, :, 0] += np.linspace(0.0, 60.0, robots)
+    with history(pose=pose, robots=robots) as made:
+        duration = made.steps_run * made.dt
+        assert 0.08 * duration <= snapshot_interval(made) <= most / 90.0 * duration
 
 
 def test_snapshots_are_taken_when_asked(record: Record) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Callable
-from math import comb, inf, isnan
+from math import comb, inf, isnan, nan
 
 import numpy as np
 import pytest
@@ -175,3 +175,12 @@ def test_holm_keeps_the_error_of_all_together() -> None:
     found = np.array([min(holm(list(row))) <= 0.05 for row in p])
     assert share(~found) >= LEAST
     assert np.mean(p.min(axis=1) <= 0.05) > 0.6 - MONTE_CARLO
+
+
+def test_a_difference_that_is_not_known_leaves_nothing_known() -> None:
+    for d in ([1.0, nan, 2.0], [nan], [nan] * 60, [*range(60), nan]):
+        assert isnan(sign_test(d))
+        assert isnan(wilcoxon(d))
+        middle = median_difference(d)
+        assert isnan(middle.value)
+        assert (middle.low, middle.high) == (-inf, inf)

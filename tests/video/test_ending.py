@@ -7,20 +7,22 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
+import pytest
 
 import physim
 from physim.contacts import Phase
 from physim.drawing import palette
 from physim.drawing.timeline import Timeline
-from physim.drawing.video import frame_at
-from physim.drawing.video.closing import Closing
+from physim.drawing.video import frame_at, panel
+from physim.drawing.video.closing import Closing, write_corner
 from physim.drawing.video.ending import ACROSS, MOST_NOTES, across, notes, why
 from physim.drawing.video.frames import Painter
-from physim.drawing.video.ground import ground
+from physim.drawing.video.ground import Overview, ground
 from physim.drawing.video.layout import PANEL_WIDTH, TEXT, Box
 from physim.drawing.video.legend import DEEP, NO_MODES, PAD, signs
 from physim.drawing.video.marks import draw_contacts
 from physim.drawing.video.text import BOLD, width
+from physim.geometry.shapes import FloatArray
 from physim.parts.declarations import NO_NUMBER
 from physim.tolerances import DEEP as DEPTH
 from tests.validation.runs import Drivers
@@ -222,3 +224,51 @@ def test_robots_that_have_not_arrived_are_told_up_to_a_number(made: Callable[...
     many = notes(Timeline(made(61)))
     assert len(many) == MOST_NOTES
     assert many[-1] == f"and {61 - MOST_NOTES + 1} robots more"
+
+
+def closed(made: Callable[..., Any]) -> tuple[Painter, list[FloatArray], list[str]]:
+    """A painter at the end of a run, corners its small map was given, and signs it drew."""
+    timeline = Timeline(made(3))
+    corners: list[FloatArray] = []
+    drawn: list[str] = []
+    with pytest.MonkeyPatch.context() as patch:
+        paint, signs_of = Overview.paint, panel.draw_signs
+        patch.setattr(
+            Overview, "paint", lambda self, image, at, now: (corners.append(at),
+            paint(self, image, at, now)),
+        )  # fmt: skip
+        patch.setattr(
+            panel, "draw_signs", lambda *given: (drawn.extend(given[-1]), signs_of(*given))[1]
+        )
+        painter = Painter(timeline, 1.0, 25.0)
+        painter.frame(0.5 * timeline.duration)
+        drawn.clear()
+        painter.frame(timeline.duration)
+    return painter, corners, drawn
+
+
+def test_at_the_end_the_small_map_and_the_legend_tell_of_the_whole_run(
+    made: Callable[..., Any],
+) -> None:
+    """The rectangle had been that of the view a moment before, the trail that of ten seconds."""
+    painter, (before, end), drawn = closed(made)
+    low, high = ground(painter.timeline).extent
+    assert not ((before[0] <= low).all() and (before[1] >= high).all())
+    assert (end[0] <= low).all()
+    assert (end[1] >= high).all()
+    assert np.allclose((end[1] - end[0]) * painter._view.scales[1], (1008, 536))
+    assert drawn == ["trail of the whole run"]
+
+
+def test_words_at_the_end_do_not_cover_the_robots_they_speak_of() -> None:
+    """The emptiest corner was where the robots stood."""
+    view = np.full((536, 1008, 3), palette.OUTSIDE, np.uint8)
+    view[:120] = palette.FLOOR
+    view[:, 450:560] = palette.FLOOR
+    bodies = np.array([[478.0, 400.0, 491.0, 428.0], [519.0, 470.0, 532.0, 494.0]])
+    lines = ["the whole run", *(f"w{k} stands 2.42 m short of its stop station " * 2 for k in "12")]
+    before = view.copy()
+    write_corner(view, lines, bodies)
+    assert (view != before).any()
+    for x0, y0, x1, y1 in bodies.astype(int):
+        assert np.array_equal(view[y0:y1, x0:x1], before[y0:y1, x0:x1])

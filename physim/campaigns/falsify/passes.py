@@ -67,7 +67,9 @@ OPTIONAL = (
     "formation", "sensing", "filters", "disturbances", "arrival", "physics", "reference_path",
 )  # fmt: skip
 """Keys of a world without which it may fail likewise."""
-OPTIONAL_OF_ROBOT = ("limits", "speeds", "omegas", "mass")
+OPTIONAL_OF_ROBOT = ("limits", "mass")
+CHOICES = ("speeds", "omegas")
+"""Sets to choose from, which stay: rounded they offer fewer choices, left out perhaps more."""
 DECIMALS = (0, 1, 2, 3)
 """To which numbers are rounded, the roundest first."""
 ROUNDED = (
@@ -75,8 +77,8 @@ ROUNDED = (
     "sensing", "arrival", "physics",
 )  # fmt: skip
 """Keys of a world whose numbers are rounded; the time is not."""
-KEPT = ("footprint",)
-"""Keys whose numbers stay as they are: a robot has the shape that it has."""
+KEPT = ("footprint", *CHOICES)
+"""Keys whose numbers stay as they are: a robot has the shape and the choices that it has."""
 
 
 def shorter(state: State) -> Iterator[Tree]:
@@ -133,7 +135,8 @@ def fewer_things(state: State) -> Iterator[Tree]:
     if state.tree.get("boundaries"):
         yield from fewer(state, ("boundaries",), 1)
     places: list[Place] = [(key,) for key in OPTIONAL]
-    places += [("controller", key) for key in state.tree.get("controller", {}) if key != "type"]
+    settings = [key for key in state.tree.get("controller", {}) if key not in ("type", *CHOICES)]
+    places += [("controller", key) for key in settings]
     robots = range(len(state.tree["robots"]))
     places += [("robots", k, key) for k in robots for key in OPTIONAL_OF_ROBOT]
     for place in places:

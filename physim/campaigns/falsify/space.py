@@ -295,7 +295,7 @@ class Space:
             free = any(one is None for one in self._regions)
             where = f"up to {REACH:g} m along x and y from the start" if free else ""
             if any(one is not None for one in self._regions):
-                where += f"{' or, ' if free else ''}anywhere in the start region"
+                where += f"{', or ' if free else ''}anywhere in the start region"
             found.append(f"pose      {count}: {where}; {gap:.3g} m or more from all else")
         if HEADING in self.vary:
             around = sum(self._any_heading)

@@ -114,7 +114,9 @@ def _words(shade: int) -> str:
 
 
 FLOOR = 0.01
-"""[s] Least collision time on the axis; smaller ones, and contact, lie on it."""
+"""[s] Least collision time on the axis; smaller ones, and contact, lie on it, as its tick says."""
+EDGE = 0.92
+"""Share of `FLOOR` at which the axis ends where something lies on it: no other tick is below"""
 LARGEST = 1e300
 """[s] Greatest on the axis; larger ones, a controller's word for none, lie beyond."""
 MOST_SINGLE = 4
@@ -164,12 +166,18 @@ def _seconds(axis: Any, shortest: Moment, longest: float) -> None:
     """Logarithmic axis from below the shortest collision time to above the longest."""
     from matplotlib.ticker import NullFormatter
 
-    low = min(0.5 * max(shortest.value, FLOOR), 0.5)
-    high = min(1.25 * longest, LARGEST)
+    floored = shortest.value < FLOOR
+    low = EDGE * FLOOR if floored else min(0.5 * shortest.value, 0.5)
+    high = min(1.25 * max(longest, 2.0 * FLOOR if floored else 0.0), LARGEST)
     axis.set_ylim(low, high)  # first: the scale would look for limits of its own
     axis.set_yscale("log")
     ticks = log_ticks(low, high)
-    axis.set_yticks(ticks, [f"{tick:g}".replace("e+0", "e").replace("e+", "e") for tick in ticks])
+    words = [f"{tick:g}".replace("e+0", "e").replace("e+", "e") for tick in ticks]
+    if floored:
+        above = [k for k, tick in enumerate(ticks) if tick > 1.5 * FLOOR]
+        ticks = [FLOOR, *(ticks[k] for k in above)]
+        words = [f"\N{LESS-THAN OR EQUAL TO} {FLOOR:g}", *(words[k] for k in above)]
+    axis.set_yticks(ticks, words)
     axis.yaxis.set_minor_formatter(NullFormatter())
 
 
@@ -205,7 +213,8 @@ def _together(axis: Any, record: Record, rows: Any) -> list[Any]:
     )
     time, shortest = edges * record.dt, np.fmin.reduce(least, axis=0)
     how = {"step": "post", "linewidth": 0.0, "alpha": 0.3, "color": BAND}
-    band = axis.fill_between(time, *(np.append(v, v[-1]) for v in (low, high)), **how)
+    floored = (np.maximum(v, FLOOR) for v in (low, high))
+    band = axis.fill_between(time, *(np.append(v, v[-1]) for v in floored), **how)
     band.set_label("middle 90 % of\nthe decisions")
     line = axis.stairs(np.maximum(shortest, FLOOR), time, color=INK, linewidth=1.0, baseline=None)
     line.set_label("shortest of\nall robots")

@@ -33,6 +33,8 @@ from physim.record import Record
 
 SNAPSHOTS = 10
 """About as many snapshots as are drawn where nothing else is said."""
+LEAST_SNAPSHOTS = 5
+"""of few robots, of any run"""
 MOST_SNAPSHOTS = 200
 MANY_CONTACTS = 30
 """Contacts from which on their marks are small."""
@@ -95,14 +97,15 @@ def frame_map(axis: Any, scene: SceneModel, record: Record, height: float, share
 def snapshot_interval(record: Record) -> float:
     """Time [s] between snapshots, 1, 2, 3 or 5 times a power of ten.
 
-    About ten in the run, but so far apart that the cluster has left its place in between.
+    About ten in the run, but so far apart that the cluster has left its place in between: two of a
+    crowd, five of few robots at least, which may be no cluster and have colours of their own.
     """
     middle = np.median(record.pose[:: max(1, record.samples // 200), :, :2], axis=1)
     length = float(np.hypot(*np.diff(middle, axis=0).T).sum())
     halfway = record.pose[record.samples // 2, :, :2]
     share = float(np.hypot(*np.ptp(halfway, axis=0))) / length if length > 0.0 else 0.0
     duration = max(record.steps_run * record.dt, 1e-3)
-    least = duration * min(share, 0.5)
+    least = duration * min(share, 0.5 if record.robots > MOST_LINES else 1.0 / LEAST_SNAPSHOTS)
     wanted = max(duration / SNAPSHOTS, least)
     power = 10.0 ** np.floor(np.log10(wanted))
     simple = [f * power for f in (*SIMPLE, 10.0) if f * power >= 0.9 * least]

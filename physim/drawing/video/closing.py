@@ -11,6 +11,7 @@ import numpy as np
 
 from physim.drawing import palette
 from physim.drawing.crowd import NAMED
+from physim.drawing.labels import grown, overlaps
 from physim.drawing.palette import Colour
 from physim.drawing.timeline import Moment, Timeline
 from physim.drawing.video.camera import MARGIN
@@ -25,6 +26,8 @@ POINTS = 1500
 """Points of a course, at most."""
 TINY = 9.0
 """[px] length of a robot below which a dot stands for it"""
+DOT = 3.5
+"""[px] radius of that dot"""
 LINE = TEXT + 6
 """[px] from one line of words to the next"""
 EDGE = 10
@@ -62,7 +65,14 @@ class Closing:
                 draw_contacts(view, places[contacts.swept == swept], swept, small=True)
             draw_contacts(view, places[np.isfinite(contacts.deep)], False, deep=True)
         title = f"the whole run, {timeline.duration:.1f} s: where the robots went"
-        write_corner(view, [title, *notes(timeline)])
+        boxes = fleet.boxes(lens.fixed(fleet.placed(now.pose)))
+        write_corner(view, [title, *notes(timeline)], grown(boxes, DOT))
+
+    @property
+    def corners(self) -> FloatArray:
+        """The lower left and upper right corner (2, 2) [m] of what is seen."""
+        lens, (wide, high) = self._lens, self._box.size
+        return np.array([[-lens.x, lens.y - high], [wide - lens.x, lens.y]]) / lens.scale
 
     def _courses(self) -> FloatArray:
         """Where the robots went, (N, T, 2) [m]."""
@@ -81,12 +91,16 @@ class Closing:
         for place, colour, edge in zip(
             lens.fixed(now.pose[:, :2]), now.colours, edges, strict=True
         ):
-            draw_disc(view, place, 3.5, edge)
+            draw_disc(view, place, DOT, edge)
             draw_disc(view, place, 2.5, colour)
 
 
-def write_corner(view: Image, lines: Sequence[str]) -> None:
-    """Write lines, the first one bold, in the corner of a view where they cover the least."""
+def write_corner(view: Image, lines: Sequence[str], bodies: FloatArray) -> None:
+    """Write lines, the first one bold, at the side of a view where they cover the least.
+
+    First of ``bodies``, boxes (N, 4) [px] of the robots they speak of, then of all that is drawn;
+    in a corner where that covers no more.
+    """
     high, wide = view.shape[:2]
     room = max(round(WIDEST * wide), min(wide - 2 * EDGE, LEAST))
     words = [
@@ -95,12 +109,16 @@ def write_corner(view: Image, lines: Sequence[str]) -> None:
     ]
     width = max(size_of(word)[0] for word in words)
     tall = LINE * len(words)
-    lefts, tops = (EDGE, wide - EDGE - width), (EDGE, high - EDGE - tall)
+    lefts, ends = (EDGE, wide - EDGE - width), (EDGE, high - EDGE - tall)
+    tops = (*ends, *range(EDGE, max(ends), LINE))
     empty = (view == palette.OUTSIDE).all(axis=2)
 
-    def covered(corner: tuple[int, int]) -> int:
-        left, top = corner
-        return int((~empty[top : top + tall, left : left + width]).sum())
+    def covered(place: tuple[int, int]) -> tuple[float, int, bool]:
+        left, top = place
+        box = np.array([[left, top, left + width, top + tall]], float)
+        hidden = float(overlaps(box, bodies).sum())
+        drawn = int((~empty[top : top + tall, left : left + width]).sum())
+        return hidden, drawn, top not in ends
 
     left, top = min(((x, y) for y in tops for x in lefts), key=covered)
     for k, word in enumerate(words):

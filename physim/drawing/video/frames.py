@@ -77,7 +77,7 @@ class Painter:
         pair = self._view.paint(self._image, now)
         self._panel.paint(now, pair)
         if self._overview is not None:
-            corners = self._view.camera.corners(now.time)
+            corners = self._view.corners(now.time)
             self._overview.paint(self._overview_image, corners, now)
         self._strip.paint(now)
         return self._image

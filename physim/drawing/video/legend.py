@@ -38,6 +38,8 @@ NO_MODES = "robot; no modes are given"
 BEGINS = "a contact begins"
 SWEPT = "contact between samples"
 RECENT, RECENT_ALL = f"trail, last {TRAIL:g} s", f"trails, last {SHORT_TRAIL:g} s"
+COURSES = {RECENT: "trail of the whole run", RECENT_ALL: "trails of the whole run"}
+"""What the picture of the end of a run shows instead"""
 DASHED_ALL, PATH_ALL = "paths, dashed in danger area", "paths"
 DASHED, PATH, REFERENCE = "path, dashed in danger area", "path", "reference path"
 BOUNDARY, OBSTACLE = "boundary", "obstacle"
@@ -151,6 +153,8 @@ _SIGNS: dict[str, Callable[[Image, Lens], None]] = {
     TARGET: lambda image, lens: draw_targets(image, lens, START[None], END[None] - (4.0, 0.0)),
     RECENT: _trail(_OWN),
     RECENT_ALL: _trail(palette.BAND),
+    COURSES[RECENT]: _line(_OWN, 2, (0, WIDE)),
+    COURSES[RECENT_ALL]: _line(palette.BAND, 1, (0, WIDE)),
     DASHED: _line(_OWN_PATH, 1, *_DASHES),
     DASHED_ALL: _line(_ALL_PATHS, 1, *_DASHES),
     PATH: _line(_OWN_PATH, 1, (0, WIDE)),

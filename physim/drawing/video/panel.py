@@ -14,7 +14,7 @@ from physim.drawing.palette import Colour
 from physim.drawing.timeline import Moment, Timeline
 from physim.drawing.video.closest import Pair, as_recorded
 from physim.drawing.video.layout import SMALL, TEXT, TITLE, Box, Image
-from physim.drawing.video.legend import LEAST_ROW, PAD, ROW, draw_modes, draw_signs
+from physim.drawing.video.legend import COURSES, LEAST_ROW, PAD, ROW, draw_modes, draw_signs
 from physim.drawing.video.scale import draw_scale
 from physim.drawing.video.text import BOLD, shorten, width, wrapped, write
 
@@ -92,6 +92,11 @@ class Panel:
             top += len(modes) * row + 12
             self._rule(image, top - 6)
         used = draw_signs(image, PAD, top, row, signs)
+        self._trails = [
+            (Box(PAD - 2, top + k * row, self._box.width - PAD, row), words)
+            for k, words in enumerate(signs)
+            if words in COURSES
+        ]
         self._bar = Box(PAD - 2, top + used + 12, self._box.width - PAD, 28)
         self._rule(image, self._bar.top - 6)
         self._bottom = self._bar.top + self._bar.height
@@ -110,10 +115,20 @@ class Panel:
         if self._is_new(self._bar, scale):
             draw_scale(self._image, PAD, self._bar.top + 14, scale)
 
+    def _show_trails(self, over: bool) -> None:
+        """Tell how long trails are, which the picture of the end shows whole if it is another."""
+        whole = over and self._scales[0] != self._scales[1]
+        for box, words in self._trails:
+            shown = COURSES[words] if whole else words
+            if self._is_new(box, shown):
+                box.of(self._image)[:] = 255
+                draw_signs(self._image, PAD, box.top, box.height, [shown])
+
     def paint(self, now: Moment, pair: Pair | None) -> None:
         """Show one moment, with the closest pair of robots."""
         self._show_clock(now.time)
         self._show_scale(self._timeline.over(now.time))
+        self._show_trails(self._timeline.over(now.time))
         arrived = self._timeline.arrived(now.time)
         every = arrived == self._timeline.robots > 1
         words = ("all arrived" if every else f"{arrived} arrived") if arrived else ""

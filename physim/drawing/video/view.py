@@ -109,6 +109,12 @@ class View:
         last = self.camera.scale if self._closing is None else self._closing.scale
         return self.camera.scale, last
 
+    def corners(self, time: float) -> FloatArray:
+        """Lower left and upper right corner (2, 2) [m] of what is seen at ``time`` [s]."""
+        if self._closing is not None and self.timeline.over(time):
+            return self._closing.corners
+        return self.camera.corners(time)
+
     def paint(self, image: Image, now: Moment, held: bool = False) -> Pair | None:
         """Draw into the view's box of ``image``; returns the closest pair of robots.
 
@@ -149,7 +155,7 @@ class View:
         }
         self._write_labels(view, lens, now, pair, shapes, boxes)
         if over and (lines := notes(self.timeline)):
-            write_corner(view, ["at the end", *lines])
+            write_corner(view, ["at the end", *lines], boxes)
         return closest
 
     def mark(self, a: int, b: int) -> None:

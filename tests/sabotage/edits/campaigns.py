@@ -547,4 +547,13 @@ EDITS = (
         "a row with a column given twice is refused",
         "tests/campaigns/test_foreign_rows.py::test_a_column_given_twice_is_told_with_its_line",
     ),
+    Edit(
+        "campaigns",
+        "physim/campaigns/processes.py",
+        "_Worker._lost",
+        "{no_file() or UNGUARDED}",
+        "{UNGUARDED}",
+        "a program that is no file is told so, and not to be without a guard",
+        "tests/campaigns/test_processes.py::test_a_program_that_is_no_file_is_told_so",
+    ),
 )

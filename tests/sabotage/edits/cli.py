@@ -329,4 +329,13 @@ EDITS = (
         "a signal of a queue that nobody hears is sent again before the queue kills",
         "tests/cli/test_signals.py::test_what_nobody_hears_is_told_and_broken_off",
     ),
+    Edit(
+        "cli",
+        "physim/testing/check.py",
+        "check_worlds",
+        "begins(name)\n        part =",
+        "part =",
+        "a check of a controller names the world under way",
+        "tests/cli/test_check_controller.py::test_the_bar_names_the_world_under_way",
+    ),
 )

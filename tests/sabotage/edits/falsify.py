@@ -267,4 +267,22 @@ EDITS = (
         "a robot's limits are rounded down",
         "tests/falsify/test_shrink.py::test_no_robot_comes_to_move_faster_than_it_can",
     ),
+    Edit(
+        "falsify",
+        "physim/campaigns/falsify/passes.py",
+        "_numbers",
+        "key not in KEPT and (place or key in ROUNDED)",
+        'key != "footprint" and (place or key in ROUNDED)',
+        "sets to choose from are not rounded",
+        "tests/falsify/test_shrink.py::test_what_a_robot_chooses_from_stays_as_it_is",
+    ),
+    Edit(
+        "falsify",
+        "physim/campaigns/falsify/passes.py",
+        "fewer_things",
+        'if key not in ("type", *CHOICES)]',
+        'if key != "type"]',
+        "a controller's sets to choose from are not left out",
+        "tests/falsify/test_shrink.py::test_the_sets_of_a_controller_stay_as_they_are",
+    ),
 )

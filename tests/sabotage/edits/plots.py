@@ -249,4 +249,24 @@ EDITS = (
         "figures so narrow that titles overlap are refused",
         "tests/plots/test_papers.py::test_another_width_is_refused_in_words",
     ),
+    Edit(
+        "plots",
+        "physim/drawing/plots/maps.py",
+        "snapshot_interval",
+        "0.5 if record.robots > MOST_LINES else 1.0 / LEAST_SNAPSHOTS",
+        "0.5",
+        "few robots that are no cluster are shown five times at least",
+        "tests/plots/test_figures.py::"
+        "test_robots_that_are_no_cluster_are_shown_five_times_at_least",
+    ),
+    Edit(
+        "plots",
+        "physim/drawing/plots/collision_times.py",
+        "_seconds",
+        "if floored:",
+        "if False:",
+        "collision times that lie on the end of the axis are said to be shorter",
+        "tests/plots/test_figures.py::"
+        "test_collision_times_below_the_axis_lie_on_its_end_which_says_so",
+    ),
 )

@@ -186,4 +186,13 @@ EDITS = (
         "the picture of the least distance of a run marks that distance",
         "tests/campaigns/test_report.py::test_the_picture_of_a_least_distance_marks_that_one",
     ),
+    Edit(
+        "reports",
+        "physim/campaigns/compare.py",
+        "by",
+        "turns.get(cell.names, len(turns))",
+        "cell.names",
+        "of two that are compared A is the one that was asked for first",
+        "tests/campaigns/test_compare.py::test_a_is_the_one_that_was_asked_for_first",
+    ),
 )

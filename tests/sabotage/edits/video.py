@@ -442,4 +442,33 @@ EDITS = (
         "small lengths are written without an exponent",
         "tests/video/test_parts.py::test_small_lengths_are_written_without_an_exponent",
     ),
+    Edit(
+        "video",
+        "physim/drawing/video/closing.py",
+        "write_corner",
+        "return hidden, drawn,",
+        "return 0.0, drawn,",
+        "words at the end do not cover the robots they speak of",
+        "tests/video/test_ending.py::test_words_at_the_end_do_not_cover_the_robots_they_speak_of",
+    ),
+    Edit(
+        "video",
+        "physim/drawing/video/view.py",
+        "View.corners",
+        "return self._closing.corners",
+        "return self.camera.corners(time)",
+        "the small map says that the whole is shown at the end",
+        "tests/video/test_ending.py::"
+        "test_at_the_end_the_small_map_and_the_legend_tell_of_the_whole_run",
+    ),
+    Edit(
+        "video",
+        "physim/drawing/video/panel.py",
+        "Panel._show_trails",
+        "if whole else words",
+        "if False else words",
+        "the legend says that trails are of the whole run at the end",
+        "tests/video/test_ending.py::"
+        "test_at_the_end_the_small_map_and_the_legend_tell_of_the_whole_run",
+    ),
 )

@@ -22,7 +22,7 @@ function disc(context, x, y, radius, fill, edge, width = 1) {
   }
 }
 
-function line(context, from, to, colour, width) {
+export function line(context, from, to, colour, width) {
   context.beginPath();
   context.moveTo(...from);
   context.lineTo(...to);
@@ -128,38 +128,6 @@ export function drawSight(context, run, robot, time, pose, lens, colours) {
   context.strokeStyle = colours.link;
   context.lineWidth = 3;
   context.stroke();
-}
-
-/** Writes labels where they cover no label before them and, where there is room, none of the discs
- * [x, y, radius]; nearest to what they belong to. */
-export function writeLabels(context, labels, colours, [width, height], discs = []) {
-  context.textAlign = "center";
-  context.textBaseline = "middle";
-  context.lineJoin = "round";
-  const taken = [];
-  for (const { words, x, y, up, bold } of labels) {
-    context.font = `${bold ? "600 " : ""}12.5px system-ui, sans-serif`;
-    const half = context.measureText(words).width / 2 + 2;
-    const places = (bold ? [up, up + 14, up + 28] : [up]).flatMap((away) => [
-      [x, y - away], [x, y + away], [x + half + away, y], [x - half - away, y],
-      [x + half + 0.6 * away, y - away], [x - half - 0.6 * away, y - away],
-      [x + half + 0.6 * away, y + away], [x - half - 0.6 * away, y + away],
-    ]);
-    const isClear = ([px, py]) => discs.every(([ox, oy, radius]) =>
-      Math.hypot(Math.max(Math.abs(px - ox) - half, 0), Math.max(Math.abs(py - oy) - 7, 0)) > radius);
-    const isFree = ([px, py]) =>
-      px - half > 0 && px + half < width && py > 8 && py < height - 8 &&
-      taken.every(([ox, oy, wide]) => Math.abs(px - ox) > half + wide || Math.abs(py - oy) > 14);
-    const free = places.filter(isFree);
-    const place = free.find(isClear) ?? free[0] ?? (bold ? places[0] : null);
-    if (!place) continue;
-    taken.push([...place, half]);
-    context.strokeStyle = colours.floor;
-    context.lineWidth = 3.5;
-    context.strokeText(words, ...place);
-    context.fillStyle = colours.ink;
-    context.fillText(words, ...place);
-  }
 }
 
 /** A bar of a round length, in the lower left corner. */

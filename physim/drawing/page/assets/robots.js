@@ -193,7 +193,7 @@ export function closestPoints(fleet, pose, a, b) {
   return best;
 }
 
-function nearestOn(x, y, ax, ay, bx, by) {
+export function nearestOn(x, y, ax, ay, bx, by) {
   const dx = bx - ax;
   const dy = by - ay;
   const square = dx * dx + dy * dy;

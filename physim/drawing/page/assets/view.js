@@ -5,9 +5,8 @@ import { Contacts } from "./contacts.js";
 import { DASHES } from "./courses.js";
 import { fitted } from "./dom.js";
 import { Ground } from "./ground.js";
-import {
-  drawClosest, drawContacts, drawScale, drawSight, drawTargets, writeLabels,
-} from "./marks.js";
+import { drawClosest, drawContacts, drawScale, drawSight, drawTargets } from "./marks.js";
+import { writeLabels } from "./names.js";
 import { Fleet, nowAt, drawTrails } from "./robots.js";
 import { roundBelow } from "./words.js";
 
@@ -102,23 +101,30 @@ export class View {
         if (inView.has(robot)) labels.push(this.nameOf(robot, pose, lens, robot === chosen));
       }
     }
-    const discs = few ? seen.map((robot) => this.discOf(robot, pose, lens)) : [];
-    writeLabels(context, labels, colours, size, discs);
+    const robots = layers.names || few ? seen.map((robot) => this.placed(robot, pose, lens)) : [];
+    const leaders = writeLabels(context, labels, colours, size, robots);
     drawScale(context, roundBelow(130 / lens.scale), lens, size[1], colours);
     if (lens.scale > 1.25 * camera.wholeScale) this.drawOverview(context, pose, lens, at, size, colours, seen);
-    this.drawn = { time: at, pose: pose.slice(), lens, ratio, shown, size };
+    this.drawn = { time: at, pose: pose.slice(), lens, ratio, shown, size, leaders };
   }
 
   discOf(robot, pose, lens) {
     const place = toPixels(lens, pose[3 * robot], pose[3 * robot + 1]);
-    return [...place, this.fleet.reach[robot] * lens.scale * 0.7];
+    return [...place, this.fleet.reach[robot] * lens.scale];
+  }
+
+  /** A robot as labels see it; its outline is worked out when it is asked for. */
+  placed(robot, pose, lens) {
+    let found = null;
+    const outline = () => (found ??= this.fleet.outline(robot, pose, lens));
+    return { robot, disc: this.discOf(robot, pose, lens), outline };
   }
 
   nameOf(robot, pose, lens, isChosen) {
     const [x, y] = toPixels(lens, pose[3 * robot], pose[3 * robot + 1]);
     const name = this.run.names[robot];
     const words = name.length > 18 ? `${name.slice(0, 17)}…` : name;
-    return { words, x, y, up: this.fleet.reach[robot] * lens.scale * 0.8 + 9, bold: isChosen };
+    return { words, x, y, up: this.fleet.reach[robot] * lens.scale * 0.8 + 9, bold: isChosen, robot };
   }
 
   /** Marks the points that robots are steered by where they lie far from their middle. */
@@ -159,7 +165,7 @@ export class View {
     context.save();
     const hides = seen.some((robot) => {
       const [x, y, radius] = this.discOf(robot, pose, lens);
-      return x + radius > left && y - radius < top + box[1];
+      return x + 0.7 * radius > left && y - 0.7 * radius < top + box[1];
     });
     context.globalAlpha = hides ? PALE : 1;
     context.beginPath();

@@ -84,12 +84,14 @@ function motion(v, omega) {
 }
 
 function told({ column, value, enter, leave }, who) {
-  const what = column === "distance" ? `the nearest robot it considered${who}` : "the nearest wall";
+  const [near, any] = column === "distance"
+    ? [`the nearest robot it considered${who && `, ${who},`}`, `a robot it considered${who && `, ${who}`}`]
+    : ["the nearest wall", "a wall"];
   const bound = value < enter ? `below ${metres(enter)}` : `not yet above ${metres(leave)}`;
-  return value <= 0 ? `it touched ${what.replace("the nearest", "a")}` : `${what} was ${metres(value)} away, ${bound}`;
+  return value <= 0 ? `it touched ${any}` : `${near} was ${metres(value)} away, ${bound}`;
 }
 
-/** Name of the nearest of the robots that were considered in a decision, as ", r8,". */
+/** Name of the nearest of the robots that were considered in a decision; empty without. */
 function nearest(view, robot, row) {
   const { run, fleet } = view;
   const pose = run.poses(run.step[row] * run.dt, new Float64Array(3 * run.robots));
@@ -98,7 +100,7 @@ function nearest(view, robot, row) {
   for (const other of (run.considered(row) ?? []).slice(0, MOST_LOOKED_AT)) {
     const [a, b] = closestPoints(fleet, pose, robot, other);
     const away = Math.hypot(a[0] - b[0], a[1] - b[1]);
-    if (away < least) [least, found] = [away, `, ${run.names[other]},`];
+    if (away < least) [least, found] = [away, run.names[other]];
   }
   return found;
 }

@@ -567,6 +567,10 @@ def test_a_robot_far_from_its_path_is_told(tmp_path: Path, x: float, told: str) 
     ]
     said = only(import_world(geojson(tmp_path, parts)), "WARNING")
     check_says(said, f"b at ({x:.2f}, 3.50) … path of its own")
+    way = ("path b", shapely.LineString([(4, 16), (18, 16)]))
+    changes = import_world(geojson(tmp_path, [*parts, way])).changes
+    named = next(one for one in changes if "path with its name" in one)
+    check_says(named, f"b at ({x:.2f}, 3.50)")
     assert ("behind a wall" in said) == bool(told)
 
 
@@ -666,3 +670,26 @@ def test_a_closed_path_begins_at_the_last_robot_on_it(
     assert shapely.LineString(made.world.reference_path).length == pytest.approx(60.0)
     assert only(made, "closed path begun")
     free_area(made, tmp_path)
+
+
+def test_a_queue_round_a_corner_is_asked_for_its_path(tmp_path: Path) -> None:
+    """The way straight back leads where nobody stands."""
+    hall = shapely.Polygon([(0, 0), (30, 0), (30, 5), (5, 5), (5, 30), (0, 30)])
+    robots = [("robot", shapely.box(2, y, 3, y + 1.8)) for y in (8, 13)]
+    way = ("path", shapely.LineString([(7, 2.5), (27, 2.5)]))
+    made = import_world(geojson(tmp_path, [("boundary", hall), *robots, way]))
+    assert not [one for one in made.changes if "earlier" in one]
+    assert [one for one in made.changes if "before the path begins" in one]
+
+
+@pytest.mark.parametrize("first", [True, False])
+def test_a_mark_on_a_robot_is_no_robot(tmp_path: Path, first: bool) -> None:
+    body, mark = shapely.box(4, 6, 5.8, 7), shapely.Polygon([(5.3, 6.2), (5.8, 6.5), (5.3, 6.8)])
+    parts = [
+        ("boundary", shapely.box(0, 0, 24, 14)),
+        ("path", shapely.LineString([(3, 6.5), (20, 6.5)])),
+    ]
+    drawn = [("robot", body), ("robot", mark)]
+    made = import_world(geojson(tmp_path, [*parts, *(drawn if first else drawn[::-1])]))
+    assert len(made.world.robots) == 1
+    check_says(only(made, "a mark on it"), "(5.30, 6.20)")

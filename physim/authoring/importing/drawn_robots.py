@@ -27,6 +27,8 @@ from physim.geometry.thinning import simplified
 
 ALONG = 0.5
 """[-] share of its length that a path has along the reference path, if a formation goes on it"""
+SLANT = 1.25
+"""[-] times as far as straight behind the beginning of its path a robot stands from it at most"""
 LEAST_WAY = 0.25
 """[-] share of the path that the robot that goes farthest goes at least"""
 FAR = 2.0
@@ -111,18 +113,20 @@ def _begun_behind(drawing: Drawing, found: Fit) -> Fit:
         return _lap(drawing, found)
     ahead, _ = _directions_at_ends(line, found.size)
     centres = [_centroid(one) for one in drawing.robots if one.name not in drawing.paths]
-    behind = [
-        -float((centre - line[0]) @ ahead) for centre in centres if station_of(line, centre) <= 0.0
-    ]
+    away = [centre - line[0] for centre in centres if station_of(line, centre) <= 0.0]
+    behind = [-float(one @ ahead) for one in away]
     least = max(behind, default=0.0)
     if least < 10.0**-DIGITS:
         return found
     begin = (line[0] - least * ahead).round(DIGITS)
     way = shapely.LineString([begin, line[0]])
-    if not drawing.area.covers(way) or way.distance(drawing.area.boundary) <= 0.5 * found.box[1]:
+    is_free = drawing.area.covers(way)
+    is_free &= way.distance(drawing.area.boundary) > 0.5 * found.box[1]
+    around = [one for one, far in zip(away, behind, strict=True) if np.hypot(*one) > SLANT * far]
+    if not is_free or around:  # as round a corner
         drawing.changes.append(
-            f"WARNING: a robot stands {least:.2f} m before the path begins at {place(line[0])}; "
-            "there is no straight way to it from there; draw the path from behind the robots"
+            f"WARNING: a robot stands {least:.2f} m before the path begins at {place(line[0])}, "
+            "not straight behind it on a way that is free; draw the path from behind the robots"
         )
         return found
     drawing.changes.append(
@@ -170,6 +174,7 @@ def _as_drawn(robot: DrawnRobot, drawing: Drawing, found: Fit, outline: Outline)
     footprint = footprint_of(robot.outline, centre, heading)
     pose = (float(centre[0]), float(centre[1]), heading)
     if own is not None:
+        _tell_far(drawing, found, robot, centre, own)
         return Placed(robot.name, footprint, pose, own, None)
     offset = round(_beside(line, centre, found.size), 2)
     one = lane(line, offset, outline, found.room, found.size, len(drawing.robots))
@@ -177,15 +182,25 @@ def _as_drawn(robot: DrawnRobot, drawing: Drawing, found: Fit, outline: Outline)
         drawing.changes.append(
             f"path of {robot.name}, {offset:+.2f} m beside the reference path, {narrowing}"
         )
-    way = shapely.shortest_line(shapely.Point(centre), shapely.LineString(one.line))
-    is_walled = way.difference(drawing.area).length > HALF_WALL
-    if is_walled or way.length > FAR * found.size:
-        behind = ", behind a wall" if is_walled else ""
-        drawing.changes.append(
-            f"WARNING: {robot.name} at {place(centre)} stands {way.length:.2f} m from its path "
-            f"beside the reference path{behind}; draw it a path of its own, named {robot.name}"
-        )
+    _tell_far(drawing, found, robot, centre, one.line)
     return Placed(robot.name, footprint, pose, one.line, one.plain_offset)
+
+
+def _tell_far(
+    drawing: Drawing, found: Fit, robot: DrawnRobot, centre: FloatArray, line: FloatArray
+) -> None:
+    """Tell of a robot that stands far from its path, or behind a wall from it."""
+    way = shapely.shortest_line(shapely.Point(centre), shapely.LineString(line))
+    is_walled = way.difference(drawing.area).length > HALF_WALL
+    if not is_walled and way.length <= FAR * found.size:
+        return
+    behind = ", behind a wall" if is_walled else ""
+    stands = f"WARNING: {robot.name} at {place(centre)} stands {way.length:.2f} m from"
+    drawing.changes.append(
+        f"{stands} the path with its name{behind}"
+        if robot.name in drawing.paths
+        else f"{stands} its path{behind}; draw it a path of its own, named {robot.name}"
+    )
 
 
 def _directions_at_ends(line: FloatArray, size: float) -> tuple[FloatArray, FloatArray]:

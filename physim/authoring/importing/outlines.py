@@ -7,6 +7,7 @@ from math import atan2, cos, pi, sin
 import numpy as np
 import shapely
 
+from physim.authoring.importing.drawing import Drawing, listed, place
 from physim.geometry.polygon import counter_clockwise
 from physim.geometry.shapes import FloatArray
 
@@ -20,6 +21,25 @@ DENT = 0.002
 """[m] Rounding to the millimetre moves a corner by 0.7 mm, and those beside it the other way."""
 MOST_CORNERS = 100
 """of an outline whose mirror images are looked at; what has more is round"""
+
+
+def drop_marks(drawing: Drawing) -> None:
+    """Leave out outlines of robots within those of others, as of the heading; they are listed."""
+    outlines = [one.outline for one in drawing.robots]
+    if len(outlines) < 2 or min(map(len, outlines)) < 3:
+        return
+    shapes = shapely.make_valid(np.array([shapely.Polygon(one) for one in outlines], dtype=object))
+    within, about = shapely.STRtree(shapes).query(shapes, predicate="covered_by")
+    is_less = shapely.area(shapes[within]) < shapely.area(shapes[about])
+    marks = {int(k): int(j) for k, j in zip(within[is_less], about[is_less], strict=True)}
+    drawing.changes += listed(
+        [
+            f"robot at {place(outlines[k][0])}: within {drawing.robots[j].name}, a mark on it, "
+            "left out"
+            for k, j in marks.items()
+        ]
+    )
+    drawing.robots = [one for k, one in enumerate(drawing.robots) if k not in marks]
 
 
 def rectangle_of(outline: FloatArray, ahead: FloatArray) -> tuple[FloatArray, float]:

@@ -26,6 +26,7 @@ from physim.authoring.importing.drawing import (
     rounded,
 )
 from physim.authoring.importing.joining import OUTSIDE, beyond_of, join_ends, knit
+from physim.authoring.importing.outlines import drop_marks
 from physim.authoring.importing.path_pieces import take_paths
 from physim.authoring.importing.places import OTHERS, chosen_area
 from physim.authoring.importing.roles import nearest_role
@@ -99,6 +100,7 @@ def drawing_of(path: Path, kind: str, parts: list[Part], options: Options) -> Dr
             polygons += found
             repairs += [repair] * len(found)
             areas += [part] * len(found)
+    drop_marks(drawing)
     take_paths(drawing, paths)
     take_walls(drawing, walls)
     drawing.changes += listed(unused)

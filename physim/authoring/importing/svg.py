@@ -28,6 +28,7 @@ from physim.authoring.importing.drawing import (
     rounded,
 )
 from physim.authoring.importing.joining import join_ends
+from physim.authoring.importing.outlines import drop_marks
 from physim.authoring.importing.path_pieces import take_paths
 from physim.authoring.importing.roles import nearest_role, role_named
 from physim.authoring.importing.source import read_xml
@@ -267,6 +268,7 @@ def _sort(path: Path, drawing: Drawing, lines: list[_Line], walls: Walls) -> Non
                 f"line {line.line}: {line.where}: {line.role} at {place(points[0])} is not closed: "
                 "closed by a straight line"
             )
+    drop_marks(drawing)
     take_paths(drawing, paths)
     drawing.changes += join_ends(drawing.boundaries)
     if not drawing.boundaries:

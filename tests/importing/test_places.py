@@ -693,3 +693,17 @@ def test_a_mark_on_a_robot_is_no_robot(tmp_path: Path, first: bool) -> None:
     made = import_world(geojson(tmp_path, [*parts, *(drawn if first else drawn[::-1])]))
     assert len(made.world.robots) == 1
     check_says(only(made, "a mark on it"), "(5.30, 6.20)")
+
+
+@pytest.mark.parametrize("truck", [1.8, 6.0])
+def test_speeds_are_those_of_the_smallest_robot(tmp_path: Path, truck: float) -> None:
+    """Those of a truck would be too fast for the others, and its distances too long."""
+    parts = [
+        ("boundary", shapely.box(0, 0, 60, 12)), ("path", shapely.LineString([(3, 4), (57, 4)])),
+        ("robot a", shapely.box(14, 3.5, 15.8, 4.5)), ("robot b", shapely.box(10, 3.5, 11.8, 4.5)),
+        ("robot c", shapely.box(1.5, 3, 1.5 + truck, 5)),
+    ]  # fmt: skip
+    made = import_world(geojson(tmp_path, parts))
+    assert made.world.formation is not None
+    assert made.world.formation.speed == 1.0
+    assert any("1.80 to 6.00 m" in one for one in made.facts) == (truck == 6.0)

@@ -40,6 +40,8 @@ STOP_ROOM = 1.3
 SMALLEST = 0.01
 MOST_TRIMMED = 0.3
 """[-] share of the path that may be left out at either end to get away from a wall"""
+UNLIKE = 1.5
+"""[-] times as long as the shortest robot another is, if that is told"""
 DOUBTED = 0.1
 """[m] clearance below which, if there is no more anywhere, the scale is doubted"""
 SLIVER = 1e-6
@@ -76,7 +78,8 @@ def fit(path: Path, drawing: Drawing, options: Options) -> Fit:
     _check_inside(path, drawing, reference, doubt)
     box = _given_box(drawing, options)
     if box is not None:
-        size = round(box[0] / LENGTH, 2 if box[0] > 0.2 else 4)
+        length_of_one = _smallest(drawing, options, box[0])
+        size = round(length_of_one / LENGTH, 2 if length_of_one > 0.2 else 4)
         room = room_of(box)
         ends = _ends(at, gaps, room) or _ends(at, gaps, 0.5 * box[1]) or (0, len(at) - 1)
         ahead = 0.5 * box[0] + STOP_ROOM * size
@@ -176,6 +179,21 @@ def _given_box(drawing: Drawing, options: Options) -> tuple[float, float] | None
         width = spans[on_it if any(on_it) else slice(None), 0].max()
         return float(spans[:, 1].max()), float(width)
     return None
+
+
+def _smallest(drawing: Drawing, options: Options, length: float) -> float:
+    """Length [m] of the robot by which speeds and distances go, of the shortest that is drawn.
+
+    ``length`` is that of the longest; what suits it is too fast for much smaller ones.
+    """
+    if options.robot is not None or options.robots is not None or not drawing.robots:
+        return length
+    shortest = min(float(_spans(one.outline)[1]) for one in drawing.robots)
+    if length > UNLIKE * shortest:
+        drawing.facts.append(
+            f"robots of {shortest:.2f} to {length:.2f} m: speeds and distances go by the shortest"
+        )
+    return shortest
 
 
 def _spans(outline: FloatArray) -> FloatArray:

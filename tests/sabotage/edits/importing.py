@@ -907,4 +907,13 @@ EDITS = (
         "a queue round a corner is asked for its path",
         "tests/importing/test_places.py::test_a_queue_round_a_corner_is_asked_for_its_path",
     ),
+    Edit(
+        "importing",
+        "physim/authoring/importing/fit.py",
+        "fit",
+        "length_of_one = _smallest(drawing, options, box[0])",
+        "length_of_one = box[0]",
+        "speeds are those of the smallest robot",
+        "tests/importing/test_places.py::test_speeds_are_those_of_the_smallest_robot",
+    ),
 )

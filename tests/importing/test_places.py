@@ -707,3 +707,32 @@ def test_speeds_are_those_of_the_smallest_robot(tmp_path: Path, truck: float) ->
     assert made.world.formation is not None
     assert made.world.formation.speed == 1.0
     assert any("1.80 to 6.00 m" in one for one in made.facts) == (truck == 6.0)
+
+
+@pytest.mark.parametrize("angle", np.linspace(0.1, 4.0, 12))
+@pytest.mark.parametrize("first", [9.0, 8.0])
+def test_a_path_begins_behind_two_lanes_of_waiting_robots(
+    tmp_path: Path, angle: float, first: float
+) -> None:
+    """Also where the foremost of them stand at its beginning, or it begins at the first of them."""
+    lanes = (3.5, 6.5) if first == 9.0 else (5.0,)
+    robots = [shapely.box(x - 0.8, y - 0.5, x + 0.8, y + 0.5)
+              for x in (first, first - 4.0) for y in lanes]  # fmt: skip
+    parts = [("boundary", shapely.box(0, 0, 40, 10)),
+             ("path", shapely.LineString([(first, 5), (35, 5)])),
+             *(("robot", one) for one in robots)]  # fmt: skip
+    turned = [(role, shapely.affinity.rotate(one, angle, origin=(0, 0))) for role, one in parts]
+    made = import_world(geojson(tmp_path, turned))
+    free_area(made, tmp_path)
+    assert only(made, "earlier")
+
+
+def test_a_robot_with_narrow_parts_has_shorter_steps(tmp_path: Path) -> None:
+    """As a forklift with its tines; in the usual ones it could pass through another."""
+    fork = shapely.union_all([shapely.box(4, 4, 6, 5.2), shapely.box(6, 4.1, 7, 4.3),
+                              shapely.box(6, 4.9, 7, 5.1)])  # fmt: skip
+    parts = [("boundary", shapely.box(0, 0, 48, 12)),
+             ("path", shapely.LineString([(3, 4.6), (45, 4.6)])), ("robot fork", fork)]  # fmt: skip
+    made = import_world(geojson(tmp_path, parts))
+    assert made.world.time.step == 0.005
+    assert any("0.005 s" in one for one in made.facts)

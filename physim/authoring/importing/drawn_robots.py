@@ -27,8 +27,6 @@ from physim.geometry.thinning import simplified
 
 ALONG = 0.5
 """[-] share of its length that a path has along the reference path, if a formation goes on it"""
-SLANT = 1.25
-"""[-] times as far as straight behind the beginning of its path a robot stands from it at most"""
 LEAST_WAY = 0.25
 """[-] share of the path that the robot that goes farthest goes at least"""
 FAR = 2.0
@@ -122,8 +120,12 @@ def _begun_behind(drawing: Drawing, found: Fit) -> Fit:
     way = shapely.LineString([begin, line[0]])
     is_free = drawing.area.covers(way)
     is_free &= way.distance(drawing.area.boundary) > 0.5 * found.box[1]
-    around = [one for one, far in zip(away, behind, strict=True) if np.hypot(*one) > SLANT * far]
-    if not is_free or around:  # as round a corner
+    beside = [  # of those behind, from the beginning to the side where they stand
+        shapely.LineString([line[0], line[0] + one + far * ahead])
+        for one, far in zip(away, behind, strict=True)
+        if far > 10.0**-DIGITS
+    ]
+    if not is_free or not all(map(drawing.area.covers, beside)):  # as round a corner
         drawing.changes.append(
             f"WARNING: a robot stands {least:.2f} m before the path begins at {place(line[0])}, "
             "not straight behind it on a way that is free; draw the path from behind the robots"

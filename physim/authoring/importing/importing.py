@@ -42,6 +42,8 @@ from physim.world import World
 from physim.world.file import parse_world
 from physim.world.layout.scene_builder import build_scene
 
+STEPS = (0.01, 0.005, 0.002, 0.001)
+"""[s] of a world, and shorter ones for robots with narrow parts"""
 MOST_DRAWN = 500
 """Robots of a drawing, each of which gets a lane of its own"""
 READERS = {
@@ -127,14 +129,13 @@ def _imported(source: Path, options: Options) -> Imported:
         drawing.changes[:0] = _missed(found, options)
     drawing.facts += _about(drawing, found, robots, options)
     drawing.facts += stop_warnings(drawing, found.reference, robots, found.size, drawn)
-    text = world_text(options.name or _name(source), escaped(source.name), drawing, found, robots)
-    return Imported(
-        text,
-        _checked(source, text, drawing, robots, options),
-        drawing.kind,
-        tuple(drawing.facts),
-        tuple(drawing.changes),
-    )
+    name = options.name or _name(source)
+
+    def written(step: float) -> str:
+        return world_text(name, escaped(source.name), drawing, found, robots, step)
+
+    text, world = _checked(source, written, drawing, robots, options)
+    return Imported(text, world, drawing.kind, tuple(drawing.facts), tuple(drawing.changes))
 
 
 def _check_extent(source: Path, drawing: Drawing) -> None:
@@ -216,26 +217,61 @@ def _name(source: Path) -> str:
 
 
 def _checked(
-    source: Path, text: str, drawing: Drawing, robots: Sequence[Placed], options: Options
-) -> World:
-    """Load the world and build its scene, as a run would."""
+    source: Path,
+    written: Callable[[float], str],
+    drawing: Drawing,
+    robots: Sequence[Placed],
+    options: Options,
+) -> tuple[str, World]:
+    """The text of the world, loaded, and its scene built as a run would.
+
+    With a shorter step than usual where robots as they are drawn have parts too narrow for it.
+    """
+    usual, *shorter = STEPS
+    text = _short_enough(source, written(usual))
+    try:
+        return text, _built(text)
+    except WorldError as error:
+        first = error
+    is_of_step = first.faults[0].location[:2] == ("time", "step") or (
+        first.faults[0].location[:1] == ("robots",) and first.faults[0].location[2:] == ("limits",)
+    )
+    for step in shorter if is_of_step and drawing.robots and options.robots is None else []:
+        told = f"steps of {step:g} s instead of {usual:g} s, as a robot has narrow parts"
+        drawing.facts.append(told)
+        try:
+            text = written(step)
+            return text, _built(text)
+        except WorldError:
+            drawing.facts.remove(told)
+    raise _cannot_run(source, first, drawing, robots, options) from None
+
+
+def _built(text: str) -> World:
+    world = parse_world(text, "the world")
+    build_scene(world)
+    return world
+
+
+def _short_enough(source: Path, text: str) -> str:
     if len(text) > 5_000_000:
         raise refused(
             source,
             f"the world would have {len(text) / 1e6:.1f} MB, and a world file has at most 5 MB; "
             "use a larger --tolerance",
         )
-    try:
-        world = parse_world(text, "the world")
-        build_scene(world)
-    except WorldError as error:
-        first = error.faults[0]
-        more = f" (and {len(error.faults) - 1} more)" if len(error.faults) > 1 else ""
-        message = f"the world made of it cannot run: {first}{more}"
-        if options.robot is not None and first.location[:1] == ("time",):
-            message += "; another --robot LENGTH,WIDTH, less long for its width"
-        raise _refused_where(source, message, first.location, drawing, robots) from None
-    return world
+    return text
+
+
+def _cannot_run(
+    source: Path, error: WorldError, drawing: Drawing, robots: Sequence[Placed], options: Options
+) -> ImportSourceError:
+    first = error.faults[0]
+    more = f" (and {len(error.faults) - 1} more)" if len(error.faults) > 1 else ""
+    message = f"the world made of it cannot run: {first}{more}"
+    if options.robot is not None and first.location[:1] == ("time",):
+        message += "; another --robot LENGTH,WIDTH, less long for its width"
+    return _refused_where(source, message, first.location, drawing, robots)
 
 
 def _refused_where(

@@ -31,14 +31,16 @@ SPACE = 1.35
 """[-] duration over the time that the path takes at the formation's speed"""
 
 
-def world_text(name: str, source: str, drawing: Drawing, found: Fit, robots: list[Placed]) -> str:
-    """YAML text of the world; loading it checks it."""
+def world_text(
+    name: str, source: str, drawing: Drawing, found: Fit, robots: list[Placed], step: float
+) -> str:
+    """YAML text of the world, run in steps of ``step`` [s]; loading it checks it."""
     lines = [f"# yaml-language-server: $schema={FILE}", *_heading(source, drawing)]
     group = "One robot" if len(robots) == 1 else f"{len(robots)} robots"
     duration = 10.0 * ceil((length_of(found.reference) / found.size * SPACE + 20.0) / 10.0)
     lines.append(f"name: {scalar_text(name)}")
     lines.append(f"description: {scalar_text(f'{group} in a place imported from {source}.')}")
-    lines.append(f"time: {{step: 0.01, duration: {duration:.1f}}}  # [s]")
+    lines.append(f"time: {{step: {step:g}, duration: {duration:.1f}}}  # [s]")
     lines.append("boundaries:  # [m] polylines, points x, y")
     for boundary in drawing.boundaries:
         lines += _points("  - ", boundary)

@@ -53,7 +53,7 @@ FAULTS = {
     ),
     "path through an obstacle": (
         shape("rect", 'x="10" y="6" width="1" height="2"'),
-        ":4: … 'path' … 'obstacle pillar', line 3 … (10.01, 7.00)",
+        ":4: … 'path' … 'obstacle pillar', line 3 … (10.00, 7.00)",
     ),
     "obstacle that crosses itself": (
         shape("polygon", 'points="10,6 12,8 12,6 10,8"'), ":3: … 'obstacle pillar' … itself",

@@ -12,7 +12,7 @@ import svgelements
 
 from physim.authoring.importing import (
     enclosure,
-    polygons,
+    parts,
     ros_map,
     source,
     svg_guard,
@@ -122,7 +122,7 @@ def test_curves_make_no_more_points_than_are_read() -> None:
 
 
 def test_no_more_geometries_are_read_than_stated(tmp_path: Path) -> None:
-    count = polygons.MOST_GEOMETRIES + 1
+    count = parts.MOST_GEOMETRIES + 1
     wkt, geojson = tmp_path / "a.wkt", tmp_path / "a.geojson"
     wkt.write_text("POINT (1 2)\n" * count)
     points = ",".join(['{"type": "Point", "coordinates": [1, 2]}'] * count)

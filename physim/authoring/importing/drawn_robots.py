@@ -29,6 +29,9 @@ ALONG = 0.5
 """[-] share of its length that a path has along the reference path, if a formation goes on it"""
 LEAST_WAY = 0.25
 """[-] share of the path that the robot that goes farthest goes at least"""
+BEHIND = 0.1
+"""[m] at size 1: robots of a lap that are less far apart along it are abreast; it begins as far
+behind the last"""
 FAR = 2.0
 """[m] from its path at size 1 that a robot has to find a way to it"""
 HOOK = 0.1
@@ -57,30 +60,41 @@ def as_drawn(drawing: Drawing, found: Fit) -> tuple[Fit, list[Placed]]:
             "reference path: no formation, every robot goes to the end of its own path"
         )
         robots = _stopping_behind(drawing, found, robots)
-    else:
-        drawing.changes[:0] = _hardly_moving(found, robots)
+    drawing.changes[:0] = _hardly_moving(drawing, found, robots)
     return found, robots
 
 
-def _hardly_moving(found: Fit, robots: list[Placed]) -> list[str]:
-    """What is said where no robot goes a good share of the path: they may stand at its end."""
-    line, paths = found.reference, [one.path for one in robots]
-    stops = stop_stations(line, paths, [one.pose for one in robots])
+def _hardly_moving(drawing: Drawing, found: Fit, robots: list[Placed]) -> list[str]:
+    """What is said of paths of which no robot goes a good share: these may stand at its end."""
+    paths = [one.path for one in robots]
+    lengths = np.array([length_of(path) for path in paths])
+    stops = lengths
+    if drawing.is_one_way:
+        stops = stop_stations(found.reference, paths, [one.pose for one in robots])
     starts = [station_of(one.path, np.array(one.pose[:2])) for one in robots]
-    farthest = float((stops - starts).max())
-    if farthest >= LEAST_WAY * length_of(line):
-        return []
-    return [
-        f"WARNING: no robot goes farther than {max(farthest, 0.0):.2f} m of the path of "
-        f"{length_of(line):.2f} m: they stand near its end, {place(line[-1])}; if that is where "
-        "they are to begin, draw it the other way round"
-    ]
+    ways = np.maximum(stops - starts, 0.0)
+    on_it = {one.name for one in _on_it(drawing)}
+    groups = [[k for k, one in enumerate(robots) if one.name in on_it]]
+    groups += [[k] for k, one in enumerate(robots) if one.name not in on_it]
+    told = []
+    for group in filter(None, groups):
+        k = max(group, key=lambda one: float(ways[one]))
+        if ways[k] < LEAST_WAY * lengths[k]:
+            told.append(
+                f"WARNING: {robots[k].name} goes {ways[k]:.2f} m of a path of {lengths[k]:.2f} m, "
+                f"and no other on it farther: it stands near its end, {place(paths[k][-1])}; if "
+                "that is where it is to begin, draw it the other way round"
+            )
+    return told
 
 
 def _goes_along(reference: FloatArray, path: FloatArray) -> bool:
     """Whether a path makes most of its way along another, where a formation measures it."""
-    first, last = (station_of(reference, path[k]) for k in (0, -1))
-    return last - first > ALONG * length_of(path)
+    length = length_of(path)
+    is_lap = (path[0] == path[-1]).all()
+    shares = (0.25, 0.75) if is_lap else (0.0, 1.0)
+    first, last = (station_of(reference, points_at(path, share * length)) for share in shares)
+    return last - first > ALONG * (shares[1] - shares[0]) * length
 
 
 def _stopping_behind(drawing: Drawing, found: Fit, robots: list[Placed]) -> list[Placed]:
@@ -94,7 +108,7 @@ def _stopping_behind(drawing: Drawing, found: Fit, robots: list[Placed]) -> list
     made = []
     for robot in robots:
         lag = lead - starts.get(robot.name, lead)
-        if lag > 0.0:
+        if 0.0 < lag < length_of(robot.path) - found.size:
             line = stretch(robot.path, 0.0, length_of(robot.path) - lag)
             robot = replace(robot, path=rounded(line), offset=None)
         made.append(robot)
@@ -110,8 +124,11 @@ def _begun_behind(drawing: Drawing, found: Fit) -> Fit:
     if (line[0] == line[-1]).all():
         return _lap(drawing, found)
     ahead, _ = _directions_at_ends(line, found.size)
-    centres = [_centroid(one) for one in drawing.robots if one.name not in drawing.paths]
-    away = [centre - line[0] for centre in centres if station_of(line, centre) <= 0.0]
+    away = [
+        centre - line[0]
+        for centre in map(_centroid, _on_it(drawing))
+        if station_of(line, centre) <= 0.0
+    ]
     behind = [-float(one @ ahead) for one in away]
     least = max(behind, default=0.0)
     if least < 10.0**-DIGITS:
@@ -136,30 +153,45 @@ def _begun_behind(drawing: Drawing, found: Fit) -> Fit:
     )
     dx, dy = line[1] - line[0]
     is_straight = abs(float(ahead[0] * dy - ahead[1] * dx)) < 10.0**-DIGITS
-    return replace(found, reference=np.vstack([begin, line[1 if is_straight else 0 :]]))
+    return _begun(drawing, found, np.vstack([begin, line[1 if is_straight else 0 :]]))
+
+
+def _on_it(drawing: Drawing) -> list[DrawnRobot]:
+    """Robots on the reference path: those without one of their own, or of which it is that."""
+    reference = drawing.reference
+    return [one for one in drawing.robots if drawing.paths.get(one.name, reference) is reference]
+
+
+def _begun(drawing: Drawing, found: Fit, line: FloatArray) -> Fit:
+    """The fit with another reference path (n, 2) [m], also of the robot of which it is the own."""
+    for name, own in drawing.paths.items():
+        if own is drawing.reference:
+            drawing.paths[name] = line
+    drawing.reference = line
+    return replace(found, reference=line)
 
 
 def _lap(drawing: Drawing, found: Fit) -> Fit:
-    """The fit with a closed path that begins at the last of the robots on it.
+    """The fit with a closed path that begins just behind the last of the robots on it.
 
-    That is the one ahead of which, all round, the others are nearest: behind it is the longest way
-    without one.
+    That is the one behind which, all round, the longest way without another is.
     """
-    line = found.reference
-    on_it = [one for one in drawing.robots if one.name not in drawing.paths]
-    at = [station_of(line, _centroid(one)) for one in on_it]
+    line, least = found.reference, BEHIND * found.size
     length = length_of(line)
-    behind = [min(((own - other) % length for other in at if other != own), default=length)
-              for own in at]  # fmt: skip
-    if not at:
+    at = np.array([station_of(line, _centroid(one)) for one in _on_it(drawing)])
+    if not at.size:
         return found
-    begin = at[int(np.argmax(behind))]
+    gaps = (at[:, None] - at[None]) % length
+    gaps[(gaps < least) | (gaps > length - least)] = length  # abreast, or the robot itself
+    last = gaps.min(axis=1) >= gaps.min(axis=1).max() - least
+    first_of_last = at[last][0]
+    behind = (at[last] - first_of_last + least) % length  # of those abreast the rearmost
+    begin = float((first_of_last - least + behind.min() - least) % length)
+    lap = np.vstack([stretch(line, begin, length)[:-1], stretch(line, 0.0, begin)])
     if 0.0 < begin < length:
-        line = np.vstack([stretch(line, begin, length)[:-1], stretch(line, 0.0, begin)])
-        drawing.changes.append(
-            f"closed path begun at {place(line[0])}, where the last robot stands"
-        )
-    return replace(found, reference=rounded(line))
+        line = rounded(lap)
+    drawing.changes.append(f"closed path begun at {place(line[0])}, where the last robot stands")
+    return _begun(drawing, found, line)
 
 
 def _centroid(robot: DrawnRobot) -> FloatArray:

@@ -251,6 +251,8 @@ def lane(
     share = _shares(base, offset * normal, outline, room)
     share = _gentle(share, at, SLOPE / abs(offset))
     line = base + (share * offset)[:, None] * normal
+    if (reference[0] == reference[-1]).all():
+        line = line[:-1]  # a lap is no loop to be cut off
     try:
         line = without_loops(line, float("inf"))[0]
     except CrossingError:  # too many loops: no lane of its own

@@ -7,8 +7,6 @@ from typing import Any
 
 import numpy as np
 import shapely
-from scipy.sparse import coo_matrix
-from scipy.sparse.csgraph import connected_components
 
 from physim.errors import Fault, place_text
 from physim.geometry.area import accessible_area
@@ -59,10 +57,14 @@ def cut_faults(
 def _touching(solids: dict[int, Any]) -> list[list[int]]:
     """Numbers of the solids in groups of those that touch one another."""
     keys, shapes = list(solids), np.array([*solids.values()], dtype=object)
-    pairs = shapely.STRtree(shapes).query(shapes, predicate="intersects")
-    graph = coo_matrix((np.ones(pairs.shape[1], bool), (pairs[0], pairs[1])), (len(keys),) * 2)
-    count, labels = connected_components(graph, directed=False)
-    return [[key for key, own in zip(keys, labels, strict=True) if own == k] for k in range(count)]
+    pairs = shapely.STRtree(shapes).query(shapes, predicate="intersects").T if keys else []
+    group = {key: [key] for key in keys}
+    for i, j in pairs:
+        one, other = group[keys[i]], group[keys[j]]
+        if one is not other:
+            one += other
+            group.update(dict.fromkeys(other, one))
+    return [sorted(one) for key, one in group.items() if one[0] == key]
 
 
 def _needed(face: Any, group: dict[int, Any], line: Any) -> list[int]:

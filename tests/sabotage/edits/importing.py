@@ -866,7 +866,7 @@ EDITS = (
         "importing",
         "physim/authoring/importing/drawn_robots.py",
         "as_drawn",
-        "drawing.changes[:0] = _hardly_moving(found, robots)",
+        "drawing.changes[:0] = _hardly_moving(drawing, found, robots)",
         "pass",
         "a path drawn from its end is told",
         "tests/importing/test_places.py::test_a_path_drawn_from_its_end_is_told",

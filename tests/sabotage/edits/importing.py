@@ -496,10 +496,10 @@ EDITS = (
     Edit(
         "importing",
         "physim/authoring/importing/joining.py",
-        "join_ends",
-        "(line[0] != line[-1]).any() and not within.covers(shapely.LineString(line))",
-        "(line[0] != line[-1]).any()",
-        "a passage in a closed place stays open",
+        "_bridged",
+        "if not within.contains_properly(shapely.Point(end))",
+        "",
+        "ends within a closed wall are not joined",
         "tests/importing/test_joining.py::test_a_passage_between_walls_in_a_closed_one_stays_open",
     ),
     Edit(

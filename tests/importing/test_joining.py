@@ -169,8 +169,9 @@ def test_pieces_that_lie_over_one_another_are_cut_at_their_joint(tmp_path: Path)
     pieces = [
         shapely.LineString([(a, 7), (b, 7)]).segmentize(0.05) for a, b in ((2, 12), (11.9, 20))
     ]
-    parts = [("boundary", shapely.box(0, 0, 24, 14)), *(("path", one) for one in pieces)]
+    parts = [("boundary", shapely.box(0, 0, 100, 14)), *(("path", one) for one in pieces)]
     made = import_world(geojson(tmp_path, parts))
+    assert only(made, "2 pieces joined")
     assert (np.diff(np.asarray(made.world.reference_path)[:, 0]) > 0.0).all()
 
 

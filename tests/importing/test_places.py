@@ -481,6 +481,23 @@ def test_walls_that_overlap_by_a_grain_stay_closed(
     assert free_area(drawn, tmp_path) == pytest.approx(38.0 * 18.0, abs=0.2)
 
 
+def test_a_thin_wall_stays_whole_at_any_angle(tmp_path: Path) -> None:
+    """Its corners lie so near its own other side that they could be taken to lie on it."""
+    rng = np.random.default_rng(1)
+    for angle, thick in zip(rng.uniform(0, 90, 20), rng.uniform(0.0012, 0.002, 20), strict=True):
+        ring = shapely.box(0, 0, 20, 10) - shapely.box(thick, thick, 20 - thick, 10 - thick)
+        parts = [ring, shapely.box(8, 4, 9, 5)]
+        walls = [shapely.affinity.rotate(one, angle, origin=(0, 0)) for one in parts]
+        made = import_world(geojson(tmp_path, [("wall", one) for one in walls]))
+        assert free_area(made, tmp_path) == pytest.approx(199.0, abs=0.2)
+
+
+def test_a_polygon_with_a_role_is_the_place_beside_larger_ones(tmp_path: Path) -> None:
+    site, hall = shapely.box(0, 0, 60, 40), shapely.box(5, 5, 25, 15)
+    made = import_world(geojson(tmp_path, [("", site), ("boundary", hall)]))
+    assert free_area(made, tmp_path) == pytest.approx(hall.area)
+
+
 @pytest.mark.parametrize("thick", [0.002, 0.0025, 0.004])
 def test_a_thin_wall_is_not_knit_to_its_own_other_side(tmp_path: Path, thick: float) -> None:
     ring = shapely.box(0, 0, 20, 10) - shapely.box(thick, thick, 20 - thick, 10 - thick)

@@ -105,7 +105,8 @@ def drawing_of(path: Path, kind: str, parts: list[Part], options: Options) -> Dr
     take_walls(drawing, walls)
     drawing.changes += listed(unused)
     if polygons:
-        chosen = chosen_area(polygons, drawing, options.origin)
+        with_role = [one for one, part in zip(polygons, areas, strict=True) if part.role]
+        chosen = chosen_area(with_role or polygons, drawing, options.origin)
         taken = next(k for k, one in enumerate(polygons) if one is chosen)
         drawing.repairs += filter(None, [repairs[taken]])
         if len(polygons) > 1:

@@ -166,9 +166,8 @@ def test_a_path_does_not_turn_back_at_a_piece_beside_it(tmp_path: Path) -> None:
 
 def test_pieces_that_lie_over_one_another_are_cut_at_their_joint(tmp_path: Path) -> None:
     """Finely drawn ones would go to and fro there."""
-    pieces = [
-        shapely.LineString([(a, 7), (b, 7)]).segmentize(0.05) for a, b in ((2, 12), (11.9, 20))
-    ]
+    ends = (((10, 7), (50, 7)), ((49.7, 7.02), (90, 7.02)))
+    pieces = [shapely.LineString(line).segmentize(0.02) for line in ends]
     parts = [("boundary", shapely.box(0, 0, 100, 14)), *(("path", one) for one in pieces)]
     made = import_world(geojson(tmp_path, parts))
     assert only(made, "2 pieces joined")

@@ -907,4 +907,13 @@ EDITS = (
         "a polygon with a role is the place beside larger ones",
         "tests/importing/test_places.py::test_a_polygon_with_a_role_is_the_place_beside_larger_ones",
     ),
+    Edit(
+        "importing",
+        "physim/authoring/importing/path_pieces.py",
+        "_join_pieces",
+        "first, second = _cut(first[::-1], joint, gap)[::-1], _cut(second, joint, gap)",
+        "pass",
+        "pieces that lie over one another are cut",
+        "tests/importing/test_joining.py::test_pieces_that_lie_over_one_another_are_cut_at_their_joint",
+    ),
 )

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import os
-import stat
 import sys
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TextIO
 
-from physim.drafts import discard, draft_of
+from physim.drafts import check_regular, discard, draft_of
 from physim.errors import PhysimError, WorldError
 
 CUT_SHORT = ".cut_short"
@@ -19,13 +18,6 @@ STDOUT = Path("-")
 """What stands for standard output where a file is asked for."""
 SUMMARY = "summary.json"
 FILES = ("record.h5", "video.mp4", f"video{CUT_SHORT}.mp4", SUMMARY, "page.html")
-KINDS = {
-    stat.S_IFLNK: "a link",
-    stat.S_IFIFO: "a named pipe",
-    stat.S_IFCHR: "a device",
-    stat.S_IFBLK: "a device",
-    stat.S_IFSOCK: "a socket",
-}
 
 
 def output_folder(folder: Path, force: bool, *inputs: Path) -> Path:
@@ -94,7 +86,7 @@ def empty_folder(folder: Path, force: bool, *files: Path, option: str = "-o") ->
     """Raise PhysimError unless ``files`` may be written in a folder: an empty one, or by force."""
     a_folder(folder, option)
     for file in files:
-        regular(file)
+        check_regular(file)
     with writing(folder):
         if not force and folder.exists() and any(folder.iterdir()):
             raise PhysimError(
@@ -133,22 +125,11 @@ def new_file(
     for source in inputs:
         if _same(source, path):
             raise PhysimError(f"{path}: is the input; {option} takes another {another}")
-    regular(path)
+    check_regular(path)
     if os.path.lexists(path) and not force:
         raise PhysimError(
             f"{path}: exists; use --force to overwrite it, or {option} for another {another}"
         )
-
-
-def regular(path: Path) -> None:
-    """Raise PhysimError for a device, pipe, link: writing replaces what has the name."""
-    try:
-        mode = path.lstat().st_mode
-    except (OSError, ValueError):
-        return  # nothing there, or writing says what is wrong
-    if not stat.S_ISREG(mode) and not stat.S_ISDIR(mode):
-        kind = KINDS.get(stat.S_IFMT(mode), "something else")
-        raise PhysimError(f"{path}: is not a regular file but {kind}, which is not overwritten")
 
 
 def inputs(*given: str | Path | None) -> tuple[Path, ...]:
@@ -228,7 +209,6 @@ def text_stream(json: Path | None) -> TextIO:
 
 def write_text(path: Path, text: str) -> None:
     """Write a text file, whole or not at all. Raises PhysimError when it cannot be written."""
-    regular(path)
     part = draft_of(path)
     with writing(path):
         try:

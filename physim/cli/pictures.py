@@ -11,11 +11,12 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from physim.cli.output import CUT_SHORT, a_folder, new_file, regular
+from physim.cli.output import CUT_SHORT, a_folder, new_file
 from physim.cli.parser import Options, command, flag, option
 from physim.cli.progress import Bar, interrupts
 from physim.cli.signals import INTERRUPTED
 from physim.cli.values import PATH, POSITIVE, PRINTED, OneOf, not_among, number_from, whole_from
+from physim.drafts import check_regular
 from physim.errors import PhysimError, plural
 
 if TYPE_CHECKING:
@@ -305,7 +306,7 @@ def write_video(
     from physim.drawing.video import render
 
     short = path.with_name(f"{path.stem}{CUT_SHORT}{path.suffix}")
-    regular(short)
+    check_regular(short)
     with Bar("video", 1.0, "frames", quiet) as bar:
         render(record, path, progress=bar.count, stop=stop, cut_short=short, **film)
     return path if bar.complete else short

@@ -14,7 +14,6 @@ from physim.cli.output import (
     new_file,
     new_json,
     new_page,
-    regular,
     spare,
     text_stream,
     write_json,
@@ -24,6 +23,7 @@ from physim.cli.parser import Options, command, flag, option
 from physim.cli.progress import Bar, interrupts
 from physim.cli.signals import INTERRUPTED
 from physim.cli.values import PATH
+from physim.drafts import check_regular
 from physim.errors import PhysimError
 
 PAGE = "report.html"
@@ -86,7 +86,7 @@ def report(options: Options) -> int:
     if options.output is not None:
         new_page(page, options.force)
     asked = Folder(folder).asked()
-    regular(page)
+    check_regular(page)
     if page.exists() and not is_ours(page):
         new_file(page, options.force)
     until = read_until(folder)

@@ -14,7 +14,7 @@ import h5py
 
 from physim.contacts import Phase
 from physim.drafts import discard, draft_of
-from physim.errors import RecordError, WorldError
+from physim.errors import PhysimError, RecordError, WorldError
 from physim.escaping import escaped, html_table
 from physim.parts.declarations import Declared, Mode
 from physim.parts.given import GivenSettings
@@ -289,7 +289,10 @@ class Record(RecordedHistory):
         Raises RecordError when that fails, and where a run is writing the file.
         """
         target = Path(path)
-        draft, lock = draft_of(target), None
+        try:
+            draft, lock = draft_of(target), None
+        except PhysimError as error:
+            raise RecordError(str(error)) from None
         try:
             lock = WriteLock(target)
             if self.path is not None:

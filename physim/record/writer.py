@@ -19,7 +19,7 @@ import numpy as np
 from h5py import h5d
 from numpy.typing import ArrayLike, NDArray
 
-from physim.errors import RecordError
+from physim.errors import PhysimError, RecordError
 from physim.geometry.shapes import IntArray
 from physim.parts.declarations import Declared
 from physim.parts.given import GivenSettings
@@ -293,6 +293,8 @@ class RecordWriter:
             self._disk = CrashSafeFile(self.path)
         except OSError as error:
             raise self._failed(error) from error
+        except PhysimError as error:
+            raise RecordError(str(error)) from None
         if not overwrite and os.path.lexists(self.path):
             self._disk.close()
             raise RecordError(f"{self.path}: exists; give another path, or overwrite=True")

@@ -84,13 +84,16 @@ def record_run(
 ) -> Record:
     """Run a simulation from its start to its end and record it; see `simulate`.
 
-    Raises ValueError for one that has made steps already: its record would lack them; and
-    RecordError where its record cannot fit on the disk or in memory.
+    Raises ValueError for one that has made steps already: its record would lack them; TypeError
+    where ``save`` is something else; and RecordError where its record cannot fit on the disk or in
+    memory.
     """
     if simulation.step_number:
         raise ValueError(
             f"the simulation is at step {simulation.step_number}; a record begins at step 0"
         )
+    if not isinstance(save, SaveAt):
+        raise TypeError(f"save: takes physim.SaveAt(every=..., tables=...), not {save!r}")
     if path is not None and os.path.lexists(path) and not overwrite:
         raise RecordError(f"{path}: exists; give another path, or overwrite=True")
     every = save.every or simulation.scene.world.time.record_every

@@ -93,6 +93,11 @@ def _sequence(value: Any) -> Any:
 
 def _points(value: Any) -> Any:
     """A long list with many entries that are no points is reported once, not for each of them."""
+    value = plain(value)
+    if isinstance(value, Mapping):
+        raise PydanticCustomError(
+            "points", "must be a list of points [x, y]; a circle is written as a polygon"
+        )
     value = _sequence(value)
     if len(value) > MOST_POINTS:
         lengths = {"max_length": MOST_POINTS, "actual_length": len(value)}
@@ -168,11 +173,19 @@ Sequence = BeforeValidator(_sequence)
 """Put on a tuple field: takes lists, tuples and arrays, and nothing else."""
 
 
-def at_most(most: int) -> BeforeValidator:
-    """Like `Sequence`, and refuses a longer list before looking at its entries."""
+def at_most(most: int, of_lines: bool = False) -> BeforeValidator:
+    """Like `Sequence`, and refuses a longer list before looking at its entries.
+
+    So it does one line of points, once and not for each of them, where ``of_lines`` are several.
+    """
 
     def check(value: Any) -> Any:
         value = _sequence(value)
+        if of_lines and value and all(map(_is_point, value)):
+            raise PydanticCustomError(
+                "points",
+                "must be a list of lists of points, in one more pair of brackets: [[[x, y], ...]]",
+            )
         if len(value) > most:
             lengths = {"max_length": most, "actual_length": len(value)}
             raise PydanticCustomError("too_long", "too long", lengths)

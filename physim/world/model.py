@@ -110,9 +110,10 @@ class World(Model):
         description="a road by centreline and width, or random, drawn by the seed (or give "
         "boundaries)",
     )
-    boundaries: Annotated[tuple[Polyline, ...], at_most(MOST_WALLS), Field(min_length=1)] | None = (
-        Field(default=None, description="[m] polylines as drawn (or give a corridor)")
-    )
+    boundaries: (
+        Annotated[tuple[Polyline, ...], at_most(MOST_WALLS, of_lines=True), Field(min_length=1)]
+        | None
+    ) = Field(default=None, description="[m] polylines as drawn (or give a corridor)")
     reference_path: Polyline | None = Field(
         default=None, description="[m] path of the formation; the centreline when absent"
     )
@@ -148,7 +149,7 @@ class World(Model):
         description="what makes robots depart from their commands, by name, in order",
     )
     arrival: Arrival = Field(default=Arrival(), description="when a robot counts as arrived")
-    obstacles: Annotated[tuple[Polygon, ...], at_most(MOST_WALLS)] = Field(
+    obstacles: Annotated[tuple[Polygon, ...], at_most(MOST_WALLS, of_lines=True)] = Field(
         default=(), description="[m] closed, solid polygons"
     )
     expect: Expectation | None = Field(default=None, description="what the run must satisfy")

@@ -13,6 +13,7 @@ from typing import Any
 
 from pydantic import BaseModel
 
+from physim.drafts import check_regular
 from physim.errors import PhysimError
 from physim.world.kinds import thawed
 from physim.world.model import World
@@ -38,6 +39,7 @@ def yaml_text(world: World) -> str:
 
 def write_atomically(path: Path, text: str) -> None:
     """Put ``text`` (UTF-8) into a file, whole or not at all; PhysimError when that fails."""
+    check_regular(path)
     try:
         handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.", suffix=".part")
         try:

@@ -189,16 +189,16 @@ def test_formats_of_the_command_line_are_those_of_the_import() -> None:
 def test_errors_of_the_world_are_told_from_warnings(
     tmp_path: Path, capture: pytest.CaptureFixture[str]
 ) -> None:
-    """A robot's own path that leads out of the place and back."""
+    """A robot before the path, with an obstacle between."""
     path = tmp_path / "plan.svg"
     path.write_text(
         svg(
-            '<rect id="wall" width="40" height="20"/><path id="path" d="M 4,10 H 36"/>'
-            '<path id="robot arrow" d="M 4,5 h 2 v 1 h -2 z"/>'
-            '<path id="path arrow" d="M 5,5.5 H 20 V -9 H 22 V 5.5 H 34"/>'
+            '<rect id="wall" width="40" height="20"/><path id="path" d="M 12,10 H 36"/>'
+            '<g id="robot"><path d="M 3,9.5 h 2 v 1 h -2 z"/><path d="M 6,9.5 h 2 v 1 h -2 z"/></g>'
+            '<rect id="obstacle" x="9" y="9" width="1" height="2"/>'
         )
     )
     done = physim("import", path, "--scale", "1", "-o", tmp_path / "w.yaml", capture=capture)
-    told = [one for one in done.out.splitlines() if "leaves the accessible area" in one]
+    told = [one for one in done.out.splitlines() if "less than their footprints" in one]
     assert told
     assert all(one.startswith("  error: ") for one in told)

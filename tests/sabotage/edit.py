@@ -66,7 +66,10 @@ ROOMS = MappingProxyType(
             "tests/test_class_faults.py",
         ),
         "work": ("tests/test_work.py",),
-        "record": ("tests/record",),
+        "record": (
+            "tests/test_drafts.py",
+            "tests/record",
+        ),
         "metrics": ("tests/metrics",),
         "summary": ("tests/test_summary.py", "tests/test_walls_named.py"),
         "validation": ("tests/validation",),

@@ -8,46 +8,47 @@ from math import hypot
 import numpy as np
 import shapely
 
-from physim.authoring.importing.drawing import DIGITS, Drawing, DrawnRobot, place, rounded
+from physim.authoring.importing.drawing import Drawing, DrawnRobot, place, rounded
 from physim.authoring.importing.enclosure import HALF_WALL
 from physim.authoring.importing.fit import Fit
+from physim.authoring.importing.lanes import Lane, lane
 from physim.authoring.importing.lines import (
     Outline,
     directions_at,
-    lane,
     length_of,
     points_at,
     station_of,
     stretch,
 )
-from physim.authoring.importing.outlines import footprint_of, rectangle_of
+from physim.authoring.importing.outlines import footprint_of
+from physim.authoring.importing.path_starts import directions_at_ends, robots_on, stand_on
 from physim.authoring.importing.robots import Placed, stop_stations
 from physim.geometry.shapes import FloatArray
-from physim.geometry.thinning import simplified
 
 ALONG = 0.5
-"""[-] share of its length that a path has along the reference path, if a formation goes on it"""
+"""[-] share of its length that a path has along the reference path, if a formation goes on it; and
+of what it has along it, its length"""
+PARTS, UNEVEN = 8, 4.0
+"""Parts of a path of which each is so many times as long or as short along the reference path"""
 LEAST_WAY = 0.25
 """[-] share of the path that the robot that goes farthest goes at least"""
-BEHIND = 0.1
-"""[m] at size 1: robots of a lap that are less far apart along it are abreast; it begins as far
-behind the last"""
 FAR = 2.0
 """[m] from its path at size 1 that a robot has to find a way to it"""
-HOOK = 0.1
-"""[m] at size 1: what a path turns within it is not meant"""
 
 
-def as_drawn(drawing: Drawing, found: Fit) -> tuple[Fit, list[Placed]]:
+def as_drawn(drawing: Drawing, found: Fit) -> list[Placed]:
     """Robots where they are drawn, each on its own path or beside the reference path.
 
     A robot heads along its path, as far as the rectangle about its outline allows, whose middle
-    is its reference point: `rectangle_of`. Returns the fit with the path that they follow, which
-    begins where the last of them stands.
+    is its reference point: `rectangle_of`.
     """
     outline = Outline(drawing.area)
-    found = _begun_behind(drawing, found)
-    robots = [_as_drawn(robot, drawing, found, outline) for robot in drawing.robots]
+    offsets = {_offset(one, found) for one in drawing.robots if one.name not in drawing.paths}
+    lanes = {
+        offset: lane(found.reference, offset, outline, found.room, found.size, len(offsets))
+        for offset in sorted(offsets)
+    }
+    robots = [_as_drawn(robot, drawing, found, lanes) for robot in drawing.robots]
     others = [
         robot.name
         for robot in robots
@@ -61,7 +62,7 @@ def as_drawn(drawing: Drawing, found: Fit) -> tuple[Fit, list[Placed]]:
         )
         robots = _stopping_behind(drawing, found, robots)
     drawing.changes[:0] = _hardly_moving(drawing, found, robots)
-    return found, robots
+    return robots
 
 
 def _hardly_moving(drawing: Drawing, found: Fit, robots: list[Placed]) -> list[str]:
@@ -73,7 +74,7 @@ def _hardly_moving(drawing: Drawing, found: Fit, robots: list[Placed]) -> list[s
         stops = stop_stations(found.reference, paths, [one.pose for one in robots])
     starts = [station_of(one.path, np.array(one.pose[:2])) for one in robots]
     ways = np.maximum(stops - starts, 0.0)
-    on_it = {one.name for one in _on_it(drawing)}
+    on_it = {one.name for one in robots_on(drawing, found.reference)}
     groups = [[k for k, one in enumerate(robots) if one.name in on_it]]
     groups += [[k] for k, one in enumerate(robots) if one.name not in on_it]
     told = []
@@ -89,12 +90,23 @@ def _hardly_moving(drawing: Drawing, found: Fit, robots: list[Placed]) -> list[s
 
 
 def _goes_along(reference: FloatArray, path: FloatArray) -> bool:
-    """Whether a path makes most of its way along another, where a formation measures it."""
-    length = length_of(path)
-    is_lap = (path[0] == path[-1]).all()
-    shares = (0.25, 0.75) if is_lap else (0.0, 1.0)
-    first, last = (station_of(reference, points_at(path, share * length)) for share in shares)
-    return last - first > ALONG * (shares[1] - shares[0]) * length
+    """Whether a path advances along another as it goes, so that a formation can be measured there.
+
+    In each of some parts by a like length: not back, nor from one leg of a bend to the other.
+    """
+    length, lap = length_of(path), length_of(reference)
+    is_lap = bool((reference[0] == reference[-1]).all())
+    points = points_at(path, np.linspace(0.0, length, PARTS + 1))
+    at = np.array([station_of(reference, point) for point in points])
+    gains = np.diff(at)
+    beside = (at[:-1] > 0.0) & (at[1:] < lap)  # not before its beginning or beyond its end
+    if is_lap:
+        gains, beside = (gains + 0.5 * lap) % lap - 0.5 * lap, np.ones(PARTS, bool)
+    shares = PARTS / length * gains[beside]
+    is_even = bool(((shares > 1.0 / UNEVEN) & (shares < UNEVEN)).all())
+    begin = float(at[0]) if at[0] < lap - length / PARTS else float(at[0]) - lap
+    is_one = not is_lap or begin + gains.sum() < lap + length / PARTS  # not on into another lap
+    return is_even and is_one and ALONG * length < float(gains.sum()) < length / ALONG
 
 
 def _stopping_behind(drawing: Drawing, found: Fit, robots: list[Placed]) -> list[Placed]:
@@ -102,8 +114,12 @@ def _stopping_behind(drawing: Drawing, found: Fit, robots: list[Placed]) -> list
 
     Behind the first of them: as a formation has it, but each on a path of its own.
     """
-    own = [robot for robot in robots if robot.name not in drawing.paths]
-    starts = {robot.name: station_of(found.reference, np.array(robot.pose[:2])) for robot in own}
+    on_it = {one.name for one in robots_on(drawing, found.reference)}
+    starts = {
+        one.name: station_of(found.reference, np.array(one.pose[:2]))
+        for one in robots
+        if one.name in on_it
+    }
     lead = max(starts.values(), default=0.0)
     made = []
     for robot in robots:
@@ -115,109 +131,27 @@ def _stopping_behind(drawing: Drawing, found: Fit, robots: list[Placed]) -> list
     return made
 
 
-def _begun_behind(drawing: Drawing, found: Fit) -> Fit:
-    """The fit with a path that begins straight behind, where robots stand before its beginning.
-
-    A formation cannot measure their distances there. It stays as it is where no such way is free.
-    """
-    line = found.reference
-    if (line[0] == line[-1]).all():
-        return _lap(drawing, found)
-    ahead, _ = _directions_at_ends(line, found.size)
-    away = [
-        centre - line[0]
-        for centre in map(_centroid, _on_it(drawing))
-        if station_of(line, centre) <= 0.0
-    ]
-    behind = [-float(one @ ahead) for one in away]
-    least = max(behind, default=0.0)
-    if least < 10.0**-DIGITS:
-        return found
-    begin = (line[0] - least * ahead).round(DIGITS)
-    way = shapely.LineString([begin, line[0]])
-    is_free = drawing.area.covers(way)
-    is_free &= way.distance(drawing.area.boundary) > 0.5 * found.box[1]
-    beside = [  # of those behind, from the beginning to the side where they stand
-        shapely.LineString([line[0], line[0] + one + far * ahead])
-        for one, far in zip(away, behind, strict=True)
-        if far > 10.0**-DIGITS
-    ]
-    if not is_free or not all(map(drawing.area.covers, beside)):  # as round a corner
-        drawing.changes.append(
-            f"WARNING: a robot stands {least:.2f} m before the path begins at {place(line[0])}, "
-            "not straight behind it on a way that is free; draw the path from behind the robots"
-        )
-        return found
-    drawing.changes.append(
-        f"path begun {least:.2f} m earlier, at {place(begin)}, where a robot stands behind it"
-    )
-    dx, dy = line[1] - line[0]
-    is_straight = abs(float(ahead[0] * dy - ahead[1] * dx)) < 10.0**-DIGITS
-    return _begun(drawing, found, np.vstack([begin, line[1 if is_straight else 0 :]]))
-
-
-def _on_it(drawing: Drawing) -> list[DrawnRobot]:
-    """Robots on the reference path: those without one of their own, or of which it is that."""
-    reference = drawing.reference
-    return [one for one in drawing.robots if drawing.paths.get(one.name, reference) is reference]
-
-
-def _begun(drawing: Drawing, found: Fit, line: FloatArray) -> Fit:
-    """The fit with another reference path (n, 2) [m], also of the robot of which it is the own."""
-    for name, own in drawing.paths.items():
-        if own is drawing.reference:
-            drawing.paths[name] = line
-    drawing.reference = line
-    return replace(found, reference=line)
-
-
-def _lap(drawing: Drawing, found: Fit) -> Fit:
-    """The fit with a closed path that begins just behind the last of the robots on it.
-
-    That is the one behind which, all round, the longest way without another is.
-    """
-    line, least = found.reference, BEHIND * found.size
-    length = length_of(line)
-    at = np.array([station_of(line, _centroid(one)) for one in _on_it(drawing)])
-    if not at.size:
-        return found
-    gaps = (at[:, None] - at[None]) % length
-    gaps[(gaps < least) | (gaps > length - least)] = length  # abreast, or the robot itself
-    last = gaps.min(axis=1) >= gaps.min(axis=1).max() - least
-    first_of_last = at[last][0]
-    behind = (at[last] - first_of_last + least) % length  # of those abreast the rearmost
-    begin = float((first_of_last - least + behind.min() - least) % length)
-    lap = np.vstack([stretch(line, begin, length)[:-1], stretch(line, 0.0, begin)])
-    if 0.0 < begin < length:
-        line = rounded(lap)
-    drawing.changes.append(f"closed path begun at {place(line[0])}, where the last robot stands")
-    return _begun(drawing, found, line)
-
-
-def _centroid(robot: DrawnRobot) -> FloatArray:
-    return np.array(shapely.Polygon(robot.outline).centroid.coords[0])
-
-
-def _as_drawn(robot: DrawnRobot, drawing: Drawing, found: Fit, outline: Outline) -> Placed:
+def _as_drawn(robot: DrawnRobot, drawing: Drawing, found: Fit, lanes: dict[float, Lane]) -> Placed:
     own = drawing.paths.get(robot.name)
     line = found.reference if own is None else own
-    middle = _centroid(robot)
-    ahead = directions_at(line, station_of(line, middle), found.size)
-    centre, heading = rectangle_of(robot.outline, ahead)
+    centre, heading = stand_on(robot, line, found.size)
     centre, heading = centre.round(3), round(heading, 4)
     footprint = footprint_of(robot.outline, centre, heading)
     pose = (float(centre[0]), float(centre[1]), heading)
-    if own is not None:
-        _tell_far(drawing, found, robot, centre, own)
-        return Placed(robot.name, footprint, pose, own, None)
-    offset = round(_beside(line, centre, found.size), 2)
-    one = lane(line, offset, outline, found.room, found.size, len(drawing.robots))
-    if narrowing := one.narrowing():
+    one = None if own is not None else lanes[_offset(robot, found)]
+    if one is not None and (narrowing := one.narrowing()):
         drawing.changes.append(
-            f"path of {robot.name}, {offset:+.2f} m beside the reference path, {narrowing}"
+            f"path of {robot.name}, {one.offset:+.2f} m beside the reference path, {narrowing}"
         )
-    _tell_far(drawing, found, robot, centre, one.line)
-    return Placed(robot.name, footprint, pose, one.line, one.plain_offset)
+    path = line if one is None else one.line
+    _tell_far(drawing, found, robot, centre, path)
+    return Placed(robot.name, footprint, pose, path, None if one is None else one.plain_offset)
+
+
+def _offset(robot: DrawnRobot, found: Fit) -> float:
+    """How far [m] left of the reference path a robot without a path of its own goes."""
+    centre, _ = stand_on(robot, found.reference, found.size)
+    return round(_beside(found.reference, centre, found.size), 2) + 0.0
 
 
 def _tell_far(
@@ -237,14 +171,6 @@ def _tell_far(
     )
 
 
-def _directions_at_ends(line: FloatArray, size: float) -> tuple[FloatArray, FloatArray]:
-    """Unit directions (2,) of a path at its beginning and its end, without hooks of a hand."""
-    plain = simplified(line, HOOK * size)
-    legs = np.stack([plain[1] - plain[0], plain[-1] - plain[-2]])
-    first, last = legs / np.hypot(*legs.T)[:, None]
-    return first, last
-
-
 def _beside(line: FloatArray, point: FloatArray, size: float) -> float:
     """How far [m] left of a path a point (2,) is; beyond an end, of the straight way on from it."""
     station = station_of(line, point)
@@ -253,5 +179,5 @@ def _beside(line: FloatArray, point: FloatArray, size: float) -> float:
     if 0.0 < station < end:
         tx, ty = directions_at(line, station, 1e-6 * end)
         return hypot(x, y) if tx * y - ty * x >= 0.0 else -hypot(x, y)
-    tx, ty = _directions_at_ends(line, size)[int(station > 0.0)]
+    tx, ty = directions_at_ends(line, size)[int(station > 0.0)]
     return float(tx * y - ty * x)

@@ -15,15 +15,18 @@ from typing import Any
 import numpy as np
 import shapely
 
-from physim.authoring.importing.drawing import Drawing, Options, place, rounded
+from physim.authoring.importing.drawing import Drawing, DrawnRobot, Options, place, rounded
 from physim.authoring.importing.lines import (
     clearances,
     directions_at,
     length_of,
     points_at,
     samples,
+    station_of,
     stretch,
 )
+from physim.authoring.importing.outlines import spans_of
+from physim.authoring.importing.path_starts import begin_at_robots, robots_on, stand_on
 from physim.authoring.importing.work import GRAIN, coarse
 from physim.geometry.shapes import FloatArray
 
@@ -68,54 +71,120 @@ def fit(path: Path, drawing: Drawing, options: Options) -> Fit:
     With ``options.robot`` or drawn robots the size is theirs. Raises ImportSourceError when the
     path leaves the area or has no room at all.
     """
-    reference, area = drawing.reference, drawing.area
-    assert reference is not None  # the pipeline finds one before
-    reference = _inside(drawing, reference)
-    length = length_of(reference)
-    at = samples(length, min(0.1, length / 500.0))
-    gaps = clearances(points_at(reference, at), coarse(area, GRAIN))
-    doubt = "; check --scale" if gaps.max() < DOUBTED else ""
-    _check_inside(path, drawing, reference, doubt)
-    box = _given_box(drawing, options)
+    assert drawing.reference is not None  # the pipeline finds one before
+    box, size = _given_box(drawing, options), 1.0
+    is_drawn = bool(drawing.robots) and options.robots is None
     if box is not None:
         length_of_one = _smallest(drawing, options, box[0])
         size = round(length_of_one / LENGTH, 2 if length_of_one > 0.2 else 4)
-        room = room_of(box)
-        ends = _ends(at, gaps, room) or _ends(at, gaps, 0.5 * box[1]) or (0, len(at) - 1)
-        ahead = 0.5 * box[0] + STOP_ROOM * size
-        last = _clear_end(reference, area, at, gaps, room, ends, max(ahead, END_ROOM * room))
-        if last == ends[1]:
-            last = _clear_end(reference, area, at, gaps, room, ends, END_ROOM * room)
-        ends = (ends[0], last)
+    if is_drawn:
+        begin_at_robots(drawing, size)
+    way = _way(path, drawing, drawing.reference, size, "path")
+    if box is not None:
+        room, ends = room_of(box), _ends_for(drawing, way, box, size)
     else:
-        size, ends = _largest_size(path, drawing, at, gaps, reference)
+        size, ends = _largest_size(path, drawing, way)
         box = (float(f"{LENGTH * size:.2g}"), float(f"{WIDTH * size:.2g}"))
         room = ROOM * size
-        ahead = 0.5 * box[0] + STOP_ROOM * size
-        ends = (ends[0], _clear_end(reference, area, at, gaps, room, ends, ahead, room))
-    first, last = ends
-    inner = gaps[first : last + 1]
+        ends = (ends[0], _clear_end(drawing.area, way, room, ends, _stop_way(box, size), room))
+    trimmed, k = _trimmed(path, drawing, way, ends, box[1], is_drawn)
+    if is_drawn:
+        drawing.paths = {
+            one.name: trimmed
+            if drawing.paths[one.name] is drawing.reference
+            else _own(path, drawing, one, size)
+            for one in drawing.robots
+            if one.name in drawing.paths
+        }
+        drawing.reference = trimmed
+    narrowest = float(2.0 * way.gaps[k])
+    return Fit(size, box, trimmed, room, narrowest, points_at(way.line, way.at[k]))
+
+
+@dataclass(frozen=True)
+class _Way:
+    """A path (n, 2) in the area, what messages call it, samples (k,) of it, and their clearances.
+
+    All in metres; ``rear`` is the station of the last robot drawn on it.
+    """
+
+    line: FloatArray
+    name: str
+    at: FloatArray
+    gaps: FloatArray
+    rear: float
+
+
+def _way(path: Path, drawing: Drawing, line: FloatArray, size: float, name: str) -> _Way:
+    """A path without what is outside at its ends; refused where it leaves the area otherwise."""
+    robots = [stand_on(one, line, size)[0] for one in robots_on(drawing, line)]
+    line = _inside(drawing, line, name)
+    at = samples(length_of(line), min(0.1, length_of(line) / 500.0))
+    gaps = clearances(points_at(line, at), coarse(drawing.area, GRAIN))
+    doubt = "; check --scale" if gaps.max() < DOUBTED else ""
+    _check_inside(path, drawing, line, doubt, name)
+    rear = min((station_of(line, one) for one in robots), default=float("inf"))
+    return _Way(line, name, at, gaps, rear)
+
+
+def _own(path: Path, drawing: Drawing, robot: DrawnRobot, size: float) -> FloatArray:
+    """The path (n, 2) of one robot drawn, as far as it can use it; refused as the reference is."""
+    way = _way(path, drawing, drawing.paths[robot.name], size, f"path of {robot.name}")
+    width, length = map(float, spans_of(robot.outline))
+    ends = _ends_for(drawing, way, (length, width), size)
+    return _trimmed(path, drawing, way, ends, width, is_drawn=True)[0]
+
+
+def _ends_for(
+    drawing: Drawing, way: _Way, box: tuple[float, float], size: float
+) -> tuple[int, int]:
+    """First and last sample of a path between which a box (length, width) [m] has room.
+
+    Where robots stand it begins, whatever room there is.
+    """
+    room, last = room_of(box), len(way.at) - 1
+    ends = _ends(way, room) or _ends(way, 0.5 * box[1]) or (0, last)
+    for ahead in (max(_stop_way(box, size), END_ROOM * room), END_ROOM * room):
+        last = _clear_end(drawing.area, way, room, ends, ahead)
+        if last != ends[1]:
+            break
+    first = min(ends[0], max(int(np.searchsorted(way.at, way.rear)) - 1, 0))
+    return first, last
+
+
+def _stop_way(box: tuple[float, float], size: float) -> float:
+    """[m] that is to be free ahead of the middle of a box at the end of its path."""
+    return 0.5 * box[0] + STOP_ROOM * size
+
+
+def _trimmed(
+    path: Path, drawing: Drawing, way: _Way, ends: tuple[int, int], width: float, is_drawn: bool
+) -> tuple[FloatArray, int]:
+    """A path between two of its samples, which is told, and the sample where it is narrowest.
+
+    Refused where that is too narrow for a robot of some width [m].
+    """
+    at, (first, last) = way.at, ends
+    inner = way.gaps[first : last + 1]
     k = first + _narrowest(at[first : last + 1], inner)
-    where = points_at(reference, at[k])
-    if inner.min() <= 0.5 * box[1]:
+    if inner.min() <= 0.5 * width:
+        where = points_at(way.line, at[k])
         wall = drawing.named(where, "boundary", "obstacle")
-        is_drawn = bool(drawing.robots) and options.robots is None
         message = (
-            f"the path passes {max(inner.min(), 0.0):.3g} m from a boundary{wall} at "
-            f"{place(where)}; a robot {box[1]:g} m wide does not fit; move the path, or "
+            f"the {way.name} passes {max(inner.min(), 0.0):.3g} m from a boundary{wall} at "
+            f"{place(where)}; a robot {width:g} m wide does not fit; move the path, or "
             f"{'draw narrower robots' if is_drawn else 'give --robot LENGTH,WIDTH'}"
         )
         raise drawing.refused_at(path, message, where, "path")
-    trimmed = stretch(reference, float(at[first]), float(at[last]))
-    for name, left_out in (("start", at[first]), ("end", length - at[last])):
+    for name, left_out in (("start", at[first]), ("end", at[-1] - at[last])):
         if left_out > TOLD:
             drawing.changes.append(
-                f"path shortened by {left_out:.2f} m at its {name}, away from the boundary"
+                f"{way.name} shortened by {left_out:.2f} m at its {name}, away from the boundary"
             )
-    return Fit(size, box, rounded(trimmed), room, float(2.0 * gaps[k]), where)
+    return rounded(stretch(way.line, float(at[first]), float(at[last]))), k
 
 
-def _check_inside(path: Path, drawing: Drawing, line: FloatArray, doubt: str) -> None:
+def _check_inside(path: Path, drawing: Drawing, line: FloatArray, doubt: str, what: str) -> None:
     """Refuse a path that leaves the area, where it does so first."""
     beyond = shapely.LineString(line).difference(drawing.area)
     if beyond.length > SLIVER:
@@ -123,11 +192,13 @@ def _check_inside(path: Path, drawing: Drawing, line: FloatArray, doubt: str) ->
         ends = shapely.get_coordinates(parts[int(np.argmax(shapely.length(parts) > 0.0))])
         where = ends[-1] if (ends[0] == line[0]).all() else ends[0]
         wall = drawing.named(where, "boundary", "obstacle")
-        message = f"the path leaves the area{wall} at {place(where)}, or leads through a wall there"
+        message = (
+            f"the {what} leaves the area{wall} at {place(where)}, or leads through a wall there"
+        )
         raise drawing.refused_at(path, f"{message}; lead it around{doubt}", where, "path")
 
 
-def _inside(drawing: Drawing, reference: FloatArray) -> FloatArray:
+def _inside(drawing: Drawing, reference: FloatArray, path: str) -> FloatArray:
     """The path without what lies outside the area at either end, which is listed.
 
     It stays as it is where more than ``MOST_TRIMMED`` of it would go.
@@ -153,7 +224,7 @@ def _inside(drawing: Drawing, reference: FloatArray) -> FloatArray:
         if left_out > TOLD:
             where = place(points_at(reference, station))
             drawing.changes.append(
-                f"path {what} the area at {where}: the {left_out:.2f} m {side} that left out"
+                f"{path} {what} the area at {where}: the {left_out:.2f} m {side} that left out"
             )
     return stretch(reference, begin, end)
 
@@ -174,7 +245,7 @@ def _given_box(drawing: Drawing, options: Options) -> tuple[float, float] | None
     if options.robot is not None:
         return options.robot
     if drawing.robots:
-        spans = np.array([_spans(robot.outline) for robot in drawing.robots])
+        spans = np.array([spans_of(robot.outline) for robot in drawing.robots])
         on_it = [robot.name not in drawing.paths for robot in drawing.robots]
         width = spans[on_it if any(on_it) else slice(None), 0].max()
         return float(spans[:, 1].max()), float(width)
@@ -188,7 +259,7 @@ def _smallest(drawing: Drawing, options: Options, length: float) -> float:
     """
     if options.robot is not None or options.robots is not None or not drawing.robots:
         return length
-    shortest = min(float(_spans(one.outline)[1]) for one in drawing.robots)
+    shortest = min(float(spans_of(one.outline)[1]) for one in drawing.robots)
     if length > UNLIKE * shortest:
         drawing.facts.append(
             f"robots of {shortest:.2f} to {length:.2f} m: speeds and distances go by the shortest"
@@ -196,20 +267,12 @@ def _smallest(drawing: Drawing, options: Options, length: float) -> float:
     return shortest
 
 
-def _spans(outline: FloatArray) -> FloatArray:
-    """Shorter and longer side [m] of the smallest rectangle about an outline."""
-    rectangle = shapely.Polygon(outline).minimum_rotated_rectangle
-    corners = shapely.get_coordinates(rectangle)[:3]
-    return np.sort(np.hypot(*np.diff(corners, axis=0).T))
-
-
-def _largest_size(
-    path: Path, drawing: Drawing, at: FloatArray, gaps: FloatArray, reference: FloatArray
-) -> tuple[float, tuple[int, int]]:
+def _largest_size(path: Path, drawing: Drawing, way: _Way) -> tuple[float, tuple[int, int]]:
+    at, gaps = way.at, way.gaps
     size = 1.0
     while size >= SMALLEST:
         rounded_size = float(f"{size:.2g}")
-        ends = _ends(at, gaps, ROOM * rounded_size)
+        ends = _ends(way, ROOM * rounded_size)
         if ends is not None:
             return rounded_size, ends
         size *= 0.96
@@ -221,7 +284,7 @@ def _largest_size(
     leaves = np.flatnonzero((gaps[:-1] >= 0.0) & (gaps[1:] < 0.0)) + 1
     leaves = leaves[(leaves >= inner.start) & (leaves < inner.stop)]
     k = int(leaves[0]) if leaves.size else k  # not where it ends outside
-    where = points_at(reference, at[k])
+    where = points_at(way.line, at[k])
     wall = drawing.named(where, "boundary", "obstacle")
     beyond = "leaves the area" if gaps[k] < 0.0 else f"comes within {gaps[k]:.3g} m of a boundary"
     doubt = "; check --scale" if gaps.max() < DOUBTED else ""
@@ -231,8 +294,9 @@ def _largest_size(
     raise drawing.refused_at(path, message, where, "path")
 
 
-def _ends(at: FloatArray, gaps: FloatArray, room: float) -> tuple[int, int] | None:
+def _ends(way: _Way, room: float) -> tuple[int, int] | None:
     """First and last sample between which the clearance is at least ``room`` everywhere."""
+    at, gaps = way.at, way.gaps
     roomy = np.flatnonzero(gaps >= room - 1e-9)
     if not roomy.size:
         return None
@@ -249,10 +313,8 @@ def _ends(at: FloatArray, gaps: FloatArray, room: float) -> tuple[int, int] | No
 
 
 def _clear_end(
-    reference: FloatArray,
     area: Any,
-    at: FloatArray,
-    gaps: FloatArray,
+    way: _Way,
     room: float,
     ends: tuple[int, int],
     ahead: float,
@@ -263,14 +325,14 @@ def _clear_end(
     To the sides for ``beside``, ``END_ROOM * room`` where not given, as far as the last stretch has
     it. The end stays where no sample of the stretch, twice ``room`` long, will do.
     """
-    first, last = ends
+    at, gaps, (first, last) = way.at, way.gaps, ends
     wide = END_ROOM * room if beside is None else beside
     tail = np.flatnonzero(at >= max(at[last] - 2.0 * room, at[first] + 4.0 * room))
     tail = tail[(tail <= last) & (at[tail] >= (1.0 - MOST_TRIMMED) * at[-1])]
     if not tail.size:
         return last
-    points = points_at(reference, at[tail])
-    end = points + ahead * directions_at(reference, at[tail], room)
+    points = points_at(way.line, at[tail])
+    end = points + ahead * directions_at(way.line, at[tail], room)
     free = shapely.covers(area, shapely.linestrings(np.stack([points, end], axis=1)))
     clear = tail[free & (gaps[tail] >= min(wide, float(gaps[tail].max())) - 1e-6)]
     return int(clear[-1]) if clear.size else last

@@ -123,7 +123,7 @@ def _imported(source: Path, options: Options) -> Imported:
         )
     if drawn:
         drawing.changes[:0] = _missed(found, options)
-        found, robots = as_drawn(drawing, found)
+        robots = as_drawn(drawing, found)
     else:
         found, robots = fill_in(source, drawing, found, options)
         drawing.changes[:0] = _missed(found, options)

@@ -1,22 +1,15 @@
-"""Polylines: stations along them, loops cut off, and lanes of robots beside a reference path.
-
-A sideways line crosses itself in a tight bend; the loop is cut off where it crosses. A lane is
-drawn in towards the reference path where it has too little room.
-"""
+"""Polylines: stations along them, distances to them, and loops cut off."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
 from math import atan2
 from typing import Any
 
 import numpy as np
 import shapely
 
-from physim.authoring.importing.drawing import rounded
 from physim.authoring.importing.work import MANY
-from physim.geometry.corridor import offset_polyline
 from physim.geometry.shapes import FloatArray, IntArray
 
 MOST_SAMPLES = 5000
@@ -140,6 +133,10 @@ MOST_ROUNDS = 20
 """Times that a line is looked over; one that still crosses itself then is no road."""
 
 
+LAP = np.pi + 0.1
+"""[rad] by which a line turns that goes round itself, and does not just turn back"""
+
+
 class CrossingError(ValueError):
     """A line that crosses itself far along it: no bend, but a crossing. ``point`` (2,) [m]."""
 
@@ -149,40 +146,47 @@ class CrossingError(ValueError):
 
 
 def without_loops(
-    line: FloatArray, longest: float
+    line: FloatArray, longest: float, courses: FloatArray | None = None
 ) -> tuple[FloatArray, list[tuple[FloatArray, float]]]:
     """Cut off every loop of a polyline (n, 2) whose length [m] is at most ``longest``.
 
     Returns the line, which no longer crosses itself, and the crossing point and length of each
     loop. Raises CrossingError where a loop is longer, loops within it that were cut off before
     included: otherwise two stretches side by side would be eaten up, a loop at a time.
+
+    ``courses`` (n,) [rad], without jumps, are those of a line that this one lies beside: where it
+    turns by more than half a turn in a loop, it goes round itself, and the loop stays.
     """
     whole = stations(line)
+    line = line.copy()
+    courses = np.zeros(len(line)) if courses is None else courses
     cut: list[tuple[FloatArray, float]] = []
     for _ in range(MOST_ROUNDS):
-        loops = _loops(line)
+        turns = [(i, j, abs(courses[j] - courses[i]), point) for i, j, point in crossings(line)]
+        loops = [(i, j, point) for i, j, turn, point in turns if turn < LAP]
         if not loops:
             return line, cut
-        pieces, kept, at = [], [], 0
+        kept, at = [], 0
         for first, last, point in sorted(loops, key=lambda loop: (loop[0], -loop[1])):
             ends = np.hypot(*(line[[first + 1, last]] - point).T).sum()
             length = float(whole[last] - whole[first + 1] + ends)
             if first < at or length > longest:
                 continue
-            pieces += [line[at : first + 1], point[None]]
-            kept += [whole[at : first + 1], whole[first : first + 1]]
+            line[first + 1] = point  # the loop's first point becomes the crossing
+            whole[first + 1] = whole[first]
+            kept.append(np.arange(at, first + 2))
             cut.append((point, length))
             at = last + 1
-        if not pieces:
+        if not kept:
             raise CrossingError(loops[0][2])
-        line, whole = np.vstack([*pieces, line[at:]]), np.concatenate([*kept, whole[at:]])
-        is_new = np.concatenate(([True], np.hypot(*np.diff(line, axis=0).T) > 1e-9))
-        line, whole = line[is_new], whole[is_new]
+        left = np.concatenate([*kept, np.arange(at, len(line))])
+        is_new = np.concatenate(([True], np.hypot(*np.diff(line[left], axis=0).T) > 1e-9))
+        line, whole, courses = line[left[is_new]], whole[left[is_new]], courses[left[is_new]]
     raise CrossingError(line[0])
 
 
-def _loops(line: FloatArray) -> list[tuple[int, int, FloatArray]]:
-    """Segments i < j, not neighbours, that cross, and where."""
+def crossings(line: FloatArray) -> list[tuple[int, int, FloatArray]]:
+    """Segments i < j of a polyline (n, 2), not neighbours, that cross, and where (2,) [m]."""
     if len(line) < 3 or shapely.LineString(line).is_simple:
         return []
     segments = shapely.linestrings(np.stack([line[:-1], line[1:]], axis=1))
@@ -195,130 +199,3 @@ def _loops(line: FloatArray) -> list[tuple[int, int, FloatArray]]:
         (int(a), int(b), np.asarray(shapely.get_coordinates(c)[0]))
         for a, b, c in zip(i, j, common, strict=True)
     ]
-
-
-SLOPE = 0.2
-"""[-] How fast a lane may draw in, across over along."""
-MOST_SAMPLES, FEWEST_SAMPLES = 8_000, 200
-"""Places along a path at which offsets are tried, of all lanes, and of one"""
-FRACTIONS = 41
-"""Steps in which a lane's offset is tried, from nothing to all of it."""
-
-
-@dataclass(frozen=True)
-class Lane:
-    """Path of a lane (n, 2) [m]; ``offset`` [m], left positive, where it holds throughout."""
-
-    line: FloatArray
-    offset: float
-    is_plain: bool
-    narrowest: float
-    """[m] least offset along it on its own side; negative: that far over on the other"""
-
-    @property
-    def plain_offset(self) -> float | None:
-        """Offset [m] by which a world can name it; None where its points are needed."""
-        return self.offset if self.is_plain else None
-
-    def narrowing(self) -> str:
-        """Say how far it is drawn in; empty where it is not, to the centimetre."""
-        if f"{self.narrowest:.2f}" == f"{abs(self.offset):.2f}":
-            return ""
-        where = "where the corridor is narrow or bends tightly"
-        if self.narrowest < 0.0:
-            return f"is drawn over to {-self.narrowest:.2f} m on its other side {where}"
-        return f"is drawn in to {self.narrowest:.2f} m {where}"
-
-
-def lane(
-    reference: FloatArray, offset: float, outline: Outline, room: float, size: float, lanes: int
-) -> Lane:
-    """Lane ``offset`` [m] beside the reference path with clearance ``room`` [m] where there is.
-
-    Where there is not, it is drawn in towards the reference path, and, where that has not the room
-    either, over to its other side. It is one of so many ``lanes``, which share the work.
-    """
-    if offset == 0.0:
-        return Lane(reference, 0.0, True, 0.0)
-    plain = _plain(reference, offset, outline, room)
-    if plain is not None:
-        return Lane(plain, offset, True, abs(offset))
-    length = length_of(reference)
-    at = samples(length, max(0.5 * size, length / max(MOST_SAMPLES // lanes, FEWEST_SAMPLES)))
-    base = points_at(reference, at)
-    direction = directions_at(reference, at, 2.0 * abs(offset))
-    normal = np.stack([-direction[:, 1], direction[:, 0]], axis=1)
-    share = _shares(base, offset * normal, outline, room)
-    share = _gentle(share, at, SLOPE / abs(offset))
-    line = base + (share * offset)[:, None] * normal
-    if (reference[0] == reference[-1]).all():
-        line = line[:-1]  # a lap is no loop to be cut off
-    try:
-        line = without_loops(line, float("inf"))[0]
-    except CrossingError:  # too many loops: no lane of its own
-        return Lane(reference, offset, False, 0.0)
-    simple = shapely.simplify(shapely.LineString(line), 0.02 * size)
-    return Lane(
-        rounded(shapely.get_coordinates(simple)), offset, False, abs(offset) * float(share.min())
-    )
-
-
-def _shares(base: FloatArray, across: FloatArray, outline: Outline, room: float) -> FloatArray:
-    """(k,) [-] share of ``across`` (k, 2) [m] at which each of the points ``base`` has the room.
-
-    The largest that the reference path reaches without coming nearer to a wall than it is itself;
-    negative where only its other side has room. Where neither has, the share with the most.
-    """
-    share, best = _outward(base, across, outline, room)
-    tight = np.flatnonzero(best < room)
-    if tight.size:
-        back = -across[tight] * (room / np.hypot(*across[tight].T))[:, None]
-        other, gained = _outward(base[tight], back, outline, room, farthest=False)
-        wider = gained > best[tight]
-        moved = -other * room / np.hypot(*across[tight].T)
-        share[tight] = np.where(wider, moved, share[tight])
-    return share
-
-
-def _outward(
-    base: FloatArray, across: FloatArray, outline: Outline, room: float, farthest: bool = True
-) -> tuple[FloatArray, FloatArray]:
-    """Share of ``across`` and the clearance there [m], capped at ``room``.
-
-    The farthest share with the room, or the first.
-    """
-    share = np.zeros(len(base))
-    best = np.minimum(outline.clearances(base), room)
-    reached, need = share.copy(), best.copy()
-    for fraction in np.linspace(0.0, 1.0, FRACTIONS)[1:]:
-        gap = np.minimum(outline.clearances(base + fraction * across), room)
-        held = (reached >= fraction - 1.5 / FRACTIONS) & (gap >= need)
-        reached = np.where(held, fraction, reached)
-        better = held & ((gap > best) | (farthest & (gap >= room)))
-        share, best = np.where(better, fraction, share), np.where(better, gap, best)
-    return share, best
-
-
-def _plain(
-    reference: FloatArray, offset: float, outline: Outline, room: float
-) -> FloatArray | None:
-    """The mitred offset line, where it neither folds nor comes too near a wall; None otherwise."""
-    try:
-        line = offset_polyline(reference, np.full(len(reference), offset))
-    except ValueError:
-        return None
-    along = (np.diff(line, axis=0) * np.diff(reference, axis=0)).sum(axis=1)
-    if (along <= 0.0).any() or not shapely.LineString(line).is_simple:
-        return None
-    at = samples(length_of(line), 0.25 * room)
-    return line if (outline.clearances(points_at(line, at)) >= room - 1e-6).all() else None
-
-
-def _gentle(share: FloatArray, at: FloatArray, slope: float) -> FloatArray:
-    """Largest function below ``share`` that changes by at most ``slope`` [1/m]."""
-    low = share.copy()
-    for k in range(1, len(low)):
-        low[k] = min(low[k], low[k - 1] + slope * (at[k] - at[k - 1]))
-    for k in range(len(low) - 2, -1, -1):
-        low[k] = min(low[k], low[k + 1] + slope * (at[k + 1] - at[k]))
-    return low

@@ -132,3 +132,10 @@ def footprint_of(outline: FloatArray, centre: FloatArray, heading: float) -> Foo
     if len(own) == 4 and np.abs(np.abs(own) - half).max() <= 0.0015:
         return round(2.0 * float(half[0]), 2), round(2.0 * float(half[1]), 2)
     return own
+
+
+def spans_of(outline: FloatArray) -> FloatArray:
+    """Shorter and longer side [m] of the smallest rectangle about an outline."""
+    rectangle = shapely.Polygon(outline).minimum_rotated_rectangle
+    corners = shapely.get_coordinates(rectangle)[:3]
+    return np.sort(np.hypot(*np.diff(corners, axis=0).T))

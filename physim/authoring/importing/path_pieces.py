@@ -17,6 +17,8 @@ from physim.geometry.shapes import FloatArray, IntArray
 MOST_TURN = 149.0
 """[deg] by which a path may turn where lanes beside it are to be"""
 
+CLOSED = 0.01
+"""[m] A path whose ends are nearer than this is closed: they were rounded, or drawn so by hand."""
 FORK = "it meets others where they fork or turn back"
 APART = "its ends do not meet those of the first piece"
 
@@ -54,20 +56,25 @@ def take_paths(drawing: Drawing, named: Sequence[tuple[str, FloatArray]]) -> Non
 
 
 def _most_behind(drawing: Drawing) -> FloatArray:
-    """Of the robots' paths that before whose beginning the fewest of them stand; or the longest.
+    """The path for robots without one, of those of the others.
 
-    In a queue that is the path of the last: on the others a formation could not measure it.
+    The nearest to most of them; then that before whose beginning the fewest robots stand, in a
+    queue the path of the last: on others a formation could not measure it; then the longest.
     """
     centres = shapely.centroid([shapely.Polygon(one.outline) for one in drawing.robots])
     half = max(float(np.ptp(one.outline, axis=0).max()) for one in drawing.robots) / 2.0
+    lines = [shapely.LineString(points) for points in drawing.paths.values()]
+    without = centres[[one.name not in drawing.paths for one in drawing.robots]]
+    away = shapely.distance(np.array(lines)[:, None], without[None])
+    nearest = np.bincount(away.argmin(axis=0), minlength=len(lines))
 
-    def rank(points: FloatArray) -> tuple[int, float]:
-        line = shapely.LineString(points)
+    def rank(k: int) -> tuple[int, int, float]:
+        line = lines[k]
         before = shapely.line_locate_point(line, centres) <= 0.0
-        is_at_it = shapely.distance(shapely.Point(points[0]), centres) <= half
-        return int((before & ~is_at_it).sum()), -line.length
+        is_at_it = shapely.distance(shapely.get_point(line, 0), centres) <= half
+        return -int(nearest[k]), int((before & ~is_at_it).sum()), -line.length
 
-    return min(drawing.paths.values(), key=rank)
+    return [*drawing.paths.values()][min(range(len(lines)), key=rank)]
 
 
 def _join_pieces(
@@ -100,6 +107,10 @@ def _join_pieces(
                 first, second = _cut(first[::-1], joint, gap)[::-1], _cut(second, joint, gap)
             joined = np.vstack([first[:-1], joint, second[1:]])
             end = met ^ 1
+    gap = dist(joined[0], joined[-1])
+    if 0.0 < gap < CLOSED:
+        told.append(f"path ends {gap:.3f} m apart at {place(joined[0])} joined: it is closed")
+        joined = np.vstack([joined[:-1], joined[:1]])
     if len(used) > 1:
         begin, final = place(joined[0]), place(joined[-1])
         told.insert(0, f"path of {len(used)} pieces joined: it goes from {begin} to {final}")

@@ -24,12 +24,11 @@ from physim.authoring.importing.drawing import (
     rounded,
 )
 from physim.authoring.importing.fit import Fit
+from physim.authoring.importing.lanes import Lane, lane
 from physim.authoring.importing.lines import (
-    Lane,
     Outline,
     Pose,
     directions_at,
-    lane,
     length_of,
     points_at,
     pose_at,
@@ -136,6 +135,8 @@ CUT, MOST_CUT = 0.4, 6.4
 """[m] steps in which a path is shortened until its robots stop apart, and how far, at size 1"""
 MOST_CUT_SHARE = 0.15
 """[-] share of the path by which it is shortened for that at most"""
+NEAR = 0.2
+"""[-] share of a lane before and after which the place beside one of the path is looked for"""
 MOST_SHARE = 0.6
 """[-] share of the path that the group may take up at the start"""
 
@@ -284,5 +285,8 @@ def _pose(found: Fit, one: Lane, station: float) -> Pose:
     if one.offset != 0.0:
         tx, ty = directions_at(found.reference, station, found.size)
         beside = beside + one.offset * np.array([-ty, tx])
-    x, y, heading = pose_at(one.line, station_of(one.line, beside), found.size)
+    part = station / length_of(found.reference)
+    ends = np.clip([part - NEAR, part + NEAR], 0.0, 1.0) * length_of(one.line)
+    here = stretch(one.line, *ends)  # of a lap the end is as near as the beginning
+    x, y, heading = pose_at(one.line, ends[0] + station_of(here, beside), found.size)
     return round(x, 3), round(y, 3), round(heading, 4)

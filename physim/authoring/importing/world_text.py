@@ -37,7 +37,8 @@ def world_text(
     """YAML text of the world, run in steps of ``step`` [s]; loading it checks it."""
     lines = [f"# yaml-language-server: $schema={FILE}", *_heading(source, drawing)]
     group = "One robot" if len(robots) == 1 else f"{len(robots)} robots"
-    duration = 10.0 * ceil((length_of(found.reference) / found.size * SPACE + 20.0) / 10.0)
+    longest = max(length_of(path) for path in (found.reference, *(one.path for one in robots)))
+    duration = 10.0 * ceil((longest / found.size * SPACE + 20.0) / 10.0)
     lines.append(f"name: {scalar_text(name)}")
     lines.append(f"description: {scalar_text(f'{group} in a place imported from {source}.')}")
     lines.append(f"time: {{step: {step:g}, duration: {duration:.1f}}}  # [s]")
@@ -119,6 +120,8 @@ def _control(size: float, is_formation: bool) -> Iterator[str]:
         yield "  type: mode_switching"
         for key, value in SETTINGS.items():
             yield f"  {key}: {_scaled(value, size)}"
+        if not is_formation:
+            yield f"  speed: {_scaled(1.0, size)}  # [m/s]"
         yield f"arrival: {{tolerance: {_scaled(TOLERANCE, size)}}}  # [m]"
     else:
         yield "controller: {type: mode_switching}"

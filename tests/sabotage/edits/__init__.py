@@ -13,6 +13,7 @@ from tests.sabotage.edits import (
     drawings,
     falsify,
     geometry,
+    import_robots,
     import_work,
     importing,
     loop,
@@ -40,8 +41,8 @@ EDITS: tuple[Edit, ...] = tuple(
     edit
     for room in (
         basics, geometry, statistics, world, roads, world_file, scene, checking, physics, controllers, loop,
-        work, record, metrics, summary, validation, video, page, plots, preview, importing, drawings,
-        import_work, templates, crashtest, campaigns, falsify, reports, reproduction, cli,
+        work, record, metrics, summary, validation, video, page, plots, preview, importing,
+        import_robots, drawings, import_work, templates, crashtest, campaigns, falsify, reports, reproduction, cli,
     )
     for edit in room.EDITS
 )  # fmt: skip

@@ -106,8 +106,8 @@ EDITS = (
     ),
     Edit(
         "cli",
-        "physim/cli/output.py",
-        "regular",
+        "physim/drafts.py",
+        "check_regular",
         "if not stat.S_ISREG(mode) and not stat.S_ISDIR(mode):",
         "if False:",
         "no link or pipe is written over",

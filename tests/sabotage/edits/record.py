@@ -419,4 +419,13 @@ EDITS = (
         "lists of their own lengths are refused before they are read",
         "tests/record/test_packing.py::test_lists_of_their_own_lengths",
     ),
+    Edit(
+        "record",
+        "physim/drafts.py",
+        "draft_of",
+        "check_regular(path)",
+        "pass",
+        "no device, pipe or link is written over from Python",
+        "tests/test_drafts.py::test_what_is_no_regular_file_stays",
+    ),
 )

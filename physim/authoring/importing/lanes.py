@@ -1,0 +1,173 @@
+"""Lanes beside a reference path: as far beside it as there is room, drawn in where there is not.
+
+A sideways line crosses itself in a tight bend; that loop is cut off. Where the path goes round
+itself, as a lap does, so does the lane.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import shapely
+
+from physim.authoring.importing.drawing import rounded
+from physim.authoring.importing.lines import (
+    CrossingError,
+    Outline,
+    crossings,
+    directions_at,
+    length_of,
+    points_at,
+    samples,
+    stations,
+    stretch,
+    without_loops,
+)
+from physim.geometry.corridor import offset_polyline
+from physim.geometry.shapes import FloatArray
+
+SLOPE = 0.2
+"""[-] How fast a lane may draw in, across over along."""
+MOST_SAMPLES, FEWEST_SAMPLES = 8_000, 200
+"""Places along a path at which offsets are tried, of all lanes, and of one"""
+OVERHANG = 4.0
+"""[-] of its offset by which a lane goes on beyond the corner at most, where a lap begins: what it
+does at one of 30 degrees"""
+AFTER, BEFORE = 0.01, 0.1
+"""[m] from where a lane of a lap meets itself, at size 1, to its beginning and its end"""
+FRACTIONS = 41
+"""Steps in which a lane's offset is tried, from nothing to all of it."""
+
+
+@dataclass(frozen=True)
+class Lane:
+    """Path of a lane (n, 2) [m]; ``offset`` [m], left positive, where it holds throughout."""
+
+    line: FloatArray
+    offset: float
+    is_plain: bool
+    narrowest: float
+    """[m] least offset along it on its own side; negative: that far over on the other"""
+
+    @property
+    def plain_offset(self) -> float | None:
+        """Offset [m] by which a world can name it; None where its points are needed."""
+        return self.offset if self.is_plain else None
+
+    def narrowing(self) -> str:
+        """Say how far it is drawn in; empty where it is not, to the centimetre."""
+        if f"{self.narrowest:.2f}" == f"{abs(self.offset):.2f}":
+            return ""
+        where = "where the corridor is narrow or bends tightly"
+        if self.narrowest < 0.0:
+            return f"is drawn over to {-self.narrowest:.2f} m on its other side {where}"
+        return f"is drawn in to {self.narrowest:.2f} m {where}"
+
+
+def lane(
+    reference: FloatArray, offset: float, outline: Outline, room: float, size: float, lanes: int
+) -> Lane:
+    """Lane ``offset`` [m] beside the reference path with clearance ``room`` [m] where there is.
+
+    Where there is not, it is drawn in towards the reference path, and, where that has not the room
+    either, over to its other side. It is one of so many ``lanes``, which share the work.
+    """
+    if offset == 0.0:
+        return Lane(reference, 0.0, True, 0.0)
+    plain = _plain(reference, offset, outline, room)
+    if plain is not None:
+        return Lane(plain, offset, True, abs(offset))
+    length = length_of(reference)
+    at = samples(length, max(0.5 * size, length / max(MOST_SAMPLES // lanes, FEWEST_SAMPLES)))
+    base = points_at(reference, at)
+    direction = directions_at(reference, at, 2.0 * abs(offset))
+    normal = np.stack([-direction[:, 1], direction[:, 0]], axis=1)
+    share = _shares(base, offset * normal, outline, room)
+    share = _gentle(share, at, SLOPE / abs(offset))
+    line = base + (share * offset)[:, None] * normal
+    courses = np.unwrap(np.arctan2(direction[:, 1], direction[:, 0]))
+    try:
+        line = without_loops(line, float("inf"), courses)[0]
+    except CrossingError:  # too many loops: no lane of its own
+        return Lane(reference, offset, False, 0.0)
+    if (reference[0] == reference[-1]).all():
+        line = _lap(line, abs(offset), size)
+    simple = shapely.simplify(shapely.LineString(line), 0.02 * size)
+    return Lane(
+        rounded(shapely.get_coordinates(simple)), offset, False, abs(offset) * float(share.min())
+    )
+
+
+def _lap(line: FloatArray, offset: float, size: float) -> FloatArray:
+    """The lane (n, 2) of a lap, from where its end crosses its beginning to just before that.
+
+    As it does ``offset`` [m] within a corner at which the lap begins; no place of it is two then.
+    """
+    whole = stations(line)
+    for i, j, point in crossings(line):
+        first, last = (whole[k] + float(np.hypot(*(point - line[k]))) for k in (i, j))
+        if max(first, whole[-1] - last) < OVERHANG * offset:
+            return stretch(line, first + AFTER * size, last - BEFORE * size)
+    return line
+
+
+def _shares(base: FloatArray, across: FloatArray, outline: Outline, room: float) -> FloatArray:
+    """(k,) [-] share of ``across`` (k, 2) [m] at which each of the points ``base`` has the room.
+
+    The largest that the reference path reaches without coming nearer to a wall than it is itself;
+    negative where only its other side has room. Where neither has, the share with the most.
+    """
+    share, best = _outward(base, across, outline, room)
+    tight = np.flatnonzero(best < room)
+    if tight.size:
+        back = -across[tight] * (room / np.hypot(*across[tight].T))[:, None]
+        other, gained = _outward(base[tight], back, outline, room, farthest=False)
+        wider = gained > best[tight]
+        moved = -other * room / np.hypot(*across[tight].T)
+        share[tight] = np.where(wider, moved, share[tight])
+    return share
+
+
+def _outward(
+    base: FloatArray, across: FloatArray, outline: Outline, room: float, farthest: bool = True
+) -> tuple[FloatArray, FloatArray]:
+    """Share of ``across`` and the clearance there [m], capped at ``room``.
+
+    The farthest share with the room, or the first.
+    """
+    share = np.zeros(len(base))
+    best = np.minimum(outline.clearances(base), room)
+    reached, need = share.copy(), best.copy()
+    for fraction in np.linspace(0.0, 1.0, FRACTIONS)[1:]:
+        gap = np.minimum(outline.clearances(base + fraction * across), room)
+        held = (reached >= fraction - 1.5 / FRACTIONS) & (gap >= need)
+        reached = np.where(held, fraction, reached)
+        better = held & ((gap > best) | (farthest & (gap >= room)))
+        share, best = np.where(better, fraction, share), np.where(better, gap, best)
+    return share, best
+
+
+def _plain(
+    reference: FloatArray, offset: float, outline: Outline, room: float
+) -> FloatArray | None:
+    """The mitred offset line, where it neither folds nor comes too near a wall; None otherwise."""
+    try:
+        line = offset_polyline(reference, np.full(len(reference), offset))
+    except ValueError:
+        return None
+    along = (np.diff(line, axis=0) * np.diff(reference, axis=0)).sum(axis=1)
+    if (along <= 0.0).any() or not shapely.LineString(line).is_simple:
+        return None
+    at = samples(length_of(line), 0.25 * room)
+    return line if (outline.clearances(points_at(line, at)) >= room - 1e-6).all() else None
+
+
+def _gentle(share: FloatArray, at: FloatArray, slope: float) -> FloatArray:
+    """Largest function below ``share`` that changes by at most ``slope`` [1/m]."""
+    low = share.copy()
+    for k in range(1, len(low)):
+        low[k] = min(low[k], low[k - 1] + slope * (at[k] - at[k - 1]))
+    for k in range(len(low) - 2, -1, -1):
+        low[k] = min(low[k], low[k + 1] + slope * (at[k + 1] - at[k]))
+    return low

@@ -1,0 +1,130 @@
+"""Where paths begin for robots that are drawn: behind those that wait for them, laps at the last.
+
+A formation measures its distances along the path, so that all of it must begin before any robot.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import shapely
+
+from physim.authoring.importing.drawing import DIGITS, Drawing, DrawnRobot, place, rounded
+from physim.authoring.importing.lines import directions_at, length_of, station_of, stretch
+from physim.authoring.importing.outlines import rectangle_of, spans_of
+from physim.geometry.shapes import FloatArray
+from physim.geometry.thinning import simplified
+
+BEHIND = 0.1
+"""[m] at size 1: robots of a lap that are less far apart along it are abreast; it begins as far
+behind the last"""
+TOLD = 0.01
+"""[m] by which a path begins earlier from which on it is told"""
+HOOK = 0.1
+"""[m] at size 1: what a path turns within it is not meant"""
+
+
+def begin_at_robots(drawing: Drawing, size: float) -> None:
+    """Let every path of a drawing begin behind the robots drawn on it, which is told.
+
+    ``size`` is the factor on the group: `Fit`. A path stays as it is where no such way is free.
+    """
+    assert drawing.reference is not None
+    reference = _begun(drawing, drawing.reference, robots_on(drawing, drawing.reference), size)
+    drawing.paths = {
+        one.name: reference
+        if drawing.paths[one.name] is drawing.reference
+        else _begun(drawing, drawing.paths[one.name], [one], size, f"path of {one.name}")
+        for one in drawing.robots
+        if one.name in drawing.paths
+    }
+    drawing.reference = reference
+
+
+def robots_on(drawing: Drawing, line: FloatArray) -> list[DrawnRobot]:
+    """Robots that go along a path: those whose own it is, and without one on the reference path."""
+    return [one for one in drawing.robots if drawing.paths.get(one.name, drawing.reference) is line]
+
+
+def stand_on(robot: DrawnRobot, line: FloatArray, size: float) -> tuple[FloatArray, float]:
+    """Reference point (2,) [m] and heading [rad] of a robot that goes along a path (n, 2) [m].
+
+    The middle of the rectangle about its outline that heads along the path: `rectangle_of`.
+    """
+    centre = np.array(shapely.Polygon(robot.outline).centroid.coords[0])
+    return rectangle_of(robot.outline, directions_at(line, station_of(line, centre), size))
+
+
+def directions_at_ends(line: FloatArray, size: float) -> tuple[FloatArray, FloatArray]:
+    """Unit directions (2,) of a path at its beginning and its end, without hooks of a hand."""
+    plain = simplified(line, HOOK * size)
+    legs = np.stack([plain[1] - plain[0], plain[-1] - plain[-2]])
+    first, last = legs / np.hypot(*legs.T)[:, None]
+    return first, last
+
+
+def _begun(
+    drawing: Drawing,
+    line: FloatArray,
+    robots: Sequence[DrawnRobot],
+    size: float,
+    what: str = "path",
+) -> FloatArray:
+    """A path (n, 2) [m] that begins behind some robots; the same where it does."""
+    if not robots:
+        return line
+    centres = np.array([stand_on(one, line, size)[0] for one in robots])
+    if (line[0] == line[-1]).all():
+        return _lap(drawing, line, centres, BEHIND * size, what)
+    ahead, _ = directions_at_ends(line, size)
+    away = [one - line[0] for one in centres if station_of(line, one) <= 0.0]
+    behind = [-float(one @ ahead) for one in away]
+    least = max(behind, default=0.0)
+    if least < 10.0**-DIGITS:
+        return line
+    begin = (line[0] - least * ahead).round(DIGITS)
+    way = shapely.LineString([begin, line[0]])
+    width = max(float(spans_of(one.outline)[0]) for one in robots)
+    is_free = drawing.area.covers(way)
+    is_free &= way.distance(drawing.area.boundary) > 0.5 * width
+    beside = [  # of those behind, from the beginning to the side where they stand
+        shapely.LineString([line[0], line[0] + one + far * ahead])
+        for one, far in zip(away, behind, strict=True)
+        if far > 10.0**-DIGITS
+    ]
+    if not is_free or not all(map(drawing.area.covers, beside)):  # as round a corner
+        drawing.changes.append(
+            f"WARNING: a robot stands {least:.2f} m before the {what} begins at {place(line[0])}, "
+            f"not straight behind it on a way that is free; draw the {what} from behind the robots"
+        )
+        return line
+    if least >= TOLD:
+        drawing.changes.append(
+            f"{what} begun {least:.2f} m earlier, at {place(begin)}, where a robot stands behind it"
+        )
+    dx, dy = line[1] - line[0]
+    is_straight = abs(float(ahead[0] * dy - ahead[1] * dx)) < 10.0**-DIGITS
+    return np.vstack([begin, line[1 if is_straight else 0 :]])
+
+
+def _lap(
+    drawing: Drawing, line: FloatArray, centres: FloatArray, least: float, what: str
+) -> FloatArray:
+    """A closed path that begins ``least`` [m] behind the last of the robots (n, 2) on it.
+
+    That is the one behind which, all round, the longest way without another is.
+    """
+    length = length_of(line)
+    at = np.array([station_of(line, one) for one in centres])
+    gaps = (at[:, None] - at[None]) % length
+    gaps[(gaps < least) | (gaps > length - least)] = length  # abreast, or the robot itself
+    last = gaps.min(axis=1) >= gaps.min(axis=1).max() - least
+    first_of_last = at[last][0]
+    behind = (at[last] - first_of_last + least) % length  # of those abreast the rearmost
+    begin = float((first_of_last - least + behind.min() - least) % length)
+    if 0.0 < begin < length:
+        lap = np.vstack([stretch(line, begin, length)[:-1], stretch(line, 0.0, begin)])
+        line = rounded(lap)
+    drawing.changes.append(f"closed {what} begun at {place(line[0])}, where the last robot stands")
+    return line

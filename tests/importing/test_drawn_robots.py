@@ -1,0 +1,516 @@
+"""Robots that are drawn, and the paths they go: queues, laps, lanes, ways of their own."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import shapely
+import shapely.affinity
+
+from physim.authoring.importing import Imported, Options, import_world
+from physim.authoring.importing.lines import without_loops
+from physim.geometry.corridor import offset_polyline
+from tests.importing.plans import check_says, only, svg_path
+from tests.importing.test_joining import geojson
+from tests.importing.test_places import LINE, METRES, drawing, free_area, refusal
+
+
+@pytest.mark.parametrize(("x", "y", "offset"), [(4, 7, 0.0), (4, 9, 2.0), (20.5, 6, -1.0)])
+def test_a_robot_in_line_with_its_path_is_not_beside_it(
+    tmp_path: Path, x: float, y: float, offset: float
+) -> None:
+    """Before its beginning or past its end: its distance to the path is along it."""
+    robot = ("robot a", shapely.box(x - 0.5, y - 0.3, x + 0.5, y + 0.3))
+    way = ("path", shapely.LineString([(6, 7), (20, 7)]))
+    made = import_world(geojson(tmp_path, [("boundary", shapely.box(0, 0, 26, 14)), robot, way]))
+    (line,) = (one.path for one in made.world.robots)
+    assert (0.0 if line is None else line.offset) == pytest.approx(offset)
+
+
+def test_a_path_begins_behind_the_robots_that_wait_for_it(tmp_path: Path) -> None:
+    """Before it a formation cannot measure how far apart they are."""
+    robots = [("robot", shapely.box(x, 6.5, x + 1.6, 7.5)) for x in (5, 1)]
+    way = ("path", shapely.LineString([(12, 7), (40, 7)]))
+    place = ("boundary", shapely.box(0, 0, 50, 14))
+    made = import_world(geojson(tmp_path, [place, *robots, way]))
+    assert np.asarray(made.world.reference_path)[0] == pytest.approx((1.8, 7.0))
+    check_says(only(made, "earlier"), "10.20 m … (1.80, 7.00)")
+    free_area(made, tmp_path)
+    hook = ("path", shapely.LineString([(12, 7), (12.01, 7.02), (40, 7)]))
+    drawn = import_world(geojson(tmp_path, [place, *robots, hook]))
+    check_says(only(drawn, "earlier"), "10.20 m … (1.80, 7.00)")
+    assert [one.pose[2] for one in drawn.world.robots] == pytest.approx([0.0, 0.0], abs=0.05)
+    wall = ("obstacle", shapely.box(9, 6, 10, 8))
+    blocked = import_world(geojson(tmp_path, [place, wall, *robots, way]))
+    check_says(only(blocked, "before the path"), "WARNING … 10.20 m … (12.00, 7.00)")
+
+
+@pytest.mark.parametrize(
+    "other", [[(45, 9), (5, 9)], [(25, 11), (25, 1)]], ids=["against", "across"]
+)
+def test_robots_that_go_another_way_are_no_formation(
+    tmp_path: Path, other: list[tuple[float, float]]
+) -> None:
+    """It would have those behind stop as far before their ends, after a step."""
+    x, y = other[0]
+    parts = [
+        ("boundary", shapely.box(0, -4, 50, 16)), ("path", shapely.LineString([(3, 4), (47, 4)])),
+        ("path east", shapely.LineString(other)),
+        *(("robot", shapely.box(a, 3.5, a + 1.6, 4.5)) for a in (8, 4)),
+        ("robot east", shapely.box(x - 0.8, y - 0.5, x + 0.8, y + 0.5)),
+    ]  # fmt: skip
+    made = import_world(geojson(tmp_path, parts))
+    assert made.world.formation is None
+    front, rear, east = _paths(made)
+    assert rear[-1, 0] == pytest.approx(front[-1, 0] - 4.0, abs=0.01)
+    assert [tuple(point) for point in east] == other
+    assert [one for one in made.facts if "no formation" in one]
+    along = import_world(geojson(tmp_path, [*parts[:2], *parts[3:5]]))
+    assert along.world.formation is not None
+
+
+def _paths(made: Imported) -> list[Any]:
+    """Points of each robot's path, of the reference path where it is that."""
+    return [
+        np.asarray(
+            made.world.reference_path if not isinstance(one.path, tuple | list) else one.path
+        )
+        for one in made.world.robots
+    ]
+
+
+@pytest.mark.parametrize(("x", "told"), [(31, ""), (24, ", behind a wall")])
+def test_a_robot_far_from_its_path_is_told(tmp_path: Path, x: float, told: str) -> None:
+    """In another room, whose walls leave its path no room beside the reference path."""
+    parts = [
+        ("boundary", shapely.box(0, 0, 40, 20)),
+        *(("wall", shapely.LineString([(20, a), (20, b)])) for a, b in ((0, 9), (11, 20))),
+        *((f"robot {n}", shapely.box(a - 0.9, 3, a + 0.9, 4)) for n, a in (("a", 4), ("b", x))),
+    ]
+    said = only(import_world(geojson(tmp_path, parts)), " m from its path")
+    check_says(said, f"b at ({x:.2f}, 3.50) … path of its own")
+    way = ("path b", shapely.LineString([(4, 16), (18, 16)]))
+    changes = import_world(geojson(tmp_path, [*parts, way])).changes
+    named = next(one for one in changes if "path with its name" in one)
+    check_says(named, f"b at ({x:.2f}, 3.50)")
+    assert ("behind a wall" in said) == bool(told)
+
+
+def test_a_path_drawn_from_its_end_is_told(tmp_path: Path) -> None:
+    """The robots have arrived, or nearly, where they are."""
+    robots = [("robot", shapely.box(x - 0.9, 4.5, x + 0.9, 5.5)) for x in (6, 3)]
+    for way in ([(47, 5), (2, 5)], [(2, 5), (47, 5)]):
+        parts = [
+            ("boundary", shapely.box(0, 0, 50, 10)),
+            *robots,
+            ("path", shapely.LineString(way)),
+        ]
+        told = [one for one in import_world(geojson(tmp_path, parts)).changes if "WARNING" in one]
+        if way[0][0] == 2:
+            assert not told
+        else:
+            check_says(told[0], "of a path of 44.73 m … (2.27, 5.00) … the other way round")
+
+
+@pytest.mark.parametrize("order", [(9, 6, 3), (3, 6, 9), (6, 3, 9)])
+def test_a_queue_of_robots_with_paths_of_their_own_is_a_formation(
+    tmp_path: Path, order: tuple[int, ...]
+) -> None:
+    """On the path of the last: the others do not begin where it stands."""
+    parts: list[tuple[str, Any]] = [("boundary", shapely.box(0, 0, 50, 10))]
+    for x in order:
+        parts += [(f"robot r{x}", shapely.box(x - 0.9, 4.5, x + 0.9, 5.5)),
+                  (f"path r{x}", shapely.LineString([(x, 5), (x + 25, 5)]))]  # fmt: skip
+    made = import_world(geojson(tmp_path, parts))
+    free_area(made, tmp_path)
+    assert made.world.reference_path is not None
+    assert made.world.reference_path[0] == pytest.approx((3.0, 5.0))
+    assert made.world.formation is not None
+
+
+def test_a_path_is_as_wide_as_those_on_it_need(tmp_path: Path) -> None:
+    """Not as a cart needs that goes its own way."""
+    parts = [
+        ("boundary", shapely.box(0, 0, 50, 20)), ("path", shapely.LineString([(3, 5), (47, 5)])),
+        ("robot a", shapely.box(4, 4.5, 5.8, 5.5)), ("obstacle", shapely.box(20, 5.55, 21, 6.5)),
+        ("robot cart", shapely.box(4, 14, 5.8, 15.2)),
+        ("path cart", shapely.LineString([(4, 14.6), (47, 14.6)])),
+    ]  # fmt: skip
+    assert len(import_world(geojson(tmp_path, parts)).world.robots) == 2
+    said = refusal(geojson(tmp_path, parts[:-1]))
+    check_says(said, "0.55 m … 1.2 m wide … draw narrower robots")
+
+
+@pytest.mark.parametrize("kind", ["svg", "geojson"])
+@pytest.mark.parametrize("start", [0, 1, 2])
+def test_a_closed_path_begins_at_the_last_robot_on_it(
+    tmp_path: Path, kind: str, start: int
+) -> None:
+    """Wherever it was drawn from; a robot that has begun a lap drives the whole of it."""
+    corners = [(4, 4), (26, 4), (26, 12), (4, 12)]
+    lap = [*corners[start:], *corners[:start], corners[start]]
+    boxes = [shapely.box(25.5, y, 26.5, y + 1.8) for y in (8.5, 5.5)]
+    if kind == "svg":
+        robots = "".join(f'<path d="{svg_path(one.exterior.coords)} Z"/>' for one in boxes)
+        body = f'<path id="boundary" {LINE} d="M 0,0 H 30 V 16 H 0 Z"/>'
+        body += f'<path id="path" {LINE} d="{svg_path(lap[:-1])} Z"/><g id="robot">{robots}</g>'
+        flip = 60.0
+        path = drawing(tmp_path, body)
+    else:
+        flip = 0.0
+        parts = [("boundary", shapely.box(0, 0, 30, 16)), ("path", shapely.LineString(lap))]
+        path = geojson(tmp_path, [*parts, *(("robot", one) for one in boxes)])
+    made = import_world(path, METRES)
+    first = (26.0, abs(flip - 6.4))
+    assert made.world.reference_path is not None
+    assert made.world.reference_path[0] == pytest.approx(first, abs=0.101)
+    assert shapely.LineString(made.world.reference_path).length == pytest.approx(60.0)
+    assert only(made, "closed path begun")
+    free_area(made, tmp_path)
+
+
+def test_a_queue_round_a_corner_is_asked_for_its_path(tmp_path: Path) -> None:
+    """The way straight back leads where nobody stands."""
+    hall = shapely.Polygon([(0, 0), (30, 0), (30, 5), (5, 5), (5, 30), (0, 30)])
+    robots = [("robot", shapely.box(2, y, 3, y + 1.8)) for y in (8, 13)]
+    way = ("path", shapely.LineString([(7, 2.5), (27, 2.5)]))
+    made = import_world(geojson(tmp_path, [("boundary", hall), *robots, way]))
+    assert not [one for one in made.changes if "earlier" in one]
+    assert [one for one in made.changes if "before the path begins" in one]
+
+
+@pytest.mark.parametrize("first", [True, False])
+def test_a_mark_on_a_robot_is_no_robot(tmp_path: Path, first: bool) -> None:
+    body, mark = shapely.box(4, 6, 5.8, 7), shapely.Polygon([(5.3, 6.2), (5.8, 6.5), (5.3, 6.8)])
+    parts = [
+        ("boundary", shapely.box(0, 0, 24, 14)),
+        ("path", shapely.LineString([(3, 6.5), (20, 6.5)])),
+    ]
+    drawn = [("robot", body), ("robot", mark)]
+    made = import_world(geojson(tmp_path, [*parts, *(drawn if first else drawn[::-1])]))
+    assert len(made.world.robots) == 1
+    check_says(only(made, "a mark on it"), "(5.30, 6.20)")
+
+
+@pytest.mark.parametrize("truck", [1.8, 6.0])
+def test_speeds_are_those_of_the_smallest_robot(tmp_path: Path, truck: float) -> None:
+    """Those of a truck would be too fast for the others, and its distances too long."""
+    parts = [
+        ("boundary", shapely.box(0, 0, 60, 12)), ("path", shapely.LineString([(3, 4), (57, 4)])),
+        ("robot a", shapely.box(14, 3.5, 15.8, 4.5)), ("robot b", shapely.box(10, 3.5, 11.8, 4.5)),
+        ("robot c", shapely.box(1.5, 3, 1.5 + truck, 5)),
+    ]  # fmt: skip
+    made = import_world(geojson(tmp_path, parts))
+    assert made.world.formation is not None
+    assert made.world.formation.speed == 1.0
+    assert any("1.80 to 6.00 m" in one for one in made.facts) == (truck == 6.0)
+
+
+@pytest.mark.parametrize("angle", np.linspace(0.1, 4.0, 12))
+@pytest.mark.parametrize("first", [9.0, 8.0])
+def test_a_path_begins_behind_two_lanes_of_waiting_robots(
+    tmp_path: Path, angle: float, first: float
+) -> None:
+    """Also where the foremost of them stand at its beginning, or it begins at the first of them."""
+    lanes = (3.5, 6.5) if first == 9.0 else (5.0,)
+    robots = [shapely.box(x - 0.8, y - 0.5, x + 0.8, y + 0.5)
+              for x in (first, first - 4.0) for y in lanes]  # fmt: skip
+    parts = [("boundary", shapely.box(0, 0, 40, 10)),
+             ("path", shapely.LineString([(first, 5), (35, 5)])),
+             *(("robot", one) for one in robots)]  # fmt: skip
+    turned = [(role, shapely.affinity.rotate(one, angle, origin=(0, 0))) for role, one in parts]
+    made = import_world(geojson(tmp_path, turned))
+    free_area(made, tmp_path)
+    assert only(made, "earlier")
+
+
+def test_a_robot_with_narrow_parts_has_shorter_steps(tmp_path: Path) -> None:
+    """As a forklift with its tines; in the usual ones it could pass through another."""
+    fork = shapely.union_all([shapely.box(4, 4, 6, 5.2), shapely.box(6, 4.1, 7, 4.3),
+                              shapely.box(6, 4.9, 7, 5.1)])  # fmt: skip
+    parts = [("boundary", shapely.box(0, 0, 48, 12)),
+             ("path", shapely.LineString([(3, 4.6), (45, 4.6)])), ("robot fork", fork)]  # fmt: skip
+    made = import_world(geojson(tmp_path, parts))
+    assert made.world.time.step == 0.005
+    assert any("0.005 s" in one for one in made.facts)
+
+
+@pytest.mark.parametrize("who", ["a", "c"])
+def test_each_path_drawn_from_its_end_is_told(tmp_path: Path, who: str) -> None:
+    """Also where another robot goes far, another way."""
+    ways = {"a": [(3, 3), (37, 3)], "c": [(37, 9), (3, 9)]}
+    ways[who] = ways[who][::-1]
+    parts = [("boundary", shapely.box(0, 0, 40, 12)), ("path", shapely.LineString(ways["a"])),
+             ("path c", shapely.LineString(ways["c"])),
+             ("robot a", shapely.box(4, 2.5, 5.8, 3.5)),
+             ("robot c", shapely.box(34, 8.5, 35.8, 9.5))]  # fmt: skip
+    told = [one for one in import_world(geojson(tmp_path, parts)).changes if "WARNING" in one]
+    assert any(f"{who} goes" in one and "the other way round" in one for one in told)
+
+
+@pytest.mark.parametrize("angle", [0.0, 0.7, 2.0, 4.4])
+@pytest.mark.parametrize("row", [2, 1])
+@pytest.mark.parametrize("own", ["", " a"])
+def test_a_lap_of_a_turned_hall_is_driven(tmp_path: Path, angle: float, row: int, own: str) -> None:
+    """Robots abreast, or one behind the other, at the place where it was begun."""
+    corners = [(15, 4), (26, 4), (26, 12), (4, 12), (4, 4), (15, 4)]
+    spots = [(15, 3.2), (15, 4.8)] if row == 2 else [(15, 4), (12, 4)]
+    names = ("a", "b")[: 1 if own else 2]
+    parts: list[tuple[str, Any]] = [
+        ("boundary", shapely.box(0, 0, 30, 16)), (f"path{own}", shapely.LineString(corners)),
+        *((f"robot {name}", shapely.box(x - 0.5, y - 0.3, x + 0.5, y + 0.3))
+          for name, (x, y) in zip(names, spots, strict=False)),
+    ]  # fmt: skip
+    turned = [(role, shapely.affinity.rotate(one, angle, origin=(0, 0), use_radians=True))
+              for role, one in parts]  # fmt: skip
+    made = import_world(geojson(tmp_path, turned))
+    free_area(made, tmp_path)
+    assert not [one for one in made.changes if "WARNING" in one]
+    assert made.world.formation is not None
+
+
+HALL = ("boundary", shapely.box(0, 0, 50, 20))
+WAY = ("path", shapely.LineString([(3, 5), (47, 5)]))
+CART = ("robot cart", shapely.box(4, 14, 5.8, 15))
+
+
+def box(x: float, y: float, length: float = 1.8, width: float = 1.0) -> Any:
+    return shapely.box(x - length / 2, y - width / 2, x + length / 2, y + width / 2)
+
+
+def test_a_path_of_its_own_is_fitted_as_the_reference_path_is(tmp_path: Path) -> None:
+    """It ends away from the wall, begins at its robot, and stays in the area."""
+    parts = [HALL, WAY, ("robot a", box(4, 5)), CART]
+    own = ("path cart", shapely.LineString([(8, 14.5), (49.5, 14.5)]))
+    made = import_world(geojson(tmp_path, [*parts, own]))
+    free_area(made, tmp_path)
+    _, cart = _paths(made)
+    assert cart[0] == pytest.approx((4.9, 14.5))
+    check_says(only(made, "path of cart begun"), "3.10 m earlier")
+    assert 45.0 < cart[-1, 0] < 48.5
+    assert only(made, "path of cart shortened")
+    out = ("path cart", shapely.LineString([(5, 14.5), (20, 14.5), (20, 25), (22, 25), (22, 14)]))
+    said = refusal(geojson(tmp_path, [*parts, out]))
+    check_says(said, "the path of cart leaves the area … (20.00, 20.00)")
+    narrow = ("obstacle", shapely.box(20, 15, 21, 16))
+    said = refusal(geojson(tmp_path, [*parts, narrow, own]))
+    check_says(said, "the path of cart passes 0.5 m from a boundary … 1 m wide")
+
+
+@pytest.mark.parametrize("start", [0, 1, 2, 3])
+def test_a_lap_of_its_own_begins_at_its_robot(tmp_path: Path, start: int) -> None:
+    corners = [(4, 11), (40, 11), (40, 17), (4, 17)]
+    lap = [*corners[start:], *corners[:start], corners[start]]
+    parts = [HALL, WAY, ("robot a", box(4, 5)), ("robot b", box(20, 11)),
+             ("path b", shapely.LineString(lap))]  # fmt: skip
+    made = import_world(geojson(tmp_path, parts))
+    free_area(made, tmp_path)
+    path = _paths(made)[1]
+    assert path[0] == pytest.approx((20, 11), abs=0.2)
+    assert shapely.LineString(path).length == pytest.approx(84.0, abs=0.01)
+
+
+def test_a_world_lasts_as_long_as_the_longest_way(tmp_path: Path) -> None:
+    legs = [(5, 14.5), *((x, y) for x in range(8, 44, 8) for y in (9, 17)), (46, 17)]
+    parts = [HALL, WAY, ("robot a", box(4, 5)), CART, ("path cart", shapely.LineString(legs))]
+    made = import_world(geojson(tmp_path, parts))
+    assert made.world.time.duration > shapely.LineString(legs).length
+
+
+@pytest.mark.parametrize("size", [1.0, 0.5])
+def test_speeds_shrink_with_robots_that_are_no_formation(tmp_path: Path, size: float) -> None:
+    parts = [("boundary", shapely.box(0, 0, 50 * size, 20 * size)),
+             *((f"robot {name}", box(x * size, y * size, 1.8 * size, size))
+               for name, x, y in (("a", 4, 5), ("b", 46, 15))),
+             ("path a", shapely.LineString(np.array([(4, 5), (46, 5)]) * size)),
+             ("path b", shapely.LineString(np.array([(46, 15), (4, 15)]) * size))]  # fmt: skip
+    made = import_world(geojson(tmp_path, parts))
+    assert made.world.formation is None
+    assert made.world.controller.settings.get("speed", 1.0) == pytest.approx(size)
+
+
+def test_those_on_a_path_with_a_name_stop_one_behind_the_other(tmp_path: Path) -> None:
+    """Where another robot goes another way, and there is no formation."""
+    parts = [HALL, ("robot a", box(9, 5)), ("path a", shapely.LineString([(9, 5), (47, 5)])),
+             ("robot b", box(5, 5)), ("robot c", box(46, 15)),
+             ("path c", shapely.LineString([(46, 15), (25, 15)]))]  # fmt: skip
+    made = import_world(geojson(tmp_path, parts))
+    assert made.world.formation is None
+    ends = {one.name: path[-1] for one, path in zip(made.world.robots, _paths(made), strict=True)}
+    assert ends["a"][0] - ends["b"][0] == pytest.approx(4.0, abs=0.01)
+
+
+@pytest.mark.parametrize("offset", [0.8, 1.5, 2.0, 2.5, -2.0])
+@pytest.mark.parametrize("past", [0.05, 0.6, 1.4])
+@pytest.mark.parametrize("angle", [0.0, 1.3])
+def test_a_lap_beside_the_path_is_driven(
+    tmp_path: Path, offset: float, past: float, angle: float
+) -> None:
+    """Of a robot within, or without, the corner where the lap begins: its lane is a lap, too."""
+    corners = [(0, 0), (22, 0), (22, 14), (0, 14), (0, 0)]
+    parts = [("boundary", shapely.box(-5, -5, 27, 19)), ("path", shapely.LineString(corners)),
+             ("robot b", box(max(offset, 0) + past, offset, 1.4, 0.8))]  # fmt: skip
+    turned = [(role, shapely.affinity.rotate(one, angle, origin=(0, 0), use_radians=True))
+              for role, one in parts]  # fmt: skip
+    made = import_world(geojson(tmp_path, turned))
+    free_area(made, tmp_path)
+    (path,) = _paths(made)
+    if isinstance(made.world.robots[0].path, tuple | list):
+        assert shapely.LineString(path).length > 72.0 - 8.0 * max(offset, 0.0) - 0.5
+    assert not [one for one in made.changes if "WARNING" in one]
+
+
+@pytest.mark.parametrize("corners", [
+    [(0, 0), (40, 0), (40, 26), (0, 26)], [(0, 0), (0, 26), (40, 26), (40, 0)],
+    [(0, 0), (40, 0), (20, 30)],
+], ids=["left about", "right about", "triangle"])  # fmt: skip
+@pytest.mark.parametrize("lanes", [2, 3])
+def test_lanes_of_a_lap_from_a_corner_go_round(
+    tmp_path: Path, corners: list[tuple[float, float]], lanes: int
+) -> None:
+    parts = [("boundary", shapely.box(-16, -26, 76, 46)),
+             ("path", shapely.LineString([*corners, corners[0]]))]  # fmt: skip
+    made = import_world(geojson(tmp_path, parts), Options(robots=2 * lanes, lanes=lanes))
+    lap = shapely.LineString([*corners, corners[0]]).length
+    lengths = [shapely.LineString(path).length for path in _paths(made)]
+    assert min(lengths) > 0.85 * lap
+
+
+def test_a_lane_goes_round_where_its_path_crosses_itself(tmp_path: Path) -> None:
+    way = [(0, 0), (60, 0), (60, 20), (30, 20), (30, -20)]
+    parts = [("boundary", shapely.box(-10, -40, 80, 40)), ("path", shapely.LineString(way))]
+    made = import_world(geojson(tmp_path, parts), Options(robots=4, lanes=2))
+    lengths = [shapely.LineString(path).length for path in _paths(made)]
+    assert min(lengths) > shapely.LineString(way).length - 10.0
+
+
+def test_a_path_begins_at_a_robot_beside_a_wall(tmp_path: Path) -> None:
+    """It is not cut off there to have the room that it has farther on."""
+    wall = ("obstacle", shapely.box(2, 6.1, 9, 7))
+    parts = [HALL, wall, ("robot a", box(4, 5)), ("path", shapely.LineString([(4, 5), (45, 5)]))]
+    made = import_world(geojson(tmp_path, parts))
+    free_area(made, tmp_path)
+    assert np.asarray(made.world.reference_path)[0] == pytest.approx((4.0, 5.0))
+    assert not [one for one in made.changes if "at its start" in one or "earlier" in one]
+
+
+def test_lines_given_are_not_changed() -> None:
+    line = np.array([(0.0, 0.0), (10, 0), (10, 5), (5, 5), (5, -5)])
+    before = line.copy()
+    without_loops(line, float("inf"))
+    assert (line == before).all()
+
+
+def _ways(made: Imported) -> list[float]:
+    """[m] from each robot to the end of its path, at which the first of them stops."""
+    found = []
+    for one, path in zip(made.world.robots, _paths(made), strict=True):
+        if not isinstance(one.path, tuple | list) and one.path is not None:
+            path = offset_polyline(path, np.full(len(path), one.path.offset))
+        line = shapely.LineString(path)
+        found.append(line.length - line.project(shapely.Point(one.pose[:2])))
+    return found
+
+
+RECTANGLE = [(0, 0), (30, 0), (30, 18), (0, 18)]
+L_SHAPE = [(0, 0), (30, 0), (30, 10), (14, 10), (14, 22), (0, 22)]
+TRIANGLE = [(0, 0), (34, 0), (12, 24)]
+
+
+@pytest.mark.parametrize("corners", [RECTANGLE, L_SHAPE, TRIANGLE], ids=["box", "L", "triangle"])
+@pytest.mark.parametrize("seed", range(12))
+def test_all_of_a_queue_drive_a_lap(
+    tmp_path: Path, corners: list[tuple[float, float]], seed: int
+) -> None:
+    """Wherever the lap was drawn from, whichever way round, wherever on it and beside it they are.
+
+    By the lengths of their paths, not by those that the import reckons.
+    """
+    draw = np.random.default_rng(seed)
+    begin, back = int(draw.integers(len(corners))), bool(draw.integers(2))
+    way = (corners[begin:] + corners[:begin])[:: -1 if back else 1]
+    lap = shapely.LineString([*way, way[0]])
+    side, where = float(draw.choice([0.0, -1.2, 1.2])), float(draw.uniform(0.0, lap.length))
+    robots = []
+    for k in range(int(draw.integers(1, 4))):
+        x, y = lap.interpolate((where + 3.0 * k) % lap.length).coords[0]
+        tip = lap.interpolate((where + 3.0 * k + 0.01) % lap.length).coords[0]
+        turn = np.arctan2(tip[1] - y, tip[0] - x)
+        one = shapely.affinity.rotate(box(0, side, 1.4, 0.8), turn, (0, 0), use_radians=True)
+        robots.append((f"robot r{k}", shapely.affinity.translate(one, x, y)))
+    parts = [("boundary", shapely.box(-12, -12, 46, 36)), ("path", lap), *robots]
+    angle = float(draw.choice([0.0, 0.7, 2.3]))
+    turned = [(role, shapely.affinity.rotate(one, angle, origin=(0, 0), use_radians=True))
+              for role, one in parts]  # fmt: skip
+    made = import_world(geojson(tmp_path, turned))
+    free_area(made, tmp_path)
+    assert made.world.formation is not None
+    rear = max(_ways(made))
+    assert rear > lap.length - 12.0 * abs(side) - 0.5
+    assert min(_ways(made)) > rear - 3.0 * len(robots) - 6.0 * abs(side)
+    assert not [one for one in made.changes if "WARNING" in one]
+
+
+@pytest.mark.parametrize("front", [[(0, -1.5), (1, -1.5), (1, 1.5), (0, 1.5)], []])
+def test_a_robot_heavy_in_front_drives_a_lap(
+    tmp_path: Path, front: list[tuple[float, float]]
+) -> None:
+    """Its reference point, not its centre of area, is where the path begins."""
+    shaft = shapely.box(-3.0, -0.2, 1.0, 0.2)
+    outline = shapely.union_all([shaft, shapely.Polygon(front)])
+    lap = shapely.LineString([(0, 0), (24, 0), (24, 14), (0, 14), (0, 0)])
+    parts = [("boundary", shapely.box(-6, -6, 30, 20)), ("path", lap),
+             ("robot a", shapely.affinity.translate(outline, 9, 0))]  # fmt: skip
+    made = import_world(geojson(tmp_path, parts))
+    free_area(made, tmp_path)
+    assert min(_ways(made)) == pytest.approx(lap.length, abs=0.3)
+    straight = [("boundary", shapely.box(-6, -6, 30, 20)), parts[2],
+                ("path", shapely.LineString([(9, 0), (26, 0)]))]  # fmt: skip
+    path = np.asarray(import_world(geojson(tmp_path, straight)).world.reference_path)
+    assert path[0] == pytest.approx((8.0, 0.0))
+
+
+LOOP = [(0, 0), (24, 0), (24, 14), (0, 14), (0, 0)]
+RING = [(12, 11), (20, 11), (20, 3), (4, 3), (4, 11), (12, 11)]
+U = [(0, 0), (20, 0), (20, 14), (0, 14)]
+
+
+@pytest.mark.parametrize(("reference", "own", "is_along"), [
+    (LOOP, RING, False), (LOOP, RING[::-1], False), (U, [(12, 4), (12, 13)], False),
+    (U, [(3, 2), (18, 2), (18, 12), (3, 12)], True), (U, [(3, -2), (22, -2), (22, 16)], True),
+    (U, [(2, -1), (10, -1), (10, 13), (2, 13)], False),
+], ids=["against", "another lap", "across", "inside", "outside", "short cut"])  # fmt: skip
+def test_a_formation_goes_where_it_can_be_measured(
+    tmp_path: Path, reference: list[Any], own: list[Any], is_along: bool
+) -> None:
+    """A robot's own path along the reference path has a like length on it, part by part."""
+    ahead = np.array(own[1]) - own[0]
+    turn = float(np.arctan2(ahead[1], ahead[0]))
+    b = shapely.affinity.rotate(box(0, 0, 1.2, 0.6), turn, (0, 0), use_radians=True)
+    parts = [("boundary", shapely.box(-6, -6, 30, 20)), ("path", shapely.LineString(reference)),
+             ("robot a", box(0.9, 0, 1.2, 0.6)), ("path b", shapely.LineString(own)),
+             ("robot b", shapely.affinity.translate(b, *own[0]))]  # fmt: skip
+    made = import_world(geojson(tmp_path, parts))
+    assert (made.world.formation is not None) == is_along
+    assert bool([one for one in made.facts if "no formation" in one]) != is_along
+
+
+def test_a_lap_drawn_a_grain_too_short_is_closed(tmp_path: Path) -> None:
+    parts = [("boundary", shapely.box(-6, -6, 30, 20)), ("robot a", box(12, 0)),
+             ("path", shapely.LineString([*LOOP[:-1], (0, 0.004)]))]  # fmt: skip
+    made = import_world(geojson(tmp_path, parts))
+    check_says(only(made, "it is closed"), "0.004 m")
+    assert min(_ways(made)) == pytest.approx(76.0, abs=0.3)
+
+
+def test_robots_of_one_lane_have_one_path(tmp_path: Path) -> None:
+    """Which is made once, and as finely as a lane of its own."""
+    robots = [(f"robot r{k}", box(4 + 3 * k, 7)) for k in range(12)]
+    parts = [HALL, ("path", shapely.LineString([(2, 5), (47, 5)])), *robots,
+             ("obstacle", shapely.box(42, 9, 43, 10))]  # fmt: skip
+    made = import_world(geojson(tmp_path, parts))
+    paths = {np.asarray(path).tobytes() for path in _paths(made)}
+    assert len(paths) == 1

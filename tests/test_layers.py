@@ -30,7 +30,7 @@ LAYERS = {
     "physim.tolerances": (0, 0),
     "physim.streams": (0, 1),
     "physim.stray_settings": (0, 0),
-    "physim.drafts": (0, 0),
+    "physim.drafts": (0, 1),
     "physim.json_text": (0, 0),
     "physim.frontend": (0, 0),
     "physim.linking": (0, 1),

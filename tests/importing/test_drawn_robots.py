@@ -13,6 +13,7 @@ import shapely.affinity
 from physim.authoring.importing import Imported, Options, import_world
 from physim.authoring.importing.lines import without_loops
 from physim.geometry.corridor import offset_polyline
+from physim.world.checks import check_world
 from tests.importing.plans import check_says, only, svg_path
 from tests.importing.test_joining import geojson
 from tests.importing.test_places import LINE, METRES, drawing, free_area, refusal
@@ -361,6 +362,7 @@ def test_a_lap_beside_the_path_is_driven(
     if isinstance(made.world.robots[0].path, tuple | list):
         assert shapely.LineString(path).length > 72.0 - 8.0 * max(offset, 0.0) - 0.5
     assert not [one for one in made.changes if "WARNING" in one]
+    assert not check_world(tmp_path / "made.yaml").warnings
 
 
 @pytest.mark.parametrize("corners", [
@@ -377,6 +379,8 @@ def test_lanes_of_a_lap_from_a_corner_go_round(
     lap = shapely.LineString([*corners, corners[0]]).length
     lengths = [shapely.LineString(path).length for path in _paths(made)]
     assert min(lengths) > 0.85 * lap
+    if lanes == 2:  # all begin at the beginning, so that they end in order
+        assert not [one for one in made.changes if "shortened" in one]
 
 
 def test_a_lane_goes_round_where_its_path_crosses_itself(tmp_path: Path) -> None:
@@ -481,8 +485,10 @@ U = [(0, 0), (20, 0), (20, 14), (0, 14)]
 @pytest.mark.parametrize(("reference", "own", "is_along"), [
     (LOOP, RING, False), (LOOP, RING[::-1], False), (U, [(12, 4), (12, 13)], False),
     (U, [(3, 2), (18, 2), (18, 12), (3, 12)], True), (U, [(3, -2), (22, -2), (22, 16)], True),
-    (U, [(2, -1), (10, -1), (10, 13), (2, 13)], False),
-], ids=["against", "another lap", "across", "inside", "outside", "short cut"])  # fmt: skip
+    (U, [(2, -1), (10, -1), (10, 13), (2, 13)], False), (U, [(2, 2), (14, 7), (2, 12)], False),
+    ([(0, 0), (24, 0)], [(1, 2), (18, 2), (18, 4), (12, 4), (12, 6), (23, 6)], False),
+], ids=["against", "another lap", "across", "inside", "outside", "short cut", "tip",
+        "to and fro"])  # fmt: skip
 def test_a_formation_goes_where_it_can_be_measured(
     tmp_path: Path, reference: list[Any], own: list[Any], is_along: bool
 ) -> None:

@@ -95,13 +95,17 @@ def test_a_closet_of_open_lines_leaves_a_passage_beside_it(tmp_path: Path) -> No
     assert not [one for one in made.changes if "joined" in one]
 
 
-def test_lines_beside_a_closed_room_make_no_room_of_their_own(tmp_path: Path) -> None:
-    kerbs = '<path d="M 0,50 H 30"/><path d="M 0,58 H 30"/>'
-    room = '<path d="M 0,0 H 40 V 40 H 0 Z"/>'
+@pytest.mark.parametrize(("side", "length"), [(40, 30), (12, 58)], ids=["larger", "smaller"])
+def test_lines_beside_a_closed_room_make_no_room_of_their_own(
+    tmp_path: Path, side: int, length: int
+) -> None:
+    kerbs = f'<path d="M 0,50 H {length}"/><path d="M 0,58 H {length}"/>'
+    room = f'<path d="M 0,0 H {side} V {side} H 0 Z"/>'
     body = f'<g id="boundary" {LINE}>{room}{kerbs}</g>'
-    check_says(refusal(drawing(tmp_path, body)), "60 m of lines beyond it … leave them out")
-    made = import_world(drawing(tmp_path, body), Options(scale=1.0, origin=(20.0, 40.0)))
-    assert free_area(made, tmp_path) == pytest.approx(1600.0)
+    told = f"{2 * length} m of lines beyond it … leave them out"
+    check_says(refusal(drawing(tmp_path, body)), told)
+    made = import_world(drawing(tmp_path, body), Options(scale=1.0, origin=(6.0, 54.0)))
+    assert free_area(made, tmp_path) == pytest.approx(side**2)
     assert not [one for one in made.changes if "cap" in one]
     assert sum("dropped" in one for one in made.changes) == 2
 

@@ -6,7 +6,7 @@ role, and a polygon without one says where robots may go.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -68,58 +68,13 @@ def drawing_of(path: Path, kind: str, parts: list[Part], options: Options) -> Dr
         drawing.facts.append(f"origin moved to {origin[0]:.0f}, {origin[1]:.0f} m of the source")
     shapes = [_scaled(path, part, options.unit, origin, drawing) for part in parts]
     check_work(path, [line for shape in shapes for line in lines_of(shape)])
-    polygons: list[Any] = []
-    walls: list[Any] = []
-    repairs: list[str] = []  # of each of these
-    areas: list[Part] = []
-    unused: list[str] = []
-    paths: list[tuple[str, FloatArray]] = []
-    has_path = any(part.role == "path" for part in parts)
-    for part, shape in zip(parts, shapes, strict=True):
-        if part.role in ("robot", "obstacle") and shape.geom_type == "Polygon" and shape.interiors:
-            unused.append(f"{part.role} at {place(_ring(shape)[0])}: solid, its holes filled")
-        if shape.geom_type in ("LineString", "LinearRing"):
-            line = rounded(shapely.get_coordinates(shape))
-            if has_path and not part.role:
-                unused.append(f"line from {place(line[0])}: no role, left out; a path has one")
-            else:
-                _line(drawing, part, line, paths, unused)
-        elif shape.geom_type != "Polygon":
-            at = place(shapely.get_coordinates(shape)[0])
-            unused.append(f"{shape.geom_type} at {at}: holds no lines, left out")
-        elif part.role == "robot":
-            drawing.robots.append(DrawnRobot(drawing.free_name(part.name), _ring(shape)))
-        elif part.role == "obstacle":
-            drawing.obstacles.append(_ring(shape))
-        elif part.role == "wall":
-            walls += [shape] if is_thick(shape) else []
-            for line in [] if is_thick(shape) else lines_of(shape):
-                _line(drawing, part, rounded(line), paths, unused)
-        else:
-            found, repair = _valid(path, shape, part.line, drawing)
-            polygons += found
-            repairs += [repair] * len(found)
-            areas += [part] * len(found)
+    found = _sorted(path, drawing, parts, shapes)
     drop_marks(drawing)
-    take_paths(drawing, paths)
-    take_walls(drawing, walls)
-    drawing.changes += listed(unused)
-    if polygons:
-        with_role = [one for one, part in zip(polygons, areas, strict=True) if part.role]
-        chosen = chosen_area(with_role or polygons, drawing, options.origin)
-        taken = next(k for k, one in enumerate(polygons) if one is chosen)
-        drawing.repairs += filter(None, [repairs[taken]])
-        if len(polygons) > 1:
-            drawing.repairs.append(
-                f"{plural(len(polygons), 'polygon')}, each an area of its own; dissolve those that "
-                "are one place"
-            )
-        if not areas[taken].role:
-            _check_place(path, drawing, areas[taken], chosen, options)
-        drawing.within = shapely.Polygon(chosen.exterior, [*filter(is_long, chosen.interiors)])
-        drawing.changes += listed(polygons[:taken] + polygons[taken + 1 :], _left_out)
-        drawing.add_outline(chosen)
-        knit(drawing.boundaries)
+    take_paths(drawing, found.paths)
+    take_walls(drawing, found.walls)
+    drawing.changes += listed(found.unused)
+    if found.polygons:
+        _take_area(path, drawing, found.polygons, options)
     elif not drawing.boundaries:
         layers = sorted({part.layer for part in parts if part.layer})
         named = f'; the layer "{escaped(layers[0])[:40]}" is no role' if layers else ""
@@ -129,6 +84,76 @@ def drawing_of(path: Path, kind: str, parts: list[Part], options: Options) -> Dr
     else:
         drawing.changes += join_ends(drawing.boundaries)
     return drawing
+
+
+@dataclass(frozen=True)
+class _Polygon:
+    """A polygon where robots may be allowed [m], the part it is of, and how that was repaired."""
+
+    shape: Any
+    part: Part
+    repair: str
+
+
+@dataclass(frozen=True)
+class _Sorted:
+    """Parts by what they are: walls, pieces of paths by name, and what is said of those unused."""
+
+    polygons: list[_Polygon] = field(default_factory=list)
+    walls: list[Any] = field(default_factory=list)
+    paths: list[tuple[str, FloatArray]] = field(default_factory=list)
+    unused: list[str] = field(default_factory=list)
+
+
+def _sorted(path: Path, drawing: Drawing, parts: list[Part], shapes: list[Any]) -> _Sorted:
+    """Parts, whose shapes are in metres, by what they are; robots and obstacles in the drawing."""
+    found = _Sorted()
+    has_path = any(part.role == "path" for part in parts)
+    for part, shape in zip(parts, shapes, strict=True):
+        if part.role in ("robot", "obstacle") and shape.geom_type == "Polygon" and shape.interiors:
+            at = place(_ring(shape)[0])
+            found.unused.append(f"{part.role} at {at}: solid, its holes filled")
+        if shape.geom_type in ("LineString", "LinearRing"):
+            line = rounded(shapely.get_coordinates(shape))
+            if has_path and not part.role:
+                told = f"line from {place(line[0])}: no role, left out; a path has one"
+                found.unused.append(told)
+            else:
+                _line(drawing, part, line, found)
+        elif shape.geom_type != "Polygon":
+            at = place(shapely.get_coordinates(shape)[0])
+            found.unused.append(f"{shape.geom_type} at {at}: holds no lines, left out")
+        elif part.role == "robot":
+            drawing.robots.append(DrawnRobot(drawing.free_name(part.name), _ring(shape)))
+        elif part.role == "obstacle":
+            drawing.obstacles.append(_ring(shape))
+        elif part.role == "wall":
+            found.walls.extend([shape] if is_thick(shape) else [])
+            for line in [] if is_thick(shape) else lines_of(shape):
+                _line(drawing, part, rounded(line), found)
+        else:
+            whole, repair = _valid(path, shape, part.line, drawing)
+            found.polygons.extend(_Polygon(one, part, repair) for one in whole)
+    return found
+
+
+def _take_area(path: Path, drawing: Drawing, polygons: list[_Polygon], options: Options) -> None:
+    """Take the polygon that is meant for the robots, of those with a role if there are any."""
+    some = [one for one in polygons if one.part.role] or polygons
+    chosen = chosen_area([one.shape for one in some], drawing, options.origin)
+    taken = next(one for one in polygons if one.shape is chosen)
+    drawing.repairs += filter(None, [taken.repair])
+    if len(polygons) > 1:
+        drawing.repairs.append(
+            f"{plural(len(polygons), 'polygon')}, each an area of its own; dissolve those that "
+            "are one place"
+        )
+    if not taken.part.role:
+        _check_place(path, drawing, taken.part, chosen, options)
+    drawing.within = shapely.Polygon(chosen.exterior, [*filter(is_long, chosen.interiors)])
+    drawing.changes += listed([one.shape for one in polygons if one is not taken], _left_out)
+    drawing.add_outline(chosen)
+    knit(drawing.boundaries)
 
 
 def _check_place(path: Path, drawing: Drawing, part: Part, polygon: Any, options: Options) -> None:
@@ -206,20 +231,14 @@ def _ring(shape: Any) -> FloatArray:
     return points[:-1] if len(points) > 1 else points
 
 
-def _line(
-    drawing: Drawing,
-    part: Part,
-    points: FloatArray,
-    paths: list[tuple[str, FloatArray]],
-    unused: list[str],
-) -> None:
+def _line(drawing: Drawing, part: Part, points: FloatArray, found: _Sorted) -> None:
     """A wall, or a piece of a path; only what has that role has the name of a robot."""
     if len(points) < 2:
-        unused.append(f"line of no length at {place(points[0])}: left out")
+        found.unused.append(f"line of no length at {place(points[0])}: left out")
     elif part.role in ("boundary", "wall"):
         drawing.boundaries.append(points)
     else:
-        paths.append((part.name if part.role == "path" else "", points))
+        found.paths.append((part.name if part.role == "path" else "", points))
 
 
 def _valid(path: Path, shape: Any, line: int | None, drawing: Drawing) -> tuple[list[Any], str]:

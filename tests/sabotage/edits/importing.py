@@ -208,7 +208,7 @@ EDITS = (
     Edit(
         "importing",
         "physim/authoring/importing/parts.py",
-        "drawing_of",
+        "_sorted",
         'part.role == "wall"',
         "False",
         "polygons that are walls are not the area",
@@ -541,7 +541,7 @@ EDITS = (
     Edit(
         "importing",
         "physim/authoring/importing/parts.py",
-        "drawing_of",
+        "_take_area",
         "[*filter(is_long, chosen.interiors)]",
         "[]",
         "a hole of very many corners is no place",
@@ -550,7 +550,7 @@ EDITS = (
     Edit(
         "importing",
         "physim/authoring/importing/parts.py",
-        "drawing_of",
+        "_sorted",
         "if has_path and not part.role:",
         "if False:",
         "a line without a role is no path beside one that has it",
@@ -559,8 +559,8 @@ EDITS = (
     Edit(
         "importing",
         "physim/authoring/importing/parts.py",
-        "drawing_of",
-        "_check_place(path, drawing, areas[taken], chosen, options)",
+        "_take_area",
+        "_check_place(path, drawing, taken.part, chosen, options)",
         "pass",
         "a table without a role is not the place",
         "tests/importing/test_places.py::test_a_polygon_without_a_role_is_named_as_the_place",
@@ -568,7 +568,7 @@ EDITS = (
     Edit(
         "importing",
         "physim/authoring/importing/parts.py",
-        "drawing_of",
+        "_take_area",
         "knit(drawing.boundaries)",
         "pass",
         "a wall divides a polygon at any angle",
@@ -703,10 +703,19 @@ EDITS = (
     Edit(
         "importing",
         "physim/authoring/importing/parts.py",
-        "drawing_of",
-        "with_role or polygons",
+        "_take_area",
+        "[one for one in polygons if one.part.role] or polygons",
         "polygons",
         "a polygon with a role is the place beside larger ones",
         "tests/importing/test_places.py::test_a_polygon_with_a_role_is_the_place_beside_larger_ones",
+    ),
+    Edit(
+        "importing",
+        "physim/authoring/importing/joining.py",
+        "_caps",
+        "not ring.intersects(between) or",
+        "",
+        "two open lines are no corridor beside a closed room",
+        "tests/importing/test_places.py::test_lines_beside_a_closed_room_make_no_room_of_their_own",
     ),
 )

@@ -437,6 +437,16 @@ def test_a_least_distance_that_the_start_breaks_is_a_warning(tmp_path, least, wa
         check_finding(one, "14:24 expect.min_distance", '"a"', '"b"', "1.562 m", "less than 50 m")
 
 
+def test_robots_at_the_very_same_pose_are_no_distance_apart(tmp_path):
+    """An entry copied, its pose forgotten."""
+    copied = ("pose: [3.0, -1.0, 0.0]", "pose: [6.0, 1.0, 0.0]")
+    text = changed(CORRIDOR, copied) + "expect: {min_distance: 0.1}\n"
+    errors, warnings = lines(check(tmp_path, text))
+    assert [one for one in errors if "overlaps" in one]
+    (broken,) = with_facts(warnings, "expect.min_distance")
+    assert "are 0 m apart" in broken
+
+
 @pytest.mark.parametrize(("most", "warned"), [("2.5", True), ("2.51", False)])
 def test_a_greatest_distance_that_the_start_breaks_is_a_warning(tmp_path, most, warned):
     """Of three robots the two that are farthest apart: 1.2 m along the road, 2.2 m across it."""

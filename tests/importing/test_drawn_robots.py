@@ -520,3 +520,105 @@ def test_robots_of_one_lane_have_one_path(tmp_path: Path) -> None:
     made = import_world(geojson(tmp_path, parts))
     paths = {np.asarray(path).tobytes() for path in _paths(made)}
     assert len(paths) == 1
+
+
+@pytest.mark.parametrize("sides", [16, 24, 32])
+@pytest.mark.parametrize("inside", [0.8, 1.5, -1.0])
+@pytest.mark.parametrize("ahead", [False, True])
+def test_a_lap_beside_a_bend_begins_behind_its_robot(
+    tmp_path: Path, sides: int, inside: float, ahead: bool
+) -> None:
+    """Before and after every corner of a round path: it is no lap that ends where it stands."""
+    turns = np.linspace(0.0, 2.0 * np.pi, sides + 1)
+    lap = shapely.LineString(8.0 * np.stack([np.cos(turns), np.sin(turns)], axis=1))
+    for angle in (0.3, 0.35, 0.5, 1.0):
+        robots = [(angle, 8.0 - inside), (angle + 0.5, 8.0)][: 2 if ahead else 1]
+        parts: list[tuple[str, Any]] = [("boundary", shapely.box(-14, -14, 14, 14)), ("path", lap)]
+        for k, (turn, radius) in enumerate(robots):
+            one = shapely.affinity.translate(box(0, 0, 1.0, 0.6), radius, 0)
+            one = shapely.affinity.rotate(one, 90, origin=(radius, 0))
+            one = shapely.affinity.rotate(one, turn, origin=(0, 0), use_radians=True)
+            parts.append((f"robot r{k}", one))
+        made = import_world(geojson(tmp_path, parts))
+        free_area(made, tmp_path)
+        assert min(_ways(made)) > 2.0 * np.pi * (8.0 - max(inside, 0.0)) - 5.0
+
+
+@pytest.mark.parametrize("turn", [0.0, 90.0])
+def test_a_box_at_a_corner_heads_along_its_longer_side(tmp_path: Path, turn: float) -> None:
+    one = shapely.affinity.rotate(box(24, 0, 1.8, 1.0), turn)
+    parts = [("boundary", shapely.box(-6, -6, 30, 20)), ("path", shapely.LineString(LOOP)),
+             ("robot a", one)]  # fmt: skip
+    (robot,) = import_world(geojson(tmp_path, parts)).world.robots
+    assert robot.pose[2] == pytest.approx(np.radians(turn), abs=1e-3)
+    assert robot.footprint.length == pytest.approx(1.8)
+
+
+def _turned(points: Any, angle: float) -> list[tuple[float, float]]:
+    turn = np.array([[np.cos(angle), np.sin(angle)], [-np.sin(angle), np.cos(angle)]])
+    return [tuple(point) for point in (np.asarray(points) @ turn).tolist()]
+
+
+MIDDLE = [(12, 0), (24, 0), (24, 16), (0, 16), (0, 0), (12, 0)]
+DODECAGON = [(14 * np.cos(k * np.pi / 6), 14 * np.sin(k * np.pi / 6)) for k in (*range(12), 0)]
+
+
+@pytest.mark.parametrize("lap", [MIDDLE, DODECAGON], ids=["box", "round"])
+@pytest.mark.parametrize("back", [False, True])
+@pytest.mark.parametrize(("robots", "lanes"), [(2, 2), (3, 3), (4, 4)])
+def test_robots_filled_in_on_a_lap_drive_it(
+    tmp_path: Path, lap: list[Any], back: bool, robots: int, lanes: int
+) -> None:
+    """None starts at the joint, where rounding decides whether it is at the end already."""
+    hall = shapely.buffer(shapely.Polygon(lap), 9, join_style="mitre")
+    for angle in (0.3, 1.1, 2.2, 4.0):
+        way = _turned(lap[::-1] if back else lap, angle)
+        place = shapely.Polygon(_turned(hall.exterior.coords, angle))
+        plan = geojson(tmp_path, [("boundary", place), ("path", shapely.LineString(way))])
+        made = import_world(plan, Options(robots=robots, lanes=lanes))
+        free_area(made, tmp_path)
+        reference = shapely.LineString(np.asarray(made.world.reference_path))
+        starts = [reference.project(shapely.Point(one.pose[:2])) for one in made.world.robots]
+        assert max(starts) < 0.3 * reference.length
+        assert min(_ways(made)) > 0.6 * reference.length
+
+
+@pytest.mark.parametrize("begin", [0, 7, 20, 33])
+def test_lanes_of_a_figure_of_eight_go_round(tmp_path: Path, begin: int) -> None:
+    at = np.linspace(0.0, 2.0 * np.pi, 81)[:-1]
+    eight = np.roll(np.stack([18 * np.sin(at), 12 * np.sin(2 * at)], axis=1), -begin, axis=0)
+    lap = shapely.LineString([*eight.round(3), eight[0].round(3)])
+    parts = [("boundary", shapely.box(-40, -30, 40, 30)), ("path", lap)]
+    made = import_world(geojson(tmp_path, parts), Options(robots=4, lanes=2))
+    assert min(shapely.LineString(path).length for path in _paths(made)) > 0.9 * lap.length
+
+
+@pytest.mark.parametrize("turn", [30, 90, 110])
+@pytest.mark.parametrize("offset", [-2.5, 1.5])
+def test_a_path_parallel_round_a_corner_goes_along(
+    tmp_path: Path, turn: int, offset: float
+) -> None:
+    """Outside it the reference path gains nothing for a while, inside much at once."""
+    c, s = np.cos(np.radians(turn)), np.sin(np.radians(turn))
+    way = np.array([(0.0, 0.0), (10.0, 0.0), (10.0 + 10.0 * c, 10.0 * s)])
+    own = offset_polyline(way, np.full(3, offset))
+    parts = [("boundary", shapely.box(-8, -8, 28, 22)), ("path", shapely.LineString(way)),
+             ("robot a", box(0.6, 0, 1.0, 0.6)), ("path b", shapely.LineString(own)),
+             ("robot b", box(0.6, offset, 1.0, 0.6))]  # fmt: skip
+    made = import_world(geojson(tmp_path, parts))
+    assert made.world.formation is not None
+
+
+@pytest.mark.parametrize(("behind", "is_along"), [(-2.0, True), (0.5, False), (4.0, False)])
+def test_a_lap_begun_behind_another_is_not_ahead_of_it(
+    tmp_path: Path, behind: float, is_along: bool
+) -> None:
+    """Just before the joint of the reference path a robot would count as a lap ahead."""
+    inner = [(13, 3), (21, 3), (21, 11), (3, 11), (3, 3), (13, 3)]
+    parts = [("boundary", shapely.box(-6, -6, 30, 20)), ("path", shapely.LineString(LOOP)),
+             ("robot a", box(14, 0, 1.2, 0.6)), ("path b", shapely.LineString(inner)),
+             ("robot b", box(14 - behind, 3, 1.2, 0.6))]  # fmt: skip
+    made = import_world(geojson(tmp_path, parts))
+    free_area(made, tmp_path)
+    assert (made.world.formation is not None) == is_along
+    assert min(_ways(made)) > 50.0

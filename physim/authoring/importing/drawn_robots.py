@@ -21,15 +21,20 @@ from physim.authoring.importing.lines import (
     stretch,
 )
 from physim.authoring.importing.outlines import footprint_of
-from physim.authoring.importing.path_starts import directions_at_ends, robots_on, stand_on
+from physim.authoring.importing.path_starts import (
+    begun_lane,
+    directions_at_ends,
+    robots_on,
+    stand_on,
+)
 from physim.authoring.importing.robots import Placed, stop_stations
 from physim.geometry.shapes import FloatArray
 
-ALONG = 0.5
-"""[-] share of its length that a path has along the reference path, if a formation goes on it; and
-of what it has along it, its length"""
-PARTS, UNEVEN = 8, 4.0
-"""Parts of a path of which each is so many times as long or as short along the reference path"""
+ALONG = (0.5, 1.6)
+"""[-] shares of its length that a path has at least and at most along the reference path, if a
+formation goes on it: outside and inside of bends, but not across one"""
+PARTS, BACK = 16, 0.25
+"""Parts of a path, and the share of its length by which none leads back along the reference path"""
 LEAST_WAY = 0.25
 """[-] share of the path that the robot that goes farthest goes at least"""
 FAR = 2.0
@@ -43,22 +48,30 @@ def as_drawn(drawing: Drawing, found: Fit) -> list[Placed]:
     is its reference point: `rectangle_of`.
     """
     outline = Outline(drawing.area)
-    offsets = {_offset(one, found) for one in drawing.robots if one.name not in drawing.paths}
-    lanes = {
-        offset: lane(found.reference, offset, outline, found.room, found.size, len(offsets))
-        for offset in sorted(offsets)
-    }
+    centres: dict[float, list[FloatArray]] = {}  # of the robots of each lane
+    for robot in drawing.robots:
+        if robot.name not in drawing.paths:
+            centre, _ = stand_on(robot, found.reference, found.size)
+            centres.setdefault(_offset(found, centre), []).append(centre)
+    lanes = {}
+    for offset, some in sorted(centres.items()):
+        one = lane(found.reference, offset, outline, found.room, found.size, len(centres))
+        if (found.reference[0] == found.reference[-1]).all() and not one.is_plain:
+            begun = begun_lane(one.line, np.array(some), offset, found.size)
+            one = replace(one, line=begun)
+        lanes[offset] = one
     robots = [_as_drawn(robot, drawing, found, lanes) for robot in drawing.robots]
     others = [
         robot.name
         for robot in robots
-        if robot.name in drawing.paths and not _goes_along(found.reference, robot.path)
+        if robot.name in drawing.paths and not _goes_along(found.reference, robot)
     ]
     if others:
         drawing.is_one_way = False
         drawing.facts.append(
             f"{others[0]} {'and others go' if len(others) > 1 else 'goes'} another way than the "
-            "reference path: no formation, every robot goes to the end of its own path"
+            "reference path, or elsewhere on it: no formation, every robot goes to the end of its "
+            "own path"
         )
         robots = _stopping_behind(drawing, found, robots)
     drawing.changes[:0] = _hardly_moving(drawing, found, robots)
@@ -89,24 +102,22 @@ def _hardly_moving(drawing: Drawing, found: Fit, robots: list[Placed]) -> list[s
     return told
 
 
-def _goes_along(reference: FloatArray, path: FloatArray) -> bool:
-    """Whether a path advances along another as it goes, so that a formation can be measured there.
+def _goes_along(reference: FloatArray, one: Placed) -> bool:
+    """Whether a robot's path leads along another as a formation measures it, not back or far less.
 
-    In each of some parts by a like length: not back, nor from one leg of a bend to the other.
+    Of a lap also whether the robot stands where its own begins, not just before its joint.
     """
-    length, lap = length_of(path), length_of(reference)
-    is_lap = bool((reference[0] == reference[-1]).all())
-    points = points_at(path, np.linspace(0.0, length, PARTS + 1))
-    at = np.array([station_of(reference, point) for point in points])
-    gains = np.diff(at)
-    beside = (at[:-1] > 0.0) & (at[1:] < lap)  # not before its beginning or beyond its end
-    if is_lap:
-        gains, beside = (gains + 0.5 * lap) % lap - 0.5 * lap, np.ones(PARTS, bool)
-    shares = PARTS / length * gains[beside]
-    is_even = bool(((shares > 1.0 / UNEVEN) & (shares < UNEVEN)).all())
-    begin = float(at[0]) if at[0] < lap - length / PARTS else float(at[0]) - lap
-    is_one = not is_lap or begin + gains.sum() < lap + length / PARTS  # not on into another lap
-    return is_even and is_one and ALONG * length < float(gains.sum()) < length / ALONG
+    length, lap = length_of(one.path), length_of(reference)
+    points = points_at(one.path, np.linspace(0.0, length, PARTS + 1))
+    gains = np.diff([station_of(reference, point) for point in points])
+    begin = 0.0
+    if (reference[0] == reference[-1]).all():
+        gains = (gains + 0.5 * lap) % lap - 0.5 * lap
+        begin = station_of(reference, np.array(one.pose[:2]))
+    least, most = ALONG
+    gain = float(gains.sum())
+    is_forward = bool((gains > -BACK * length / PARTS).all()) and begin + gain < 1.5 * lap
+    return is_forward and least * length < gain < most * length
 
 
 def _stopping_behind(drawing: Drawing, found: Fit, robots: list[Placed]) -> list[Placed]:
@@ -134,11 +145,11 @@ def _stopping_behind(drawing: Drawing, found: Fit, robots: list[Placed]) -> list
 def _as_drawn(robot: DrawnRobot, drawing: Drawing, found: Fit, lanes: dict[float, Lane]) -> Placed:
     own = drawing.paths.get(robot.name)
     line = found.reference if own is None else own
-    centre, heading = stand_on(robot, line, found.size)
-    centre, heading = centre.round(3), round(heading, 4)
+    middle, heading = stand_on(robot, line, found.size)
+    centre, heading = middle.round(3), round(heading, 4)
     footprint = footprint_of(robot.outline, centre, heading)
     pose = (float(centre[0]), float(centre[1]), heading)
-    one = None if own is not None else lanes[_offset(robot, found)]
+    one = None if own is not None else lanes[_offset(found, middle)]
     if one is not None and (narrowing := one.narrowing()):
         drawing.changes.append(
             f"path of {robot.name}, {one.offset:+.2f} m beside the reference path, {narrowing}"
@@ -148,9 +159,8 @@ def _as_drawn(robot: DrawnRobot, drawing: Drawing, found: Fit, lanes: dict[float
     return Placed(robot.name, footprint, pose, path, None if one is None else one.plain_offset)
 
 
-def _offset(robot: DrawnRobot, found: Fit) -> float:
-    """How far [m] left of the reference path a robot without a path of its own goes."""
-    centre, _ = stand_on(robot, found.reference, found.size)
+def _offset(found: Fit, centre: FloatArray) -> float:
+    """How far [m] left of the reference path a robot goes that has no path of its own."""
     return round(_beside(found.reference, centre, found.size), 2) + 0.0
 
 

@@ -81,18 +81,20 @@ def lane(
     length = length_of(reference)
     at = samples(length, max(0.5 * size, length / max(MOST_SAMPLES // lanes, FEWEST_SAMPLES)))
     base = points_at(reference, at)
+    is_lap = bool((reference[0] == reference[-1]).all())
     direction = directions_at(reference, at, 2.0 * abs(offset))
     normal = np.stack([-direction[:, 1], direction[:, 0]], axis=1)
     share = _shares(base, offset * normal, outline, room)
-    share = _gentle(share, at, SLOPE / abs(offset))
+    share = _gentle(share, at, SLOPE / abs(offset), is_lap)
     line = base + (share * offset)[:, None] * normal
+    if is_lap:
+        line[-1] = line[0]  # but for rounding
     courses = np.unwrap(np.arctan2(direction[:, 1], direction[:, 0]))
     try:
         line = without_loops(line, float("inf"), courses)[0]
     except CrossingError:  # too many loops: no lane of its own
         return Lane(reference, offset, False, 0.0)
-    if (reference[0] == reference[-1]).all():
-        line = _lap(line, abs(offset), size)
+    line = _lap(line, abs(offset), size)
     simple = shapely.simplify(shapely.LineString(line), 0.02 * size)
     return Lane(
         rounded(shapely.get_coordinates(simple)), offset, False, abs(offset) * float(share.min())
@@ -100,7 +102,7 @@ def lane(
 
 
 def _lap(line: FloatArray, offset: float, size: float) -> FloatArray:
-    """The lane (n, 2) of a lap, from where its end crosses its beginning to just before that.
+    """A lane (n, 2) of a lap, from where its end crosses its beginning to just before that.
 
     As it does ``offset`` [m] within a corner at which the lap begins; no place of it is two then.
     """
@@ -163,11 +165,15 @@ def _plain(
     return line if (outline.clearances(points_at(line, at)) >= room - 1e-6).all() else None
 
 
-def _gentle(share: FloatArray, at: FloatArray, slope: float) -> FloatArray:
-    """Largest function below ``share`` that changes by at most ``slope`` [1/m]."""
+def _gentle(share: FloatArray, at: FloatArray, slope: float, is_lap: bool) -> FloatArray:
+    """Largest function below ``share`` that changes by at most ``slope`` [1/m], also on from the
+    end of a lap to its beginning."""
     low = share.copy()
-    for k in range(1, len(low)):
-        low[k] = min(low[k], low[k - 1] + slope * (at[k] - at[k - 1]))
-    for k in range(len(low) - 2, -1, -1):
-        low[k] = min(low[k], low[k + 1] + slope * (at[k + 1] - at[k]))
+    for _ in range(2 if is_lap else 1):
+        if is_lap:
+            low[0] = low[-1] = min(low[0], low[-1])
+        for k in range(1, len(low)):
+            low[k] = min(low[k], low[k - 1] + slope * (at[k] - at[k - 1]))
+        for k in range(len(low) - 2, -1, -1):
+            low[k] = min(low[k], low[k + 1] + slope * (at[k + 1] - at[k]))
     return low

@@ -41,8 +41,14 @@ def points_at(line: FloatArray, at: FloatArray | float) -> FloatArray:
 
 
 def directions_at(line: FloatArray, at: FloatArray | float, window: float) -> FloatArray:
-    """(k, 2) unit directions of the chord over ``window`` [m] about each station, or (2,)."""
+    """(k, 2) unit directions of the chord over ``window`` [m] about each station, or (2,).
+
+    Of a closed line over its joint, of another as far as it goes.
+    """
     end = length_of(line)
+    if (line[0] == line[-1]).all() and end > window:
+        before, after = stretch(line, end - window, end), stretch(line, 0.0, window)
+        line, at, end = np.vstack([before[:-1], line, after[1:]]), at + window, end + 2.0 * window
     low, high = np.clip(at - window / 2.0, 0.0, end), np.clip(at + window / 2.0, 0.0, end)
     chord = points_at(line, high) - points_at(line, low)
     size = np.hypot(*chord.T)
@@ -154,15 +160,15 @@ def without_loops(
     loop. Raises CrossingError where a loop is longer, loops within it that were cut off before
     included: otherwise two stretches side by side would be eaten up, a loop at a time.
 
-    ``courses`` (n,) [rad], without jumps, are those of a line that this one lies beside: where it
-    turns by more than half a turn in a loop, it goes round itself, and the loop stays.
+    ``courses`` (n,) [rad], without jumps, are those of a line that this one lies beside: where they
+    differ by more than half a turn within a loop, it goes round itself, and the loop stays.
     """
     whole = stations(line)
     line = line.copy()
     courses = np.zeros(len(line)) if courses is None else courses
     cut: list[tuple[FloatArray, float]] = []
     for _ in range(MOST_ROUNDS):
-        turns = [(i, j, abs(courses[j] - courses[i]), point) for i, j, point in crossings(line)]
+        turns = [(i, j, np.ptp(courses[i : j + 1]), point) for i, j, point in crossings(line)]
         loops = [(i, j, point) for i, j, turn, point in turns if turn < LAP]
         if not loops:
             return line, cut

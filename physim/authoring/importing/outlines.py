@@ -19,6 +19,8 @@ ALIKE = 0.02
 """[-] of the root of its area by which an outline may miss its mirror image"""
 DENT = 0.002
 """[m] Rounding to the millimetre moves a corner by 0.7 mm, and those beside it the other way."""
+AS_NEAR = 0.2
+"""[-] by which the cosines of two angles to the path differ at most that are as near"""
 MOST_CORNERS = 100
 """of an outline whose mirror images are looked at; what has more is round"""
 
@@ -49,7 +51,8 @@ def rectangle_of(outline: FloatArray, ahead: FloatArray) -> tuple[FloatArray, fl
     most, and their four directions, those count in which the outline is its own mirror image, as
     a triangle is on one of its sides. Where there is none (an arrow with a shaft lies smallest on
     a side of its head), its lines of symmetry count as well. Of these directions the one nearest
-    to the direction ``ahead``.
+    to the direction ``ahead``; of two as near, as at a corner of the path, the one along which the
+    rectangle is longer.
     """
     hull = np.array(shapely.Polygon(outline).convex_hull.exterior.coords)
     sides = [atan2(y, x) for x, y in np.diff(hull, axis=0)]
@@ -64,7 +67,13 @@ def rectangle_of(outline: FloatArray, ahead: FloatArray) -> tuple[FloatArray, fl
     axes = [angle for angle in smallest if _is_mirrored(outline, angle)]
     axes = axes or smallest + [one for one in _lines(outline) if _is_mirrored(outline, one)]
     directions = [angle + turn for angle in axes for turn in (0.0, pi)]
-    heading = max(directions, key=lambda angle: cos(angle) * ahead[0] + sin(angle) * ahead[1])
+
+    def rank(angle: float) -> float:
+        half = _box(hull, angle)[1]
+        cosine = float(cos(angle) * ahead[0] + sin(angle) * ahead[1])
+        return cosine + AS_NEAR * float(half[0] > half[1])
+
+    heading = max(directions, key=rank)
     return _box(hull, heading)[0], (heading + pi) % (2.0 * pi) - pi
 
 

@@ -124,7 +124,27 @@ def _lap(
     behind = (at[last] - first_of_last + least) % length  # of those abreast the rearmost
     begin = float((first_of_last - least + behind.min() - least) % length)
     if 0.0 < begin < length:
-        lap = np.vstack([stretch(line, begin, length)[:-1], stretch(line, 0.0, begin)])
-        line = rounded(lap)
+        line = _from(line, begin)
     drawing.changes.append(f"closed {what} begun at {place(line[0])}, where the last robot stands")
     return line
+
+
+def begun_lane(line: FloatArray, centres: FloatArray, offset: float, size: float) -> FloatArray:
+    """The lane (n, 2) of a lap, ``offset`` [m] beside it, that begins behind its robots (k, 2) [m].
+
+    Beside a bend it is as long before a place as the path, or less: a robot there, just behind
+    the beginning, would be at the lane's end.
+    """
+    ring = line if (line[0] == line[-1]).all() else np.vstack([line, line[:1]])
+    length = length_of(ring)
+    behind = length - np.array([station_of(ring, one) for one in centres])
+    near = behind[behind < abs(offset) + size]
+    if not near.size:
+        return line
+    return _from(ring, length - float(near.max()) - BEHIND * size)
+
+
+def _from(ring: FloatArray, begin: float) -> FloatArray:
+    """A closed line (n, 2) that begins at another of its stations [m], to the millimetre."""
+    head, tail = stretch(ring, 0.0, begin), stretch(ring, begin, length_of(ring))
+    return rounded(np.vstack([tail[:-1], head]))

@@ -36,6 +36,7 @@ from physim.authoring.importing.lines import (
     stretch,
 )
 from physim.authoring.importing.outlines import Footprint
+from physim.authoring.importing.path_starts import BEHIND
 from physim.authoring.templates.text import ROW, lane_offsets
 from physim.geometry.area import shrunk
 from physim.geometry.shapes import FloatArray
@@ -137,6 +138,8 @@ MOST_CUT_SHARE = 0.15
 """[-] share of the path by which it is shortened for that at most"""
 NEAR = 0.2
 """[-] share of a lane before and after which the place beside one of the path is looked for"""
+ELSEWHERE = 0.3
+"""[-] share of the path from its place at which a robot would count as on another leg"""
 MOST_SHARE = 0.6
 """[-] share of the path that the group may take up at the start"""
 
@@ -235,14 +238,15 @@ def _poses(path: Path, drawing: Drawing, found: Fit, lanes: list[Lane], step: fl
     shapes: list[Any] = []
     centres = np.full((len(lanes), 2), np.inf)
     near = hypot(*found.box) + GAP * found.size
-    station = 0.0
+    is_lap = (found.reference[0] == found.reference[-1]).all()
+    station = BEHIND * found.size if is_lap else 0.0  # at the joint it may count as its end
     for one in lanes:
         while True:
             if station > most:
                 raise _no_room(path, drawing, found, len(poses), len(lanes), most)
             pose = _pose(found, one, station)
             shape = shape_at(found.box, pose)
-            if inner.covers(shape):
+            if inner.covers(shape) and _counts_there(found, one, pose, station):
                 close = np.flatnonzero(np.hypot(*(centres - pose[:2]).T) <= near)
                 if all(shape.distance(shapes[k]) >= GAP * found.size for k in close):
                     break
@@ -277,6 +281,14 @@ def _no_room(
     if drawing.is_on(start, "path", found.size):
         return drawing.refused_at(path, message, start, "path")
     return refused(path, message)
+
+
+def _counts_there(found: Fit, one: Lane, pose: Pose, station: float) -> bool:
+    """Whether a run takes a robot for where it is, not for one on another leg that is as near."""
+    point = np.array(pose[:2])
+    part = station / length_of(found.reference)
+    shares = [station_of(line, point) / length_of(line) for line in (found.reference, one.line)]
+    return all(abs(share - part) < ELSEWHERE for share in shares)
 
 
 def _pose(found: Fit, one: Lane, station: float) -> Pose:

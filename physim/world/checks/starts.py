@@ -59,12 +59,11 @@ def check_expected(laid: PartialLayout, found: Diagnostics) -> None:
         found.warn(("expect", key), message)
 
     if (least := expect.min_distance) is not None:
-        nearest = shapely.STRtree(shapes).query_nearest(
-            shapes, exclusive=True, return_distance=True
-        )
-        (one, other), gaps = nearest
-        k = int(np.argmin(gaps))
-        if gaps[k] < least - LENGTH:
+        near = shapely.STRtree(shapes).query(shapes, predicate="dwithin", distance=least)
+        one, other = near[:, near[0] < near[1]]
+        gaps = shapely.distance(np.array(shapes)[one], np.array(shapes)[other])
+        k = int(np.argmin(gaps)) if len(gaps) else 0
+        if len(gaps) and gaps[k] < least - LENGTH:
             told("min_distance", one[k], other[k], gaps[k], f"less than {least:.6g} m")
     if (most := expect.max_distance) is not None:
         one, other = _far_apart(laid.start[placed, :2])

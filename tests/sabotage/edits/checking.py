@@ -473,4 +473,13 @@ EDITS = (
         "robots abreast without room beside each other are told the width that they need",
         "tests/checking/test_regions.py::test_robots_abreast_are_told_the_width_that_they_need",
     ),
+    Edit(
+        "checking",
+        "physim/world/checks/starts.py",
+        "check_expected",
+        "k = int(np.argmin(gaps)) if len(gaps) else 0",
+        "k = int(np.argmin(gaps))",
+        "robots that are nowhere near each other are no error of physim",
+        "tests/checking/test_robots.py::test_a_least_distance_that_the_start_breaks_is_a_warning",
+    ),
 )

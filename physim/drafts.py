@@ -24,6 +24,8 @@ def draft_of(path: Path) -> Path:
     Raises PhysimError where the file's name is that of something else: `check_regular`.
     """
     check_regular(path)
+    if "\0" in str(path):
+        raise PhysimError(f"{path}: no file can have this name")
     if path.is_dir():
         raise PhysimError(f"{path}: is a folder; a file is to be written")
     return path.with_name(f".physim-{uuid4().hex}.part")

@@ -51,6 +51,7 @@ def test_what_is_no_regular_file_stays(tmp_path: Path, what: str, kind: str) -> 
     assert isinstance(caught.value, RecordError) == ("record" in what)
 
 
-def test_a_record_has_a_name(tmp_path: Path) -> None:
-    with pytest.raises(RecordError, match="is a folder"):
-        _simulated(".")
+@pytest.mark.parametrize(("path", "told"), [(".", "is a folder"), ("a\0b", "no file can have")])
+def test_a_record_has_a_name_that_a_file_can_have(path: str, told: str) -> None:
+    with pytest.raises(RecordError, match=told):
+        _simulated(path)

@@ -29,6 +29,8 @@ from physim.statistics.paired import (
 )
 
 ALPHA = 0.05
+FEWEST_PAIRS = 6
+"""Pairs from which on a test of two sides can reach `ALPHA`: at best its p is 2 / 2^pairs."""
 MEASURES = {
     "shortest_distance": 1,
     "shortest_collision_time": 1,
@@ -88,6 +90,11 @@ class Finding:
         if self.corrected > ALPHA or self.low <= 0.0 <= self.high:
             return ""
         return "b" if self.difference * self.direction > 0.0 else "a"
+
+    @property
+    def is_tested(self) -> bool:
+        """Whether there are enough pairs for any outcome of them to show a difference."""
+        return self.pairs >= FEWEST_PAIRS
 
     @property
     def is_rate(self) -> bool:
@@ -187,6 +194,9 @@ def compare(
 ) -> list[Comparison]:
     """Compare arms in rates and measures; all p values are corrected together, after Holm.
 
+    Findings of fewer pairs than `FEWEST_PAIRS`, as of a world in which nothing is random, can show
+    nothing whatever they are: they are not tested, and do not count in the correction.
+
     ``own`` are directions of those of ``names`` that are metrics of one's own (`Outcomes.own`). A
     rate or measure that no pair has on both sides is left out. Raises PhysimError where two arms
     have no seed in common, and for a metric that no row has.
@@ -195,9 +205,15 @@ def compare(
     directions = {**DIRECTIONS, **own}
     chosen = {name: directions[name] for name in names}
     made = [_compared(a, b, common, chosen, TESTS[test]) for a, b, common in pairs]
-    corrected = iter(holm([one.p for comparison in made for one in comparison.findings]))
+    tested = [f.p for comparison in made for f in comparison.findings if f.is_tested]
+    corrected = iter(holm(tested))
     return [
-        replace(one, findings=tuple(replace(f, corrected=next(corrected)) for f in one.findings))
+        replace(
+            one,
+            findings=tuple(
+                replace(f, corrected=next(corrected)) if f.is_tested else f for f in one.findings
+            ),
+        )
         for one in made
     ]
 

@@ -48,6 +48,8 @@ def measures(text: str) -> dict[str, int]:
         own = OWN.fullmatch(name)
         if own and own[1] in DIRECTIONS:
             raise ValueError(f'"{own[1]}" without :{own[2]}, as its direction is known')
+        elif own and PREFIX + own[1] in found:
+            raise ValueError(f'"{own[1]}" once, as :more or as :less')
         elif own:
             found[PREFIX + own[1]] = 1 if own[2] == "more" else -1
         elif name in DIRECTIONS:

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from physim.campaigns.compare import Comparison, between, by, compare
+from physim.campaigns.compare import ALPHA, FEWEST_PAIRS, Comparison, between, by, compare
 from physim.campaigns.outcomes import Outcomes
 from physim.campaigns.report.comparison_page import comparison_page
 from physim.campaigns.report.comparison_text import comparison_text, comparison_values, verdict
@@ -95,6 +95,27 @@ def test_p_values_are_those_of_the_tests_corrected_together() -> None:
         small, large = sorted((free, near), key=lambda f: f.p)
         assert small.corrected == pytest.approx(min(1.0, 2 * small.p))
         assert large.corrected == pytest.approx(max(small.corrected, large.p))
+
+
+@pytest.mark.parametrize("few", [1, 5, 6])
+def test_too_few_pairs_to_show_a_difference_count_in_no_correction(few: int) -> None:
+    """As of a world in which nothing is random: its single run would cost the others power."""
+    large, small = (
+        by(campaign(hits=6), "controller"),
+        by(campaign(seeds=few, hits=few), "controller"),
+    )
+    names = ("contact_free", "shortest_distance")
+    alone, (both, other) = compare(large, names), compare([*large, *small], names)
+    unchanged = [f.corrected for f in both.findings] == [f.corrected for f in alone[0].findings]
+    assert unchanged == (few < FEWEST_PAIRS)
+    assert [f.is_tested for f in other.findings] == [few >= FEWEST_PAIRS] * 2
+    assert min(2.0 / 2.0**few, 1.0) > ALPHA or few >= FEWEST_PAIRS
+    for said in (
+        comparison_text([both, other], "sign"),
+        comparison_page([both, other], "sign", "y"),
+    ):
+        assert ("not tested: " in said) == (few < FEWEST_PAIRS)
+        assert ("where nothing in the world is random" in said) == (few == 1)
 
 
 def test_a_difference_that_does_not_survive_the_correction_is_not_shown() -> None:
@@ -202,7 +223,7 @@ def test_values_of_a_comparison() -> None:
     near = next(f for f in one["findings"] if f["name"] == "shortest_distance")
     assert (near["low"], near["high"], near["better"]) == (None, None, None)
     assert near["pairs"] == 4
-    assert "unbounded" in comparison_text(found, "sign")
+    assert "not tested: 4 pairs" in comparison_text(found, "sign")
     Elements(comparison_page(found, "sign", "yard"))
 
 

@@ -136,6 +136,8 @@ def test_the_command_line_takes_names_with_what_is_better() -> None:
         with pytest.raises(ValueError, match="NAME:less") as caught:
             measures(wrong)
         assert wrong in str(caught.value)
+    with pytest.raises(ValueError, match='"way" once'):
+        measures("way:more,way:less")
 
 
 def test_reports_sum_them_up() -> None:

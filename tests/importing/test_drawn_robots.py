@@ -622,3 +622,28 @@ def test_a_lap_begun_behind_another_is_not_ahead_of_it(
     free_area(made, tmp_path)
     assert (made.world.formation is not None) == is_along
     assert min(_ways(made)) > 50.0
+
+
+@pytest.mark.parametrize("count", [2, 3, 4])
+@pytest.mark.parametrize("side", [0.0, 1.2, -1.2])
+@pytest.mark.parametrize("visitor", [False, True])
+def test_robots_all_round_a_lap_drive_one_each(
+    tmp_path: Path, count: int, side: float, visitor: bool
+) -> None:
+    """As vehicles do that serve a loop; with a robot that goes another way, too."""
+    lap = shapely.LineString(LOOP)
+    parts = [("boundary", shapely.box(-8, -8, 32, 22)), ("path", lap)]
+    for k in range(count):
+        x, y = lap.interpolate((4.0 + k / count * lap.length) % lap.length).coords[0]
+        tip = lap.interpolate((4.1 + k / count * lap.length) % lap.length).coords[0]
+        one = shapely.affinity.rotate(
+            box(0, side, 1.4, 0.8), np.arctan2(tip[1] - y, tip[0] - x), (0, 0), use_radians=True
+        )
+        parts.append((f"robot v{k}", shapely.affinity.translate(one, x, y)))
+    if visitor:
+        parts += [("robot w", box(3, 7)), ("path w", shapely.LineString([(3, 7), (20, 7)]))]
+    made = import_world(geojson(tmp_path, parts))
+    free_area(made, tmp_path)
+    assert made.world.formation is None
+    assert min(_ways(made)[:count]) > lap.length - 8.0 * abs(side) - 0.5
+    assert not [one for one in made.changes if "WARNING" in one]

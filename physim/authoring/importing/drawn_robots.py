@@ -15,6 +15,7 @@ from physim.authoring.importing.lanes import Lane, lane
 from physim.authoring.importing.lines import (
     Outline,
     directions_at,
+    is_closed,
     length_of,
     points_at,
     station_of,
@@ -24,6 +25,7 @@ from physim.authoring.importing.outlines import footprint_of
 from physim.authoring.importing.path_starts import (
     begun_lane,
     directions_at_ends,
+    lap_from,
     robots_on,
     stand_on,
 )
@@ -35,6 +37,8 @@ ALONG = (0.5, 1.6)
 formation goes on it: outside and inside of bends, but not across one"""
 PARTS, BACK = 16, 0.25
 """Parts of a path, and the share of its length by which none leads back along the reference path"""
+SPREAD = 1.0 / 3.0
+"""[-] share of a lap that its robots take up at most, from the last to the first, in a formation"""
 LEAST_WAY = 0.25
 """[-] share of the path that the robot that goes farthest goes at least"""
 FAR = 2.0
@@ -47,8 +51,37 @@ def as_drawn(drawing: Drawing, found: Fit) -> list[Placed]:
     A robot heads along its path, as far as the rectangle about its outline allows, whose middle
     is its reference point: `rectangle_of`.
     """
+    lanes = _lanes(drawing, found)
+    robots = [_as_drawn(robot, drawing, found, lanes) for robot in drawing.robots]
+    others = [
+        robot.name
+        for robot in robots
+        if robot.name in drawing.paths and not _goes_along(found.reference, robot)
+    ]
+    are_spread = _are_spread(drawing, found, robots)
+    drawing.is_one_way = not others and not are_spread
+    if others:
+        drawing.facts.append(
+            f"{others[0]} {'and others go' if len(others) > 1 else 'goes'} another way than the "
+            "reference path, or elsewhere on it: no formation, every robot goes to the end of its "
+            "own path"
+        )
+    if are_spread:
+        drawing.facts.append(
+            "robots stand all round the closed path: no formation, each of them drives a lap of "
+            "its own, back to where it starts"
+        )
+        robots = _on_own_laps(drawing, found, robots)
+    elif others:
+        robots = _stopping_behind(drawing, found, robots)
+    drawing.changes[:0] = _hardly_moving(drawing, found, robots)
+    return robots
+
+
+def _lanes(drawing: Drawing, found: Fit) -> dict[float, Lane]:
+    """Lanes of robots without a path of their own, by how far [m] left of the path they stand."""
     outline = Outline(drawing.area)
-    centres: dict[float, list[FloatArray]] = {}  # of the robots of each lane
+    centres: dict[float, list[FloatArray]] = {}  # of the robots of each
     for robot in drawing.robots:
         if robot.name not in drawing.paths:
             centre, _ = stand_on(robot, found.reference, found.size)
@@ -56,26 +89,33 @@ def as_drawn(drawing: Drawing, found: Fit) -> list[Placed]:
     lanes = {}
     for offset, some in sorted(centres.items()):
         one = lane(found.reference, offset, outline, found.room, found.size, len(centres))
-        if (found.reference[0] == found.reference[-1]).all() and not one.is_plain:
+        if is_closed(found.reference) and not one.is_plain:
             begun = begun_lane(one.line, np.array(some), offset, found.size)
             one = replace(one, line=begun)
         lanes[offset] = one
-    robots = [_as_drawn(robot, drawing, found, lanes) for robot in drawing.robots]
-    others = [
-        robot.name
-        for robot in robots
-        if robot.name in drawing.paths and not _goes_along(found.reference, robot)
+    return lanes
+
+
+def _are_spread(drawing: Drawing, found: Fit, robots: list[Placed]) -> bool:
+    """Whether robots stand all round a lap: in a formation the first of them would drive little."""
+    if not is_closed(found.reference):
+        return False
+    on_it = {one.name for one in robots_on(drawing, found.reference)}
+    starts = [
+        station_of(found.reference, np.array(one.pose[:2])) for one in robots if one.name in on_it
     ]
-    if others:
-        drawing.is_one_way = False
-        drawing.facts.append(
-            f"{others[0]} {'and others go' if len(others) > 1 else 'goes'} another way than the "
-            "reference path, or elsewhere on it: no formation, every robot goes to the end of its "
-            "own path"
-        )
-        robots = _stopping_behind(drawing, found, robots)
-    drawing.changes[:0] = _hardly_moving(drawing, found, robots)
-    return robots
+    return max(starts, default=0.0) > SPREAD * length_of(found.reference)
+
+
+def _on_own_laps(drawing: Drawing, found: Fit, robots: list[Placed]) -> list[Placed]:
+    """Robots of which those on a lap drive one each, begun just behind where they stand."""
+    on_it = {one.name for one in robots_on(drawing, found.reference)}
+    return [
+        replace(one, path=lap_from(one.path, np.array(one.pose[:2]), found.size), offset=None)
+        if one.name in on_it
+        else one
+        for one in robots
+    ]
 
 
 def _hardly_moving(drawing: Drawing, found: Fit, robots: list[Placed]) -> list[str]:
@@ -111,7 +151,7 @@ def _goes_along(reference: FloatArray, one: Placed) -> bool:
     points = points_at(one.path, np.linspace(0.0, length, PARTS + 1))
     gains = np.diff([station_of(reference, point) for point in points])
     begin = 0.0
-    if (reference[0] == reference[-1]).all():
+    if is_closed(reference):
         gains = (gains + 0.5 * lap) % lap - 0.5 * lap
         begin = station_of(reference, np.array(one.pose[:2]))
     least, most = ALONG

@@ -17,6 +17,7 @@ from physim.authoring.importing.lines import (
     Outline,
     crossings,
     directions_at,
+    is_closed,
     length_of,
     points_at,
     samples,
@@ -81,7 +82,7 @@ def lane(
     length = length_of(reference)
     at = samples(length, max(0.5 * size, length / max(MOST_SAMPLES // lanes, FEWEST_SAMPLES)))
     base = points_at(reference, at)
-    is_lap = bool((reference[0] == reference[-1]).all())
+    is_lap = is_closed(reference)
     direction = directions_at(reference, at, 2.0 * abs(offset))
     normal = np.stack([-direction[:, 1], direction[:, 0]], axis=1)
     share = _shares(base, offset * normal, outline, room)

@@ -28,6 +28,11 @@ def length_of(line: FloatArray) -> float:
     return float(stations(line)[-1])
 
 
+def is_closed(line: FloatArray) -> bool:
+    """Whether a polyline ends where it begins."""
+    return bool((line[0] == line[-1]).all())
+
+
 def samples(length: float, step: float) -> FloatArray:
     """(k,) [m] stations from 0 to ``length``, about ``step`` apart, at most 5000."""
     count = int(min(max(np.ceil(length / step), 1), MOST_SAMPLES))
@@ -46,7 +51,7 @@ def directions_at(line: FloatArray, at: FloatArray | float, window: float) -> Fl
     Of a closed line over its joint, of another as far as it goes.
     """
     end = length_of(line)
-    if (line[0] == line[-1]).all() and end > window:
+    if is_closed(line) and end > window:
         before, after = stretch(line, end - window, end), stretch(line, 0.0, window)
         line, at, end = np.vstack([before[:-1], line, after[1:]]), at + window, end + 2.0 * window
     low, high = np.clip(at - window / 2.0, 0.0, end), np.clip(at + window / 2.0, 0.0, end)
@@ -197,7 +202,7 @@ def crossings(line: FloatArray) -> list[tuple[int, int, FloatArray]]:
         return []
     segments = shapely.linestrings(np.stack([line[:-1], line[1:]], axis=1))
     i, j = shapely.STRtree(segments).query(segments, predicate="intersects")
-    ring = bool((line[0] == line[-1]).all())
+    ring = is_closed(line)
     apart = (j - i >= 2) & ~((i == 0) & (j == len(segments) - 1) & ring)
     i, j = i[apart], j[apart]
     common = shapely.intersection(segments[i], segments[j])

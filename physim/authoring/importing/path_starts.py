@@ -11,7 +11,13 @@ import numpy as np
 import shapely
 
 from physim.authoring.importing.drawing import DIGITS, Drawing, DrawnRobot, place, rounded
-from physim.authoring.importing.lines import directions_at, length_of, station_of, stretch
+from physim.authoring.importing.lines import (
+    directions_at,
+    is_closed,
+    length_of,
+    station_of,
+    stretch,
+)
 from physim.authoring.importing.outlines import rectangle_of, spans_of
 from physim.geometry.shapes import FloatArray
 from physim.geometry.thinning import simplified
@@ -75,7 +81,7 @@ def _begun(
     if not robots:
         return line
     centres = np.array([stand_on(one, line, size)[0] for one in robots])
-    if (line[0] == line[-1]).all():
+    if is_closed(line):
         return _lap(drawing, line, centres, BEHIND * size, what)
     ahead, _ = directions_at_ends(line, size)
     away = [one - line[0] for one in centres if station_of(line, one) <= 0.0]
@@ -135,13 +141,20 @@ def begun_lane(line: FloatArray, centres: FloatArray, offset: float, size: float
     Beside a bend it is as long before a place as the path, or less: a robot there, just behind
     the beginning, would be at the lane's end.
     """
-    ring = line if (line[0] == line[-1]).all() else np.vstack([line, line[:1]])
+    ring = line if is_closed(line) else np.vstack([line, line[:1]])
     length = length_of(ring)
     behind = length - np.array([station_of(ring, one) for one in centres])
     near = behind[behind < abs(offset) + size]
     if not near.size:
         return line
     return _from(ring, length - float(near.max()) - BEHIND * size)
+
+
+def lap_from(line: FloatArray, point: FloatArray, size: float) -> FloatArray:
+    """A lap (n, 2) [m], closed or nearly, that begins just behind a point (2,) [m] beside it."""
+    ring = line if is_closed(line) else np.vstack([line, line[:1]])
+    begin = station_of(ring, point) - BEHIND * size
+    return _from(ring, begin % length_of(ring))
 
 
 def _from(ring: FloatArray, begin: float) -> FloatArray:

@@ -29,6 +29,7 @@ from physim.authoring.importing.lines import (
     Outline,
     Pose,
     directions_at,
+    is_closed,
     length_of,
     points_at,
     pose_at,
@@ -238,7 +239,7 @@ def _poses(path: Path, drawing: Drawing, found: Fit, lanes: list[Lane], step: fl
     shapes: list[Any] = []
     centres = np.full((len(lanes), 2), np.inf)
     near = hypot(*found.box) + GAP * found.size
-    is_lap = (found.reference[0] == found.reference[-1]).all()
+    is_lap = is_closed(found.reference)
     station = BEHIND * found.size if is_lap else 0.0  # at the joint it may count as its end
     for one in lanes:
         while True:

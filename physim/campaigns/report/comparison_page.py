@@ -8,6 +8,7 @@ import numpy as np
 
 from physim.campaigns.compare import Comparison, Finding
 from physim.campaigns.report.comparison_text import (
+    difference_text,
     difference_unit,
     interval_text,
     is_share,
@@ -17,6 +18,7 @@ from physim.campaigns.report.comparison_text import (
     title,
     told,
     unit_of,
+    untested,
     value_text,
 )
 from physim.campaigns.report.contents import title_of
@@ -62,7 +64,8 @@ def _comparison(one: Comparison, room: int) -> Iterator[str]:
     for f in one.findings:
         unit = unit_of(f)
         a, b = (figures(value_text(f, x, unit), unit) for x in (f.a, f.b))
-        words, shift = _verdict(one, f), figures(interval_text(f), difference_unit(f))
+        said = interval_text(f) if f.is_tested else difference_text(f)
+        words, shift = _verdict(one, f), figures(said, difference_unit(f))
         scale = 100.0 if is_share(f) else 1.0
         value, low, high = (scale * x for x in (f.difference, f.low, f.high))
         plot = shift_plot(value, low, high, difference_unit(f), SHIFT_WIDTH, f"{title(f)}: {words}")
@@ -71,8 +74,8 @@ def _comparison(one: Comparison, room: int) -> Iterator[str]:
             f"<span>{text(pairs_text(one, f).strip(' ()'))}</span></td>"
             f'<td class="number" data-name="A">{a}</td><td class="number" data-name="B">{b}</td>'
             f'<td>{plot}</td><td class="number">{shift}</td>'
-            f'<td><span class="verdict">{text(words)}</span><br><small>p {p_text(f.p)}, corrected '
-            f"{p_text(f.corrected)}<br>{_won(f)}</small></td></tr>"
+            f'<td><span class="verdict">{text(words)}</span><br><small>{_tested(f)}<br>{_won(f)}'
+            "</small></td></tr>"
         )
     yield "</tbody></table></div>"
     measures = [f for f in one.findings if not f.is_rate][:room]
@@ -83,7 +86,15 @@ def _comparison(one: Comparison, room: int) -> Iterator[str]:
         yield "</div>"
 
 
+def _tested(found: Finding) -> str:
+    if not found.is_tested:
+        return text(untested(found))
+    return f"p {p_text(found.p)}, corrected {p_text(found.corrected)}"
+
+
 def _verdict(one: Comparison, found: Finding) -> str:
+    if not found.is_tested:
+        return "too few to tell"
     if not found.better:
         return "no difference shown"
     label = one.a.label if found.better == "a" else one.b.label

@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator, Sequence
 from typing import Any
 
-from physim.campaigns.compare import ALPHA, Comparison, Finding
+from physim.campaigns.compare import ALPHA, FEWEST_PAIRS, Comparison, Finding
 from physim.campaigns.report.contents import title_of
 from physim.campaigns.report.text import plain, seeds_text
 from physim.campaigns.report.wording import RATE_NAMES, SHARES, measured, number, percent
@@ -44,6 +44,8 @@ def _lines(one: Comparison) -> Iterator[str]:
 def told(one: Comparison) -> str:
     """How many seeds are compared, and what is left out."""
     text = f"{plural(one.seeds, 'seed')} in common"
+    if one.seeds == 1:
+        text += ": where nothing in the world is random it is all there is"
     for name, seeds in (("A", one.only_a), ("B", one.only_b)):
         if seeds:
             text += (
@@ -85,6 +87,8 @@ def pairs_text(one: Comparison, found: Finding) -> str:
 
 def verdict(found: Finding) -> str:
     """Which is better and by how much, or that no difference is shown; never that there is none."""
+    if not found.is_tested:
+        return f"B - A = {difference_text(found)}; {untested(found)}"
     p = f"p {p_text(found.p)}, corrected {p_text(found.corrected)}"
     range_text = interval_text(found)
     if not found.better:
@@ -92,6 +96,13 @@ def verdict(found: Finding) -> str:
     sign = -1.0 if found.difference < 0.0 else 1.0
     name = found.better.upper()
     return f"{name} is better by {_size(found, sign)}; {p}"
+
+
+def untested(found: Finding) -> str:
+    """Why a finding of few pairs is not tested."""
+    return (
+        f"not tested: {plural(found.pairs, 'pair')}; it takes {FEWEST_PAIRS} to show a difference"
+    )
 
 
 def _size(found: Finding, sign: float) -> str:
@@ -108,6 +119,11 @@ def interval_text(found: Finding) -> str:
     """``+0.031 [-0.002, +0.064] m``, B minus A."""
     value, low, high = (_signed(found, x) for x in (found.difference, found.low, found.high))
     return f"{value} [{low}, {high}] {difference_unit(found)}".rstrip()
+
+
+def difference_text(found: Finding) -> str:
+    """``+0.031 m``, B minus A."""
+    return f"{_signed(found, found.difference)} {difference_unit(found)}".rstrip()
 
 
 def difference_unit(found: Finding) -> str:
@@ -142,13 +158,14 @@ def method(comparisons: Sequence[Comparison], test: str, looked: bool) -> str:
 
     ``looked``: a campaign was stopped because of what it showed, which is told.
     """
-    looks = sum(len(one.findings) for one in comparisons)
+    looks = sum(f.is_tested for one in comparisons for f in one.findings)
     return (
         "Differences are B minus A on the same seeds, with 95 % intervals that hold each for "
         "itself, for a number of seeds fixed in advance: of rates in percentage points "
         "(conservative, from exact parts), of measures the median of the differences (order "
         f"statistics). Tests: McNemar's exact one of rates, {TEST_NAMES[test]} of measures; p is "
-        f"corrected for all {plural(looks, 'finding')} (Holm). A difference is shown where the "
+        f"corrected for all {plural(looks, 'finding')} that {FEWEST_PAIRS} pairs or more tell of "
+        "(Holm). A difference is shown where the "
         f"corrected p is at most {ALPHA:g} and the interval leaves out 0. That none is shown does "
         "not mean that there is none: the interval says how large it may be."
         f"{LOOKED if looked else ''}"
@@ -184,7 +201,8 @@ def comparison_values(
                         "name": f.name, "pairs": f.pairs, "a": plain(f.a), "b": plain(f.b),
                         "difference": plain(f.difference), "low": plain(f.low),
                         "high": plain(f.high), "only_a": f.only_a, "only_b": f.only_b,
-                        "p": f.p, "p_corrected": f.corrected, "better": f.better or None,
+                        "tested": f.is_tested, "p": f.p, "p_corrected": f.corrected,
+                        "better": f.better or None,
                     }
                     for f in one.findings
                 ],

@@ -556,4 +556,14 @@ EDITS = (
         "a program that is no file is told so, and not to be without a guard",
         "tests/campaigns/test_processes.py::test_a_program_that_is_no_file_is_told_so",
     ),
+    Edit(
+        "campaigns",
+        "physim/campaigns/compare.py",
+        "Finding.is_tested",
+        "self.pairs >= FEWEST_PAIRS",
+        "True",
+        "what no outcome could show does not count in the correction",
+        "tests/campaigns/test_compare.py"
+        "::test_too_few_pairs_to_show_a_difference_count_in_no_correction",
+    ),
 )

@@ -210,9 +210,11 @@ def _other_units(model: type[BaseModel], location: Location, details: Mapping[st
     while location and (isinstance(location[-1], int) or location[-1] in TAGS):
         location = location[:-1]
     field = field_at(model, location)
-    unit = ((field.description if field is not None else "") or "").partition(" ")[0]
+    unit, _, meaning = ((field.description if field is not None else "") or "").partition(" ")
     given, kind = details.get("input"), details["type"]
     if kind == "less_than_equal":
+        if unit == "[-]":
+            return f" ({meaning})"
         if unit != "[m]" or given is None:
             return ""
         origin = ", or subtract an origin from all points of a map" if is_coordinate else ""

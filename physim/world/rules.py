@@ -213,9 +213,15 @@ def _omegas(data: Mapping[str, Any]) -> Iterator[Fault]:
         for k, value in enumerate(_list(robot, "omegas") or ()):
             number = _number(value)
             if number is not None and abs(number) > limit:
+                in_degrees = (
+                    f"; if degrees per second are meant, write {math.radians(number):.5g}"
+                    if abs(number) > 2.0 * math.pi
+                    else ""
+                )
                 yield Fault(
                     ("robots", i, "omegas", k),
-                    f"{number!r} rad/s is beyond limits.omega = {limit!r} of this robot",
+                    f"{number!r} rad/s is beyond limits.omega = {limit!r} of this robot"
+                    f"{in_degrees}",
                 )
 
 

@@ -257,6 +257,18 @@ def test_a_path_against_the_reference_path_is_a_warning(tmp_path):
     check_finding(against[0], "11:11 robots[0].path", '"a"', "station 30.00 m", "to 0.00 m")
 
 
+@pytest.mark.parametrize(("start", "warned"), [(28.0, False), (6.0, True)])
+def test_without_a_formation_a_path_against_it_is_doubted_at_its_end_alone(tmp_path, start, warned):
+    """A robot that begins at the beginning of its path is meant to go the other way."""
+    text = changed(
+        CORRIDOR, ("formation: {spacing: [0.0, -3.0]}\n", ""),
+        ("pose: [6.0, 1.0, 0.0]\n    path: {offset: 1.0}",
+         f"pose: [{start}, 1.0, 3.1415]\n    path: [[29, 1], [2, 1]]"),
+    )  # fmt: skip
+    doubted = with_facts(lines(check(tmp_path, text))[1], "robots[0].path", "in order?")
+    assert bool(doubted) == warned
+
+
 def test_a_short_reference_path_is_a_warning(tmp_path):
     text = changed(
         DRAWN, ("reference_path: [[0, 0], [30, 0]]", "reference_path: [[6, 0], [6.9, 0]]")

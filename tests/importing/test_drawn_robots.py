@@ -609,7 +609,9 @@ def test_a_path_parallel_round_a_corner_goes_along(
     assert made.world.formation is not None
 
 
-@pytest.mark.parametrize(("behind", "is_along"), [(-2.0, True), (0.5, False), (4.0, False)])
+@pytest.mark.parametrize(
+    ("behind", "is_along"), [(-2.0, True), (0.5, False), (4.0, False), (-7.0, False)]
+)
 def test_a_lap_begun_behind_another_is_not_ahead_of_it(
     tmp_path: Path, behind: float, is_along: bool
 ) -> None:

@@ -133,3 +133,22 @@ def test_layers_may_have_any_name(tmp_path: Path, layer: str) -> None:
     made = import_world(path)
     assert made.world.obstacles is not None
     assert len(made.world.obstacles) == 1
+
+
+@pytest.mark.parametrize("key", ["name", "id"])
+def test_a_name_may_be_the_number_nought(tmp_path: Path, key: str) -> None:
+    """As geographic information systems count."""
+    features = [("boundary", None, shapely.box(0, 0, 40, 20)),
+                ("path", None, shapely.LineString([(2, 5), (36, 5)])),
+                *(("robot", k, shapely.box(2, y, 4, y + 1)) for k, y in ((1, 4.5), (0, 14.5))),
+                ("path", 0, shapely.LineString([(3, 15), (36, 15)]))]  # fmt: skip
+    path = tmp_path / "plan.geojson"
+    path.write_text(json.dumps({"type": "FeatureCollection", "features": [
+        {"type": "Feature", "geometry": shapely.geometry.mapping(shape),
+         **({"id": name} if key == "id" and role == "robot" else {}),
+         "properties": {"role": role, "name": None if key == "id" and role == "robot" else name}}
+        for role, name, shape in features]}))  # fmt: skip
+    made = import_world(path)
+    assert [one.name for one in made.world.robots] == ["1", "0"]
+    assert isinstance(made.world.robots[1].path, tuple)
+    assert not [one for one in made.changes if "left out" in one]

@@ -13,9 +13,11 @@ import physim
 from physim import Decision
 from physim.analysis import metrics
 from physim.drawing.timeline import Timeline
+from physim.errors import PhysimError
 from physim.geometry.shapes import FloatArray
 from physim.record import Record
 from tests.metrics.histories import mean_squares
+from tests.records import make_record
 
 WORLD = """
 name: bend
@@ -205,3 +207,16 @@ def test_stations_of_decisions_lead_nobody_where_it_cannot_have_come() -> None:
         record.__dict__["updates"] = rows
         del record.__dict__["course"]
         assert np.allclose(record.course, true, rtol=0.0, atol=1e-9)
+
+
+@pytest.mark.parametrize("wrong", [0, -1.0, math.nan, math.inf, "0.1"])
+def test_times_asked_for_are_positive(wrong: Any) -> None:
+    record = make_record(seconds=1.0)
+    for measure, name in (
+        (metrics.deviations, "every"), (metrics.averaged_speeds, "every"),
+        (metrics.averaged_speeds, "window"),
+    ):  # fmt: skip
+        with pytest.raises(PhysimError, match=f"{name}: a positive number of seconds"):
+            measure(record, **{name: wrong})
+    with pytest.raises(PhysimError, match="there are 0 to 2"):
+        metrics.corridor_width(record, wrong if isinstance(wrong, str) else 3)

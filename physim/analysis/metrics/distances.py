@@ -207,8 +207,8 @@ def corridor_width(record: Record, robot: int = 0) -> Width:
     before or behind the path: such places have no width. Raises PhysimError for a robot that
     is not there.
     """
-    if not 0 <= robot < record.robots:
-        raise PhysimError(f"robot {robot} given; there are 0 to {record.robots - 1}")
+    if not (isinstance(robot, int | np.integer) and 0 <= robot < record.robots):
+        raise PhysimError(f"robot {robot!r} given; there are 0 to {record.robots - 1}")
     lines = record.paths
     run = slice(lines.start[robot], lines.start[robot + 1])
     length = float(lines.station[run][-1])

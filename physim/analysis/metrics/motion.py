@@ -19,6 +19,7 @@ from physim.analysis.metrics.progress import (
     GRID,
     active_samples,
     active_steps,
+    check_positive,
     ratio,
     samples_over_time,
     spacing,
@@ -110,8 +111,10 @@ def averaged_speeds(record: Record, window: float = WINDOW, every: float = GRID)
 
     As the robots moved (`physim.analysis.metrics.travelled`): the distance along the heading and
     the turn between the ends of the window, over its length. Defined where the whole window lies
-    before the robot is at its stop station.
+    before the robot is at its stop station. Raises PhysimError for a window or spacing that is not
+    positive.
     """
+    check_positive("window", window)
     end, every = record.steps_run * record.dt, spacing(record, every)
     count = int((end - window) / every + 1e-9) + 1 if end >= window - 1e-9 else 0
     if record.samples < 2 or not count:

@@ -17,6 +17,7 @@ import shapely
 from numpy.typing import NDArray
 
 from physim.analysis.metrics.metric import Each, Series
+from physim.errors import PhysimError
 from physim.geometry.shapes import FloatArray, IntArray
 from physim.record import Record
 from physim.simulation.arrival import STILL_TIME, still_distances, still_steps
@@ -263,8 +264,18 @@ def blocks(record: Record) -> Iterator[tuple[int, int]]:
         yield first, min(first + size, record.steps_run)
 
 
+def check_positive(name: str, value: float) -> None:
+    """Raise PhysimError unless a time [s] that was given is positive and finite."""
+    if not (isinstance(value, int | float | np.number) and 0.0 < value < float("inf")):
+        raise PhysimError(f"{name}: a positive number of seconds; given: {value!r}")
+
+
 def spacing(record: Record, every: float) -> float:
-    """``every`` [s], or more where a course of all robots would have `MOST_MOMENTS`."""
+    """``every`` [s], or more where a course of all robots would have `MOST_MOMENTS`.
+
+    Raises PhysimError unless it is positive.
+    """
+    check_positive("every", every)
     duration = record.steps_run * record.dt
     return max(every, duration * max(record.robots, 1) / MOST_MOMENTS)
 

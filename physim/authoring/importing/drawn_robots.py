@@ -156,7 +156,7 @@ def _goes_along(reference: FloatArray, one: Placed) -> bool:
         begin = station_of(reference, np.array(one.pose[:2]))
     least, most = ALONG
     gain = float(gains.sum())
-    is_forward = bool((gains > -BACK * length / PARTS).all()) and begin + gain < 1.5 * lap
+    is_forward = bool((gains > -BACK * length / PARTS).all()) and begin + gain < lap + lap / PARTS
     return is_forward and least * length < gain < most * length
 
 

@@ -133,7 +133,9 @@ def _features(path: Path, value: Any, role: str, name: str, depth: int) -> Any:
         about = {key.lower(): one for key, one in about.items()}  # shapefiles have capitals
         own, rest = _role(path, about)
         number = "" if own == "path" else value.get("id", "")  # pieces of one path have each one
-        label = escaped(str(about.get("name") or rest or number or ""))[:80]
+        names = (about.get("name"), rest, number)  # of which 0 is one
+        label = next((str(one) for one in names if one is not None and str(one).strip()), "")
+        label = escaped(label)[:80]
         if value.get("geometry") is not None:
             layer = "" if own else str(about.get("layer") or "").strip()
             for part in _features(path, value["geometry"], own, label, depth + 1):

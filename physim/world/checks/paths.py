@@ -133,7 +133,10 @@ def _check_offset_folds(laid: PartialLayout, i: int, found: Diagnostics) -> None
 
 
 def _check_sense(laid: PartialLayout, i: int, path: FloatArray, found: Diagnostics) -> None:
-    """Own paths go the way of the reference path, on which the formation measures."""
+    """Own paths go the way of the reference path, on which the formation measures.
+
+    Without one they may go any way: then it is told of a robot alone that starts near the end.
+    """
     if laid.reference is None:
         return
     reference = shapely.LineString(laid.reference)
@@ -145,7 +148,10 @@ def _check_sense(laid: PartialLayout, i: int, path: FloatArray, found: Diagnosti
             "in metres",
         )
     first, last = (reference.project(shapely.Point(path[k])) for k in (0, -1))
-    if last < first - LENGTH and not is_ring(path):
+    at = laid.start[i, :2]
+    is_begun = bool(np.isfinite(at).all()) and line.project(shapely.Point(at)) < 0.5 * line.length
+    is_meant = laid.world.formation is None and is_begun
+    if last < first - LENGTH and not is_ring(path) and not is_meant:
         found.warn(
             laid.path_key(i),
             f"the path of {describe(laid.names[i])} runs against the reference path, from station "

@@ -482,4 +482,14 @@ EDITS = (
         "robots that are nowhere near each other are no error of physim",
         "tests/checking/test_robots.py::test_a_least_distance_that_the_start_breaks_is_a_warning",
     ),
+    Edit(
+        "checking",
+        "physim/world/checks/paths.py",
+        "_check_sense",
+        "is_meant = laid.world.formation is None and is_begun",
+        "is_meant = False",
+        "robots meant to go the other way are not doubted",
+        "tests/checking/test_robots.py"
+        "::test_without_a_formation_a_path_against_it_is_doubted_at_its_end_alone",
+    ),
 )

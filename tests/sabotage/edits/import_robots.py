@@ -369,7 +369,7 @@ EDITS = (
         "importing",
         "physim/authoring/importing/drawn_robots.py",
         "_goes_along",
-        "begin + gain < 1.5 * lap",
+        "begin + gain < lap + lap / PARTS",
         "True",
         "a lap begun elsewhere does not go along another",
         "tests/importing/test_drawn_robots.py::test_a_formation_goes_where_it_can_be_measured",

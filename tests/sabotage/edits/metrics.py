@@ -363,4 +363,13 @@ EDITS = (
         "how far from its stop a robot is that arrived is told of the end",
         "tests/metrics/test_figures.py::test_how_far_from_their_stops_robots_are_that_arrived",
     ),
+    Edit(
+        "metrics",
+        "physim/analysis/metrics/progress.py",
+        "spacing",
+        'check_positive("every", every)',
+        "pass",
+        "a spacing that is none is refused",
+        "tests/metrics/test_of_the_motion.py::test_times_asked_for_are_positive",
+    ),
 )

@@ -223,7 +223,18 @@ def test_commands_and_holds_that_cannot_be_name_the_controller() -> None:
             Simulation(world(), controller=Fast(v, hold)).step()
 
 
-@pytest.mark.parametrize("nonsense", [[[1.0, 2.0]], np.full((3, 2), np.nan)])
+def frozen(array: Any) -> Any:
+    """Read-only, as arrays of other libraries and files are."""
+    array.flags.writeable = False
+    return array
+
+
+@pytest.mark.parametrize(
+    "nonsense",
+    [[[1.0, 2.0]], np.full((3, 2), np.nan), frozen(np.zeros((3, 2), complex)),
+     frozen(np.full((3, 2), "0.5")), frozen(np.zeros((3, 2), "datetime64[s]")),
+     frozen(np.full((3, 2), None))],
+)  # fmt: skip
 def test_commands_of_no_use_are_refused(nonsense: Any) -> None:
     for kind, word in (("filters", "filter Fails"), ("disturbances", "disturbance Fails")):
         part: Any = Fails(lambda given: (nonsense, None))
@@ -238,6 +249,10 @@ def test_commands_of_no_use_are_refused(nonsense: Any) -> None:
         ({"pose": np.full((3, 3), np.nan)}, ("pose", "finite")),
         ({"robot": np.array([0, 1, 1])}, ("r2", "one row")),
         ({"robot": np.array([0.0, 1.0, 2.0])}, ("robot", "float64", "int")),
+        ({"robot": np.array([0, 1, 2], ">i8")}, ("robot", ">i8", "int")),
+        ({"pose": np.zeros((3, 3), ">f8")}, ("pose", ">f8", "float64")),
+        ({"age": np.zeros(3, "f4")}, ("age", "float32", "float64")),
+        ({"command": [[0.0, 0.0]] * 3}, ("command", "list", "float64")),
         ({"robot": np.array([0, 1, 7])}, ("robot", "0 to 2")),
         ({"first": [0, 0, 0]}, ("first", "list", "array")),
         ({"end": np.array([3, 3, 9])}, ("r3", "9", "3")),

@@ -229,6 +229,47 @@ def test_filters_stand_in_their_order() -> None:
             assert simulation.last.applied[:, 0] == pytest.approx([reached] * 3)
 
 
+@pytest.mark.parametrize("dtype", [">f8", "<f8", "f4", "f2", "i8", "object"])
+@pytest.mark.parametrize("kind", ["filters", "disturbances"])
+def test_commands_may_be_of_any_type_of_number(kind: str, dtype: str) -> None:
+    """Also read-only ones, as from a file: compiled code would read the bytes as its own."""
+
+    class Other(Line):
+        def filter(self, scene: Any, sensed: Any, nominal: Any, state: Any) -> Any:
+            found = np.asfortranarray(np.array(nominal, dtype))
+            found.flags.writeable = False
+            return found, state
+
+        def disturb(self, scene: Any, truth: Any, filtered: Any, state: Any) -> Any:
+            return self.filter(scene, None, filtered, state)
+
+    given: dict[str, Any] = {kind: [Other(1.0, 0.0)]}
+    changed, plain = Simulation(world(), **given), Simulation(world())
+    for simulation in (changed, plain):
+        for _ in range(5):
+            simulation.step(np.array([[1.0, 0.5]] * 3).round(0 if dtype == "i8" else 1))
+    assert (changed.pose == plain.pose).all()
+
+
+def test_commands_that_are_returned_are_kept_as_they_are() -> None:
+    """A buffer that a filter fills again, of which it gives a view that nobody may write to."""
+
+    class Buffer(Line):
+        def filter(self, scene: Any, sensed: Any, nominal: Any, state: Any) -> Any:
+            self.kept = getattr(self, "kept", np.zeros((3, 2)))
+            self.kept[:] = nominal
+            view = self.kept.view()
+            view.flags.writeable = False
+            return view, state
+
+    simulation = Simulation(world(), filters=[Buffer(1.0, 0.0)])
+    steps = []
+    for v in (0.2, 0.4, 0.6):
+        simulation.step(np.array([[v, 0.0]] * 3))
+        steps.append(simulation.last)
+    assert [one.filtered[0, 0] for one in steps if one is not None] == [0.2, 0.4, 0.6]
+
+
 def test_filters_see_what_is_sensed_and_remember() -> None:
     seen = []
 

@@ -165,7 +165,7 @@ def with_poses(scene: Scene, sensed: Sensed, pose: FloatArray) -> Sensed:
     itself misleads nobody.
     """
     reference, own = sensed.reference_station.copy(), sensed.station.copy()
-    who = observer_of_row(sensed)
+    who, pose = observer_of_row(sensed), np.array(pose, dtype=np.float64)
     for row, (x, y, _) in enumerate(pose):
         j = int(sensed.robot[row])
         reference[row] = project_near(scene.reference, 0, x, y, float(reference[row]))
@@ -174,14 +174,27 @@ def with_poses(scene: Scene, sensed: Sensed, pose: FloatArray) -> Sensed:
     return sensed._replace(pose=pose, reference_station=reference, station=own)
 
 
+KINDS_OF_SENSED = {
+    "robot": "int", "pose": "float64", "command": "float64", "reference_station": "float64",
+    "age": "float64", "first": "int", "end": "int", "station": "float64",
+}  # fmt: skip
+"""What the arrays of a `Sensed` hold."""
+
+
 def check_sensed(sensed: Sensed, scene: Scene, part: object) -> None:
     """Refuse rows that are not finite or do not fit; every observer must have one of itself."""
     where = f"sensing stage {type(part).__name__} at {sensed.step * scene.dt:g} s"
-    for name in ("robot", "first", "end"):
+    for name, kind in KINDS_OF_SENSED.items():
         found = getattr(sensed, name)
-        if not isinstance(found, np.ndarray) or found.dtype.kind not in "iu":
-            kind = found.dtype if isinstance(found, np.ndarray) else type(found).__name__
-            raise ControllerError(f"{where}: {name} is of type {kind}; an array of int is needed")
+        dtype = found.dtype if isinstance(found, np.ndarray) else None
+        is_right = (
+            dtype == np.float64 if kind == "float64" else dtype is not None and dtype.kind in "iu"
+        )
+        if dtype is None or not is_right or not dtype.isnative:  # compiled code reads the bytes
+            given = type(found).__name__ if dtype is None else dtype
+            raise ControllerError(
+                f"{where}: {name} is of type {given}; an array of {kind} is needed"
+            )
     rows, robots = len(sensed.robot), scene.robots
     shapes = {
         "robot": (rows,), "pose": (rows, 3), "command": (rows, 2), "reference_station": (rows,),

@@ -45,6 +45,9 @@ from physim.world import World
 from physim.world.file.loading import unused_settings
 from physim.world.scene import Scene
 
+NUMBERS = "fiuO"
+"""Kinds of arrays of numbers; those of objects may be some"""
+
 
 def driven_by(world: World, controller: Controller | str | None) -> World:
     """The world with another controller, where that is a name, as ``--controller`` has it.
@@ -212,7 +215,7 @@ def ask_filter(
     with naming(FILTER, part, time):
         answer = call(FILTER, part, "filter", scene, sensed, nominal, state)
         found, state = two(part, "filter", answer, "commands")
-        commands = _commands(scene, part, "filter", found)
+        commands = _commands(scene, part, "filter", found, nominal)
     try:
         check_commands(scene, time, None, commands)
     except ControllerError as error:
@@ -228,17 +231,21 @@ def ask_disturbance(
     with naming(DISTURBANCE, part, time):
         answer = call(DISTURBANCE, part, "disturb", scene, truth, filtered, state)
         found, state = two(part, "disturb", answer, "commands")
-        commands = _commands(scene, part, "disturb", found)
+        commands = _commands(scene, part, "disturb", found, filtered)
     check_applied(scene, time, commands, part)
     return commands, state
 
 
-def _commands(scene: Scene, part: object, method: str, found: Any) -> FloatArray:
-    """Commands as an array of our own, unless they are what was given."""
-    if isinstance(found, np.ndarray) and not found.flags.writeable:
-        return found
+def _commands(scene: Scene, part: object, method: str, found: Any, given: FloatArray) -> FloatArray:
+    """Commands as an array of our own, unless they are the very array that was given."""
+    commands = given
+    if found is given:
+        return commands
     try:
-        return read_only(np.array(found, dtype=np.float64))
+        if np.asarray(found).dtype.kind not in NUMBERS:
+            raise TypeError
+        commands = np.array(found, dtype=np.float64, order="C")
     except (TypeError, ValueError):
         must = f"those must be an array of numbers, shape ({scene.robots}, 2)"
         raise returned(part, method, f"{kind_of(found)} as commands; {must}") from None
+    return read_only(commands)

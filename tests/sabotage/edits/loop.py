@@ -599,4 +599,22 @@ EDITS = (
         "an observer that another let look on is named and closed",
         "tests/test_recording.py::test_an_observer_that_another_let_look_on_is_named_and_closed",
     ),
+    Edit(
+        "loop",
+        "physim/simulation/parts.py",
+        "_commands",
+        "if found is given:",
+        "if isinstance(found, np.ndarray) and not found.flags.writeable:",
+        "commands of a stage are copied, as numbers of our own",
+        "tests/test_stages.py::test_commands_that_are_returned_are_kept_as_they_are",
+    ),
+    Edit(
+        "loop",
+        "physim/parts/stages.py",
+        "check_sensed",
+        "or not dtype.isnative",
+        "",
+        "compiled code reads what is sensed as it is meant",
+        "tests/test_stage_errors.py::test_rows_of_no_use_are_refused",
+    ),
 )

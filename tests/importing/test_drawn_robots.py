@@ -649,3 +649,35 @@ def test_robots_all_round_a_lap_drive_one_each(
     assert made.world.formation is None
     assert min(_ways(made)[:count]) > lap.length - 8.0 * abs(side) - 0.5
     assert not [one for one in made.changes if "WARNING" in one]
+
+
+def test_robots_without_a_path_follow_the_nearest_of_those_of_others(tmp_path: Path) -> None:
+    """Each group on a path of its own, one behind the other to their stops."""
+    parts = [HALL, *((f"robot {name}", box(x, y)) for name, x, y in (
+                 ("a", 6, 4), ("a2", 3, 4), ("b", 36, 16), ("b2", 32, 16))),
+             ("path a", shapely.LineString([(2, 4), (46, 4)])),
+             ("path b", shapely.LineString([(46, 16), (4, 16)]))]  # fmt: skip
+    made = import_world(geojson(tmp_path, parts))
+    free_area(made, tmp_path)
+    assert made.world.formation is None
+    paths = dict(zip(["a", "a2", "b", "b2"], _paths(made), strict=True))
+    assert [paths[name][0][1] for name in paths] == [4.0, 4.0, 16.0, 16.0]
+    assert paths["a"][-1][0] - paths["a2"][-1][0] == pytest.approx(3.0)
+    assert paths["b"][-1][0] - paths["b2"][-1][0] == pytest.approx(4.0)
+    plain = ("path", shapely.LineString([(2, 4), (46, 4)]))
+    told = only(import_world(geojson(tmp_path, [*parts[:-2], plain, parts[-1]])), "stands on the")
+    check_says(told, "WARNING: b2 … path of b … 12.00 m beside … named b2")
+
+
+def test_robots_all_round_two_laps_drive_one_each(tmp_path: Path) -> None:
+    laps = {"a": LOOP, "b": [(x + 34, y) for x, y in LOOP]}
+    spots = (("a", 4, 0), ("a2", 20, 14), ("b", 54, 14), ("b2", 38, 0))
+    parts = [
+        ("boundary", shapely.box(-6, -6, 64, 20)),
+        *((f"robot {name}", box(x, y)) for name, x, y in spots),
+        *((f"path {name}", shapely.LineString(lap)) for name, lap in laps.items()),
+    ]
+    made = import_world(geojson(tmp_path, parts))
+    free_area(made, tmp_path)
+    assert min(_ways(made)) == pytest.approx(76.0, abs=0.3)
+    assert not [one for one in made.changes if "WARNING" in one]

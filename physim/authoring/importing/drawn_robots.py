@@ -58,24 +58,38 @@ def as_drawn(drawing: Drawing, found: Fit) -> list[Placed]:
         for robot in robots
         if robot.name in drawing.paths and not _goes_along(found.reference, robot)
     ]
-    are_spread = _are_spread(drawing, found, robots)
-    drawing.is_one_way = not others and not are_spread
+    groups = _groups(drawing, found, robots)
+    are_spread = [_are_spread(line, some) for line, some in groups]
+    drawing.is_one_way = not others and not any(are_spread)
     if others:
         drawing.facts.append(
             f"{others[0]} {'and others go' if len(others) > 1 else 'goes'} another way than the "
             "reference path, or elsewhere on it: no formation, every robot goes to the end of its "
             "own path"
         )
-    if are_spread:
+    if any(are_spread):
         drawing.facts.append(
             "robots stand all round the closed path: no formation, each of them drives a lap of "
             "its own, back to where it starts"
         )
-        robots = _on_own_laps(drawing, found, robots)
-    elif others:
-        robots = _stopping_behind(drawing, found, robots)
+    if not drawing.is_one_way:
+        for (line, some), is_spread in zip(groups, are_spread, strict=True):
+            some[:] = (_on_own_laps if is_spread else _stopping_behind)(line, some, found.size)
+        changed = {one.name: one for _, some in groups for one in some}
+        robots = [changed[one.name] for one in robots]
     drawing.changes[:0] = _hardly_moving(drawing, found, robots)
     return robots
+
+
+def _groups(
+    drawing: Drawing, found: Fit, robots: list[Placed]
+) -> list[tuple[FloatArray, list[Placed]]]:
+    """Each path that was drawn (n, 2) [m], with the robots on it or in lanes beside it."""
+    by_name = {one.name: one for one in robots}
+    lines = {id(line): line for line in (found.reference, *drawing.paths.values())}
+    return [
+        (line, [by_name[one.name] for one in robots_on(drawing, line)]) for line in lines.values()
+    ]
 
 
 def _lanes(drawing: Drawing, found: Fit) -> dict[float, Lane]:
@@ -96,24 +110,22 @@ def _lanes(drawing: Drawing, found: Fit) -> dict[float, Lane]:
     return lanes
 
 
-def _are_spread(drawing: Drawing, found: Fit, robots: list[Placed]) -> bool:
+def _stations(line: FloatArray, robots: list[Placed]) -> FloatArray:
+    """(k,) [m] of a path at which robots start."""
+    return np.array([station_of(line, np.array(one.pose[:2])) for one in robots])
+
+
+def _are_spread(line: FloatArray, robots: list[Placed]) -> bool:
     """Whether robots stand all round a lap: in a formation the first of them would drive little."""
-    if not is_closed(found.reference):
+    if not is_closed(line) or len(robots) < 2:
         return False
-    on_it = {one.name for one in robots_on(drawing, found.reference)}
-    starts = [
-        station_of(found.reference, np.array(one.pose[:2])) for one in robots if one.name in on_it
-    ]
-    return max(starts, default=0.0) > SPREAD * length_of(found.reference)
+    return bool(_stations(line, robots).max() > SPREAD * length_of(line))
 
 
-def _on_own_laps(drawing: Drawing, found: Fit, robots: list[Placed]) -> list[Placed]:
-    """Robots of which those on a lap drive one each, begun just behind where they stand."""
-    on_it = {one.name for one in robots_on(drawing, found.reference)}
+def _on_own_laps(line: FloatArray, robots: list[Placed], size: float) -> list[Placed]:
+    """Robots that drive a lap each, begun just behind where they stand."""
     return [
-        replace(one, path=lap_from(one.path, np.array(one.pose[:2]), found.size), offset=None)
-        if one.name in on_it
-        else one
+        replace(one, path=lap_from(one.path, np.array(one.pose[:2]), size), offset=None)
         for one in robots
     ]
 
@@ -127,12 +139,12 @@ def _hardly_moving(drawing: Drawing, found: Fit, robots: list[Placed]) -> list[s
         stops = stop_stations(found.reference, paths, [one.pose for one in robots])
     starts = [station_of(one.path, np.array(one.pose[:2])) for one in robots]
     ways = np.maximum(stops - starts, 0.0)
-    on_it = {one.name for one in robots_on(drawing, found.reference)}
-    groups = [[k for k, one in enumerate(robots) if one.name in on_it]]
-    groups += [[k] for k, one in enumerate(robots) if one.name not in on_it]
+    number = {one.name: k for k, one in enumerate(robots)}
     told = []
-    for group in filter(None, groups):
-        k = max(group, key=lambda one: float(ways[one]))
+    for _, group in _groups(drawing, found, robots):
+        if not group:
+            continue
+        k = max((number[one.name] for one in group), key=lambda one: float(ways[one]))
         if ways[k] < LEAST_WAY * lengths[k]:
             told.append(
                 f"WARNING: {robots[k].name} goes {ways[k]:.2f} m of a path of {lengths[k]:.2f} m, "
@@ -160,24 +172,18 @@ def _goes_along(reference: FloatArray, one: Placed) -> bool:
     return is_forward and least * length < gain < most * length
 
 
-def _stopping_behind(drawing: Drawing, found: Fit, robots: list[Placed]) -> list[Placed]:
-    """Robots of which those on the reference path stop as far behind its end as they start behind.
+def _stopping_behind(line: FloatArray, robots: list[Placed], size: float) -> list[Placed]:
+    """Robots on a path that stop as far behind its end as they start behind the first of them.
 
-    Behind the first of them: as a formation has it, but each on a path of its own.
+    As a formation has it, but each on a path of its own.
     """
-    on_it = {one.name for one in robots_on(drawing, found.reference)}
-    starts = {
-        one.name: station_of(found.reference, np.array(one.pose[:2]))
-        for one in robots
-        if one.name in on_it
-    }
-    lead = max(starts.values(), default=0.0)
+    starts = _stations(line, robots)
     made = []
-    for robot in robots:
-        lag = lead - starts.get(robot.name, lead)
-        if 0.0 < lag < length_of(robot.path) - found.size:
-            line = stretch(robot.path, 0.0, length_of(robot.path) - lag)
-            robot = replace(robot, path=rounded(line), offset=None)
+    for robot, start in zip(robots, starts, strict=True):
+        lag = float(starts.max() - start)
+        if 0.0 < lag < length_of(robot.path) - size:
+            shorter = stretch(robot.path, 0.0, length_of(robot.path) - lag)
+            robot = replace(robot, path=rounded(shorter), offset=None)
         made.append(robot)
     return made
 
@@ -208,7 +214,18 @@ def _tell_far(
     drawing: Drawing, found: Fit, robot: DrawnRobot, centre: FloatArray, line: FloatArray
 ) -> None:
     """Tell of a robot that stands far from its path, or behind a wall from it."""
-    way = shapely.shortest_line(shapely.Point(centre), shapely.LineString(line))
+    point = shapely.Point(centre)
+    away = point.distance(shapely.LineString(found.reference))
+    if robot.name not in drawing.paths and away > FAR * found.size:
+        for other, own in drawing.paths.items():
+            if point.distance(shapely.LineString(own)) < 0.5 * found.box[1]:
+                drawing.changes.append(
+                    f"WARNING: {robot.name} at {place(centre)} stands on the path of {other}, and "
+                    f"goes {away:.2f} m beside the reference path; draw it a path of its own, "
+                    f"named {robot.name}"
+                )
+                return
+    way = shapely.shortest_line(point, shapely.LineString(line))
     is_walled = way.difference(drawing.area).length > HALF_WALL
     if not is_walled and way.length <= FAR * found.size:
         return

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 import shapely
 
-from physim.authoring.importing.drawing import Drawing, DrawnRobot, Options, place, rounded
+from physim.authoring.importing.drawing import Drawing, Options, place, rounded
 from physim.authoring.importing.lines import (
     clearances,
     directions_at,
@@ -26,7 +26,7 @@ from physim.authoring.importing.lines import (
     stretch,
 )
 from physim.authoring.importing.outlines import spans_of
-from physim.authoring.importing.path_starts import begin_at_robots, robots_on, stand_on
+from physim.authoring.importing.path_starts import begin_at_robots, path_of, robots_on, stand_on
 from physim.authoring.importing.work import GRAIN, coarse
 from physim.geometry.shapes import FloatArray
 
@@ -89,13 +89,11 @@ def fit(path: Path, drawing: Drawing, options: Options) -> Fit:
         ends = (ends[0], _clear_end(drawing.area, way, room, ends, _stop_way(box, size), room))
     trimmed, k = _trimmed(path, drawing, way, ends, box[1], is_drawn)
     if is_drawn:
-        drawing.paths = {
-            one.name: trimmed
-            if drawing.paths[one.name] is drawing.reference
-            else _own(path, drawing, one, size)
-            for one in drawing.robots
-            if one.name in drawing.paths
-        }
+        fitted = {id(drawing.reference): trimmed}
+        for line in drawing.paths.values():
+            if id(line) not in fitted:
+                fitted[id(line)] = _own(path, drawing, line, size)
+        drawing.paths = {name: fitted[id(line)] for name, line in drawing.paths.items()}
         drawing.reference = trimmed
     narrowest = float(2.0 * way.gaps[k])
     return Fit(size, box, trimmed, room, narrowest, points_at(way.line, way.at[k]))
@@ -127,10 +125,11 @@ def _way(path: Path, drawing: Drawing, line: FloatArray, size: float, name: str)
     return _Way(line, name, at, gaps, rear)
 
 
-def _own(path: Path, drawing: Drawing, robot: DrawnRobot, size: float) -> FloatArray:
-    """The path (n, 2) of one robot drawn, as far as it can use it; refused as the reference is."""
-    way = _way(path, drawing, drawing.paths[robot.name], size, f"path of {robot.name}")
-    width, length = map(float, spans_of(robot.outline))
+def _own(path: Path, drawing: Drawing, line: FloatArray, size: float) -> FloatArray:
+    """A path (n, 2) of robots drawn, as far as they can use it; refused as the reference is."""
+    robots = robots_on(drawing, line)
+    way = _way(path, drawing, line, size, path_of(robots))
+    width, length = np.max([spans_of(one.outline) for one in robots], axis=0).tolist()
     ends = _ends_for(drawing, way, (length, width), size)
     return _trimmed(path, drawing, way, ends, width, is_drawn=True)[0]
 

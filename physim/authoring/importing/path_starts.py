@@ -37,15 +37,19 @@ def begin_at_robots(drawing: Drawing, size: float) -> None:
     ``size`` is the factor on the group: `Fit`. A path stays as it is where no such way is free.
     """
     assert drawing.reference is not None
-    reference = _begun(drawing, drawing.reference, robots_on(drawing, drawing.reference), size)
-    drawing.paths = {
-        one.name: reference
-        if drawing.paths[one.name] is drawing.reference
-        else _begun(drawing, drawing.paths[one.name], [one], size, f"path of {one.name}")
-        for one in drawing.robots
-        if one.name in drawing.paths
-    }
-    drawing.reference = reference
+    lines = {id(line): line for line in (drawing.reference, *drawing.paths.values())}
+    begun = {}
+    for key, line in lines.items():
+        robots = robots_on(drawing, line)
+        what = "path" if line is drawing.reference else path_of(robots)
+        begun[key] = _begun(drawing, line, robots, size, what)
+    drawing.paths = {name: begun[id(line)] for name, line in drawing.paths.items()}
+    drawing.reference = begun[id(drawing.reference)]
+
+
+def path_of(robots: Sequence[DrawnRobot]) -> str:
+    """What messages call the path of one robot, or of several."""
+    return f"path of {robots[0].name}" + (" and others" if len(robots) > 1 else "")
 
 
 def robots_on(drawing: Drawing, line: FloatArray) -> list[DrawnRobot]:

@@ -76,6 +76,18 @@ def thorough(scene, step, due, decisions, declared):
         return None
 
 
+@pytest.mark.parametrize("others", [[1, 1], [2, 1, 2], [1, 0]])
+def test_a_robot_considers_each_other_once(others: list[int]) -> None:
+    """Twice, and not even all robots there are: no record may hold that."""
+    due = np.array([0])
+    fine = drawn(np.random.default_rng(0), due, 0.0)
+    start = np.array([0, len(others)])
+    wrong = fine._replace(considered=np.array(others), considered_start=start)
+    assert plainly_fine(SCENE, 0, due, wrong, DECLARED) is None
+    with pytest.raises(ControllerError, match=r"considered lists .* each once"):
+        checked(SCENE, 0, due, wrong, DECLARED)
+
+
 @pytest.mark.parametrize(
     ("name", "value"),
     [
@@ -104,6 +116,7 @@ def test_other_types_and_layouts_pass_by_the_thorough_check() -> None:
         fine._replace(hold=fine.hold.astype(np.float32)),
         fine._replace(mode=fine.mode.astype(np.int8)),
         fine._replace(considered=[], considered_start=np.zeros(4, dtype=np.int64)),
+        fine._replace(considered_start=fine.considered_start.astype(np.uint64)),
     ):
         assert plainly_fine(SCENE, 7, due, other, DECLARED) is None
         assert checked(SCENE, 7, due, other, DECLARED).dtype == np.int64

@@ -70,6 +70,7 @@ def fits(
     next_step: IntArray,
 ) -> bool:
     """Whether decisions pass all checks of `checked`; writes their ``next_step`` (M,)."""
+    seen = np.full(len(limits), -1)  # the row that considered each robot last
     for k in range(len(due)):
         for column in range(2):
             if not abs(command[k, column]) <= limits[due[k], column] * (1.0 + SHARE):
@@ -82,8 +83,9 @@ def fits(
         if not 0 <= first <= end <= len(considered) or end - first >= len(limits):
             return False
         for j in considered[first:end]:
-            if not 0 <= j < len(limits) or j == due[k]:
+            if not 0 <= j < len(limits) or j == due[k] or seen[j] == k:
                 return False
+            seen[j] = k
     return bool(considered_start[0] == 0 and considered_start[-1] == len(considered))
 
 
@@ -161,7 +163,7 @@ def check_decisions(scene: Scene, time: float, decisions: Decisions, declared: D
     """Refuse numbers of modes, rules and robots, and shapes, that no record may hold."""
     d, robots = decisions, decisions.robot
     many = len(robots)
-    start = d.considered_start
+    start = d.considered_start.astype(np.int64)
     shapes = (
         ("hold", d.hold.shape, (many,)),
         ("mode", d.mode.shape, (many,)),
@@ -195,9 +197,12 @@ def check_decisions(scene: Scene, time: float, decisions: Decisions, declared: D
             f"decisions at {time:g} s: considered_start is {start}; it must part "
             f"{plural(len(d.considered), 'considered robot')} in their order"
         )
-    own = np.repeat(robots, counts) == d.considered
-    if own.any() or counts.max() >= scene.robots:
-        row = int(np.repeat(np.arange(many), counts)[own][0] if own.any() else np.argmax(counts))
+    rows, others = np.repeat(np.arange(many), counts), np.asarray(d.considered, dtype=np.int64)
+    order = np.lexsort((others, rows))
+    wrong = np.repeat(robots, counts) == others
+    wrong[order[1:]] |= (np.diff(rows[order]) == 0) & (np.diff(others[order]) == 0)
+    if wrong.any():
+        row = int(rows[wrong][0])
         raise ControllerError(
             f"{scene.names[robots[row]]} at {time:g} s: considered lists "
             f"{d.considered[start[row] : start[row + 1]].tolist()}; it must list others than the "

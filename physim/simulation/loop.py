@@ -213,7 +213,7 @@ class Simulation:
         if self.now.step < self._next_due:
             return Decided(self.now.command)
         sensed = self._sense()[0]
-        due = (self.next_decision <= sensed.step).nonzero()[0]
+        due = read_only((self.next_decision <= sensed.step).nonzero()[0])
         decided = decide(
             self._batch, self.scene, self.declared, sensed, due, self.now.command, self.memory
         )

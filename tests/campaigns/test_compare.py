@@ -118,6 +118,13 @@ def test_too_few_pairs_to_show_a_difference_count_in_no_correction(few: int) -> 
         assert ("where nothing in the world is random" in said) == (few == 1)
 
 
+def test_what_is_not_tested_is_not_told_how() -> None:
+    found = compare(by(campaign(seeds=3), "controller"))
+    for said in (comparison_text(found, "sign"), comparison_page(found, "sign", "yard")):
+        assert "none is tested" in said
+        assert "Holm" not in said
+
+
 def test_a_difference_that_does_not_survive_the_correction_is_not_shown() -> None:
     outcomes = campaign(hits=6)
     (alone,) = compare(by(outcomes, "controller"), ("contact_free",))

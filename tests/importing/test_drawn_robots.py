@@ -669,6 +669,24 @@ def test_robots_without_a_path_follow_the_nearest_of_those_of_others(tmp_path: P
     check_says(told, "WARNING: b2 … path of b … 12.00 m beside … named b2")
 
 
+@pytest.mark.parametrize("own", [False, True])
+def test_a_robot_that_stops_early_behind_another_is_told_so(tmp_path: Path, own: bool) -> None:
+    """Far behind it, at the beginning of its path; not that it is to be drawn the other way."""
+    parts = [HALL, WAY, ("robot a", box(4, 5)), ("robot b", box(41, 8 if own else 5))]
+    parts += [("path b", shapely.LineString([(41, 8), (48, 8)]))] if own else []
+    told = only(import_world(geojson(tmp_path, parts)), "WARNING")
+    check_says(told, "a goes … behind b" if own else "b stands near its end")
+    assert ("other way round" in told) != own
+
+
+def test_a_path_in_another_room_is_told_so(tmp_path: Path) -> None:
+    parts = [HALL, WAY, ("robot a", box(4, 5)), ("robot b", box(4, 15)),
+             ("wall", shapely.LineString([(0, 10), (50, 10)])),
+             ("path b", shapely.LineString([(4, 15), (40, 15)]))]  # fmt: skip
+    said = refusal(geojson(tmp_path, parts))
+    check_says(said, "path of b lies all outside the area of the reference path")
+
+
 def test_robots_all_round_two_laps_drive_one_each(tmp_path: Path) -> None:
     laps = {"a": LOOP, "b": [(x + 34, y) for x, y in LOOP]}
     spots = (("a", 4, 0), ("a2", 20, 14), ("b", 54, 14), ("b2", 38, 0))

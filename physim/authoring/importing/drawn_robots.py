@@ -131,26 +131,30 @@ def _on_own_laps(line: FloatArray, robots: list[Placed], size: float) -> list[Pl
 
 
 def _hardly_moving(drawing: Drawing, found: Fit, robots: list[Placed]) -> list[str]:
-    """What is said of paths of which no robot goes a good share: these may stand at its end."""
-    paths = [one.path for one in robots]
-    lengths = np.array([length_of(path) for path in paths])
-    stops = lengths
+    """What is said of paths of which no robot goes a good share, and why that is."""
+    ends = [length_of(one.path) for one in robots]
     if drawing.is_one_way:
-        stops = stop_stations(found.reference, paths, [one.pose for one in robots])
-    starts = [station_of(one.path, np.array(one.pose[:2])) for one in robots]
-    ways = np.maximum(stops - starts, 0.0)
-    number = {one.name: k for k, one in enumerate(robots)}
+        poses = [one.pose for one in robots]
+        ends = stop_stations(found.reference, [one.path for one in robots], poses).tolist()
+    ways = {
+        one.name: max(end - station_of(one.path, np.array(one.pose[:2])), 0.0)
+        for one, end in zip(robots, ends, strict=True)
+    }
+    lead = robots[int(np.argmax(_stations(found.reference, robots)))].name
     told = []
-    for _, group in _groups(drawing, found, robots):
-        if not group:
+    for line, group in _groups(drawing, found, robots):
+        if not group or max(ways[one.name] for one in group) >= LEAST_WAY * length_of(line):
             continue
-        k = max((number[one.name] for one in group), key=lambda one: float(ways[one]))
-        if ways[k] < LEAST_WAY * lengths[k]:
-            told.append(
-                f"WARNING: {robots[k].name} goes {ways[k]:.2f} m of a path of {lengths[k]:.2f} m, "
-                f"and no other on it farther: it stands near its end, {place(paths[k][-1])}; if "
-                "that is where it is to begin, draw it the other way round"
-            )
+        one = max(group, key=lambda one: ways[one.name])
+        said = f"WARNING: {one.name} goes {ways[one.name]:.2f} m of a path of "
+        said += f"{length_of(line):.2f} m, and no other on it farther: "
+        foremost = group[int(np.argmax(_stations(line, group)))]
+        if station_of(line, np.array(foremost.pose[:2])) > 0.5 * length_of(line):
+            said += f"{foremost.name} stands near its end, {place(line[-1])}; if that is where it "
+            said += "is to begin, draw it the other way round"
+        else:
+            said += f"in a formation it stops as far before its end as it starts behind {lead}"
+        told.append(said)
     return told
 
 

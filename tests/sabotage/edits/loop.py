@@ -617,4 +617,22 @@ EDITS = (
         "compiled code reads what is sensed as it is meant",
         "tests/test_stage_errors.py::test_rows_of_no_use_are_refused",
     ),
+    Edit(
+        "loop",
+        "physim/simulation/decision_checks.py",
+        "fits",
+        "or seen[j] == k",
+        "",
+        "no robot is considered twice, by the quick check",
+        "tests/test_decision_checks.py::test_a_robot_considers_each_other_once",
+    ),
+    Edit(
+        "loop",
+        "physim/simulation/decision_checks.py",
+        "check_decisions",
+        "wrong[order[1:]] |= (np.diff(rows[order]) == 0) & (np.diff(others[order]) == 0)",
+        "pass",
+        "no robot is considered twice, by the thorough check",
+        "tests/test_decision_checks.py::test_a_robot_considers_each_other_once",
+    ),
 )

@@ -196,6 +196,18 @@ def test_a_mark_on_a_robot_is_no_robot(tmp_path: Path, first: bool) -> None:
     check_says(only(made, "a mark on it"), "(5.30, 6.20)")
 
 
+@pytest.mark.parametrize(("names", "count"), [(("", ""), 1), ((" a", " a"), 1), ((" a", " b"), 2)])
+def test_a_robot_drawn_twice_is_one(tmp_path: Path, names: tuple[str, str], count: int) -> None:
+    """As some programs write the filling and the line of a shape; not with names of their own."""
+    parts = [HALL, WAY, *((f"robot{name}", box(5, 5)) for name in names), ("robot c", box(9, 5))]
+    if count == 2:
+        check_says(refusal(geojson(tmp_path, parts)), "overlaps")
+        return
+    made = import_world(geojson(tmp_path, parts))
+    assert len(made.world.robots) == 2
+    check_says(only(made, "drawn twice"), "robot at … left out")
+
+
 @pytest.mark.parametrize("truck", [1.8, 6.0])
 def test_speeds_are_those_of_the_smallest_robot(tmp_path: Path, truck: float) -> None:
     """Those of a truck would be too fast for the others, and its distances too long."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from math import atan2, cos, pi, sin
 
 import numpy as np
@@ -26,7 +27,11 @@ MOST_CORNERS = 100
 
 
 def drop_marks(drawing: Drawing) -> None:
-    """Leave out outlines of robots within those of others, as of the heading; they are listed."""
+    """Leave out outlines of robots within those of others, as of the heading; they are listed.
+
+    So are those that are drawn twice, as the filling and the line of one shape, unless they have
+    names of their own.
+    """
     outlines = [one.outline for one in drawing.robots]
     if len(outlines) < 2 or min(map(len, outlines)) < 3:
         return
@@ -34,14 +39,32 @@ def drop_marks(drawing: Drawing) -> None:
     within, about = shapely.STRtree(shapes).query(shapes, predicate="covered_by")
     is_less = shapely.area(shapes[within]) < shapely.area(shapes[about])
     marks = {int(k): int(j) for k, j in zip(within[is_less], about[is_less], strict=True)}
+    pairs = {(int(k), int(j)) for k, j in zip(within, about, strict=True)}
+    names = [one.name for one in drawing.robots]
+    twice = {  # and each of which earlier one
+        k: j for k, j in sorted(pairs, reverse=True)
+        if j < k and (j, k) in pairs and _is_name_of_both(names[j], names[k])
+    }  # fmt: skip
     drawing.changes += listed(
         [
             f"robot at {place(outlines[k][0])}: within {drawing.robots[j].name}, a mark on it, "
             "left out"
             for k, j in marks.items()
         ]
+        + [
+            f"robot at {place(outlines[k][0])}: {names[j]} drawn twice, left out"
+            for k, j in twice.items()
+        ]
     )
-    drawing.robots = [one for k, one in enumerate(drawing.robots) if k not in marks]
+    left_out = marks.keys() | twice.keys()
+    drawing.robots = [one for k, one in enumerate(drawing.robots) if k not in left_out]
+
+
+def _is_name_of_both(first: str, second: str) -> bool:
+    """Whether two robots have one name, a number behind the second, or none."""
+    unnamed = re.compile(r"r\d+")
+    is_numbered = re.fullmatch(re.escape(first) + r"_\d+", second) is not None
+    return is_numbered or bool(unnamed.fullmatch(first) and unnamed.fullmatch(second))
 
 
 def rectangle_of(outline: FloatArray, ahead: FloatArray) -> tuple[FloatArray, float]:

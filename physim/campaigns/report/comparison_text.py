@@ -161,8 +161,8 @@ def method(comparisons: Sequence[Comparison], test: str, looked: bool) -> str:
     looks = sum(f.is_tested for one in comparisons for f in one.findings)
     if not looks:
         return (
-            f"Differences are B minus A on the same seeds; none is tested, as it takes {FEWEST_PAIRS} "
-            "pairs to show one."
+            "Differences are B minus A on the same seeds; none is tested, as it takes "
+            f"{FEWEST_PAIRS} pairs to show one."
         )
     return (
         "Differences are B minus A on the same seeds, with 95 % intervals that hold each for "

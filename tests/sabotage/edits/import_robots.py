@@ -419,4 +419,13 @@ EDITS = (
         "robots without a path follow the nearest of those of others",
         "tests/importing/test_drawn_robots.py::test_robots_without_a_path_follow_the_nearest_of_those_of_others",
     ),
+    Edit(
+        "importing",
+        "physim/authoring/importing/outlines.py",
+        "drop_marks",
+        "and _is_name_of_both(names[j], names[k])",
+        "",
+        "robots of two names are no single one drawn twice",
+        "tests/importing/test_drawn_robots.py::test_a_robot_drawn_twice_is_one",
+    ),
 )

@@ -668,7 +668,7 @@ EDITS = (
         "importing",
         "physim/authoring/importing/outlines.py",
         "drop_marks",
-        "if k not in marks",
+        "if k not in left_out",
         "",
         "a mark on a robot is no robot",
         "tests/importing/test_drawn_robots.py::test_a_mark_on_a_robot_is_no_robot",

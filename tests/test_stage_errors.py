@@ -242,17 +242,28 @@ def test_commands_of_no_use_are_refused(nonsense: Any) -> None:
             Simulation(world(), **{kind: [part]}).step()  # type: ignore[arg-type]
 
 
+TWICE = {
+    "robot": np.array([0, 1, 2, 2]), "pose": np.zeros((4, 3)), "command": np.zeros((4, 2)),
+    "reference_station": np.zeros(4), "age": np.zeros(4), "end": np.array([4, 3, 3]),
+}  # fmt: skip
+"""Rows of which the first robot has two of the third: compiled code counts on one"""
+
+
 @pytest.mark.parametrize(
     ("change", "said"),
     [
         ({"pose": np.zeros((2, 3))}, ("pose", "(2, 3)", "(3, 3)")),
         ({"pose": np.full((3, 3), np.nan)}, ("pose", "finite")),
-        ({"robot": np.array([0, 1, 1])}, ("r2", "one row")),
-        ({"robot": np.array([0.0, 1.0, 2.0])}, ("robot", "float64", "int")),
-        ({"robot": np.array([0, 1, 2], ">i8")}, ("robot", ">i8", "int")),
-        ({"pose": np.zeros((3, 3), ">f8")}, ("pose", ">f8", "float64")),
-        ({"age": np.zeros(3, "f4")}, ("age", "float32", "float64")),
-        ({"command": [[0.0, 0.0]] * 3}, ("command", "list", "float64")),
+        ({"robot": np.array([0, 1, 1])}, ("r1", "2 rows", "r2")),
+        ({"end": np.array([3, 1, 3])}, ("r2", "exactly one row of its own")),
+        ({"robot": np.array([0.0, 1.0, 2.0])}, ("robot", "float64", "whole numbers")),
+        ({"pose": np.zeros((3, 3), complex)}, ("pose", "complex128", "numbers")),
+        ({"age": np.zeros(3, "m8[s]")}, ("age", "timedelta64", "numbers")),
+        ({"command": [[0.0, 0.0]] * 3}, ("command", "list", "numbers")),
+        ({"step": 7}, ("step", "7", "0", "age")),
+        ({"step": 0.0}, ("step", "0.0", "0")),
+        ({"step": None}, ("step", "None", "0")),
+        (TWICE, ("r1", "2 rows", "r3")),
         ({"robot": np.array([0, 1, 7])}, ("robot", "0 to 2")),
         ({"first": [0, 0, 0]}, ("first", "list", "array")),
         ({"end": np.array([3, 3, 9])}, ("r3", "9", "3")),

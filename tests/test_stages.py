@@ -251,6 +251,35 @@ def test_commands_may_be_of_any_type_of_number(kind: str, dtype: str) -> None:
     assert (changed.pose == plain.pose).all()
 
 
+@pytest.mark.parametrize("dtype", [">f8", "f4", "F", "view"])
+def test_what_is_sensed_may_be_of_any_type_of_number_and_layout(dtype: str) -> None:
+    """Compiled code reads bytes as they lie; and a buffer may be filled again."""
+    kept = {}
+
+    def other(name: str, values: Any) -> Any:
+        if dtype == "F":
+            return np.asfortranarray(values)
+        if dtype == "view":
+            buffer = kept.setdefault(name, np.zeros(values.shape, values.dtype))
+            buffer[...] = values
+            return buffer.view()
+        kind = dtype if values.dtype.kind == "f" else ">i8" if dtype == ">f8" else "i4"
+        return values.astype(kind)
+
+    class Other(Blind):
+        def sense(self, scene: Any, truth: Any, sensed: Any, state: Any) -> Any:
+            return sensed._replace(
+                **{name: other(name, getattr(sensed, name)) for name in sensed._fields[1:]}
+            ), state
+
+    changed, plain = Simulation(world(), sensing=[Other()]), Simulation(world())
+    for simulation in (changed, plain):
+        for _ in range(30):
+            simulation.step()
+    near = 1e-4 if dtype == "f4" else 0.0
+    assert np.abs(changed.pose - plain.pose).max() <= near
+
+
 def test_commands_that_are_returned_are_kept_as_they_are() -> None:
     """A buffer that a filter fills again, of which it gives a view that nobody may write to."""
 

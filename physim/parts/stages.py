@@ -16,7 +16,6 @@ from typing import TYPE_CHECKING, Any, NamedTuple, Protocol, runtime_checkable
 import numpy as np
 from numpy.typing import NDArray
 
-from physim.errors import ControllerError
 from physim.geometry.path import project_near
 from physim.geometry.shapes import FloatArray, IntArray, read_only
 from physim.parts.controller import Decisions, Sensed, Snapshot
@@ -172,51 +171,3 @@ def with_poses(scene: Scene, sensed: Sensed, pose: FloatArray) -> Sensed:
         if j == who[row]:
             own[j] = project_near(scene.paths, j, x, y, float(own[j]))
     return sensed._replace(pose=pose, reference_station=reference, station=own)
-
-
-KINDS_OF_SENSED = {
-    "robot": "int", "pose": "float64", "command": "float64", "reference_station": "float64",
-    "age": "float64", "first": "int", "end": "int", "station": "float64",
-}  # fmt: skip
-"""What the arrays of a `Sensed` hold."""
-
-
-def check_sensed(sensed: Sensed, scene: Scene, part: object) -> None:
-    """Refuse rows that are not finite or do not fit; every observer must have one of itself."""
-    where = f"sensing stage {type(part).__name__} at {sensed.step * scene.dt:g} s"
-    for name, kind in KINDS_OF_SENSED.items():
-        found = getattr(sensed, name)
-        dtype = found.dtype if isinstance(found, np.ndarray) else None
-        is_right = (
-            dtype == np.float64 if kind == "float64" else dtype is not None and dtype.kind in "iu"
-        )
-        if dtype is None or not is_right or not dtype.isnative:  # compiled code reads the bytes
-            given = type(found).__name__ if dtype is None else dtype
-            raise ControllerError(
-                f"{where}: {name} is of type {given}; an array of {kind} is needed"
-            )
-    rows, robots = len(sensed.robot), scene.robots
-    shapes = {
-        "robot": (rows,), "pose": (rows, 3), "command": (rows, 2), "reference_station": (rows,),
-        "age": (rows,), "first": (robots,), "end": (robots,), "station": (robots,),
-    }  # fmt: skip
-    for name, shape in shapes.items():
-        found = getattr(sensed, name)
-        if found.shape != shape:
-            raise ControllerError(f"{where}: {name} has the shape {found.shape}, not {shape}")
-        if not np.isfinite(found).all():
-            raise ControllerError(f"{where}: {name} is not finite")
-    if rows and not 0 <= sensed.robot.min() <= sensed.robot.max() < robots:
-        raise ControllerError(
-            f"{where}: robot holds an index that does not exist; allowed: 0 to {robots - 1}"
-        )
-    for i in range(robots):
-        if not 0 <= sensed.first[i] <= sensed.end[i] <= rows:
-            raise ControllerError(
-                f"{where}: rows {sensed.first[i]} to {sensed.end[i]} of {scene.names[i]}; there "
-                f"are {rows}"
-            )
-        if np.count_nonzero(sensed.robot[sensed.rows(i)] == i) != 1:
-            raise ControllerError(f"{where}: {scene.names[i]} must have exactly one row of its own")
-    for array in sensed[1:]:
-        read_only(array)

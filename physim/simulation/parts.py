@@ -29,7 +29,7 @@ from physim.parts.registry import (
     made_part,
     make_part,
 )
-from physim.parts.stages import Disturbance, Filter, SensingStage, check_sensed
+from physim.parts.stages import Disturbance, Filter, SensingStage
 from physim.parts.user_code import kind_of, place_of
 from physim.parts.world_checks import (
     call,
@@ -41,6 +41,7 @@ from physim.parts.world_checks import (
     world_faults,
 )
 from physim.simulation.decision_checks import check_applied, check_commands
+from physim.simulation.sensed_checks import sound_sensed
 from physim.world import World
 from physim.world.file.loading import unused_settings
 from physim.world.scene import Scene
@@ -203,7 +204,7 @@ def ask_sense(
         found, state = two(part, "sense", answer, "sensed")
         if not isinstance(found, Sensed):
             raise returned(part, "sense", f"{kind_of(found)} first; that must be a Sensed")
-        check_sensed(found, scene, part)
+        found = sound_sensed(found, sensed, scene, part)
     return found, state
 
 

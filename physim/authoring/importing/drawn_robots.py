@@ -64,8 +64,8 @@ def as_drawn(drawing: Drawing, found: Fit) -> list[Placed]:
     if others:
         drawing.facts.append(
             f"{others[0]} {'and others go' if len(others) > 1 else 'goes'} another way than the "
-            "reference path, or elsewhere on it: no formation, every robot goes to the end of its "
-            "own path"
+            "reference path, elsewhere on it, or a far longer or shorter one: no formation, every "
+            "robot goes to the end of its own path"
         )
     if any(are_spread):
         drawing.facts.append(
@@ -148,12 +148,13 @@ def _hardly_moving(drawing: Drawing, found: Fit, robots: list[Placed]) -> list[s
         one = max(group, key=lambda one: ways[one.name])
         said = f"WARNING: {one.name} goes {ways[one.name]:.2f} m of a path of "
         said += f"{length_of(line):.2f} m, and no other on it farther: "
-        foremost = group[int(np.argmax(_stations(line, group)))]
-        if station_of(line, np.array(foremost.pose[:2])) > 0.5 * length_of(line):
-            said += f"{foremost.name} stands near its end, {place(line[-1])}; if that is where it "
-            said += "is to begin, draw it the other way round"
+        rear = group[int(np.argmin(_stations(line, group)))]
+        if station_of(line, np.array(rear.pose[:2])) > 0.5 * length_of(line):
+            said += f"it stands near its end, {place(line[-1])}; if that is where it is to begin, "
+            said += "draw it the other way round"
         else:
-            said += f"in a formation it stops as far before its end as it starts behind {lead}"
+            said += f"in a formation it stops as far before its end as it starts behind {lead}, "
+            said += "without which it would go on"
         told.append(said)
     return told
 
@@ -161,7 +162,8 @@ def _hardly_moving(drawing: Drawing, found: Fit, robots: list[Placed]) -> list[s
 def _goes_along(reference: FloatArray, one: Placed) -> bool:
     """Whether a robot's path leads along another as a formation measures it, not back or far less.
 
-    Of a lap also whether the robot stands where its own begins, not just before its joint.
+    Of a lap also whether the robot stands near its beginning, not just before its joint, and does
+    not go on over it.
     """
     length, lap = length_of(one.path), length_of(reference)
     points = points_at(one.path, np.linspace(0.0, length, PARTS + 1))
@@ -172,7 +174,9 @@ def _goes_along(reference: FloatArray, one: Placed) -> bool:
         begin = station_of(reference, np.array(one.pose[:2]))
     least, most = ALONG
     gain = float(gains.sum())
-    is_forward = bool((gains > -BACK * length / PARTS).all()) and begin + gain < lap + lap / PARTS
+    if begin + gain > lap + lap / PARTS or begin > SPREAD * lap:
+        return False
+    is_forward = bool((gains > -BACK * length / PARTS).all())
     return is_forward and least * length < gain < most * length
 
 

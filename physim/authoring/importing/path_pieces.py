@@ -73,25 +73,20 @@ def _follow_the_nearest(drawing: Drawing) -> None:
 
 
 def _most_behind(drawing: Drawing) -> FloatArray:
-    """The path for robots without one, of those of the others.
+    """Of the robots' paths that before whose beginning the fewest of them stand; or the longest.
 
-    The nearest to most of them; then that before whose beginning the fewest robots stand, in a
-    queue the path of the last: on others a formation could not measure it; then the longest.
+    In a queue that is the path of the last: on the others a formation could not measure it.
     """
     centres = shapely.centroid([shapely.Polygon(one.outline) for one in drawing.robots])
     half = max(float(np.ptp(one.outline, axis=0).max()) for one in drawing.robots) / 2.0
-    lines = [shapely.LineString(points) for points in drawing.paths.values()]
-    without = centres[[one.name not in drawing.paths for one in drawing.robots]]
-    away = shapely.distance(np.array(lines)[:, None], without[None])
-    nearest = np.bincount(away.argmin(axis=0), minlength=len(lines))
 
-    def rank(k: int) -> tuple[int, int, float]:
-        line = lines[k]
+    def rank(points: FloatArray) -> tuple[int, float]:
+        line = shapely.LineString(points)
         before = shapely.line_locate_point(line, centres) <= 0.0
-        is_at_it = shapely.distance(shapely.get_point(line, 0), centres) <= half
-        return -int(nearest[k]), int((before & ~is_at_it).sum()), -line.length
+        is_at_it = shapely.distance(shapely.Point(points[0]), centres) <= half
+        return int((before & ~is_at_it).sum()), -line.length
 
-    return [*drawing.paths.values()][min(range(len(lines)), key=rank)]
+    return min(drawing.paths.values(), key=rank)
 
 
 def _join_pieces(

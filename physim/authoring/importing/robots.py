@@ -29,7 +29,6 @@ from physim.authoring.importing.lines import (
     Outline,
     Pose,
     directions_at,
-    is_closed,
     length_of,
     points_at,
     pose_at,
@@ -37,7 +36,6 @@ from physim.authoring.importing.lines import (
     stretch,
 )
 from physim.authoring.importing.outlines import Footprint
-from physim.authoring.importing.path_starts import BEHIND
 from physim.authoring.templates.text import ROW, lane_offsets
 from physim.geometry.area import shrunk
 from physim.geometry.shapes import FloatArray
@@ -137,8 +135,6 @@ CUT, MOST_CUT = 0.4, 6.4
 """[m] steps in which a path is shortened until its robots stop apart, and how far, at size 1"""
 MOST_CUT_SHARE = 0.15
 """[-] share of the path by which it is shortened for that at most"""
-NEAR = 0.2
-"""[-] share of a lane before and after which the place beside one of the path is looked for"""
 ELSEWHERE = 0.3
 """[-] share of the path from its place at which a robot would count as on another leg"""
 MOST_SHARE = 0.6
@@ -239,8 +235,7 @@ def _poses(path: Path, drawing: Drawing, found: Fit, lanes: list[Lane], step: fl
     shapes: list[Any] = []
     centres = np.full((len(lanes), 2), np.inf)
     near = hypot(*found.box) + GAP * found.size
-    is_lap = is_closed(found.reference)
-    station = BEHIND * found.size if is_lap else 0.0  # at the joint it may count as its end
+    station = 0.0
     for one in lanes:
         while True:
             if station > most:
@@ -298,8 +293,5 @@ def _pose(found: Fit, one: Lane, station: float) -> Pose:
     if one.offset != 0.0:
         tx, ty = directions_at(found.reference, station, found.size)
         beside = beside + one.offset * np.array([-ty, tx])
-    part = station / length_of(found.reference)
-    ends = np.clip([part - NEAR, part + NEAR], 0.0, 1.0) * length_of(one.line)
-    here = stretch(one.line, *ends)  # of a lap the end is as near as the beginning
-    x, y, heading = pose_at(one.line, ends[0] + station_of(here, beside), found.size)
+    x, y, heading = pose_at(one.line, station_of(one.line, beside), found.size)
     return round(x, 3), round(y, 3), round(heading, 4)

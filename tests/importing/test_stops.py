@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 import shapely
 
-from physim.authoring.importing import Imported, Options, import_world
+from physim.authoring.importing import Imported, Options, import_world, lanes, robots
 from physim.authoring.importing.robots import Placed, least_stop_gap, stop_stations
 from physim.parts.registry import CONTROLLER, make_part
 from physim.simulation.loop import Simulation
@@ -80,6 +81,28 @@ def test_robots_are_spread_where_no_end_of_the_path_will_do(tmp_path: Path) -> N
     check_says(told[0], "1.25 times as far apart … bend")
     along = [robot.pose[0] for robot in imported.world.robots]
     assert np.diff(along) == pytest.approx([-4.0] * 3, abs=0.3)
+
+
+def test_lanes_are_made_once_and_end_beside_the_shortened_path(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """They cost far more than to try where the path may end."""
+    made = []
+
+    def counted(*given: Any) -> Any:
+        made.append(lanes.lane(*given))
+        return made[-1]
+
+    monkeypatch.setattr(robots, "lane", counted)
+    found = import_world(track(tmp_path, CORNER * 2.0, 3.0), Options(robots=6, lanes=3))
+    assert [one for one in found.changes if "shortened" in one]
+    assert len(made) == 3
+    reference = np.asarray(found.world.reference_path)
+    for robot in found.world.robots:
+        if isinstance(robot.path, tuple | list):
+            leg = reference[-1] - reference[-2]
+            beyond = np.asarray(robot.path)[-1] - reference[-1]
+            assert abs(beyond @ leg) < 0.3 * np.hypot(*leg)
 
 
 def test_a_straight_end_is_left_as_it_is(tmp_path: Path) -> None:

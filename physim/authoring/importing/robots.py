@@ -133,6 +133,8 @@ SPREADS = (1.0, 1.25, 1.5)
 """[-] how many times as far apart as need be robots start, where they would stop too near"""
 CUT, MOST_CUT = 0.4, 6.4
 """[m] steps in which a path is shortened until its robots stop apart, and how far, at size 1"""
+BETTER = 0.01
+"""[m] by which robots stop farther apart at least, if a path is shortened for it"""
 MOST_CUT_SHARE = 0.15
 """[-] share of the path by which it is shortened for that at most"""
 ELSEWHERE = 0.3
@@ -161,7 +163,12 @@ def fill_in(path: Path, drawing: Drawing, found: Fit, options: Options) -> tuple
     """
     count = options.robots or options.lanes or 1
     lanes = min(1 if options.lanes is None else options.lanes, count)
-    group = _stopping_apart(path, drawing, _group(path, drawing, found, count, lanes))
+    outline, size = Outline(drawing.area), found.size
+    made = [
+        lane(found.reference, offset * size, outline, found.room, size, lanes)
+        for offset in lane_offsets(lanes)
+    ]
+    group = _stopping_apart(path, drawing, _group(path, drawing, found, made, count))
     drawing.changes += [
         f"lane {one.offset:+.2f} m beside the path {narrowing}"
         for one in sorted(group.lanes, key=lambda one: one.offset)
@@ -171,15 +178,10 @@ def fill_in(path: Path, drawing: Drawing, found: Fit, options: Options) -> tuple
 
 
 def _group(
-    path: Path, drawing: Drawing, found: Fit, count: int, lanes: int, spread: float = 1.0
+    path: Path, drawing: Drawing, found: Fit, made: list[Lane], count: int, spread: float = 1.0
 ) -> _Group:
-    """Lanes and starts, robots ``spread`` times as far apart along the path as they need be."""
-    reference, size = found.reference, found.size
-    outline = Outline(drawing.area)
-    made = [
-        lane(reference, offset * size, outline, found.room, size, lanes)
-        for offset in lane_offsets(lanes)
-    ]
+    """Starts in lanes, robots ``spread`` times as far apart along the path as they need be."""
+    reference, size, lanes = found.reference, found.size, len(made)
     in_one_file = lanes == 1 or any(abs(one.offset) - one.narrowest > 0.01 for one in made)
     step = spread * size * (COLUMN if in_one_file else ROW / lanes)
     own = [made[i % lanes] for i in range(count)]
@@ -200,12 +202,12 @@ def _stopping_apart(path: Path, drawing: Drawing, group: _Group) -> _Group:
     for spread, less in _tries(found):
         line = stretch(found.reference, 0.0, length_of(found.reference) - less)
         shorter = replace(found, reference=rounded(line))
-        count, lanes = len(group.robots), len(group.lanes)
+        lanes = [_ending_beside(one, shorter) for one in group.lanes]
         try:
-            other = _group(path, drawing, shorter, count, lanes, spread)
+            other = _group(path, drawing, shorter, lanes, len(group.robots), spread)
         except ImportSourceError:  # no room at the start on a shorter path
             continue
-        if min(other.gap, wanted) > best.gap:
+        if min(other.gap, wanted) > best.gap + BETTER:
             best, cut, apart = other, less, spread
         if other.gap >= wanted:
             break
@@ -217,6 +219,17 @@ def _stopping_apart(path: Path, drawing: Drawing, group: _Group) -> _Group:
             f"other, and do so {best.gap:.2f} m apart now"
         )
     return best
+
+
+def _ending_beside(one: Lane, shorter: Fit) -> Lane:
+    """A lane as far as a path goes that ends earlier."""
+    if one.offset == 0.0:
+        return replace(one, line=shorter.reference)
+    length = length_of(one.line)
+    beside = _beside(shorter, one, length_of(shorter.reference))
+    half = stretch(one.line, 0.5 * length, length)  # of a lap the beginning is as near
+    end = 0.5 * length + station_of(half, beside)
+    return replace(one, line=rounded(stretch(one.line, 0.0, end)))
 
 
 def _tries(found: Fit) -> list[tuple[float, float]]:
@@ -287,11 +300,17 @@ def _counts_there(found: Fit, one: Lane, pose: Pose, station: float) -> bool:
     return all(abs(share - part) < ELSEWHERE for share in shares)
 
 
-def _pose(found: Fit, one: Lane, station: float) -> Pose:
-    """Place on a lane beside a station of the reference path, heading along the lane."""
-    beside = points_at(found.reference, station)
+def _beside(found: Fit, one: Lane, station: float) -> FloatArray:
+    """Point (2,) [m] beside a station of the reference path, as far as a lane is."""
+    beside: FloatArray = points_at(found.reference, station)
     if one.offset != 0.0:
         tx, ty = directions_at(found.reference, station, found.size)
         beside = beside + one.offset * np.array([-ty, tx])
-    x, y, heading = pose_at(one.line, station_of(one.line, beside), found.size)
+    return beside
+
+
+def _pose(found: Fit, one: Lane, station: float) -> Pose:
+    """Place on a lane beside a station of the reference path, heading along the lane."""
+    at = station_of(one.line, _beside(found, one, station))
+    x, y, heading = pose_at(one.line, at, found.size)
     return round(x, 3), round(y, 3), round(heading, 4)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import unicodedata
 from math import pi
 from types import MappingProxyType
 from typing import Any
@@ -11,6 +12,9 @@ WITH_UNIT = re.compile(r"\s*([+-]?\d+(?:\.\d*)?)\s*([a-z°/]+)\s*", re.IGNORECAS
 """Number and unit in one text, as in "6 m"."""
 DECIMAL_COMMA = re.compile(r"\s*([+-]?\d+),(\d+)\s*")
 """Number as written in many languages, as in "6,5"."""
+NUMBER = re.compile(r"[+-]?\d+(?:\.\d*)?(?:e[+-]?\d+)?", re.IGNORECASE)
+MINUSES = dict.fromkeys(map(ord, "\N{MINUS SIGN}\N{EN DASH}\N{HYPHEN}\N{NON-BREAKING HYPHEN}"), "-")
+"""Signs that look like a minus, as programs for texts and files of print have them"""
 MOST_FLAT = 12
 """Numbers that are written as points"""
 SCALES = MappingProxyType(
@@ -28,6 +32,9 @@ SCALES = MappingProxyType(
 
 def of_text(given: str, unit: str) -> str:
     """What to write for a text that is a number with a unit or a comma; ``unit`` is the key's."""
+    plain = unicodedata.normalize("NFKC", given).translate(MINUSES)
+    if plain != given and NUMBER.fullmatch(plain):
+        return f"; write it with the signs of a keyboard: {plain}"
     if comma := DECIMAL_COMMA.fullmatch(given):
         return f"; decimals take a point: {comma[1]}.{comma[2]}"
     found = WITH_UNIT.fullmatch(given)

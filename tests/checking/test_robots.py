@@ -360,6 +360,14 @@ def test_a_decimal_comma_alone_and_in_braces(tmp_path, was, given, point):
     assert any("decimals take a point" in error and point in error for error in errors), errors
 
 
+@pytest.mark.parametrize("given", ["−1.5", "\N{EN DASH}1.5", "-１.5", "-1．5"])
+def test_a_number_with_signs_that_look_alike_is_told_with_the_right_ones(tmp_path, given):
+    """As a page of print has them."""
+    text = changed(CORRIDOR, ("{offset: -1.0}", f"{{offset: {given}}}"))
+    (error,) = with_facts(lines(check(tmp_path, text))[0], "robots[1].path.offset")
+    assert error.endswith(": -1.5")
+
+
 def test_a_pose_without_its_heading(tmp_path):
     error = only_error(tmp_path, changed(CORRIDOR, ("[6.0, 1.0, 0.0]", "[6.0, 1.0]")))
     check_finding(error, "7:5 robots[0].pose[2]", "missing", "heading")

@@ -728,3 +728,14 @@ def test_a_short_path_beside_a_lap_is_not_far_ahead_on_it(
     free_area(made, tmp_path)
     assert (made.world.formation is not None) == is_along
     assert _ways(made)[0] == pytest.approx(76.0, abs=0.3)
+
+
+def test_a_path_whose_robot_is_not_there_is_told_with_the_nearest(tmp_path: Path) -> None:
+    parts = [
+        HALL,
+        WAY,
+        ("robot fork", box(4, 5)),
+        ("path Fork", shapely.LineString([(4, 9), (40, 9)])),
+    ]
+    told = only(import_world(geojson(tmp_path, parts)), "there is no robot")
+    check_says(told, '"Fork" … "fork" … left out')

@@ -12,6 +12,7 @@ from scipy.spatial import cKDTree
 
 from physim.authoring.importing.drawing import Drawing, listed, place, rounded
 from physim.authoring.importing.joining import NEARLY
+from physim.errors import nearest
 from physim.geometry.shapes import FloatArray, IntArray
 
 MOST_TURN = 149.0
@@ -36,7 +37,8 @@ def take_paths(drawing: Drawing, named: Sequence[tuple[str, FloatArray]]) -> Non
     unused: list[tuple[FloatArray, str]] = []  # and why
     for name, lines in sorted(pieces.items(), key=lambda one: one[0] != ""):
         if name not in robots and drawing.reference is not None:
-            unused += [(line, "belongs to no robot") for line in lines]
+            close = nearest(name[:80], sorted(robots))
+            unused += [(line, f'there is no robot "{name}"{close}') for line in lines]
             continue
         path, left, changes = _join_pieces(lines)
         drawing.changes += listed(changes)

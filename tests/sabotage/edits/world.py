@@ -185,4 +185,14 @@ EDITS = (
         "circles are said not to be supported",
         "tests/world/test_model.py::test_circles_are_said_not_to_be_supported",
     ),
+    Edit(
+        "checking",
+        "physim/world/number_hints.py",
+        "of_text",
+        "if plain != given and NUMBER.fullmatch(plain):",
+        "if False:",
+        "a minus of print is told from that of a keyboard",
+        "tests/checking/test_robots.py"
+        "::test_a_number_with_signs_that_look_alike_is_told_with_the_right_ones",
+    ),
 )

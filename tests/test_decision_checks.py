@@ -95,6 +95,7 @@ def test_a_robot_considers_each_other_once(others: list[int]) -> None:
         ("mode", np.zeros(2, dtype=np.int64)),
         ("report", np.zeros((3, 2))),
         ("considered_start", np.zeros(3, dtype=np.int64)),
+        ("considered", np.ones((2, 1), dtype=np.int64)),
         ("command", np.zeros((2, 2))),
     ],
 )

@@ -233,7 +233,7 @@ def frozen(array: Any) -> Any:
     "nonsense",
     [[[1.0, 2.0]], np.full((3, 2), np.nan), frozen(np.zeros((3, 2), complex)),
      frozen(np.full((3, 2), "0.5")), frozen(np.zeros((3, 2), "datetime64[s]")),
-     frozen(np.full((3, 2), None))],
+     frozen(np.full((3, 2), None)), np.ma.zeros((3, 2))],
 )  # fmt: skip
 def test_commands_of_no_use_are_refused(nonsense: Any) -> None:
     for kind, word in (("filters", "filter Fails"), ("disturbances", "disturbance Fails")):
@@ -260,6 +260,8 @@ TWICE = {
         ({"pose": np.zeros((3, 3), complex)}, ("pose", "complex128", "numbers")),
         ({"age": np.zeros(3, "m8[s]")}, ("age", "timedelta64", "numbers")),
         ({"command": [[0.0, 0.0]] * 3}, ("command", "list", "numbers")),
+        ({"age": np.ma.zeros(3)}, ("age", "MaskedArray", "numbers")),
+        ({"robot": np.zeros((), np.int64)}, ("robot", "shape")),
         ({"step": 7}, ("step", "7", "0", "age")),
         ({"step": 0.0}, ("step", "0.0", "0")),
         ({"step": None}, ("step", "None", "0")),

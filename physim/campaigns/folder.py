@@ -254,7 +254,7 @@ def _difference(key: str, one: str, other: str) -> str:
     if key == "world_hash":
         return "the world was changed"
     if key == "source_hash":
-        return "the source of its controller or of a stage was changed"
+        return "the source of its controller or of a stage, or a file they name, was changed"
     return f"{key} {one} there, {other} here"
 
 

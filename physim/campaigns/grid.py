@@ -11,7 +11,7 @@ from itertools import product
 from typing import NamedTuple, overload
 
 from physim.campaigns import own_metrics
-from physim.campaigns.sources import Part, Source, own_parts, sources_of
+from physim.campaigns.sources import Part, Source, files_named, own_parts, sources_of
 from physim.campaigns.spec import Label, RunSpec, key_of, spec_of
 from physim.errors import PhysimError, WorldError, plain_key
 from physim.escaping import escaped
@@ -213,7 +213,7 @@ def make_grid(
                 seed,
                 name=name,
                 settings="; ".join(overrides),
-                sources=sources[own],
+                sources=sources[own] + files_named(world),
                 limit=limit,
             )
         )

@@ -14,7 +14,7 @@ from physim.campaigns.own_metrics import TEXT
 from physim.campaigns.processes import Processes
 from physim.campaigns.reading import read
 from physim.campaigns.runner import outcomes
-from physim.campaigns.sources import own_parts, source_hash, sources_of
+from physim.campaigns.sources import files_named, own_parts, source_hash, sources_of
 from physim.campaigns.spec import RunSpec, engine, usual_limit
 from physim.campaigns.worker import Job, Stop
 from physim.errors import PhysimError, RecordError
@@ -68,7 +68,7 @@ def spec_of_row(folder: Folder, row: Row, controller: str | None = None) -> RunS
     own = row.controller if ":" in row.controller else None
     world = parse_world(text, str(file), controller=own)
     parts = own_parts(world)
-    sources = sources_of(parts)
+    sources = sources_of(parts) + files_named(world)
     named = " and ".join(name for _, name in parts) or row.controller
     differing = [
         f"{what} {there or 'unknown'} there, {here or 'unknown'} here"

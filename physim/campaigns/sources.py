@@ -15,7 +15,7 @@ import importlib.abc
 import importlib.util
 import sys
 import sysconfig
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from importlib.machinery import ModuleSpec
 from pathlib import Path
 from types import ModuleType
@@ -26,9 +26,12 @@ from physim.parts.registry import CONTROLLER, STAGES, Kind, find_part, shipped_p
 from physim.world import World
 from physim.world.faults import describe
 
+LONGEST_NAME = 4096
+"""Characters of a text that may name a file"""
+
 
 class Source(NamedTuple):
-    """Text of one module."""
+    """Text of one module; or, without a name, the hash of a file that settings name."""
 
     module: str
     file: str
@@ -45,7 +48,7 @@ def source_hash(sources: tuple[Source, ...]) -> str:
         return ""
     found = hashlib.sha256()
     for one in sources:
-        found.update(f"{one.module}\0{one.text}\0".encode())
+        found.update(f"{one.module or one.file}\0{one.text}\0".encode())
     return found.hexdigest()[:12]
 
 
@@ -70,6 +73,49 @@ def sources_of(parts: Sequence[Part]) -> tuple[Source, ...]:
     for kind, name in parts:
         _add(found, find_part(kind, name, trusted=True).__module__)
     return tuple(found[name] for name in sorted(found))
+
+
+def files_named(world: World) -> tuple[Source, ...]:
+    """Files that settings of one's own controller and stages name, as of a trained network.
+
+    From the working folder, or that of the part's module. They do not travel with a run, but it is
+    another one where they hold something else.
+    """
+    kinds = {name: kind for kind, name in own_parts(world)}
+    stages = (*world.sensing.stages, *world.filters, *world.disturbances)
+    found: dict[str, Source] = {}
+    for choice in (world.controller, *stages):
+        if choice.type in kinds:
+            module = find_part(kinds[choice.type], choice.type, trusted=True).__module__
+            place = _file_of(module)
+            for text in _texts(choice.settings):
+                for folder in (Path(), *([] if place is None else [place.parent])):
+                    if (digest := _digest_of(folder / text)) and text not in found:
+                        found[text] = Source("", text, digest, False)
+    return tuple(found[text] for text in sorted(found))
+
+
+def _texts(value: object) -> Iterator[str]:
+    """Texts among settings that may be names of files."""
+    if isinstance(value, str) and 0 < len(value) <= LONGEST_NAME and "\0" not in value:
+        yield value
+    elif isinstance(value, Mapping):
+        for one in value.values():
+            yield from _texts(one)
+    elif isinstance(value, list | tuple):
+        for one in value:
+            yield from _texts(one)
+
+
+def _digest_of(file: Path) -> str:
+    """Hash of a file; empty where there is none that can be read."""
+    try:
+        if not file.is_file():
+            return ""
+        with file.open("rb") as stream:
+            return hashlib.file_digest(stream, "sha256").hexdigest()
+    except OSError:
+        return ""
 
 
 def _add(found: dict[str, Source], module: str) -> None:
@@ -100,7 +146,9 @@ def provide(sources: Sequence[Source]) -> None:
 
     Those that were imported with another text are forgotten, with all that came along with it.
     """
-    wanted = {one.module: one for one in sources if not _is_installed(Path(one.file))}
+    wanted = {
+        one.module: one for one in sources if one.module and not _is_installed(Path(one.file))
+    }
     if not wanted or all(_is_loaded(one) for one in wanted.values()):
         return
     earlier = [finder for finder in sys.meta_path if isinstance(finder, Carried)]
@@ -208,4 +256,4 @@ def _imported(one: Source) -> Iterator[str]:
             yield from (f"{base}.{alias.name}".lstrip(".") for alias in node.names)
 
 
-__all__ = ["Part", "Source", "own_parts", "provide", "source_hash", "sources_of"]
+__all__ = ["Part", "Source", "files_named", "own_parts", "provide", "source_hash", "sources_of"]

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from importlib.metadata import version
 
 from physim._version import __version__
-from physim.campaigns.sources import Source, own_parts, source_hash, sources_of
+from physim.campaigns.sources import Source, files_named, own_parts, source_hash, sources_of
 from physim.world import World
 
 LEAST_LIMIT = 120.0
@@ -97,7 +97,7 @@ def spec_of(
     """
     controller = world.controller.type
     if sources is None:
-        sources = sources_of(own_parts(world))
+        sources = sources_of(own_parts(world)) + files_named(world)
     return RunSpec(
         world.changed(seed=0).to_yaml(), seed, world.stem if name is None else name, settings,
         controller, sources, usual_limit(world) if limit is None else limit,

@@ -42,6 +42,7 @@ def plainly_fine(
         or not d.command.dtype == d.hold.dtype == np.float64
         or not d.mode.dtype == d.rule.dtype == np.int64
         or not getattr(d.considered, "dtype", None) == d.considered_start.dtype == np.int64
+        or d.considered.ndim != 1
         or not d.command.flags.c_contiguous
     ):
         return None
@@ -169,6 +170,7 @@ def check_decisions(scene: Scene, time: float, decisions: Decisions, declared: D
         ("mode", d.mode.shape, (many,)),
         ("rule", d.rule.shape, (many,)),
         ("report", d.report.shape, (many, len(declared.columns))),
+        ("considered", np.shape(d.considered), (len(d.considered),)),
         ("considered_start", start.shape, (many + 1,)),
     )
     for name, found, wanted in shapes:

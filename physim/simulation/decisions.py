@@ -202,6 +202,8 @@ def unreadable(decisions: object, due: IntArray) -> str:
         kinds, what = ("iu", "whole numbers") if name in NUMBERS_OF else ("fiu", "numbers")
         if not isinstance(values, np.ndarray) or values.dtype.kind not in kinds:
             return f"returned {name} that is not an array of {what}"
+        if not values.ndim or isinstance(values, np.ma.MaskedArray | np.matrix):
+            return f"returned {name} of type {type(values).__name__}, shape {values.shape}"
     if decisions.command.shape != (len(due), 2):
         return f"returned command of shape {decisions.command.shape}; it must be {(len(due), 2)}"
     if not np.array_equal(decisions.robot, due):

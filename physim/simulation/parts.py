@@ -243,10 +243,13 @@ def _commands(scene: Scene, part: object, method: str, found: Any, given: FloatA
     if found is given:
         return commands
     try:
-        if np.asarray(found).dtype.kind not in NUMBERS:
+        if np.ma.isMaskedArray(found) or np.asarray(found).dtype.kind not in NUMBERS:
             raise TypeError
         commands = np.array(found, dtype=np.float64, order="C")
     except (TypeError, ValueError):
         must = f"those must be an array of numbers, shape ({scene.robots}, 2)"
-        raise returned(part, method, f"{kind_of(found)} as commands; {must}") from None
+        kind = kind_of(found)
+        if isinstance(found, np.ndarray):
+            kind += f" of {found.dtype}"
+        raise returned(part, method, f"{kind} as commands; {must}") from None
     return read_only(commands)

@@ -35,42 +35,55 @@ def sound_sensed(found: Sensed, given: Sensed, scene: Scene, part: object) -> Se
             f"{where}: step is {found.step!r}, the present one is {given.step}; rows of the past "
             "have their age, and the step of now: sensed._replace(step=...)"
         )
-    sensed = Sensed(
-        given.step,
-        *(_array(name, getattr(found, name), getattr(given, name), where) for name in KINDS),
-    )
-    _check_shapes(sensed, scene, where)
+    for name, (kinds, _) in KINDS.items():
+        _check_kind(name, getattr(found, name), kinds, where)
+    _check_shapes(found, scene, where)
+    copies = (_copied(getattr(found, name), getattr(given, name), KINDS[name][1]) for name in KINDS)
+    sensed = Sensed(given.step, *copies)
+    _check_numbers(sensed, scene, where)
     row = observer_in_doubt(sensed.robot, sensed.first, sensed.end, scene.robots)
     if row >= 0:
         _refuse_rows(sensed, scene, row, where)
     return sensed
 
 
-def _array(name: str, values: object, given: Any, where: str) -> Any:
-    """One array as ours; the very one that was given stays."""
-    if values is given:
-        return values
-    kinds, own = KINDS[name]
-    if not isinstance(values, np.ndarray) or values.dtype.kind not in kinds:
-        kind = values.dtype if isinstance(values, np.ndarray) else type(values).__name__
+def _check_kind(name: str, values: Any, kinds: str, where: str) -> None:
+    is_array = isinstance(values, np.ndarray) and not isinstance(values, np.ma.MaskedArray)
+    if not is_array or values.dtype.kind not in kinds:
+        kind = values.dtype if is_array else type(values).__name__
         needed = "whole numbers" if kinds == "iu" else "numbers"
         raise ControllerError(f"{where}: {name} is of type {kind}; an array of {needed} is needed")
-    return read_only(np.array(values, dtype=own, order="C"))
+
+
+def _copied(values: Any, given: Any, own: Any) -> Any:
+    """One array as ours; the very one that was given stays."""
+    return values if values is given else read_only(np.array(values, dtype=own, order="C"))
 
 
 def _check_shapes(sensed: Sensed, scene: Scene, where: str) -> None:
-    rows, robots = len(sensed.robot), scene.robots
+    rows, robots = sensed.robot.shape[:1], scene.robots
     shapes = {
-        "robot": (rows,), "pose": (rows, 3), "command": (rows, 2), "reference_station": (rows,),
-        "age": (rows,), "first": (robots,), "end": (robots,), "station": (robots,),
+        "robot": rows, "pose": (*rows, 3), "command": (*rows, 2), "reference_station": rows,
+        "age": rows, "first": (robots,), "end": (robots,), "station": (robots,),
     }  # fmt: skip
     for name, shape in shapes.items():
-        found = getattr(sensed, name)
-        if found.shape != shape:
-            raise ControllerError(f"{where}: {name} has the shape {found.shape}, not {shape}")
-        if not np.isfinite(found).all():
+        found = getattr(sensed, name).shape
+        if not rows or found != shape:
+            raise ControllerError(
+                f"{where}: {name} has the shape {found}, not {shape or '(rows,)'}"
+            )
+    if rows[0] > robots**2:
+        raise ControllerError(
+            f"{where}: {rows[0]} rows; {robots} robots have use for {robots**2} at most"
+        )
+
+
+def _check_numbers(sensed: Sensed, scene: Scene, where: str) -> None:
+    for name in KINDS:
+        if not np.isfinite(getattr(sensed, name)).all():
             raise ControllerError(f"{where}: {name} is not finite")
-    if rows and not 0 <= sensed.robot.min() <= sensed.robot.max() < robots:
+    robot, robots = sensed.robot, scene.robots
+    if len(robot) and not 0 <= robot.min() <= robot.max() < robots:
         raise ControllerError(
             f"{where}: robot holds an index that does not exist; allowed: 0 to {robots - 1}"
         )

@@ -132,3 +132,46 @@ def test_a_stage_that_was_changed_is_told_though_the_controllers_differ(
     assert list(_unlike(one, side(controllers[1], "a", ramp))) == []
     without = [side(c, s, plain) for c, s in zip(controllers, "ab", strict=True)]
     assert list(_unlike(*without)) == []
+
+
+LEARNED = """
+from pathlib import Path
+
+import physim
+from pydantic import BaseModel
+
+
+class Weights(BaseModel):
+    weights: str = "none"
+
+
+class Learned:
+    Settings = Weights
+
+    def __init__(self, settings):
+        self.v = float(Path(settings.weights).read_text())
+
+    def decide(self, observation, memory):
+        return physim.Decision(self.v, 0.0, 0.1), memory
+"""
+
+
+def test_a_file_that_settings_name_is_part_of_what_a_run_is(
+    capsys: Capture, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A network that is trained again is another: no cell holds runs of both."""
+    monkeypatch.syspath_prepend(Path.cwd())
+    Path("learned.py").write_text(LEARNED)
+    given = ("--controller", "learned:Learned", "--set", "controller.weights=net.txt")
+    Path("net.txt").write_text("0.5")
+    swept("a", capsys, *given)
+    swept("a", capsys, *given)
+    Path("net.txt").write_text("0.6")
+    done = physim("sweep", "small.yaml", "--seeds", "0:4", "-o", "a", *given, capture=capsys)
+    assert done.code == 2
+    assert "a file they name" in done.err
+    done = physim("replay", "a:0", "--controller", "learned:Learned", capture=capsys)
+    assert "would not be the same again" in done.err
+    swept("b", capsys, *given)
+    (told,) = unlike("a", "b", capsys)
+    assert "learned:Learned" in told

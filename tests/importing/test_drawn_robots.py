@@ -196,7 +196,10 @@ def test_a_mark_on_a_robot_is_no_robot(tmp_path: Path, first: bool) -> None:
     check_says(only(made, "a mark on it"), "(5.30, 6.20)")
 
 
-@pytest.mark.parametrize(("names", "count"), [(("", ""), 1), ((" a", " a"), 1), ((" a", " b"), 2)])
+@pytest.mark.parametrize(
+    ("names", "count"),
+    [(("", ""), 1), ((" a", " a"), 1), ((" a", " b"), 2), ((" r1", " r2"), 2), ((" a", " a_2"), 2)],
+)
 def test_a_robot_drawn_twice_is_one(tmp_path: Path, names: tuple[str, str], count: int) -> None:
     """As some programs write the filling and the line of a shape; not with names of their own."""
     parts = [HALL, WAY, *((f"robot{name}", box(5, 5)) for name in names), ("robot c", box(9, 5))]
@@ -702,6 +705,21 @@ def test_a_path_in_another_room_is_told_so(tmp_path: Path) -> None:
     check_says(said, "path of b lies all outside the area of the reference path")
 
 
+def test_a_path_of_no_robot_is_one_of_those_that_are_followed(tmp_path: Path) -> None:
+    """The nearest is followed, not the first: and no wall may be before it."""
+    parts = [HALL, ("path zz", shapely.LineString([(2, 4), (46, 4)])),
+             ("path b", shapely.LineString([(2, 15), (46, 15)])), ("robot b", box(4, 15)),
+             ("robot c", box(8, 13.4)), ("robot d", box(4, 5.2))]  # fmt: skip
+    made = import_world(geojson(tmp_path, parts))
+    free_area(made, tmp_path)
+    by_name = dict(zip([one.name for one in made.world.robots], _paths(made), strict=True))
+    assert (by_name["c"][:, 1] == 15.0).all()
+    assert made.world.robots[2].path.offset == pytest.approx(1.2)
+    walled = [*parts, ("wall", shapely.LineString([(0, 14.2), (47, 14.2)]))]
+    made = import_world(geojson(tmp_path, walled))
+    assert _paths(made)[1][:, 1].max() < 14.2
+
+
 def test_robots_all_round_two_laps_drive_one_each(tmp_path: Path) -> None:
     laps = {"a": LOOP, "b": [(x + 34, y) for x, y in LOOP]}
     spots = (("a", 4, 0), ("a2", 20, 14), ("b", 54, 14), ("b2", 38, 0))
@@ -739,3 +757,28 @@ def test_a_path_whose_robot_is_not_there_is_told_with_the_nearest(tmp_path: Path
     ]
     told = only(import_world(geojson(tmp_path, parts)), "there is no robot")
     check_says(told, '"Fork" … "fork" … left out')
+
+
+def test_lanes_end_where_their_path_does_beside_a_loop_at_its_end(tmp_path: Path) -> None:
+    """The place nearest to its end lies on another leg."""
+    turns = np.linspace(-np.pi / 2.0, np.pi * 1.05, 40)
+    loop = np.array([(40.0 + 3.0 * np.cos(t), 3.0 + 3.0 * np.sin(t)) for t in turns])
+    way = shapely.LineString([(0, 0), *loop, loop[-1] + np.array([0.32, -1.98])])
+    parts = [("boundary", shapely.buffer(way, 2.2)), ("path", way)]
+    made = import_world(geojson(tmp_path, parts), Options(robots=4, lanes=2))
+    reference = shapely.LineString(np.asarray(made.world.reference_path))
+    assert min(shapely.LineString(one).length for one in _paths(made)) > 0.85 * reference.length
+
+
+@pytest.mark.parametrize("far", [40, 60])
+def test_robots_filled_in_count_where_they_stand(tmp_path: Path, far: int) -> None:
+    """Beside a small loop at the beginning of a long path, not on its other leg."""
+    turns = np.linspace(-np.pi / 2.0, 3.0 * np.pi / 2.0, 40)[1:]
+    loop = [(14.0 + 4.0 * np.cos(t), 4.0 + 4.0 * np.sin(t)) for t in turns]
+    way = shapely.LineString([(0, 0), (14, 0), *loop, (16, -2), (16, -far)])
+    parts = [("boundary", shapely.box(-8, -far - 8, 34, 20)), ("path", way)]
+    made = import_world(geojson(tmp_path, parts), Options(robots=6, lanes=2))
+    reference = shapely.LineString(np.asarray(made.world.reference_path))
+    starts = [reference.project(shapely.Point(one.pose[:2])) for one in made.world.robots]
+    assert (np.diff(starts) < 0.0).all()
+    assert starts[0] < 20.0

@@ -204,8 +204,10 @@ def formation_energy(record: Record, every: float = GRID) -> Series | None:
 
     Of the stations on s* at the samples, taken linear between them; None where there are none.
     Pairs are those of N_i: within the world's ``formation.range`` along s* at that moment, all, or
-    listed. With many robots the moments are farther apart than ``every`` [s].
+    listed. With many robots the moments are farther apart than ``every`` [s]. Raises PhysimError
+    unless that is positive.
     """
+    check_positive("every", every)
     if not has_formation(record) or not record.samples:
         return None
     moments = record.steps_run * record.dt / every + 1.0

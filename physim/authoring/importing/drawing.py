@@ -33,10 +33,11 @@ class ImportSourceError(PhysimError):
 
 @dataclass(frozen=True)
 class DrawnRobot:
-    """A robot as drawn: its outline (n, 2) [m], world frame."""
+    """A robot as drawn: its outline (n, 2) [m], world frame, and the name that it has there."""
 
     name: str
     outline: FloatArray
+    drawn_name: str = ""
 
 
 @dataclass(frozen=True)
@@ -78,6 +79,8 @@ class Drawing:
     within: Any = None
     solids: list[Any] = field(default_factory=list)
     painted: list[Any] = field(default_factory=list)
+    are_paths_named: bool = False
+    """whether every path has a name: robots without one follow the nearest of those of others"""
     is_one_way: bool = True
     """whether all robots go along the reference path, as a formation does"""
     facts: list[str] = field(default_factory=list)

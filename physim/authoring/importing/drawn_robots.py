@@ -145,7 +145,9 @@ def _hardly_moving(drawing: Drawing, found: Fit, robots: list[Placed]) -> list[s
     for line, group in _groups(drawing, found, robots):
         if not group or max(ways[one.name] for one in group) >= LEAST_WAY * length_of(line):
             continue
-        one = max(group, key=lambda one: ways[one.name])
+        if not drawing.is_one_way:
+            lead = group[int(np.argmax(_stations(line, group)))].name
+        one = max(group, key=lambda one: (ways[one.name], one.name != lead))
         said = f"WARNING: {one.name} goes {ways[one.name]:.2f} m of a path of "
         said += f"{length_of(line):.2f} m, and no other on it farther: "
         rear = group[int(np.argmin(_stations(line, group)))]
@@ -153,7 +155,7 @@ def _hardly_moving(drawing: Drawing, found: Fit, robots: list[Placed]) -> list[s
             said += f"it stands near its end, {place(line[-1])}; if that is where it is to begin, "
             said += "draw it the other way round"
         else:
-            said += f"in a formation it stops as far before its end as it starts behind {lead}, "
+            said += f"it stops as far before its end as it starts behind {lead}, "
             said += "without which it would go on"
         told.append(said)
     return told
@@ -239,9 +241,10 @@ def _tell_far(
         return
     behind = ", behind a wall" if is_walled else ""
     stands = f"WARNING: {robot.name} at {place(centre)} stands {way.length:.2f} m from"
+    is_own = sum(line is own for own in drawing.paths.values()) == 1
     drawing.changes.append(
         f"{stands} the path with its name{behind}"
-        if robot.name in drawing.paths
+        if robot.name in drawing.paths and is_own
         else f"{stands} its path{behind}; draw it a path of its own, named {robot.name}"
     )
 

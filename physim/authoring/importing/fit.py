@@ -26,7 +26,13 @@ from physim.authoring.importing.lines import (
     stretch,
 )
 from physim.authoring.importing.outlines import spans_of
-from physim.authoring.importing.path_starts import begin_at_robots, path_of, robots_on, stand_on
+from physim.authoring.importing.path_starts import (
+    begin_at_robots,
+    follow_the_nearest,
+    path_of,
+    robots_on,
+    stand_on,
+)
 from physim.authoring.importing.work import GRAIN, coarse
 from physim.geometry.shapes import FloatArray
 
@@ -72,8 +78,10 @@ def fit(path: Path, drawing: Drawing, options: Options) -> Fit:
     path leaves the area or has no room at all.
     """
     assert drawing.reference is not None  # the pipeline finds one before
-    box, size = _given_box(drawing, options), 1.0
     is_drawn = bool(drawing.robots) and options.robots is None
+    if is_drawn:
+        follow_the_nearest(drawing)
+    box, size = _given_box(drawing, options), 1.0
     if box is not None:
         length_of_one = _smallest(drawing, options, box[0])
         size = round(length_of_one / LENGTH, 2 if length_of_one > 0.2 else 4)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from math import atan2, cos, pi, sin
 
 import numpy as np
@@ -40,10 +39,10 @@ def drop_marks(drawing: Drawing) -> None:
     is_less = shapely.area(shapes[within]) < shapely.area(shapes[about])
     marks = {int(k): int(j) for k, j in zip(within[is_less], about[is_less], strict=True)}
     pairs = {(int(k), int(j)) for k, j in zip(within, about, strict=True)}
-    names = [one.name for one in drawing.robots]
+    names = [one.drawn_name for one in drawing.robots]
     twice = {  # and each of which earlier one
         k: j for k, j in sorted(pairs, reverse=True)
-        if j < k and (j, k) in pairs and _is_name_of_both(names[j], names[k])
+        if j < k and (j, k) in pairs and names[j] == names[k]
     }  # fmt: skip
     drawing.changes += listed(
         [
@@ -52,19 +51,12 @@ def drop_marks(drawing: Drawing) -> None:
             for k, j in marks.items()
         ]
         + [
-            f"robot at {place(outlines[k][0])}: {names[j]} drawn twice, left out"
+            f"robot at {place(outlines[k][0])}: {drawing.robots[j].name} drawn twice, left out"
             for k, j in twice.items()
         ]
     )
     left_out = marks.keys() | twice.keys()
     drawing.robots = [one for k, one in enumerate(drawing.robots) if k not in left_out]
-
-
-def _is_name_of_both(first: str, second: str) -> bool:
-    """Whether two robots have one name, a number behind the second, or none."""
-    unnamed = re.compile(r"r\d+")
-    is_numbered = re.fullmatch(re.escape(first) + r"_\d+", second) is not None
-    return is_numbered or bool(unnamed.fullmatch(first) and unnamed.fullmatch(second))
 
 
 def rectangle_of(outline: FloatArray, ahead: FloatArray) -> tuple[FloatArray, float]:

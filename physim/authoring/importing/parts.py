@@ -124,7 +124,7 @@ def _sorted(path: Path, drawing: Drawing, parts: list[Part], shapes: list[Any]) 
             at = place(shapely.get_coordinates(shape)[0])
             found.unused.append(f"{shape.geom_type} at {at}: holds no lines, left out")
         elif part.role == "robot":
-            drawing.robots.append(DrawnRobot(drawing.free_name(part.name), _ring(shape)))
+            drawing.robots.append(DrawnRobot(drawing.free_name(part.name), _ring(shape), part.name))
         elif part.role == "obstacle":
             drawing.obstacles.append(_ring(shape))
         elif part.role == "wall":

@@ -55,23 +55,7 @@ def take_paths(drawing: Drawing, named: Sequence[tuple[str, FloatArray]]) -> Non
     )
     if drawing.reference is None and drawing.paths:
         drawing.reference = _most_behind(drawing)
-        _follow_the_nearest(drawing)
-
-
-def _follow_the_nearest(drawing: Drawing) -> None:
-    """Give robots without a path the nearest of those of the others; of equal ones the reference.
-
-    Its own lanes are beside the reference path alone.
-    """
-    lines = [drawing.reference, *(one for one in drawing.paths.values())]
-    shapes = [shapely.LineString(line) for line in lines if line is not None]
-    for robot in drawing.robots:
-        if robot.name not in drawing.paths:
-            nearest = int(
-                np.argmin(shapely.distance(shapes, shapely.Polygon(robot.outline).centroid))
-            )
-            if (line := lines[nearest]) is not None and line is not drawing.reference:
-                drawing.paths[robot.name] = line
+    drawing.are_paths_named = "" not in pieces
 
 
 def _most_behind(drawing: Drawing) -> FloatArray:

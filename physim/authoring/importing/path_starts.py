@@ -11,6 +11,7 @@ import numpy as np
 import shapely
 
 from physim.authoring.importing.drawing import DIGITS, Drawing, DrawnRobot, place, rounded
+from physim.authoring.importing.enclosure import HALF_WALL
 from physim.authoring.importing.lines import (
     directions_at,
     is_closed,
@@ -29,6 +30,26 @@ TOLD = 0.01
 """[m] by which a path begins earlier from which on it is told"""
 HOOK = 0.1
 """[m] at size 1: what a path turns within it is not meant"""
+
+
+def follow_the_nearest(drawing: Drawing) -> None:
+    """Give robots without a path the nearest of those of the others, where every path has a name.
+
+    The nearest that no wall is before; of equal ones the reference path, beside which they have a
+    lane, if it is that.
+    """
+    if not drawing.are_paths_named or drawing.reference is None:
+        return
+    lines = [drawing.reference, *drawing.paths.values()]
+    shapes = np.array([shapely.LineString(line) for line in lines])
+    for robot in drawing.robots:
+        if robot.name not in drawing.paths:
+            centre = shapely.Polygon(robot.outline).centroid
+            ways = shapely.shortest_line(centre, shapes)
+            walled = shapely.length(shapely.difference(ways, drawing.area)) > HALF_WALL
+            nearest = int(np.lexsort((shapely.length(ways), walled))[0])
+            if lines[nearest] is not drawing.reference:
+                drawing.paths[robot.name] = lines[nearest]
 
 
 def begin_at_robots(drawing: Drawing, size: float) -> None:

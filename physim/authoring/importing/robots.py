@@ -138,7 +138,11 @@ BETTER = 0.01
 MOST_CUT_SHARE = 0.15
 """[-] share of the path by which it is shortened for that at most"""
 ELSEWHERE = 0.3
-"""[-] share of the path from its place at which a robot would count as on another leg"""
+"""[-] share of a lane from its place at which a robot would count as on another leg"""
+ROUND = 4.0
+"""[-] times its offset that a lane leads or lags beside a path that turns"""
+LONGER = 3.0
+"""[-] times as long as a stretch of its path a stretch of a lane is at most"""
 MOST_SHARE = 0.6
 """[-] share of the path that the group may take up at the start"""
 
@@ -202,7 +206,7 @@ def _stopping_apart(path: Path, drawing: Drawing, group: _Group) -> _Group:
     for spread, less in _tries(found):
         line = stretch(found.reference, 0.0, length_of(found.reference) - less)
         shorter = replace(found, reference=rounded(line))
-        lanes = [_ending_beside(one, shorter) for one in group.lanes]
+        lanes = [_ending_beside(one, shorter, less) for one in group.lanes]
         try:
             other = _group(path, drawing, shorter, lanes, len(group.robots), spread)
         except ImportSourceError:  # no room at the start on a shorter path
@@ -221,14 +225,15 @@ def _stopping_apart(path: Path, drawing: Drawing, group: _Group) -> _Group:
     return best
 
 
-def _ending_beside(one: Lane, shorter: Fit) -> Lane:
-    """A lane as far as a path goes that ends earlier."""
+def _ending_beside(one: Lane, shorter: Fit, less: float) -> Lane:
+    """A lane as far as a path goes that ends ``less`` [m] earlier."""
     if one.offset == 0.0:
         return replace(one, line=shorter.reference)
     length = length_of(one.line)
+    # no farther back than a lane is longer than its path: another leg may be nearer
+    first = max(length - LONGER * less - ROUND * abs(one.offset), 0.0)
     beside = _beside(shorter, one, length_of(shorter.reference))
-    half = stretch(one.line, 0.5 * length, length)  # of a lap the beginning is as near
-    end = 0.5 * length + station_of(half, beside)
+    end = first + station_of(stretch(one.line, first, length), beside)
     return replace(one, line=rounded(stretch(one.line, 0.0, end)))
 
 
@@ -294,10 +299,11 @@ def _no_room(
 
 def _counts_there(found: Fit, one: Lane, pose: Pose, station: float) -> bool:
     """Whether a run takes a robot for where it is, not for one on another leg that is as near."""
-    point = np.array(pose[:2])
-    part = station / length_of(found.reference)
-    shares = [station_of(line, point) / length_of(line) for line in (found.reference, one.line)]
-    return all(abs(share - part) < ELSEWHERE for share in shares)
+    point, length = np.array(pose[:2]), length_of(found.reference)
+    away = abs(station_of(found.reference, point) - station)
+    own = station_of(one.line, point) / length_of(one.line)
+    is_near = away <= ROUND * abs(one.offset) + found.size
+    return is_near and abs(own - station / length) < ELSEWHERE
 
 
 def _beside(found: Fit, one: Lane, station: float) -> FloatArray:

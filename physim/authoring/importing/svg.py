@@ -260,7 +260,7 @@ def _sort(path: Path, drawing: Drawing, lines: list[_Line], walls: Walls) -> Non
             if len(ring) < 3:
                 message = f"{line.where}: a robot at {place(ring[0])} has no area; draw its outline"
                 raise refused(path, message, line.line)
-            drawing.robots.append(DrawnRobot(drawing.free_name(line.name), ring))
+            drawing.robots.append(DrawnRobot(drawing.free_name(line.name), ring, line.name))
         else:
             drawing.obstacles.append(ring)
         if line.role in ("robot", "obstacle") and not (line.is_closed and len(points) > 2):

@@ -566,4 +566,13 @@ EDITS = (
         "tests/campaigns/test_compare.py"
         "::test_too_few_pairs_to_show_a_difference_count_in_no_correction",
     ),
+    Edit(
+        "campaigns",
+        "physim/campaigns/grid.py",
+        "make_grid",
+        "sources[own] + files_named(world)",
+        "sources[own]",
+        "runs of networks trained again are others",
+        "tests/campaigns/test_unlike.py::test_a_file_that_settings_name_is_part_of_what_a_run_is",
+    ),
 )

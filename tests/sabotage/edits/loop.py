@@ -629,7 +629,7 @@ EDITS = (
     Edit(
         "loop",
         "physim/simulation/sensed_checks.py",
-        "_array",
+        "_copied",
         'np.array(values, dtype=own, order="C")',
         "values",
         "compiled code reads what is sensed as it is meant",

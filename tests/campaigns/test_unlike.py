@@ -12,7 +12,9 @@ from physim.campaigns import read
 from physim.campaigns.compare import between, compare
 from physim.campaigns.folder import Folder
 from physim.campaigns.outcomes import Cell, Outcomes
+from physim.campaigns.report.pictures import remake
 from physim.campaigns.unlike import _Side, _unlike, with_unlike
+from physim.errors import PhysimError
 from physim.world import World
 from physim.world.file import parse_world
 from tests.campaigns.samples import WORLD
@@ -175,3 +177,13 @@ def test_a_file_that_settings_name_is_part_of_what_a_run_is(
     swept("b", capsys, *given)
     (told,) = unlike("a", "b", capsys)
     assert "learned:Learned" in told
+
+
+def test_a_run_made_again_for_its_picture_is_the_run_of_its_row(capsys: Capture) -> None:
+    """Not so of a controller that draws numbers of its own, or reads a file that was changed."""
+    swept("a", capsys)
+    row = Outcomes(read("a")).row(0)
+    remake(Path("a"), row).close()
+    nearer = {**row, "shortest_distance": row["shortest_distance"] - 0.1}
+    with pytest.raises(PhysimError, match="another run: shortest_distance"):
+        remake(Path("a"), nearer)

@@ -782,3 +782,19 @@ def test_robots_filled_in_count_where_they_stand(tmp_path: Path, far: int) -> No
     starts = [reference.project(shapely.Point(one.pose[:2])) for one in made.world.robots]
     assert (np.diff(starts) < 0.0).all()
     assert starts[0] < 20.0
+
+
+@pytest.mark.parametrize("gap", [2.0, 3.0])
+@pytest.mark.parametrize("back", [0.0, -6.0])
+def test_a_lane_keeps_the_hairpins_of_its_path(tmp_path: Path, gap: float, back: float) -> None:
+    """Whose legs are nearer to each other than twice as far as it is beside them."""
+    way = shapely.LineString([(-30, 0), (26, 0), (26, gap), (back, gap), (back, 20), (60, 20)])
+    parts = [("boundary", shapely.box(-60, -60, 120, 60)), ("path", way),
+             ("robot a", box(-28, 0)), ("robot b", box(-25, 1.8))]  # fmt: skip
+    made = import_world(geojson(tmp_path, parts))
+    free_area(made, tmp_path)
+    assert min(_ways(made)) > way.length - 15.0
+    reference = shapely.LineString(np.asarray(made.world.reference_path))
+    path = shapely.LineString(_paths(made)[1])
+    at = [reference.project(path.interpolate(x)) for x in np.arange(0.0, path.length, 1.0)]
+    assert np.abs(np.diff(at)).max() < 8.0

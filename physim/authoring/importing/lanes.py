@@ -13,6 +13,7 @@ import shapely
 
 from physim.authoring.importing.drawing import rounded
 from physim.authoring.importing.lines import (
+    LAP,
     CrossingError,
     Outline,
     crossings,
@@ -35,6 +36,10 @@ MOST_SAMPLES, FEWEST_SAMPLES = 8_000, 200
 OVERHANG = 4.0
 """[-] of its offset by which a lane goes on beyond the corner at most, where a lap begins: what it
 does at one of 30 degrees"""
+BEND = 8.0
+"""[-] times the offset that the path goes on at most where a bend folds its lane"""
+CLEARLY = 0.6
+"""[-] of the way to the middle between two legs of a hairpin that a lane in it goes"""
 AFTER, BEFORE = 0.01, 0.1
 """[m] from where a lane of a lap meets itself, at size 1, to its beginning and its end"""
 FRACTIONS = 41
@@ -85,12 +90,13 @@ def lane(
     is_lap = is_closed(reference)
     direction = directions_at(reference, at, 2.0 * abs(offset))
     normal = np.stack([-direction[:, 1], direction[:, 0]], axis=1)
+    courses = np.unwrap(np.arctan2(direction[:, 1], direction[:, 0]))
     share = _shares(base, offset * normal, outline, room)
+    share = _on_its_leg(share, base, offset * normal, reference, courses)
     share = _gentle(share, at, SLOPE / abs(offset), is_lap)
     line = base + (share * offset)[:, None] * normal
     if is_lap:
         line[-1] = line[0]  # but for rounding
-    courses = np.unwrap(np.arctan2(direction[:, 1], direction[:, 0]))
     try:
         line = without_loops(line, float("inf"), courses)[0]
     except CrossingError:  # too many loops: no lane of its own
@@ -130,6 +136,31 @@ def _shares(base: FloatArray, across: FloatArray, outline: Outline, room: float)
         moved = -other * room / np.hypot(*across[tight].T)
         share[tight] = np.where(wider, moved, share[tight])
     return share
+
+
+def _on_its_leg(
+    share: FloatArray, base: FloatArray, across: FloatArray, path: FloatArray, courses: FloatArray
+) -> FloatArray:
+    """Shares at which a lane stays beside its own leg of the path, where it would lose a hairpin.
+
+    That is one whose legs are nearer to each other than twice the offset: lanes of both would cross
+    where they meet, far along the path, and a run would take robots for being on the other leg.
+    """
+    at, offset = stations(base), float(np.hypot(*across[0]))
+    doubted = np.zeros(len(base), dtype=bool)
+    for i, j, _ in crossings(base + share[:, None] * across):
+        if np.ptp(courses[i : j + 1]) < LAP and at[j] - at[i] > BEND * offset:
+            doubted[i : j + 2] = True
+    if not doubted.any():
+        return share
+    line, drawn = shapely.LineString(path), share.copy()
+    for fraction in np.linspace(1.0, 0.0, FRACTIONS):
+        some = np.flatnonzero(doubted)
+        points = base[some] + fraction * share[some, None] * across[some]
+        away = np.abs(shapely.line_locate_point(line, shapely.points(points)) - at[some])
+        drawn[some] = CLEARLY * fraction * share[some]
+        doubted[some[away <= 0.5 * BEND * offset]] = False
+    return drawn
 
 
 def _outward(

@@ -139,6 +139,8 @@ MOST_CUT_SHARE = 0.15
 """[-] share of the path by which it is shortened for that at most"""
 ELSEWHERE = 0.3
 """[-] share of a lane from its place at which a robot would count as on another leg"""
+MOST_ELSEWHERE = 500
+"""Places at which robots would count as on another leg, before it is given up"""
 ROUND = 4.0
 """[-] times its offset that a lane leads or lags beside a path that turns"""
 LONGER = 3.0
@@ -172,7 +174,10 @@ def fill_in(path: Path, drawing: Drawing, found: Fit, options: Options) -> tuple
         lane(found.reference, offset * size, outline, found.room, size, lanes)
         for offset in lane_offsets(lanes)
     ]
-    group = _stopping_apart(path, drawing, _group(path, drawing, found, made, count))
+    inner = shrunk(drawing.area, WALL_GAP * size, 16)
+    shapely.prepare(inner)
+    group = _group(path, drawing, inner, found, made, count)
+    group = _stopping_apart(path, drawing, inner, group)
     drawing.changes += [
         f"lane {one.offset:+.2f} m beside the path {narrowing}"
         for one in sorted(group.lanes, key=lambda one: one.offset)
@@ -182,14 +187,20 @@ def fill_in(path: Path, drawing: Drawing, found: Fit, options: Options) -> tuple
 
 
 def _group(
-    path: Path, drawing: Drawing, found: Fit, made: list[Lane], count: int, spread: float = 1.0
+    path: Path,
+    drawing: Drawing,
+    inner: Any,
+    found: Fit,
+    made: list[Lane],
+    count: int,
+    spread: float = 1.0,
 ) -> _Group:
     """Starts in lanes, robots ``spread`` times as far apart along the path as they need be."""
     reference, size, lanes = found.reference, found.size, len(made)
     in_one_file = lanes == 1 or any(abs(one.offset) - one.narrowest > 0.01 for one in made)
     step = spread * size * (COLUMN if in_one_file else ROW / lanes)
     own = [made[i % lanes] for i in range(count)]
-    poses = _poses(path, drawing, found, own[::-1], step)[::-1]
+    poses = _poses(path, drawing, inner, found, own[::-1], step)[::-1]
     robots = [
         Placed(f"r{i + 1}", found.box, pose, one.line, one.plain_offset)
         for i, (one, pose) in enumerate(zip(own, poses, strict=True))
@@ -197,7 +208,7 @@ def _group(
     return _Group(found, made, robots, least_stop_gap(reference, robots, size)[0])
 
 
-def _stopping_apart(path: Path, drawing: Drawing, group: _Group) -> _Group:
+def _stopping_apart(path: Path, drawing: Drawing, inner: Any, group: _Group) -> _Group:
     """The group on a path that ends earlier, where its robots would stop too near each other."""
     found, wanted = group.found, CLEAR * group.found.size
     if group.gap >= wanted:
@@ -208,7 +219,7 @@ def _stopping_apart(path: Path, drawing: Drawing, group: _Group) -> _Group:
         shorter = replace(found, reference=rounded(line))
         lanes = [_ending_beside(one, shorter, less) for one in group.lanes]
         try:
-            other = _group(path, drawing, shorter, lanes, len(group.robots), spread)
+            other = _group(path, drawing, inner, shorter, lanes, len(group.robots), spread)
         except ImportSourceError:  # no room at the start on a shorter path
             continue
         if min(other.gap, wanted) > best.gap + BETTER:
@@ -244,32 +255,46 @@ def _tries(found: Fit) -> list[tuple[float, float]]:
     return [(spread, float(cut)) for spread in SPREADS for cut in cuts if (spread, cut) != (1, 0)]
 
 
-def _poses(path: Path, drawing: Drawing, found: Fit, lanes: list[Lane], step: float) -> list[Pose]:
-    """Poses from the rear to the front: each as far back as the gaps allow."""
+def _poses(
+    path: Path, drawing: Drawing, inner: Any, found: Fit, lanes: list[Lane], step: float
+) -> list[Pose]:
+    """Poses from the rear to the front: each as far back as the gaps allow, within ``inner``."""
     most = MOST_SHARE * length_of(found.reference)
-    inner = shrunk(drawing.area, WALL_GAP * found.size, 16)
-    shapely.prepare(inner)
     poses: list[Pose] = []
     shapes: list[Any] = []
     centres = np.full((len(lanes), 2), np.inf)
     near = hypot(*found.box) + GAP * found.size
-    station = 0.0
+    station, elsewhere = 0.0, 0
     for one in lanes:
         while True:
             if station > most:
                 raise _no_room(path, drawing, found, len(poses), len(lanes), most)
             pose = _pose(found, one, station)
             shape = shape_at(found.box, pose)
-            if inner.covers(shape) and _counts_there(found, one, pose, station):
+            is_there = _counts_there(found, one, pose, station)
+            elsewhere += not is_there
+            if elsewhere > MOST_ELSEWHERE:
+                raise _beside_itself(path, drawing, found, one)
+            if is_there and inner.covers(shape):
                 close = np.flatnonzero(np.hypot(*(centres - pose[:2]).T) <= near)
                 if all(shape.distance(shapes[k]) >= GAP * found.size for k in close):
                     break
-            station += 0.1 * found.size
+            station += (0.1 if is_there else 0.5) * found.size
         centres[len(poses)] = pose[:2]
         poses.append(pose)
         shapes.append(shape)
         station += step
     return poses
+
+
+def _beside_itself(path: Path, drawing: Drawing, found: Fit, one: Lane) -> ImportSourceError:
+    """Error where a path comes by itself nearer than its lanes are beside it, all along."""
+    message = (
+        f"a lane {abs(one.offset):.2f} m beside the path is as near to another leg of it all "
+        "along, where a run could not tell which one a robot is on; fewer --lanes, or a smaller "
+        "--robot"
+    )
+    return drawing.refused_at(path, message, points_at(found.reference, 0.0), "path")
 
 
 def _no_room(
@@ -302,7 +327,7 @@ def _counts_there(found: Fit, one: Lane, pose: Pose, station: float) -> bool:
     point, length = np.array(pose[:2]), length_of(found.reference)
     away = abs(station_of(found.reference, point) - station)
     own = station_of(one.line, point) / length_of(one.line)
-    is_near = away <= ROUND * abs(one.offset) + found.size
+    is_near = away <= abs(one.offset) + 0.5 * found.size
     return is_near and abs(own - station / length) < ELSEWHERE
 
 

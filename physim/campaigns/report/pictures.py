@@ -16,7 +16,7 @@ from physim.campaigns.columns import COLUMNS, Row
 from physim.campaigns.folder import PAGES, STILLS, VIDEOS, Folder
 from physim.campaigns.one_run import simulation_of
 from physim.campaigns.outcomes import DONE
-from physim.campaigns.replay import spec_of_row
+from physim.campaigns.replay import check, spec_of_row
 from physim.campaigns.report.contents import Report
 from physim.campaigns.report.page import Shown
 from physim.errors import PhysimError
@@ -58,7 +58,11 @@ def remake(folder: Path, row: dict[str, Any], controllers: Collection[str] = ())
         again = shlex.join(["physim", "report", str(folder), "--controller", row["controller"]])
         raise PhysimError(f"its controller is code of your own; {again} runs it and draws this")
     one = Row(**{name: row[name] for name in COLUMNS if name in row})
-    return record_run(simulation_of(spec_of_row(Folder(folder), one, given)))
+    record = record_run(simulation_of(spec_of_row(Folder(folder), one, given)))
+    if differing := check(record, one):  # as of a controller that draws, or reads a file
+        record.close()
+        raise PhysimError(f"made again it is another run: {differing[0]}")
+    return record
 
 
 def pictures(

@@ -575,4 +575,14 @@ EDITS = (
         "runs of networks trained again are others",
         "tests/campaigns/test_unlike.py::test_a_file_that_settings_name_is_part_of_what_a_run_is",
     ),
+    Edit(
+        "campaigns",
+        "physim/campaigns/report/pictures.py",
+        "remake",
+        "if differing := check(record, one):",
+        "if differing := []:",
+        "a picture is of the run whose words are beside it",
+        "tests/campaigns/test_unlike.py"
+        "::test_a_run_made_again_for_its_picture_is_the_run_of_its_row",
+    ),
 )

@@ -261,6 +261,8 @@ class Meddles:
                 made.reset()
             elif self.what == "restore":
                 made.restore(self.state)
+            elif self.what == "decide":
+                made.next_decision = made.next_decision + 5
             else:
                 made.observers.clear()
 
@@ -268,7 +270,7 @@ class Meddles:
         pass
 
 
-@pytest.mark.parametrize("what", ["reset", "restore", "clear"])
+@pytest.mark.parametrize("what", ["reset", "restore", "clear", "decide"])
 def test_an_observer_that_moves_the_simulation_ends_the_run(
     wild: Any, what: str, tmp_path: Path
 ) -> None:
@@ -305,6 +307,26 @@ def test_an_observer_that_steps_in_close_is_told_and_the_record_is_whole(
     with Record.load(path) as record, Record.load(tmp_path / "alone.h5") as alone:
         assert (record.ended, record.steps_run) == (alone.ended, alone.steps_run)
         assert np.array_equal(record.pose, alone.pose)
+
+
+class StepsOn(Steps):
+    """Takes a step of its own after each."""
+
+    def after_step(self, step: Any) -> None:
+        if step.truth.step == 30:
+            self.simulation.step(np.zeros((3, 2)))
+
+    def close(self, ended: str) -> None:
+        pass
+
+
+def test_an_observer_that_takes_a_step_of_its_own_is_told(wild: Any, tmp_path: Path) -> None:
+    """Its commands are nobody's decision: the record would be of another controller."""
+    path = tmp_path / "record.h5"
+    with pytest.raises(ControllerError, match=facts("observer StepsOn", "moved")):
+        simulate(wild, controller=Says(drift), observers=[StepsOn()], path=path)
+    with Record.load(path) as record:
+        assert record.ended == "error"
 
 
 class Added:

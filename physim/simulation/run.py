@@ -211,7 +211,11 @@ class Named:
         """Let it look at a step."""
         self.time = (step.truth.step + 1) * self.simulation.scene.dt
         with naming(OBSERVER, self.observer, self.time):
+            before = self.simulation.now, self.simulation.next_decision
             call(OBSERVER, self.observer, "after_step", step)
+            after = self.simulation.now, self.simulation.next_decision
+            if after[0] is not before[0] or after[1] is not before[1]:
+                raise MistakenError(f"it moved the simulation; {LOOK_ON}")
 
     def close(self, ended: str) -> None:
         """Let it finish."""

@@ -162,7 +162,7 @@ def method(comparisons: Sequence[Comparison], test: str, looked: bool) -> str:
     if not looks:
         return (
             "Differences are B minus A on the same seeds; none is tested, as it takes "
-            f"{FEWEST_PAIRS} pairs to show one."
+            f"{FEWEST_PAIRS} pairs to show one.{LOOKED if looked else ''}"
         )
     return (
         "Differences are B minus A on the same seeds, with 95 % intervals that hold each for "

@@ -653,4 +653,13 @@ EDITS = (
         "what is sensed is of the present step",
         "tests/test_stage_errors.py::test_rows_of_no_use_are_refused",
     ),
+    Edit(
+        "loop",
+        "physim/simulation/run.py",
+        "Named.after_step",
+        "if after[0] is not before[0] or after[1] is not before[1]:",
+        "if False:",
+        "an observer takes no steps",
+        "tests/test_recording.py::test_an_observer_that_takes_a_step_of_its_own_is_told",
+    ),
 )

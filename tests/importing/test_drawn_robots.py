@@ -798,3 +798,24 @@ def test_a_lane_keeps_the_hairpins_of_its_path(tmp_path: Path, gap: float, back:
     path = shapely.LineString(_paths(made)[1])
     at = [reference.project(path.interpolate(x)) for x in np.arange(0.0, path.length, 1.0)]
     assert np.abs(np.diff(at)).max() < 8.0
+    assert not check_world(tmp_path / "made.yaml").warnings
+
+
+@pytest.mark.parametrize("way", [
+    [(-80, 0), (40, 0), (40, 3.5), (-20, 3.5)],
+    [(-80, 0), (26, 0), (26, 3), (-86, 3), (-86, -20), (80, -20)],
+    [(-80, 0), (40, 0), (40, 1.5), (-20, 6)],
+], ids=["ends in it", "begins beside it", "opens"])  # fmt: skip
+def test_lanes_stay_beside_their_leg_of_a_hairpin(tmp_path: Path, way: list[Any]) -> None:
+    """Also where they do not cross at its open end: a run would take robots for elsewhere."""
+    parts = [("boundary", shapely.box(-120, -60, 120, 60)), ("path", shapely.LineString(way))]
+    made = import_world(geojson(tmp_path, parts), Options(robots=6, lanes=3))
+    free_area(made, tmp_path)
+    assert not check_world(tmp_path / "made.yaml").warnings
+    reference = shapely.LineString(np.asarray(made.world.reference_path))
+    starts = [reference.project(shapely.Point(one.pose[:2])) for one in made.world.robots]
+    assert np.diff(starts) == pytest.approx([-3.2] * 5, abs=0.5)
+    for path in _paths(made):
+        line = shapely.LineString(path)
+        at = [reference.project(line.interpolate(x)) for x in np.arange(0.0, line.length, 1.0)]
+        assert np.abs(np.diff(at)).max() < 8.0

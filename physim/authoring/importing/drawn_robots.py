@@ -147,7 +147,7 @@ def _hardly_moving(drawing: Drawing, found: Fit, robots: list[Placed]) -> list[s
             continue
         if not drawing.is_one_way:
             lead = group[int(np.argmax(_stations(line, group)))].name
-        one = max(group, key=lambda one: (ways[one.name], one.name != lead))
+        one = max(group, key=lambda one: (round(ways[one.name], 1), one.name != lead))
         said = f"WARNING: {one.name} goes {ways[one.name]:.2f} m of a path of "
         said += f"{length_of(line):.2f} m, and no other on it farther: "
         rear = group[int(np.argmin(_stations(line, group)))]

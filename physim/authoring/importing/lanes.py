@@ -10,10 +10,10 @@ from dataclasses import dataclass
 
 import numpy as np
 import shapely
+from numpy.typing import NDArray
 
 from physim.authoring.importing.drawing import rounded
 from physim.authoring.importing.lines import (
-    LAP,
     CrossingError,
     Outline,
     crossings,
@@ -27,7 +27,7 @@ from physim.authoring.importing.lines import (
     without_loops,
 )
 from physim.geometry.corridor import offset_polyline
-from physim.geometry.shapes import FloatArray
+from physim.geometry.shapes import FloatArray, IntArray
 
 SLOPE = 0.2
 """[-] How fast a lane may draw in, across over along."""
@@ -38,6 +38,8 @@ OVERHANG = 4.0
 does at one of 30 degrees"""
 BEND = 8.0
 """[-] times the offset that the path goes on at most where a bend folds its lane"""
+ABREAST = 0.7
+"""[-] sine of the angle at which one leg crosses another, below which it goes beside it"""
 CLEARLY = 0.6
 """[-] of the way to the middle between two legs of a hairpin that a lane in it goes"""
 AFTER, BEFORE = 0.01, 0.1
@@ -92,7 +94,7 @@ def lane(
     normal = np.stack([-direction[:, 1], direction[:, 0]], axis=1)
     courses = np.unwrap(np.arctan2(direction[:, 1], direction[:, 0]))
     share = _shares(base, offset * normal, outline, room)
-    share = _on_its_leg(share, base, offset * normal, reference, courses)
+    share = _on_its_leg(share, base, offset * normal, reference)
     share = _gentle(share, at, SLOPE / abs(offset), is_lap)
     line = base + (share * offset)[:, None] * normal
     if is_lap:
@@ -139,27 +141,34 @@ def _shares(base: FloatArray, across: FloatArray, outline: Outline, room: float)
 
 
 def _on_its_leg(
-    share: FloatArray, base: FloatArray, across: FloatArray, path: FloatArray, courses: FloatArray
+    share: FloatArray, base: FloatArray, across: FloatArray, path: FloatArray
 ) -> FloatArray:
-    """Shares at which a lane stays beside its own leg of the path, where it would lose a hairpin.
+    """Shares at which a lane stays beside its own leg of the path, where another goes beside it.
 
-    That is one whose legs are nearer to each other than twice the offset: lanes of both would cross
-    where they meet, far along the path, and a run would take robots for being on the other leg.
+    As in a hairpin whose legs are nearer to each other than twice the offset: a run would take
+    robots for being on the other leg, and the lane would lose the hairpin. Where a path crosses
+    itself the lanes go straight on.
     """
     at, offset = stations(base), float(np.hypot(*across[0]))
-    doubted = np.zeros(len(base), dtype=bool)
-    for i, j, _ in crossings(base + share[:, None] * across):
-        if np.ptp(courses[i : j + 1]) < LAP and at[j] - at[i] > BEND * offset:
-            doubted[i : j + 2] = True
-    if not doubted.any():
-        return share
-    line, drawn = shapely.LineString(path), share.copy()
-    for fraction in np.linspace(1.0, 0.0, FRACTIONS):
-        some = np.flatnonzero(doubted)
+    line, length = shapely.LineString(path), length_of(path)
+    directions, drawn = directions_at(path, at, offset), share.copy()
+
+    def is_beside_another(some: IntArray, fraction: float) -> NDArray[np.bool_]:
         points = base[some] + fraction * share[some, None] * across[some]
-        away = np.abs(shapely.line_locate_point(line, shapely.points(points)) - at[some])
-        drawn[some] = CLEARLY * fraction * share[some]
-        doubted[some[away <= 0.5 * BEND * offset]] = False
+        found = shapely.line_locate_point(line, shapely.points(points))
+        away = np.abs(found - at[some])
+        away = np.minimum(away, length - away) if is_closed(path) else away
+        there, here = directions_at(path, found, offset), directions[some]
+        turned = np.abs(there[:, 0] * here[:, 1] - there[:, 1] * here[:, 0])
+        return np.asarray((away > 0.5 * BEND * offset) & (turned < ABREAST))
+
+    beside = doubted = np.flatnonzero(is_beside_another(np.arange(len(base)), 1.0))
+    for fraction in np.linspace(1.0, 0.0, FRACTIONS)[1:]:
+        drawn[doubted] = CLEARLY * fraction * share[doubted]
+        doubted = doubted[is_beside_another(doubted, float(fraction))]
+    for a, b in zip(beside[:-1], beside[1:], strict=True):  # and round the end of the hairpin
+        if b - a > 1 and at[b] - at[a] <= 1.5 * BEND * offset:
+            drawn[a : b + 1] = np.interp(at[a : b + 1], at[[a, b]], drawn[[a, b]])
     return drawn
 
 

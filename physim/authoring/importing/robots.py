@@ -332,9 +332,12 @@ def _counts_there(found: Fit, one: Lane, pose: Pose, station: float) -> bool:
 
 
 def _beside(found: Fit, one: Lane, station: float) -> FloatArray:
-    """Point (2,) [m] beside a station of the reference path, as far as a lane is."""
+    """Point (2,) [m] beside a station of the reference path, as far as a lane is throughout.
+
+    On the path for one that is drawn in: as far beside it another leg's may be.
+    """
     beside: FloatArray = points_at(found.reference, station)
-    if one.offset != 0.0:
+    if one.is_plain and one.offset != 0.0:
         tx, ty = directions_at(found.reference, station, found.size)
         beside = beside + one.offset * np.array([-ty, tx])
     return beside

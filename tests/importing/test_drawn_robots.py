@@ -578,7 +578,7 @@ MIDDLE = [(12, 0), (24, 0), (24, 16), (0, 16), (0, 0), (12, 0)]
 DODECAGON = [(14 * np.cos(k * np.pi / 6), 14 * np.sin(k * np.pi / 6)) for k in (*range(12), 0)]
 
 
-@pytest.mark.parametrize("lap", [MIDDLE, DODECAGON], ids=["box", "round"])
+@pytest.mark.parametrize("lap", [MIDDLE, DODECAGON, LOOP], ids=["box", "round", "corner"])
 @pytest.mark.parametrize("back", [False, True])
 @pytest.mark.parametrize(("robots", "lanes"), [(2, 2), (3, 3), (4, 4)])
 def test_robots_filled_in_on_a_lap_drive_it(
@@ -805,7 +805,8 @@ def test_a_lane_keeps_the_hairpins_of_its_path(tmp_path: Path, gap: float, back:
     [(-80, 0), (40, 0), (40, 3.5), (-20, 3.5)],
     [(-80, 0), (26, 0), (26, 3), (-86, 3), (-86, -20), (80, -20)],
     [(-80, 0), (40, 0), (40, 1.5), (-20, 6)],
-], ids=["ends in it", "begins beside it", "opens"])  # fmt: skip
+    [(-110, 0), (100, 0), (100, 10), (-20, 1.5), (-60, 1.5)],
+], ids=["ends in it", "begins beside it", "opens", "widens to its tip"])  # fmt: skip
 def test_lanes_stay_beside_their_leg_of_a_hairpin(tmp_path: Path, way: list[Any]) -> None:
     """Also where they do not cross at its open end: a run would take robots for elsewhere."""
     parts = [("boundary", shapely.box(-120, -60, 120, 60)), ("path", shapely.LineString(way))]

@@ -29,6 +29,7 @@ from physim.authoring.importing.lines import (
     Outline,
     Pose,
     directions_at,
+    is_closed,
     length_of,
     points_at,
     pose_at,
@@ -139,6 +140,8 @@ MOST_CUT_SHARE = 0.15
 """[-] share of the path by which it is shortened for that at most"""
 ELSEWHERE = 0.3
 """[-] share of a lane from its place at which a robot would count as on another leg"""
+ON = 0.6
+"""[m] from the joint of a lap, where a robot may count as at its end, to the last, at size 1"""
 MOST_ELSEWHERE = 500
 """Places at which robots would count as on another leg, before it is given up"""
 ROUND = 4.0
@@ -241,7 +244,6 @@ def _ending_beside(one: Lane, shorter: Fit, less: float) -> Lane:
     if one.offset == 0.0:
         return replace(one, line=shorter.reference)
     length = length_of(one.line)
-    # no farther back than a lane is longer than its path: another leg may be nearer
     first = max(length - LONGER * less - ROUND * abs(one.offset), 0.0)
     beside = _beside(shorter, one, length_of(shorter.reference))
     end = first + station_of(stretch(one.line, first, length), beside)
@@ -264,7 +266,8 @@ def _poses(
     shapes: list[Any] = []
     centres = np.full((len(lanes), 2), np.inf)
     near = hypot(*found.box) + GAP * found.size
-    station, elsewhere = 0.0, 0
+    elsewhere = 0
+    station = ON * found.size if is_closed(found.reference) else 0.0
     for one in lanes:
         while True:
             if station > most:
@@ -289,12 +292,10 @@ def _poses(
 
 def _beside_itself(path: Path, drawing: Drawing, found: Fit, one: Lane) -> ImportSourceError:
     """Error where a path comes by itself nearer than its lanes are beside it, all along."""
-    message = (
-        f"a lane {abs(one.offset):.2f} m beside the path is as near to another leg of it all "
-        "along, where a run could not tell which one a robot is on; fewer --lanes, or a smaller "
-        "--robot"
-    )
-    return drawing.refused_at(path, message, points_at(found.reference, 0.0), "path")
+    message = f"a lane {abs(one.offset):.2f} m beside the path is as near to another leg of it all "
+    message += "along, where a run could not tell which one a robot is on; fewer --lanes, or a "
+    message += "smaller --robot"
+    return drawing.refused_at(path, message, found.reference[0], "path")
 
 
 def _no_room(
@@ -332,10 +333,7 @@ def _counts_there(found: Fit, one: Lane, pose: Pose, station: float) -> bool:
 
 
 def _beside(found: Fit, one: Lane, station: float) -> FloatArray:
-    """Point (2,) [m] beside a station of the reference path, as far as a lane is throughout.
-
-    On the path for one that is drawn in: as far beside it another leg's may be.
-    """
+    """Point (2,) [m] beside a station as far as a lane is; on the path for one drawn in."""
     beside: FloatArray = points_at(found.reference, station)
     if one.is_plain and one.offset != 0.0:
         tx, ty = directions_at(found.reference, station, found.size)

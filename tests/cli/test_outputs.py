@@ -12,7 +12,8 @@ import pytest
 
 from physim import parse_world, simulate
 from physim.analysis.crashtest import crash_test
-from physim.cli.output import regular, write_text
+from physim.cli.output import write_text
+from physim.drafts import check_regular
 from physim.errors import PhysimError
 from tests.cli.commands import SMALL, command, environment, physim, tree
 from tests.facts import facts
@@ -106,7 +107,7 @@ def test_no_device_is_written_over(
     path = tmp_path / "device"
     monkeypatch.setattr(Path, "lstat", lambda self: SimpleNamespace(st_mode=name | 0o666))
     with pytest.raises(PhysimError, match=facts("device:", kind)):
-        regular(path)
+        check_regular(path)
     with pytest.raises(PhysimError, match=kind):
         write_text(path, "text")
     monkeypatch.undo()

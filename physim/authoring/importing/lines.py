@@ -166,14 +166,14 @@ def without_loops(
     included: otherwise two stretches side by side would be eaten up, a loop at a time.
 
     ``courses`` (n,) [rad], without jumps, are those of a line that this one lies beside: where they
-    differ by more than half a turn within a loop, it goes round itself, and the loop stays.
+    turn by more than half a turn in a loop, it goes round itself, and the loop stays.
     """
     whole = stations(line)
     line = line.copy()
     courses = np.zeros(len(line)) if courses is None else courses
     cut: list[tuple[FloatArray, float]] = []
     for _ in range(MOST_ROUNDS):
-        turns = [(i, j, np.ptp(courses[i : j + 1]), point) for i, j, point in crossings(line)]
+        turns = [(i, j, abs(courses[j] - courses[i]), point) for i, j, point in crossings(line)]
         loops = [(i, j, point) for i, j, turn, point in turns if turn < LAP]
         if not loops:
             return line, cut

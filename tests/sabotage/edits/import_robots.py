@@ -250,15 +250,6 @@ EDITS = (
     ),
     Edit(
         "importing",
-        "physim/authoring/importing/lanes.py",
-        "lane",
-        "line = _lap(line, abs(offset), size)",
-        "pass",
-        "a lane of a lap meets itself nowhere",
-        "tests/importing/test_drawn_robots.py::test_robots_filled_in_on_a_lap_drive_it",
-    ),
-    Edit(
-        "importing",
         "physim/authoring/importing/lines.py",
         "without_loops",
         "line = line.copy()",
@@ -367,15 +358,6 @@ EDITS = (
     ),
     Edit(
         "importing",
-        "physim/authoring/importing/lines.py",
-        "without_loops",
-        "np.ptp(courses[i : j + 1])",
-        "abs(courses[j] - courses[i])",
-        "a figure of eight is no loop to be cut off",
-        "tests/importing/test_drawn_robots.py::test_lanes_of_a_figure_of_eight_go_round",
-    ),
-    Edit(
-        "importing",
         "physim/authoring/importing/drawn_robots.py",
         "as_drawn",
         "(_on_own_laps if is_spread else _stopping_behind)(line, some, found.size)",
@@ -454,5 +436,14 @@ EDITS = (
         "pass",
         "a lane does not turn back at the end of a hairpin",
         "tests/importing/test_drawn_robots.py::test_lanes_stay_beside_their_leg_of_a_hairpin",
+    ),
+    Edit(
+        "importing",
+        "physim/authoring/importing/lanes.py",
+        "lane",
+        "line = _lap(line, abs(offset), size)",
+        "pass",
+        "a lane of a lap meets itself nowhere",
+        "tests/importing/test_drawn_robots.py::test_lanes_of_a_lap_from_a_corner_go_round",
     ),
 )

@@ -193,9 +193,10 @@ def _trimmed(
 
 def _check_inside(path: Path, drawing: Drawing, line: FloatArray, doubt: str, what: str) -> None:
     """Refuse a path that leaves the area, where it does so first."""
-    beyond = shapely.LineString(line).difference(drawing.area)
-    if beyond.length > shapely.LineString(line).length - SLIVER and what != "path":
-        message = f"the {what} lies all outside the area of the reference path, beyond walls"
+    whole = shapely.LineString(line)
+    beyond = whole.difference(drawing.area)
+    if beyond.length > whole.length - SLIVER:
+        message = f"all of the {what} lies outside the area of the reference path, beyond walls"
         raise drawing.refused_at(path, f"{message}; lead it there", line[0], "path")
     if beyond.length > SLIVER:
         parts = shapely.get_parts(beyond)

@@ -67,7 +67,7 @@ class Lane:
         """Say how far it is drawn in; empty where it is not, to the centimetre."""
         if f"{self.narrowest:.2f}" == f"{abs(self.offset):.2f}":
             return ""
-        where = "where the corridor is narrow or bends tightly"
+        where = "where the corridor is narrow, bends tightly or comes back beside itself"
         if self.narrowest < 0.0:
             return f"is drawn over to {-self.narrowest:.2f} m on its other side {where}"
         return f"is drawn in to {self.narrowest:.2f} m {where}"

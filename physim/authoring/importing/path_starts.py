@@ -96,11 +96,7 @@ def directions_at_ends(line: FloatArray, size: float) -> tuple[FloatArray, Float
 
 
 def _begun(
-    drawing: Drawing,
-    line: FloatArray,
-    robots: Sequence[DrawnRobot],
-    size: float,
-    what: str = "path",
+    drawing: Drawing, line: FloatArray, robots: Sequence[DrawnRobot], size: float, what: str
 ) -> FloatArray:
     """A path (n, 2) [m] that begins behind some robots; the same where it does."""
     if not robots:
@@ -166,7 +162,7 @@ def begun_lane(line: FloatArray, centres: FloatArray, offset: float, size: float
     Beside a bend it is as long before a place as the path, or less: a robot there, just behind
     the beginning, would be at the lane's end.
     """
-    ring = line if is_closed(line) else np.vstack([line, line[:1]])
+    ring = _ring(line)
     length = length_of(ring)
     behind = length - np.array([station_of(ring, one) for one in centres])
     near = behind[behind < abs(offset) + size]
@@ -177,9 +173,14 @@ def begun_lane(line: FloatArray, centres: FloatArray, offset: float, size: float
 
 def lap_from(line: FloatArray, point: FloatArray, size: float) -> FloatArray:
     """A lap (n, 2) [m], closed or nearly, that begins just behind a point (2,) [m] beside it."""
-    ring = line if is_closed(line) else np.vstack([line, line[:1]])
+    ring = _ring(line)
     begin = station_of(ring, point) - BEHIND * size
     return _from(ring, begin % length_of(ring))
+
+
+def _ring(line: FloatArray) -> FloatArray:
+    """A line (n, 2) that ends where it begins, or is joined there."""
+    return line if is_closed(line) else np.vstack([line, line[:1]])
 
 
 def _from(ring: FloatArray, begin: float) -> FloatArray:

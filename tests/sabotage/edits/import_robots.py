@@ -246,7 +246,7 @@ EDITS = (
         'without_loops(line, float("inf"), courses)',
         'without_loops(line, float("inf"))',
         "the lane of a lap goes round it",
-        "tests/importing/test_drawn_robots.py::test_lanes_of_a_lap_from_a_corner_go_round",
+        "tests/importing/test_lanes.py::test_lanes_of_a_lap_from_a_corner_go_round",
     ),
     Edit(
         "importing",
@@ -255,7 +255,7 @@ EDITS = (
         "line = line.copy()",
         "pass",
         "a line given is not changed",
-        "tests/importing/test_drawn_robots.py::test_lines_given_are_not_changed",
+        "tests/importing/test_lanes.py::test_lines_given_are_not_changed",
     ),
     Edit(
         "importing",
@@ -354,7 +354,7 @@ EDITS = (
         "is_there = _counts_there(found, one, pose, station)",
         "is_there = True",
         "robots filled in start where a run takes them for",
-        "tests/importing/test_drawn_robots.py::test_robots_filled_in_on_a_lap_drive_it",
+        "tests/importing/test_lanes.py::test_robots_filled_in_on_a_lap_drive_it",
     ),
     Edit(
         "importing",
@@ -399,7 +399,7 @@ EDITS = (
         "first = max(length - LONGER * less - ROUND * abs(one.offset), 0.0)",
         "first = 0.5 * length",
         "a lane is cut near its end",
-        "tests/importing/test_drawn_robots.py::test_lanes_end_where_their_path_does_beside_a_loop_at_its_end",
+        "tests/importing/test_lanes.py::test_lanes_end_where_their_path_does_beside_a_loop_at_its_end",
     ),
     Edit(
         "importing",
@@ -408,7 +408,7 @@ EDITS = (
         "is_near and",
         "",
         "robots filled in count where they stand",
-        "tests/importing/test_drawn_robots.py::test_robots_filled_in_count_where_they_stand",
+        "tests/importing/test_lanes.py::test_robots_filled_in_count_where_they_stand",
     ),
     Edit(
         "importing",
@@ -426,7 +426,7 @@ EDITS = (
         "share = _on_its_leg(share, base, offset * normal, reference)",
         "pass",
         "a lane keeps the hairpins of its path",
-        "tests/importing/test_drawn_robots.py::test_a_lane_keeps_the_hairpins_of_its_path",
+        "tests/importing/test_lanes.py::test_a_lane_keeps_the_hairpins_of_its_path",
     ),
     Edit(
         "importing",
@@ -435,7 +435,7 @@ EDITS = (
         "drawn[a : b + 1] = np.interp(at[a : b + 1], at[[a, b]], drawn[[a, b]])",
         "pass",
         "a lane does not turn back at the end of a hairpin",
-        "tests/importing/test_drawn_robots.py::test_lanes_stay_beside_their_leg_of_a_hairpin",
+        "tests/importing/test_lanes.py::test_lanes_stay_beside_their_leg_of_a_hairpin",
     ),
     Edit(
         "importing",
@@ -444,6 +444,6 @@ EDITS = (
         "line = _lap(line, abs(offset), size)",
         "pass",
         "a lane of a lap meets itself nowhere",
-        "tests/importing/test_drawn_robots.py::test_lanes_of_a_lap_from_a_corner_go_round",
+        "tests/importing/test_lanes.py::test_lanes_of_a_lap_from_a_corner_go_round",
     ),
 )

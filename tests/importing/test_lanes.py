@@ -1,0 +1,155 @@
+"""Lanes beside a path, and robots filled in on them: laps, crossings, loops, hairpins."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import shapely
+
+from physim.authoring.importing import Options, import_world
+from physim.authoring.importing.lines import without_loops
+from physim.world.checks import check_world
+from tests.importing.test_drawn_robots import LOOP, _paths, _ways, box
+from tests.importing.test_joining import geojson
+from tests.importing.test_places import free_area
+
+
+@pytest.mark.parametrize("corners", [
+    [(0, 0), (40, 0), (40, 26), (0, 26)], [(0, 0), (0, 26), (40, 26), (40, 0)],
+    [(0, 0), (40, 0), (20, 30)],
+], ids=["left about", "right about", "triangle"])  # fmt: skip
+@pytest.mark.parametrize("lanes", [2, 3])
+def test_lanes_of_a_lap_from_a_corner_go_round(
+    tmp_path: Path, corners: list[tuple[float, float]], lanes: int
+) -> None:
+    parts = [("boundary", shapely.box(-16, -26, 76, 46)),
+             ("path", shapely.LineString([*corners, corners[0]]))]  # fmt: skip
+    made = import_world(geojson(tmp_path, parts), Options(robots=2 * lanes, lanes=lanes))
+    lap = shapely.LineString([*corners, corners[0]]).length
+    lengths = [shapely.LineString(path).length for path in _paths(made)]
+    assert min(lengths) > 0.8 * lap
+    if lanes == 2:  # all begin at the beginning, so that they end in order
+        assert not [one for one in made.changes if "shortened" in one]
+
+
+def test_a_lane_goes_round_where_its_path_crosses_itself(tmp_path: Path) -> None:
+    way = [(0, 0), (60, 0), (60, 20), (30, 20), (30, -20)]
+    parts = [("boundary", shapely.box(-10, -40, 80, 40)), ("path", shapely.LineString(way))]
+    made = import_world(geojson(tmp_path, parts), Options(robots=4, lanes=2))
+    lengths = [shapely.LineString(path).length for path in _paths(made)]
+    assert min(lengths) > shapely.LineString(way).length - 10.0
+
+
+def test_lines_given_are_not_changed() -> None:
+    line = np.array([(0.0, 0.0), (10, 0), (10, 5), (5, 5), (5, -5)])
+    before = line.copy()
+    without_loops(line, float("inf"))
+    assert (line == before).all()
+
+
+def _turned(points: Any, angle: float) -> list[tuple[float, float]]:
+    turn = np.array([[np.cos(angle), np.sin(angle)], [-np.sin(angle), np.cos(angle)]])
+    return [tuple(point) for point in (np.asarray(points) @ turn).tolist()]
+
+
+MIDDLE = [(12, 0), (24, 0), (24, 16), (0, 16), (0, 0), (12, 0)]
+DODECAGON = [(14 * np.cos(k * np.pi / 6), 14 * np.sin(k * np.pi / 6)) for k in (*range(12), 0)]
+
+
+@pytest.mark.parametrize("lap", [MIDDLE, DODECAGON, LOOP], ids=["box", "round", "corner"])
+@pytest.mark.parametrize("back", [False, True])
+@pytest.mark.parametrize(("robots", "lanes"), [(2, 2), (3, 3), (4, 4)])
+def test_robots_filled_in_on_a_lap_drive_it(
+    tmp_path: Path, lap: list[Any], back: bool, robots: int, lanes: int
+) -> None:
+    """None starts at the joint, where rounding decides whether it is at the end already."""
+    hall = shapely.buffer(shapely.Polygon(lap), 9, join_style="mitre")
+    for angle in (0.3, 1.1, 2.2, 4.0):
+        way = _turned(lap[::-1] if back else lap, angle)
+        place = shapely.Polygon(_turned(hall.exterior.coords, angle))
+        plan = geojson(tmp_path, [("boundary", place), ("path", shapely.LineString(way))])
+        made = import_world(plan, Options(robots=robots, lanes=lanes))
+        free_area(made, tmp_path)
+        reference = shapely.LineString(np.asarray(made.world.reference_path))
+        starts = [reference.project(shapely.Point(one.pose[:2])) for one in made.world.robots]
+        assert max(starts) < 0.3 * reference.length
+        assert min(_ways(made)) > 0.6 * reference.length
+        said = check_world(tmp_path / "made.yaml").warnings
+        assert not [one for one in said if "against" in str(one)]
+
+
+@pytest.mark.parametrize("begin", [0, 7, 20, 33])
+@pytest.mark.parametrize("is_whole", [True, False])
+def test_lanes_of_a_figure_of_eight_go_round(tmp_path: Path, begin: int, is_whole: bool) -> None:
+    at = np.linspace(0.0, 2.0 * np.pi, 81)[:-1]
+    eight = np.roll(np.stack([18 * np.sin(at), 12 * np.sin(2 * at)], axis=1), -begin, axis=0)
+    lap = shapely.LineString([*eight.round(3), eight[0].round(3)][: None if is_whole else -1])
+    parts = [("boundary", shapely.box(-40, -30, 40, 30)), ("path", lap)]
+    made = import_world(geojson(tmp_path, parts), Options(robots=4, lanes=2))
+    assert min(shapely.LineString(path).length for path in _paths(made)) > 0.9 * lap.length
+
+
+def test_lanes_end_where_their_path_does_beside_a_loop_at_its_end(tmp_path: Path) -> None:
+    """The place nearest to its end lies on another leg."""
+    turns = np.linspace(-np.pi / 2.0, np.pi * 1.05, 40)
+    loop = np.array([(40.0 + 3.0 * np.cos(t), 3.0 + 3.0 * np.sin(t)) for t in turns])
+    way = shapely.LineString([(0, 0), *loop, loop[-1] + np.array([0.32, -1.98])])
+    parts = [("boundary", shapely.buffer(way, 2.2)), ("path", way)]
+    made = import_world(geojson(tmp_path, parts), Options(robots=4, lanes=2))
+    reference = shapely.LineString(np.asarray(made.world.reference_path))
+    assert min(shapely.LineString(one).length for one in _paths(made)) > 0.85 * reference.length
+
+
+@pytest.mark.parametrize("far", [40, 60])
+def test_robots_filled_in_count_where_they_stand(tmp_path: Path, far: int) -> None:
+    """Beside a small loop at the beginning of a long path, not on its other leg."""
+    turns = np.linspace(-np.pi / 2.0, 3.0 * np.pi / 2.0, 40)[1:]
+    loop = [(14.0 + 4.0 * np.cos(t), 4.0 + 4.0 * np.sin(t)) for t in turns]
+    way = shapely.LineString([(0, 0), (14, 0), *loop, (16, -2), (16, -far)])
+    parts = [("boundary", shapely.box(-8, -far - 8, 34, 20)), ("path", way)]
+    made = import_world(geojson(tmp_path, parts), Options(robots=6, lanes=2))
+    reference = shapely.LineString(np.asarray(made.world.reference_path))
+    starts = [reference.project(shapely.Point(one.pose[:2])) for one in made.world.robots]
+    assert (np.diff(starts) < 0.0).all()
+    assert starts[0] < 20.0
+
+
+@pytest.mark.parametrize("gap", [2.0, 3.0])
+@pytest.mark.parametrize("back", [0.0, -6.0])
+def test_a_lane_keeps_the_hairpins_of_its_path(tmp_path: Path, gap: float, back: float) -> None:
+    """Whose legs are nearer to each other than twice as far as it is beside them."""
+    way = shapely.LineString([(-30, 0), (26, 0), (26, gap), (back, gap), (back, 20), (60, 20)])
+    parts = [("boundary", shapely.box(-60, -60, 120, 60)), ("path", way),
+             ("robot a", box(-28, 0)), ("robot b", box(-25, 1.8))]  # fmt: skip
+    made = import_world(geojson(tmp_path, parts))
+    free_area(made, tmp_path)
+    assert min(_ways(made)) > way.length - 15.0
+    reference = shapely.LineString(np.asarray(made.world.reference_path))
+    path = shapely.LineString(_paths(made)[1])
+    at = [reference.project(path.interpolate(x)) for x in np.arange(0.0, path.length, 1.0)]
+    assert np.abs(np.diff(at)).max() < 8.0
+    assert not check_world(tmp_path / "made.yaml").warnings
+
+
+@pytest.mark.parametrize("way", [
+    [(-80, 0), (40, 0), (40, 3.5), (-20, 3.5)],
+    [(-80, 0), (26, 0), (26, 3), (-86, 3), (-86, -20), (80, -20)],
+    [(-80, 0), (40, 0), (40, 1.5), (-20, 6)],
+    [(-110, 0), (100, 0), (100, 10), (-20, 1.5), (-60, 1.5)],
+], ids=["ends in it", "begins beside it", "opens", "widens to its tip"])  # fmt: skip
+def test_lanes_stay_beside_their_leg_of_a_hairpin(tmp_path: Path, way: list[Any]) -> None:
+    """Also where they do not cross at its open end: a run would take robots for elsewhere."""
+    parts = [("boundary", shapely.box(-120, -60, 120, 60)), ("path", shapely.LineString(way))]
+    made = import_world(geojson(tmp_path, parts), Options(robots=6, lanes=3))
+    free_area(made, tmp_path)
+    assert not check_world(tmp_path / "made.yaml").warnings
+    reference = shapely.LineString(np.asarray(made.world.reference_path))
+    starts = [reference.project(shapely.Point(one.pose[:2])) for one in made.world.robots]
+    assert np.diff(starts) == pytest.approx([-3.2] * 5, abs=0.5)
+    for path in _paths(made):
+        line = shapely.LineString(path)
+        at = [reference.project(line.interpolate(x)) for x in np.arange(0.0, line.length, 1.0)]
+        assert np.abs(np.diff(at)).max() < 8.0

@@ -254,7 +254,7 @@ TWICE = {
     [
         ({"pose": np.zeros((2, 3))}, ("pose", "(2, 3)", "(3, 3)")),
         ({"pose": np.full((3, 3), np.nan)}, ("pose", "finite")),
-        ({"robot": np.array([0, 1, 1])}, ("r1", "2 rows", "r2")),
+        ({"robot": np.array([0, 1, 1])}, ("r2", "one row")),
         ({"end": np.array([3, 1, 3])}, ("r2", "exactly one row of its own")),
         ({"robot": np.array([0.0, 1.0, 2.0])}, ("robot", "float64", "whole numbers")),
         ({"pose": np.zeros((3, 3), complex)}, ("pose", "complex128", "numbers")),

@@ -6,9 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from physim.compiled import compiled
 from physim.errors import ControllerError
-from physim.geometry.shapes import IntArray, read_only
+from physim.geometry.shapes import read_only
 from physim.parts.controller import Sensed
 from physim.world.scene import Scene
 
@@ -23,7 +22,8 @@ KINDS: dict[str, tuple[str, Any]] = {
 def sound_sensed(found: Sensed, given: Sensed, scene: Scene, part: object) -> Sensed:
     """What a stage made of the rows it was ``given``, copied, in the types of compiled code.
 
-    That reads bytes as they lie, and counts on each robot once among the rows of an observer.
+    That reads bytes as they lie, and counts on each robot once among the rows of an observer: it
+    would write past its arrays.
     Raises ControllerError for rows that are not finite or do not fit, and of another step; every
     observer must have one of itself.
     """
@@ -41,9 +41,7 @@ def sound_sensed(found: Sensed, given: Sensed, scene: Scene, part: object) -> Se
     copies = (_copied(getattr(found, name), getattr(given, name), KINDS[name][1]) for name in KINDS)
     sensed = Sensed(given.step, *copies)
     _check_numbers(sensed, scene, where)
-    row = observer_in_doubt(sensed.robot, sensed.first, sensed.end, scene.robots)
-    if row >= 0:
-        _refuse_rows(sensed, scene, row, where)
+    _check_rows(sensed, scene, where)
     return sensed
 
 
@@ -89,32 +87,25 @@ def _check_numbers(sensed: Sensed, scene: Scene, where: str) -> None:
         )
 
 
-@compiled
-def observer_in_doubt(robot: IntArray, first: IntArray, end: IntArray, robots: int) -> int:
-    """The first observer whose rows are not there, or not of each robot once with itself; or -1."""
-    seen = np.full(robots, -1)  # the observer that had a row of each robot last
-    for i in range(robots):
-        if not 0 <= first[i] <= end[i] <= len(robot):
-            return i
-        for row in range(first[i], end[i]):
-            if seen[robot[row]] == i:
-                return i
-            seen[robot[row]] = i
-        if seen[i] != i:
-            return i
-    return -1
-
-
-def _refuse_rows(sensed: Sensed, scene: Scene, i: int, where: str) -> None:
-    first, end, rows = int(sensed.first[i]), int(sensed.end[i]), len(sensed.robot)
-    if not 0 <= first <= end <= rows:
+def _check_rows(sensed: Sensed, scene: Scene, where: str) -> None:
+    """Refuse rows of an observer that are not there, or not of each robot once with itself."""
+    first, end, rows, robots = sensed.first, sensed.end, len(sensed.robot), scene.robots
+    is_there = (first >= 0) & (first <= end) & (end <= rows)
+    if not is_there.all():
+        i = int(np.argmin(is_there))
         raise ControllerError(
-            f"{where}: rows {first} to {end} of {scene.names[i]}; there are {rows}"
+            f"{where}: rows {first[i]} to {end[i]} of {scene.names[i]}; there are {rows}"
         )
-    times = np.bincount(sensed.robot[first:end], minlength=scene.robots)
-    if times[i] != 1:
-        raise ControllerError(f"{where}: {scene.names[i]} must have exactly one row of its own")
-    other = scene.names[int(np.argmax(times > 1))]
-    raise ControllerError(
-        f"{where}: {scene.names[i]} has {times.max()} rows of {other}; one is allowed"
-    )
+    counts = end - first
+    observer = np.repeat(np.arange(robots), counts)
+    row = np.arange(len(observer)) + np.repeat(first - np.cumsum(counts) + counts, counts)
+    times = np.bincount(observer * robots + sensed.robot[row], minlength=robots**2)
+    times = times.reshape(robots, robots)
+    if (own := times.diagonal() != 1).any():
+        name = scene.names[int(np.argmax(own))]
+        raise ControllerError(f"{where}: {name} must have exactly one row of its own")
+    if (twice := times > 1).any():
+        i, j = np.argwhere(twice)[0]
+        raise ControllerError(
+            f"{where}: {scene.names[i]} has {times[i, j]} rows of {scene.names[j]}; one is allowed"
+        )

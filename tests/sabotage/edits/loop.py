@@ -638,9 +638,9 @@ EDITS = (
     Edit(
         "loop",
         "physim/simulation/sensed_checks.py",
-        "observer_in_doubt",
-        "if seen[robot[row]] == i:",
-        "if False:",
+        "_check_rows",
+        "if (twice := times > 1).any():",
+        "if (twice := times > len(times)).any():",
         "no observer has two rows of one robot",
         "tests/test_stage_errors.py::test_rows_of_no_use_are_refused",
     ),

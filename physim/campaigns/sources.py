@@ -17,12 +17,21 @@ import sys
 import sysconfig
 from collections.abc import Iterator, Mapping, Sequence
 from importlib.machinery import ModuleSpec
-from pathlib import Path
+from pathlib import Path, PurePath
 from types import ModuleType
 from typing import NamedTuple
 
+from pydantic import BaseModel
+
 from physim.errors import ControllerError
-from physim.parts.registry import CONTROLLER, STAGES, Kind, find_part, shipped_parts
+from physim.parts.registry import (
+    CONTROLLER,
+    STAGES,
+    Kind,
+    checked_settings,
+    find_part,
+    shipped_parts,
+)
 from physim.world import World
 from physim.world.faults import describe
 
@@ -78,17 +87,18 @@ def sources_of(parts: Sequence[Part]) -> tuple[Source, ...]:
 def files_named(world: World) -> tuple[Source, ...]:
     """Files that settings of one's own controller and stages name, as of a trained network.
 
-    From the working folder, or that of the part's module. They do not travel with a run, but it is
-    another one where they hold something else.
+    Given in the world, or by default; from the working folder, or that of the part's module. They
+    do not travel with a run, but it is another one where they hold something else.
     """
     kinds = {name: kind for kind, name in own_parts(world)}
     stages = (*world.sensing.stages, *world.filters, *world.disturbances)
     found: dict[str, Source] = {}
     for choice in (world.controller, *stages):
         if choice.type in kinds:
-            module = find_part(kinds[choice.type], choice.type, trusted=True).__module__
-            place = _file_of(module)
-            for text in _texts(choice.settings):
+            part = find_part(kinds[choice.type], choice.type, trusted=True)
+            place = _file_of(part.__module__)
+            settings, _ = checked_settings(part, choice.settings, ())
+            for text in _texts(choice.settings if settings is None else settings):
                 for folder in (Path(), *([] if place is None else [place.parent])):
                     if (digest := _digest_of(folder / text)) and text not in found:
                         found[text] = Source("", text, digest, False)
@@ -99,6 +109,10 @@ def _texts(value: object) -> Iterator[str]:
     """Texts among settings that may be names of files."""
     if isinstance(value, str) and 0 < len(value) <= LONGEST_NAME and "\0" not in value:
         yield value
+    elif isinstance(value, PurePath):
+        yield from _texts(str(value))
+    elif isinstance(value, BaseModel):
+        yield from _texts(dict(value))
     elif isinstance(value, Mapping):
         for one in value.values():
             yield from _texts(one)

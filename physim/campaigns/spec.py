@@ -4,12 +4,17 @@ from __future__ import annotations
 
 import functools
 import hashlib
+import math
 from dataclasses import dataclass
 from importlib.metadata import version
 
+import numpy as np
+
 from physim._version import __version__
 from physim.campaigns.sources import Source, files_named, own_parts, source_hash, sources_of
+from physim.errors import PhysimError
 from physim.world import World
+from physim.world.kinds import MOST_SEED
 
 LEAST_LIMIT = 120.0
 """[s] that every run may take"""
@@ -39,6 +44,22 @@ class RunSpec:
     sources: tuple[Source, ...] = ()
     limit: float | None = None
     """[s] after which the run is given up; no part of what the run is"""
+
+    def __post_init__(self) -> None:
+        """Refuse what no row could hold; a whole number of numpy is one of Python's then."""
+        seed = self.seed
+        if (
+            isinstance(seed, bool)
+            or not isinstance(seed, int | np.integer)
+            or not 0 <= seed <= MOST_SEED
+        ):
+            raise PhysimError(f"seed {seed!r}: must be a whole number from 0 to {MOST_SEED:.0e}")
+        object.__setattr__(self, "seed", int(seed))
+        for key in ("world", "settings", "controller"):
+            _check_text(key, getattr(self, key))
+        limit = self.limit
+        if limit is not None and not (isinstance(limit, float | int) and 0.0 < limit < math.inf):
+            raise PhysimError(f"limit {limit!r}: must be a number of seconds above 0, or None")
 
     @property
     def world_hash(self) -> str:
@@ -77,6 +98,15 @@ class RunSpec:
         return f"{self.world}{changed}, {self.controller}, seed {self.seed}"
 
 
+def _check_text(key: str, text: object) -> None:
+    """Raise PhysimError for what is no text, or cannot be written as UTF-8."""
+    try:
+        assert isinstance(text, str)
+        text.encode()
+    except (AssertionError, UnicodeEncodeError):
+        raise PhysimError(f"{key} {text!r}: must be text that can be written") from None
+
+
 def key_of(identity: str, seed: int) -> str:
     """Key of the run of an identity with a seed."""
     return hashlib.sha256(f"{identity}\0{seed}".encode()).hexdigest()[:KEY_DIGITS]
@@ -93,7 +123,8 @@ def spec_of(
 ) -> RunSpec:
     """Run of a world, whose controller may be ``module:Class``; ``sources`` where they are known.
 
-    Raises ControllerError where the source of its controller or of a stage cannot be had.
+    Raises ControllerError where the source of its controller or of a stage cannot be had, and
+    PhysimError for a seed, name, settings or limit that are none.
     """
     controller = world.controller.type
     if sources is None:

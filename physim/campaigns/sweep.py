@@ -19,8 +19,10 @@ from physim.campaigns.processes import Processes, check_guarded
 from physim.campaigns.reading import check_rows, write_results
 from physim.campaigns.rows import write_whole
 from physim.campaigns.runner import POLL_SECONDS, Outcome, outcomes
-from physim.campaigns.spec import RunSpec
+from physim.campaigns.spec import Label, RunSpec
 from physim.campaigns.worker import Job, LostError, OverdueError, StartError, Stop
+from physim.errors import PhysimError
+from physim.escaping import escaped
 
 FLUSH_SECONDS = 0.2
 """[s] after which a row is on disk at the latest"""
@@ -79,7 +81,7 @@ def runs(
 
 
 def sweep(
-    specs: Collection[RunSpec],
+    specs: Iterable[RunSpec],
     folder: str | os.PathLike[str],
     executor: Executor,
     *,
@@ -91,16 +93,18 @@ def sweep(
 ) -> Tally:
     """Do all runs that have no row in a folder yet, and write their rows there.
 
-    ``specs`` is gone through several times; a `Grid` makes its runs as they are needed, so that
-    memory does not depend on how many are asked for. ``keep`` is one of
+    ``specs`` is gone through several times, so an iterator is listed first; a `Grid` makes its runs
+    as they are needed, so that memory does not depend on how many are asked for. ``keep`` is one of
     `physim.campaigns.one_run.KEEP`; with ``retry`` runs that failed are done again. ``decided`` is
     asked after every row in the order of ``specs``, whoever was done first; when it says True no
     more runs are begun. A
     program must call it under ``if __name__ == "__main__":``, since its worker processes import it.
-    Raises StartError where it does not, PhysimError for the folder of another campaign, for rows in
-    it that are of none of its runs, and where it cannot be written.
+    Raises StartError where it does not, PhysimError for two worlds that are called alike, for the
+    folder of another campaign, for rows in it that are of none of its runs, and where it cannot be
+    written.
     """
     check_guarded()
+    specs = specs if isinstance(specs, Collection) else tuple(specs)
     place = Folder(folder)
     asked = specs.asked if isinstance(specs, Grid) and decided is None else None
     place.open(_cells(specs), asked)
@@ -121,10 +125,28 @@ def job_of(spec: RunSpec, keep: str, records: Path | None) -> Job:
 
 
 def _cells(specs: Iterable[RunSpec]) -> Iterable[RunSpec]:
-    """One spec of each world, settings and controller."""
+    """One spec of each world, settings and controller.
+
+    Raises PhysimError where two are called alike, or one by two names.
+    """
     if isinstance(specs, Grid):
         return specs.cells
-    return {one.label: one for one in specs}.values()
+    cells: dict[Label, RunSpec] = {}
+    names: dict[str, Label] = {}
+    for one in specs:
+        called = escaped(", ".join(filter(None, one.label)))
+        if cells.setdefault(one.label, one).identity != one.identity:
+            raise PhysimError(
+                f"two worlds are called {called}, though they, or the code that they run, are not "
+                "the same; give each a name or settings of its own, such as "
+                'spec_of(world, seed, settings="gain=0.1")'
+            )
+        if (known := names.setdefault(one.identity, one.label)) != one.label:
+            raise PhysimError(
+                f"{escaped(', '.join(filter(None, known)))} and {called} are the same world and "
+                "controller, so that their runs would be the same; leave one of them out"
+            )
+    return cells.values()
 
 
 def _membership(specs: Collection[RunSpec]) -> Callable[[Brief], bool]:

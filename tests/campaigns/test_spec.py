@@ -7,7 +7,9 @@ import subprocess
 import sys
 from dataclasses import replace
 from pathlib import Path
+from typing import Any, cast
 
+import numpy as np
 import pytest
 
 import physim
@@ -15,6 +17,7 @@ from physim.campaigns.grid import make_grid
 from physim.campaigns.one_run import run_one, simulation_of
 from physim.campaigns.sources import sources_of
 from physim.campaigns.spec import RunSpec, spec_of
+from physim.errors import PhysimError
 from physim.parts.registry import CONTROLLER
 from physim.simulation.run import record_run
 from physim.world.file import parse_world
@@ -46,6 +49,19 @@ def test_what_makes_another_run(here: Path, monkeypatch: pytest.MonkeyPatch) -> 
 def test_the_seed_of_the_world_is_no_part_of_it() -> None:
     one, other = parse_world(WORLD), parse_world(WORLD.replace("seed: 1", "seed: 5"))
     assert spec_of(one, 3) == spec_of(other, 3)
+
+
+@pytest.mark.parametrize("given", [
+    {"seed": -1}, {"seed": 1.5}, {"seed": True}, {"seed": "4"}, {"seed": 2**63},
+    {"settings": 5}, {"settings": "\udc00"}, {"name": 3}, {"limit": -1.0}, {"limit": float("nan")},
+])  # fmt: skip
+def test_what_no_row_could_hold_is_refused(given: dict[str, Any]) -> None:
+    """It would lock the folder that it is written to."""
+    world = parse_world(WORLD)
+    with pytest.raises(PhysimError, match=next(iter(given)).replace("name", "world")):
+        spec_of(world, **{"seed": 0, **given})
+    assert spec_of(world, cast("int", np.int64(3))) == spec_of(world, 3)
+    assert type(spec_of(world, cast("int", np.int64(3))).seed) is int
 
 
 def test_a_run_of_a_spec_is_that_of_its_world() -> None:

@@ -18,9 +18,11 @@ from physim.campaigns.grid import make_grid
 from physim.campaigns.one_run import run_one
 from physim.campaigns.processes import Processes
 from physim.campaigns.rows import Shards
+from physim.campaigns.spec import spec_of
 from physim.campaigns.sweep import Tally, runs, sweep
 from physim.errors import PhysimError
 from physim.record import Record
+from physim.world.file import parse_world
 from tests.campaigns import sample_jobs as sample
 from tests.campaigns.samples import WORLD, lines_on_disk, rows_in, specs, without_times
 
@@ -210,6 +212,21 @@ def test_the_folder_of_another_campaign_is_refused(two: Processes, tmp_path: Pat
     with pytest.raises(PhysimError, match="is a file"):
         sweep(specs(1), tmp_path / "file", two)
     assert lines_on_disk(out) == 1
+
+
+def test_worlds_that_cannot_be_told_apart_are_refused_before_a_run(
+    two: Processes, tmp_path: Path
+) -> None:
+    """Their rows would be in one cell, which no reader takes."""
+    world = parse_world(WORLD)
+    gains = [world.changed(arrival={"tolerance": far}) for far in (0.1, 0.2)]
+    asked = [[spec_of(one, 0) for one in gains], [spec_of(world, 0, name=name) for name in "ab"]]
+    for some, told in zip(asked, ("are called", "the same world"), strict=True):
+        with pytest.raises(PhysimError, match=told):
+            sweep(some, tmp_path / "campaign", two)
+        assert not (tmp_path / "campaign").exists()
+    named = (spec_of(one, 0, settings=f"far={k}") for k, one in enumerate(gains))
+    assert sweep(named, tmp_path / "campaign", two).done == 2
 
 
 def test_a_full_disk_loses_nothing_that_was_written(

@@ -143,28 +143,36 @@ import physim
 from pydantic import BaseModel
 
 
+class Layer(BaseModel):
+    weights: Path = Path("net.txt")
+
+
 class Weights(BaseModel):
-    weights: str = "none"
+    layers: list[Layer] = [Layer()]
 
 
 class Learned:
     Settings = Weights
 
     def __init__(self, settings):
-        self.v = float(Path(settings.weights).read_text())
+        self.v = float(settings.layers[0].weights.read_text())
 
     def decide(self, observation, memory):
         return physim.Decision(self.v, 0.0, 0.1), memory
 """
 
 
+@pytest.mark.parametrize("given", [(), ("--set", 'controller.layers=[{"weights": "net.txt"}]')])
 def test_a_file_that_settings_name_is_part_of_what_a_run_is(
-    capsys: Capture, monkeypatch: pytest.MonkeyPatch
+    capsys: Capture, monkeypatch: pytest.MonkeyPatch, given: tuple[str, ...]
 ) -> None:
-    """A network that is trained again is another: no cell holds runs of both."""
+    """A network that is trained again is another: no cell holds runs of both.
+
+    Whether the world names it, or the settings do by their defaults.
+    """
     monkeypatch.syspath_prepend(Path.cwd())
     Path("learned.py").write_text(LEARNED)
-    given = ("--controller", "learned:Learned", "--set", "controller.weights=net.txt")
+    given = ("--controller", "learned:Learned", *given)
     Path("net.txt").write_text("0.5")
     swept("a", capsys, *given)
     swept("a", capsys, *given)

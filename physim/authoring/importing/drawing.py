@@ -81,7 +81,7 @@ class Drawing:
     painted: list[Any] = field(default_factory=list)
     are_paths_named: bool = False
     """whether every path has a name: robots without one follow the nearest of those of others"""
-    is_one_way: bool = True
+    has_formation: bool = True
     """whether all robots go along the reference path, as a formation does"""
     facts: list[str] = field(default_factory=list)
     changes: list[str] = field(default_factory=list)

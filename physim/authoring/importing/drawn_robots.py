@@ -11,6 +11,7 @@ import shapely
 from physim.authoring.importing.drawing import Drawing, DrawnRobot, place, rounded
 from physim.authoring.importing.enclosure import HALF_WALL
 from physim.authoring.importing.fit import Fit
+from physim.authoring.importing.formation import no_formation
 from physim.authoring.importing.lanes import Lane, lane
 from physim.authoring.importing.lines import (
     Outline,
@@ -23,7 +24,6 @@ from physim.authoring.importing.lines import (
 )
 from physim.authoring.importing.outlines import footprint_of
 from physim.authoring.importing.path_starts import (
-    begun_lane,
     directions_at_ends,
     lap_from,
     robots_on,
@@ -32,13 +32,6 @@ from physim.authoring.importing.path_starts import (
 from physim.authoring.importing.robots import Placed, stop_stations
 from physim.geometry.shapes import FloatArray
 
-ALONG = (0.5, 1.6)
-"""[-] shares of its length that a path has at least and at most along the reference path, if a
-formation goes on it: outside and inside of bends, but not across one"""
-PARTS, BACK = 16, 0.25
-"""Parts of a path, and the share of its length by which none leads back along the reference path"""
-SPREAD = 1.0 / 3.0
-"""[-] share of a lap that its robots take up at most, from the last to the first, in a formation"""
 LEAST_WAY = 0.25
 """[-] share of the path that the robot that goes farthest goes at least"""
 FAR = 2.0
@@ -53,30 +46,18 @@ def as_drawn(drawing: Drawing, found: Fit) -> list[Placed]:
     """
     lanes = _lanes(drawing, found)
     robots = [_as_drawn(robot, drawing, found, lanes) for robot in drawing.robots]
-    others = [
-        robot.name
-        for robot in robots
-        if robot.name in drawing.paths and not _goes_along(found.reference, robot)
-    ]
     groups = _groups(drawing, found, robots)
-    are_spread = [_are_spread(line, some) for line, some in groups]
-    drawing.is_one_way = not others and not any(are_spread)
-    if others:
-        drawing.facts.append(
-            f"{others[0]} {'and others go' if len(others) > 1 else 'goes'} another way than the "
-            "reference path, elsewhere on it, or a far longer or shorter one: no formation, every "
-            "robot goes to the end of its own path"
-        )
-    if any(are_spread):
-        drawing.facts.append(
-            "robots stand all round the closed path: no formation, each of them drives a lap of "
-            "its own, back to where it starts"
-        )
-    if not drawing.is_one_way:
-        for (line, some), is_spread in zip(groups, are_spread, strict=True):
-            some[:] = (_on_own_laps if is_spread else _stopping_behind)(line, some, found.size)
-        changed = {one.name: one for _, some in groups for one in some}
-        robots = [changed[one.name] for one in robots]
+    is_lap = [is_closed(line) for line, _ in groups]
+    free: dict[str, Placed] = {}  # as they go without a formation
+    for (line, some), closed in zip(groups, is_lap, strict=True):
+        ways = (_on_own_laps if closed else _stopping_behind)(line, some, found.size)
+        free |= {one.name: one for one in ways}
+    alone = [free[one.name] for one in robots]
+    reason = "a path is closed" if any(is_lap) else no_formation(found, robots, alone)
+    drawing.has_formation = not reason
+    if reason:
+        drawing.facts.append(f"no formation: {reason}; {_ways_without(groups)}")
+        robots = alone
     drawing.changes[:0] = _hardly_moving(drawing, found, robots)
     return robots
 
@@ -84,30 +65,27 @@ def as_drawn(drawing: Drawing, found: Fit) -> list[Placed]:
 def _groups(
     drawing: Drawing, found: Fit, robots: list[Placed]
 ) -> list[tuple[FloatArray, list[Placed]]]:
-    """Each path that was drawn (n, 2) [m], with the robots on it or in lanes beside it."""
+    """Each path of robots (n, 2) [m], with those on it or in lanes beside it; s* in any case."""
     by_name = {one.name: one for one in robots}
     lines = {id(line): line for line in (found.reference, *drawing.paths.values())}
-    return [
+    groups = [
         (line, [by_name[one.name] for one in robots_on(drawing, line)]) for line in lines.values()
     ]
+    return [(line, some) for line, some in groups if some or line is found.reference]
 
 
 def _lanes(drawing: Drawing, found: Fit) -> dict[float, Lane]:
     """Lanes of robots without a path of their own, by how far [m] left of the path they stand."""
     outline = Outline(drawing.area)
-    centres: dict[float, list[FloatArray]] = {}  # of the robots of each
-    for robot in drawing.robots:
-        if robot.name not in drawing.paths:
-            centre, _ = stand_on(robot, found.reference, found.size)
-            centres.setdefault(_offset(found, centre), []).append(centre)
-    lanes = {}
-    for offset, some in sorted(centres.items()):
-        one = lane(found.reference, offset, outline, found.room, found.size, len(centres))
-        if is_closed(found.reference) and not one.is_plain:
-            begun = begun_lane(one.line, np.array(some), offset, found.size)
-            one = replace(one, line=begun)
-        lanes[offset] = one
-    return lanes
+    offsets = {
+        _offset(found, stand_on(robot, found.reference, found.size)[0])
+        for robot in drawing.robots
+        if robot.name not in drawing.paths
+    }
+    return {
+        offset: lane(found.reference, offset, outline, found.room, found.size, len(offsets))
+        for offset in sorted(offsets)
+    }
 
 
 def _stations(line: FloatArray, robots: list[Placed]) -> FloatArray:
@@ -115,11 +93,13 @@ def _stations(line: FloatArray, robots: list[Placed]) -> FloatArray:
     return np.array([station_of(line, np.array(one.pose[:2])) for one in robots])
 
 
-def _are_spread(line: FloatArray, robots: list[Placed]) -> bool:
-    """Whether robots stand all round a lap: in a formation the first of them would drive little."""
-    if not is_closed(line) or len(robots) < 2:
-        return False
-    return bool(_stations(line, robots).max() > SPREAD * length_of(line))
+def _ways_without(groups: list[tuple[FloatArray, list[Placed]]]) -> str:
+    """What robots do that have no formation."""
+    ways = {is_closed(line) for line, some in groups if some}
+    lap = "every robot on a closed path drives a lap of its own, back to where it starts"
+    if ways == {True, False}:
+        return f"{lap}, the others go to the ends of theirs"
+    return lap if ways == {True} else "every robot goes to the end of its own path"
 
 
 def _on_own_laps(line: FloatArray, robots: list[Placed], size: float) -> list[Placed]:
@@ -133,7 +113,7 @@ def _on_own_laps(line: FloatArray, robots: list[Placed], size: float) -> list[Pl
 def _hardly_moving(drawing: Drawing, found: Fit, robots: list[Placed]) -> list[str]:
     """What is said of paths of which no robot goes a good share, and why that is."""
     ends = [length_of(one.path) for one in robots]
-    if drawing.is_one_way:
+    if drawing.has_formation:
         poses = [one.pose for one in robots]
         ends = stop_stations(found.reference, [one.path for one in robots], poses).tolist()
     ways = {
@@ -145,7 +125,7 @@ def _hardly_moving(drawing: Drawing, found: Fit, robots: list[Placed]) -> list[s
     for line, group in _groups(drawing, found, robots):
         if not group or max(ways[one.name] for one in group) >= LEAST_WAY * length_of(line):
             continue
-        if not drawing.is_one_way:
+        if not drawing.has_formation:
             lead = group[int(np.argmax(_stations(line, group)))].name
         one = max(group, key=lambda one: (round(ways[one.name], 1), one.name != lead))
         said = f"WARNING: {one.name} goes {ways[one.name]:.2f} m of a path of "
@@ -159,27 +139,6 @@ def _hardly_moving(drawing: Drawing, found: Fit, robots: list[Placed]) -> list[s
             said += "without which it would go on"
         told.append(said)
     return told
-
-
-def _goes_along(reference: FloatArray, one: Placed) -> bool:
-    """Whether a robot's path leads along another as a formation measures it, not back or far less.
-
-    Of a lap also whether the robot stands near its beginning, not just before its joint, and does
-    not go on over it.
-    """
-    length, lap = length_of(one.path), length_of(reference)
-    points = points_at(one.path, np.linspace(0.0, length, PARTS + 1))
-    gains = np.diff([station_of(reference, point) for point in points])
-    begin = 0.0
-    if is_closed(reference):
-        gains = (gains + 0.5 * lap) % lap - 0.5 * lap
-        begin = station_of(reference, np.array(one.pose[:2]))
-    least, most = ALONG
-    gain = float(gains.sum())
-    if begin + gain > lap + lap / PARTS or begin > SPREAD * lap:
-        return False
-    is_forward = bool((gains > -BACK * length / PARTS).all())
-    return is_forward and least * length < gain < most * length
 
 
 def _stopping_behind(line: FloatArray, robots: list[Placed], size: float) -> list[Placed]:

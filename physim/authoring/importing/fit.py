@@ -7,6 +7,7 @@ speed. Angles, times and gains stay, so the scaled group moves as the large one 
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from math import hypot
 from pathlib import Path
@@ -15,10 +16,11 @@ from typing import Any
 import numpy as np
 import shapely
 
-from physim.authoring.importing.drawing import Drawing, Options, place, rounded
+from physim.authoring.importing.drawing import Drawing, DrawnRobot, Options, place, rounded
 from physim.authoring.importing.lines import (
     clearances,
     directions_at,
+    is_closed,
     length_of,
     points_at,
     samples,
@@ -26,6 +28,7 @@ from physim.authoring.importing.lines import (
     stretch,
 )
 from physim.authoring.importing.outlines import spans_of
+from physim.authoring.importing.path_area import MOST_TRIMMED, TOLD, check_inside, inside
 from physim.authoring.importing.path_starts import (
     begin_at_robots,
     follow_the_nearest,
@@ -47,16 +50,10 @@ STOP_ROOM = 1.3
 """[m] way that is left free ahead of a robot at the end of its path, at size 1: what it goes in
 `time_low` of the shipped controller, 1 s, at the formation's highest speed, 1.3 m/s"""
 SMALLEST = 0.01
-MOST_TRIMMED = 0.3
-"""[-] share of the path that may be left out at either end to get away from a wall"""
 UNLIKE = 1.5
 """[-] times as long as the shortest robot another is, if that is told"""
 DOUBTED = 0.1
 """[m] clearance below which, if there is no more anywhere, the scale is doubted"""
-SLIVER = 1e-6
-"""[m] of a path outside the area that are rounding"""
-TOLD = 0.01
-"""[m] of a path left out from which on it is told"""
 
 
 @dataclass(frozen=True)
@@ -87,7 +84,8 @@ def fit(path: Path, drawing: Drawing, options: Options) -> Fit:
         size = round(length_of_one / LENGTH, 2 if length_of_one > 0.2 else 4)
     if is_drawn:
         begin_at_robots(drawing, size)
-    way = _way(path, drawing, drawing.reference, size, "path")
+    on_it = robots_on(drawing, drawing.reference) if is_drawn else []
+    way = _way(path, drawing, drawing.reference, size, on_it, "path")
     if box is not None:
         room, ends = room_of(box), _ends_for(drawing, way, box, size)
     else:
@@ -121,22 +119,29 @@ class _Way:
     rear: float
 
 
-def _way(path: Path, drawing: Drawing, line: FloatArray, size: float, name: str) -> _Way:
+def _way(
+    path: Path,
+    drawing: Drawing,
+    line: FloatArray,
+    size: float,
+    robots: Sequence[DrawnRobot],
+    name: str,
+) -> _Way:
     """A path without what is outside at its ends; refused where it leaves the area otherwise."""
-    robots = [stand_on(one, line, size)[0] for one in robots_on(drawing, line)]
-    line = _inside(drawing, line, name)
+    places = [stand_on(one, line, size)[0] for one in robots]
+    line = inside(drawing, line, name)
     at = samples(length_of(line), min(0.1, length_of(line) / 500.0))
     gaps = clearances(points_at(line, at), coarse(drawing.area, GRAIN))
     doubt = "; check --scale" if gaps.max() < DOUBTED else ""
-    _check_inside(path, drawing, line, doubt, name)
-    rear = min((station_of(line, one) for one in robots), default=float("inf"))
+    check_inside(path, drawing, line, doubt, name)
+    rear = min((station_of(line, one) for one in places), default=float("inf"))
     return _Way(line, name, at, gaps, rear)
 
 
 def _own(path: Path, drawing: Drawing, line: FloatArray, size: float) -> FloatArray:
     """A path (n, 2) of robots drawn, as far as they can use it; refused as the reference is."""
     robots = robots_on(drawing, line)
-    way = _way(path, drawing, line, size, path_of(robots))
+    way = _way(path, drawing, line, size, robots, path_of(robots))
     width, length = np.max([spans_of(one.outline) for one in robots], axis=0).tolist()
     ends = _ends_for(drawing, way, (length, width), size)
     return _trimmed(path, drawing, way, ends, width, is_drawn=True)[0]
@@ -147,9 +152,11 @@ def _ends_for(
 ) -> tuple[int, int]:
     """First and last sample of a path between which a box (length, width) [m] has room.
 
-    Where robots stand it begins, whatever room there is.
+    Where robots stand it begins, whatever room there is, and their laps stay whole.
     """
     room, last = room_of(box), len(way.at) - 1
+    if is_closed(way.line) and way.rear < way.at[-1]:
+        return 0, last
     ends = _ends(way, room) or _ends(way, 0.5 * box[1]) or (0, last)
     for ahead in (max(_stop_way(box, size), END_ROOM * room), END_ROOM * room):
         last = _clear_end(drawing.area, way, room, ends, ahead)
@@ -189,55 +196,6 @@ def _trimmed(
                 f"{way.name} shortened by {left_out:.2f} m at its {name}, away from the boundary"
             )
     return rounded(stretch(way.line, float(at[first]), float(at[last]))), k
-
-
-def _check_inside(path: Path, drawing: Drawing, line: FloatArray, doubt: str, what: str) -> None:
-    """Refuse a path that leaves the area, where it does so first."""
-    whole = shapely.LineString(line)
-    beyond = whole.difference(drawing.area)
-    if beyond.length > whole.length - SLIVER:
-        message = f"all of the {what} lies outside the area of the reference path, beyond walls"
-        raise drawing.refused_at(path, f"{message}; lead it there", line[0], "path")
-    if beyond.length > SLIVER:
-        parts = shapely.get_parts(beyond)
-        ends = shapely.get_coordinates(parts[int(np.argmax(shapely.length(parts) > 0.0))])
-        where = ends[-1] if (ends[0] == line[0]).all() else ends[0]
-        wall = drawing.named(where, "boundary", "obstacle")
-        message = (
-            f"the {what} leaves the area{wall} at {place(where)}, or leads through a wall there"
-        )
-        raise drawing.refused_at(path, f"{message}; lead it around{doubt}", where, "path")
-
-
-def _inside(drawing: Drawing, reference: FloatArray, path: str) -> FloatArray:
-    """The path without what lies outside the area at either end, which is listed.
-
-    It stays as it is where more than ``MOST_TRIMMED`` of it would go.
-    """
-    line, length = shapely.LineString(reference), length_of(reference)
-    parts = shapely.get_parts(line.intersection(drawing.area))
-    pieces = [
-        shapely.get_coordinates(one)[[0, -1]] for one in parts[shapely.length(parts) > SLIVER]
-    ]
-    if not pieces:
-        return reference
-    within = shapely.points(np.vstack(pieces))
-    at = shapely.line_locate_point(line, within)
-    ends_inside = shapely.covers(drawing.area, shapely.points(reference[[0, -1]]))
-    begin = 0.0 if ends_inside[0] else float(at.min())
-    end = length if ends_inside[1] else float(at.max())
-    if max(begin, length - end) > MOST_TRIMMED * length or length - (end - begin) < SLIVER:
-        return reference
-    for what, station, left_out, side in (
-        ("enters", begin, begin, "before"),
-        ("leaves", end, length - end, "after"),
-    ):
-        if left_out > TOLD:
-            where = place(points_at(reference, station))
-            drawing.changes.append(
-                f"{path} {what} the area at {where}: the {left_out:.2f} m {side} that left out"
-            )
-    return stretch(reference, begin, end)
 
 
 def room_of(box: tuple[float, float]) -> float:

@@ -24,8 +24,7 @@ from physim.geometry.shapes import FloatArray
 from physim.geometry.thinning import simplified
 
 BEHIND = 0.1
-"""[m] at size 1: robots of a lap that are less far apart along it are abreast; it begins as far
-behind the last"""
+"""[m] at size 1: as far behind its robot a lap begins"""
 TOLD = 0.01
 """[m] by which a path begins earlier from which on it is told"""
 HOOK = 0.1
@@ -98,12 +97,10 @@ def directions_at_ends(line: FloatArray, size: float) -> tuple[FloatArray, Float
 def _begun(
     drawing: Drawing, line: FloatArray, robots: Sequence[DrawnRobot], size: float, what: str
 ) -> FloatArray:
-    """A path (n, 2) [m] that begins behind some robots; the same where it does."""
-    if not robots:
+    """A path (n, 2) [m] that begins behind some robots; the same where it does, and of a lap."""
+    if not robots or is_closed(line):
         return line
     centres = np.array([stand_on(one, line, size)[0] for one in robots])
-    if is_closed(line):
-        return _lap(drawing, line, centres, BEHIND * size, what)
     ahead, _ = directions_at_ends(line, size)
     away = [one - line[0] for one in centres if station_of(line, one) <= 0.0]
     behind = [-float(one @ ahead) for one in away]
@@ -133,42 +130,6 @@ def _begun(
     dx, dy = line[1] - line[0]
     is_straight = abs(float(ahead[0] * dy - ahead[1] * dx)) < 10.0**-DIGITS
     return np.vstack([begin, line[1 if is_straight else 0 :]])
-
-
-def _lap(
-    drawing: Drawing, line: FloatArray, centres: FloatArray, least: float, what: str
-) -> FloatArray:
-    """A closed path that begins ``least`` [m] behind the last of the robots (n, 2) on it.
-
-    That is the one behind which, all round, the longest way without another is.
-    """
-    length = length_of(line)
-    at = np.array([station_of(line, one) for one in centres])
-    gaps = (at[:, None] - at[None]) % length
-    gaps[(gaps < least) | (gaps > length - least)] = length  # abreast, or the robot itself
-    last = gaps.min(axis=1) >= gaps.min(axis=1).max() - least
-    first_of_last = at[last][0]
-    behind = (at[last] - first_of_last + least) % length  # of those abreast the rearmost
-    begin = float((first_of_last - least + behind.min() - least) % length)
-    if 0.0 < begin < length:
-        line = _from(line, begin)
-    drawing.changes.append(f"closed {what} begun at {place(line[0])}, where the last robot stands")
-    return line
-
-
-def begun_lane(line: FloatArray, centres: FloatArray, offset: float, size: float) -> FloatArray:
-    """The lane (n, 2) of a lap, ``offset`` [m] beside it, that begins behind its robots (k, 2) [m].
-
-    Beside a bend it is as long before a place as the path, or less: a robot there, just behind
-    the beginning, would be at the lane's end.
-    """
-    ring = _ring(line)
-    length = length_of(ring)
-    behind = length - np.array([station_of(ring, one) for one in centres])
-    near = behind[behind < abs(offset) + size]
-    if not near.size:
-        return line
-    return _from(ring, length - float(near.max()) - BEHIND * size)
 
 
 def lap_from(line: FloatArray, point: FloatArray, size: float) -> FloatArray:

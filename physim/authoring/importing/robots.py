@@ -113,7 +113,7 @@ def stop_warnings(
     drawing: Drawing, reference: FloatArray, robots: Sequence[Placed], size: float, are_drawn: bool
 ) -> list[str]:
     """Say which two robots stop so near each other that they may wait for ever; else nothing."""
-    gap, i, j = least_stop_gap(reference, robots, size, drawing.is_one_way)
+    gap, i, j = least_stop_gap(reference, robots, size, drawing.has_formation)
     if gap >= WAITING * size:
         return []
     mend = "draw them farther apart" if are_drawn else "fewer --robots or --lanes 1"

@@ -30,6 +30,7 @@ from physim.authoring.importing.drawing import (
     refused,
 )
 from physim.authoring.importing.enclosure import MOST_OBSTACLES, check_size
+from physim.authoring.importing.lines import Outline
 from physim.authoring.importing.ros_map_file import RosMap, read_map_file
 from physim.authoring.importing.source import read_image
 from physim.escaping import escaped
@@ -173,23 +174,36 @@ def _region(
 def _polygon(path: Path, region: Any) -> Any:
     """Exact outline of a region [cells], lower left corner of the map at (0, 0)."""
     padded = np.pad(region, 1)
-    rows, columns = np.nonzero(padded[1:, :] != padded[:-1, :])
-    flat = np.stack([columns - 1, rows, columns, rows], axis=1)
-    rows, columns = np.nonzero(padded[:, 1:] != padded[:, :-1])
-    steep = np.stack([columns, rows - 1, columns, rows], axis=1)
-    edges = np.vstack([flat, steep]).astype(np.float64)
-    if len(edges) > MOST_EDGES:
+    flat, steep = padded[1:, :] != padded[:-1, :], padded[:, 1:] != padded[:, :-1]
+    count = int(flat.sum() + steep.sum())
+    if count > MOST_EDGES:
         raise refused(
             path,
-            f"the outline of the free region has {len(edges)} edges, at most {MOST_EDGES} are "
-            "read; larger --specks or a smoother map",
+            f"the outline of the free region has {count} edges, at most {MOST_EDGES} are read; "
+            "larger --specks or a smoother map",
         )
-    faces = shapely.get_parts(shapely.polygonize(shapely.linestrings(edges.reshape(-1, 2, 2))))
+    sides = np.vstack([_sides(flat, steep), _sides(steep.T, flat.T)[:, :, ::-1]]).astype(np.float64)
+    faces = shapely.get_parts(shapely.polygonize(shapely.linestrings(sides)))
     inner = shapely.get_coordinates(shapely.point_on_surface(faces))
     column, row = (np.floor(inner[:, k]).astype(int) for k in (0, 1))
     own = faces[region[row, column]]
     # Cells of one region may meet at a corner: one polygon still, joined there.
     return max(own, key=shapely.area)
+
+
+def _sides(flat: Any, steep: Any) -> Any:
+    """(k, 2, 2) ends, column and row, of the straight sides that are flat, from corner to corner.
+
+    ``flat`` (R - 1, C) and ``steep`` (R, C - 1) say between which cells of a padded map there is an
+    edge.
+    """
+    corner = np.zeros((flat.shape[0], flat.shape[1] + 1), dtype=np.bool_)
+    corner[:, 1:-1] = steep[:-1] | steep[1:]  # a side ends where one of the others does
+    before = np.pad(flat[:, :-1], ((0, 0), (1, 0)))
+    after = np.pad(flat[:, 1:], ((0, 0), (0, 1)))
+    rows, first = np.nonzero(flat & (corner[:, :-1] | ~before))
+    _, last = np.nonzero(flat & (corner[:, 1:] | ~after))
+    return np.stack([np.stack([first - 1, rows], 1), np.stack([last, rows], 1)], axis=1)
 
 
 def _check_holes(path: Path, count: int) -> None:
@@ -229,20 +243,23 @@ def _on_grid(polygon: Any, grid: float) -> Any:
 
 
 def _simple_ring(ring: Any, tolerance: float) -> Any:
-    """Ring with fewer corners; a small one keeps its area, with a smaller tolerance."""
-    exact = shapely.Polygon(ring)
-    for share in (1.0, 0.5, 0.25):
-        simple = shapely.simplify(exact, share * tolerance, preserve_topology=True)
-        if abs(simple.area - exact.area) <= MOST_LOST * exact.area:
-            return simple.exterior
+    """Ring with fewer corners, within a tolerance; a small one keeps its area, with a smaller."""
+    points = shapely.get_coordinates(ring)[:-1]
+    points = np.roll(points, -int(np.lexsort(points.T)[0]), axis=0)
+    far = int(np.argmax(np.hypot(*(points - points[0]).T)))
+    halves = points[: far + 1], np.vstack([points[far:], points[:1]])
+    area = shapely.Polygon(points).area
+    for share in (1.0, 0.5, 0.25):  # by halves: a ring's own beginning would move farther
+        some = [shapely.simplify(shapely.LineString(half), share * tolerance) for half in halves]
+        simple = np.vstack([shapely.get_coordinates(half)[:-1] for half in some])
+        if len(simple) > 2 and abs(shapely.Polygon(simple).area - area) <= MOST_LOST * area:
+            return shapely.LinearRing(simple)
     return shapely.simplify(ring, 0.0)
 
 
 def _farthest(a: Any, b: Any) -> float:
     """[m] Largest distance of a corner of ``a`` to the outline of ``b``."""
-    edge = b.boundary
-    shapely.prepare(edge)
-    return float(shapely.distance(edge, shapely.points(shapely.get_coordinates(a))).max())
+    return float(Outline(b).distances(shapely.points(shapely.get_coordinates(a))).max())
 
 
 def read_ros_map(path: Path, options: Options) -> Drawing:

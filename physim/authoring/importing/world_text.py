@@ -56,7 +56,7 @@ def world_text(
     for robot in robots:
         anchor = _anchor(robot, robots, named) if robot.offset is None else ""
         lines += _robot(robot, found.size, anchor)
-    lines += _control(found.size, drawing.is_one_way)
+    lines += _control(found.size, drawing.has_formation)
     return "\n".join(lines) + "\n"
 
 

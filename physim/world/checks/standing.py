@@ -54,7 +54,7 @@ def stops(laid: PartialLayout) -> list[Stop]:
 
 def stop_stations(laid: PartialLayout) -> dict[int, float]:
     """Stations [m] at which robots are to stop, by number; empty where these are not known."""
-    lead = _leads(laid)
+    lead = leads(laid)
     if lead is None:
         return {}
     length = Shared(lambda path: float(shapely.LineString(path).length))
@@ -81,7 +81,7 @@ def reached(laid: PartialLayout) -> dict[int, tuple[float, float]]:
     return {i: (min(start[i], ends[i]), ends[i]) for i in laid.paths}
 
 
-def _leads(laid: PartialLayout) -> FloatArray | None:
+def leads(laid: PartialLayout) -> FloatArray | None:
     """Leads (N,) [m] in the formation; None where they are not known."""
     plan, count = laid.world.formation, len(laid.world.robots)
     if plan is None:

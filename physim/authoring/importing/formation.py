@@ -1,0 +1,86 @@
+"""Whether robots on their paths are a formation: measured along the reference path, as in a run."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import shapely
+
+from physim.authoring.importing.fit import Fit
+from physim.authoring.importing.lines import length_of, station_of
+from physim.authoring.importing.robots import Placed, shape_at, stop_stations
+from physim.geometry.polygon import circumscribed_radius
+from physim.geometry.shapes import FloatArray
+from physim.world.checks.measured import MOST_OFF, measured
+
+ALONG = (0.5, 1.6)
+"""[-] times its own way that a robot comes forward along the reference path, if a formation goes on
+it: outside and inside of bends, but not across one"""
+BACK = 2.0
+"""[m] at size 1 that it comes back along it on its way at most"""
+SHARE = 0.5
+"""[-] share of its way that a formation leaves a robot at least"""
+
+
+def no_formation(found: Fit, robots: list[Placed], alone: list[Placed]) -> str:
+    """Why robots on open paths are none, which each would do better without; empty if they are.
+
+    ``alone`` are the same as they go without one.
+    """
+    ways = _Ways.of(found, robots)
+    if ways is None:
+        return "the paths are too long to be followed"
+    if reason := ways.astray(found, robots):
+        return reason
+    for one, other, way, begin in zip(robots, alone, ways.way, ways.begin, strict=True):
+        free = length_of(other.path) - begin
+        if way < SHARE * free:
+            return f"in one, {one.name} would go {max(way, 0.0):.2f} m of its way of {free:.2f} m"
+    off = float(np.ptp(ways.gain))
+    if off > MOST_OFF * length_of(found.reference):
+        return f"at their stops it would be {off:.2f} m off, measured along the reference path"
+    return ""
+
+
+def astray(found: Fit, robots: list[Placed]) -> str:
+    """Which of the robots of a formation goes another way than the reference path; or empty."""
+    ways = _Ways.of(found, robots)
+    return "" if ways is None else ways.astray(found, robots)
+
+
+@dataclass(frozen=True)
+class _Ways:
+    """Where each of N robots begins on its path, how far it goes on it to its stop, how far it
+    comes along the reference path then, and how far back on that at most; (N,) [m] each."""
+
+    begin: FloatArray
+    way: FloatArray
+    gain: FloatArray
+    back: FloatArray
+
+    @classmethod
+    def of(cls, found: Fit, robots: list[Placed]) -> _Ways | None:
+        """Those of a formation; None where they are too long to be followed."""
+        lines, poses = [one.path for one in robots], np.array([one.pose for one in robots])
+        stops = stop_stations(found.reference, lines, [one.pose for one in robots])
+        origin = (0.0, 0.0, 0.0)
+        shapes = [shapely.get_coordinates(shape_at(one.footprint, origin)) for one in robots]
+        radius = np.array([circumscribed_radius(shape) for shape in shapes])
+        there = measured(lines, found.reference, poses, radius, stops)
+        if there is None:
+            return None
+        start = [station_of(found.reference, point) for point in poses[:, :2]]
+        begin = [station_of(*one) for one in zip(lines, poses[:, :2], strict=True)]
+        return cls(np.array(begin), stops - begin, there[0] - start, there[1])
+
+    def astray(self, found: Fit, robots: list[Placed]) -> str:
+        """Which robot comes back along the reference path, or hardly or too far along it."""
+        least, most = ALONG
+        for one, way, gain, back in zip(robots, self.way, self.gain, self.back, strict=True):
+            if way > found.size and not least * way < gain < most * way:
+                said = f"on its way of {way:.2f} m, {one.name} comes {abs(gain):.2f} m "
+                return f"{said}{'forward' if gain > 0.0 else 'back'} along the reference path"
+            if back > BACK * found.size:
+                return f"{one.name} comes back along the reference path by {back:.2f} m on its way"
+        return ""

@@ -1,0 +1,117 @@
+"""The formation as it will be measured: where robots are along the reference path at their stops.
+
+A run follows the station of a robot along the reference path from step to step, from the nearest
+point of all at the start. Where paths come back beside themselves, end elsewhere or leave out a
+part of the reference path, what is measured at the stops may be far from what is wanted there.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from physim.geometry.polygon import circumscribed_radius
+from physim.geometry.shapes import FloatArray, pack_polylines
+from physim.geometry.tracking import Tracking
+from physim.world.checks.findings import Diagnostics
+from physim.world.checks.spacing import name_of
+from physim.world.checks.standing import leads, stop_stations
+from physim.world.layout.layout import PartialLayout
+
+STEP = 0.25
+"""[m] from place to place, of which a projection looks as far as a metre"""
+MOST_PLACES = 20_000_000
+"""Places of all robots that are followed: seconds"""
+AT_ONCE = 500_000
+"""of them at a time, which bounds memory"""
+MOST_OFF = 0.1
+"""[-] share of the reference path by which a formation may be off at the stops, untold: lanes
+beside bends are off by less"""
+
+
+def check_measured(laid: PartialLayout, found: Diagnostics) -> None:
+    """Warn of a formation that is far off where all its robots have driven to their stops."""
+    if laid.world.formation is None or laid.reference is None or laid.faults:
+        return
+    if any(
+        fault.location[:1] in (("formation",), laid.reference_key[:1]) for fault in found.errors
+    ):
+        return
+    lead, stop = leads(laid), stop_stations(laid)
+    count = len(laid.world.robots)
+    if not count or lead is None or len(stop) < count or len(laid.footprints) < count:
+        return
+    robots = range(count)
+    radius = np.array([circumscribed_radius(laid.footprints[i]) for i in robots])
+    stops = np.array([stop[i] for i in robots])
+    paths = [laid.paths[i] for i in robots]
+    found_there = measured(paths, laid.reference, laid.start, radius, stops)
+    if found_there is None:
+        return
+    at = found_there[0]
+    off = at - lead
+    low, high = int(np.argmin(off)), int(np.argmax(off))
+    length = float(np.hypot(*np.diff(laid.reference, axis=0).T).sum())
+    if off[high] - off[low] <= MOST_OFF * length:
+        return
+    middle = np.median(off)
+    worst = low if middle - off[low] > off[high] - middle else high
+    if any(fault.location in map(laid.path_key, (low, high)) for fault in found.warnings):
+        return  # from which it follows
+    found.warn(
+        laid.path_key(worst),
+        f"as they drive to their stops, {name_of(laid, low)} comes to station {at[low]:.2f} m of "
+        f"the reference path and {name_of(laid, high)} to {at[high]:.2f} m, and the formation will "
+        f"be {off[high] - off[low]:.4g} m off there; let their paths lead along the reference path "
+        "to its end, and begin nearer to where it does than to any other part of it",
+    )
+
+
+def measured(
+    paths: list[FloatArray],
+    reference: FloatArray,
+    start: FloatArray,
+    radius: FloatArray,
+    stops: FloatArray,
+) -> tuple[FloatArray, FloatArray] | None:
+    """Stations (N,) [m] on ``reference`` (n, 2) at which robots are measured at their stops.
+
+    And how far (N,) [m] each comes back along it on its way at most. Each of N robots drives along
+    its own path from its pose ``start`` (N, 3) [m, rad] to its stop station ``stops`` (N,) [m], all
+    at the same share of their ways, and is followed as in a run; ``radius`` (N,) [m] are the
+    circumscribed ones. None where the ways are too long to be followed.
+    """
+    packed = pack_polylines(paths)
+    tracking = Tracking(packed, pack_polylines([reference]), radius, start)
+    own = np.split(packed.station, packed.start[1:-1])
+    lines = list(zip(own, paths, strict=True))
+    begin = tracking.station
+    end = np.maximum(stops, begin)
+    beside = start[:, :2] - _places(lines, begin[None])[0]
+    away = np.hypot(*beside.T)
+    count = int(np.ceil(max(float((end - begin).max()), float(away.max())) / STEP)) + 1
+    if count * len(paths) > MOST_PLACES:
+        return None
+    block = max(1, AT_ONCE // len(paths))
+    foremost, back = tracking.reference_station, np.zeros(len(paths))
+    for first in range(0, count, block):
+        step = np.arange(first, min(first + block, count))[:, None] + 1
+        places = _places(lines, begin + step / count * (end - begin))
+        left = np.maximum(1.0 - step * STEP / np.maximum(away, STEP), 0.0)  # until on its path
+        poses = np.zeros((*places.shape[:2], 3))
+        poses[:, :, :2] = places + left[..., None] * beside
+        course = tracking.course(poses)[:, :, 2]
+        ahead = np.maximum.accumulate(np.concatenate([foremost[None], course]))
+        back = np.maximum(back, (ahead[1:] - course).max(axis=0))
+        foremost = ahead[-1]
+    return tracking.reference_station, back
+
+
+def _places(lines: list[tuple[FloatArray, FloatArray]], at: FloatArray) -> FloatArray:
+    """Places (K, N, 2) [m] of paths, each with its stations, at stations (K, N) [m]."""
+    return np.stack(
+        [
+            np.stack([np.interp(some, own, path[:, k]) for k in (0, 1)], axis=-1)
+            for (own, path), some in zip(lines, at.T, strict=True)
+        ],
+        axis=1,
+    )

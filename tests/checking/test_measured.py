@@ -1,0 +1,110 @@
+"""The formation as a run will measure it at the stops, foretold and driven."""
+
+from __future__ import annotations
+
+from math import pi
+from pathlib import Path
+
+import numpy as np
+import pytest
+import shapely
+
+from physim import simulate
+from physim.record.course import followed
+from physim.world.checks import measured as measuring
+from physim.world.file import parse_world
+from physim.world.layout.scene_builder import build_scene
+from tests.checking.worlds import check, lines, with_facts
+
+HAIRPIN = [[2, 3], [40, 3], [40, 6], [2, 6]]
+
+
+def world(own: list[list[float]], y: float, formation: bool = True) -> str:
+    """Robot r1 on a hairpin path whose legs are 3 m apart, r2 on a path of its own."""
+    x, _ = own[0]
+    return (
+        "name: hairpin\ntime: {step: 0.02, duration: 150.0}\n"
+        "boundaries: [[[-4, -4], [46, -4], [46, 13], [-4, 13], [-4, -4]]]\n"
+        f"reference_path: {HAIRPIN}\n"
+        + "formation: {gain: 0.05, limits: [0.8, 1.3]}\n"
+        * formation
+        + "robots:\n"
+        "  - {name: r1, footprint: {length: 1.0, width: 0.6}, pose: [6, 3, 0],\n"
+        "     path: {offset: 0}}\n"
+        f"  - {{name: r2, footprint: {{length: 1.0, width: 0.6}}, pose: [{x}, {y}, 0],\n"
+        f"     path: {own}}}\n"
+        "controller: {type: path_following}\n"
+    )
+
+
+BESIDE = [[2, 1.5], [41.5, 1.5], [41.5, 7.5], [2, 7.5]]
+WRONG_LEG = [[2, 4.8], [38, 4.8]]
+"""nearer to the second leg: at its beginning it is at the reference path's end"""
+HALF = [[2, 1.5], [38, 1.5]]
+
+
+@pytest.mark.parametrize(("own", "off"), [(BESIDE, 0.0), (WRONG_LEG, 36.0), (HALF, 43.0)])
+def test_what_will_be_off_is_told(tmp_path: Path, own: list[list[float]], off: float) -> None:
+    text = world(own, own[0][1])
+    told = with_facts(lines(check(tmp_path, text))[1], "r1", "station", "the formation will be")
+    assert bool(told) == (off > 0.0)
+    if told:
+        scene = build_scene(parse_world(text))
+        assert f"{np.ptp(_at_stops(text) - scene.formation.lead):.4g} m off" in told[0]
+        assert np.ptp(_at_stops(text) - scene.formation.lead) == pytest.approx(off, abs=0.5)
+    alone = lines(check(tmp_path, world(own, own[0][1], formation=False)))[1]
+    assert not [line for line in alone if "as they drive" in line]
+
+
+def _at_stops(text: str) -> np.ndarray:
+    scene = build_scene(parse_world(text))
+    paths = [
+        scene.paths.points[a:b]
+        for a, b in zip(scene.paths.start[:-1], scene.paths.start[1:], strict=True)
+    ]
+    found = measuring.measured(
+        paths, scene.reference.points, scene.start, scene.shapes.radius, scene.stop_station
+    )
+    assert found is not None
+    return found[0]
+
+
+@pytest.mark.parametrize("own", [BESIDE, HALF])
+def test_and_it_is_so_in_a_run(own: list[list[float]]) -> None:
+    """Where the robots have arrived: within the tolerance of that."""
+    text = world(own, own[0][1])
+    with simulate(parse_world(text)) as record:
+        assert (record.arrived >= 0).all()
+        last = followed(record)[-1, :, 2]
+    assert last == pytest.approx(_at_stops(text), abs=0.3)
+
+
+def test_ways_are_followed_over_every_turn() -> None:
+    """On a spiral whose turns are 1.6 m apart, against its own stations."""
+    turns = np.linspace(0.0, 6.0 * pi, 400)
+    spiral = np.stack(
+        [(4.0 + 0.25 * turns) * np.cos(turns), (4.0 + 0.25 * turns) * np.sin(turns)], 1
+    )
+    whole = shapely.LineString(spiral).length
+    start = np.array([[*spiral[0], 0.0], [*spiral[20], 0.0]])
+    radius, stops = np.full(2, 0.5), np.array([whole, whole - 7.0])
+    found = measuring.measured([spiral, spiral], spiral, start, radius, stops)
+    assert found is not None
+    assert found[0] == pytest.approx(stops, abs=1e-6)
+    assert found[1] == pytest.approx(0.0, abs=1e-6)
+
+
+def test_what_comes_back_is_known() -> None:
+    way = np.array([[0.0, 0.0], [30.0, 0.0]])
+    own = np.array([[0.0, 1.0], [20.0, 1.0], [20.0, 2.0], [12.0, 2.0], [12.0, 3.0], [30.0, 3.0]])
+    start = np.array([[0.0, 1.0, 0.0]])
+    found = measuring.measured([own], way, start, np.array([0.5]), np.array([48.0]))
+    assert found is not None
+    assert found[0] == pytest.approx([30.0], abs=0.3)
+    assert found[1] == pytest.approx([8.0], abs=0.3)
+
+
+def test_ways_too_long_to_be_followed_are_not() -> None:
+    far = np.array([[0.0, 0.0], [measuring.MOST_PLACES * measuring.STEP, 0.0]])
+    args = np.zeros((1, 3)), np.array([0.5]), np.array([far[1, 0]])
+    assert measuring.measured([far], far, *args) is None

@@ -1,4 +1,4 @@
-"""Where paths begin for robots that are drawn: behind those that wait for them, laps at the last.
+"""Where paths begin for robots that are drawn: behind those that wait for them, laps at each.
 
 A formation measures its distances along the path, so that all of it must begin before any robot.
 """

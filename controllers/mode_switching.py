@@ -45,7 +45,14 @@ from .priority import Bodies, considered
 from .safe_area import is_outside, safe_target
 from .settings import ModeSwitchingSettings, Rules
 from .switching import DISTANCE, SAFE, next_mode, update_interval
-from .world_checks import omega_faults, range_doubts, speed_doubts, speed_faults, stop_doubts
+from .world_checks import (
+    omega_faults,
+    range_doubts,
+    sense_doubts,
+    speed_doubts,
+    speed_faults,
+    stop_doubts,
+)
 
 if TYPE_CHECKING:
     from physim.world import Robot, World
@@ -260,13 +267,14 @@ class ModeSwitching:
         return speed_faults(self.settings, world, where)
 
     def world_doubts(self, world: World, where: Location) -> list[Fault]:
-        """Doubt speeds out of reach, stops short of arrival, too short a sensing range."""
+        """Doubt speeds out of reach, stops short of arrival, too short a range, blind followers."""
         settings = self.settings
         may_stand = world.formation is None or settings.reverse_in_safe_mode
         return [
             *speed_doubts(settings, world, where),
             *stop_doubts(settings, world, may_stand),
             *range_doubts(settings, world),
+            *sense_doubts(settings, world),
         ]
 
     def decide(self, observation: Observation, memory: Any) -> Decision:

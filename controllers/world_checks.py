@@ -6,7 +6,10 @@ from collections.abc import Iterator, Mapping, Sequence
 from math import ceil, hypot
 from typing import TYPE_CHECKING
 
+import shapely
+
 from physim.errors import Fault, Location, plural
+from physim.world.faults import describe
 
 from .settings import ModeSwitchingSettings
 
@@ -116,6 +119,37 @@ def range_doubts(settings: ModeSwitchingSettings, world: World) -> list[Fault]:
         f"{why}; set it to at least {ceil(needed * 10.0) / 10.0:g} m"
     )
     return [Fault(where, message)]
+
+
+def sense_doubts(settings: ModeSwitchingSettings, world: World) -> list[Fault]:
+    """Warn of robots that follow each other against the reference path: the one behind is blind.
+
+    Priority goes by stations along it: who drives against it is behind the one that follows.
+    """
+    if settings.avoidance == "none" or not world.reference:
+        return []
+    reference = shapely.LineString(world.reference)
+    against = {}
+    for i, robot in enumerate(world.robots):
+        if isinstance(robot.path, Sequence) and robot.path[0] != robot.path[-1]:
+            first, last = (reference.project(shapely.Point(robot.path[k])) for k in (0, -1))
+            if last < first:
+                against[i] = shapely.LineString(robot.path)
+    lines, numbers = list(against.values()), list(against)
+    widths = [2.0 * max(hypot(x, y) for x, y in world.robots[i].outline) for i in numbers]
+    for k, (line, width) in enumerate(zip(lines, widths, strict=True)):
+        beside = line.buffer(width, quad_segs=2)
+        for m in shapely.STRtree(lines).query(line, predicate="dwithin", distance=width).tolist():
+            if m != k and lines[m].intersection(beside).length > 4.0 * width:
+                one, other = (world.robots[numbers[j]].name for j in sorted((k, m)))
+                message = (
+                    f"{describe(one)} and {describe(other)} drive the same way against the "
+                    "reference path, along which this controller settles who looks out for whom: "
+                    "the one behind does not see the one before it; lead the reference path their "
+                    "way, if others do not need it more"
+                )
+                return [Fault((*world.entry_of(numbers[min(k, m)]), "path"), message)]
+    return []
 
 
 def _needs(settings: ModeSwitchingSettings, world: World) -> Iterator[tuple[float, str]]:

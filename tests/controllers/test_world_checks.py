@@ -181,3 +181,44 @@ def test_a_head_on_meeting_at_the_needed_range_is_seen_in_time():
 def test_no_shipped_world_is_doubted(name):
     keys = {"sensing.range", "formation.range", "arrival.tolerance", "controller.arrival_tolerance"}
     assert keys.isdisjoint(said(check_world(name)))
+
+
+# The way the reference path leads
+
+FOLLOWING = """\
+name: following
+time: {step: 0.02, duration: 12.0}
+corridor: {centreline: CENTRELINE, width: 7.0}
+robots:
+  - {name: front, footprint: {length: 1.2, width: 0.7}, pose: [30, 0, 3.1416],
+     path: [[38, 0], [2, 0]], limits: {v: 0.4}}
+  - {name: rear, footprint: {length: 1.2, width: 0.7}, pose: [34, 0, 3.1416],
+     path: [[38, 0], [6, 0]]}
+"""
+EAST, WEST = "[[0, 0], [40, 0]]", "[[40, 0], [0, 0]]"
+
+
+@pytest.mark.parametrize("centreline", [EAST, WEST])
+def test_who_follows_against_the_reference_path_is_blind(tmp_path, centreline):
+    """Told where it is so, and only there: the run has a contact."""
+    text = FOLLOWING.replace("CENTRELINE", centreline)
+    told = checked(tmp_path, text)
+    with physim.simulate(parse_world(text)) as record:
+        hit = bool(len(record.contacts))
+    assert hit == (centreline == EAST)
+    assert ("against the reference path" in str(said(told))) == hit
+    assert '"front" and "rear"' in str(said(told)) or not hit
+
+
+def test_others_against_the_reference_path_are_not_told(tmp_path):
+    """One alone, two that cross or go another way, and who does not look out at all."""
+    text = FOLLOWING.replace("CENTRELINE", EAST)
+    beside = text.replace("[38, 0], [6", "[36, 1], [6")
+    for one in (text, beside):
+        assert "same way" in str(said(checked(tmp_path, one)))
+    lone = text.replace("path: [[38, 0], [6, 0]]", "path: {offset: 2}")
+    lone = lone.replace("[34, 0, 3.1416]", "[4, 2, 0]")
+    crossing = text.replace("[[38, 0], [6, 0]]", "[[34, 3], [33, -3]]")
+    for one in (lone, crossing):
+        assert "same way" not in str(said(checked(tmp_path, one)))
+    assert "same way" not in str(said(checked(tmp_path, text, "controller.avoidance=none")))

@@ -488,6 +488,35 @@ def test_a_lap_drawn_a_grain_too_short_is_closed(tmp_path: Path) -> None:
     assert min(_ways(made)) == pytest.approx(76.0, abs=0.3)
 
 
+@pytest.mark.parametrize("lap", [LOOP, [(0, 0), (24, 0), (18, 12), (0, 0)]])
+@pytest.mark.parametrize("spot", [(-1.5, -1.5), (-2.1, -0.5), (1.5, 1.2), (0.0, -2.0)])
+def test_a_lap_goes_round_its_joint_as_round_any_corner(
+    tmp_path: Path, lap: list[Any], spot: tuple[float, float]
+) -> None:
+    """Wherever it was drawn from, a robot about that corner is on the same lap beside it."""
+    ways = []
+    for begin in range(len(lap) - 1):
+        ring = [*lap[begin:-1], *lap[:begin], lap[begin]]
+        parts = [("boundary", shapely.box(-9, -9, 33, 23)), ("path", shapely.LineString(ring)),
+                 ("robot a", box(*spot, 1.0, 0.6))]  # fmt: skip
+        made = import_world(geojson(tmp_path, parts))
+        free_area(made, tmp_path)
+        (path,) = _paths(made)
+        ways.append(shapely.LineString(path))
+        assert np.hypot(*(path[[0, -1]] - spot).T).max() < 1.5  # at the tip of a corner
+    for way in ways[1:]:
+        assert way.hausdorff_distance(ways[0]) < 0.3
+
+
+def test_a_lap_with_a_narrow_joint_stays_whole(tmp_path: Path) -> None:
+    """It begins elsewhere: no wall is ahead at its end."""
+    parts = [("boundary", shapely.box(-6, -6, 30, 20)), ("path", shapely.LineString(LOOP)),
+             ("obstacle", shapely.box(-2.2, -2.2, -1, -1)), ("robot a", box(12, 0))]  # fmt: skip
+    made = import_world(geojson(tmp_path, parts))
+    free_area(made, tmp_path)
+    assert _ways(made) == pytest.approx([76.0], abs=0.3)
+
+
 def test_robots_of_one_lane_have_one_path(tmp_path: Path) -> None:
     """Which is made once, and as finely as a lane of its own."""
     robots = [(f"robot r{k}", box(4 + 3 * k, 7)) for k in range(7)]

@@ -129,6 +129,23 @@ def test_map_outlines_are_within_the_tolerance(
     assert apart(outline(world), office().boundary) <= limit
 
 
+@pytest.mark.parametrize("seed", range(12))
+def test_ragged_outlines_are_within_the_tolerance(tmp_path: Path, seed: int) -> None:
+    """Wherever the ring of cells begins; by the edges of the cells themselves."""
+    draw = np.random.default_rng(seed)
+    free = np.zeros((70, 90), dtype=np.bool_)
+    free[8:62, 8:82] = True
+    ragged = draw.random(free.shape) < 0.3
+    for axis, side in ((0, 7), (0, 62), (1, 7), (1, 82)):
+        row = free[side, 8:82] if axis == 0 else free[8:62, side]
+        row |= ragged[side, 8:82] if axis == 0 else ragged[8:62, side]
+    path = write_map(tmp_path, free, (0.0, 0.0))
+    rows, columns = np.nonzero(free[::-1])
+    cells = shapely.box(columns * CELL, rows * CELL, (columns + 1) * CELL, (rows + 1) * CELL)
+    made = outline(import_world(path, ONE).world)
+    assert apart(made, shapely.union_all(cells).boundary) <= CELL + ROUNDED
+
+
 def test_map_that_lies_along_cells_comes_back_exactly(tmp_path: Path) -> None:
     plan = shapely.box(0, 0, 12, 8).difference(shapely.box(5, 3, 6, 5))
     free, corner = free_cells(plan)

@@ -433,3 +433,19 @@ def test_a_document_type_ends_where_it_ends(tmp_path: Path) -> None:
     kind = '<!DOCTYPE svg PUBLIC "-//W3C//DTD SVG 1.1//EN" "svg11.dtd">\n'
     path.write_text(kind + svg(f"{WALLS}<style><![CDATA[.a{{x-y:50%z;fill:red}}]]></style>{PATH}"))
     assert import_world(path, Options(scale=1.0)).world.boundaries
+
+
+@pytest.mark.parametrize("what", [
+    '<use href="#nope"/>', "<use/>", '<linearGradient id="q"/><use href="#q"/>',
+])  # fmt: skip
+def test_a_copy_of_nothing_is_told(tmp_path: Path, what: str) -> None:
+    """An obstacle may be missing for it."""
+    body = f'<path id="boundary" d="M 0,0 H 40 V 20 H 0 Z"/><g id="obstacle">{what}</g>'
+    path = tmp_path / "plan.svg"
+    path.write_text(svg(body, 'viewBox="0 0 40 20"'))
+    made = import_world(path, Options(scale=1.0))
+    assert [one for one in made.changes if "is nothing drawn in this file" in one]
+    hidden = body.replace("<use", '<use display="none"')
+    path.write_text(svg(hidden, 'viewBox="0 0 40 20"'))
+    made = import_world(path, Options(scale=1.0))
+    assert not [one for one in made.changes if "is nothing drawn in this file" in one]

@@ -82,8 +82,10 @@ def _lanes(drawing: Drawing, found: Fit) -> dict[float, Lane]:
         for robot in drawing.robots
         if robot.name not in drawing.paths
     }
+    reference, room, size = found.reference, found.room, found.size
+    is_ring = is_closed(reference)
     return {
-        offset: lane(found.reference, offset, outline, found.room, found.size, len(offsets))
+        offset: lane(reference, offset, outline, room, size, len(offsets), is_ring)
         for offset in sorted(offsets)
     }
 
@@ -213,7 +215,7 @@ def _beside(line: FloatArray, point: FloatArray, size: float) -> float:
     station = station_of(line, point)
     x, y = point - points_at(line, station)
     end = length_of(line)
-    if 0.0 < station < end:
+    if 0.0 < station < end or is_closed(line):
         tx, ty = directions_at(line, station, 1e-6 * end)
         return hypot(x, y) if tx * y - ty * x >= 0.0 else -hypot(x, y)
     tx, ty = directions_at_ends(line, size)[int(station > 0.0)]

@@ -74,16 +74,23 @@ class Lane:
 
 
 def lane(
-    reference: FloatArray, offset: float, outline: Outline, room: float, size: float, lanes: int
+    reference: FloatArray,
+    offset: float,
+    outline: Outline,
+    room: float,
+    size: float,
+    lanes: int,
+    is_ring: bool = False,
 ) -> Lane:
     """Lane ``offset`` [m] beside the reference path with clearance ``room`` [m] where there is.
 
     Where there is not, it is drawn in towards the reference path, and, where that has not the room
-    either, over to its other side. It is one of so many ``lanes``, which share the work.
+    either, over to its other side. It is one of so many ``lanes``, which share the work; of a lap
+    that robots begin anywhere on it goes round the joint as round any corner (``is_ring``).
     """
     if offset == 0.0:
         return Lane(reference, 0.0, True, 0.0)
-    plain = _plain(reference, offset, outline, room)
+    plain = _plain(reference, offset, outline, room, is_ring)
     if plain is not None:
         return Lane(plain, offset, True, abs(offset))
     length = length_of(reference)
@@ -192,13 +199,17 @@ def _outward(
 
 
 def _plain(
-    reference: FloatArray, offset: float, outline: Outline, room: float
+    reference: FloatArray, offset: float, outline: Outline, room: float, is_ring: bool
 ) -> FloatArray | None:
     """The mitred offset line, where it neither folds nor comes too near a wall; None otherwise."""
+    more = [reference[-2:-1], reference, reference[1:2]] if is_ring else [reference]
+    whole = np.vstack(more)
     try:
-        line = offset_polyline(reference, np.full(len(reference), offset))
+        line = offset_polyline(whole, np.full(len(whole), offset))
     except ValueError:
         return None
+    if is_ring:
+        line = np.vstack([line[1:-2], line[1]])  # closed, but for rounding
     along = (np.diff(line, axis=0) * np.diff(reference, axis=0)).sum(axis=1)
     if (along <= 0.0).any() or not shapely.LineString(line).is_simple:
         return None

@@ -75,6 +75,8 @@ class _Guard:
         self.path = path
         self.look = SvgLook()
         self.elements: dict[str, Element] = {}
+        self.uses: list[tuple[str, str]] = []  # where copies stand that are to be seen, and of what
+        self.empty = {""}  # ids of what draws nothing wherever it is copied
         self.open: list[tuple[str, Element]] = []
         self.all = Element()
         self.seen = 0
@@ -104,6 +106,11 @@ class _Guard:
             raise refused(self.path, f"not valid XML: {reason}", error.lineno) from None
         if self.sheets.other:
             self.look.left_out.append(f"<style>: {self.sheets.other}, which is not applied")
+        self.look.left_out += [
+            f'{where} copies "{escaped(name[:60])}", which is nothing drawn in this file; left out'
+            for where, name in self.uses
+            if name in self.empty or name not in self.elements
+        ]
         count, turned = written_out(self.all, self.elements, self._not_copied)
         if count > MOST_ELEMENTS:
             raise refused(self.path, f"more than {MOST_ELEMENTS} elements, copies written out")
@@ -236,7 +243,12 @@ class _Guard:
                     f'refers to "{escaped(href[:60])}"; nothing outside the file is read'
                 )
             element.copies.append((href[1:], 1))  # x and y of a copy move it
+            if not self.hidden:
+                line = self.parser.CurrentLineNumber
+                self.uses.append((f"line {line}: {called(tag, attributes)}", href[1:]))
         if own is not None:
+            if own not in self.elements and tag not in (*DRAWN, ONLY_COPIED):
+                self.empty.add(own)
             self.elements.setdefault(own, element)
             self.look.lines.setdefault(own, self.parser.CurrentLineNumber)
         self.open.append((tag, element))

@@ -142,7 +142,7 @@ def beyond(end: float, formation: str) -> str:
 
 def test_a_stop_beyond_the_reference_path_is_told_once(tmp_path: Path) -> None:
     formation = "formation: {spacing: initial}\n"
-    (line,) = lines(check(tmp_path, beyond(40.0, formation)))[1]
+    (line,) = with_facts(lines(check(tmp_path, beyond(40.0, formation)))[1], "beyond the end")
     check_finding(line, "7:74 robots[0].path", '"a"', "10 m beyond the end", "extend")
     assert lines(check(tmp_path, beyond(30.5, formation)))[1] == []
     assert not [one for one in lines(check(tmp_path, beyond(40.0, "")))[1] if "beyond" in one]

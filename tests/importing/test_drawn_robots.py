@@ -626,6 +626,20 @@ def test_a_robot_that_stops_early_behind_another_is_told_so(tmp_path: Path) -> N
     assert "other way round" not in told
 
 
+@pytest.mark.parametrize("visitor", [False, True])
+def test_a_robot_far_behind_one_near_the_end_stays_behind_it(tmp_path: Path, visitor: bool) -> None:
+    """However little way is left to it then; in a formation, too, which a queue is."""
+    parts = [HALL, WAY, ("robot a", box(46.6, 5, 0.6, 0.4)), ("robot b", box(3.2, 5, 0.6, 0.4))]
+    if visitor:
+        parts += [("path x", shapely.LineString([(40, 15), (5, 15)])), ("robot x", box(40, 15))]
+    made = import_world(geojson(tmp_path, parts))
+    free_area(made, tmp_path)
+    assert (made.world.formation is None) == visitor
+    if visitor:
+        assert _ways(made)[1] < 1.0
+    check_says(only(made, "WARNING"), "b goes … behind a")
+
+
 def test_a_formation_leaves_every_robot_most_of_its_way(tmp_path: Path) -> None:
     """One whose own path begins far ahead would hold back all others."""
     parts = [HALL, WAY, ("robot a", box(4, 5)), ("robot b", box(41, 8)),

@@ -32,6 +32,8 @@ from physim.authoring.importing.path_starts import (
 from physim.authoring.importing.robots import Placed, stop_stations
 from physim.geometry.shapes import FloatArray
 
+LEAST = 0.1
+"""[m] at size 1 that a robot goes that has no way"""
 LEAST_WAY = 0.25
 """[-] share of the path that the robot that goes farthest goes at least"""
 FAR = 2.0
@@ -152,9 +154,10 @@ def _stopping_behind(line: FloatArray, robots: list[Placed], size: float) -> lis
     made = []
     for robot, start in zip(robots, starts, strict=True):
         lag = float(starts.max() - start)
-        if 0.0 < lag < length_of(robot.path) - size:
-            shorter = stretch(robot.path, 0.0, length_of(robot.path) - lag)
-            robot = replace(robot, path=rounded(shorter), offset=None)
+        if lag > 0.0:
+            here = station_of(robot.path, np.array(robot.pose[:2]))
+            end = max(length_of(robot.path) - lag, here + LEAST * size)  # or where it stands
+            robot = replace(robot, path=rounded(stretch(robot.path, 0.0, end)), offset=None)
         made.append(robot)
     return made
 

@@ -9,6 +9,7 @@ import shapely
 
 from physim.authoring.importing.fit import Fit
 from physim.authoring.importing.lines import length_of, station_of
+from physim.authoring.importing.path_area import TOLD
 from physim.authoring.importing.robots import Placed, shape_at, stop_stations
 from physim.geometry.polygon import circumscribed_radius
 from physim.geometry.shapes import FloatArray
@@ -35,11 +36,11 @@ def no_formation(found: Fit, robots: list[Placed], alone: list[Placed]) -> str:
         return reason
     for one, other, way, begin in zip(robots, alone, ways.way, ways.begin, strict=True):
         free = length_of(other.path) - begin
-        if way < SHARE * free:
+        if free > found.size and way < SHARE * free:
             return f"in one, {one.name} would go {max(way, 0.0):.2f} m of its way of {free:.2f} m"
-    off = float(np.ptp(ways.gain))
-    if off > MOST_OFF * length_of(found.reference):
-        return f"at their stops it would be {off:.2f} m off, measured along the reference path"
+    error = float(np.abs(ways.gain.mean() - ways.gain).max())
+    if error > MOST_OFF * length_of(found.reference):
+        return f"at their stops the formation error would be {error:.2f} m"
     return ""
 
 
@@ -79,8 +80,9 @@ class _Ways:
         least, most = ALONG
         for one, way, gain, back in zip(robots, self.way, self.gain, self.back, strict=True):
             if way > found.size and not least * way < gain < most * way:
-                said = f"on its way of {way:.2f} m, {one.name} comes {abs(gain):.2f} m "
-                return f"{said}{'forward' if gain > 0.0 else 'back'} along the reference path"
+                where = "back" if gain < -TOLD else "forward"
+                said = f"on its way of {way:.2f} m, {one.name} comes {abs(gain):.2f} m {where} "
+                return f"{said}along the reference path"
             if back > BACK * found.size:
                 return f"{one.name} comes back along the reference path by {back:.2f} m on its way"
         return ""

@@ -23,9 +23,9 @@ MOST_PLACES = 20_000_000
 """Places of all robots that are followed: seconds"""
 AT_ONCE = 500_000
 """of them at a time, which bounds memory"""
-MOST_OFF = 0.1
-"""[-] share of the reference path by which a formation may be off at the stops, untold: lanes
-beside bends are off by less"""
+MOST_OFF = 0.05
+"""[-] share of the reference path that the formation error at the stops may be, untold: that of
+lanes beside bends is less"""
 
 
 def check_measured(laid: PartialLayout, found: Diagnostics) -> None:
@@ -48,21 +48,20 @@ def check_measured(laid: PartialLayout, found: Diagnostics) -> None:
     if found_there is None:
         return
     at = found_there[0]
-    off = at - lead
-    low, high = int(np.argmin(off)), int(np.argmax(off))
+    error = np.abs((at - lead).mean() - (at - lead)).max()
     length = float(np.hypot(*np.diff(laid.reference, axis=0).T).sum())
-    if off[high] - off[low] <= MOST_OFF * length:
+    if error <= MOST_OFF * length:
         return
-    middle = np.median(off)
-    worst = low if middle - off[low] > off[high] - middle else high
-    if any(fault.location in map(laid.path_key, (low, high)) for fault in found.warnings):
+    wanted = np.maximum(length - (lead.max() - lead), 0.0)
+    worst = int(np.argmax(np.abs(at - wanted)))
+    if any(fault.location == laid.path_key(worst) for fault in found.warnings):
         return  # from which it follows
     found.warn(
         laid.path_key(worst),
-        f"as they drive to their stops, {name_of(laid, low)} comes to station {at[low]:.2f} m of "
-        f"the reference path and {name_of(laid, high)} to {at[high]:.2f} m, and the formation will "
-        f"be {off[high] - off[low]:.4g} m off there; let their paths lead along the reference path "
-        "to its end, and begin nearer to where it does than to any other part of it",
+        f"as it drives to its stop, {name_of(laid, worst)} comes to station {at[worst]:.2f} m of "
+        f"the reference path, where its place in the formation is at {wanted[worst]:.2f} m: the "
+        f"formation error will be {error:.4g} m; let its path lead along the reference path to its "
+        "end, and begin nearer to where that does than to any other part of it",
     )
 
 

@@ -423,7 +423,7 @@ EDITS = (
         "importing",
         "physim/authoring/importing/formation.py",
         "no_formation",
-        "off > MOST_OFF * length_of(found.reference)",
+        "error > MOST_OFF * length_of(found.reference)",
         "False",
         "a formation is one at its stops, too",
         "tests/importing/test_drawn_robots.py::test_a_queue_of_robots_with_paths_of_their_own_drives_all_of_them",

@@ -204,6 +204,10 @@ def test_what_is_recorded_is_a_value(wild: Any, every: int) -> None:
     assert np.array_equal(thin.pose, whole.pose[thin.steps])
     with pytest.raises(ValueError, match="'commands'; allowed: updates"):
         SaveAt(tables=("commands",))
+    for odd in (1.5, 2.0, True, math.nan, "2", 0):
+        with pytest.raises(ValueError, match=f"every = {odd!r}"):
+            SaveAt(every=odd)
+    assert type(SaveAt(every=np.int8(3)).every) is int
 
 
 def test_a_run_that_touches_a_wall_tells_of_it() -> None:
@@ -327,6 +331,33 @@ def test_an_observer_that_takes_a_step_of_its_own_is_told(wild: Any, tmp_path: P
         simulate(wild, controller=Says(drift), observers=[StepsOn()], path=path)
     with Record.load(path) as record:
         assert record.ended == "error"
+
+
+def _arrays(value: Any) -> list[Any]:
+    """All arrays of a step, in whatever they stand."""
+    if isinstance(value, np.ndarray):
+        return [value]
+    return [one for part in value for one in _arrays(part)] if isinstance(value, tuple) else []
+
+
+class Writes(Meddles):
+    """Looks whether any array of a step could be written to."""
+
+    def start(self, simulation: Simulation) -> None:
+        self.writable: list[Any] = []
+
+    def after_step(self, step: Any) -> None:
+        self.writable += [one for one in _arrays(tuple(step)) if one.flags.writeable]
+
+
+@pytest.mark.parametrize("plain", [True, False])
+def test_no_array_of_a_step_can_be_written_to(plain: bool) -> None:
+    """An observer that turns m/s into km/h in place would change the record."""
+    looks = Writes("", 0)
+    world = load_world("merging").changed(time={"duration": 1.0})
+    given = {"controller": Says(drift)} if plain else {}
+    simulate(world, observers=[looks], **given)
+    assert looks.writable == []
 
 
 class Added:

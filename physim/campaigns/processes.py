@@ -23,6 +23,8 @@ from multiprocessing.reduction import ForkingPickler
 from multiprocessing.util import Finalize
 from typing import Any
 
+import numpy as np
+
 from physim.campaigns.kinship import (
     WORKER,
     begun_apart,
@@ -75,11 +77,15 @@ class Processes(Executor):
     """Up to ``workers`` processes at work, begun when there is work and ended by `shutdown`.
 
     One that has run a controller of one's own waits for more of the same: another controller's runs
-    would not be what they are alone where the first has changed a library, or a limit.
+    would not be what they are alone where the first has changed a library, or a limit. Raises
+    ValueError for less than one process.
     """
 
     def __init__(self, workers: int) -> None:
-        self.workers = workers
+        is_whole = isinstance(workers, int | np.integer) and not isinstance(workers, bool)
+        if not is_whole or workers < 1:
+            raise ValueError(f"workers = {workers!r}; it must be a whole number of processes")
+        self.workers = int(workers)
         self._context = multiprocessing.get_context("spawn")
         self._halt = self._context.RawValue("b", 0)
         self._lock = threading.Lock()

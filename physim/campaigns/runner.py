@@ -7,6 +7,7 @@ only results are kept: memory does not grow with the number of jobs.
 from __future__ import annotations
 
 import functools
+import os
 import queue
 import threading
 import time
@@ -118,12 +119,12 @@ def begin(executor: Executor, job: Job) -> Future[Any]:
 
 def elsewhere(job: Job) -> Any:
     """Do a job in a process of the worker that this is called in: that is not ours to end."""
-    return _child(threading.get_ident()).begin(job).result()
+    return _child(os.getpid(), threading.get_ident()).begin(job).result()
 
 
 @functools.cache
-def _child(thread: int) -> Processes:
-    """The process of one thread of a worker; it stays for the next job."""
+def _child(process: int, thread: int) -> Processes:
+    """The process of one thread of a worker, which a fork has not; it stays for the next job."""
     return Processes(1)
 
 

@@ -14,7 +14,7 @@ from pathlib import Path
 from physim.campaigns.columns import ERROR, KILLED, TIMEOUT, Brief, Row, briefs
 from physim.campaigns.folder import Claims, Folder
 from physim.campaigns.grid import Grid
-from physim.campaigns.one_run import Taken, never, one_line, ready, row_without_run, take
+from physim.campaigns.one_run import KEEP, Taken, never, one_line, ready, row_without_run, take
 from physim.campaigns.processes import Processes, check_guarded
 from physim.campaigns.reading import check_rows, write_results
 from physim.campaigns.rows import write_whole
@@ -99,12 +99,17 @@ def sweep(
     asked after every row in the order of ``specs``, whoever was done first; when it says True no
     more runs are begun. A
     program must call it under ``if __name__ == "__main__":``, since its worker processes import it.
-    Raises StartError where it does not, PhysimError for two worlds that are called alike, for the
+    Raises StartError where it does not, ValueError for another ``keep``, TypeError for what is no
+    `RunSpec` or no executor, PhysimError for two worlds that are called alike, for the
     folder of another campaign, for rows in it that are of none of its runs, and where it cannot be
     written.
     """
     check_guarded()
-    specs = specs if isinstance(specs, Collection) else tuple(specs)
+    if keep not in KEEP:
+        raise ValueError(f"keep = {keep!r}; allowed: {', '.join(KEEP)}")
+    if not isinstance(executor, Executor):
+        raise TypeError(f"executor = {executor!r}; it must be one, such as Processes(2)")
+    specs = specs if isinstance(specs, Grid) else _each_once(specs)
     place = Folder(folder)
     asked = specs.asked if isinstance(specs, Grid) and decided is None else None
     place.open(_cells(specs), asked)
@@ -122,6 +127,18 @@ def sweep(
 def job_of(spec: RunSpec, keep: str, records: Path | None) -> Job:
     """A run as a job for a worker."""
     return Job(spec.note, take, (spec, keep, records), spec.limit, ready, spec.code)
+
+
+def _each_once(specs: Iterable[RunSpec]) -> Collection[RunSpec]:
+    """The runs in their order, none of them twice."""
+    if isinstance(specs, RunSpec | str) or not isinstance(specs, Iterable):
+        raise TypeError(f"specs = {specs!r}; it must be a list of what spec_of gives")
+    runs: dict[tuple[str, Label], RunSpec] = {}
+    for spec in specs:
+        if not isinstance(spec, RunSpec):
+            raise TypeError(f"specs: {spec!r}; each must be what spec_of(world, seed) gives")
+        runs.setdefault((spec.key, spec.label), spec)
+    return runs.values()
 
 
 def _cells(specs: Iterable[RunSpec]) -> Iterable[RunSpec]:

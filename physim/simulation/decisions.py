@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from physim.errors import ControllerError, nearest
-from physim.geometry.shapes import FloatArray, IntArray, read_only
+from physim.geometry.shapes import FloatArray, IntArray, locked, read_only
 from physim.parts.controller import (
     BatchCapable,
     BatchController,
@@ -249,7 +249,7 @@ def decide(
             raise ControllerError(f"controller {name}: {error}{place_of(written)}") from None
     nominal = held.copy()
     nominal[due] = decisions.command
-    return Decided(read_only(nominal), decisions, next_step)
+    return Decided(read_only(nominal), locked(decisions), read_only(next_step))
 
 
 DECIDE = "decide(observation, memory)"

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from physim.errors import PhysimError, WorldError, plural
-from physim.geometry.shapes import FloatArray, read_only
+from physim.geometry.shapes import FloatArray, locked, read_only
 from physim.geometry.tracking import Tracking
 from physim.parts.controller import (
     Controller,
@@ -195,7 +195,8 @@ class Simulation:
         return Step(
             truth, known[0] if known else everybody(truth, self._shared), decided.decisions,
             decided.next_step, decided.nominal, filtered, applied, self.now.pose,
-            self.physics.contacts, self.physics.false_contacts, self._arrivals.arrived,
+            locked(self.physics.contacts), locked(self.physics.false_contacts),
+            self._arrivals.arrived,
         )  # fmt: skip
 
     def _sense(self) -> tuple[Sensed, tuple[Any, ...]]:

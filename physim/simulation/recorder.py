@@ -51,12 +51,17 @@ class SaveAt:
     tables: Sequence[str] = OPTIONAL
 
     def __post_init__(self) -> None:
-        """Raise ValueError for a table that there is not, and for less than one step."""
+        """Raise ValueError for a table that there is not, and for no whole number of steps."""
         unknown = [table for table in self.tables if table not in OPTIONAL]
         if unknown:
             raise ValueError(f"tables: {unknown[0]!r}; allowed: {', '.join(OPTIONAL)}")
-        if self.every is not None and self.every < 1:
+        if self.every is None:
+            return
+        if isinstance(self.every, bool) or not isinstance(self.every, int | np.integer):
+            raise ValueError(f"every = {self.every!r}; it must be a whole number of steps")
+        if self.every < 1:
             raise ValueError(f"every = {self.every}; it must be at least 1 step")
+        object.__setattr__(self, "every", int(self.every))
 
 
 class Recorder:

@@ -13,6 +13,7 @@ from collections.abc import Iterator
 from concurrent.futures import Executor, ThreadPoolExecutor, wait
 from contextlib import suppress
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -382,3 +383,9 @@ def test_what_a_job_prints_does_not_act_on_the_terminal(
 ) -> None:
     executor.begin(Job("colourful", sample.prints)).result()
     assert capfd.readouterr() == ("red \\u001b[31m \\u202e\n",) * 2
+
+
+@pytest.mark.parametrize("workers", [0, -1, None, "2", 1.5, True])
+def test_no_processes_would_wait_for_ever(workers: Any) -> None:
+    with pytest.raises(ValueError, match="workers ="):
+        Processes(workers)

@@ -6,9 +6,11 @@ import errno
 import multiprocessing
 import os
 import signal
+from concurrent.futures import Executor, Future, ProcessPoolExecutor
 from dataclasses import replace
 from importlib import import_module
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -227,6 +229,39 @@ def test_worlds_that_cannot_be_told_apart_are_refused_before_a_run(
         assert not (tmp_path / "campaign").exists()
     named = (spec_of(one, 0, settings=f"far={k}") for k, one in enumerate(gains))
     assert sweep(named, tmp_path / "campaign", two).done == 2
+
+
+def test_one_run_asked_for_twice_is_done_once(two: Processes, tmp_path: Path) -> None:
+    (run,) = specs(1)
+    assert sweep([run, run, run], tmp_path / "campaign", two).done == 1
+
+
+@pytest.mark.parametrize(("given", "told"), [
+    ({"specs": 5}, "list of what spec_of"), ({"specs": [parse_world(WORLD)]}, "spec_of"),
+    ({"executor": None}, "executor = None"), ({"keep": "yes"}, "allowed: none, failed, all"),
+])  # fmt: skip
+def test_what_is_no_sweep_is_refused_before_a_run(
+    two: Processes, tmp_path: Path, given: dict[str, Any], told: str
+) -> None:
+    asked = {"specs": specs(1), "folder": tmp_path / "campaign", "executor": two, **given}
+    with pytest.raises((TypeError, ValueError), match=told):
+        sweep(**asked)
+    assert not (tmp_path / "campaign").exists()
+
+
+def test_a_fork_does_runs_after_its_parent_did(tmp_path: Path) -> None:
+    """The process that did the first runs is the parent's, and not to be had in a child."""
+
+    class Here(Executor):
+        def submit(self, fn: Any, /, *args: Any, **kwargs: Any) -> Future[Any]:
+            done: Future[Any] = Future()
+            done.set_result(fn(*args, **kwargs))
+            return done
+
+    assert sweep(specs(1), tmp_path / "first", Here()).done == 1
+    with ProcessPoolExecutor(1, multiprocessing.get_context("fork")) as pool:
+        work = sweep(specs(2), tmp_path / "second", pool)
+    assert (work.done, work.failed) == (2, 0)
 
 
 def test_a_full_disk_loses_nothing_that_was_written(

@@ -5,9 +5,11 @@ from __future__ import annotations
 import inspect
 import re
 
+import numpy as np
 import pytest
 
 from physim.errors import ControllerError
+from physim.parts.controller import Decisions
 from physim.parts.declarations import Mode
 from physim.parts.registry import CONTROLLER, find_part
 from physim.simulation.loop import Simulation
@@ -42,9 +44,40 @@ class Text:
         return "forward"
 
 
+class NoBatch(Empty):
+    def decide(self, observation, memory): ...
+
+    def batch(self, scene):
+        return None
+
+
+class HalfBatch:
+    """Its batch form answers no number for a command."""
+
+    def decide(self, observation, memory): ...
+
+    def batch(self, scene):
+        return self
+
+    def memory(self):
+        return {}
+
+    def decide_due(self, sensed, due, memory):
+        many = len(due)
+        none, counts = np.full(many, -1), np.zeros(many + 1, dtype=np.int64)
+        wrong, report = np.full((many, 2), np.nan), np.zeros((many, 0))
+        return Decisions(due, wrong, np.full(many, 0.1), none, none, report, counts[:0], counts)
+
+
+def a_function(): ...
+
+
 @pytest.mark.parametrize(
     ("given", "named"),
     [
+        (NoBatch(), NoBatch.batch),
+        (HalfBatch(), HalfBatch.decide_due),
+        ("tests.test_class_faults:a_function", a_function),
         ("tests.test_class_faults:NoModel", NoModel),
         ("tests.test_class_faults:Empty", Empty),
         (TwoModes(), TwoModes),

@@ -196,6 +196,11 @@ def load_class(kind: Kind, target: str, name: str) -> type[Any]:
     for part in class_name.split("."):
         found = attribute(found, part)
     if not isinstance(found, type):
+        if found is not None:
+            raise ControllerError(
+                f"{kind.word} {describe(name)}: {class_name} is {kind_of(found)}, no class"
+                f"{place_of(found) or place_of(module)}"
+            )
         classes = sorted(key for key, value in vars(module).items() if isinstance(value, type))
         raise ControllerError(
             f"{kind.word} {describe(name)}: module {describe(module_name)} has no class "

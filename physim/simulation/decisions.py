@@ -26,7 +26,7 @@ from physim.parts.controller import (
     Sensed,
 )
 from physim.parts.declarations import NO_NUMBER, Declared, Mode, Rule
-from physim.parts.user_code import asked, broken_by, is_shipped, place_of
+from physim.parts.user_code import asked, broken_by, is_shipped, kind_of, place_of
 from physim.simulation.decision_checks import checked, plainly_fine
 from physim.simulation.observation import Sight, Views
 from physim.world.scene import Scene
@@ -181,6 +181,11 @@ def begun(
         return plain, plain.memory()
     try:
         batch = controller.batch(scene)
+        if lacking := [one for one in ("memory", "decide_due") if not hasattr(batch, one)]:
+            raise ControllerError(
+                f"controller {type(controller).__name__}: batch(scene) gives {kind_of(batch)}; it "
+                f"must give an object with {' and '.join(lacking)}{place_of(controller.batch)}"
+            )
         return batch, batch.memory()
     except (ControllerError, KeyboardInterrupt):
         raise
@@ -245,7 +250,8 @@ def decide(
             next_step = checked(scene, sensed.step, due, decisions, declared)
         except ControllerError as error:
             name = type(getattr(batch, "controller", batch)).__name__
-            written = getattr(getattr(batch, "controller", batch), "decide", None)
+            plain = batch.controller if isinstance(batch, PerRobotAdapter) else None
+            written = batch.decide_due if plain is None else plain.decide
             raise ControllerError(f"controller {name}: {error}{place_of(written)}") from None
     nominal = held.copy()
     nominal[due] = decisions.command

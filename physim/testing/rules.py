@@ -16,6 +16,7 @@ from physim.errors import ControllerError
 from physim.geometry.shapes import IntArray
 from physim.parts.controller import BatchCapable, BatchController, Controller
 from physim.parts.declarations import Declared
+from physim.parts.user_code import place_of
 from physim.simulation.decision_checks import check_decisions
 from physim.simulation.decisions import broken, unreadable
 from physim.testing.contents import (
@@ -95,7 +96,7 @@ class FindingLog:
     """Findings of one world as they come: the first of each rule, and how many more there were."""
 
     def __init__(self, world: str, place: str = "") -> None:
-        self.world, self._place = world, place
+        self.world, self.place = world, place
         self._first: dict[Rule, Finding] = {}
         self._more: dict[Rule, int] = {}
 
@@ -105,9 +106,9 @@ class FindingLog:
             self._more[rule] += 1
             return
         line = " ".join(text.split())
-        if self._place:  # said once, behind the finding
-            line = line.removesuffix(f" ({self._place})")
-        place = "" if ".py:" in line else self._place  # of an error, its text says where
+        if self.place:  # said once, behind the finding
+            line = line.removesuffix(f" ({self.place})")
+        place = "" if ".py:" in line else self.place  # of an error, its text says where
         self._first[rule] = Finding(rule, self.world, robot, time, line, place)
         self._more[rule] = 0
 
@@ -325,6 +326,7 @@ class _BatchDriver:
             if self.batch is None:
                 self.batch = self.controller.batch(self.trial.scene)
                 self.memory = self.batch.memory()
+                self.found.place = place_of(type(self.batch).decide_due).strip(" ()")
             decisions = self.batch.decide_due(sensed, asked, self.memory)
         except KeyboardInterrupt:
             raise

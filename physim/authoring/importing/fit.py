@@ -291,8 +291,8 @@ def _clear_end(
 ) -> int:
     """Last sample from which the way on is free for ``ahead`` [m].
 
-    To the sides for ``beside``, ``END_ROOM * room`` where not given, as far as the last stretch has
-    it. The end stays where no sample of the stretch, twice ``room`` long, will do.
+    To the sides for ``beside``, ``END_ROOM * room`` where not given, as far as such samples have it.
+    The end stays where no sample of the last stretch, twice ``room`` long, will do.
     """
     at, gaps, (first, last) = way.at, way.gaps, ends
     wide = END_ROOM * room if beside is None else beside
@@ -303,5 +303,7 @@ def _clear_end(
     points = points_at(way.line, at[tail])
     end = points + ahead * directions_at(way.line, at[tail], room)
     free = shapely.covers(area, shapely.linestrings(np.stack([points, end], axis=1)))
-    clear = tail[free & (gaps[tail] >= min(wide, float(gaps[tail].max())) - 1e-6)]
-    return int(clear[-1]) if clear.size else last
+    clear = tail[free]
+    if not clear.size:
+        return last
+    return int(clear[gaps[clear] >= min(wide, float(gaps[clear].max())) - 1e-6][-1])

@@ -12,7 +12,7 @@ import physim
 from physim.drawing.page.findings import findings_section
 from physim.errors import PhysimError
 from physim.record import Record
-from tests.validation.runs import REAR_END, lane
+from tests.validation.runs import APART, REAR_END, lane
 
 NAME = "</pre></table><img src=x onerror='hacked()'>&\"#t=1"
 TAGS = {
@@ -75,3 +75,20 @@ def test_contacts_and_disagreements_are_all_told(renamed: Path) -> None:
 def test_a_validation_is_of_one_record(renamed: Path) -> None:
     with Record.load(renamed) as record, pytest.raises(PhysimError, match="one record; given 2"):
         physim.page(record, record, validation=physim.validate(record))
+
+
+def test_a_validation_is_of_the_run_that_is_shown(tmp_path: Path) -> None:
+    """Else the page of a run without contacts tells of some; wherever the record lies."""
+    hit = lane(REAR_END, tmp_path / "hit.h5")
+    free = lane(APART, tmp_path / "free.h5")
+    with hit, free:
+        found = physim.validate(hit)
+        for other in (
+            free,
+            physim.simulate(physim.load_world("straight", overrides=["time.duration=1"])),
+        ):
+            with pytest.raises(PhysimError, match="of another run"):
+                physim.page(other, validation=found)
+        hit.save(tmp_path / "copy.h5")
+        with Record.load(tmp_path / "copy.h5") as copy:
+            assert str(found.verdict) in physim.page(copy, validation=found).html

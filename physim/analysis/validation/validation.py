@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from physim.analysis.expectations import Held, expectations
-from physim.analysis.metrics import Deep, deep_contacts
+from physim.analysis.metrics import Deep, contact_episodes, deep_contacts
 from physim.analysis.validation.analytic_contacts import analytic_contacts
 from physim.analysis.validation.comparison import Comparison, Confusion, compare
 from physim.analysis.validation.consistency import check_counts
@@ -96,6 +96,11 @@ class Validation:
     def __repr__(self) -> str:
         """Whose, and the verdict; `report` says all of it."""
         return f"<Validation of {describe(self.run.name)} seed {self.run.seed}: {self.verdict}>"
+
+    def is_of(self, record: Record) -> bool:
+        """Whether it is of this record, wherever that lies: the same run, with as many contacts."""
+        same = replace(_run(record, self.run.source), versions=self.run.versions)
+        return same == self.run and len(contact_episodes(record)) == len(self.contacts)
 
     @property
     def names(self) -> list[str]:

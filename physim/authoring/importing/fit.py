@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import hypot
+from math import hypot, inf
 from pathlib import Path
 from typing import Any
 
@@ -46,6 +46,8 @@ ROOM = 1.8
 the shipped controller needs to move on: with 1.2 m it stops in danger mode"""
 END_ROOM = 1.6
 """[-] times the room, where the path begins and ends"""
+MOST_LEFT_OUT = 3.0
+"""[-] times the room that is left out at either end of a path rather than robots be smaller"""
 STOP_ROOM = 1.3
 """[m] way that is left free ahead of a robot at the end of its path, at size 1: what it goes in
 `time_low` of the shipped controller, 1 s, at the formation's highest speed, 1.3 m/s"""
@@ -241,7 +243,7 @@ def _largest_size(path: Path, drawing: Drawing, way: _Way) -> tuple[float, tuple
     size = 1.0
     while size >= SMALLEST:
         rounded_size = float(f"{size:.2g}")
-        ends = _ends(way, ROOM * rounded_size)
+        ends = _ends(way, ROOM * rounded_size, MOST_LEFT_OUT)
         if ends is not None:
             return rounded_size, ends
         size *= 0.96
@@ -263,8 +265,11 @@ def _largest_size(path: Path, drawing: Drawing, way: _Way) -> tuple[float, tuple
     raise drawing.refused_at(path, message, where, "path")
 
 
-def _ends(way: _Way, room: float) -> tuple[int, int] | None:
-    """First and last sample between which the clearance is at least ``room`` everywhere."""
+def _ends(way: _Way, room: float, rooms: float = inf) -> tuple[int, int] | None:
+    """First and last sample between which the clearance is at least ``room`` everywhere.
+
+    None where there are none, or more than so many ``rooms`` would be left out at either end.
+    """
     at, gaps = way.at, way.gaps
     roomy = np.flatnonzero(gaps >= room - 1e-9)
     if not roomy.size:
@@ -275,7 +280,7 @@ def _ends(way: _Way, room: float) -> tuple[int, int] | None:
         near = 2.0 * room
         first = int(wide[0]) if at[wide[0]] - at[first] <= near else first
         last = int(wide[-1]) if at[last] - at[wide[-1]] <= near else last
-    most = MOST_TRIMMED * at[-1]
+    most = min(MOST_TRIMMED * at[-1], rooms * room)
     if at[first] > most or at[-1] - at[last] > most or at[last] - at[first] < 4.0 * room:
         return None
     return (first, last) if (gaps[first : last + 1] >= room - 1e-9).all() else None
@@ -291,7 +296,7 @@ def _clear_end(
 ) -> int:
     """Last sample from which the way on is free for ``ahead`` [m].
 
-    To the sides for ``beside``, ``END_ROOM * room`` where not given, as far as such samples have it.
+    To the sides for ``beside``, ``END_ROOM * room`` where not given, as far as those have it.
     The end stays where no sample of the last stretch, twice ``room`` long, will do.
     """
     at, gaps, (first, last) = way.at, way.gaps, ends

@@ -86,6 +86,8 @@ def page(*records: Record, validation: Validation | None = None) -> Page:
         raise PhysimError(f"a validation is of one record; given {len(records)}")
     if not 1 <= len(records) <= MOST_RUNS:
         raise PhysimError(f"a page shows 1 to {MOST_RUNS} records; given {len(records)}")
+    if validation is not None and not validation.is_of(records[0]):
+        raise PhysimError(f"{validation!r} is of another run than {records[0]!r}; validate that")
     summaries = [summarise(record) for record in records]
     runs = [run_data(*pair) for pair in zip(records, summaries, strict=True)]
     labels = _labels(records)

@@ -559,17 +559,26 @@ def test_rounding_at_the_end_of_a_path_is_not_told(tmp_path: Path) -> None:
 
 
 def test_a_path_that_ends_far_from_where_it_was_asked_to_is_told_first(tmp_path: Path) -> None:
-    """A room of 12 m with a bay of 3 m, where robots as large as fit elsewhere have no room."""
-    plan = shapely.union(shapely.box(0.0, 0.0, 30.0, 12.0), shapely.box(30.0, 4.5, 37.0, 7.5))
+    """A room of 12 m with a bay of 3 m, not deep, where robots that fit elsewhere have no room.
+
+    For a deep one they are smaller.
+    """
+    plan = shapely.union(shapely.box(0.0, 0.0, 30.0, 12.0), shapely.box(30.0, 4.5, 34.0, 7.5))
     there = write_map(tmp_path, *free_cells(plan))
-    asked = Options(origin=(4.0, 6.0), goal=(36.0, 6.0))
+    asked = Options(origin=(4.0, 6.0), goal=(33.0, 6.0))
     far = import_world(there, asked)
     end = np.array((far.world.reference_path or ())[-1])
-    away = float(np.hypot(*(end - (36.0, 6.0))))
+    away = float(np.hypot(*(end - (33.0, 6.0))))
     assert away > 3.6
-    check_says(far.changes[0], f"{away:.2f} m … --to (36.00, 6.00) … --robot")
+    check_says(far.changes[0], f"{away:.2f} m … --to (33.00, 6.00) … --robot")
     assert only(far, "--to") == far.changes[0]
     near = import_world(there, replace(asked, robot=(0.6, 0.4)))
     assert not any("--to" in change for change in near.changes)
-    back = import_world(there, Options(origin=(36.0, 6.0), goal=(4.0, 6.0)))
-    check_says(only(back, "--from"), "--from (36.00, 6.00)")
+    back = import_world(there, Options(origin=(33.0, 6.0), goal=(4.0, 6.0)))
+    check_says(only(back, "--from"), "--from (33.00, 6.00)")
+    deep = shapely.union(shapely.box(0.0, 0.0, 30.0, 12.0), shapely.box(30.0, 4.5, 40.0, 7.5))
+    small = import_world(
+        write_map(tmp_path, *free_cells(deep)), Options(origin=(4.0, 6.0), goal=(38.0, 6.0))
+    )
+    assert not any("--to" in change for change in small.changes)
+    assert max(np.hypot(*np.ptp(one.outline, axis=0)) for one in small.world.robots) < 2.0

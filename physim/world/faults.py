@@ -143,7 +143,7 @@ def faults_of(error: ValidationError, model: type[BaseModel]) -> list[Fault]:
         if details["type"] == "extra_forbidden":
             holder = model_at(model, raw[:-1])
             allowed, advice = keys_of(holder), _advice(holder, location[-1])
-            faults.append(unknown_key(location, allowed, advice))
+            faults.append(unknown_key(location, allowed, advice or _within(holder, location[-1])))
             corrected |= {
                 (*location[:-1], key) for key in allowed if advice or _meant(location[-1], key)
             }
@@ -179,6 +179,15 @@ def _advice(model: type[BaseModel] | None, key: str | int) -> str:
     """What a model's ``advice`` says to who gives it a key that it does not have."""
     known: Mapping[str, str] = getattr(model, "advice", {})
     return known.get(str(key).lower(), "")
+
+
+def _within(model: type[BaseModel] | None, key: str | int) -> str:
+    """Where a key stands that is not one of a model, but of a mapping in it."""
+    if model is not None and isinstance(key, str):
+        for name in model.model_fields:
+            if field_at(model, (name, key)) is not None:
+                return f'did you mean "{name}.{key}"?'
+    return ""
 
 
 def keys_of(model: type[BaseModel] | None) -> list[str]:

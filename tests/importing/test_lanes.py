@@ -12,9 +12,10 @@ import shapely
 from physim.authoring.importing import Options, import_world
 from physim.authoring.importing.lines import without_loops
 from physim.world.checks import check_world
+from tests.importing.plans import check_says
 from tests.importing.test_drawn_robots import LOOP, _paths, _ways, box
 from tests.importing.test_joining import geojson
-from tests.importing.test_places import free_area
+from tests.importing.test_places import free_area, refusal
 
 
 @pytest.mark.parametrize("corners", [
@@ -153,3 +154,19 @@ def test_lanes_stay_beside_their_leg_of_a_hairpin(tmp_path: Path, way: list[Any]
         line = shapely.LineString(path)
         at = [reference.project(line.interpolate(x)) for x in np.arange(0.0, line.length, 1.0)]
         assert np.abs(np.diff(at)).max() < 8.0
+
+
+CROSSED = [(0, 0), (40, 0), (40, 3), (0, 3), (0, 30), (20, 30), (20, -30), (60, -30)]
+
+
+@pytest.mark.parametrize(("robots", "lanes"), [(6, 3), (4, 2)])
+def test_a_group_that_would_lose_its_path_is_refused(
+    tmp_path: Path, robots: int, lanes: int
+) -> None:
+    """Whose lanes leave out a hairpin that the path crosses later; in single file it goes."""
+    parts = [("boundary", shapely.box(-20, -50, 80, 50)), ("path", shapely.LineString(CROSSED))]
+    said = refusal(geojson(tmp_path, parts), Options(robots=robots, lanes=lanes))
+    check_says(said, "along the reference path, and the formation would be lost; fewer --lanes")
+    made = import_world(geojson(tmp_path, parts), Options(robots=robots))
+    free_area(made, tmp_path)
+    assert min(_ways(made)) > 200.0

@@ -15,6 +15,7 @@ from physim.parts.registry import CONTROLLER, make_part
 from physim.simulation.loop import Simulation
 from physim.world.layout.scene_builder import build_scene
 from tests.importing.plans import check_says, svg
+from tests.importing.test_joining import geojson
 
 BOX = (1.8, 1.0)
 CORNER = np.array([(0.0, 0.0), (30.0, 0.0), (30.0, 10.0)])
@@ -127,3 +128,15 @@ def test_drawn_robots_that_stop_too_near_are_told(tmp_path: Path) -> None:
     told = [fact for fact in imported.facts if fact.startswith("note: ")]
     assert len(told) == 1
     check_says(told[0], "a and b … 0.00 m … --to … draw")
+
+
+@pytest.mark.parametrize("wider", [0.0, 0.4, 0.8, 1.5])
+def test_a_path_ends_clear_of_a_wall_where_its_corridor_widens(
+    tmp_path: Path, wider: float
+) -> None:
+    """However much more room there is beside it near the wall."""
+    hall = shapely.Polygon([(0, -2), (40, -2 - wider), (40, 2 + wider), (0, 2)])
+    parts = [("boundary", hall), ("path", shapely.LineString([(3, 0), (39.5, 0)])),
+             ("robot", shapely.box(3.2, -0.4, 4.8, 0.4))]  # fmt: skip
+    (x, _) = import_world(geojson(tmp_path, parts)).world.reference_path[-1]
+    assert 37.0 < x < 40.0 - 0.8 - 1.0

@@ -241,6 +241,14 @@ def test_worlds_are_changed_by_making_new_ones():
         assert getattr(of, key) == before
 
 
+@pytest.mark.parametrize(("key", "where"), [
+    ("duration", "time.duration"), ("width", "corridor.width"), ("gain", "formation.gain"),
+])  # fmt: skip
+def test_a_key_of_a_group_beside_it_is_told_where_it_belongs(key, where):
+    with pytest.raises(WorldError, match=facts(key, "unknown key", f'did you mean "{where}"?')):
+        World(**values(**{key: 1.0}))
+
+
 def test_a_mapping_for_a_group_changes_its_named_keys_alone():
     world = World(
         **values(formation={"gain": 0.05, "speed": 0.8}, time={"step": 0.02, "duration": 9.0})

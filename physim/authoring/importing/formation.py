@@ -18,7 +18,7 @@ from physim.world.checks.measured import MOST_OFF, measured
 ALONG = (0.5, 1.6)
 """[-] times its own way that a robot comes forward along the reference path, if a formation goes on
 it: outside and inside of bends, but not across one"""
-BACK = 2.0
+BACK = 4.0
 """[m] at size 1 that it comes back along it on its way at most"""
 SHARE = 0.5
 """[-] share of its way that a formation leaves a robot at least"""

@@ -195,4 +195,13 @@ EDITS = (
         "tests/checking/test_robots.py"
         "::test_a_number_with_signs_that_look_alike_is_told_with_the_right_ones",
     ),
+    Edit(
+        "world",
+        "physim/world/faults.py",
+        "faults_of",
+        "advice or _within(holder, location[-1])",
+        "advice",
+        "a key beside the group that it belongs to is told where it does",
+        "tests/world/test_model.py::test_a_key_of_a_group_beside_it_is_told_where_it_belongs",
+    ),
 )

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import functools
 import hashlib
-import math
 from dataclasses import dataclass
 from importlib.metadata import version
 
@@ -58,7 +57,7 @@ class RunSpec:
         for key in ("world", "settings", "controller"):
             _check_text(key, getattr(self, key))
         limit = self.limit
-        if limit is not None and not (isinstance(limit, float | int) and 0.0 < limit < math.inf):
+        if limit is not None and not (isinstance(limit, float | int) and limit > 0.0):
             raise PhysimError(f"limit {limit!r}: must be a number of seconds above 0, or None")
 
     @property

@@ -60,6 +60,7 @@ def test_what_no_row_could_hold_is_refused(given: dict[str, Any]) -> None:
     world = parse_world(WORLD)
     with pytest.raises(PhysimError, match=next(iter(given)).replace("name", "world")):
         spec_of(world, **{"seed": 0, **given})
+    assert spec_of(world, 0, limit=float("inf")).limit == float("inf")
     assert spec_of(world, cast("int", np.int64(3))) == spec_of(world, 3)
     assert type(spec_of(world, cast("int", np.int64(3))).seed) is int
 

@@ -171,4 +171,13 @@ EDITS = (
         "of settings that a controller refuses nothing is told",
         f"{WHY}::test_of_settings_that_are_refused_nothing_is_told",
     ),
-)  # fmt: skip
+)  # fmt: ski    Edit(
+        "page",
+        "physim/analysis/validation/validation.py",
+        "Validation.is_of",
+        "same == self.run and",
+        "",
+        "a page tells of its own run alone",
+        "tests/page/test_findings.py::test_a_validation_is_of_the_run_that_is_shown",
+    ),
+)

@@ -171,13 +171,10 @@ EDITS = (
         "of settings that a controller refuses nothing is told",
         f"{WHY}::test_of_settings_that_are_refused_nothing_is_told",
     ),
-)  # fmt: ski    Edit(
-        "page",
-        "physim/analysis/validation/validation.py",
-        "Validation.is_of",
-        "same == self.run and",
-        "",
+    Edit(
+        "page", "physim/drawing/page/document.py", "page",
+        "not validation.is_of(records[0])", "False",
         "a page tells of its own run alone",
         "tests/page/test_findings.py::test_a_validation_is_of_the_run_that_is_shown",
     ),
-)
+)  # fmt: skip

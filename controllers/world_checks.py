@@ -3,18 +3,25 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from itertools import combinations
 from math import ceil, hypot
 from typing import TYPE_CHECKING
 
-import shapely
+import numpy as np
 
 from physim.errors import Fault, Location, plural
-from physim.world.faults import describe
+from physim.geometry.path import Path
 
 from .settings import ModeSwitchingSettings
 
 if TYPE_CHECKING:
     from physim.world import Robot, World
+
+
+MOST_AGAINST = 50
+"""Robots that drive against the reference path whose paths are held against each other"""
+FOLLOWED = 4
+"""Widths of a robot along which another's path is its own, if that is told"""
 
 
 def omega_faults(
@@ -124,32 +131,36 @@ def range_doubts(settings: ModeSwitchingSettings, world: World) -> list[Fault]:
 def sense_doubts(settings: ModeSwitchingSettings, world: World) -> list[Fault]:
     """Warn of robots that follow each other against the reference path: the one behind is blind.
 
-    Priority goes by stations along it: who drives against it is behind the one that follows.
+    Priority goes by stations along it: who drives against it is behind the one that follows. The
+    first fifty such robots are looked at.
     """
     if settings.avoidance == "none" or not world.reference:
         return []
-    reference = shapely.LineString(world.reference)
-    against = {}
+    reference, against = Path(world.reference), list[tuple[int, Path, float]]()
     for i, robot in enumerate(world.robots):
         if isinstance(robot.path, Sequence) and robot.path[0] != robot.path[-1]:
-            first, last = (reference.project(shapely.Point(robot.path[k])) for k in (0, -1))
-            if last < first:
-                against[i] = shapely.LineString(robot.path)
-    lines, numbers = list(against.values()), list(against)
-    widths = [2.0 * max(hypot(x, y) for x, y in world.robots[i].outline) for i in numbers]
-    for k, (line, width) in enumerate(zip(lines, widths, strict=True)):
-        beside = line.buffer(width, quad_segs=2)
-        for m in shapely.STRtree(lines).query(line, predicate="dwithin", distance=width).tolist():
-            if m != k and lines[m].intersection(beside).length > 4.0 * width:
-                one, other = (world.robots[numbers[j]].name for j in sorted((k, m)))
-                message = (
-                    f"{describe(one)} and {describe(other)} drive the same way against the "
-                    "reference path, along which this controller settles who looks out for whom: "
-                    "the one behind does not see the one before it; lead the reference path their "
-                    "way, if others do not need it more"
-                )
-                return [Fault((*world.entry_of(numbers[min(k, m)]), "path"), message)]
+            first, last = (reference.project(*robot.path[k])[0] for k in (0, -1))
+            if last < first and len(against) < MOST_AGAINST:
+                width = 2.0 * max(hypot(x, y) for x, y in robot.outline)
+                against.append((i, Path(robot.path), width))
+    for (i, one, width), (k, other, _) in combinations(against, 2):
+        if _follow(one, other, width):
+            message = (
+                f'"{world.robots[i].name}" and "{world.robots[k].name}" drive the same way against '
+                "the reference path, along which this controller settles who looks out for whom: "
+                "the one behind does not see the one before it; lead the reference path their way, "
+                "if others do not need it more"
+            )
+            return [Fault((*world.entry_of(i), "path"), message)]
     return []
+
+
+def _follow(one: Path, other: Path, width: float) -> bool:
+    """Whether a path leads along another, nearer than ``width`` [m], for four times as long."""
+    places = [one.point(at) for at in np.arange(0.0, one.length, width)]
+    found = np.array([other.project(*place) for place in places])
+    stations = found[np.abs(found[:, 1]) <= width, 0]
+    return len(stations) > FOLLOWED and bool((np.diff(stations) > 0.0).all())
 
 
 def _needs(settings: ModeSwitchingSettings, world: World) -> Iterator[tuple[float, str]]:

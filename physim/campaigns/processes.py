@@ -21,9 +21,8 @@ from dataclasses import dataclass
 from multiprocessing.connection import Connection, wait
 from multiprocessing.reduction import ForkingPickler
 from multiprocessing.util import Finalize
-from typing import Any
-
-import numpy as np
+from operator import index
+from typing import Any, SupportsIndex
 
 from physim.campaigns.kinship import (
     WORKER,
@@ -82,10 +81,9 @@ class Processes(Executor):
     """
 
     def __init__(self, workers: int) -> None:
-        is_whole = isinstance(workers, int | np.integer) and not isinstance(workers, bool)
-        if not is_whole or workers < 1:
+        if not isinstance(workers, SupportsIndex) or isinstance(workers, bool) or workers < 1:
             raise ValueError(f"workers = {workers!r}; it must be a whole number of processes")
-        self.workers = int(workers)
+        self.workers = index(workers)
         self._context = multiprocessing.get_context("spawn")
         self._halt = self._context.RawValue("b", 0)
         self._lock = threading.Lock()

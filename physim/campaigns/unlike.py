@@ -80,18 +80,23 @@ def _unlike(a: _Side, b: _Side) -> Iterator[str]:
 
 
 def _sources(a: _Side, b: _Side) -> Iterator[str]:
-    """What of one's own was changed, where the hashes of all sources of a run differ."""
-    if a.cell.controller == b.cell.controller:
-        yield f"the source of {a.cell.controller} or of a stage was changed between them"
-        return
-    worlds = [side.world(side.described["world_hash"]) for side in (a, b)]
-    stages = [{name for kind, name in own_parts(one) if kind in STAGES} for one in worlds]
-    both = ", ".join(sorted(stages[0] & stages[1]))
-    own = {a.cell.controller, b.cell.controller} - set(shipped_parts(CONTROLLER))
-    if both and not own and stages[0] == stages[1]:
-        yield f"the source of {both} was changed between them"
+    """What of one's own was changed, where the hashes of all sources of a run differ.
+
+    Of what one side has alone nothing is said: that is what is compared.
+    """
+    one, other = _own(a), _own(b)
+    both = " or ".join(sorted(one & other))
+    if both and one == other:
+        yield f"the source of {both} was changed between them, or a file that its settings name"
     elif both:
         yield f"whether the source of {both} is the same in both is not known"
+
+
+def _own(side: _Side) -> set[str]:
+    """Controller and stages that came not with physim."""
+    world = side.world(side.described["world_hash"])
+    stages = {name for kind, name in own_parts(world) if kind in STAGES}
+    return stages | {side.cell.controller} - set(shipped_parts(CONTROLLER))
 
 
 def _worlds(a: _Side, b: _Side) -> Iterator[str]:

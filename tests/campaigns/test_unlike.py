@@ -106,14 +106,18 @@ def test_words_alone_are_no_news_and_long_values_are_cut(capsys: Capture) -> Non
     assert f"robots.0.name a in A, {'w' * 39}… in B" in told
 
 
+CHANGED = "the source of ramp was changed between them, or a file that its settings name"
+
+
 @pytest.mark.parametrize(
     ("controllers", "told"),
     [
-        (("mode_switching", "path_following"), ["the source of ramp was changed between them"]),
+        (("mode_switching", "path_following"), [CHANGED]),
         (
             ("own:One", "path_following"),
             ["whether the source of ramp is the same in both is not known"],
         ),
+        (("own:One", "own:One"), [CHANGED.replace("ramp", "own:One or ramp")]),
         (("own:One", "own:Two"), ["whether the source of ramp is the same in both is not known"]),
     ],
 )
@@ -132,8 +136,15 @@ def test_a_stage_that_was_changed_is_told_though_the_controllers_differ(
     one, other = (side(c, s, ramp) for c, s in zip(controllers, "ab", strict=True))
     assert list(_unlike(one, other)) == told
     assert list(_unlike(one, side(controllers[1], "a", ramp))) == []
+    alone = side(controllers[0], "a", plain)  # with the stage and without it
+    assert list(_unlike(alone, side(controllers[0], "b", ramp))) == (
+        ["whether the source of own:One is the same in both is not known"]
+        if controllers[0] == "own:One"
+        else []
+    )
     without = [side(c, s, plain) for c, s in zip(controllers, "ab", strict=True)]
-    assert list(_unlike(*without)) == []
+    told = list(_unlike(*without))
+    assert bool(told) == (controllers == ("own:One", "own:One"))
 
 
 LEARNED = """

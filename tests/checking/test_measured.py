@@ -57,13 +57,16 @@ def test_what_will_be_off_is_told(tmp_path: Path, own: list[list[float]], off: f
     assert not with_facts(alone, "the formation error will be")
 
 
-def test_what_follows_from_another_fault_is_not_told_again(tmp_path: Path) -> None:
-    """A path that runs against the reference path is off, of course."""
-    text = world(WRONG_LEG, WRONG_LEG[0][1])
-    assert np.ptp(_at_stops(text) - build_scene(parse_world(text)).formation.lead) > 30.0
+@pytest.mark.parametrize("kink", [[], [[30, 1.5], [29, 1.51]]])
+def test_it_is_told_whatever_else_is(tmp_path: Path, kink: list[list[float]]) -> None:
+    """A path that turns back somewhere is no reason for what it is at the end."""
+    text = world([HALF[0], *kink, HALF[1]], 1.5)
     told = lines(check(tmp_path, text))[1]
-    assert with_facts(told, "r2", "runs against the reference path")
-    assert not with_facts(told, "the formation error will be")
+    assert len(with_facts(told, "the formation error will be")) == 1
+    assert bool(with_facts(told, "turns back")) == bool(kink)
+    against = lines(check(tmp_path, world(WRONG_LEG, WRONG_LEG[0][1])))[1]
+    assert with_facts(against, "r2", "runs against the reference path")
+    assert with_facts(against, "r2", "the formation error will be")
 
 
 def _at_stops(text: str) -> np.ndarray:

@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 from physim import check_world
+from tests.checking.worlds import check, lines, with_facts
 from tests.cli.commands import physim
 
 HAIRPIN = """\
@@ -116,3 +117,22 @@ def test_a_run_tells_it_too(
     lines = [one for one in done.err.splitlines() if "beyond a wall or an obstacle" in one]
     assert len(lines) == told_lines
     assert all("hairpin.yaml:7:60: robots[0].pose" in one for one in lines)
+
+
+@pytest.mark.parametrize(("pose", "is_told"), [
+    ([4, 19, 0], False), ([19, 4, 0], True), ([4, 10, 0], False),
+])  # fmt: skip
+def test_a_start_far_from_its_path_is_told(tmp_path, pose, is_told):
+    """As where x and y are swapped; not where the seed places the robots."""
+    text = (
+        "name: far\ntime: {step: 0.02, duration: 90}\n"
+        "boundaries: [[[0, 0], [40, 0], [40, 30], [0, 30], [0, 0]]]\n"
+        "reference_path: [[2, 19], [36, 19]]\nrobots:\n"
+        f"  - {{name: a, footprint: {{length: 1.8, width: 1.0}}, pose: {pose}, "
+        "path: {offset: 0}}\n"
+    )
+    told = with_facts(lines(check(tmp_path, text))[1], "robots[0].pose", "15 m away", "(19, 19)")
+    assert bool(told) == is_told
+    drawn = text.replace(f"pose: {pose}, ", "")
+    drawn += "start: {region: [[2, 2], [8, 2], [8, 5], [2, 5]], heading: along}\n"
+    assert not with_facts(lines(check(tmp_path, drawn))[1], "m away")

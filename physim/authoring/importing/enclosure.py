@@ -15,6 +15,7 @@ import numpy as np
 import shapely
 
 from physim.authoring.importing.drawing import DIGITS, Drawing, listed, place, refused, rounded
+from physim.authoring.importing.lines import is_closed
 from physim.authoring.importing.places import chosen_area, place_of
 from physim.errors import plural
 from physim.geometry.area import inner_lines
@@ -71,7 +72,7 @@ def check_size(path: Path, extent: FloatArray) -> None:
 
 def _obstacles(path: Path, drawing: Drawing) -> list[FloatArray]:
     """Obstacles with area; grains are listed, and what has none otherwise is refused."""
-    closed = sum((line[0] == line[-1]).all() for line in drawing.boundaries)
+    closed = sum(is_closed(line) for line in drawing.boundaries)
     for count, what in ((len(drawing.obstacles), "obstacles"), (closed, "closed walls")):
         if count > MOST_OBSTACLES:
             raise refused(

@@ -11,6 +11,7 @@ import shapely
 from scipy.spatial import cKDTree
 
 from physim.authoring.importing.drawing import DIGITS, place
+from physim.authoring.importing.lines import is_closed
 from physim.geometry.shapes import FloatArray
 
 NEARLY = 0.01
@@ -117,7 +118,7 @@ def join_ends(lines: list[FloatArray]) -> list[str]:
     one: they may leave a passage. What they enclose is none if far more of them stands about it.
     """
     knit(lines)
-    rings = [face for line in lines if (line[0] == line[-1]).all() for face in faces_of([line])]
+    rings = [face for line in lines if is_closed(line) for face in faces_of([line])]
     within = shapely.union_all([shapely.Polygon(ring.exterior) for ring in rings])
     shapely.prepare(within)
     walls = [

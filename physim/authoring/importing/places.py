@@ -15,6 +15,7 @@ import shapely
 
 from physim.authoring.importing.drawing import Drawing, DrawnRobot, place, refused
 from physim.authoring.importing.joining import OUTSIDE, beyond_of, faces_and_loose
+from physim.authoring.importing.lines import is_closed
 from physim.authoring.importing.openings import open_ends, opening
 from physim.errors import plural
 
@@ -180,7 +181,7 @@ def _walls_about(drawing: Drawing, face: Any) -> Any:
     """
     solids = shapely.union_all([*drawing.solids, *drawing.painted])
     shapely.prepare(solids)
-    lines = [line for line in drawing.boundaries if (line[0] == line[-1]).all() and len(line) > 3]
+    lines = [line for line in drawing.boundaries if is_closed(line) and len(line) > 3]
     closed = [shapely.Polygon(line) for line in lines]
     closed = [one for one in closed if not solids.contains(one.representative_point())]
     point = face.representative_point()

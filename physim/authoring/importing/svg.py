@@ -28,6 +28,7 @@ from physim.authoring.importing.drawing import (
     rounded,
 )
 from physim.authoring.importing.joining import join_ends
+from physim.authoring.importing.lines import is_closed
 from physim.authoring.importing.outlines import drop_marks
 from physim.authoring.importing.path_pieces import take_paths
 from physim.authoring.importing.roles import nearest_role, role_named
@@ -246,7 +247,7 @@ def _sort(path: Path, drawing: Drawing, lines: list[_Line], walls: Walls) -> Non
     open_paths = {line.name for line in lines if line.role == "path" and not line.is_closed}
     for line in lines:
         points = line.points
-        ring = points[:-1] if (points[0] == points[-1]).all() else points
+        ring = points[:-1] if is_closed(points) else points
         if line.role == "boundary":
             drawing.boundaries.append(points)
         elif line.role == "path":

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import svgelements
 
+from physim.authoring.importing.lines import is_closed
 from physim.authoring.importing.work import MOST_POINTS
 from physim.geometry.shapes import FloatArray
 
@@ -67,7 +68,7 @@ def _finish(
         return
     if closed and (line[0] != line[-1]).any():
         line = np.vstack([line, line[:1]])
-    found.append((line, closed or bool(len(line) > 3 and (line[0] == line[-1]).all())))
+    found.append((line, closed or (len(line) > 3 and is_closed(line))))
 
 
 def _chords(segment: Any, tolerance: float) -> int:

@@ -33,7 +33,7 @@ from physim.world.checks.room import ClearanceProfile, clearance_profiles
 from physim.world.checks.safe_stops import check_safe_stops
 from physim.world.checks.shared_stops import check_shared_stops
 from physim.world.checks.standing import stops
-from physim.world.checks.start_stations import check_start_stations
+from physim.world.checks.start_stations import check_far_starts, check_start_stations
 from physim.world.checks.starts import (
     check_expected,
     check_footprints,
@@ -142,6 +142,7 @@ def _check_layout(
     check_expected(laid, found)
     check_headings(laid, found)
     check_start_stations(laid, found)
+    check_far_starts(laid, found)
     astray = check_paths(laid, found)
     is_unread = any(fault.location[:1] in PLACES for fault in written)
     profiles = () if is_unread else clearance_profiles(laid, safe_distance)

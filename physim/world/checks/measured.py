@@ -54,14 +54,12 @@ def check_measured(laid: PartialLayout, found: Diagnostics) -> None:
         return
     wanted = np.maximum(length - (lead.max() - lead), 0.0)
     worst = int(np.argmax(np.abs(at - wanted)))
-    if any(fault.location == laid.path_key(worst) for fault in found.warnings):
-        return  # from which it follows
     found.warn(
         laid.path_key(worst),
         f"as it drives to its stop, {name_of(laid, worst)} comes to station {at[worst]:.2f} m of "
         f"the reference path, where its place in the formation is at {wanted[worst]:.2f} m: the "
-        f"formation error will be {error:.4g} m; let its path lead along the reference path to its "
-        "end, and begin nearer to where that does than to any other part of it",
+        f"formation error will be {error:.4g} m, as where a path leads elsewhere, begins nearer to "
+        "another part of the reference path, or bends beside it where the robots stop",
     )
 
 

@@ -9,7 +9,8 @@ from __future__ import annotations
 import numpy as np
 import shapely
 
-from physim.errors import Fault, Location, plural
+from physim.errors import Fault, Location, place_text, plural
+from physim.geometry.polygon import circumscribed_radius
 from physim.geometry.shapes import FloatArray, IntArray
 from physim.world.checks.findings import Diagnostics
 from physim.world.checks.way import Way
@@ -21,6 +22,8 @@ from physim.world.scene import Layout
 ROUND = 2.0
 """[-] times the ways to two stretches: what lies between them along the path, where it merely goes
 round what stands in the way"""
+FAR = 10.0
+"""[-] times its circumscribed radius that a robot starts from its path, if that is told"""
 NEARLY = 1.0 - 1e-9
 """[-] Share of a way that no wall may cross"""
 MOST_LOOKED_AT = 100
@@ -53,6 +56,31 @@ def check_start_stations(laid: PartialLayout, found: Diagnostics) -> None:
         line = line_of(laid.reference)
         _check(laid, placed, [line] * len(placed), "the reference path", walls, found)
     _check(laid, placed, [line_of(laid.paths[i]) for i in placed], "its path", walls, found)
+
+
+def check_far_starts(laid: PartialLayout, found: Diagnostics) -> None:
+    """Warn of robots that are written to start far from their paths, as where x and y are swapped.
+
+    Where the seed places them they may have far to go.
+    """
+    line_of = Shared(shapely.LineString)
+    told: list[tuple[int, float, float, float]] = []
+    for i, path in laid.paths.items():
+        if laid.world.robots[i].pose is None or i not in laid.footprints:
+            continue
+        start = shapely.Point(laid.start[i, :2])
+        away = line_of(path).distance(start)
+        if away > FAR * circumscribed_radius(laid.footprints[i]):
+            (x, y) = shapely.get_coordinates(shapely.shortest_line(start, line_of(path)))[1]
+            told.append((i, away, float(x), float(y)))
+    if told:
+        i, away, x, y = told[0]
+        more = f", and {plural(len(told) - 1, 'more robot')} so" if len(told) > 1 else ""
+        found.warn(
+            (*laid.world.entry_of(i), "pose"),
+            f"{describe(laid.names[i])} starts {away:.4g} m away from its path, which is nearest "
+            f"at {place_text(x, y, 4)}{more}; are x and y swapped, or is the path another's?",
+        )
 
 
 def _check(

@@ -643,7 +643,7 @@ EDITS = (
         "campaigns",
         "physim/campaigns/processes.py",
         "Processes.__init__",
-        "if not is_whole or workers < 1",
+        "if not isinstance(workers, SupportsIndex) or isinstance(workers, bool) or workers < 1",
         "if False",
         "no processes are none",
         "tests/campaigns/test_processes.py::test_no_processes_would_wait_for_ever",
@@ -656,5 +656,14 @@ EDITS = (
         "runs[(spec.key, spec.label, str(len(runs)))] = spec",
         "a run asked for twice is done once",
         "tests/campaigns/test_sweep.py::test_one_run_asked_for_twice_is_done_once",
+    ),
+    Edit(
+        "campaigns",
+        "physim/campaigns/unlike.py",
+        "_sources",
+        "both and one == other",
+        "both",
+        "a stage that one side has alone is no change of a source",
+        "tests/campaigns/test_unlike.py::test_a_stage_that_was_changed_is_told_though_the_controllers_differ",
     ),
 )

@@ -537,4 +537,22 @@ EDITS = (
         "ways too long to be followed are not",
         "tests/checking/test_measured.py::test_ways_too_long_to_be_followed_are_not",
     ),
+    Edit(
+        "checking",
+        "physim/world/checks/start_stations.py",
+        "check_far_starts",
+        "away > FAR * circumscribed_radius(laid.footprints[i])",
+        "False",
+        "a start far from its path is told",
+        "tests/checking/test_start_stations.py::test_a_start_far_from_its_path_is_told",
+    ),
+    Edit(
+        "checking",
+        "physim/world/checks/start_stations.py",
+        "check_far_starts",
+        "laid.world.robots[i].pose is None or",
+        "",
+        "robots that the seed places may start far from their paths",
+        "tests/checking/test_start_stations.py::test_a_start_far_from_its_path_is_told",
+    ),
 )

@@ -77,6 +77,8 @@ def measured(
     at the same share of their ways, and is followed as in a run; ``radius`` (N,) [m] are the
     circumscribed ones. None where the ways are too long to be followed.
     """
+    if float(stops.max()) / STEP * len(paths) > MOST_PLACES:
+        return None  # before so much is packed
     packed = pack_polylines(paths)
     tracking = Tracking(packed, pack_polylines([reference]), radius, start)
     own = np.split(packed.station, packed.start[1:-1])

@@ -130,3 +130,6 @@ def test_ways_too_long_to_be_followed_are_not() -> None:
     far = np.array([[0.0, 0.0], [measuring.MOST_PLACES * measuring.STEP, 0.0]])
     args = np.zeros((1, 3)), np.array([0.5]), np.array([far[1, 0]])
     assert measuring.measured([far], far, *args) is None
+    near = far / measuring.MOST_PLACES
+    start = np.array([[0.0, far[1, 0], 0.0]])
+    assert measuring.measured([near], near, start, np.array([0.5]), np.array([0.2])) is None

@@ -539,6 +539,15 @@ EDITS = (
     ),
     Edit(
         "checking",
+        "physim/world/checks/measured.py",
+        "measured",
+        "float(stops.max()) / STEP * len(paths) > MOST_PLACES",
+        "False",
+        "ways too long to be followed are not",
+        "tests/checking/test_measured.py::test_ways_too_long_to_be_followed_are_not",
+    ),
+    Edit(
+        "checking",
         "physim/world/checks/start_stations.py",
         "check_far_starts",
         "away > FAR * circumscribed_radius(laid.footprints[i])",

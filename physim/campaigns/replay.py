@@ -94,7 +94,7 @@ def replay(spec: RunSpec, path: Path, stop: Stop) -> str:
     where its record cannot be written, which says nothing of the run.
     """
     executor = Processes(1)
-    job = Job(spec.note, _record, (spec, path), spec.limit, ready)
+    job = Job(spec.note, _record, (spec, path), spec.timer, ready)
     try:
         for outcome in outcomes(iter([(spec, job)]), executor, stop):
             if outcome.error is not None:

@@ -6,6 +6,7 @@ import functools
 import hashlib
 from dataclasses import dataclass
 from importlib.metadata import version
+from math import inf
 
 import numpy as np
 
@@ -20,6 +21,8 @@ LEAST_LIMIT = 120.0
 STEP_LIMIT = 1e-3
 """[s] that a run may take beside for each robot and physics step: some hundred times as long as the
 shipped controllers"""
+MOST_LIMIT = 1e7
+"""[s] that a run may be limited to: some months"""
 KEY_DIGITS = 20
 HASH_DIGITS = 12
 
@@ -42,7 +45,7 @@ class RunSpec:
     """registered name, or ``module:Class``"""
     sources: tuple[Source, ...] = ()
     limit: float | None = None
-    """[s] after which the run is given up; no part of what the run is"""
+    """[s] after which the run is given up, inf never; no part of what the run is"""
 
     def __post_init__(self) -> None:
         """Refuse what no row could hold; a whole number of numpy is one of Python's then."""
@@ -57,8 +60,17 @@ class RunSpec:
         for key in ("world", "settings", "controller"):
             _check_text(key, getattr(self, key))
         limit = self.limit
-        if limit is not None and not (isinstance(limit, float | int) and limit > 0.0):
-            raise PhysimError(f"limit {limit!r}: must be a number of seconds above 0, or None")
+        is_number = isinstance(limit, float | int | np.number) and not isinstance(limit, bool)
+        if limit is not None and not (is_number and limit > 0.0 and not MOST_LIMIT < limit < inf):
+            raise PhysimError(
+                f"limit {limit!r}: must be a number of seconds above 0, at most {MOST_LIMIT:.0e}, "
+                "or inf for none"
+            )
+
+    @property
+    def timer(self) -> float | None:
+        """[s] after which a worker gives it up; None for none."""
+        return None if self.limit is None or self.limit == inf else float(self.limit)
 
     @property
     def world_hash(self) -> str:

@@ -126,7 +126,7 @@ def sweep(
 
 def job_of(spec: RunSpec, keep: str, records: Path | None) -> Job:
     """A run as a job for a worker."""
-    return Job(spec.note, take, (spec, keep, records), spec.limit, ready, spec.code)
+    return Job(spec.note, take, (spec, keep, records), spec.timer, ready, spec.code)
 
 
 def _each_once(specs: Iterable[RunSpec]) -> Collection[RunSpec]:

@@ -54,6 +54,7 @@ def test_the_seed_of_the_world_is_no_part_of_it() -> None:
 @pytest.mark.parametrize("given", [
     {"seed": -1}, {"seed": 1.5}, {"seed": True}, {"seed": "4"}, {"seed": 2**63},
     {"settings": 5}, {"settings": "\udc00"}, {"name": 3}, {"limit": -1.0}, {"limit": float("nan")},
+    {"limit": 1e10}, {"limit": True},
 ])  # fmt: skip
 def test_what_no_row_could_hold_is_refused(given: dict[str, Any]) -> None:
     """It would lock the folder that it is written to."""

@@ -233,7 +233,11 @@ def test_worlds_that_cannot_be_told_apart_are_refused_before_a_run(
 
 def test_one_run_asked_for_twice_is_done_once(two: Processes, tmp_path: Path) -> None:
     (run,) = specs(1)
-    assert sweep([run, run, run], tmp_path / "campaign", two).done == 1
+    work = sweep([run, run, replace(run, limit=float("inf"))], tmp_path / "campaign", two)
+    assert (work.done, work.failed) == (1, 0)
+    endless = replace(run, seed=1, limit=float("inf"))
+    work = sweep([run, endless], tmp_path / "campaign", two)
+    assert (work.done, work.failed) == (1, 0)
 
 
 @pytest.mark.parametrize(("given", "told"), [

@@ -140,3 +140,17 @@ def test_a_path_ends_clear_of_a_wall_where_its_corridor_widens(
              ("robot", shapely.box(3.2, -0.4, 4.8, 0.4))]  # fmt: skip
     (x, _) = import_world(geojson(tmp_path, parts)).world.reference_path[-1]
     assert 37.0 < x < 40.0 - 0.8 - 1.0
+
+
+@pytest.mark.parametrize("funnel", [3.0, 7.0, 10.0, 12.0])
+def test_a_funnel_at_an_end_makes_no_robots_smaller(tmp_path: Path, funnel: float) -> None:
+    """Which have the room but for its last few metres; a long neck does."""
+    x = 20.0 + funnel
+    hall = shapely.Polygon([(0, -5), (20, -5), (x, -0.5), (x, 0.5), (20, 5), (0, 5)])
+    parts = [("boundary", hall), ("path", shapely.LineString([(0.5, 0), (x - 0.5, 0)]))]
+    made = import_world(geojson(tmp_path, parts))
+    assert any("1.8 x 1.0 m, as large as fits" in fact for fact in made.facts)
+    neck = hall.union(shapely.box(x - 1.0, -1.2, x + 14.0, 1.2))
+    parts = [("boundary", neck), ("path", shapely.LineString([(0.5, 0), (x + 13, 0)]))]
+    made = import_world(geojson(tmp_path, parts))
+    assert not any("1.8 x 1.0 m, as large as fits" in fact for fact in made.facts)

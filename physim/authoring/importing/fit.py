@@ -47,7 +47,7 @@ the shipped controller needs to move on: with 1.2 m it stops in danger mode"""
 END_ROOM = 1.6
 """[-] times the room, where the path begins and ends"""
 MOST_LEFT_OUT = 3.0
-"""[-] times the room that is left out at either end of a path rather than robots be smaller"""
+"""[-] times the room that a path may be too narrow for at either end, before robots are smaller"""
 STOP_ROOM = 1.3
 """[m] way that is left free ahead of a robot at the end of its path, at size 1: what it goes in
 `time_low` of the shipped controller, 1 s, at the formation's highest speed, 1.3 m/s"""
@@ -268,19 +268,21 @@ def _largest_size(path: Path, drawing: Drawing, way: _Way) -> tuple[float, tuple
 def _ends(way: _Way, room: float, rooms: float = inf) -> tuple[int, int] | None:
     """First and last sample between which the clearance is at least ``room`` everywhere.
 
-    None where there are none, or more than so many ``rooms`` would be left out at either end.
+    None where there are none, or less clearance than that on the first or last so many ``rooms``.
     """
     at, gaps = way.at, way.gaps
     roomy = np.flatnonzero(gaps >= room - 1e-9)
     if not roomy.size:
         return None
     first, last = int(roomy[0]), int(roomy[-1])
+    if max(at[first], at[-1] - at[last]) > rooms * room:
+        return None
+    most, near = MOST_TRIMMED * at[-1], 2.0 * room
     wide = np.flatnonzero(gaps >= END_ROOM * room)  # a wall ahead is further away, if it can be
-    if wide.size:
-        near = 2.0 * room
-        first = int(wide[0]) if at[wide[0]] - at[first] <= near else first
-        last = int(wide[-1]) if at[last] - at[wide[-1]] <= near else last
-    most = min(MOST_TRIMMED * at[-1], rooms * room)
+    if wide.size and at[wide[0]] <= min(at[first] + near, most):
+        first = int(wide[0])
+    if wide.size and at[-1] - at[wide[-1]] <= min(at[-1] - at[last] + near, most):
+        last = int(wide[-1])
     if at[first] > most or at[-1] - at[last] > most or at[last] - at[first] < 4.0 * room:
         return None
     return (first, last) if (gaps[first : last + 1] >= room - 1e-9).all() else None

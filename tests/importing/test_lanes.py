@@ -170,3 +170,23 @@ def test_a_group_that_would_lose_its_path_is_refused(
     made = import_world(geojson(tmp_path, parts), Options(robots=robots))
     free_area(made, tmp_path)
     assert min(_ways(made)) > 200.0
+
+
+@pytest.mark.parametrize(("way", "is_lost"), [
+    (CROSSED, True), ([*LOOP[:-1], (-4, 14), (-4, -2), (20, -2)], False), (LOOP, False),
+    ([(0, 0), (40, 0), (5, 6)], False), ([(0, 0), (40, 0), (40, 30)], False),
+], ids=["hairpin", "spiral", "lap", "sharp", "corner"])  # fmt: skip
+@pytest.mark.parametrize("beside", [1.8, -1.8])
+def test_a_lane_that_leaves_out_a_part_of_its_path_is_told(
+    tmp_path: Path, way: list[Any], is_lost: bool, beside: float
+) -> None:
+    """Not one that is merely shorter within bends, or longer outside them."""
+    parts = [("boundary", shapely.box(-20, -50, 80, 50)), ("path", shapely.LineString(way)),
+             ("robot b", box(3, beside, 1.2, 0.7))]  # fmt: skip
+    made = import_world(geojson(tmp_path, parts))
+    told = [one for one in made.changes if "it leaves out" in one]
+    assert bool(told) == is_lost
+    for one in told:
+        check_says(one, "WARNING: path of b … 230.00 m … named b")
+    length = shapely.LineString(way).length
+    assert is_lost or abs(shapely.LineString(_paths(made)[0]).length - length) < 16.0

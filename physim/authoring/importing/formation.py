@@ -8,6 +8,7 @@ import numpy as np
 import shapely
 
 from physim.authoring.importing.fit import Fit
+from physim.authoring.importing.lanes import bends_of
 from physim.authoring.importing.lines import length_of, station_of
 from physim.authoring.importing.path_area import TOLD
 from physim.authoring.importing.robots import Placed, shape_at, stop_stations
@@ -44,10 +45,19 @@ def no_formation(found: Fit, robots: list[Placed], alone: list[Placed]) -> str:
     return ""
 
 
-def astray(found: Fit, robots: list[Placed]) -> str:
-    """Which of the robots of a formation goes another way than the reference path; or empty."""
+def lost(found: Fit, robots: list[Placed]) -> str:
+    """Which of the robots of a group in lanes loses a part of the reference path; or empty.
+
+    By more than a lane beside it is shorter within its bends, or longer outside them.
+    """
     ways = _Ways.of(found, robots)
-    return "" if ways is None else ways.astray(found, robots)
+    if ways is None:
+        return ""
+    for k, one in enumerate(robots):
+        most = bends_of(found.reference, one.path) + BACK * found.size
+        if abs(ways.gain[k] - ways.way[k]) > most or ways.back[k] > most:
+            return ways.told(one, k)
+    return ""
 
 
 @dataclass(frozen=True)
@@ -78,11 +88,17 @@ class _Ways:
     def astray(self, found: Fit, robots: list[Placed]) -> str:
         """Which robot comes back along the reference path, or hardly or too far along it."""
         least, most = ALONG
-        for one, way, gain, back in zip(robots, self.way, self.gain, self.back, strict=True):
+        for k, one in enumerate(robots):
+            way, gain = self.way[k], self.gain[k]
             if way > found.size and not least * way < gain < most * way:
-                where = "back" if gain < -TOLD else "forward"
-                said = f"on its way of {way:.2f} m, {one.name} comes {abs(gain):.2f} m {where} "
-                return f"{said}along the reference path"
-            if back > BACK * found.size:
-                return f"{one.name} comes back along the reference path by {back:.2f} m on its way"
+                return self.told(one, k)
+            if self.back[k] > BACK * found.size:
+                back = f"{self.back[k]:.2f} m"
+                return f"{one.name} comes back along the reference path by {back} on its way"
         return ""
+
+    def told(self, one: Placed, k: int) -> str:
+        """How far the robot of number k comes along the reference path."""
+        where = "back" if self.gain[k] < -TOLD else "forward"
+        said = f"on its way of {self.way[k]:.2f} m, {one.name} comes {abs(self.gain[k]):.2f} m "
+        return f"{said}{where} along the reference path"

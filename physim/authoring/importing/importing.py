@@ -31,7 +31,7 @@ from physim.authoring.importing.enclosure import (
     thin_out,
 )
 from physim.authoring.importing.fit import Fit, fit
-from physim.authoring.importing.formation import astray
+from physim.authoring.importing.formation import lost
 from physim.authoring.importing.lines import length_of
 from physim.authoring.importing.robots import Placed, fill_in, stop_warnings
 from physim.authoring.importing.source import format_of
@@ -127,7 +127,7 @@ def _imported(source: Path, options: Options) -> Imported:
         robots = as_drawn(drawing, found)
     else:
         found, robots = fill_in(source, drawing, found, options)
-        if reason := astray(found, robots):
+        if reason := lost(found, robots):
             message = f"{reason}, and the formation would be lost; fewer --lanes or --robots"
             raise drawing.refused_at(source, message, found.reference[0], "path")
         drawing.changes[:0] = _missed(found, options)

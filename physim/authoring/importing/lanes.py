@@ -18,6 +18,7 @@ from physim.authoring.importing.lines import (
     Outline,
     crossings,
     directions_at,
+    distances_to,
     is_closed,
     length_of,
     points_at,
@@ -40,6 +41,8 @@ BEND = 8.0
 """[-] times the offset that the path goes on at most where a bend folds its lane"""
 ABREAST = 0.7
 """[-] sine of the angle at which one leg crosses another, below which it goes beside it"""
+SHARPEST = np.radians(150.0)
+"""[rad] up to which a corner makes a lane within it shorter"""
 CLEARLY = 0.6
 """[-] of the way to the middle between two legs of a hairpin that a lane in it goes"""
 AFTER, BEFORE = 0.01, 0.1
@@ -115,6 +118,15 @@ def lane(
     return Lane(
         rounded(shapely.get_coordinates(simple)), offset, False, abs(offset) * float(share.min())
     )
+
+
+def bends_of(reference: FloatArray, line: FloatArray) -> float:
+    """[m] by which a lane is shorter within the bends of its path, or longer outside, at most."""
+    whole = np.vstack([reference, reference[1:2]]) if is_closed(reference) else reference
+    ahead = np.arctan2(*np.diff(whole, axis=0).T[::-1])
+    turns = np.abs((np.diff(ahead) + np.pi) % (2.0 * np.pi) - np.pi)
+    beside = float(distances_to(reference, line).max())
+    return beside * float(2.0 * np.tan(0.5 * np.minimum(turns, SHARPEST)).sum())
 
 
 def _lap(line: FloatArray, offset: float, size: float) -> FloatArray:

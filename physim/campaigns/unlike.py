@@ -86,7 +86,9 @@ def _sources(a: _Side, b: _Side) -> Iterator[str]:
     """
     one, other = _own(a), _own(b)
     both = " or ".join(sorted(one & other))
-    if both and one == other:
+    settings = (set(side.cell.settings.split("; ")) for side in (a, b))
+    varied = {key.split(".")[0] for key in map(plain_key, set.symmetric_difference(*settings))}
+    if both and one == other and not varied & {"controller", *(kind.key[0] for kind in STAGES)}:
         yield f"the source of {both} was changed between them, or a file that its settings name"
     elif both:
         yield f"whether the source of {both} is the same in both is not known"

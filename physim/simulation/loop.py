@@ -138,7 +138,7 @@ class Simulation:
     @property
     def contacts(self) -> NDArray[np.void]:
         """Rows of `physim.contacts.CONTACT_ROW` of the present sample."""
-        return self.physics.contacts
+        return np.asarray(locked(self.physics.contacts))
 
     def __repr__(self) -> str:
         """Size and time."""

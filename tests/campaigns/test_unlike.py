@@ -195,7 +195,12 @@ def test_a_file_that_settings_name_is_part_of_what_a_run_is(
     assert "would not be the same again" in done.err
     swept("b", capsys, *given)
     (told,) = unlike("a", "b", capsys)
-    assert "learned:Learned" in told
+    assert "learned:Learned was changed" in told
+    Path("other.txt").write_text("0.7")
+    other = ("--set", 'controller.layers=[{"weights": "other.txt"}]')
+    swept("c", capsys, *given[:2], *other)
+    (told,) = unlike("b", "c", capsys)
+    assert "is not known" in told  # what is compared is the file
 
 
 def test_a_run_made_again_for_its_picture_is_the_run_of_its_row(capsys: Capture) -> None:

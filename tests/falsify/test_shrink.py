@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from itertools import islice
 from math import pi
 from pathlib import Path
 from types import SimpleNamespace
@@ -16,13 +17,20 @@ from physim import Decision, Observation
 from physim.analysis.validation import validate
 from physim.campaigns.falsify.evaluate import accepted, controller_of
 from physim.campaigns.falsify.later import later, starts_of
-from physim.campaigns.falsify.passes import fewer_things, rounder, tree_of, with_robots
+from physim.campaigns.falsify.passes import (
+    fewer_things,
+    rounder,
+    straighter,
+    tree_of,
+    with_robots,
+)
 from physim.campaigns.falsify.robustness import ROBOTS, WALL, Judged, Moment, Touched
 from physim.campaigns.falsify.shrink import Shrunk, shrink, size_of
 from physim.simulation.loop import Simulation
 from physim.simulation.run import record_run
 from physim.world import World
 from physim.world.file import load_world
+from physim.world.file.files import shipped_worlds
 from tests.falsify.worlds import (
     ACCEPTS,
     EVALUATE,
@@ -349,3 +357,12 @@ def test_robots_are_left_out_of_their_formation() -> None:
     assert tree["formation"]["spacing"] == [0.0, 3.5]
     assert tree["formation"]["neighbours"] == [["b", "c"]]
     assert physim.World(**tree).robots == world.robots[1:]
+
+
+@pytest.mark.parametrize("name", shipped_worlds())
+def test_every_pass_takes_every_shipped_world(name: str) -> None:
+    """Also one whose road the seed draws: what was found there was lost with a traceback."""
+    judged = SimpleNamespace(touched=SimpleNamespace(time=1.0, robots=(0,)))
+    state = SimpleNamespace(tree=tree_of(load_world(name)), judged=judged)
+    proposed = [list(islice(propose(state), 20)) for propose in (fewer_things, straighter, rounder)]
+    assert any(proposed)

@@ -29,8 +29,8 @@ COLUMNS = ("distance", "boundary_distance", "collision_time")
 """Standard columns, in the order of `standard_columns`."""
 LONGEST = 100.0
 """[s] Collision times beyond this are not looked for where a controller's horizon is not known."""
-BY = "by its pose and the robots it considered"
-BY_COMMANDS = "by poses, commands and the robots it considered"
+BY = "by its pose, the walls and the robots it considered"
+BY_COMMANDS = "by poses, commands, the walls and the robots it considered"
 
 
 @dataclass(frozen=True)

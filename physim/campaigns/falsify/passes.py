@@ -154,7 +154,7 @@ def _loosens(tree: Tree, place: Place) -> bool:
 def straighter(state: State) -> Iterator[Tree]:
     """Give roads one width, and walls and paths fewer points."""
     corridor = state.tree.get("corridor")
-    if corridor is not None:
+    if corridor is not None and "centreline" in corridor:  # not one that the seed draws
         width = corridor["width"]
         if isinstance(width, list):
             middle = round(sum(width) / len(width), 1)
@@ -183,7 +183,9 @@ def _polylines(tree: Tree) -> list[Place]:
     for key in ("boundaries", "obstacles"):
         found += [(key, k) for k in range(len(tree.get(key) or []))]
     robots = enumerate(tree["robots"])
-    return found + [("robots", k, "path") for k, robot in robots if isinstance(robot["path"], list)]
+    return found + [
+        ("robots", k, "path") for k, robot in robots if isinstance(robot.get("path"), list)
+    ]
 
 
 def fewer(

@@ -285,4 +285,13 @@ EDITS = (
         "a controller's sets to choose from are not left out",
         "tests/falsify/test_shrink.py::test_the_sets_of_a_controller_stay_as_they_are",
     ),
+    Edit(
+        "falsify",
+        "physim/campaigns/falsify/passes.py",
+        "straighter",
+        'corridor is not None and "centreline" in corridor',
+        "corridor is not None",
+        "a road that the seed draws is left as it is",
+        "tests/falsify/test_shrink.py::test_every_pass_takes_every_shipped_world",
+    ),
 )

@@ -6,7 +6,9 @@ import errno
 import multiprocessing
 import os
 import signal
-from concurrent.futures import Executor, Future, ProcessPoolExecutor
+import subprocess
+import sys
+from contextlib import suppress
 from dataclasses import replace
 from importlib import import_module
 from pathlib import Path
@@ -253,19 +255,43 @@ def test_what_is_no_sweep_is_refused_before_a_run(
     assert not (tmp_path / "campaign").exists()
 
 
+FORK = """
+import multiprocessing
+from concurrent.futures import Executor, Future, ProcessPoolExecutor
+
+from physim.campaigns import sweep
+from tests.campaigns.samples import specs
+
+
+class Here(Executor):
+    def submit(self, fn, /, *args, **kwargs):
+        done = Future()
+        done.set_result(fn(*args, **kwargs))
+        return done
+
+
+if __name__ == "__main__":
+    first = sweep(specs(1), "first", Here())
+    with ProcessPoolExecutor(1, multiprocessing.get_context("fork")) as pool:
+        second = sweep(specs(2), "second", pool)
+    print(first.done, second.done, second.failed)
+"""
+
+
 def test_a_fork_does_runs_after_its_parent_did(tmp_path: Path) -> None:
     """The process that did the first runs is the parent's, and not to be had in a child."""
-
-    class Here(Executor):
-        def submit(self, fn: Any, /, *args: Any, **kwargs: Any) -> Future[Any]:
-            done: Future[Any] = Future()
-            done.set_result(fn(*args, **kwargs))
-            return done
-
-    assert sweep(specs(1), tmp_path / "first", Here()).done == 1
-    with ProcessPoolExecutor(1, multiprocessing.get_context("fork")) as pool:
-        work = sweep(specs(2), tmp_path / "second", pool)
-    assert (work.done, work.failed) == (2, 0)
+    (tmp_path / "fork.py").write_text(FORK)
+    paths = os.pathsep.join([str(Path(__file__).parents[2]), os.environ.get("PYTHONPATH", "")])
+    program = subprocess.Popen(
+        [sys.executable, "fork.py"], cwd=tmp_path, env={**os.environ, "PYTHONPATH": paths},
+        stdout=subprocess.PIPE, text=True, start_new_session=True,
+    )  # fmt: skip
+    try:
+        assert program.communicate(timeout=120.0)[0].split() == ["1", "2", "0"]
+    finally:
+        with suppress(ProcessLookupError):
+            os.killpg(program.pid, signal.SIGKILL)
+        program.wait()
 
 
 def test_a_full_disk_loses_nothing_that_was_written(

@@ -182,10 +182,8 @@ def _polylines(tree: Tree) -> list[Place]:
     found: list[Place] = [("reference_path",)] if tree.get("reference_path") else []
     for key in ("boundaries", "obstacles"):
         found += [(key, k) for k in range(len(tree.get(key) or []))]
-    robots = enumerate(tree["robots"])
-    return found + [
-        ("robots", k, "path") for k, robot in robots if isinstance(robot.get("path"), list)
-    ]
+    paths = enumerate(robot.get("path") for robot in tree["robots"])  # a group has several
+    return found + [("robots", k, "path") for k, path in paths if isinstance(path, list)]
 
 
 def fewer(

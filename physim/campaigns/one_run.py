@@ -15,7 +15,7 @@ from physim.analysis.metrics import Metric, Moment, measure
 from physim.analysis.metrics.distances import least_distance
 from physim.campaigns import own_metrics
 from physim.campaigns.columns import ERROR, Row
-from physim.campaigns.sources import provide
+from physim.campaigns.sources import changed_file, provide
 from physim.campaigns.spec import RunSpec, engine
 from physim.campaigns.worker import Stop
 from physim.errors import PhysimError, WorldError
@@ -79,6 +79,9 @@ def take(
         with record_run(simulation_of(spec), stop=stop) as record:
             if record.ended == "interrupted":
                 return None
+            world = _world(spec.text, spec.controller, spec.source_hash)
+            if file := changed_file(spec.sources, world):  # some rows would be of another
+                raise PhysimError(f"{file}, which its settings name, was changed meanwhile")
             found = figures(record)
             row = _row(spec, **found)
             if keep == "all" or (keep == "failed" and not row.contact_free):

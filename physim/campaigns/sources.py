@@ -105,6 +105,15 @@ def files_named(world: World) -> tuple[Source, ...]:
     return tuple(found[text] for text in sorted(found))
 
 
+def changed_file(sources: Sequence[Source], world: World) -> str:
+    """File that settings name and that is there, but holds something else than it did; or empty."""
+    then = {source.file: source.text for source in sources if not source.module}
+    if not then:
+        return ""
+    now = {source.file: source.text for source in files_named(world)}
+    return next((file for file, text in then.items() if now.get(file, text) != text), "")
+
+
 def _texts(value: object) -> Iterator[str]:
     """Texts among settings that may be names of files."""
     if isinstance(value, str) and 0 < len(value) <= LONGEST_NAME and "\0" not in value:
@@ -270,4 +279,13 @@ def _imported(one: Source) -> Iterator[str]:
             yield from (f"{base}.{alias.name}".lstrip(".") for alias in node.names)
 
 
-__all__ = ["Part", "Source", "files_named", "own_parts", "provide", "source_hash", "sources_of"]
+__all__ = [
+    "Part",
+    "Source",
+    "changed_file",
+    "files_named",
+    "own_parts",
+    "provide",
+    "source_hash",
+    "sources_of",
+]

@@ -11,8 +11,10 @@ import pytest
 from physim.campaigns import read
 from physim.campaigns.compare import between, compare
 from physim.campaigns.folder import Folder
+from physim.campaigns.one_run import run_one
 from physim.campaigns.outcomes import Cell, Outcomes
 from physim.campaigns.report.pictures import remake
+from physim.campaigns.spec import spec_of
 from physim.campaigns.unlike import _Side, _unlike, with_unlike
 from physim.errors import PhysimError
 from physim.world import World
@@ -169,7 +171,7 @@ class Learned:
         self.v = float(settings.layers[0].weights.read_text())
 
     def decide(self, observation, memory):
-        return physim.Decision(self.v, 0.0, 0.1), memory
+        return physim.Decision(self.v, 0.0, 0.1)
 """
 
 
@@ -201,6 +203,23 @@ def test_a_file_that_settings_name_is_part_of_what_a_run_is(
     swept("c", capsys, *given[:2], *other)
     (told,) = unlike("b", "c", capsys)
     assert "is not known" in told  # what is compared is the file
+
+
+def test_a_file_that_is_changed_during_a_sweep_makes_no_rows_of_two(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.syspath_prepend(Path.cwd())
+    Path("learned.py").write_text(LEARNED)
+    Path("net.txt").write_text("0.5")
+    world = parse_world(WORLD, controller="learned:Learned")
+    runs = [spec_of(world, seed) for seed in range(2)]
+    assert run_one(runs[0]).reason == ""
+    Path("net.txt").write_text("0.6")
+    row = run_one(runs[1])
+    assert row.ended == "error"
+    assert "net.txt, which its settings name, was changed" in str(row.reason)
+    Path("net.txt").unlink()
+    assert "was changed" not in str(run_one(runs[1]).reason)
 
 
 def test_a_run_made_again_for_its_picture_is_the_run_of_its_row(capsys: Capture) -> None:

@@ -29,6 +29,7 @@ from physim.authoring.importing.lines import (
 )
 from physim.geometry.corridor import offset_polyline
 from physim.geometry.shapes import FloatArray, IntArray
+from physim.world.checks.way import Way
 
 SLOPE = 0.2
 """[-] How fast a lane may draw in, across over along."""
@@ -169,12 +170,12 @@ def _on_its_leg(
     itself the lanes go straight on.
     """
     at, offset = stations(base), float(np.hypot(*across[0]))
-    line, length = shapely.LineString(path), length_of(path)
+    way, length = Way(path), length_of(path)
     directions, drawn = directions_at(path, at, offset), share.copy()
 
     def is_beside_another(some: IntArray, fraction: float) -> NDArray[np.bool_]:
         points = base[some] + fraction * share[some, None] * across[some]
-        found = shapely.line_locate_point(line, shapely.points(points))
+        found = way.nearest(points)
         away = np.abs(found - at[some])
         away = np.minimum(away, length - away) if is_closed(path) else away
         there, here = directions_at(path, found, offset), directions[some]

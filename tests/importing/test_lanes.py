@@ -12,7 +12,7 @@ import shapely
 from physim.authoring.importing import Options, import_world
 from physim.authoring.importing.lines import without_loops
 from physim.world.checks import check_world
-from tests.importing.plans import check_says
+from tests.importing.plans import check_says, only
 from tests.importing.test_drawn_robots import LOOP, _paths, _ways, box
 from tests.importing.test_joining import geojson
 from tests.importing.test_places import free_area, refusal
@@ -166,10 +166,35 @@ def test_a_group_that_would_lose_its_path_is_refused(
     """Whose lanes leave out a hairpin that the path crosses later; in single file it goes."""
     parts = [("boundary", shapely.box(-20, -50, 80, 50)), ("path", shapely.LineString(CROSSED))]
     said = refusal(geojson(tmp_path, parts), Options(robots=robots, lanes=lanes))
-    check_says(said, "along the reference path, and the formation would be lost; fewer --lanes")
+    check_says(said, "would leave out a part … and the formation would be lost; fewer --lanes")
     made = import_world(geojson(tmp_path, parts), Options(robots=robots))
     free_area(made, tmp_path)
     assert min(_ways(made)) > 200.0
+
+
+AISLE = [(0, 0), (10, 0), (10, -25), (11, -25), (11, 0), (25, 0), (25, 20), (45, 20), (45, 0),
+         (70, 0), (70, 30)]  # fmt: skip
+
+
+@pytest.mark.parametrize(("robots", "lanes"), [(4, 2), (2, 2)])
+def test_a_group_that_leaves_out_most_of_a_path_it_crosses_is_refused(
+    tmp_path: Path, robots: int, lanes: int
+) -> None:
+    """All its lanes do so alike: as a formation nothing is lost."""
+    way = [(0, 0), (30, 0), (30, 3), (0, 3), (0, 12), (15, 12), (15, -10)]
+    parts = [("boundary", shapely.box(-20, -30, 60, 40)), ("path", shapely.LineString(way))]
+    said = refusal(geojson(tmp_path, parts), Options(robots=robots, lanes=lanes))
+    check_says(said, "would leave out a part")
+
+
+@pytest.mark.parametrize("ring", [[(6, 0), (12, 0), (12, 10), (0, 10), (0, 0), (6, 0)]])
+def test_a_group_on_a_small_lap_is_not_refused(
+    tmp_path: Path, ring: list[tuple[float, float]]
+) -> None:
+    """Its inner lane is a good deal shorter, within the corners."""
+    parts = [("boundary", shapely.box(-6, -6, 18, 16)), ("path", shapely.LineString(ring))]
+    made = import_world(geojson(tmp_path, parts), Options(robots=4, lanes=3))
+    assert len(made.world.robots) == 4
 
 
 @pytest.mark.parametrize(("way", "is_lost"), [
@@ -187,6 +212,16 @@ def test_a_lane_that_leaves_out_a_part_of_its_path_is_told(
     told = [one for one in made.changes if "it leaves out" in one]
     assert bool(told) == is_lost
     for one in told:
-        check_says(one, "WARNING: path of b … 230.00 m … named b")
+        check_says(one, f"WARNING: path of b … {shapely.LineString(way).length:.2f} m … named b")
     length = shapely.LineString(way).length
     assert is_lost or abs(shapely.LineString(_paths(made)[0]).length - length) < 16.0
+
+
+def test_a_lane_that_leaves_out_an_aisle_is_told_however_many_bends_there_are(
+    tmp_path: Path,
+) -> None:
+    """By how far it is from the aisle, where it may be as much shorter for the bends."""
+    parts = [("boundary", shapely.box(-20, -50, 90, 50)), ("path", shapely.LineString(AISLE)),
+             ("robot b", box(3, 3, 1.2, 0.7))]  # fmt: skip
+    made = import_world(geojson(tmp_path, parts))
+    check_says(only(made, "WARNING"), "path of b, +3.00 m beside … it leaves out a part")

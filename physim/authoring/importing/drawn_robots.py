@@ -12,7 +12,7 @@ from physim.authoring.importing.drawing import Drawing, DrawnRobot, place, round
 from physim.authoring.importing.enclosure import HALF_WALL
 from physim.authoring.importing.fit import Fit
 from physim.authoring.importing.formation import no_formation
-from physim.authoring.importing.lanes import Lane, bends_of, lane
+from physim.authoring.importing.lanes import Lane, lane, leaves_out
 from physim.authoring.importing.lines import (
     Outline,
     directions_at,
@@ -32,8 +32,6 @@ from physim.authoring.importing.path_starts import (
 from physim.authoring.importing.robots import Placed, stop_stations
 from physim.geometry.shapes import FloatArray
 
-LOST = 4.0
-"""[m] at size 1 by which a lane is shorter than its path, beside what its bends make, untold"""
 LEAST = 0.1
 """[m] at size 1 that a robot goes that has no way"""
 LEAST_WAY = 0.25
@@ -176,13 +174,12 @@ def _as_drawn(robot: DrawnRobot, drawing: Drawing, found: Fit, lanes: dict[float
         beside = f"path of {robot.name}, {one.offset:+.2f} m beside the reference path,"
         if narrowing := one.narrowing():
             drawing.changes.append(f"{beside} {narrowing}")
-        lost = length_of(line) - length_of(one.line)
-        if abs(lost) > bends_of(line, one.line) + LOST * found.size:
+        if leaves_out(line, one.line, found.size):
             drawing.changes.insert(
                 0,
                 f"WARNING: {beside} is {length_of(one.line):.2f} m long instead of "
-                f"{length_of(line):.2f} m: it leaves out where that comes back beside itself; draw "
-                f"it a path of its own, named {robot.name}",
+                f"{length_of(line):.2f} m: it leaves out a part, as where that comes back beside "
+                f"itself; draw it a path of its own, named {robot.name}",
             )
     path = line if one is None else one.line
     _tell_far(drawing, found, robot, centre, path)

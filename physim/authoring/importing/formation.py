@@ -8,7 +8,7 @@ import numpy as np
 import shapely
 
 from physim.authoring.importing.fit import Fit
-from physim.authoring.importing.lanes import bends_of
+from physim.authoring.importing.lanes import leaves_out
 from physim.authoring.importing.lines import length_of, station_of
 from physim.authoring.importing.path_area import TOLD
 from physim.authoring.importing.robots import Placed, shape_at, stop_stations
@@ -46,17 +46,17 @@ def no_formation(found: Fit, robots: list[Placed], alone: list[Placed]) -> str:
 
 
 def lost(found: Fit, robots: list[Placed]) -> str:
-    """Which of the robots of a group in lanes loses a part of the reference path; or empty.
-
-    By more than a lane beside it is shorter within its bends, or longer outside them.
-    """
-    ways = _Ways.of(found, robots)
-    if ways is None:
-        return ""
-    for k, one in enumerate(robots):
-        most = bends_of(found.reference, one.path) + BACK * found.size
-        if abs(ways.gain[k] - ways.way[k]) > most or ways.back[k] > most:
-            return ways.told(one, k)
+    """Which of the robots of a group in lanes loses a part of the reference path; or empty."""
+    known: dict[int, bool] = {}
+    for one in robots:
+        if id(one.path) not in known:
+            known[id(one.path)] = leaves_out(found.reference, one.path, found.size)
+        if known[id(one.path)]:
+            return (
+                f"{one.name} would leave out a part of the path, which comes back beside itself: "
+                f"its lane is {length_of(one.path):.2f} m long instead of "
+                f"{length_of(found.reference):.2f} m"
+            )
     return ""
 
 

@@ -44,6 +44,9 @@ ABREAST = 0.7
 """[-] sine of the angle at which one leg crosses another, below which it goes beside it"""
 SHARPEST = np.radians(150.0)
 """[rad] up to which a corner makes a lane within it shorter"""
+LOST = 4.0
+"""[m] at size 1 by which it is longer or shorter, beside what its bends make, and half of it by
+which it is farther from a place of its path, if it leaves none out"""
 CLEARLY = 0.6
 """[-] of the way to the middle between two legs of a hairpin that a lane in it goes"""
 AFTER, BEFORE = 0.01, 0.1
@@ -121,13 +124,21 @@ def lane(
     )
 
 
-def bends_of(reference: FloatArray, line: FloatArray) -> float:
-    """[m] by which a lane is shorter within the bends of its path, or longer outside, at most."""
+def leaves_out(reference: FloatArray, line: FloatArray, size: float) -> bool:
+    """Whether a lane leaves out a part of its path: is far from some of it, or far shorter.
+
+    Than one beside it may be: within bends it is shorter, and farther from their corners.
+    """
     whole = np.vstack([reference, reference[1:2]]) if is_closed(reference) else reference
     ahead = np.arctan2(*np.diff(whole, axis=0).T[::-1])
     turns = np.abs((np.diff(ahead) + np.pi) % (2.0 * np.pi) - np.pi)
-    beside = float(distances_to(reference, line).max())
-    return beside * float(2.0 * np.tan(0.5 * np.minimum(turns, SHARPEST)).sum())
+    half = 0.5 * np.minimum(turns, SHARPEST)
+    beside, length = float(distances_to(reference, line).max()), length_of(reference)
+    if abs(length - length_of(line)) > beside * float(2.0 * np.tan(half).sum()) + LOST * size:
+        return True
+    places = points_at(reference, samples(length, max(0.5 * size, length / MOST_SAMPLES)))
+    corner = 1.0 / float(np.cos(half.max(initial=0.0)))
+    return bool(distances_to(line, places).max() > beside * corner + 0.5 * LOST * size)
 
 
 def _lap(line: FloatArray, offset: float, size: float) -> FloatArray:

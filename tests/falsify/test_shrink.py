@@ -359,6 +359,15 @@ def test_robots_are_left_out_of_their_formation() -> None:
     assert physim.World(**tree).robots == world.robots[1:]
 
 
+def test_speeds_are_not_left_out_with_robots() -> None:
+    """Though there may be as many: a robot could no longer stand, which nothing would say."""
+    robots = [robot(name, 2.0 * k, 0.0) for k, name in enumerate("abc")]
+    lists = {"speeds": [0.0, 0.5, 1.0], "omegas": [-0.5, 0.0, 0.5], "dwell_times": [0.1, 0.2, 0.3]}
+    tree = {"robots": robots, "controller": {"type": "x", "own": [1, 2, 3], **lists}}
+    kept = with_robots(tree, [0, 2])["controller"]
+    assert kept == {"type": "x", "own": [1, 3], **lists}
+
+
 @pytest.mark.parametrize("name", shipped_worlds())
 def test_every_pass_takes_every_shipped_world(name: str) -> None:
     """Also one whose road the seed draws: what was found there was lost with a traceback."""

@@ -154,3 +154,13 @@ def test_a_funnel_at_an_end_makes_no_robots_smaller(tmp_path: Path, funnel: floa
     parts = [("boundary", neck), ("path", shapely.LineString([(0.5, 0), (x + 13, 0)]))]
     made = import_world(geojson(tmp_path, parts))
     assert not any("1.8 x 1.0 m, as large as fits" in fact for fact in made.facts)
+
+
+@pytest.mark.parametrize("wide", [3.0, 4.2, 6.0, 8.4, 9.0])
+def test_a_bulge_in_a_corridor_makes_no_robots_smaller(tmp_path: Path, wide: float) -> None:
+    """Though it would be a roomy place to end, at both ends."""
+    bulge = shapely.box(6.0 - wide / 2, -4.0, 6.0 + wide / 2, 4.0)
+    hall = shapely.box(-4, -1.85, 16, 1.85).union(bulge)
+    parts = [("boundary", hall), ("path", shapely.LineString([(1, 0), (11, 0)]))]
+    made = import_world(geojson(tmp_path, parts))
+    assert any("1.8 x 1.0 m, as large as fits" in fact for fact in made.facts)

@@ -279,13 +279,16 @@ def _ends(way: _Way, room: float, rooms: float = inf) -> tuple[int, int] | None:
         return None
     most, near = MOST_TRIMMED * at[-1], 2.0 * room
     wide = np.flatnonzero(gaps >= END_ROOM * room)  # a wall ahead is further away, if it can be
+    begin, end = first, last
     if wide.size and at[wide[0]] <= min(at[first] + near, most):
-        first = int(wide[0])
+        begin = int(wide[0])
     if wide.size and at[-1] - at[wide[-1]] <= min(at[-1] - at[last] + near, most):
-        last = int(wide[-1])
-    if at[first] > most or at[-1] - at[last] > most or at[last] - at[first] < 4.0 * room:
+        end = int(wide[-1])
+    if at[end] - at[begin] < 4.0 * room:
+        begin, end = first, last
+    if at[begin] > most or at[-1] - at[end] > most or at[end] - at[begin] < 4.0 * room:
         return None
-    return (first, last) if (gaps[first : last + 1] >= room - 1e-9).all() else None
+    return (begin, end) if (gaps[begin : end + 1] >= room - 1e-9).all() else None
 
 
 def _clear_end(

@@ -70,6 +70,8 @@ OPTIONAL = (
 OPTIONAL_OF_ROBOT = ("limits", "mass")
 CHOICES = ("speeds", "omegas")
 """Sets to choose from, which stay: rounded they offer fewer choices, left out perhaps more."""
+OF_NO_ROBOT = (*CHOICES, "dwell_times")
+"""Lists of a controller that have as many things as there are robots by chance alone"""
 DECIMALS = (0, 1, 2, 3)
 """To which numbers are rounded, the roundest first."""
 ROUNDED = (
@@ -109,13 +111,14 @@ def fewer_robots(state: State) -> Iterator[Tree]:
 def with_robots(tree: Tree, kept: Sequence[int]) -> Tree:
     """Return a world with some of its robots only, in their formation.
 
-    A setting of the controller that lists as many things as there are robots keeps theirs.
+    A setting of the controller that lists as many things as there are robots keeps theirs, but for
+    speeds to choose from and their times.
     """
     changed = copy.deepcopy(tree)
     robots = changed["robots"]
     changed["robots"] = [robots[k] for k in kept]
     for key, value in changed.get("controller", {}).items():
-        if isinstance(value, list) and len(value) == len(robots):
+        if isinstance(value, list) and len(value) == len(robots) and key not in OF_NO_ROBOT:
             changed["controller"][key] = [value[k] for k in kept]
     formation = changed.get("formation")
     if formation is not None:

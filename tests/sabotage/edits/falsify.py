@@ -294,4 +294,13 @@ EDITS = (
         "a road that the seed draws is left as it is",
         "tests/falsify/test_shrink.py::test_every_pass_takes_every_shipped_world",
     ),
+    Edit(
+        "falsify",
+        "physim/campaigns/falsify/passes.py",
+        "with_robots",
+        "and key not in OF_NO_ROBOT",
+        "",
+        "speeds are not left out with robots",
+        "tests/falsify/test_shrink.py::test_speeds_are_not_left_out_with_robots",
+    ),
 )

@@ -198,7 +198,7 @@ def make_grid(
             one_of_several = (name if len(names) > 1 else "", controller if chosen[1:] else "")
             raise _of_cell(error, *one_of_several) from None
         warnings |= dict.fromkeys(warning_lines(document))
-        _check(world, document, seeds)
+        _check(world, document, seeds, overrides)
         own = own_parts(world)
         if own not in sources:
             sources[own] = sources_of(own)
@@ -317,8 +317,8 @@ def _of_cell(error: WorldError, world: str, controller: str | None) -> WorldErro
     )
 
 
-def _check(world: World, document: Document, seeds: range | None) -> None:
-    """Raise WorldError where a world cannot be run, whatever the seed."""
+def _check(world: World, document: Document, seeds: range | None, overrides: Sequence[str]) -> None:
+    """Raise WorldError where a world cannot be run, whatever the seed; with what makes it so."""
     tried = [world.seed] if seeds is None or not may_vary(world) else seeds[:TRIES]
     for k, seed in enumerate(tried):
         try:
@@ -326,7 +326,10 @@ def _check(world: World, document: Document, seeds: range | None) -> None:
             return
         except WorldError as error:
             if k == len(tried) - 1:
-                raise located(error.faults, document) from None
+                one_of = [*overrides, *([] if seeds is None else [f"seed {seed}"])]
+                of = f" (with {escaped(', '.join(one_of))})" if one_of else ""
+                faults = [replace(one, message=one.message + of) for one in error.faults]
+                raise located(faults, document) from None
 
 
 __all__ = ["MOST_RUNS", "Grid", "Shard", "make_grid", "settings_of"]

@@ -74,6 +74,14 @@ def test_a_refused_setting_names_world_and_controller_where_there_are_several(
     assert {word for word in known if word in line} == named
 
 
+def test_a_world_that_a_value_makes_impossible_is_told_with_the_value() -> None:
+    """Its file as it stands is right."""
+    with pytest.raises(
+        WorldError, match=facts("r1", "over the edge", "corridor.width=1.8", "seed")
+    ):
+        make_grid(["straight"], range(1, 3), ["corridor.width=8,1.8"])
+
+
 def test_a_fault_of_a_file_or_a_name_says_by_itself_what_it_is_of(here: Path) -> None:
     (here / "bad.yaml").write_text((here / "fixed.yaml").read_text() + "colour: red\n")
     for worlds, controllers in (["bad.yaml"], ["constant", "path_following"]), (

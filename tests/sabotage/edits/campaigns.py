@@ -675,4 +675,13 @@ EDITS = (
         "a file that is changed during a sweep makes no rows of two",
         "tests/campaigns/test_unlike.py::test_a_file_that_is_changed_during_a_sweep_makes_no_rows_of_two",
     ),
+    Edit(
+        "campaigns",
+        "physim/campaigns/grid.py",
+        "_check",
+        "one.message + of",
+        "one.message",
+        "a value that makes a world impossible is told",
+        "tests/campaigns/test_grid.py::test_a_world_that_a_value_makes_impossible_is_told_with_the_value",
+    ),
 )

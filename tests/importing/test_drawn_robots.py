@@ -428,7 +428,7 @@ def test_all_of_a_queue_drive_a_lap(
               for role, one in parts]  # fmt: skip
     made = import_world(geojson(tmp_path, turned))
     free_area(made, tmp_path)
-    assert made.world.formation is None
+    assert (made.world.formation is None) == (len(robots) > 1)
     assert min(_ways(made)) > lap.length - 12.0 * abs(side) - 0.5
     assert not [one for one in made.changes if "WARNING" in one]
 
@@ -486,6 +486,15 @@ def test_a_lap_drawn_a_grain_too_short_is_closed(tmp_path: Path) -> None:
     made = import_world(geojson(tmp_path, parts))
     check_says(only(made, "it is closed"), "0.004 m")
     assert min(_ways(made)) == pytest.approx(76.0, abs=0.3)
+
+
+def test_a_robot_alone_on_a_lap_is_a_formation(tmp_path: Path) -> None:
+    """Whose speed it has: by itself it may stand for ever in a tight bend."""
+    parts = [("boundary", shapely.box(-6, -6, 30, 20)), ("path", shapely.LineString(LOOP)),
+             ("robot a", box(12, 0)), ("robot b", box(12, 14))]  # fmt: skip
+    made = [import_world(geojson(tmp_path, parts[:count])) for count in (3, 4)]
+    assert [one.world.formation is not None for one in made] == [True, False]
+    assert min(_ways(made[0])) == pytest.approx(76.0, abs=0.3)
 
 
 @pytest.mark.parametrize("lap", [LOOP, [(0, 0), (24, 0), (18, 12), (0, 0)]])

@@ -55,9 +55,10 @@ def as_drawn(drawing: Drawing, found: Fit) -> list[Placed]:
         ways = (_on_own_laps if closed else _stopping_behind)(line, some, found.size)
         free |= {one.name: one for one in ways}
     alone = [free[one.name] for one in robots]
-    reason = "a path is closed" if any(is_lap) else no_formation(found, robots, alone)
-    drawing.has_formation = not reason
-    if reason:
+    if len(robots) == 1 and any(is_lap):  # a formation by itself, whose speed lets it not stand
+        robots = alone
+    elif reason := "a path is closed" if any(is_lap) else no_formation(found, robots, alone):
+        drawing.has_formation = False
         drawing.facts.append(f"no formation: {reason}; {_ways_without(groups)}")
         robots = alone
     drawing.changes[:0] = _hardly_moving(drawing, found, robots)

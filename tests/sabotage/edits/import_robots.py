@@ -518,4 +518,13 @@ EDITS = (
         "the joint of a lap is a bend, too",
         "tests/importing/test_lanes.py::test_a_lane_that_leaves_out_a_part_of_its_path_is_told",
     ),
+    Edit(
+        "importing",
+        "physim/authoring/importing/drawn_robots.py",
+        "as_drawn",
+        "len(robots) == 1 and any(is_lap)",
+        "False",
+        "a robot alone on a lap is a formation",
+        "tests/importing/test_drawn_robots.py::test_a_robot_alone_on_a_lap_is_a_formation",
+    ),
 )

@@ -198,7 +198,8 @@ def load_class(kind: Kind, target: str, name: str) -> type[Any]:
     if not isinstance(found, type):
         if found is not None:
             raise ControllerError(
-                f"{kind.word} {describe(name)}: {class_name} is {kind_of(found)}, no class"
+                f"{kind.word} {describe(name)}: module {describe(module_name)} has no class "
+                f"{describe(class_name)}: it is {kind_of(found)}"
                 f"{place_of(found) or place_of(module)}"
             )
         classes = sorted(key for key, value in vars(module).items() if isinstance(value, type))

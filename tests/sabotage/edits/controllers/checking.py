@@ -90,7 +90,7 @@ EDITS = (
         "controllers",
         "controllers/world_checks.py",
         "_follow",
-        "len(stations) > FOLLOWED and",
+        "len(near) > FOLLOWED and",
         "",
         "who crosses another is not told as a follower",
         "tests/controllers/test_world_checks.py::test_others_against_the_reference_path_are_not_told",

@@ -111,11 +111,8 @@ class RunSpec:
 
 def _check_text(key: str, text: object) -> None:
     """Raise PhysimError for what is no text, or cannot be written as UTF-8."""
-    try:
-        assert isinstance(text, str)
-        text.encode()
-    except (AssertionError, UnicodeEncodeError):
-        raise PhysimError(f"{key} {text!r}: must be text that can be written") from None
+    if not isinstance(text, str) or text.encode(errors="replace").decode() != text:
+        raise PhysimError(f"{key} {text!r}: must be text that can be written")
 
 
 def key_of(identity: str, seed: int) -> str:

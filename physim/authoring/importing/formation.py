@@ -1,4 +1,4 @@
-"""Whether robots on their paths are a formation: measured along the reference path, as in a run."""
+"""Whether robots are a formation, measured along the reference path; and lanes that lose it."""
 
 from __future__ import annotations
 
@@ -15,6 +15,7 @@ from physim.authoring.importing.robots import Placed, shape_at, stop_stations
 from physim.geometry.polygon import circumscribed_radius
 from physim.geometry.shapes import FloatArray
 from physim.world.checks.measured import MOST_OFF, measured
+from physim.world.layout.shared import Shared
 
 ALONG = (0.5, 1.6)
 """[-] times its own way that a robot comes forward along the reference path, if a formation goes on
@@ -47,11 +48,9 @@ def no_formation(found: Fit, robots: list[Placed], alone: list[Placed]) -> str:
 
 def lost(found: Fit, robots: list[Placed]) -> str:
     """Which of the robots of a group in lanes loses a part of the reference path; or empty."""
-    known: dict[int, bool] = {}
+    leaves = Shared(lambda line: leaves_out(found.reference, line, found.size))
     for one in robots:
-        if id(one.path) not in known:
-            known[id(one.path)] = leaves_out(found.reference, one.path, found.size)
-        if known[id(one.path)]:
+        if leaves(one.path):
             return (
                 f"{one.name} would leave out a part of the path, which comes back beside itself: "
                 f"its lane is {length_of(one.path):.2f} m long instead of "
@@ -88,17 +87,11 @@ class _Ways:
     def astray(self, found: Fit, robots: list[Placed]) -> str:
         """Which robot comes back along the reference path, or hardly or too far along it."""
         least, most = ALONG
-        for k, one in enumerate(robots):
-            way, gain = self.way[k], self.gain[k]
+        for one, way, gain, back in zip(robots, self.way, self.gain, self.back, strict=True):
             if way > found.size and not least * way < gain < most * way:
-                return self.told(one, k)
-            if self.back[k] > BACK * found.size:
-                back = f"{self.back[k]:.2f} m"
-                return f"{one.name} comes back along the reference path by {back} on its way"
+                where = "back" if gain < -TOLD else "forward"
+                said = f"on its way of {way:.2f} m, {one.name} comes {abs(gain):.2f} m {where}"
+                return f"{said} along the reference path"
+            if back > BACK * found.size:
+                return f"{one.name} comes back along the reference path by {back:.2f} m on its way"
         return ""
-
-    def told(self, one: Placed, k: int) -> str:
-        """How far the robot of number k comes along the reference path."""
-        where = "back" if self.gain[k] < -TOLD else "forward"
-        said = f"on its way of {self.way[k]:.2f} m, {one.name} comes {abs(self.gain[k]):.2f} m "
-        return f"{said}{where} along the reference path"

@@ -133,18 +133,12 @@ def _begun(
 
 
 def lap_from(line: FloatArray, point: FloatArray, size: float) -> FloatArray:
-    """A lap (n, 2) [m], closed or nearly, that begins just behind a point (2,) [m] beside it."""
-    ring = _ring(line)
-    begin = station_of(ring, point) - BEHIND * size
-    return _from(ring, begin % length_of(ring))
+    """A lap (n, 2) [m], closed or nearly, that begins just behind a point (2,) [m] beside it.
 
-
-def _ring(line: FloatArray) -> FloatArray:
-    """A line (n, 2) that ends where it begins, or is joined there."""
-    return line if is_closed(line) else np.vstack([line, line[:1]])
-
-
-def _from(ring: FloatArray, begin: float) -> FloatArray:
-    """A closed line (n, 2) that begins at another of its stations [m], to the millimetre."""
-    head, tail = stretch(ring, 0.0, begin), stretch(ring, begin, length_of(ring))
+    To the millimetre.
+    """
+    ring = line if is_closed(line) else np.vstack([line, line[:1]])
+    length = length_of(ring)
+    begin = (station_of(ring, point) - BEHIND * size) % length
+    head, tail = stretch(ring, 0.0, begin), stretch(ring, begin, length)
     return rounded(np.vstack([tail[:-1], head]))

@@ -32,9 +32,8 @@ def check_measured(laid: PartialLayout, found: Diagnostics) -> None:
     """Warn of a formation that is far off where all its robots have driven to their stops."""
     if laid.world.formation is None or laid.reference is None or laid.faults:
         return
-    if any(
-        fault.location[:1] in (("formation",), laid.reference_key[:1]) for fault in found.errors
-    ):
+    told = {fault.location[:1] for fault in found.errors}
+    if told & {("formation",), laid.reference_key[:1]}:
         return
     lead, stop = leads(laid), stop_stations(laid)
     count = len(laid.world.robots)
@@ -44,11 +43,11 @@ def check_measured(laid: PartialLayout, found: Diagnostics) -> None:
     radius = np.array([circumscribed_radius(laid.footprints[i]) for i in robots])
     stops = np.array([stop[i] for i in robots])
     paths = [laid.paths[i] for i in robots]
-    found_there = measured(paths, laid.reference, laid.start, radius, stops)
-    if found_there is None:
+    there = measured(paths, laid.reference, laid.start, radius, stops)
+    if there is None:
         return
-    at = found_there[0]
-    error = np.abs((at - lead).mean() - (at - lead)).max()
+    at = there[0]
+    error = np.abs((at - lead).mean() - (at - lead)).max()  # as a run reports it
     length = float(np.hypot(*np.diff(laid.reference, axis=0).T).sum())
     if error <= MOST_OFF * length:
         return

@@ -405,7 +405,7 @@ EDITS = (
         "importing",
         "physim/authoring/importing/formation.py",
         "_Ways.astray",
-        "self.back[k] > BACK * found.size",
+        "back > BACK * found.size",
         "False",
         "nobody of a formation comes back along the reference path",
         "tests/importing/test_drawn_robots.py::test_a_formation_goes_where_it_can_be_measured",

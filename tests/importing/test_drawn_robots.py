@@ -638,7 +638,7 @@ def test_a_robot_that_stops_early_behind_another_is_told_so(tmp_path: Path) -> N
 @pytest.mark.parametrize("visitor", [False, True])
 def test_a_robot_far_behind_one_near_the_end_stays_behind_it(tmp_path: Path, visitor: bool) -> None:
     """However little way is left to it then; in a formation, too, which a queue is."""
-    parts = [HALL, WAY, ("robot a", box(46.6, 5, 0.6, 0.4)), ("robot b", box(3.2, 5, 0.6, 0.4))]
+    parts = [HALL, WAY, ("robot a", box(46.9, 5, 0.6, 0.4)), ("robot b", box(3.1, 5, 0.6, 0.4))]
     if visitor:
         parts += [("path x", shapely.LineString([(40, 15), (5, 15)])), ("robot x", box(40, 15))]
     made = import_world(geojson(tmp_path, parts))

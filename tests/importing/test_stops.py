@@ -130,12 +130,12 @@ def test_drawn_robots_that_stop_too_near_are_told(tmp_path: Path) -> None:
     check_says(told[0], "a and b … 0.00 m … --to … draw")
 
 
-@pytest.mark.parametrize("wider", [0.0, 0.4, 0.8, 1.5])
+@pytest.mark.parametrize("wider", [0.0, 0.2, 0.4, 1.5])
 def test_a_path_ends_clear_of_a_wall_where_its_corridor_widens(
     tmp_path: Path, wider: float
 ) -> None:
     """However much more room there is beside it near the wall."""
-    hall = shapely.Polygon([(0, -2), (40, -2 - wider), (40, 2 + wider), (0, 2)])
+    hall = shapely.Polygon([(0, -1.2), (40, -1.2 - wider), (40, 1.2 + wider), (0, 1.2)])
     parts = [("boundary", hall), ("path", shapely.LineString([(3, 0), (39.5, 0)])),
              ("robot", shapely.box(3.2, -0.4, 4.8, 0.4))]  # fmt: skip
     (x, _) = import_world(geojson(tmp_path, parts)).world.reference_path[-1]

@@ -244,16 +244,12 @@ def _on_grid(polygon: Any, grid: float) -> Any:
 
 def _simple_ring(ring: Any, tolerance: float) -> Any:
     """Ring with fewer corners, within a tolerance; a small one keeps its area, with a smaller."""
-    points = shapely.get_coordinates(ring)[:-1]
-    points = np.roll(points, -int(np.lexsort(points.T)[0]), axis=0)
-    far = int(np.argmax(np.hypot(*(points - points[0]).T)))
-    halves = points[: far + 1], np.vstack([points[far:], points[:1]])
-    area = shapely.Polygon(points).area
-    for share in (1.0, 0.5, 0.25):  # by halves: a ring's own beginning would move farther
-        some = [shapely.simplify(shapely.LineString(half), share * tolerance) for half in halves]
-        simple = np.vstack([shapely.get_coordinates(half)[:-1] for half in some])
-        if len(simple) > 2 and abs(shapely.Polygon(simple).area - area) <= MOST_LOST * area:
-            return shapely.LinearRing(simple)
+    line, exact = shapely.LineString(ring), shapely.Polygon(ring)
+    for share in (1.0, 0.5, 0.25):  # as a line: a polygon's first corner would move farther
+        points = shapely.get_coordinates(shapely.simplify(line, share * tolerance))
+        lost = abs(shapely.Polygon(points).area - exact.area) if len(points) > 3 else np.inf
+        if lost <= MOST_LOST * exact.area:
+            return shapely.LinearRing(points)
     return shapely.simplify(ring, 0.0)
 
 

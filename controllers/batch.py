@@ -247,7 +247,7 @@ class ModeSwitchingBatch:
             lead=plan.lead,
             adjacency=plan.adjacency,
             speed_rule=SpeedRule.of(plan, settings.speed),
-            forward_only=plan.active and not settings.reverse_in_safe_mode,
+            forward_only=settings.forward_only(plan.active),
             formation_range=plan.range,
             reach=scene.sensing_range,
         )

@@ -269,7 +269,7 @@ class ModeSwitching:
     def world_doubts(self, world: World, where: Location) -> list[Fault]:
         """Doubt speeds out of reach, stops short of arrival, too short a range, blind followers."""
         settings = self.settings
-        may_stand = world.formation is None or settings.reverse_in_safe_mode
+        may_stand = not settings.forward_only(world.formation is not None)
         return [
             *speed_doubts(settings, world, where),
             *stop_doubts(settings, world, may_stand),
@@ -305,7 +305,7 @@ class ModeSwitching:
             stop_station=o.stop_station,
             outside=o.path.outside,
             nu=forward_speed(rule, o.limits[0], 0, rows, neighbours, station, lead),
-            forward_only=o.formation.active and not self.settings.reverse_in_safe_mode,
+            forward_only=self.settings.forward_only(o.formation.active),
             speeds=np.array(self.settings.speeds if o.speeds is None else o.speeds),
             omegas=np.array(self.settings.omegas if o.omegas is None else o.omegas),
             sight=Sight(build_wall_tree(walls), o.pose[0], o.pose[1], o.range, np.array([-1])),

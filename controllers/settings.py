@@ -48,7 +48,6 @@ class Rules(NamedTuple):
     avoidance: int
     horizon: float
     dwell: FloatArray
-    reverse_in_safe_mode: bool
     translation_only: bool
 
 
@@ -88,10 +87,11 @@ class ModeSwitchingSettings(BaseModel):
         default=[-pi / 2, -pi / 4, 0.0, pi / 4, pi / 2],
         description="[rad/s] rotational speeds to choose from, (6)",
     )
-    reverse_in_safe_mode: bool = Field(
-        default=False,
-        description="whether safe mode under formation control may choose among speeds, too; "
-        "otherwise (7) sets nu and a robot that faces backwards turns round",
+    reverse_in_safe_mode: bool | None = Field(
+        default=None,
+        description="whether safe mode may choose among speeds, too; otherwise it drives at nu, "
+        "and a robot that faces backwards turns round. Left out: not in a formation, where (7) "
+        "sets nu; without one, yes, and robots may stand for ever in bends tighter than they turn",
     )
     arrival_tolerance: NotNegative = Field(
         default=0.06,
@@ -165,6 +165,11 @@ class ModeSwitchingSettings(BaseModel):
             raise ValueError("omegas has no 0: the robot could never go straight")
         return self
 
+    def forward_only(self, in_formation: bool) -> bool:
+        """Whether safe mode leaves the speed at nu rather than choose among `speeds`."""
+        may_reverse = self.reverse_in_safe_mode
+        return in_formation if may_reverse is None else not may_reverse
+
     def rules(self) -> Rules:
         """Return the same numbers for the kernels."""
         return Rules(
@@ -184,7 +189,6 @@ class ModeSwitchingSettings(BaseModel):
             avoidance=AVOIDANCE.index(self.avoidance),
             horizon=self.horizon,
             dwell=np.array(self.dwell_times),
-            reverse_in_safe_mode=self.reverse_in_safe_mode,
             translation_only=self.collision_motion == "translation",
         )
 

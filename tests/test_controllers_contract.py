@@ -306,6 +306,7 @@ VARIANTS = {
         "controller.speeds=[0.0, 1.0]", "controller.judge_ahead=0.0",
     ),
     "reverse in safe mode": ("controller.reverse_in_safe_mode=true",),
+    "forward only": ("controller.reverse_in_safe_mode=false",),
     "two dwell times, reverse": (
         "controller.reverse_in_safe_mode=true", "controller.dwell_times=[0.04, 0.06]",
     ),

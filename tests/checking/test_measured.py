@@ -57,6 +57,25 @@ def test_what_will_be_off_is_told(tmp_path: Path, own: list[list[float]], off: f
     assert not with_facts(alone, "the formation error will be")
 
 
+def test_a_projection_that_moves_on_at_the_stop_is_followed(tmp_path: Path) -> None:
+    """It looks some way ahead in a step, and would go on in the next one."""
+    text = (
+        "name: moving on\ntime: {step: 0.04, duration: 200.0}\n"
+        "boundaries: [[[-9, -9], [30, -9], [30, 15], [-9, 15], [-9, -9]]]\n"
+        "reference_path: [[0, 0], [17.226, 0], [17.226, 5.711], [0, 5.711]]\n"
+        "formation: {gain: 0.05, spacing: initial}\nrobots:\n"
+        "  - {name: r1, footprint: {length: 0.8, width: 0.5}, pose: [3.6, -0.8, 0],\n"
+        "     path: [[0, -0.8], [7.164, -0.8], [0, 4.911]]}\n"
+        "  - {name: r2, footprint: {length: 0.8, width: 0.5}, pose: [1, 0, 0], path: {offset: 0}}\n"
+        "controller: {type: path_following}\n"
+    )
+    assert with_facts(lines(check(tmp_path, text))[1], "formation error") == []
+    record = simulate(parse_world(text))
+    for robot in (0, 1):
+        last = record.updates[record.updates["robot"] == robot][-1]
+        assert abs(last["formation_error"]) < 0.1
+
+
 @pytest.mark.parametrize("kink", [[], [[30, 1.5], [29, 1.51]]])
 def test_it_is_told_whatever_else_is(tmp_path: Path, kink: list[list[float]]) -> None:
     """A path that turns back somewhere is no reason for what it is at the end."""

@@ -90,6 +90,9 @@ def test_a_stop_in_the_danger_area_is_told_where_the_robot_would_stand_before_it
 def test_a_stop_in_the_danger_area_harms_no_formation_and_no_path_beside_a_wall(tmp_path):
     assert told(tmp_path, alone(0.7) + "formation: {}\n") == []
     assert told(tmp_path, alone(0.7) + "controller: {safe_distance: 0.6}\n") == []
+    forward = alone(0.7) + "controller: {reverse_in_safe_mode: false}\n"
+    assert told(tmp_path, forward) == []
+    assert simulate(parse_world(forward)).ended == "finished"
     assert told(tmp_path, alone(1.05).replace("{offset: 0}", "{offset: 1.2}")) == []
     assert told(tmp_path, alone(0.7) + "expect: {finished: false}\n") == []
 

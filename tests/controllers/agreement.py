@@ -263,6 +263,9 @@ def met_by(a: Asked, expected: Expected) -> Counter[str]:
         "own set of speeds": me.speeds is not None and mode != "safe",
         "own set of omegas": me.omegas is not None,
         "reverse in safe mode": s.reverse_in_safe_mode and mode == "safe" and seen.cluster.active,
+        "forward only without formation": s.reverse_in_safe_mode is False
+        and mode == "safe"
+        and not seen.cluster.active,
         "translation": s.collision_motion == "translation" and time < math.inf,
         "nonconvex": len(me.parts) > 1,
         "no collision within the horizon": time == math.inf,

@@ -30,7 +30,7 @@ def equal_case(rng: np.random.Generator) -> tuple[History, ModeSwitchingSettings
         dwell_times=dwell,
         judge_ahead=ahead,
         omegas=rng.permutation([-turn, 0.0, turn, turn / 2.0]).tolist(),
-        reverse_in_safe_mode=bool(kind != "on the way" and rng.random() < 0.5),
+        reverse_in_safe_mode=True if kind != "on the way" and rng.random() < 0.5 else None,
     )
     aside = {
         "beside": 0.5 * turn * max(period, ahead) * rng.choice([-1.0, 1.0]),

@@ -223,7 +223,7 @@ def random_settings(rng: np.random.Generator) -> ModeSwitchingSettings:
         "judge_ahead": float(rng.choice([0.0, 0.06, 0.5, 1.0])),
         "speeds": speeds[rng.integers(3)],
         "omegas": sets[rng.integers(3 if len(dwell) < 3 else 2)],
-        "reverse_in_safe_mode": bool(rng.random() < 0.3),
+        "reverse_in_safe_mode": [True, None, False][np.searchsorted([0.3, 0.65], rng.random())],
         "arrival_tolerance": float(rng.choice([0.0, 0.06, 0.2])),
         "distance_low": float(distance_low),
         "distance_high": float(distance_low + rng.choice([0.0, 0.3, 1.0])),

@@ -56,6 +56,7 @@ LEAST = {
     "own set of speeds": 40,
     "own set of omegas": 80,
     "reverse in safe mode": 60,
+    "forward only without formation": 15,
     "translation": 80,
     "nonconvex": 200,
     "no collision within the horizon": 200,

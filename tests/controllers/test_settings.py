@@ -40,7 +40,7 @@ def test_the_rules_get_every_setting_of_the_same_name() -> None:
         "look_ahead": 2.5, "safe_distance": 0.9, "update_period": 0.2, "judge_ahead": 0.7,
         "arrival_tolerance": 0.03, "distance_low": 0.31, "distance_high": 0.32, "time_low": 0.33,
         "time_high": 0.34, "boundary_low": 0.35, "beta": 0.36, "event_triggered": False,
-        "longest_interval": 0.37, "horizon": 3.7, "reverse_in_safe_mode": True,
+        "longest_interval": 0.37, "horizon": 3.7,
     }  # fmt: skip
     settings = ModeSwitchingSettings.model_validate(
         {**given, "dwell_times": [0.05, 0.15], "collision_motion": "translation"}
@@ -51,6 +51,16 @@ def test_the_rules_get_every_setting_of_the_same_name() -> None:
     assert rules.translation_only
     assert not ModeSwitchingSettings().rules().translation_only
     assert set(rules._fields) == {*given, "dwell", "translation_only", "avoidance"}
+
+
+@pytest.mark.parametrize(("may_reverse", "alone", "in_formation"), [
+    (None, False, True), (True, False, False), (False, True, True),
+])  # fmt: skip
+def test_safe_mode_goes_forward_only_as_set_or_in_a_formation(
+    may_reverse: bool | None, alone: bool, in_formation: bool
+) -> None:
+    settings = ModeSwitchingSettings(reverse_in_safe_mode=may_reverse)
+    assert (settings.forward_only(False), settings.forward_only(True)) == (alone, in_formation)
 
 
 def test_the_rules_number_the_kinds_of_avoidance() -> None:

@@ -10,9 +10,11 @@ import pytest
 import shapely
 import shapely.affinity
 
+from physim import simulate
 from physim.authoring.importing import Imported, import_world
 from physim.geometry.corridor import offset_polyline
 from physim.world.checks import check_world
+from physim.world.file import parse_world
 from tests.importing.plans import check_says, only, svg_path
 from tests.importing.test_joining import geojson
 from tests.importing.test_places import LINE, METRES, drawing, free_area, refusal
@@ -428,7 +430,7 @@ def test_all_of_a_queue_drive_a_lap(
               for role, one in parts]  # fmt: skip
     made = import_world(geojson(tmp_path, turned))
     free_area(made, tmp_path)
-    assert (made.world.formation is None) == (len(robots) > 1)
+    assert made.world.formation is None
     assert min(_ways(made)) > lap.length - 12.0 * abs(side) - 0.5
     assert not [one for one in made.changes if "WARNING" in one]
 
@@ -488,13 +490,43 @@ def test_a_lap_drawn_a_grain_too_short_is_closed(tmp_path: Path) -> None:
     assert min(_ways(made)) == pytest.approx(76.0, abs=0.3)
 
 
-def test_a_robot_alone_on_a_lap_is_a_formation(tmp_path: Path) -> None:
-    """Whose speed it has: by itself it may stand for ever in a tight bend."""
-    parts = [("boundary", shapely.box(-6, -6, 30, 20)), ("path", shapely.LineString(LOOP)),
-             ("robot a", box(12, 0)), ("robot b", box(12, 14))]  # fmt: skip
-    made = [import_world(geojson(tmp_path, parts[:count])) for count in (3, 4)]
-    assert [one.world.formation is not None for one in made] == [True, False]
-    assert min(_ways(made[0])) == pytest.approx(76.0, abs=0.3)
+@pytest.mark.parametrize(("ahead", "is_one"), [(2.5, False), (9.0, True)])
+def test_robots_whose_paths_meet_stop_in_the_order_in_which_they_come(
+    tmp_path: Path, ahead: float, is_one: bool
+) -> None:
+    """In a formation b, measured at the junction, would stop before a, which is there first."""
+    hall = shapely.box(-30, -3, 30, 3).union(shapely.box(-3, 0, 3, 25))
+    parts = [
+        ("boundary", hall), ("path", shapely.LineString([(-25, 0), (25, 0)])),
+        ("path b", shapely.LineString([(0, 20), (0, 0), (25, 0)])),
+        ("robot a", box(-ahead, 0, 1.2, 0.7)), ("robot b", box(0, 6, 0.7, 1.2)),
+    ]  # fmt: skip
+    made = import_world(geojson(tmp_path, parts))
+    assert (made.world.formation is not None) == is_one
+    told = [one for one in made.facts if "a would stop in the way of b" in one]
+    assert bool(told) != is_one
+    behind = [one for one in made.facts if "start behind b" in one]
+    assert len(behind) == is_one
+    if is_one:
+        check_says(behind[0], "a 9.00 m")
+    assert simulate(made.world).ended == "finished"
+    ends = [shapely.LineString(path).length for path in _paths(made)]
+    assert is_one or ends == pytest.approx([50.0, 45.0 - (6.0 - ahead)], abs=0.01)
+
+
+@pytest.mark.parametrize("size", [(1.2, 0.7), (1.8, 1.0)])
+def test_robots_on_laps_go_on_in_bends_tighter_than_they_turn(
+    tmp_path: Path, size: tuple[float, float]
+) -> None:
+    """Where they might reverse they would go to and fro there for ever."""
+    lap = shapely.LineString([(0, 0), (12, 0)]).buffer(1.25, quad_segs=6).exterior
+    parts = [("boundary", shapely.box(-14, -14, 26, 14)), ("path", lap),
+             ("robot a", box(6, -0.25, *size))]  # fmt: skip
+    made = import_world(geojson(tmp_path, parts))
+    assert made.world.formation is None
+    assert simulate(parse_world(made.text)).ended == "finished"
+    reversing = made.text.replace("reverse_in_safe_mode: false", "reverse_in_safe_mode: true")
+    assert simulate(parse_world(reversing)).ended == "duration"
 
 
 @pytest.mark.parametrize("lap", [LOOP, [(0, 0), (24, 0), (18, 12), (0, 0)]])

@@ -187,6 +187,18 @@ def test_a_group_that_leaves_out_most_of_a_path_it_crosses_is_refused(
     check_says(said, "would leave out a part")
 
 
+@pytest.mark.parametrize("hook", [[], [(40, 0), (40.002, 0.001), (40, 0.002)]], ids=["", "hook"])
+def test_a_group_that_leaves_out_aisles_is_refused_whatever_corner_is_elsewhere(
+    tmp_path: Path, hook: list[tuple[float, float]]
+) -> None:
+    """A lane is far from a sharp corner, but not from what is far from that."""
+    aisles = [(10, 0), (10, 7), (11, 7), (11, 0), (20, 0), (20, 7), (21, 7), (21, 0)]
+    way = [(0, 0), *aisles, *hook, (50, 0)]
+    parts = [("boundary", shapely.box(-10, -10, 60, 60)), ("path", shapely.LineString(way))]
+    said = refusal(geojson(tmp_path, parts), Options(robots=6, lanes=4))
+    check_says(said, "r4 would leave out a part")
+
+
 @pytest.mark.parametrize("ring", [[(6, 0), (12, 0), (12, 10), (0, 10), (0, 0), (6, 0)]])
 def test_a_group_on_a_small_lap_is_not_refused(
     tmp_path: Path, ring: list[tuple[float, float]]

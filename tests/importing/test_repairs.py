@@ -37,6 +37,7 @@ from tests.importing.plans import (
     svg,
     write_map,
 )
+from tests.importing.test_joining import geojson
 
 ONE = Options(scale=1.0)
 ROOM = '<path id="boundary" d="M 0,0 24,0 24,14 0,14 Z"/>'
@@ -582,3 +583,14 @@ def test_a_path_that_ends_far_from_where_it_was_asked_to_is_told_first(tmp_path:
     )
     assert not any("--to" in change for change in small.changes)
     assert max(np.hypot(*np.ptp(one.outline, axis=0)) for one in small.world.robots) < 2.0
+
+
+@pytest.mark.parametrize("aside", [0.0, 0.01])
+def test_a_path_may_leave_where_it_enters(tmp_path: Path, aside: float) -> None:
+    """Through the very same point of a wall, as by the door of a dock."""
+    way = [(10, -2), (10, 13), (15, 13), (15, 5), (10 + aside, 5), (10 + aside, -2.5)]
+    parts = [("boundary", shapely.box(0, 0, 20, 16)), ("path", shapely.LineString(way))]
+    made = import_world(geojson(tmp_path, parts), Options(robots=1))
+    told = [one for one in made.changes if "that left out" in one]
+    check_says(told[0], "enters … (10.00, 0.00) … 2.00 m")
+    check_says(told[1], "leaves … 2.50 m")

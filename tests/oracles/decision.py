@@ -115,7 +115,10 @@ def decide(view, s, memory, target):
     if continued:
         sequences, best, settled = np.array([memory.plan]), {0}, 1
     else:
-        forward_only = view.cluster.active and not s.reverse_in_safe_mode
+        may_reverse = s.reverse_in_safe_mode
+        if may_reverse is None:
+            may_reverse = not view.cluster.active
+        forward_only = not may_reverse
         choice = path_following.pairs([1.0], nu, omegas) if forward_only else everything
         sequences = path_following.plans(choice, s.dwell_times)
         keys = path_following.judgements(me.pose, sequences, s.dwell_times, ahead, target)

@@ -23,6 +23,7 @@ from physim.authoring.importing.lines import (
     stretch,
 )
 from physim.authoring.importing.outlines import footprint_of
+from physim.authoring.importing.path_area import TOLD
 from physim.authoring.importing.path_starts import (
     directions_at_ends,
     lap_from,
@@ -36,8 +37,14 @@ LEAST = 0.1
 """[m] at size 1 that a robot goes that has no way"""
 LEAST_WAY = 0.25
 """[-] share of the path that the robot that goes farthest goes at least"""
+MOST_NAMED = 6
+"""Robots of which it is told where they stop"""
 FAR = 2.0
 """[m] from its path at size 1 that a robot has to find a way to it"""
+
+
+Group = tuple[FloatArray, list[Placed]]
+"""A path (n, 2) [m], and the robots on it or beside it"""
 
 
 def as_drawn(drawing: Drawing, found: Fit) -> list[Placed]:
@@ -52,22 +59,23 @@ def as_drawn(drawing: Drawing, found: Fit) -> list[Placed]:
     is_lap = [is_closed(line) for line, _ in groups]
     free: dict[str, Placed] = {}  # as they go without a formation
     for (line, some), closed in zip(groups, is_lap, strict=True):
-        ways = (_on_own_laps if closed else _stopping_behind)(line, some, found.size)
-        free |= {one.name: one for one in ways}
+        if closed:
+            free |= {one.name: one for one in _on_own_laps(some, found.size)}
+        else:
+            left = _left_to_end(_queue(groups, line, found))
+            free |= {one.name: one for one in _stopping_behind(line, some, left, found.size)}
     alone = [free[one.name] for one in robots]
-    if len(robots) == 1 and any(is_lap):  # a formation by itself, whose speed lets it not stand
-        robots = alone
-    elif reason := "a path is closed" if any(is_lap) else no_formation(found, robots, alone):
+    if reason := "a path is closed" if any(is_lap) else no_formation(found, robots, alone):
         drawing.has_formation = False
         drawing.facts.append(f"no formation: {reason}; {_ways_without(groups)}")
         robots = alone
+    else:
+        drawing.facts += _stops_told(found, groups)
     drawing.changes[:0] = _hardly_moving(drawing, found, robots)
     return robots
 
 
-def _groups(
-    drawing: Drawing, found: Fit, robots: list[Placed]
-) -> list[tuple[FloatArray, list[Placed]]]:
+def _groups(drawing: Drawing, found: Fit, robots: list[Placed]) -> list[Group]:
     """Each path of robots (n, 2) [m], with those on it or in lanes beside it; s* in any case."""
     by_name = {one.name: one for one in robots}
     lines = {id(line): line for line in (found.reference, *drawing.paths.values())}
@@ -98,16 +106,48 @@ def _stations(line: FloatArray, robots: list[Placed]) -> FloatArray:
     return np.array([station_of(line, np.array(one.pose[:2])) for one in robots])
 
 
-def _ways_without(groups: list[tuple[FloatArray, list[Placed]]]) -> str:
+def _stops_told(found: Fit, groups: list[Group]) -> list[str]:
+    """What is said of a formation on several paths: who stops how far before the end of its own."""
+    robots = [one for _, some in groups for one in some]
+    lead = robots[int(np.argmax(_stations(found.reference, robots)))]
+    if any(lead in some and len(some) == len(robots) for _, some in groups):
+        return []
+    stops = stop_stations(
+        found.reference, [one.path for one in robots], [one.pose for one in robots]
+    )
+    short = {
+        one.name: length_of(one.path) - float(stop) for one, stop in zip(robots, stops, strict=True)
+    }
+    said = [f"{name} {left:.2f} m" for name, left in short.items() if left > TOLD]
+    if not said:
+        return []
+    more = f" and {len(said) - MOST_NAMED} more" if len(said) > MOST_NAMED else ""
+    return [
+        f"as a formation, robots stop as far before the ends of their paths as they start behind "
+        f"{lead.name} along the reference path: {', '.join(said[:MOST_NAMED])}{more}"
+    ]
+
+
+def _left_to_end(queue: list[Group]) -> dict[str, float]:
+    """How far [m] the robots of groups are from the ends of their paths, by name."""
+    return {
+        one.name: length_of(line) - float(station)
+        for line, some in queue
+        for one, station in zip(some, _stations(line, some), strict=True)
+    }
+
+
+def _ways_without(groups: list[Group]) -> str:
     """What robots do that have no formation."""
     ways = {is_closed(line) for line, some in groups if some}
     lap = "every robot on a closed path drives a lap of its own, back to where it starts"
+    end = "where several end, each stops as far before as it has farther to go than the first"
     if ways == {True, False}:
-        return f"{lap}, the others go to the ends of theirs"
-    return lap if ways == {True} else "every robot goes to the end of its own path"
+        return f"{lap}, the others go to the ends of theirs; {end}"
+    return lap if ways == {True} else f"every robot goes to the end of its own path; {end}"
 
 
-def _on_own_laps(line: FloatArray, robots: list[Placed], size: float) -> list[Placed]:
+def _on_own_laps(robots: list[Placed], size: float) -> list[Placed]:
     """Robots that drive a lap each, begun just behind where they stand."""
     return [
         replace(one, path=lap_from(one.path, np.array(one.pose[:2]), size), offset=None)
@@ -127,11 +167,13 @@ def _hardly_moving(drawing: Drawing, found: Fit, robots: list[Placed]) -> list[s
     }
     lead = robots[int(np.argmax(_stations(found.reference, robots)))].name
     told = []
-    for line, group in _groups(drawing, found, robots):
+    groups = _groups(drawing, found, robots)
+    for line, group in groups:
         if not group or max(ways[one.name] for one in group) >= LEAST_WAY * length_of(line):
             continue
         if not drawing.has_formation:
-            lead = group[int(np.argmax(_stations(line, group)))].name
+            left = _left_to_end([(line, group)] if is_closed(line) else _queue(groups, line, found))
+            lead = min(left, key=left.__getitem__)
         one = max(group, key=lambda one: (round(ways[one.name], 1), one.name != lead))
         said = f"WARNING: {one.name} goes {ways[one.name]:.2f} m of a path of "
         said += f"{length_of(line):.2f} m, and no other on it farther: "
@@ -146,15 +188,26 @@ def _hardly_moving(drawing: Drawing, found: Fit, robots: list[Placed]) -> list[s
     return told
 
 
-def _stopping_behind(line: FloatArray, robots: list[Placed], size: float) -> list[Placed]:
-    """Robots on a path that stop as far behind its end as they start behind the first of them.
+def _queue(groups: list[Group], line: FloatArray, found: Fit) -> list[Group]:
+    """Those of the groups on open paths that end where ``line`` does."""
+    return [
+        (path, some)
+        for path, some in groups
+        if not is_closed(path) and hypot(*(path[-1] - line[-1])) <= found.box[0]
+    ]
 
-    As a formation has it, but each on a path of its own.
+
+def _stopping_behind(
+    line: FloatArray, robots: list[Placed], left: dict[str, float], size: float
+) -> list[Placed]:
+    """Robots on a path that stop as far before its end as they have farther to go than the first.
+
+    Of all that go there, with what is ``left`` [m] to each. As a formation has it, but each on a
+    path of its own.
     """
-    starts = _stations(line, robots)
     made = []
-    for robot, start in zip(robots, starts, strict=True):
-        lag = float(starts.max() - start)
+    for robot in robots:
+        lag = left[robot.name] - min(left.values())
         if lag > 0.0:
             here = station_of(robot.path, np.array(robot.pose[:2]))
             end = max(length_of(robot.path) - lag, here + LEAST * size)  # or where it stands

@@ -136,9 +136,15 @@ def leaves_out(reference: FloatArray, line: FloatArray, size: float) -> bool:
     beside, length = float(distances_to(reference, line).max()), length_of(reference)
     if abs(length - length_of(line)) > beside * float(2.0 * np.tan(half).sum()) + LOST * size:
         return True
-    places = points_at(reference, samples(length, max(0.5 * size, length / MOST_SAMPLES)))
-    corner = 1.0 / float(np.cos(half.max(initial=0.0)))
-    return bool(distances_to(line, places).max() > beside * corner + 0.5 * LOST * size)
+    at = samples(length, max(0.5 * size, length / MOST_SAMPLES))
+    allowed = np.full(len(at), beside)
+    for corner, turn in zip(stations(whole)[1:-1], half, strict=True):
+        for place in (corner, corner - length) if is_closed(reference) else (corner,):
+            reach = beside * np.tan(turn) + size
+            near = slice(*np.searchsorted(at, [place - reach, place + reach]))
+            allowed[near] = np.maximum(allowed[near], beside / np.cos(turn))
+    far = distances_to(line, points_at(reference, at))
+    return bool((far > allowed + 0.5 * LOST * size).any())
 
 
 def _lap(line: FloatArray, offset: float, size: float) -> FloatArray:

@@ -50,10 +50,11 @@ def inside(drawing: Drawing, reference: FloatArray, path: str) -> FloatArray:
     if not pieces:
         return reference
     within = shapely.points(np.vstack(pieces))
-    at = shapely.line_locate_point(line, within)
+    first = shapely.line_locate_point(line, within).min()
+    last = length - shapely.line_locate_point(line.reverse(), within).min()
     ends_inside = shapely.covers(drawing.area, shapely.points(reference[[0, -1]]))
-    begin = 0.0 if ends_inside[0] else float(at.min())
-    end = length if ends_inside[1] else float(at.max())
+    begin = 0.0 if ends_inside[0] else float(first)
+    end = length if ends_inside[1] else float(last)
     if max(begin, length - end) > MOST_TRIMMED * length or length - (end - begin) < SLIVER:
         return reference
     for what, station, left_out, side in (

@@ -25,6 +25,8 @@ SETTINGS = {
     "boundary_low": 0.15,
 }
 """[m] settings of the shipped controller that are lengths, at size 1"""
+FORWARD = "reverse_in_safe_mode: false"
+"""A setting of it without a formation: robots that may reverse stand for ever in tight bends"""
 TOLERANCE = 0.1
 """[m] of arrival, at size 1"""
 SPACE = 1.35
@@ -122,9 +124,10 @@ def _control(size: float, is_formation: bool) -> Iterator[str]:
             yield f"  {key}: {_scaled(value, size)}"
         if not is_formation:
             yield f"  speed: {_scaled(1.0, size)}  # [m/s]"
+            yield f"  {FORWARD}"
         yield f"arrival: {{tolerance: {_scaled(TOLERANCE, size)}}}  # [m]"
     else:
-        yield "controller: {type: mode_switching}"
+        yield f"controller: {{type: mode_switching{'' if is_formation else f', {FORWARD}'}}}"
     yield "expect: {contacts: 0, finished: true}"
 
 

@@ -23,6 +23,8 @@ MOST_PLACES = 20_000_000
 """Places of all robots that are followed: seconds"""
 AT_ONCE = 500_000
 """of them at a time, which bounds memory"""
+MOST_SETTLING = 1_000
+"""Steps that robots stand at their stops at most"""
 MOST_OFF = 0.05
 """[-] share of the reference path that the formation error at the stops may be, untold: that of
 lanes beside bends is less"""
@@ -101,6 +103,11 @@ def measured(
         ahead = np.maximum.accumulate(np.concatenate([foremost[None], course]))
         back = np.maximum(back, (ahead[1:] - course).max(axis=0))
         foremost = ahead[-1]
+    for _ in range(MOST_SETTLING):  # a projection moves on while its robot stands
+        before = tracking.reference_station
+        tracking.course(poses[-1:])
+        if np.array_equal(before, tracking.reference_station):
+            break
     return tracking.reference_station, back
 
 

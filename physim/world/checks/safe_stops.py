@@ -1,8 +1,9 @@
 """Stops in the danger area, before which a robot without a formation stands for ever.
 
 A target in the danger area is replaced by the nearest point of the safe one, which before an end
-wall lies behind the stop. A formation gives a speed all the same; a robot that may choose to stand
-does so where going on brings it no nearer to that point, as far before it as the stop lies beyond.
+wall lies behind the stop. A formation gives a speed all the same, and so does
+`reverse_in_safe_mode: false`; a robot that may choose to stand does so where going on brings it no
+nearer to that point, as far before it as the stop lies beyond.
 """
 
 from __future__ import annotations
@@ -30,7 +31,9 @@ def check_safe_stops(
 ) -> None:
     """Warn of stops whose safe points [m] lie too far behind them; None: no such setting."""
     world, expect = laid.world, laid.world.expect
-    if safe_distance is None or look_ahead is None or world.formation is not None:
+    settings = {} if world.controller is None else world.controller.settings
+    goes_on = world.formation is not None or settings.get("reverse_in_safe_mode") is False
+    if safe_distance is None or look_ahead is None or goes_on:
         return
     if laid.area is None or laid.faults or (expect is not None and expect.finished is False):
         return

@@ -51,8 +51,8 @@ def check_shared_stops(laid: PartialLayout, at: list[Stop], found: Diagnostics) 
         laid.path_key(stop.number),
         f"{describe(laid.names[stop.number])} stops at station {stop.station:.2f} m of its path, "
         f"{place_text(x, y, 4)}, where {describe(laid.names[other.number])} stops too{more}: both "
-        f"cannot stand there, and one will not arrive; their stops are {now:.4g} m apart: end one "
-        f"path {by}, or keep them apart by formation.spacing",
+        f"cannot stand there, and one will not arrive; their stops are {round(now, 9):.4g} m "
+        f"apart: end one path {by}, or keep them apart by formation.spacing",
     )
 
 

@@ -421,6 +421,15 @@ EDITS = (
     Edit(
         "checking",
         "physim/world/checks/safe_stops.py",
+        "check_safe_stops",
+        'settings.get("reverse_in_safe_mode") is False',
+        "False",
+        "a robot that may not reverse does not stand before a stop",
+        "tests/checking/test_stops.py::test_a_stop_in_the_danger_area_harms_no_formation_and_no_path_beside_a_wall",
+    ),
+    Edit(
+        "checking",
+        "physim/world/checks/safe_stops.py",
         "_short",
         "(x - px) * dx + (y - py) * dy",
         "np.hypot(x - px, y - py)",
@@ -527,6 +536,15 @@ EDITS = (
         "back",
         "it is known how far robots come back",
         "tests/checking/test_measured.py::test_what_comes_back_is_known",
+    ),
+    Edit(
+        "checking",
+        "physim/world/checks/measured.py",
+        "measured",
+        "range(MOST_SETTLING)",
+        "range(0)",
+        "a projection moves on while its robot stands",
+        "tests/checking/test_measured.py::test_a_projection_that_moves_on_at_the_stop_is_followed",
     ),
     Edit(
         "checking",

@@ -81,7 +81,10 @@ def take(
                 return None
             world = _world(spec.text, spec.controller, spec.source_hash)
             if file := changed_file(spec.sources, world):  # some rows would be of another
-                raise PhysimError(f"{file}, which its settings name, was changed meanwhile")
+                raise PhysimError(
+                    f"{file}, which its settings name, was changed meanwhile; a file that runs "
+                    "write to must not be there when they begin"
+                )
             found = figures(record)
             row = _row(spec, **found)
             if keep == "all" or (keep == "failed" and not row.contact_free):

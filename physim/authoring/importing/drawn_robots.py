@@ -30,7 +30,7 @@ from physim.authoring.importing.path_starts import (
     robots_on,
     stand_on,
 )
-from physim.authoring.importing.robots import Placed, stop_stations
+from physim.authoring.importing.robots import CLEAR, Placed, stop_stations
 from physim.geometry.shapes import FloatArray
 
 LEAST = 0.1
@@ -62,8 +62,8 @@ def as_drawn(drawing: Drawing, found: Fit) -> list[Placed]:
         if closed:
             free |= {one.name: one for one in _on_own_laps(some, found.size)}
         else:
-            left = _left_to_end(_queue(groups, line, found))
-            free |= {one.name: one for one in _stopping_behind(line, some, left, found.size)}
+            lags = _lags(_queue(groups, line, found), found) if some else {}
+            free |= {one.name: one for one in _stopping_behind(some, lags, found.size)}
     alone = [free[one.name] for one in robots]
     if reason := "a path is closed" if any(is_lap) else no_formation(found, robots, alone):
         drawing.has_formation = False
@@ -128,20 +128,31 @@ def _stops_told(found: Fit, groups: list[Group]) -> list[str]:
     ]
 
 
-def _left_to_end(queue: list[Group]) -> dict[str, float]:
-    """How far [m] the robots of groups are from the ends of their paths, by name."""
-    return {
-        one.name: length_of(line) - float(station)
-        for line, some in queue
+def _lags(queue: list[Group], found: Fit) -> dict[str, float]:
+    """How far [m] before the ends of their paths the robots of a queue stop, by name.
+
+    As far as they have farther to go than the first of them; but those of another path than the
+    one before them a robot and a gap behind it at least.
+    """
+    to_go = [
+        (length_of(line) - float(station), one.name, k)
+        for k, (line, some) in enumerate(queue)
         for one, station in zip(some, _stations(line, some), strict=True)
-    }
+    ]
+    need = found.box[0] + CLEAR * found.size
+    lags: dict[str, float] = {}
+    lag, before, path = 0.0, min(to_go)[0], min(to_go)[2]
+    for left, name, k in sorted(to_go):
+        lag += left - before if k == path else max(left - before, need)
+        lags[name], before, path = lag, left, k
+    return lags
 
 
 def _ways_without(groups: list[Group]) -> str:
     """What robots do that have no formation."""
     ways = {is_closed(line) for line, some in groups if some}
     lap = "every robot on a closed path drives a lap of its own, back to where it starts"
-    end = "where several end, each stops as far before as it has farther to go than the first"
+    end = "where several end, they stop one behind the other"
     if ways == {True, False}:
         return f"{lap}, the others go to the ends of theirs; {end}"
     return lap if ways == {True} else f"every robot goes to the end of its own path; {end}"
@@ -172,8 +183,9 @@ def _hardly_moving(drawing: Drawing, found: Fit, robots: list[Placed]) -> list[s
         if not group or max(ways[one.name] for one in group) >= LEAST_WAY * length_of(line):
             continue
         if not drawing.has_formation:
-            left = _left_to_end([(line, group)] if is_closed(line) else _queue(groups, line, found))
-            lead = min(left, key=left.__getitem__)
+            queue = [(line, group)] if is_closed(line) else _queue(groups, line, found)
+            lags = _lags(queue, found)
+            lead = min(lags, key=lags.__getitem__)
         one = max(group, key=lambda one: (round(ways[one.name], 1), one.name != lead))
         said = f"WARNING: {one.name} goes {ways[one.name]:.2f} m of a path of "
         said += f"{length_of(line):.2f} m, and no other on it farther: "
@@ -197,17 +209,14 @@ def _queue(groups: list[Group], line: FloatArray, found: Fit) -> list[Group]:
     ]
 
 
-def _stopping_behind(
-    line: FloatArray, robots: list[Placed], left: dict[str, float], size: float
-) -> list[Placed]:
-    """Robots on a path that stop as far before its end as they have farther to go than the first.
+def _stopping_behind(robots: list[Placed], lags: dict[str, float], size: float) -> list[Placed]:
+    """Robots that stop as far before the end of their path as they lag behind the first there.
 
-    Of all that go there, with what is ``left`` [m] to each. As a formation has it, but each on a
-    path of its own.
+    As a formation has it, but each on a path of its own.
     """
     made = []
     for robot in robots:
-        lag = left[robot.name] - min(left.values())
+        lag = lags[robot.name]
         if lag > 0.0:
             here = station_of(robot.path, np.array(robot.pose[:2]))
             end = max(length_of(robot.path) - lag, here + LEAST * size)  # or where it stands

@@ -9,11 +9,12 @@ import shapely
 
 from physim.authoring.importing.fit import Fit
 from physim.authoring.importing.lanes import leaves_out
-from physim.authoring.importing.lines import length_of, points_at, station_of
+from physim.authoring.importing.lines import length_of, station_of
 from physim.authoring.importing.path_area import TOLD
 from physim.authoring.importing.robots import Placed, shape_at, stop_stations
 from physim.geometry.polygon import circumscribed_radius
 from physim.geometry.shapes import FloatArray
+from physim.world.checks.blocked_ways import blocked_ways, half_width
 from physim.world.checks.measured import MOST_OFF, measured
 from physim.world.layout.shared import Shared
 
@@ -34,7 +35,7 @@ def no_formation(found: Fit, robots: list[Placed], alone: list[Placed]) -> str:
     ways = _Ways.of(found, robots)
     if ways is None:
         return "the paths are too long to be followed"
-    if reason := ways.astray(found, robots) or ways.blocked(found, robots):
+    if reason := ways.astray(found, robots) or ways.blocked(robots):
         return reason
     for one, other, way, begin in zip(robots, alone, ways.way, ways.begin, strict=True):
         free = length_of(other.path) - begin
@@ -96,27 +97,18 @@ class _Ways:
                 return f"{one.name} comes back along the reference path by {back:.2f} m on its way"
         return ""
 
-    def blocked(self, found: Fit, robots: list[Placed]) -> str:
+    def blocked(self, robots: list[Placed]) -> str:
         """Which robot is to stop on the way of another that comes there later, and would wait.
 
         As where two paths meet, and who is there first was the farther from there along the
         reference path.
         """
-        stops = self.begin + self.way
-        places = shapely.points(
-            [points_at(one.path, stop) for one, stop in zip(robots, stops, strict=True)]
-        )
-
-        def passed(path: FloatArray) -> tuple[FloatArray, FloatArray]:
-            line = shapely.LineString(path)
-            return shapely.line_locate_point(line, places), shapely.distance(line, places)
-
-        pass_by = Shared(passed)
-        for k, one in enumerate(robots):
-            station, away = pass_by(one.path)
-            ahead = station - self.begin[k]
-            is_late = (ahead > self.way) & (ahead < self.way[k]) & (away < 0.5 * found.box[1])
-            if is_late.any():
-                other = robots[int(np.argmax(is_late))]
-                return f"{other.name} would stop in the way of {one.name}, which comes there later"
+        origin = (0.0, 0.0, 0.0)
+        outlines = [shapely.get_coordinates(shape_at(one.footprint, origin)) for one in robots]
+        reach = np.array([half_width(outline) for outline in outlines])
+        lines = [one.path for one in robots]
+        pairs = blocked_ways(lines, self.begin, self.begin + self.way, np.ones(len(lines)), reach)
+        for late, first in pairs:
+            late_one, first_one = robots[late].name, robots[first].name
+            return f"{first_one} would stop in the way of {late_one}, which comes there later"
         return ""

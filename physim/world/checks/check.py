@@ -10,6 +10,7 @@ import shapely
 
 from physim.errors import Fault, Position, WorldError
 from physim.escaping import escaped
+from physim.world.checks.blocked_ways import check_blocked_ways
 from physim.world.checks.boundaries import check_boundaries, check_obstacles
 from physim.world.checks.danger import (
     check_always_danger,
@@ -168,6 +169,7 @@ def _check_layout(
     check_measured(laid, found)
     if checked.world is not None:
         check_shared_stops(laid, at, found)
+        check_blocked_ways(laid, at, 1.0 if speed is None else speed, found)
     found.notes += _not_judged(laid, profiles, is_unread)
     return profiles
 

@@ -552,7 +552,7 @@ EDITS = (
         "importing",
         "physim/authoring/importing/formation.py",
         "no_formation",
-        " or ways.blocked(found, robots)",
+        " or ways.blocked(robots)",
         "",
         "who would stop in the way of another is in no formation",
         "tests/importing/test_drawn_robots.py"
@@ -560,10 +560,10 @@ EDITS = (
     ),
     Edit(
         "importing",
-        "physim/authoring/importing/formation.py",
-        "_Ways.blocked",
-        "(ahead > self.way) & ",
-        "",
+        "physim/world/checks/blocked_ways.py",
+        "blocked_ways",
+        "is_before & (late * speed[i] > CLEARLY * reach[i])",
+        "is_before",
         "a robot may pass where another stops later",
         "tests/importing/test_drawn_robots.py"
         "::test_robots_whose_paths_meet_stop_in_the_order_in_which_they_come",

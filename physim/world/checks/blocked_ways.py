@@ -1,0 +1,95 @@
+"""Stops in the way of robots that come there later, and would wait there for ever."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from physim.errors import place_text, plural
+from physim.geometry.shapes import FloatArray
+from physim.tolerances import LENGTH
+from physim.world.checks.findings import Diagnostics
+from physim.world.checks.standing import Stop, reached
+from physim.world.checks.way import Way
+from physim.world.faults import describe
+from physim.world.layout.layout import PartialLayout
+from physim.world.layout.shared import Shared
+
+CLEARLY = 3.0
+"""[-] times its half width that a robot is farther away when the one in its way has stopped: about
+its length"""
+
+
+def check_blocked_ways(
+    laid: PartialLayout, at: list[Stop], speed: float, found: Diagnostics
+) -> None:
+    """Warn of robots that stop in the way of others, unless the run is not to finish.
+
+    ``speed`` [m/s] is that of all robots whose limits are not below it; a formation adjusts it, so
+    none is judged. One warning for all of them, at the first. Those that stop on one another are
+    told by `check_shared_stops`.
+    """
+    world, expect = laid.world, laid.world.expect
+    if laid.faults or not at or (expect is not None and expect.finished is False):
+        return
+    if world.formation is not None:
+        return
+    robots = world.robots
+    way = reached(laid)
+    pairs = [
+        (i, j)
+        for i, j in blocked_ways(
+            [laid.paths[stop.number] for stop in at],
+            np.array([way[stop.number][0] for stop in at]),
+            np.array([stop.station for stop in at]),
+            np.array([min(speed, robots[stop.number].limits.v) for stop in at]),
+            np.array([half_width(laid.footprints[stop.number]) for stop in at]),
+        )
+        if not at[i].outline.intersects(at[j].outline)
+    ]
+    if not pairs:
+        return
+    late, stop = at[pairs[0][0]], at[pairs[0][1]]
+    x, y = stop.pose[:2]
+    more = f", as {plural(len(pairs) - 1, 'more robot')} would" if len(pairs) > 1 else ""
+    found.warn(
+        laid.path_key(stop.number),
+        f"{describe(laid.names[stop.number])} stops at station {stop.station:.2f} m of its path, "
+        f"{place_text(x, y, 4)}, in the way of {describe(laid.names[late.number])}, "
+        f"which comes there later and may wait there for ever{more}; end one of the paths "
+        "elsewhere, or let the other robot be there first",
+    )
+
+
+def half_width(outline: FloatArray) -> float:
+    """Half [m] of the smaller extent of a footprint (n, 2) along and across its heading."""
+    return 0.5 * float(np.ptp(outline, axis=0).min())
+
+
+def blocked_ways(
+    paths: Sequence[FloatArray],
+    begin: FloatArray,
+    stop: FloatArray,
+    speed: FloatArray,
+    reach: FloatArray,
+) -> list[tuple[int, int]]:
+    """Pairs (i, j) of robots of which i would find j in its way, stopped before it came there.
+
+    Each of N robots drives along its path (n, 2) [m] from station ``begin`` to ``stop`` (N,) [m],
+    at ``speed`` (N,) [m/s], and stands in the way of those whose paths come as near to its stop as
+    ``reach`` (N,) [m], if it is there ``CLEARLY`` before them: who is first of two that come at
+    about the same time cannot be known. One pair for a robot i at most.
+    """
+    ways = Shared(Way)
+    places = np.array([ways(path).at(stop[[k]])[0][0] for k, path in enumerate(paths)])
+    near = Shared(lambda path: ways(path).within(places, reach))
+    time, pairs = (stop - begin) / speed, []
+    for i, path in enumerate(paths):
+        other, _, station, _ = near(path)
+        is_before = (station > begin[i]) & (station < stop[i] - LENGTH) & (other != i)
+        late = (station - begin[i]) / speed[i] - time[other]
+        is_late = is_before & (late * speed[i] > CLEARLY * reach[i])
+        if is_late.any():
+            pairs.append((i, int(other[is_late].min())))
+    return pairs

@@ -1,0 +1,64 @@
+"""Robots that stop in the way of others are told, and nobody else; runs are the judge."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from physim import simulate
+from physim.world.file import parse_world
+from tests.checking.worlds import check, check_finding, lines
+
+
+def junction(first: float, extra: str = "") -> str:
+    """Robot b comes out of a side arm onto the way of a, which stops 5 m after the junction."""
+    hall = "[[-15, -3], [25, -3], [25, 3], [3, 3], [3, 20], [-3, 20], [-3, 3], [-15, 3], [-15, -3]]"
+    return (
+        "name: junction\ntime: {step: 0.02, duration: 60.0}\n"
+        f"boundaries: [{hall}]\nreference_path: [[-12, 0], [22, 0]]\nrobots:\n"
+        f"  - {{name: a, footprint: {{length: 1.2, width: 0.7}}, pose: [{-first}, 0, 0],\n"
+        "     path: [[-12, 0], [5, 0]]}\n"
+        "  - {name: b, footprint: {length: 1.2, width: 0.7}, pose: [0, 8, -1.5708],\n"
+        "     path: [[0, 17], [0, 0], [20, 0]]}\n"
+        f"controller: {{type: path_following, speed: 1.0}}\n{extra}"
+    )
+
+
+def told(folder: Path, text: str) -> list[str]:
+    return [line for line in lines(check(folder, text))[1] if "in the way of" in line]
+
+
+@pytest.mark.parametrize(("first", "is_blocked"), [(2.0, True), (11.9, False)])
+def test_a_robot_that_stops_in_the_way_of_a_later_one_is_told(
+    tmp_path: Path, first: float, is_blocked: bool
+) -> None:
+    """One that comes there before it drives on."""
+    text = junction(first)
+    found = told(tmp_path, text)
+    assert len(found) == is_blocked
+    if is_blocked:
+        check_finding(found[0], "7:12 robots[0].path", '"a"', '"b"', "17.00 m", "(5, 0)")
+    assert bool(simulate(parse_world(text)).contacts.size) == is_blocked
+
+
+def test_who_goes_faster_is_there_first(tmp_path: Path) -> None:
+    slow = junction(4.0).replace(
+        "width: 0.7}, pose: [-4.0", "width: 0.7}, limits: {v: 0.4}, pose: [-4.0"
+    )
+    assert told(tmp_path, junction(4.0))
+    assert told(tmp_path, slow) == []
+
+
+def test_no_word_of_ways_in_a_formation_or_where_the_run_is_not_to_finish(tmp_path: Path) -> None:
+    assert told(tmp_path, junction(2.0, "expect: {finished: false}\n")) == []
+    assert told(tmp_path, junction(2.0, "formation: {}\n").replace(", speed: 1.0", "")) == []
+
+
+def test_the_robots_that_would_wait_are_counted(tmp_path: Path) -> None:
+    c = (
+        "  - {name: c, footprint: {length: 1.2, width: 0.7}, pose: [0, 11, -1.5708],\n"
+        "     path: [[0, 17], [0, 0], [18, 0]]}\ncontroller:"
+    )
+    (line,) = told(tmp_path, junction(2.0).replace("controller:", c))
+    assert "as 1 more robot would" in line

@@ -11,7 +11,12 @@ from physim.authoring.importing.fit import Fit
 from physim.authoring.importing.lanes import leaves_out
 from physim.authoring.importing.lines import length_of, station_of
 from physim.authoring.importing.path_area import TOLD
-from physim.authoring.importing.robots import Placed, shape_at, stop_stations
+from physim.authoring.importing.robots import (
+    Placed,
+    least_stop_gap,
+    shape_at,
+    stop_stations,
+)
 from physim.geometry.polygon import circumscribed_radius
 from physim.geometry.shapes import FloatArray
 from physim.world.checks.blocked_ways import blocked_ways, half_width
@@ -41,6 +46,9 @@ def no_formation(found: Fit, robots: list[Placed], alone: list[Placed]) -> str:
         free = length_of(other.path) - begin
         if free > found.size and way < SHARE * free:
             return f"in one, {one.name} would go {max(way, 0.0):.2f} m of its way of {free:.2f} m"
+    gap, i, j = least_stop_gap(found.reference, robots, found.size)
+    if gap <= 0.0 < least_stop_gap(found.reference, alone, found.size, False)[0]:
+        return f"in one, {robots[i].name} and {robots[j].name} would stop in one place"
     error = float(np.abs(ways.gain.mean() - ways.gain).max())
     if error > MOST_OFF * length_of(found.reference):
         return f"at their stops the formation error would be {error:.2f} m"

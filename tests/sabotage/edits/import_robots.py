@@ -607,4 +607,14 @@ EDITS = (
         "a path may leave the area where it enters it",
         "tests/importing/test_repairs.py::test_a_path_may_leave_where_it_enters",
     ),
+    Edit(
+        "importing",
+        "physim/authoring/importing/formation.py",
+        "no_formation",
+        "if gap <= 0.0 <",
+        "if gap < 0.0 <",
+        "robots that would stop in one place are no formation",
+        "tests/importing/test_drawn_robots.py"
+        "::test_robots_that_would_stop_in_one_place_are_no_formation",
+    ),
 )

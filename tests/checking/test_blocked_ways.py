@@ -62,3 +62,17 @@ def test_the_robots_that_would_wait_are_counted(tmp_path: Path) -> None:
     )
     (line,) = told(tmp_path, junction(2.0).replace("controller:", c))
     assert "as 1 more robot would" in line
+
+
+@pytest.mark.parametrize("swapped", [False, True])
+def test_who_stops_on_another_hides_nobody_in_its_way(tmp_path: Path, swapped: bool) -> None:
+    """That of b and c is told as a shared stop, whichever of a and c is the first robot."""
+    c = (
+        "  - {name: c, footprint: {length: 1.2, width: 0.7}, pose: [19, 0, 0],\n"
+        "     path: [[-12, 0], [19.5, 0]]}\n"
+    )
+    text = junction(2.0)
+    place = "  - {name: a" if swapped else "controller:"
+    found = told(tmp_path, text.replace(place, c + place))
+    assert len(found) == 1
+    assert '"a" stops' in found[0]

@@ -115,8 +115,8 @@ class _Ways:
         outlines = [shapely.get_coordinates(shape_at(one.footprint, origin)) for one in robots]
         reach = np.array([half_width(outline) for outline in outlines])
         lines = [one.path for one in robots]
-        pairs = blocked_ways(lines, self.begin, self.begin + self.way, np.ones(len(lines)), reach)
-        for late, first in pairs:
-            late_one, first_one = robots[late].name, robots[first].name
-            return f"{first_one} would stop in the way of {late_one}, which comes there later"
+        stops, speed = self.begin + self.way, np.ones(len(lines))
+        for late, others in blocked_ways(lines, self.begin, stops, speed, reach).items():
+            first = robots[others[0]].name
+            return f"{first} would stop in the way of {robots[late].name}, which comes there later"
         return ""

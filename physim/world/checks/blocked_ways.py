@@ -37,17 +37,18 @@ def check_blocked_ways(
         return
     robots = world.robots
     way = reached(laid)
-    pairs = [
-        (i, j)
-        for i, j in blocked_ways(
-            [laid.paths[stop.number] for stop in at],
-            np.array([way[stop.number][0] for stop in at]),
-            np.array([stop.station for stop in at]),
-            np.array([min(speed, robots[stop.number].limits.v) for stop in at]),
-            np.array([half_width(laid.footprints[stop.number]) for stop in at]),
-        )
-        if not at[i].outline.intersects(at[j].outline)
-    ]
+    blocked = blocked_ways(
+        [laid.paths[stop.number] for stop in at],
+        np.array([way[stop.number][0] for stop in at]),
+        np.array([stop.station for stop in at]),
+        np.array([min(speed, robots[stop.number].limits.v) for stop in at]),
+        np.array([half_width(laid.footprints[stop.number]) for stop in at]),
+    )
+    first = (
+        (i, next((j for j in others if not at[i].outline.intersects(at[j].outline)), None))
+        for i, others in blocked.items()
+    )
+    pairs = [(i, j) for i, j in first if j is not None]
     if not pairs:
         return
     late, stop = at[pairs[0][0]], at[pairs[0][1]]
@@ -73,23 +74,23 @@ def blocked_ways(
     stop: FloatArray,
     speed: FloatArray,
     reach: FloatArray,
-) -> list[tuple[int, int]]:
-    """Pairs (i, j) of robots of which i would find j in its way, stopped before it came there.
+) -> dict[int, list[int]]:
+    """Robots that would find others in their way, stopped before they came there; and which.
 
     Each of N robots drives along its path (n, 2) [m] from station ``begin`` to ``stop`` (N,) [m],
     at ``speed`` (N,) [m/s], and stands in the way of those whose paths come as near to its stop as
     ``reach`` (N,) [m], if it is there ``CLEARLY`` before them: who is first of two that come at
-    about the same time cannot be known. One pair for a robot i at most.
+    about the same time cannot be known.
     """
     ways = Shared(Way)
     places = np.array([ways(path).at(stop[[k]])[0][0] for k, path in enumerate(paths)])
     near = Shared(lambda path: ways(path).within(places, reach))
-    time, pairs = (stop - begin) / speed, []
+    time, blocked = (stop - begin) / speed, {}
     for i, path in enumerate(paths):
         other, _, station, _ = near(path)
         is_before = (station > begin[i]) & (station < stop[i] - LENGTH) & (other != i)
         late = (station - begin[i]) / speed[i] - time[other]
         is_late = is_before & (late * speed[i] > CLEARLY * reach[i])
         if is_late.any():
-            pairs.append((i, int(other[is_late].min())))
-    return pairs
+            blocked[i] = sorted({*other[is_late].tolist()})
+    return blocked

@@ -447,6 +447,15 @@ EDITS = (
     ),
     Edit(
         "checking",
+        "physim/world/checks/blocked_ways.py",
+        "check_blocked_ways",
+        "for j in others if",
+        "for j in others[:1] if",
+        "who stops on another hides nobody in its way",
+        "tests/checking/test_blocked_ways.py::test_who_stops_on_another_hides_nobody_in_its_way",
+    ),
+    Edit(
+        "checking",
         "physim/world/checks/safe_stops.py",
         "check_safe_stops",
         "2.0 * behind > allowed - LENGTH",

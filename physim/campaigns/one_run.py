@@ -53,7 +53,12 @@ class Taken(NamedTuple):
 
 
 def run_one(spec: RunSpec) -> Row:
-    """Row of a run, done in this process. What fails in it is told in the row."""
+    """Row of a run, done in this process. What fails in it is told in the row.
+
+    Raises PhysimError for what is no run.
+    """
+    if not isinstance(spec, RunSpec):
+        raise PhysimError(f"run_one takes a run, as spec_of(world, seed) gives it, not {spec!r}")
     taken = take(spec)
     assert taken is not None
     return taken.row

@@ -57,10 +57,12 @@ class RunSpec:
         ):
             raise PhysimError(f"seed {seed!r}: must be a whole number from 0 to {MOST_SEED:.0e}")
         object.__setattr__(self, "seed", int(seed))
-        for key in ("world", "settings", "controller"):
+        for key in ("text", "world", "settings", "controller"):
             _check_text(key, getattr(self, key))
         limit = self.limit
-        is_number = isinstance(limit, float | int | np.number) and not isinstance(limit, bool)
+        is_number = isinstance(limit, float | int | np.integer | np.floating) and not isinstance(
+            limit, bool | np.timedelta64
+        )
         if limit is not None and not (is_number and limit > 0.0 and not MOST_LIMIT < limit < inf):
             raise PhysimError(
                 f"limit {limit!r}: must be a number of seconds above 0, at most {MOST_LIMIT:.0e}, "

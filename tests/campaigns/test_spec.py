@@ -54,7 +54,7 @@ def test_the_seed_of_the_world_is_no_part_of_it() -> None:
 @pytest.mark.parametrize("given", [
     {"seed": -1}, {"seed": 1.5}, {"seed": True}, {"seed": "4"}, {"seed": 2**63},
     {"settings": 5}, {"settings": "\udc00"}, {"name": 3}, {"limit": -1.0}, {"limit": float("nan")},
-    {"limit": 1e10}, {"limit": True},
+    {"limit": 1e10}, {"limit": True}, {"limit": np.complex64(1)}, {"limit": np.timedelta64(5, "s")},
 ])  # fmt: skip
 def test_what_no_row_could_hold_is_refused(given: dict[str, Any]) -> None:
     """It would lock the folder that it is written to."""
@@ -64,6 +64,17 @@ def test_what_no_row_could_hold_is_refused(given: dict[str, Any]) -> None:
     assert spec_of(world, 0, limit=float("inf")).limit == float("inf")
     assert spec_of(world, cast("int", np.int64(3))) == spec_of(world, 3)
     assert type(spec_of(world, cast("int", np.int64(3))).seed) is int
+
+
+@pytest.mark.parametrize("text", [None, 3, "\ud800"])
+def test_a_text_that_is_none_is_refused(text: Any) -> None:
+    with pytest.raises(PhysimError, match="text"):
+        RunSpec(text, 0, "crowded")
+
+
+def test_what_is_no_run_is_not_run() -> None:
+    with pytest.raises(PhysimError, match=r"spec_of\(world, seed\).*World"):
+        run_one(cast("RunSpec", parse_world(WORLD)))
 
 
 def test_a_run_of_a_spec_is_that_of_its_world() -> None:

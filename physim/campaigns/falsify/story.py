@@ -57,7 +57,11 @@ def _scene(record: Record) -> str:
 def _pose(pose: FloatArray) -> str:
     x, y, heading = pose.tolist()
     turned = math.degrees(math.remainder(heading, 2.0 * math.pi))
-    return f"({x:.2f}, {y:.2f}) m facing {turned:.0f} degrees"
+    return f"{_place(x, y)} facing {turned:.0f} degrees"
+
+
+def _place(x: float, y: float) -> str:
+    return f"({round(x, 2) + 0.0:.2f}, {round(y, 2) + 0.0:.2f}) m"  # of no -0.00
 
 
 def _contact(
@@ -68,12 +72,12 @@ def _contact(
     bodies = describe_bodies(one, names)
     if isinstance(one, ContactReport):
         closing = f", closing at {one.severity.closing:.2f} m/s"
-        where = f"({x:.2f}, {y:.2f}) m, {one.station:.2f} m along the reference path"
+        where = f"{_place(x, y)}, {one.station:.2f} m along the reference path"
         said = [f"At {one.time:.2f} s {bodies} touch at {where}{closing}."]
     else:
         said = [
             f"Just before {one.time:.2f} s, between two samples, {bodies} touch at "
-            f"({x:.2f}, {y:.2f}) m, {length(one.depth)} deep, and are apart again after it."
+            f"{_place(x, y)}, {length(one.depth)} deep, and are apart again after it."
         ]
     step = round(one.time / record.dt)
     table = DecisionTable(record)

@@ -22,8 +22,8 @@ SIDES = ("left wall", "right wall")
 def offset_polyline(points: FloatArray, offset: FloatArray, first: int = 0) -> FloatArray:
     """Move a polyline (n, 2) sideways by ``offset`` (n,) [m], left positive, corners mitred.
 
-    Raises ValueError where the polyline turns back on itself, naming the waypoint as a world file
-    counts it: from 0, or from ``first``.
+    Raises ValueError where it is to be moved and turns back on itself, naming the waypoint as a
+    world file counts it: from 0, or from ``first``.
     """
     direction = np.diff(points, axis=0)
     direction /= np.hypot(*direction.T)[:, None]
@@ -31,7 +31,8 @@ def offset_polyline(points: FloatArray, offset: FloatArray, first: int = 0) -> F
     before = np.vstack([normal[:1], normal])
     after = np.vstack([normal, normal[-1:]])
     cosine = np.clip((before * after).sum(axis=1), -1.0, 1.0)
-    sharp = np.flatnonzero(np.arccos(cosine) > SHARPEST_TURN)
+    stays = offset == 0.0
+    sharp = np.flatnonzero((np.arccos(cosine) > SHARPEST_TURN) & ~stays)
     if sharp.size:
         x, y = points[sharp[0]]
         turn = np.degrees(np.arccos(cosine[sharp[0]]))
@@ -39,7 +40,7 @@ def offset_polyline(points: FloatArray, offset: FloatArray, first: int = 0) -> F
             f"turns by {turn:.0f} degrees at waypoint [{sharp[0] + first}] ({x:g}, {y:g}); "
             f"at most {np.degrees(SHARPEST_TURN):.0f} degrees can be offset sideways"
         )
-    mitre = (before + after) / (1.0 + cosine)[:, None]
+    mitre = (before + after) / np.where(stays, 1.0, 1.0 + cosine)[:, None]
     return np.asarray(points + offset[:, None] * mitre)
 
 

@@ -69,6 +69,15 @@ def test_a_line_that_turns_back_cannot_be_offset() -> None:
         offset_polyline(np.array([[0.0, 0.0], [10.0, 0.0], [0.0, 0.1]]), np.full(3, 1.0))
 
 
+@pytest.mark.parametrize("back", [0.1, 0.0])
+def test_what_is_not_moved_may_turn_back(back: float) -> None:
+    line = np.array([[0.0, 0.0], [10.0, 0.0], [0.0, back]])
+    assert (offset_polyline(line, np.zeros(3)) == line).all()
+    moved = offset_polyline(line, np.array([1.0, 0.0, 1.0]))
+    assert (moved[1] == line[1]).all()
+    assert np.isfinite(moved).all()
+
+
 def test_outside_stretches_of_a_path_of_two_laps() -> None:
     """An obstacle on the road is on the path in every lap; it was so in the first alone."""
     lap = [(5.0, 0.0), (20.0, 0.0), (20.0, 15.0), (0.0, 15.0), (0.0, 0.0)]

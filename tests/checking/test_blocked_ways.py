@@ -76,3 +76,29 @@ def test_who_stops_on_another_hides_nobody_in_its_way(tmp_path: Path, swapped: b
     found = told(tmp_path, text.replace(place, c + place))
     assert len(found) == 1
     assert '"a" stops' in found[0]
+
+
+LANES = """\
+name: lanes
+time: {step: 0.02, duration: 60.0}
+corridor: {centreline: [[0, 0], [40, 0]], width: 5.0}
+robots:
+  - {name: a, footprint: {length: 1.8, width: 1.0}, pose: [2, 0, 0], path: [[0, 0], [40, 0]]}
+  - {name: b, footprint: {length: 1.8, width: 1.0}, pose: [6, Y, 0], path: [[0, Y], [20, Y]]}
+controller: {type: mode_switching}
+"""
+
+
+@pytest.mark.parametrize(("beside", "is_blocked"), [
+    (0.0, True), (-0.6, True), (0.9, True), (-1.2, True), (1.52, False),
+])  # fmt: skip
+def test_who_stands_beside_a_way_is_in_it_up_to_what_robots_keep(
+    tmp_path: Path, beside: float, is_blocked: bool
+) -> None:
+    """1 m wide, from which `distance_low` is kept."""
+    text = LANES.replace("Y", f"{beside:g}")
+    assert bool(told(tmp_path, text)) == is_blocked
+    assert (simulate(parse_world(text)).ended == "finished") != is_blocked
+    blind = text.replace("mode_switching", "path_following")
+    assert bool(told(tmp_path, blind)) == (abs(beside) < 1.0)
+    assert bool(simulate(parse_world(blind)).contacts.size) == (abs(beside) < 1.0)

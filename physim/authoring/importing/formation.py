@@ -113,10 +113,10 @@ class _Ways:
         """
         origin = (0.0, 0.0, 0.0)
         outlines = [shapely.get_coordinates(shape_at(one.footprint, origin)) for one in robots]
-        reach = np.array([half_width(outline) for outline in outlines])
+        half = np.array([half_width(outline) for outline in outlines])
         lines = [one.path for one in robots]
         stops, speed = self.begin + self.way, np.ones(len(lines))
-        for late, others in blocked_ways(lines, self.begin, stops, speed, reach).items():
+        for late, others in blocked_ways(lines, self.begin, stops, speed, half).items():
             first = robots[others[0]].name
             return f"{first} would stop in the way of {robots[late].name}, which comes there later"
         return ""

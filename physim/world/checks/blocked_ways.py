@@ -22,12 +22,13 @@ its length"""
 
 
 def check_blocked_ways(
-    laid: PartialLayout, at: list[Stop], speed: float, found: Diagnostics
+    laid: PartialLayout, at: list[Stop], speed: float, clear: float, found: Diagnostics
 ) -> None:
     """Warn of robots that stop in the way of others, unless the run is not to finish.
 
     ``speed`` [m/s] is that of all robots whose limits are not below it; a formation adjusts it, so
-    none is judged. One warning for all of them, at the first. Those that stop on one another are
+    none is judged. ``clear`` [m] is what robots keep from one another. One warning for all of
+    them, at the first. Those that stop on one another are
     told by `check_shared_stops`.
     """
     world, expect = laid.world, laid.world.expect
@@ -43,6 +44,7 @@ def check_blocked_ways(
         np.array([stop.station for stop in at]),
         np.array([min(speed, robots[stop.number].limits.v) for stop in at]),
         np.array([half_width(laid.footprints[stop.number]) for stop in at]),
+        clear,
     )
     first = (
         (i, next((j for j in others if not at[i].outline.intersects(at[j].outline)), None))
@@ -73,24 +75,26 @@ def blocked_ways(
     begin: FloatArray,
     stop: FloatArray,
     speed: FloatArray,
-    reach: FloatArray,
+    half: FloatArray,
+    clear: float = 0.0,
 ) -> dict[int, list[int]]:
     """Robots that would find others in their way, stopped before they came there; and which.
 
     Each of N robots drives along its path (n, 2) [m] from station ``begin`` to ``stop`` (N,) [m],
-    at ``speed`` (N,) [m/s], and stands in the way of those whose paths come as near to its stop as
-    ``reach`` (N,) [m], if it is there ``CLEARLY`` before them: who is first of two that come at
-    about the same time cannot be known.
+    at ``speed`` (N,) [m/s], and stands in the way of those that would pass nearer than ``clear``
+    [m] to it, of ``half`` (N,) [m] the width; if it is there ``CLEARLY`` before them: who is first
+    of two that come at about the same time cannot be known.
     """
     ways = Shared(Way)
     places = np.array([ways(path).at(stop[[k]])[0][0] for k, path in enumerate(paths)])
-    near = Shared(lambda path: ways(path).within(places, reach))
+    near = Shared(lambda path: ways(path).within(places, half + half.max() + clear))
     time, blocked = (stop - begin) / speed, {}
     for i, path in enumerate(paths):
-        other, _, station, _ = near(path)
-        is_before = (station > begin[i]) & (station < stop[i] - LENGTH) & (other != i)
+        other, _, station, away = near(path)
+        is_met = (other != i) & (away < half[other] + half[i] + clear - LENGTH)
+        is_met &= (station > begin[i]) & (station < stop[i] - LENGTH)
         late = (station - begin[i]) / speed[i] - time[other]
-        is_late = is_before & (late * speed[i] > CLEARLY * reach[i])
+        is_late = is_met & (late * speed[i] > CLEARLY * half[i])
         if is_late.any():
             blocked[i] = sorted({*other[is_late].tolist()})
     return blocked

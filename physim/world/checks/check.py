@@ -169,7 +169,8 @@ def _check_layout(
     check_measured(laid, found)
     if checked.world is not None:
         check_shared_stops(laid, at, found)
-        check_blocked_ways(laid, at, 1.0 if speed is None else speed, found)
+        usual = 1.0 if speed is None else speed
+        check_blocked_ways(laid, at, usual, distance or 0.0, found)
     found.notes += _not_judged(laid, profiles, is_unread)
     return profiles
 

@@ -413,8 +413,8 @@ EDITS = (
         "checking",
         "physim/world/checks/blocked_ways.py",
         "blocked_ways",
-        "is_before & (late * speed[i] > CLEARLY * reach[i])",
-        "is_before",
+        "is_met & (late * speed[i] > CLEARLY * half[i])",
+        "is_met",
         "a robot may pass where another stops later",
         "tests/checking/test_blocked_ways.py::test_a_robot_that_stops_in_the_way_of_a_later_one_is_told",
     ),
@@ -453,6 +453,26 @@ EDITS = (
         "for j in others[:1] if",
         "who stops on another hides nobody in its way",
         "tests/checking/test_blocked_ways.py::test_who_stops_on_another_hides_nobody_in_its_way",
+    ),
+    Edit(
+        "checking",
+        "physim/world/checks/blocked_ways.py",
+        "blocked_ways",
+        "half[other] + half[i] + clear - LENGTH",
+        "half[other] + half[i]",
+        "who stands beside a way is in it up to what robots keep",
+        "tests/checking/test_blocked_ways.py"
+        "::test_who_stands_beside_a_way_is_in_it_up_to_what_robots_keep",
+    ),
+    Edit(
+        "checking",
+        "physim/world/checks/blocked_ways.py",
+        "blocked_ways",
+        "half[other] + half[i] + clear - LENGTH",
+        "half[other] + clear",
+        "who stands beside a way is in it up to what robots keep",
+        "tests/checking/test_blocked_ways.py"
+        "::test_who_stands_beside_a_way_is_in_it_up_to_what_robots_keep",
     ),
     Edit(
         "checking",

@@ -562,8 +562,8 @@ EDITS = (
         "importing",
         "physim/world/checks/blocked_ways.py",
         "blocked_ways",
-        "is_before & (late * speed[i] > CLEARLY * reach[i])",
-        "is_before",
+        "is_met & (late * speed[i] > CLEARLY * half[i])",
+        "is_met",
         "a robot may pass where another stops later",
         "tests/importing/test_drawn_robots.py"
         "::test_robots_whose_paths_meet_stop_in_the_order_in_which_they_come",

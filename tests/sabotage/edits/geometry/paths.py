@@ -108,7 +108,7 @@ EDITS = (
         "geometry",
         "physim/geometry/corridor.py",
         "offset_polyline",
-        "(before + after) / (1.0 + cosine)[:, None]",
+        "(before + after) / np.where(stays, 1.0, 1.0 + cosine)[:, None]",
         "(before + after) / 2.0",
         "the walls of a corridor keep their distance at its corners",
         "tests/geometry/test_area.py::test_offset_of_a_right_angle_is_mitred",

@@ -16,6 +16,9 @@ from physim.compiled import compiled
 from physim.geometry.safe_point import point_part
 from physim.geometry.shapes import FloatArray, IntArray, Shapes
 
+CELLS_SEEN = 5.0
+"""Cells of the grid over which a robot sees at most, to each side"""
+
 
 class WallGrid(NamedTuple):
     """Grid over the walls: cell c = row * columns + column has ``part[start[c]:start[c + 1]]``."""
@@ -38,11 +41,13 @@ class WallGrid(NamedTuple):
 def build_wall_grid(walls: Shapes, reach: float, cell: float) -> WallGrid:
     """Sort the parts of ``walls`` into a grid of cells of side ``cell`` [m].
 
-    Cells grow where the world is large, so that there are at most about a million of them.
+    Cells grow where the world is large, so that there are at most about a million of them, and
+    where robots see far, so that lists are not those of their neighbours over and over.
     """
     every = np.arange(len(walls.part_start) - 1, dtype=np.int64)
     low, high = walls.vertices.min(axis=0) - cell, walls.vertices.max(axis=0) + cell
-    cell = max(cell, float(np.sqrt(np.prod(high - low) / 1e6)))
+    seen = min(reach, float((high - low).max()))
+    cell = max(cell, seen / CELLS_SEEN, float(np.sqrt(np.prod(high - low) / 1e6)))
     columns, rows = (int(n) for n in np.ceil((high - low) / cell))
     x0 = low[0] + cell * np.arange(columns)
     y0 = low[1] + cell * np.arange(rows)

@@ -102,3 +102,16 @@ def test_who_stands_beside_a_way_is_in_it_up_to_what_robots_keep(
     blind = text.replace("mode_switching", "path_following")
     assert bool(told(tmp_path, blind)) == (abs(beside) < 1.0)
     assert bool(simulate(parse_world(blind)).contacts.size) == (abs(beside) < 1.0)
+
+
+@pytest.mark.parametrize(("end", "is_blocked"), [(1.2, True), (2.6, False)])
+def test_who_stops_across_a_way_is_in_it(tmp_path: Path, end: float, is_blocked: bool) -> None:
+    """With a part of it that reaches farther than its width."""
+    text = junction(2.0).replace("[0, 8, -1.5708]", f"[0, {end + 4}, -1.5708]")
+    text = text.replace("[[0, 17], [0, 0], [20, 0]]", f"[[0, 17], [0, {end}]]")
+    text = text.replace("pose: [-2.0, 0, 0]", "pose: [-11, 0, 0]").replace("[5, 0]]", "[20, 0]]")
+    text = text.replace(
+        "b, footprint: {length: 1.2, width: 0.7}", "b, footprint: {length: 3, width: 0.6}"
+    )
+    assert bool(told(tmp_path, text)) == is_blocked
+    assert bool(simulate(parse_world(text)).contacts.size) == is_blocked

@@ -10,7 +10,7 @@ from physim.geometry.clearance import ClearanceFinder, clearances
 from physim.geometry.nearest_wall import LIST_SIZE
 from physim.geometry.robot_frames import bounding_discs
 from physim.geometry.shapes import pack_parts
-from physim.geometry.wall_grid import build_wall_grid
+from physim.geometry.wall_grid import build_wall_grid, parts_in_range, parts_near
 from tests.geometry.cases import BOX, corridor_walls, random_body
 from tests.oracles.clearances import clearances as plain_clearances
 
@@ -217,3 +217,16 @@ def test_a_robot_that_turns_on_the_spot_between_walls():
     assert (found.boundary_clearance[:, 0] == gaps.min(axis=1)).all()
     assert (found.boundary_other[:, 0] == 1 + gaps.argmin(axis=1)).all()
     assert set(found.boundary_other[:, 0]) == {1, 2}
+
+
+@pytest.mark.parametrize("reach", [3.0, 300.0, np.inf])
+def test_lists_of_walls_are_no_longer_than_what_is_seen_asks_for(reach):
+    """Of cells far smaller than that each held all the walls: a large place took an hour."""
+    rng = np.random.default_rng(8)
+    ends = rng.uniform(0.0, 600.0, (200, 2))
+    walls = pack_parts([[np.array([end, end + rng.normal(0.0, 9.0, 2)])] for end in ends])
+    wall_grid = build_wall_grid(walls, reach, 1.0)
+    assert len(wall_grid.part) < 200 * 15**2
+    for x, y in rng.uniform(-50.0, 650.0, (40, 2)):
+        near = parts_in_range(walls, parts_near(wall_grid, x, y), x, y, reach)
+        assert (near == parts_in_range(walls, wall_grid.every, x, y, reach)).all()

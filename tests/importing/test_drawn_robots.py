@@ -511,22 +511,37 @@ def test_robots_whose_paths_meet_stop_in_the_order_in_which_they_come(
         check_says(behind[0], "a 9.00 m")
     assert simulate(made.world).ended == "finished"
     ends = [shapely.LineString(path).length for path in _paths(made)]
-    assert is_one or ends == pytest.approx([50.0, 45.0 - (6.0 - ahead)], abs=0.01)
+    assert is_one or ends == pytest.approx([50.0, 45.0 - (1.2 + 1.1 * 0.67)], abs=0.01)
+    behind = [one for one in made.facts if "behind others" in one]
+    assert len(behind) == (not is_one)
 
 
-def test_robots_that_would_stop_in_one_place_are_no_formation(tmp_path: Path) -> None:
-    """Measured along the reference path, which theirs joins ahead of both, b and c are abreast."""
-    hall = shapely.box(-5, 15, 25, 25).union(shapely.box(15, -5, 25, 65))
-    way, side = [(-3, 20), (20, 20), (20, 60)], shapely.LineString([(20, 0), (20, 60)])
+@pytest.mark.parametrize("farther", [0.5, 1.5, 3.0, 14.0])
+def test_robots_that_come_to_one_end_stop_behind_one_another_and_nowhere_else(
+    tmp_path: Path, farther: float
+) -> None:
+    """However much farther one has to go; of two that come at a time the order is not known."""
+    hall = shapely.box(-30, -3, 30, 3).union(shapely.box(-3, 0, 3, 30))
     parts = [
-        ("boundary", hall), ("path", shapely.LineString(way)), ("path b", side), ("path c", side),
-        ("robot a", box(0, 20, 1.2, 0.7)), ("robot b", box(20, 5, 0.7, 1.2)),
-        ("robot c", box(20, 2, 0.7, 1.2)),
+        ("boundary", hall), ("path z", shapely.LineString([(20, 2), (-25, 2)])),
+        ("path a", shapely.LineString([(-25, -1), (25, -1)])),
+        ("path b", shapely.LineString([(0, 20), (0, -1), (25, -1)])),
+        ("robot a", box(-21, -1, 1.2, 0.7)), ("robot b", box(0, 20 - farther, 0.7, 1.2)),
+        ("robot z", box(16, 2, 1.2, 0.7)),
     ]  # fmt: skip
     made = import_world(geojson(tmp_path, parts))
     assert made.world.formation is None
-    assert [one for one in made.facts if "b and c would stop in one place" in one]
-    assert simulate(made.world).ended == "finished"
+    ends = [shapely.LineString(path).length for path in _paths(made)]
+    gap = 1.2 + 1.1 * 0.67
+    assert ends == pytest.approx([50.0 - gap, 46.0, 45.0], abs=0.01)
+    (behind,) = (one for one in made.facts if "behind others" in one)
+    check_says(behind, f"a {gap:.2f} m")
+    told = [one for one in made.facts if "may come in the other order" in one]
+    assert len(told) == (farther < gap)
+    if told:
+        check_says(told[0], f"b and a have {46.0 - farther:.2f} and 46.00 m")
+    else:
+        assert simulate(made.world).ended == "finished"
 
 
 @pytest.mark.parametrize("size", [(1.2, 0.7), (1.8, 1.0)])

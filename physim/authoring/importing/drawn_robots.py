@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import pairwise
 from math import hypot
 
 import numpy as np
@@ -30,11 +31,14 @@ from physim.authoring.importing.path_starts import (
     robots_on,
     stand_on,
 )
-from physim.authoring.importing.robots import CLEAR, Placed, stop_stations
+from physim.authoring.importing.robots import Placed, stop_stations
 from physim.geometry.shapes import FloatArray
 
 LEAST = 0.1
 """[m] at size 1 that a robot goes that has no way"""
+QUEUE_GAP = 1.1
+"""[m] at size 1 between robots that stop one behind the other, nearer than which they are in danger
+mode"""
 LEAST_WAY = 0.25
 """[-] share of the path that the robot that goes farthest goes at least"""
 MOST_NAMED = 6
@@ -65,9 +69,15 @@ def as_drawn(drawing: Drawing, found: Fit) -> list[Placed]:
             lags = _lags(_queue(groups, line, found), found) if some else {}
             free |= {one.name: one for one in _stopping_behind(some, lags, found.size)}
     alone = [free[one.name] for one in robots]
+    ends = [_queue(groups, line, found) for line, some in groups if some and not is_closed(line)]
     if reason := "a path is closed" if any(is_lap) else no_formation(found, robots, alone):
         drawing.has_formation = False
         drawing.facts.append(f"no formation: {reason}; {_ways_without(groups)}")
+        short = {name: lag for queue in ends for name, lag in _lags(queue, found).items()}
+        drawing.facts += _short_told(
+            short, "robots stop before the ends of their paths, behind others"
+        )
+        drawing.facts += {one: None for queue in ends for one in _order_told(queue, found)}
         robots = alone
     else:
         drawing.facts += _stops_told(found, groups)
@@ -112,40 +122,64 @@ def _stops_told(found: Fit, groups: list[Group]) -> list[str]:
     lead = robots[int(np.argmax(_stations(found.reference, robots)))]
     if any(lead in some and len(some) == len(robots) for _, some in groups):
         return []
-    stops = stop_stations(
-        found.reference, [one.path for one in robots], [one.pose for one in robots]
-    )
+    lines = [one.path for one in robots]
+    stops = stop_stations(found.reference, lines, [one.pose for one in robots])
     short = {
         one.name: length_of(one.path) - float(stop) for one, stop in zip(robots, stops, strict=True)
     }
-    said = [f"{name} {left:.2f} m" for name, left in short.items() if left > TOLD]
-    if not said:
-        return []
-    more = f" and {len(said) - MOST_NAMED} more" if len(said) > MOST_NAMED else ""
-    return [
-        f"as a formation, robots stop as far before the ends of their paths as they start behind "
-        f"{lead.name} along the reference path: {', '.join(said[:MOST_NAMED])}{more}"
-    ]
+    return _short_told(
+        short,
+        "as a formation, robots stop as far before the ends of their paths as they start behind "
+        f"{lead.name} along the reference path",
+    )
+
+
+def _short_told(short: dict[str, float], said: str) -> list[str]:
+    """Who stops how far [m] before the end of its path, after what is said of them; or nothing."""
+    told = [f"{name} {left:.2f} m" for name, left in short.items() if left > TOLD]
+    more = f" and {len(told) - MOST_NAMED} more" if len(told) > MOST_NAMED else ""
+    return [f"{said}: {', '.join(told[:MOST_NAMED])}{more}"] if told else []
+
+
+def _to_go(queue: list[Group]) -> list[tuple[float, str, int]]:
+    """How far [m] the robots of groups are from the ends of their paths, with names and groups."""
+    return sorted(
+        (length_of(line) - float(station), one.name, k)
+        for k, (line, some) in enumerate(queue)
+        for one, station in zip(some, _stations(line, some), strict=True)
+    )
 
 
 def _lags(queue: list[Group], found: Fit) -> dict[str, float]:
     """How far [m] before the ends of their paths the robots of a queue stop, by name.
 
-    As far as they have farther to go than the first of them; but those of another path than the
-    one before them a robot and a gap behind it at least.
+    In the order in which they come: as far behind the one before as they start, if that is on the
+    same path, as a formation has it; a robot and a gap behind one on another.
     """
-    to_go = [
-        (length_of(line) - float(station), one.name, k)
-        for k, (line, some) in enumerate(queue)
-        for one, station in zip(some, _stations(line, some), strict=True)
-    ]
-    need = found.box[0] + CLEAR * found.size
-    lags: dict[str, float] = {}
-    lag, before, path = 0.0, min(to_go)[0], min(to_go)[2]
-    for left, name, k in sorted(to_go):
-        lag += left - before if k == path else max(left - before, need)
-        lags[name], before, path = lag, left, k
+    need, lag, lags = _room_for(found), 0.0, {}
+    to_go = _to_go(queue)
+    for (before, _, path), (left, name, k) in zip([to_go[0], *to_go], to_go, strict=False):
+        lag += left - before if k == path else need
+        lags[name] = lag
     return lags
+
+
+def _room_for(found: Fit) -> float:
+    """[m] that a robot takes in a queue at the end of a path."""
+    return found.box[0] + QUEUE_GAP * found.size
+
+
+def _order_told(queue: list[Group], found: Fit) -> list[str]:
+    """Which two come to the end of a queue on different paths at about the same time."""
+    to_go = _to_go(queue)
+    for (before, first, path), (left, name, k) in pairwise(to_go):
+        if k != path and left - before < _room_for(found):
+            ways = f"{first} and {name} have {before:.2f} and {left:.2f} m to go to one end"
+            return [
+                f"note: {ways}, and may come in the other order, in which {first} would wait for "
+                f"ever behind {name}; draw one of them farther away"
+            ]
+    return []
 
 
 def _ways_without(groups: list[Group]) -> str:
@@ -193,9 +227,11 @@ def _hardly_moving(drawing: Drawing, found: Fit, robots: list[Placed]) -> list[s
         if station_of(line, np.array(rear.pose[:2])) > 0.5 * length_of(line):
             said += f"it stands near its end, {place(line[-1])}; if that is where it is to begin, "
             said += "draw it the other way round"
-        else:
+        elif drawing.has_formation:
             said += f"it stops as far before its end as it starts behind {lead}, "
             said += "without which it would go on"
+        else:
+            said += f"it stops behind {lead}, without which it would go on"
         told.append(said)
     return told
 

@@ -9,7 +9,7 @@ import shapely
 
 from physim.authoring.importing.fit import Fit
 from physim.authoring.importing.lanes import leaves_out
-from physim.authoring.importing.lines import length_of, station_of
+from physim.authoring.importing.lines import length_of, pose_at, station_of
 from physim.authoring.importing.path_area import TOLD
 from physim.authoring.importing.robots import (
     Placed,
@@ -30,6 +30,8 @@ BACK = 4.0
 """[m] at size 1 that it comes back along it on its way at most"""
 SHARE = 0.5
 """[-] share of its way that a formation leaves a robot at least"""
+ORIGIN = (0.0, 0.0, 0.0)
+"""Pose at which an outline is that of the robot's own frame"""
 
 
 def no_formation(found: Fit, robots: list[Placed], alone: list[Placed]) -> str:
@@ -40,7 +42,7 @@ def no_formation(found: Fit, robots: list[Placed], alone: list[Placed]) -> str:
     ways = _Ways.of(found, robots)
     if ways is None:
         return "the paths are too long to be followed"
-    if reason := ways.astray(found, robots) or ways.blocked(robots):
+    if reason := ways.astray(found, robots) or ways.blocked(found, robots):
         return reason
     for one, other, way, begin in zip(robots, alone, ways.way, ways.begin, strict=True):
         free = length_of(other.path) - begin
@@ -83,8 +85,7 @@ class _Ways:
         """Those of a formation; None where they are too long to be followed."""
         lines, poses = [one.path for one in robots], np.array([one.pose for one in robots])
         stops = stop_stations(found.reference, lines, [one.pose for one in robots])
-        origin = (0.0, 0.0, 0.0)
-        shapes = [shapely.get_coordinates(shape_at(one.footprint, origin)) for one in robots]
+        shapes = [shapely.get_coordinates(shape_at(one.footprint, ORIGIN)) for one in robots]
         radius = np.array([circumscribed_radius(shape) for shape in shapes])
         there = measured(lines, found.reference, poses, radius, stops)
         if there is None:
@@ -105,18 +106,24 @@ class _Ways:
                 return f"{one.name} comes back along the reference path by {back:.2f} m on its way"
         return ""
 
-    def blocked(self, robots: list[Placed]) -> str:
+    def blocked(self, found: Fit, robots: list[Placed]) -> str:
         """Which robot is to stop on the way of another that comes there later, and would wait.
 
         As where two paths meet, and who is there first was the farther from there along the
         reference path.
         """
-        origin = (0.0, 0.0, 0.0)
-        outlines = [shapely.get_coordinates(shape_at(one.footprint, origin)) for one in robots]
+        lines, stops, speed = (
+            [one.path for one in robots],
+            self.begin + self.way,
+            np.ones(len(robots)),
+        )
+        there = [
+            shape_at(one.footprint, pose_at(one.path, stop, found.size))
+            for one, stop in zip(robots, stops, strict=True)
+        ]
+        outlines = [shapely.get_coordinates(shape_at(one.footprint, ORIGIN)) for one in robots]
         half = np.array([half_width(outline) for outline in outlines])
-        lines = [one.path for one in robots]
-        stops, speed = self.begin + self.way, np.ones(len(lines))
-        for late, others in blocked_ways(lines, self.begin, stops, speed, half).items():
+        for late, others in blocked_ways(lines, self.begin, stops, speed, half, there).items():
             first = robots[others[0]].name
             return f"{first} would stop in the way of {robots[late].name}, which comes there later"
         return ""

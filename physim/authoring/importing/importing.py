@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from importlib import import_module
@@ -70,12 +71,13 @@ class Imported:
     changes: tuple[str, ...]
 
 
-def import_world(source: Path, options: Options | None = None) -> Imported:
+def import_world(source: str | os.PathLike[str], options: Options | None = None) -> Imported:
     """Make a world of a race-track CSV, ROS map, SVG drawing, WKT or GeoJSON file.
 
     The world has been loaded and its scene built, so `physim run` takes it. Raises
     ImportSourceError, which says what is wrong with the source and where.
     """
+    source = Path(source)
     try:
         return _imported(source, options or Options())
     except shapely.errors.GEOSException as error:  # whichever of many calls it was

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
@@ -44,6 +45,7 @@ def check_blocked_ways(
         np.array([stop.station for stop in at]),
         np.array([min(speed, robots[stop.number].limits.v) for stop in at]),
         np.array([half_width(laid.footprints[stop.number]) for stop in at]),
+        [stop.outline for stop in at],
         clear,
     )
     first = (
@@ -76,22 +78,23 @@ def blocked_ways(
     stop: FloatArray,
     speed: FloatArray,
     half: FloatArray,
+    outlines: Sequence[Any],
     clear: float = 0.0,
 ) -> dict[int, list[int]]:
     """Robots that would find others in their way, stopped before they came there; and which.
 
     Each of N robots drives along its path (n, 2) [m] from station ``begin`` to ``stop`` (N,) [m],
-    at ``speed`` (N,) [m/s], and stands in the way of those that would pass nearer than ``clear``
-    [m] to it, of ``half`` (N,) [m] the width; if it is there ``CLEARLY`` before them: who is first
-    of two that come at about the same time cannot be known.
+    at ``speed`` (N,) [m/s], where its footprint is one of the ``outlines``. It stands in the way of
+    those of ``half`` (N,) [m] the width that would pass nearer than ``clear`` [m]; if it is there
+    ``CLEARLY`` before them: who is first of two that come at about the same time cannot be known.
     """
-    ways = Shared(Way)
+    ways, shapes = Shared(Way), np.array(outlines)
     places = np.array([ways(path).at(stop[[k]])[0][0] for k, path in enumerate(paths)])
-    near = Shared(lambda path: ways(path).within(places, half + half.max() + clear))
+    near = Shared(lambda path: ways(path).beside(shapes, places, float(half.max()) + clear))
     time, blocked = (stop - begin) / speed, {}
     for i, path in enumerate(paths):
-        other, _, station, away = near(path)
-        is_met = (other != i) & (away < half[other] + half[i] + clear - LENGTH)
+        other, station, away = near(path)
+        is_met = (other != i) & (away < half[i] + clear - LENGTH)
         is_met &= (station > begin[i]) & (station < stop[i] - LENGTH)
         late = (station - begin[i]) / speed[i] - time[other]
         is_late = is_met & (late * speed[i] > CLEARLY * half[i])

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import shapely
+from numpy.typing import NDArray
 
 from physim.geometry.shapes import FloatArray, IntArray
 
@@ -60,3 +61,16 @@ class Way:
         along = np.clip(along, 0.0, self.length[k])
         foot = self.points[k] + (along / self.length[k])[:, None] * self.step[k]
         return place, k, self.station[k] + along, np.hypot(*(places[place] - foot).T)
+
+    def beside(
+        self, outlines: NDArray[np.object_], places: FloatArray, reach: float
+    ) -> tuple[IntArray, FloatArray, FloatArray]:
+        """Where the path comes as near to the ``outlines`` of bodies at places (K, 2) as ``reach``.
+
+        Numbers of bodies, the station [m] nearest to the place on that segment, how far the segment
+        is from the outline [m].
+        """
+        body, k = self._tree.query(outlines, predicate="dwithin", distance=reach)
+        along = ((places[body] - self.points[k]) * self.step[k]).sum(axis=1) / self.length[k]
+        away = shapely.distance(outlines[body], self._tree.geometries[k])
+        return body, self.station[k] + np.clip(along, 0.0, self.length[k]), away

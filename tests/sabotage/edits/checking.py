@@ -458,8 +458,8 @@ EDITS = (
         "checking",
         "physim/world/checks/blocked_ways.py",
         "blocked_ways",
-        "half[other] + half[i] + clear - LENGTH",
-        "half[other] + half[i]",
+        "half[i] + clear - LENGTH",
+        "half[i]",
         "who stands beside a way is in it up to what robots keep",
         "tests/checking/test_blocked_ways.py"
         "::test_who_stands_beside_a_way_is_in_it_up_to_what_robots_keep",
@@ -468,8 +468,8 @@ EDITS = (
         "checking",
         "physim/world/checks/blocked_ways.py",
         "blocked_ways",
-        "half[other] + half[i] + clear - LENGTH",
-        "half[other] + clear",
+        "half[i] + clear - LENGTH",
+        "clear",
         "who stands beside a way is in it up to what robots keep",
         "tests/checking/test_blocked_ways.py"
         "::test_who_stands_beside_a_way_is_in_it_up_to_what_robots_keep",

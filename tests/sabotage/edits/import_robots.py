@@ -552,7 +552,7 @@ EDITS = (
         "importing",
         "physim/authoring/importing/formation.py",
         "no_formation",
-        " or ways.blocked(robots)",
+        " or ways.blocked(found, robots)",
         "",
         "who would stop in the way of another is in no formation",
         "tests/importing/test_drawn_robots.py"

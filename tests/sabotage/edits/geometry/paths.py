@@ -176,4 +176,14 @@ EDITS = (
         "the stretches behind the one that a robot is on are looked at, too",
         "tests/geometry/test_tracking.py::test_stations_go_round_a_corner_with_the_robot",
     ),
+    Edit(
+        "geometry",
+        "physim/geometry/wall_grid.py",
+        "build_wall_grid",
+        "seen / CELLS_SEEN, ",
+        "",
+        "cells of the grid of walls are as large as robots see far",
+        "tests/geometry/test_clearance.py"
+        "::test_lists_of_walls_are_no_longer_than_what_is_seen_asks_for",
+    ),
 )

@@ -544,6 +544,21 @@ def test_robots_that_come_to_one_end_stop_behind_one_another_and_nowhere_else(
         assert simulate(made.world).ended == "finished"
 
 
+def test_robots_that_would_stop_in_one_place_are_no_formation(tmp_path: Path) -> None:
+    """Measured along the reference path, which theirs joins ahead of both, b and c are abreast."""
+    hall = shapely.box(-5, 15, 25, 25).union(shapely.box(15, -5, 25, 65))
+    way, side = [(-3, 20), (20, 20), (20, 60)], shapely.LineString([(20, 0), (20, 60)])
+    parts = [
+        ("boundary", hall), ("path", shapely.LineString(way)), ("path b", side), ("path c", side),
+        ("robot a", box(0, 20, 1.2, 0.7)), ("robot b", box(20, 5, 0.7, 1.2)),
+        ("robot c", box(20, 2, 0.7, 1.2)),
+    ]  # fmt: skip
+    made = import_world(geojson(tmp_path, parts))
+    assert made.world.formation is None
+    assert [one for one in made.facts if "b and c would stop in one place" in one]
+    assert simulate(made.world).ended == "finished"
+
+
 @pytest.mark.parametrize("size", [(1.2, 0.7), (1.8, 1.0)])
 def test_robots_on_laps_go_on_in_bends_tighter_than_they_turn(
     tmp_path: Path, size: tuple[float, float]

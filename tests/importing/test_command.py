@@ -50,7 +50,7 @@ def test_samples(name: str, here: Path, capture: pytest.CaptureFixture[str]) -> 
     assert world.name == Path(name).stem
     assert (
         world.to_yaml()
-        == import_world(here / name, Options(scale=0.1 if scale else None)).world.to_yaml()
+        == import_world(str(here / name), Options(scale=0.1 if scale else None)).world.to_yaml()
     )
 
 

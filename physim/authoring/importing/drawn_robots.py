@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from itertools import pairwise
 from math import hypot
 
 import numpy as np
@@ -31,24 +30,25 @@ from physim.authoring.importing.path_starts import (
     robots_on,
     stand_on,
 )
+from physim.authoring.importing.queues import (
+    Group,
+    first_of,
+    lags,
+    order_told,
+    queues_of,
+    stations,
+)
 from physim.authoring.importing.robots import Placed, stop_stations
 from physim.geometry.shapes import FloatArray
 
 LEAST = 0.1
 """[m] at size 1 that a robot goes that has no way"""
-QUEUE_GAP = 1.1
-"""[m] at size 1 between robots that stop one behind the other, nearer than which they are in danger
-mode"""
 LEAST_WAY = 0.25
 """[-] share of the path that the robot that goes farthest goes at least"""
 MOST_NAMED = 6
 """Robots of which it is told where they stop"""
 FAR = 2.0
 """[m] from its path at size 1 that a robot has to find a way to it"""
-
-
-Group = tuple[FloatArray, list[Placed]]
-"""A path (n, 2) [m], and the robots on it or beside it"""
 
 
 def as_drawn(drawing: Drawing, found: Fit) -> list[Placed]:
@@ -60,28 +60,27 @@ def as_drawn(drawing: Drawing, found: Fit) -> list[Placed]:
     lanes = _lanes(drawing, found)
     robots = [_as_drawn(robot, drawing, found, lanes) for robot in drawing.robots]
     groups = _groups(drawing, found, robots)
-    is_lap = [is_closed(line) for line, _ in groups]
+    queues = queues_of(groups, found)
+    short = {name: lag for queue in queues for name, lag in lags(queue, found).items()}
     free: dict[str, Placed] = {}  # as they go without a formation
-    for (line, some), closed in zip(groups, is_lap, strict=True):
-        if closed:
-            free |= {one.name: one for one in _on_own_laps(some, found.size)}
-        else:
-            lags = _lags(_queue(groups, line, found), found) if some else {}
-            free |= {one.name: one for one in _stopping_behind(some, lags, found.size)}
+    for line, some in groups:
+        for one in some:
+            is_lap = is_closed(line)
+            free[one.name] = (
+                _on_own_lap(one, found.size) if is_lap else _stopping_behind(one, short, found.size)
+            )
     alone = [free[one.name] for one in robots]
-    ends = [_queue(groups, line, found) for line, some in groups if some and not is_closed(line)]
-    if reason := "a path is closed" if any(is_lap) else no_formation(found, robots, alone):
+    has_lap = any(is_closed(line) for line, _ in groups)
+    if reason := "a path is closed" if has_lap else no_formation(found, robots, alone):
         drawing.has_formation = False
         drawing.facts.append(f"no formation: {reason}; {_ways_without(groups)}")
-        short = {name: lag for queue in ends for name, lag in _lags(queue, found).items()}
-        drawing.facts += _short_told(
-            short, "robots stop before the ends of their paths, behind others"
-        )
-        drawing.facts += {one: None for queue in ends for one in _order_told(queue, found)}
+        said = "robots stop before the ends of their paths, behind others"
+        drawing.facts += _short_told(short, said)
+        drawing.facts += [told for queue in queues for told in order_told(queue, found)]
         robots = alone
     else:
         drawing.facts += _stops_told(found, groups)
-    drawing.changes[:0] = _hardly_moving(drawing, found, robots)
+    drawing.changes[:0] = _hardly_moving(drawing, found, robots, queues)
     return robots
 
 
@@ -111,15 +110,10 @@ def _lanes(drawing: Drawing, found: Fit) -> dict[float, Lane]:
     }
 
 
-def _stations(line: FloatArray, robots: list[Placed]) -> FloatArray:
-    """(k,) [m] of a path at which robots start."""
-    return np.array([station_of(line, np.array(one.pose[:2])) for one in robots])
-
-
 def _stops_told(found: Fit, groups: list[Group]) -> list[str]:
     """What is said of a formation on several paths: who stops how far before the end of its own."""
     robots = [one for _, some in groups for one in some]
-    lead = robots[int(np.argmax(_stations(found.reference, robots)))]
+    lead = robots[int(np.argmax(stations(found.reference, robots)))]
     if any(lead in some and len(some) == len(robots) for _, some in groups):
         return []
     lines = [one.path for one in robots]
@@ -141,47 +135,6 @@ def _short_told(short: dict[str, float], said: str) -> list[str]:
     return [f"{said}: {', '.join(told[:MOST_NAMED])}{more}"] if told else []
 
 
-def _to_go(queue: list[Group]) -> list[tuple[float, str, int]]:
-    """How far [m] the robots of groups are from the ends of their paths, with names and groups."""
-    return sorted(
-        (length_of(line) - float(station), one.name, k)
-        for k, (line, some) in enumerate(queue)
-        for one, station in zip(some, _stations(line, some), strict=True)
-    )
-
-
-def _lags(queue: list[Group], found: Fit) -> dict[str, float]:
-    """How far [m] before the ends of their paths the robots of a queue stop, by name.
-
-    In the order in which they come: as far behind the one before as they start, if that is on the
-    same path, as a formation has it; a robot and a gap behind one on another.
-    """
-    need, lag, lags = _room_for(found), 0.0, {}
-    to_go = _to_go(queue)
-    for (before, _, path), (left, name, k) in zip([to_go[0], *to_go], to_go, strict=False):
-        lag += left - before if k == path else need
-        lags[name] = lag
-    return lags
-
-
-def _room_for(found: Fit) -> float:
-    """[m] that a robot takes in a queue at the end of a path."""
-    return found.box[0] + QUEUE_GAP * found.size
-
-
-def _order_told(queue: list[Group], found: Fit) -> list[str]:
-    """Which two come to the end of a queue on different paths at about the same time."""
-    to_go = _to_go(queue)
-    for (before, first, path), (left, name, k) in pairwise(to_go):
-        if k != path and left - before < _room_for(found):
-            ways = f"{first} and {name} have {before:.2f} and {left:.2f} m to go to one end"
-            return [
-                f"note: {ways}, and may come in the other order, in which {first} would wait for "
-                f"ever behind {name}; draw one of them farther away"
-            ]
-    return []
-
-
 def _ways_without(groups: list[Group]) -> str:
     """What robots do that have no formation."""
     ways = {is_closed(line) for line, some in groups if some}
@@ -192,16 +145,16 @@ def _ways_without(groups: list[Group]) -> str:
     return lap if ways == {True} else f"every robot goes to the end of its own path; {end}"
 
 
-def _on_own_laps(robots: list[Placed], size: float) -> list[Placed]:
-    """Robots that drive a lap each, begun just behind where they stand."""
-    return [
-        replace(one, path=lap_from(one.path, np.array(one.pose[:2]), size), offset=None)
-        for one in robots
-    ]
+def _on_own_lap(robot: Placed, size: float) -> Placed:
+    """A robot that drives a lap, begun just behind where it stands."""
+    return replace(robot, path=lap_from(robot.path, np.array(robot.pose[:2]), size), offset=None)
 
 
-def _hardly_moving(drawing: Drawing, found: Fit, robots: list[Placed]) -> list[str]:
+def _hardly_moving(
+    drawing: Drawing, found: Fit, robots: list[Placed], queues: list[list[Group]]
+) -> list[str]:
     """What is said of paths of which no robot goes a good share, and why that is."""
+    leads = {id(line): first_of(queue) for queue in queues for line, _ in queue}
     ends = [length_of(one.path) for one in robots]
     if drawing.has_formation:
         poses = [one.pose for one in robots]
@@ -210,20 +163,17 @@ def _hardly_moving(drawing: Drawing, found: Fit, robots: list[Placed]) -> list[s
         one.name: max(end - station_of(one.path, np.array(one.pose[:2])), 0.0)
         for one, end in zip(robots, ends, strict=True)
     }
-    lead = robots[int(np.argmax(_stations(found.reference, robots)))].name
+    lead = robots[int(np.argmax(stations(found.reference, robots)))].name
     told = []
-    groups = _groups(drawing, found, robots)
-    for line, group in groups:
+    for line, group in _groups(drawing, found, robots):
         if not group or max(ways[one.name] for one in group) >= LEAST_WAY * length_of(line):
             continue
         if not drawing.has_formation:
-            queue = [(line, group)] if is_closed(line) else _queue(groups, line, found)
-            lags = _lags(queue, found)
-            lead = min(lags, key=lags.__getitem__)
+            lead = leads.get(id(line), "")
         one = max(group, key=lambda one: (round(ways[one.name], 1), one.name != lead))
         said = f"WARNING: {one.name} goes {ways[one.name]:.2f} m of a path of "
         said += f"{length_of(line):.2f} m, and no other on it farther: "
-        rear = group[int(np.argmin(_stations(line, group)))]
+        rear = group[int(np.argmin(stations(line, group)))]
         if station_of(line, np.array(rear.pose[:2])) > 0.5 * length_of(line):
             said += f"it stands near its end, {place(line[-1])}; if that is where it is to begin, "
             said += "draw it the other way round"
@@ -236,29 +186,13 @@ def _hardly_moving(drawing: Drawing, found: Fit, robots: list[Placed]) -> list[s
     return told
 
 
-def _queue(groups: list[Group], line: FloatArray, found: Fit) -> list[Group]:
-    """Those of the groups on open paths that end where ``line`` does."""
-    return [
-        (path, some)
-        for path, some in groups
-        if not is_closed(path) and hypot(*(path[-1] - line[-1])) <= found.box[0]
-    ]
-
-
-def _stopping_behind(robots: list[Placed], lags: dict[str, float], size: float) -> list[Placed]:
-    """Robots that stop as far before the end of their path as they lag behind the first there.
-
-    As a formation has it, but each on a path of its own.
-    """
-    made = []
-    for robot in robots:
-        lag = lags[robot.name]
-        if lag > 0.0:
-            here = station_of(robot.path, np.array(robot.pose[:2]))
-            end = max(length_of(robot.path) - lag, here + LEAST * size)  # or where it stands
-            robot = replace(robot, path=rounded(stretch(robot.path, 0.0, end)), offset=None)
-        made.append(robot)
-    return made
+def _stopping_behind(robot: Placed, short: dict[str, float], size: float) -> Placed:
+    """A robot that stops as far before the end of its path as is said, behind others there."""
+    if (lag := short[robot.name]) <= 0.0:
+        return robot
+    here = station_of(robot.path, np.array(robot.pose[:2]))
+    end = max(length_of(robot.path) - lag, here + LEAST * size)  # or where it stands
+    return replace(robot, path=rounded(stretch(robot.path, 0.0, end)), offset=None)
 
 
 def _as_drawn(robot: DrawnRobot, drawing: Drawing, found: Fit, lanes: dict[float, Lane]) -> Placed:

@@ -617,4 +617,34 @@ EDITS = (
         "tests/importing/test_drawn_robots.py"
         "::test_robots_that_would_stop_in_one_place_are_no_formation",
     ),
+    Edit(
+        "importing",
+        "physim/authoring/importing/queues.py",
+        "lags",
+        "left - before if k == path else _room_for(found)",
+        "left - before",
+        "robots of several paths stop a robot and a gap apart",
+        "tests/importing/test_drawn_robots.py"
+        "::test_robots_that_come_to_one_end_stop_behind_one_another_and_nowhere_else",
+    ),
+    Edit(
+        "importing",
+        "physim/authoring/importing/queues.py",
+        "lags",
+        "left - before if k == path else",
+        "0.0 if k == path else",
+        "robots of a path stop as far apart as they start",
+        "tests/importing/test_drawn_robots.py"
+        "::test_those_on_a_path_with_a_name_stop_one_behind_the_other",
+    ),
+    Edit(
+        "importing",
+        "physim/authoring/importing/queues.py",
+        "order_told",
+        "left - before < _room_for(found)",
+        "left < before",
+        "who comes first of two at a time is not known",
+        "tests/importing/test_drawn_robots.py"
+        "::test_robots_that_come_to_one_end_stop_behind_one_another_and_nowhere_else",
+    ),
 )

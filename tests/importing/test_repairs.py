@@ -32,6 +32,7 @@ from tests.importing.plans import (
     check_says,
     free_cells,
     map_yaml,
+    office,
     only,
     pgm,
     svg,
@@ -594,3 +595,14 @@ def test_a_path_may_leave_where_it_enters(tmp_path: Path, aside: float) -> None:
     told = [one for one in made.changes if "that left out" in one]
     check_says(told[0], "enters … (10.00, 0.00) … 2.00 m")
     check_says(told[1], "leaves … 2.50 m")
+
+
+@pytest.mark.parametrize(("cell", "is_doubted"), [(5.0, True), (0.5, False)])
+def test_a_resolution_that_is_hardly_in_metres_is_doubted(
+    tmp_path: Path, cell: float, is_doubted: bool
+) -> None:
+    free, corner = free_cells(office(), 0.5)
+    path = write_map(tmp_path, free, corner, cell)
+    told = [one for one in import_world(path).changes if "check the scale" in one]
+    assert bool(told) == is_doubted
+    assert not told or "5 m" in told[0]

@@ -38,6 +38,8 @@ from physim.geometry.shapes import FloatArray
 
 SPECK = 2.0
 """[cells] Occupied patches up to this many are left out unless the user says otherwise."""
+LARGEST_CELL = 2.0
+"""[m] of a cell from which on the scale is doubted: robots are no longer"""
 MOST_LOST = 0.1
 """[-] share of its area that a ring may lose or gain when it is simplified"""
 MOST_EDGES = 1_000_000
@@ -271,6 +273,11 @@ def read_ros_map(path: Path, options: Options) -> Drawing:
         f"{columns * cell:.1f} x {rows * cell:.1f} m, {100.0 * free.mean():.0f} % free; "
         "what is unknown counts as occupied"
     )
+    if cell > LARGEST_CELL:
+        drawing.changes.append(
+            f"check the scale: cells of {cell:g} m; a map's resolution is in metres, 0.05 for 5 cm "
+            "(--scale 0.001 for millimetres)"
+        )
     drawing.changes += found.changes
     x, y, yaw = found.origin
     origin = (x * options.unit, y * options.unit, yaw)

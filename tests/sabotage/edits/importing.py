@@ -718,4 +718,13 @@ EDITS = (
         "two open lines are no corridor beside a closed room",
         "tests/importing/test_places.py::test_lines_beside_a_closed_room_make_no_room_of_their_own",
     ),
+    Edit(
+        "importing",
+        "physim/authoring/importing/ros_map.py",
+        "read_ros_map",
+        "cell > LARGEST_CELL",
+        "False",
+        "a resolution that is hardly in metres is doubted",
+        "tests/importing/test_repairs.py::test_a_resolution_that_is_hardly_in_metres_is_doubted",
+    ),
 )

@@ -544,6 +544,28 @@ def test_robots_that_come_to_one_end_stop_behind_one_another_and_nowhere_else(
         assert simulate(made.world).ended == "finished"
 
 
+@pytest.mark.parametrize(("beyond", "aside", "gap"), [
+    (0.6, 0.0, 2.537), (1.15, 0.0, 3.087), (-0.6, 0.0, 1.337), (-1.9, 0.0, 0.037),
+    (0.0, 1.0, 0.0), (3.0, 0.0, 0.0), (-3.0, 0.0, 0.0),
+])  # fmt: skip
+def test_robots_stop_behind_those_in_their_way_wherever_their_paths_end(
+    tmp_path: Path, beyond: float, aside: float, gap: float
+) -> None:
+    """Ends that are drawn by hand are not one point; places side by side are nobody's way."""
+    hall = shapely.box(-30, -3, 32, 3).union(shapely.box(-3, 0, 3, 30))
+    parts = [
+        ("boundary", hall), ("path z", shapely.LineString([(20, 2.5), (-25, 2.5)])),
+        ("path a", shapely.LineString([(-25, -1), (25, -1)])),
+        ("path b", shapely.LineString([(0, 20), (0, aside - 1), (25 + beyond, aside - 1)])),
+        ("robot a", box(-3, -1, 1.2, 0.7)), ("robot b", box(0, 12, 0.7, 1.2)),
+        ("robot z", box(16, 2.5, 1.2, 0.7)),
+    ]  # fmt: skip
+    made = import_world(geojson(tmp_path, parts))
+    ends = [shapely.LineString(path).length for path in _paths(made)]
+    whole = 20.0 + 1.0 - aside + 25.0 + beyond
+    assert ends[:2] == pytest.approx([50.0, whole - gap], abs=0.01)
+
+
 def test_robots_that_would_stop_in_one_place_are_no_formation(tmp_path: Path) -> None:
     """Measured along the reference path, which theirs joins ahead of both, b and c are abreast."""
     hall = shapely.box(-5, 15, 25, 25).union(shapely.box(15, -5, 25, 65))

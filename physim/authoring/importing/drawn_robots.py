@@ -33,8 +33,7 @@ from physim.authoring.importing.path_starts import (
 from physim.authoring.importing.queues import (
     Group,
     first_of,
-    lags,
-    order_told,
+    queue_up,
     queues_of,
     stations,
 )
@@ -61,7 +60,11 @@ def as_drawn(drawing: Drawing, found: Fit) -> list[Placed]:
     robots = [_as_drawn(robot, drawing, found, lanes) for robot in drawing.robots]
     groups = _groups(drawing, found, robots)
     queues = queues_of(groups, found)
-    short = {name: lag for queue in queues for name, lag in lags(queue, found).items()}
+    short, doubts = dict[str, float](), list[str]()
+    for queue in queues:
+        lags, told = queue_up(queue, found)
+        short |= lags
+        doubts += told
     free: dict[str, Placed] = {}  # as they go without a formation
     for line, some in groups:
         for one in some:
@@ -76,7 +79,7 @@ def as_drawn(drawing: Drawing, found: Fit) -> list[Placed]:
         drawing.facts.append(f"no formation: {reason}; {_ways_without(groups)}")
         said = "robots stop before the ends of their paths, behind others"
         drawing.facts += _short_told(short, said)
-        drawing.facts += [told for queue in queues for told in order_told(queue, found)]
+        drawing.facts += doubts
         robots = alone
     else:
         drawing.facts += _stops_told(found, groups)

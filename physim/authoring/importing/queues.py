@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
-from itertools import pairwise
+from dataclasses import dataclass
 from math import hypot
+from typing import Any
 
 import numpy as np
+import shapely
 
 from physim.authoring.importing.fit import Fit
-from physim.authoring.importing.lines import is_closed, length_of, station_of
-from physim.authoring.importing.robots import Placed
+from physim.authoring.importing.lines import is_closed, length_of, pose_at, station_of
+from physim.authoring.importing.robots import Placed, shape_at
 from physim.geometry.shapes import FloatArray
+from physim.world.checks.way import Way
 
 GAP = 1.1
 """[m] at size 1 between robots that stop one behind the other, nearer than which they are in danger
@@ -21,17 +24,18 @@ Group = tuple[FloatArray, list[Placed]]
 
 
 def queues_of(groups: list[Group], found: Fit) -> list[list[Group]]:
-    """The groups on open paths, those together whose paths end within a robot's length."""
+    """The groups on open paths, those together whose paths end within what a robot takes there."""
     queues: list[list[Group]] = []
     for line, some in groups:
         if not some or is_closed(line):
             continue
-        for queue in queues:
-            if hypot(*(queue[0][0][-1] - line[-1])) <= found.box[0]:
-                queue.append((line, some))
-                break
-        else:
-            queues.append([(line, some)])
+        near = [
+            queue
+            for queue in queues
+            if any(hypot(*(path[-1] - line[-1])) < _room_for(found) for path, _ in queue)
+        ]
+        queues = [queue for queue in queues if not any(queue is one for one in near)]
+        queues.append([*(group for queue in near for group in queue), (line, some)])
     return queues
 
 
@@ -40,43 +44,86 @@ def stations(line: FloatArray, robots: list[Placed]) -> FloatArray:
     return np.array([station_of(line, np.array(one.pose[:2])) for one in robots])
 
 
-def lags(queue: list[Group], found: Fit) -> dict[str, float]:
+@dataclass(frozen=True)
+class _Stop:
+    """Where a robot of a queue stops."""
+
+    robot: Placed
+    group: int
+    to_go: float
+    """[m] from its start to the end of the path of its group"""
+    lag: float
+    """[m] before the end of its path"""
+    place: FloatArray
+    """(2,) [m]"""
+    outline: Any
+
+
+def queue_up(queue: list[Group], found: Fit) -> tuple[dict[str, float], list[str]]:
     """How far [m] before the ends of their paths the robots of a queue stop, by name.
 
-    In the order in which they come: as far behind the one before as they start, if that is on the
-    same path, as a formation has it; a robot and a gap behind one on another.
+    In the order in which they come: as far behind those on the same path as they start, as a
+    formation has it; a robot and a gap behind those on others in whose way they would stop. And
+    what is said of two of which it is not known who comes first.
     """
-    to_go, lag = _to_go(queue), 0.0
-    found_lags = {to_go[0][1]: lag}
-    for (before, _, path), (left, name, k) in pairwise(to_go):
-        lag += left - before if k == path else _room_for(found)
-        found_lags[name] = lag
-    return found_lags
+    stops, told = list[_Stop](), list[str]()
+    for to_go, name, k, robot in _in_order(queue):
+        lag = max((one.lag + to_go - one.to_go for one in stops if one.group == k), default=0.0)
+        for other, behind in _in_the_way(robot, [one for one in stops if one.group != k], found):
+            lag = max(lag, behind)
+            if to_go - other.to_go < _room_for(found) and not told:
+                first = other.robot.name
+                told.append(
+                    f"note: {first} and {name} have {other.to_go:.2f} and {to_go:.2f} m to go to "
+                    f"one end, and may come in the other order, in which {first} would wait for "
+                    f"ever behind {name}; draw one of them farther away"
+                )
+        pose = pose_at(robot.path, max(length_of(robot.path) - lag, 0.0), found.size)
+        stops.append(
+            _Stop(robot, k, to_go, lag, np.array(pose[:2]), shape_at(robot.footprint, pose))
+        )
+    return {one.robot.name: one.lag for one in stops}, told
+
+
+def _in_the_way(robot: Placed, others: list[_Stop], found: Fit) -> list[tuple[_Stop, float]]:
+    """Which of the others stand on the last of a robot's path, or just ahead of its end.
+
+    And how far [m] before its end it stops for that.
+    """
+    if not others:
+        return []
+    need, length = _room_for(found), length_of(robot.path)
+    ahead = robot.path[-1] - robot.path[-2]
+    way = Way(np.vstack([robot.path, robot.path[-1] + need / hypot(*ahead) * ahead]))
+    outline = shapely.get_coordinates(shape_at(robot.footprint, (0.0, 0.0, 0.0)))
+    half = 0.5 * float(np.ptp(outline, axis=0).min())
+    outlines, places = (
+        np.array([getattr(one, key) for one in others]) for key in ("outline", "place")
+    )
+    met: dict[int, float] = {}
+    passed = zip(*way.beside(outlines, places, half), strict=True)
+    for j, station, _ in sorted(passed, reverse=True):
+        away = hypot(*(way.at(np.array([station]))[0][0] - places[j]))
+        behind = length - float(station) + need - away
+        if behind > 0.0 and behind < met.get(j, behind) + need:  # where it passes there last
+            met[int(j)] = max(behind, met.get(j, behind))
+    return [(others[j], behind) for j, behind in met.items()]
 
 
 def first_of(queue: list[Group]) -> str:
     """Name of the robot that comes first."""
-    return _to_go(queue)[0][1]
+    return _in_order(queue)[0][1]
 
 
-def order_told(queue: list[Group], found: Fit) -> list[str]:
-    """Which two of different paths come to the end of a queue at about the same time; or none."""
-    for (before, first, path), (left, name, k) in pairwise(_to_go(queue)):
-        if k != path and left - before < _room_for(found):
-            ways = f"{first} and {name} have {before:.2f} and {left:.2f} m to go to one end"
-            return [
-                f"note: {ways}, and may come in the other order, in which {first} would wait for "
-                f"ever behind {name}; draw one of them farther away"
-            ]
-    return []
-
-
-def _to_go(queue: list[Group]) -> list[tuple[float, str, int]]:
-    """How far [m] the robots of groups are from the ends of their paths, with names and groups."""
+def _in_order(queue: list[Group]) -> list[tuple[float, str, int, Placed]]:
+    """How far [m] robots are from the ends of their paths, with names, groups and themselves."""
     return sorted(
-        (length_of(line) - float(station), one.name, k)
-        for k, (line, some) in enumerate(queue)
-        for one, station in zip(some, stations(line, some), strict=True)
+        (
+            (length_of(line) - float(station), one.name, k, one)
+            for k, (line, some) in enumerate(queue)
+            for one, station in zip(some, stations(line, some), strict=True)
+        ),
+        key=lambda one: one[:3],
     )
 
 

@@ -572,7 +572,7 @@ EDITS = (
         "importing",
         "physim/authoring/importing/queues.py",
         "queues_of",
-        "<= found.box[0]",
+        "< _room_for(found)",
         "< 0.0",
         "robots on several paths to one end stop behind one another",
         "tests/importing/test_drawn_robots.py"
@@ -620,9 +620,9 @@ EDITS = (
     Edit(
         "importing",
         "physim/authoring/importing/queues.py",
-        "lags",
-        "left - before if k == path else _room_for(found)",
-        "left - before",
+        "queue_up",
+        "lag = max(lag, behind)",
+        "pass",
         "robots of several paths stop a robot and a gap apart",
         "tests/importing/test_drawn_robots.py"
         "::test_robots_that_come_to_one_end_stop_behind_one_another_and_nowhere_else",
@@ -630,9 +630,9 @@ EDITS = (
     Edit(
         "importing",
         "physim/authoring/importing/queues.py",
-        "lags",
-        "left - before if k == path else",
-        "0.0 if k == path else",
+        "queue_up",
+        "max((one.lag + to_go - one.to_go for one in stops if one.group == k), default=0.0)",
+        "0.0",
         "robots of a path stop as far apart as they start",
         "tests/importing/test_drawn_robots.py"
         "::test_those_on_a_path_with_a_name_stop_one_behind_the_other",
@@ -640,11 +640,31 @@ EDITS = (
     Edit(
         "importing",
         "physim/authoring/importing/queues.py",
-        "order_told",
-        "left - before < _room_for(found)",
-        "left < before",
+        "queue_up",
+        "to_go - other.to_go < _room_for(found) and not told",
+        "False",
         "who comes first of two at a time is not known",
         "tests/importing/test_drawn_robots.py"
         "::test_robots_that_come_to_one_end_stop_behind_one_another_and_nowhere_else",
+    ),
+    Edit(
+        "importing",
+        "physim/authoring/importing/queues.py",
+        "_in_the_way",
+        "need - away",
+        "need",
+        "robots stop a robot and a gap behind those ahead, wherever the ends of their paths are",
+        "tests/importing/test_drawn_robots.py"
+        "::test_robots_stop_behind_those_in_their_way_wherever_their_paths_end",
+    ),
+    Edit(
+        "importing",
+        "physim/authoring/importing/queues.py",
+        "_in_the_way",
+        "length - float(station) + need - away",
+        "need",
+        "robots stop a robot and a gap behind those ahead, wherever the ends of their paths are",
+        "tests/importing/test_drawn_robots.py"
+        "::test_robots_stop_behind_those_in_their_way_wherever_their_paths_end",
     ),
 )

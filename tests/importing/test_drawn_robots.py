@@ -554,11 +554,11 @@ def test_robots_stop_behind_those_in_their_way_wherever_their_paths_end(
     """Ends that are drawn by hand are not one point; places side by side are nobody's way."""
     hall = shapely.box(-30, -3, 32, 3).union(shapely.box(-3, 0, 3, 30))
     parts = [
-        ("boundary", hall), ("path z", shapely.LineString([(20, 2.5), (-25, 2.5)])),
+        ("boundary", hall), ("path z", shapely.LineString([(20, 2.2), (-25, 2.2)])),
         ("path a", shapely.LineString([(-25, -1), (25, -1)])),
         ("path b", shapely.LineString([(0, 20), (0, aside - 1), (25 + beyond, aside - 1)])),
         ("robot a", box(-3, -1, 1.2, 0.7)), ("robot b", box(0, 12, 0.7, 1.2)),
-        ("robot z", box(16, 2.5, 1.2, 0.7)),
+        ("robot z", box(16, 2.2, 3.0, 0.7)),
     ]  # fmt: skip
     made = import_world(geojson(tmp_path, parts))
     ends = [shapely.LineString(path).length for path in _paths(made)]

@@ -32,7 +32,10 @@ def queues_of(groups: list[Group], found: Fit) -> list[list[Group]]:
         near = [
             queue
             for queue in queues
-            if any(hypot(*(path[-1] - line[-1])) < _room_for(found) for path, _ in queue)
+            if any(
+                hypot(*(path[-1] - line[-1])) < _apart(_longest(some), _longest(others), found)
+                for path, others in queue
+            )
         ]
         queues = [queue for queue in queues if not any(queue is one for one in near)]
         queues.append([*(group for queue in near for group in queue), (line, some)])
@@ -71,7 +74,7 @@ def queue_up(queue: list[Group], found: Fit) -> tuple[dict[str, float], list[str
         lag = max((one.lag + to_go - one.to_go for one in stops if one.group == k), default=0.0)
         for other, behind in _in_the_way(robot, [one for one in stops if one.group != k], found):
             lag = max(lag, behind)
-            if to_go - other.to_go < _room_for(found) and not told:
+            if to_go - other.to_go < _apart(robot, other.robot, found) and not told:
                 first = other.robot.name
                 told.append(
                     f"note: {first} and {name} have {other.to_go:.2f} and {to_go:.2f} m to go to "
@@ -92,17 +95,17 @@ def _in_the_way(robot: Placed, others: list[_Stop], found: Fit) -> list[tuple[_S
     """
     if not others:
         return []
-    need, length = _room_for(found), length_of(robot.path)
-    ahead = robot.path[-1] - robot.path[-2]
-    way = Way(np.vstack([robot.path, robot.path[-1] + need / hypot(*ahead) * ahead]))
-    outline = shapely.get_coordinates(shape_at(robot.footprint, (0.0, 0.0, 0.0)))
-    half = 0.5 * float(np.ptp(outline, axis=0).min())
+    length, ahead = length_of(robot.path), robot.path[-1] - robot.path[-2]
+    most = max(_apart(robot, one.robot, found) for one in others)
+    way = Way(np.vstack([robot.path, robot.path[-1] + most / hypot(*ahead) * ahead]))
+    half = 0.5 * float(_extents(robot).min())
     outlines, places = (
         np.array([getattr(one, key) for one in others]) for key in ("outline", "place")
     )
     met: dict[int, float] = {}
     passed = zip(*way.beside(outlines, places, half), strict=True)
     for j, station, _ in sorted(passed, reverse=True):
+        need = _apart(robot, others[j].robot, found)
         away = hypot(*(way.at(np.array([station]))[0][0] - places[j]))
         behind = length - float(station) + need - away
         if behind > 0.0 and behind < met.get(j, behind) + need:  # where it passes there last
@@ -127,6 +130,16 @@ def _in_order(queue: list[Group]) -> list[tuple[float, str, int, Placed]]:
     )
 
 
-def _room_for(found: Fit) -> float:
-    """[m] that a robot takes in a queue at the end of a path."""
-    return found.box[0] + GAP * found.size
+def _extents(robot: Placed) -> FloatArray:
+    """(2,) [m] of its footprint, along and across its heading."""
+    outline = shapely.get_coordinates(shape_at(robot.footprint, (0.0, 0.0, 0.0)))
+    return np.asarray(np.ptp(outline, axis=0))
+
+
+def _longest(robots: list[Placed]) -> Placed:
+    return max(robots, key=lambda one: float(_extents(one)[0]))
+
+
+def _apart(one: Placed, other: Placed, found: Fit) -> float:
+    """[m] from one robot to another behind which it stops."""
+    return 0.5 * float(_extents(one)[0] + _extents(other)[0]) + GAP * found.size

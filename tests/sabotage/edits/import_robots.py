@@ -572,8 +572,8 @@ EDITS = (
         "importing",
         "physim/authoring/importing/queues.py",
         "queues_of",
-        "< _room_for(found)",
-        "< 0.0",
+        "hypot(*(path[-1] - line[-1])) < _apart(",
+        "0.0 > _apart(",
         "robots on several paths to one end stop behind one another",
         "tests/importing/test_drawn_robots.py"
         "::test_robots_whose_paths_meet_stop_in_the_order_in_which_they_come",
@@ -641,7 +641,7 @@ EDITS = (
         "importing",
         "physim/authoring/importing/queues.py",
         "queue_up",
-        "to_go - other.to_go < _room_for(found) and not told",
+        "to_go - other.to_go < _apart(robot, other.robot, found) and not told",
         "False",
         "who comes first of two at a time is not known",
         "tests/importing/test_drawn_robots.py"

@@ -115,3 +115,34 @@ def test_who_stops_across_a_way_is_in_it(tmp_path: Path, end: float, is_blocked:
     )
     assert bool(told(tmp_path, text)) == is_blocked
     assert bool(simulate(parse_world(text)).contacts.size) == is_blocked
+
+
+@pytest.mark.parametrize(("first", "second", "is_blocked"), [(30, 36, True), (38, 35, False)])
+def test_nobody_overtakes_on_one_path(
+    tmp_path: Path, first: float, second: float, is_blocked: bool
+) -> None:
+    """Who starts ahead is there first, however slow."""
+    text = LANES.replace("60.0}", "150.0}").replace("pose: [6, Y, 0], path: [[0, Y], [20, Y]]",
+        f"limits: {{v: 0.3}}, pose: [8, 0, 0], path: [[0, 0], [{first}, 0]]")  # fmt: skip
+    text = text.replace("[[0, 0], [40, 0]]}", f"[[0, 0], [{second}, 0]]}}", 2)
+    text = text.replace("centreline: [[0, 0], [36, 0]]", "centreline: [[0, 0], [40, 0]]")
+    text = text.replace("centreline: [[0, 0], [35, 0]]", "centreline: [[0, 0], [40, 0]]")
+    assert bool(told(tmp_path, text)) == is_blocked
+    assert (simulate(parse_world(text)).ended == "finished") != is_blocked
+
+
+def test_who_starts_on_a_way_and_leaves_it_is_no_leader(tmp_path: Path) -> None:
+    """b starts on the way of a, goes round, and stops on it long after a has passed."""
+    loop = "[[10, 0], [10, 8], [30, 8], [30, -8], [6, -8], [6, 0], [8, 0]]"
+    text = (
+        "name: round\ntime: {step: 0.02, duration: 120.0}\n"
+        "boundaries: [[[-5, -12], [50, -12], [50, 12], [-5, 12], [-5, -12]]]\n"
+        "reference_path: [[0, 0], [45, 0]]\nrobots:\n"
+        "  - {name: a, footprint: {length: 1, width: 0.6}, pose: [2, 0, 0],\n"
+        "     path: [[0, 0], [45, 0]]}\n"
+        "  - {name: b, footprint: {length: 1, width: 0.6}, pose: [10, 0, 1.57],\n"
+        f"     path: {loop}}}\n"
+        "controller: {type: path_following}\n"
+    )
+    assert told(tmp_path, text) == []
+    assert simulate(parse_world(text)).contacts.size == 0

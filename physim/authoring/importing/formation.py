@@ -123,7 +123,9 @@ class _Ways:
         ]
         outlines = [shapely.get_coordinates(shape_at(one.footprint, ORIGIN)) for one in robots]
         half = np.array([half_width(outline) for outline in outlines])
-        for late, others in blocked_ways(lines, self.begin, stops, speed, half, there).items():
+        start = np.array([one.pose[:2] for one in robots])
+        blocked = blocked_ways(lines, start, self.begin, stops, speed, half, there)
+        for late, others in blocked.items():
             first = robots[others[0]].name
             return f"{first} would stop in the way of {robots[late].name}, which comes there later"
         return ""

@@ -19,6 +19,9 @@ GAP = 1.1
 """[m] at size 1 between robots that stop one behind the other, nearer than which they are in danger
 mode"""
 
+UNSURE = 1.5
+"""[-] times what is kept between two, by which one is farther away if it is known to come later"""
+
 Group = tuple[FloatArray, list[Placed]]
 """A path (n, 2) [m], and the robots on it or beside it"""
 
@@ -74,12 +77,13 @@ def queue_up(queue: list[Group], found: Fit) -> tuple[dict[str, float], list[str
         lag = max((one.lag + to_go - one.to_go for one in stops if one.group == k), default=0.0)
         for other, behind in _in_the_way(robot, [one for one in stops if one.group != k], found):
             lag = max(lag, behind)
-            if to_go - other.to_go < _apart(robot, other.robot, found) and not told:
+            if to_go - other.to_go < UNSURE * _apart(robot, other.robot, found) and not told:
                 first = other.robot.name
                 told.append(
                     f"note: {first} and {name} have {other.to_go:.2f} and {to_go:.2f} m to go to "
-                    f"one end, and may come in the other order, in which {first} would wait for "
-                    f"ever behind {name}; draw one of them farther away"
+                    "one end: they may touch where their paths meet, or come in the other order, "
+                    f"in which {first} would wait for ever behind {name}; draw one of them farther "
+                    "away"
                 )
         pose = pose_at(robot.path, max(length_of(robot.path) - lag, 0.0), found.size)
         stops.append(

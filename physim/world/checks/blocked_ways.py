@@ -41,6 +41,7 @@ def check_blocked_ways(
     way = reached(laid)
     blocked = blocked_ways(
         [laid.paths[stop.number] for stop in at],
+        laid.start[[stop.number for stop in at], :2],
         np.array([way[stop.number][0] for stop in at]),
         np.array([stop.station for stop in at]),
         np.array([min(speed, robots[stop.number].limits.v) for stop in at]),
@@ -74,6 +75,7 @@ def half_width(outline: FloatArray) -> float:
 
 def blocked_ways(
     paths: Sequence[FloatArray],
+    start: FloatArray,
     begin: FloatArray,
     stop: FloatArray,
     speed: FloatArray,
@@ -83,21 +85,46 @@ def blocked_ways(
 ) -> dict[int, list[int]]:
     """Robots that would find others in their way, stopped before they came there; and which.
 
-    Each of N robots drives along its path (n, 2) [m] from station ``begin`` to ``stop`` (N,) [m],
-    at ``speed`` (N,) [m/s], where its footprint is one of the ``outlines``. It stands in the way of
-    those of ``half`` (N,) [m] the width that would pass nearer than ``clear`` [m]; if it is there
-    ``CLEARLY`` before them: who is first of two that come at about the same time cannot be known.
+    Each of N robots drives along its path (n, 2) [m] from its place ``start`` (N, 2) [m], at
+    station ``begin``, to station ``stop`` (N,) [m], at ``speed`` (N,) [m/s], where its footprint is
+    one of the ``outlines``. It stands in the way of those of ``half`` (N,) [m] the width that would
+    pass nearer than ``clear`` [m]; if it is there before them, for it starts ahead of them on the
+    same way, or, where ways meet, ``CLEARLY``: who is first of two that come at about the same time
+    cannot be known.
     """
     ways, shapes = Shared(Way), np.array(outlines)
     places = np.array([ways(path).at(stop[[k]])[0][0] for k, path in enumerate(paths)])
     near = Shared(lambda path: ways(path).beside(shapes, places, float(half.max()) + clear))
-    time, blocked = (stop - begin) / speed, {}
+    before = _starts_on(ways, paths, start, begin, half)
+    way, blocked = stop - begin, dict[int, list[int]]()
     for i, path in enumerate(paths):
         other, station, away = near(path)
         is_met = (other != i) & (away < half[i] + clear - LENGTH)
         is_met &= (station > begin[i]) & (station < stop[i] - LENGTH)
-        late = (station - begin[i]) / speed[i] - time[other]
-        is_late = is_met & (late * speed[i] > CLEARLY * half[i])
-        if is_late.any():
-            blocked[i] = sorted({*other[is_late].tolist()})
+        first = set()
+        for j, s in zip(other[is_met].tolist(), station[is_met].tolist(), strict=True):
+            margin, comes = CLEARLY * half[i], s - begin[i]
+            follows = abs(s - before[i].get(j, np.inf) - way[j]) <= margin
+            leads = abs(stop[j] - before[j].get(i, np.inf) - comes) <= margin
+            if follows or (comes - way[j] / speed[j] * speed[i] > margin and not leads):
+                first.add(j)
+        if first:
+            blocked[i] = sorted(first)
     return blocked
+
+
+def _starts_on(
+    ways: Shared[Way],
+    paths: Sequence[FloatArray],
+    start: FloatArray,
+    begin: FloatArray,
+    half: FloatArray,
+) -> list[dict[int, float]]:
+    """For each robot, which others start ahead on its path, by number: at which station [m]."""
+    near = Shared(lambda path: ways(path).within(start, half + half.max()))
+    found = []
+    for i, path in enumerate(paths):
+        other, _, station, away = near(path)
+        is_ahead = (away < half[i] + half[other]) & (station - begin[i] > away)
+        found.append(dict(zip(other[is_ahead].tolist(), station[is_ahead].tolist(), strict=True)))
+    return found

@@ -562,8 +562,8 @@ EDITS = (
         "importing",
         "physim/world/checks/blocked_ways.py",
         "blocked_ways",
-        "is_met & (late * speed[i] > CLEARLY * half[i])",
-        "is_met",
+        "comes - way[j] / speed[j] * speed[i] > margin",
+        "True",
         "a robot may pass where another stops later",
         "tests/importing/test_drawn_robots.py"
         "::test_robots_whose_paths_meet_stop_in_the_order_in_which_they_come",
@@ -641,7 +641,7 @@ EDITS = (
         "importing",
         "physim/authoring/importing/queues.py",
         "queue_up",
-        "to_go - other.to_go < _apart(robot, other.robot, found) and not told",
+        "to_go - other.to_go < UNSURE * _apart(robot, other.robot, found) and not told",
         "False",
         "who comes first of two at a time is not known",
         "tests/importing/test_drawn_robots.py"

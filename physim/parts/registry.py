@@ -127,7 +127,8 @@ def find_part(kind: Kind, name: str, trusted: bool = False) -> type[Any]:
         return _registered(kind, entries, name)
     if ":" in name:
         if not trusted:
-            option = f"; give it on the command line by {kind.option}" if kind.option else ""
+            by = f"on the command line by {kind.option}, in Python as simulate(…, {kind.word}=…)"
+            option = f"; give it {by}" if kind.option else ""
             advice = option or f'; register it by an entry point in the group "{kind.group}"'
             raise ControllerError(
                 f"{describe(name)} names a class; a world may name registered {kind.word}s only: "

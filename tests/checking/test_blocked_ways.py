@@ -146,3 +146,18 @@ def test_who_starts_on_a_way_and_leaves_it_is_no_leader(tmp_path: Path) -> None:
     )
     assert told(tmp_path, text) == []
     assert simulate(parse_world(text)).contacts.size == 0
+
+
+@pytest.mark.parametrize(("beside", "low", "high", "is_blocked"), [
+    (-1.3, -1.0, 1.0, True), (-1.3, -0.2, 1.2, False), (1.3, -0.2, 1.2, True),
+    (1.3, -1.2, 0.2, False), (-1.3, -1.2, 0.2, True),
+])  # fmt: skip
+def test_a_robot_is_as_wide_as_across_its_heading(
+    tmp_path: Path, beside: float, low: float, high: float, is_blocked: bool
+) -> None:
+    """To each side, however short it is."""
+    outline = f"[[-0.3, {low}], [0.3, {low}], [0.3, {high}], [-0.3, {high}]]"
+    text = LANES.replace("Y", f"{beside:g}").replace("mode_switching", "path_following")
+    text = text.replace("{length: 1.8, width: 1.0}", outline, 1)
+    assert bool(told(tmp_path, text)) == is_blocked
+    assert bool(simulate(parse_world(text)).contacts.size) == is_blocked

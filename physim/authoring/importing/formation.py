@@ -19,7 +19,7 @@ from physim.authoring.importing.robots import (
 )
 from physim.geometry.polygon import circumscribed_radius
 from physim.geometry.shapes import FloatArray
-from physim.world.checks.blocked_ways import blocked_ways, half_width
+from physim.world.checks.blocked_ways import blocked_ways, sides
 from physim.world.checks.measured import MOST_OFF, measured
 from physim.world.layout.shared import Shared
 
@@ -122,9 +122,9 @@ class _Ways:
             for one, stop in zip(robots, stops, strict=True)
         ]
         outlines = [shapely.get_coordinates(shape_at(one.footprint, ORIGIN)) for one in robots]
-        half = np.array([half_width(outline) for outline in outlines])
+        reach = np.array([sides(outline) for outline in outlines])
         start = np.array([one.pose[:2] for one in robots])
-        blocked = blocked_ways(lines, start, self.begin, stops, speed, half, there)
+        blocked = blocked_ways(lines, start, self.begin, stops, speed, reach, there)
         for late, others in blocked.items():
             first = robots[others[0]].name
             return f"{first} would stop in the way of {robots[late].name}, which comes there later"

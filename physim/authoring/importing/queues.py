@@ -102,7 +102,7 @@ def _in_the_way(robot: Placed, others: list[_Stop], found: Fit) -> list[tuple[_S
     length, ahead = length_of(robot.path), robot.path[-1] - robot.path[-2]
     most = max(_apart(robot, one.robot, found) for one in others)
     way = Way(np.vstack([robot.path, robot.path[-1] + most / hypot(*ahead) * ahead]))
-    half = 0.5 * float(_extents(robot).min())
+    half = 0.5 * float(_extents(robot)[1])
     outlines, places = (
         np.array([getattr(one, key) for one in others]) for key in ("outline", "place")
     )

@@ -45,7 +45,7 @@ def check_blocked_ways(
         np.array([way[stop.number][0] for stop in at]),
         np.array([stop.station for stop in at]),
         np.array([min(speed, robots[stop.number].limits.v) for stop in at]),
-        np.array([half_width(laid.footprints[stop.number]) for stop in at]),
+        np.array([sides(laid.footprints[stop.number]) for stop in at]),
         [stop.outline for stop in at],
         clear,
     )
@@ -68,9 +68,9 @@ def check_blocked_ways(
     )
 
 
-def half_width(outline: FloatArray) -> float:
-    """Half [m] of the smaller extent of a footprint (n, 2) along and across its heading."""
-    return 0.5 * float(np.ptp(outline, axis=0).min())
+def sides(outline: FloatArray) -> FloatArray:
+    """How far (2,) [m] a footprint (n, 2) reaches to the right and to the left of its heading."""
+    return np.array([max(-float(outline[:, 1].min()), 0.0), max(float(outline[:, 1].max()), 0.0)])
 
 
 def blocked_ways(
@@ -79,7 +79,7 @@ def blocked_ways(
     begin: FloatArray,
     stop: FloatArray,
     speed: FloatArray,
-    half: FloatArray,
+    reach: FloatArray,
     outlines: Sequence[Any],
     clear: float = 0.0,
 ) -> dict[int, list[int]]:
@@ -87,19 +87,23 @@ def blocked_ways(
 
     Each of N robots drives along its path (n, 2) [m] from its place ``start`` (N, 2) [m], at
     station ``begin``, to station ``stop`` (N,) [m], at ``speed`` (N,) [m/s], where its footprint is
-    one of the ``outlines``. It stands in the way of those of ``half`` (N,) [m] the width that would
-    pass nearer than ``clear`` [m]; if it is there before them, for it starts ahead of them on the
-    same way, or, where ways meet, ``CLEARLY``: who is first of two that come at about the same time
-    cannot be known.
+    one of the ``outlines``. It stands in the way of those that reach ``reach`` (N, 2) [m] to the
+    right and left of their paths, and would pass nearer than ``clear`` [m]; if it is there before
+    them, for it starts ahead of them on the same way, or, where ways meet, ``CLEARLY``: who is
+    first of two that come at about the same time cannot be known.
     """
     ways, shapes = Shared(Way), np.array(outlines)
     places = np.array([ways(path).at(stop[[k]])[0][0] for k, path in enumerate(paths)])
-    near = Shared(lambda path: ways(path).beside(shapes, places, float(half.max()) + clear))
+    near = Shared(lambda path: ways(path).beside(shapes, places, float(reach.max()) + clear))
+    half = reach.mean(axis=1)
     before = _starts_on(ways, paths, start, begin, half)
     way, blocked = stop - begin, dict[int, list[int]]()
     for i, path in enumerate(paths):
         other, station, away = near(path)
-        is_met = (other != i) & (away < half[i] + clear - LENGTH)
+        place, (dx, dy) = (one.T for one in ways(path).at(station))
+        x, y = places[other].T - place
+        wide = np.where(dx * y - dy * x > 0.0, reach[i, 1], reach[i, 0])
+        is_met = (other != i) & (away < wide + clear - LENGTH)
         is_met &= (station > begin[i]) & (station < stop[i] - LENGTH)
         first = set()
         for j, s in zip(other[is_met].tolist(), station[is_met].tolist(), strict=True):

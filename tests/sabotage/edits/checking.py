@@ -458,8 +458,8 @@ EDITS = (
         "checking",
         "physim/world/checks/blocked_ways.py",
         "blocked_ways",
-        "half[i] + clear - LENGTH",
-        "half[i]",
+        "wide + clear - LENGTH",
+        "wide",
         "who stands beside a way is in it up to what robots keep",
         "tests/checking/test_blocked_ways.py"
         "::test_who_stands_beside_a_way_is_in_it_up_to_what_robots_keep",
@@ -468,7 +468,7 @@ EDITS = (
         "checking",
         "physim/world/checks/blocked_ways.py",
         "blocked_ways",
-        "half[i] + clear - LENGTH",
+        "wide + clear - LENGTH",
         "clear",
         "who stands beside a way is in it up to what robots keep",
         "tests/checking/test_blocked_ways.py"
@@ -500,6 +500,15 @@ EDITS = (
         "if",
         "nobody overtakes on one path",
         "tests/checking/test_blocked_ways.py::test_nobody_overtakes_on_one_path",
+    ),
+    Edit(
+        "checking",
+        "physim/world/checks/blocked_ways.py",
+        "blocked_ways",
+        "reach[i, 1], reach[i, 0]",
+        "reach[i, 0], reach[i, 1]",
+        "a robot reaches as far to a side as its footprint does",
+        "tests/checking/test_blocked_ways.py::test_a_robot_is_as_wide_as_across_its_heading",
     ),
     Edit(
         "checking",

@@ -21,6 +21,9 @@ CLEARLY = 3.0
 """[-] times its half width that a robot is farther away when the one in its way has stopped: about
 its length"""
 
+PLACES = 17
+"""of a way at which it is looked whether it is that of another robot"""
+
 
 def check_blocked_ways(
     laid: PartialLayout, at: list[Stop], speed: float, clear: float, found: Diagnostics
@@ -108,8 +111,13 @@ def blocked_ways(
         first = set()
         for j, s in zip(other[is_met].tolist(), station[is_met].tolist(), strict=True):
             margin, comes = CLEARLY * half[i], s - begin[i]
-            follows = abs(s - before[i].get(j, np.inf) - way[j]) <= margin
-            leads = abs(stop[j] - before[j].get(i, np.inf) - comes) <= margin
+            near_by = half[i] + half[j]
+            follows = abs(s - before[i].get(j, np.inf) - way[j]) <= margin and _same_way(
+                ways, paths[i], paths[j], (begin[j], stop[j]), near_by
+            )
+            leads = abs(stop[j] - before[j].get(i, np.inf) - comes) <= margin and _same_way(
+                ways, paths[j], paths[i], (begin[i], s), near_by
+            )
             if follows or (comes - way[j] / speed[j] * speed[i] > margin and not leads):
                 first.add(j)
         if first:
@@ -132,3 +140,17 @@ def _starts_on(
         is_ahead = (away < half[i] + half[other]) & (station - begin[i] > away)
         found.append(dict(zip(other[is_ahead].tolist(), station[is_ahead].tolist(), strict=True)))
     return found
+
+
+def _same_way(
+    ways: Shared[Way],
+    path: FloatArray,
+    other: FloatArray,
+    part: tuple[float, float],
+    near_by: float,
+) -> bool:
+    """Whether a part of another path, between two stations [m], lies along a path, so near by."""
+    if path is other:
+        return True
+    places = ways(other).at(np.linspace(*part, PLACES))[0]
+    return len({*ways(path).within(places, np.full(PLACES, near_by))[0].tolist()}) == PLACES

@@ -512,6 +512,15 @@ EDITS = (
     ),
     Edit(
         "checking",
+        "physim/world/checks/blocked_ways.py",
+        "_same_way",
+        "== PLACES",
+        ">= 0",
+        "two ways round are not one",
+        "tests/checking/test_blocked_ways.py::test_two_ways_round_are_not_one",
+    ),
+    Edit(
+        "checking",
         "physim/world/checks/safe_stops.py",
         "check_safe_stops",
         "2.0 * behind > allowed - LENGTH",

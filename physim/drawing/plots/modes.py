@@ -30,7 +30,7 @@ COUNTS = 1.4
 MOMENTS = 1000
 """Moments at which they are counted."""
 
-LONGEST_MODE = 30
+LONGEST_MODE = 44
 """Characters of a mode in the legend."""
 BLANK = 0.002
 """Share of the run without a mode from which on the legend says what a blank stretch means."""

@@ -546,7 +546,7 @@ def test_robots_that_come_to_one_end_stop_behind_one_another_and_nowhere_else(
 
 @pytest.mark.parametrize(("beyond", "aside", "gap"), [
     (0.6, 0.0, 2.537), (1.15, 0.0, 3.087), (-0.6, 0.0, 1.337), (-1.9, 0.0, 0.037),
-    (0.0, 1.0, 0.0), (3.0, 0.0, 0.0), (-3.0, 0.0, 0.0),
+    (0.0, 1.2, 0.0), (0.0, 0.9, 1.474), (3.0, 0.0, 0.0), (-3.0, 0.0, 0.0),
 ])  # fmt: skip
 def test_robots_stop_behind_those_in_their_way_wherever_their_paths_end(
     tmp_path: Path, beyond: float, aside: float, gap: float
@@ -564,6 +564,34 @@ def test_robots_stop_behind_those_in_their_way_wherever_their_paths_end(
     ends = [shapely.LineString(path).length for path in _paths(made)]
     whole = 20.0 + 1.0 - aside + 25.0 + beyond
     assert ends[:2] == pytest.approx([50.0, whole - gap], abs=0.01)
+
+
+@pytest.mark.parametrize(("count", "spread"), [(3, 0.6), (5, 1.0)])
+def test_robots_that_come_to_one_end_from_all_sides_stop_apart(
+    tmp_path: Path, count: int, spread: float
+) -> None:
+    """Whoever comes later stops beside nobody nearer than robots keep from one another."""
+    parts: list[tuple[str, Any]] = [
+        ("boundary", shapely.box(-40, -40, 20, 40)),
+        ("path z", shapely.LineString([(10, 30), (-30, 30)])), ("robot z", box(8, 30, 1.2, 0.7)),
+    ]  # fmt: skip
+    for k, turn in enumerate(np.linspace(-0.5, 0.5, count) * spread):
+        way = shapely.LineString([(-30 * np.cos(turn), -30 * np.sin(turn)), (0, 0)])
+        x, y = (-(6 + 4 * k) * np.cos(turn), -(6 + 4 * k) * np.sin(turn))
+        robot = shapely.affinity.rotate(box(x, y, 1.2, 0.7), turn, use_radians=True)
+        parts += [(f"path q{k}", way), (f"robot q{k}", robot)]
+    made = import_world(geojson(tmp_path, parts))
+    assert made.world.formation is None
+    ends = []
+    for path in _paths(made)[1:]:
+        (x0, y0), (x, y) = path[-2:]
+        at = shapely.affinity.rotate(
+            box(x, y, 1.2, 0.7), np.arctan2(y - y0, x - x0), use_radians=True
+        )
+        ends.append(at)
+    gaps = [a.distance(b) for i, a in enumerate(ends) for b in ends[:i]]
+    assert min(gaps) > 0.5 * 0.67 - 0.02
+    assert simulate(made.world).ended == "finished"
 
 
 def test_robots_that_would_stop_in_one_place_are_no_formation(tmp_path: Path) -> None:

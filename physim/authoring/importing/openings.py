@@ -15,12 +15,12 @@ from physim.geometry.shapes import FloatArray
 
 MOST_ENDS = 2_000
 """Loose ends among which the one to mend is looked for"""
-MOST_POINTS = 5_000
+MOST_POINTS = 3_000
 """Points of walls among whose sides an opening is looked for"""
 CLOSED = 1e-6
 """[m] what is open by less is closed"""
-ROUNDS = 24
-"""Halvings by which the width of an opening is found"""
+ROUNDS = 12
+"""Halvings by which the width of an opening is found, to more digits than are told"""
 
 
 def open_ends(drawing: Drawing) -> tuple[str, FloatArray]:

@@ -10,7 +10,7 @@ import numpy as np
 import shapely
 
 from physim.authoring.importing.fit import Fit
-from physim.authoring.importing.lines import is_closed, length_of, pose_at, station_of
+from physim.authoring.importing.lines import Pose, is_closed, length_of, pose_at, station_of
 from physim.authoring.importing.robots import Placed, shape_at
 from physim.geometry.shapes import FloatArray
 from physim.world.checks.way import Way
@@ -19,6 +19,11 @@ GAP = 1.1
 """[m] at size 1 between robots that stop one behind the other, nearer than which they are in danger
 mode"""
 
+BESIDE = 0.5
+"""[m] at size 1 between robots that stop beside one another, nearer than which they are in danger
+mode"""
+STEP, MOST_STEPS = 0.1, 400
+"""[m] at size 1 by which a robot stops earlier until it is clear of others, and how many at most"""
 UNSURE = 1.5
 """[-] times what is kept between two, by which one is farther away if it is known to come later"""
 
@@ -85,7 +90,8 @@ def queue_up(queue: list[Group], found: Fit) -> tuple[dict[str, float], list[str
                     f"in which {first} would wait for ever behind {name}; draw one of them farther "
                     "away"
                 )
-        pose = pose_at(robot.path, max(length_of(robot.path) - lag, 0.0), found.size)
+        beside = [one.outline for one in stops if one.group != k]
+        lag, pose = _clear_of(robot, lag, beside, found)
         stops.append(
             _Stop(robot, k, to_go, lag, np.array(pose[:2]), shape_at(robot.footprint, pose))
         )
@@ -115,6 +121,24 @@ def _in_the_way(robot: Placed, others: list[_Stop], found: Fit) -> list[tuple[_S
         if behind > 0.0 and behind < met.get(j, behind) + need:  # where it passes there last
             met[int(j)] = max(behind, met.get(j, behind))
     return [(others[j], behind) for j, behind in met.items()]
+
+
+def _clear_of(robot: Placed, lag: float, others: list[Any], found: Fit) -> tuple[float, Pose]:
+    """How far [m] before its end a robot stops, ``lag`` at least, clear of the others; its pose.
+
+    Where it is nowhere so the lag is what it was.
+    """
+    end = length_of(robot.path)
+
+    def pose(behind: float) -> Pose:
+        return pose_at(robot.path, max(end - behind, 0.0), found.size)
+
+    steps = STEP * found.size * np.arange(min(MOST_STEPS, int((end - lag) / (STEP * found.size))))
+    for behind in lag + steps if others else ():
+        outline = shape_at(robot.footprint, pose(float(behind)))
+        if min(outline.distance(one) for one in others) >= BESIDE * found.size:
+            return float(behind), pose(float(behind))
+    return lag, pose(lag)
 
 
 def first_of(queue: list[Group]) -> str:

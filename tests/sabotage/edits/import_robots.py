@@ -667,4 +667,14 @@ EDITS = (
         "tests/importing/test_drawn_robots.py"
         "::test_robots_stop_behind_those_in_their_way_wherever_their_paths_end",
     ),
+    Edit(
+        "importing",
+        "physim/authoring/importing/queues.py",
+        "_clear_of",
+        ">= BESIDE * found.size",
+        ">= -1.0",
+        "robots stop beside nobody nearer than robots keep",
+        "tests/importing/test_drawn_robots.py"
+        "::test_robots_that_come_to_one_end_from_all_sides_stop_apart",
+    ),
 )

@@ -18,7 +18,7 @@ from physim.cli.values import PATH
 from physim.errors import PhysimError, WorldError
 
 if TYPE_CHECKING:
-    from physim.world.checks import ClearanceProfile, Finding, Findings
+    from physim.world.checks import ClearanceProfile, Findings
     from physim.world.scene import Layout
 
 
@@ -114,13 +114,8 @@ def text_of(findings: Findings) -> str:
             lines += [f"{title}:", *(f"  {one}" for one in map(str, group)), ""]
     lines += _room(findings.clearance)
     lines += findings.notes
-    lines.append(f"{findings.file}: {_count(findings.errors, 'error')}, "
-                 f"{_count(findings.warnings, 'warning')}")  # fmt: skip
+    lines.append(f"{findings.file}: {findings.count}")
     return "\n".join(lines) + "\n"
-
-
-def _count(group: tuple[Finding, ...], what: str) -> str:
-    return f"{len(group) or 'no'} {what}{'' if len(group) == 1 else 's'}"
 
 
 def _room(profiles: tuple[ClearanceProfile, ...]) -> list[str]:

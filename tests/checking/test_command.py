@@ -11,11 +11,14 @@ import subprocess
 import sys
 import threading
 from pathlib import Path
+from typing import cast
 
 import pytest
 
+from physim import load_world
 from physim.cli import main
 from physim.world.checks import check_world
+from physim.world.file.files import find_world
 from tests.checking.worlds import CORRIDOR, DRAWN, REGION, changed, check_finding
 from tests.facts import facts
 
@@ -222,3 +225,17 @@ def test_the_seed_places_the_robots_that_are_checked(here):
     assert found[1].world == found[2].world
     assert check_world("w.yaml").world.seed == 3
     assert check_world("w.yaml", overrides=["seed=9"], seed=4).world.seed == 4
+
+
+def test_findings_show_themselves(tmp_path: Path) -> None:
+    """On a line in a shell, each on its own in print; the arrays of the room would be a wall."""
+    path = tmp_path / "w.yaml"
+    path.write_text(Path(find_world("straight")).read_text().replace("seed:", "sede:"))
+    found = check_world(path)
+    assert re.search(r"1 error, no warnings>$", repr(found))
+    assert "\n" not in repr(found)
+    (first, last) = str(found).splitlines()
+    assert first == f"error: {found.errors[0]}"
+    assert last.endswith("1 error, no warnings")
+    with pytest.raises(TypeError, match="takes a world file"):
+        check_world(cast("str", load_world("straight")))

@@ -50,6 +50,7 @@ from physim.world.file.files import file_text, find_world
 from physim.world.file.loading import Validated, in_order, placed, validate
 from physim.world.file.nodes import Document, collector_paused
 from physim.world.layout.layout import PartialLayout, partial_layout
+from physim.world.model import World
 from physim.world.partial import sound_parts
 
 PLACES = (("corridor",), ("road",), ("boundaries",), ("obstacles",))
@@ -69,8 +70,11 @@ def check_world(
 
     ``overrides``, ``controller`` and ``seed`` are as the command line gives them; the world is
     checked as a run with them would read it. What `physim run` refuses is among the errors; so is
-    what would run but cannot be meant, as a path through a wall.
+    what would run but cannot be meant, as a path through a wall. Raises TypeError for a `World`,
+    which has no lines to point at.
     """
+    if isinstance(path, World):
+        raise TypeError(f"check_world takes a world file, not {path!r}; save it to one")
     try:
         file = find_world(path)
         if seed is not None:

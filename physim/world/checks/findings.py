@@ -5,8 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
-from physim.errors import Fault, Location, Position, dotted, names_key
+from physim.errors import Fault, Location, Position, dotted, names_key, plural
 from physim.escaping import escaped
+from physim.world.faults import describe
 
 if TYPE_CHECKING:
     from physim.world import World
@@ -96,6 +97,24 @@ class Findings:
     def ok(self) -> bool:
         """Whether there is no error; there may be warnings."""
         return not self.errors
+
+    @property
+    def count(self) -> str:
+        """How many errors and warnings there are, in words."""
+        return ", ".join(
+            plural(len(some), word) if some else f"no {word}s"
+            for some, word in ((self.errors, "error"), (self.warnings, "warning"))
+        )
+
+    def __repr__(self) -> str:
+        """File and number of findings; as text, all of them, a line each."""
+        return f"<Findings of {describe(self.file)}: {self.count}>"
+
+    def __str__(self) -> str:
+        """Every finding on a line, as the command line has them, without the room on the paths."""
+        kinds = (("error", self.errors), ("warning", self.warnings))
+        said = [f"{kind}: {one}" for kind, some in kinds for one in some]
+        return "\n".join([*said, *self.notes, f"{self.file}: {self.count}"])
 
     def as_json(self) -> dict[str, Any]:
         """Return the findings as JSON holds them."""

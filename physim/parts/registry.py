@@ -127,9 +127,8 @@ def find_part(kind: Kind, name: str, trusted: bool = False) -> type[Any]:
         return _registered(kind, entries, name)
     if ":" in name:
         if not trusted:
-            by = f"on the command line by {kind.option}, in Python as simulate(…, {kind.word}=…)"
-            option = f"; give it {by}" if kind.option else ""
-            advice = option or f'; register it by an entry point in the group "{kind.group}"'
+            by = f"; give it by {kind.option}, in Python as simulate(…, {kind.word}=…)"
+            advice = by if kind.option else f'; register it in the entry points "{kind.group}"'
             raise ControllerError(
                 f"{describe(name)} names a class; a world may name registered {kind.word}s only: "
                 f"{', '.join(sorted(entries)) or 'none'}{advice}"

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import hypot
+from math import hypot, inf
 from typing import Any
 
 import numpy as np
@@ -11,7 +11,7 @@ import shapely
 
 from physim.authoring.importing.fit import Fit
 from physim.authoring.importing.lines import Pose, is_closed, length_of, pose_at, station_of
-from physim.authoring.importing.robots import Placed, shape_at
+from physim.authoring.importing.robots import WAITING, Placed, shape_at
 from physim.geometry.shapes import FloatArray
 from physim.world.checks.way import Way
 
@@ -20,8 +20,7 @@ GAP = 1.1
 mode"""
 
 BESIDE = 0.5
-"""[m] at size 1 between robots that stop beside one another, nearer than which they are in danger
-mode"""
+"""[m] at size 1 between robots that stop beside one another; nearer they are in danger mode"""
 STEP, MOST_STEPS = 0.1, 400
 """[m] at size 1 by which a robot stops earlier until it is clear of others, and how many at most"""
 UNSURE = 1.5
@@ -133,11 +132,15 @@ def _clear_of(robot: Placed, lag: float, others: list[Any], found: Fit) -> tuple
     def pose(behind: float) -> Pose:
         return pose_at(robot.path, max(end - behind, 0.0), found.size)
 
-    steps = STEP * found.size * np.arange(min(MOST_STEPS, int((end - lag) / (STEP * found.size))))
-    for behind in lag + steps if others else ():
-        outline = shape_at(robot.footprint, pose(float(behind)))
-        if min(outline.distance(one) for one in others) >= BESIDE * found.size:
-            return float(behind), pose(float(behind))
+    def gap(behind: float) -> float:
+        outline = shape_at(robot.footprint, pose(behind))
+        return min((float(outline.distance(one)) for one in others), default=inf)
+
+    step = STEP * found.size
+    if gap(lag) < BESIDE * found.size:
+        for behind in lag + step * np.arange(min(MOST_STEPS, int((end - lag) / step))):
+            if gap(float(behind)) >= WAITING * found.size:
+                return float(behind), pose(float(behind))
     return lag, pose(lag)
 
 

@@ -671,8 +671,8 @@ EDITS = (
         "importing",
         "physim/authoring/importing/queues.py",
         "_clear_of",
-        ">= BESIDE * found.size",
-        ">= -1.0",
+        "gap(lag) < BESIDE * found.size",
+        "False",
         "robots stop beside nobody nearer than robots keep",
         "tests/importing/test_drawn_robots.py"
         "::test_robots_that_come_to_one_end_from_all_sides_stop_apart",

@@ -165,17 +165,17 @@ def test_a_robot_is_as_wide_as_across_its_heading(
 
 @pytest.mark.parametrize(("slow", "is_blocked"), [("a", True), ("b", False)])
 def test_two_ways_round_are_not_one(tmp_path: Path, slow: str, is_blocked: bool) -> None:
-    """Of the same length, from one place to another: who goes faster is there first."""
+    """Of the same length, from where b starts on the way of a: who goes faster is there first."""
     robots = "".join(
-        f"  - {{name: {name}, footprint: {{length: 1, width: 0.6}}, pose: [{x}, 0, {turn}],\n"
+        f"  - {{name: {name}, footprint: {{length: 1, width: 0.6}}, pose: [{x}, 0, 0],\n"
         f"     limits: {{v: {0.2 if name == slow else 1.0}}},\n"
-        f"     path: [[{x}, 0], [4, {side}], [10, {side}], [14, 0], [{end}, 0]]}}\n"
-        for name, x, turn, side, end in (("a", 0, -0.78, -4, 26), ("b", 1.5, 1, 4, 20))
+        f"     path: [[{x}, 0], [13, 0], [15, {side}], [21, {side}], [24, 0], [{end}, 0]]}}\n"
+        for name, x, side, end in (("a", 0, -4, 36), ("b", 12, 4, 30))
     )
     text = (
         "name: round\ntime: {step: 0.02, duration: 250.0}\n"
-        "boundaries: [[[-9, -12], [40, -12], [40, 12], [-9, 12], [-9, -12]]]\n"
-        f"reference_path: [[0, 0], [26, 0]]\nrobots:\n{robots}"
+        "boundaries: [[[-9, -12], [50, -12], [50, 12], [-9, 12], [-9, -12]]]\n"
+        f"reference_path: [[0, 0], [36, 0]]\nrobots:\n{robots}"
         "controller: {type: path_following}\n"
     )
     assert bool(told(tmp_path, text)) == is_blocked

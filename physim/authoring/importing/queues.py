@@ -13,6 +13,7 @@ from physim.authoring.importing.fit import Fit
 from physim.authoring.importing.lines import Pose, is_closed, length_of, pose_at, station_of
 from physim.authoring.importing.robots import WAITING, Placed, shape_at
 from physim.geometry.shapes import FloatArray
+from physim.tolerances import LENGTH
 from physim.world.checks.way import Way
 
 GAP = 1.1
@@ -107,19 +108,18 @@ def _in_the_way(robot: Placed, others: list[_Stop], found: Fit) -> list[tuple[_S
     length, ahead = length_of(robot.path), robot.path[-1] - robot.path[-2]
     most = max(_apart(robot, one.robot, found) for one in others)
     way = Way(np.vstack([robot.path, robot.path[-1] + most / hypot(*ahead) * ahead]))
-    half = 0.5 * float(_extents(robot)[1])
+    reach = 0.5 * float(_extents(robot)[1]) + BESIDE * found.size
     outlines, places = (
         np.array([getattr(one, key) for one in others]) for key in ("outline", "place")
     )
-    met: dict[int, float] = {}
-    passed = zip(*way.beside(outlines, places, half), strict=True)
+    last, met = dict[int, float](), dict[int, float]()
+    passed = zip(*way.beside(outlines, places, reach - LENGTH), strict=True)
     for j, station, _ in sorted(passed, reverse=True):
         need = _apart(robot, others[j].robot, found)
-        away = hypot(*(way.at(np.array([station]))[0][0] - places[j]))
-        behind = length - float(station) + need - away
-        if behind > 0.0 and behind < met.get(j, behind) + need:  # where it passes there last
-            met[int(j)] = max(behind, met.get(j, behind))
-    return [(others[j], behind) for j, behind in met.items()]
+        if last.setdefault(j, station) - station < 2.0 * need:  # where it passes there last
+            away = hypot(*(way.at(np.array([station]))[0][0] - places[j]))
+            met[j] = max(length - float(station) + need - away, met.get(j, 0.0))
+    return [(others[j], behind) for j, behind in met.items() if behind > 0.0]
 
 
 def _clear_of(robot: Placed, lag: float, others: list[Any], found: Fit) -> tuple[float, Pose]:

@@ -21,8 +21,8 @@ CLEARLY = 3.0
 """[-] times its half width that a robot is farther away when the one in its way has stopped: about
 its length"""
 
-PLACES = 17
-"""of a way at which it is looked whether it is that of another robot"""
+MOST_PLACES = 5_000
+"""of a way at which it is looked whether it is that of another robot, and as many of its corners"""
 
 
 def check_blocked_ways(
@@ -152,5 +152,9 @@ def _same_way(
     """Whether a part of another path, between two stations [m], lies along a path, so near by."""
     if path is other:
         return True
-    places = ways(other).at(np.linspace(*part, PLACES))[0]
-    return len({*ways(path).within(places, np.full(PLACES, near_by))[0].tolist()}) == PLACES
+    way, (first, last) = ways(other), part
+    count = min(max(int((last - first) / near_by) + 2, 2), MOST_PLACES)
+    corners = way.station[(way.station > first) & (way.station < last)][:MOST_PLACES]
+    places = way.at(np.concatenate([np.linspace(first, last, count), corners]))[0]
+    found = ways(path).within(places, np.full(len(places), near_by))[0]
+    return len(np.unique(found)) == len(places)

@@ -76,12 +76,15 @@ def speed_faults(settings: ModeSwitchingSettings, world: World, where: Location)
 
 def speed_doubts(settings: ModeSwitchingSettings, world: World, where: Location) -> list[Fault]:
     """Warn of a speed that is written, but that the limits of all robots hold below it."""
-    of, at = (settings, where) if world.formation is None else (world.formation, ("formation",))
-    fastest = max(robot.limits.v for robot in world.robots)
+    plan = world.formation
+    of, at = (settings, where) if plan is None else (plan, ("formation",))
+    fastest, why = max(robot.limits.v for robot in world.robots), "its limits.v"
+    if plan is not None and plan.limits is not None and plan.limits[1] < fastest:
+        fastest, why = plan.limits[1], "formation.limits"  # the bounds of (7)
     if "speed" not in of.model_fields_set or of.speed <= fastest:
         return []
     message = (
-        f"no robot drives at {of.speed:g} m/s: each goes at its limits.v, at most {fastest:g} m/s; "
+        f"no robot drives at {of.speed:g} m/s: each goes at {why}, at most {fastest:g} m/s; "
         "raise the limits, or lower the speed"
     )
     return [Fault((*at, "speed"), message)]

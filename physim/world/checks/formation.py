@@ -170,7 +170,8 @@ def check_formation_speed(laid: PartialLayout, found: Diagnostics) -> None:
     if low > high:
         return
     _check_slow(laid, low, found)
-    if not low <= speed <= high:
+    told = {fault.location for fault in found.warnings}
+    if not low <= speed <= high and ("formation", "speed") not in told:
         found.warn(
             ("formation", "speed" if "speed" in plan.model_fields_set else "limits"),
             f"the steady speed, {speed:.6g} m/s, lies outside the limits, {low:.6g} to {high:.6g} "

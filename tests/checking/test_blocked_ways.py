@@ -4,9 +4,12 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import numpy as np
 import pytest
+import shapely
 
 from physim import simulate
+from physim.world.checks.blocked_ways import blocked_ways
 from physim.world.file import parse_world
 from tests.checking.worlds import check, check_finding, lines
 
@@ -180,3 +183,19 @@ def test_two_ways_round_are_not_one(tmp_path: Path, slow: str, is_blocked: bool)
     )
     assert bool(told(tmp_path, text)) == is_blocked
     assert bool(simulate(parse_world(text)).contacts.size) == is_blocked
+
+
+@pytest.mark.parametrize(("aside", "is_blocked"), [(1.2, False), (0.0, True)])
+def test_a_short_way_round_on_a_long_road_is_another_way(aside: float, is_blocked: bool) -> None:
+    """Of a straight path no corner says that the other leaves it."""
+    paths = [
+        np.array([[0.0, 0], [13, 0], [16, aside], [19, 0], [190, 0]]),
+        np.array([[12.0, 0], [150, 0]]),
+    ]
+    length = float(np.hypot(*np.diff(paths[0], axis=0).T).sum())
+    found = blocked_ways(
+        paths, np.array([[0.0, 0], [12, 0]]), np.zeros(2), np.array([length, 138.0]),
+        np.array([1.0, 0.2]), np.full((2, 2), 0.3), [shapely.box(189, -1, 190, 1),
+        shapely.box(149.5, -0.3, 150.5, 0.3)],
+    )  # fmt: skip
+    assert found == ({0: [1]} if is_blocked else {})

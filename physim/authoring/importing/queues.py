@@ -109,9 +109,8 @@ def _in_the_way(robot: Placed, others: list[_Stop], found: Fit) -> list[tuple[_S
     most = max(_apart(robot, one.robot, found) for one in others)
     way = Way(np.vstack([robot.path, robot.path[-1] + most / hypot(*ahead) * ahead]))
     reach = 0.5 * float(_extents(robot)[1]) + BESIDE * found.size
-    outlines, places = (
-        np.array([getattr(one, key) for one in others]) for key in ("outline", "place")
-    )
+    outlines = np.array([one.outline for one in others])
+    places = np.array([one.place for one in others])
     last, met = dict[int, float](), dict[int, float]()
     passed = zip(*way.beside(outlines, places, reach - LENGTH), strict=True)
     for j, station, _ in sorted(passed, reverse=True):

@@ -526,7 +526,7 @@ EDITS = (
         "min(max(int((last - first) / near_by) + 2, 2), MOST_PLACES)",
         "2",
         "a short fork of two ways is seen",
-        "tests/checking/test_blocked_ways.py::test_two_ways_round_are_not_one",
+        "tests/checking/test_blocked_ways.py::test_a_short_way_round_on_a_long_road_is_another_way",
     ),
     Edit(
         "checking",

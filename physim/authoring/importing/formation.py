@@ -5,12 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-import shapely
 
 from physim.authoring.importing.fit import Fit
 from physim.authoring.importing.lanes import leaves_out
 from physim.authoring.importing.lines import length_of, pose_at, station_of
 from physim.authoring.importing.path_area import TOLD
+from physim.authoring.importing.queues import own_outline
 from physim.authoring.importing.robots import (
     Placed,
     least_stop_gap,
@@ -30,8 +30,6 @@ BACK = 4.0
 """[m] at size 1 that it comes back along it on its way at most"""
 SHARE = 0.5
 """[-] share of its way that a formation leaves a robot at least"""
-ORIGIN = (0.0, 0.0, 0.0)
-"""Pose at which an outline is that of the robot's own frame"""
 
 
 def no_formation(found: Fit, robots: list[Placed], alone: list[Placed]) -> str:
@@ -85,8 +83,7 @@ class _Ways:
         """Those of a formation; None where they are too long to be followed."""
         lines, poses = [one.path for one in robots], np.array([one.pose for one in robots])
         stops = stop_stations(found.reference, lines, [one.pose for one in robots])
-        shapes = [shapely.get_coordinates(shape_at(one.footprint, ORIGIN)) for one in robots]
-        radius = np.array([circumscribed_radius(shape) for shape in shapes])
+        radius = np.array([circumscribed_radius(own_outline(one)) for one in robots])
         there = measured(lines, found.reference, poses, radius, stops)
         if there is None:
             return None
@@ -112,20 +109,17 @@ class _Ways:
         As where two paths meet, and who is there first was the farther from there along the
         reference path.
         """
-        lines, stops, speed = (
-            [one.path for one in robots],
-            self.begin + self.way,
-            np.ones(len(robots)),
-        )
+        lines, stops = [one.path for one in robots], self.begin + self.way
         there = [
             shape_at(one.footprint, pose_at(one.path, stop, found.size))
             for one, stop in zip(robots, stops, strict=True)
         ]
-        outlines = [shapely.get_coordinates(shape_at(one.footprint, ORIGIN)) for one in robots]
-        reach = np.array([sides(outline) for outline in outlines])
+        reach = np.array([sides(own_outline(one)) for one in robots])
         start = np.array([one.pose[:2] for one in robots])
-        blocked = blocked_ways(lines, start, self.begin, stops, speed, reach, there)
-        for late, others in blocked.items():
-            first = robots[others[0]].name
-            return f"{first} would stop in the way of {robots[late].name}, which comes there later"
-        return ""
+        alike = np.ones(len(robots))
+        blocked = blocked_ways(lines, start, self.begin, stops, alike, reach, there)
+        if not blocked:
+            return ""
+        late, others = next(iter(blocked.items()))
+        first = robots[others[0]].name
+        return f"{first} would stop in the way of {robots[late].name}, which comes there later"

@@ -160,10 +160,14 @@ def _in_order(queue: list[Group]) -> list[tuple[float, str, int, Placed]]:
     )
 
 
+def own_outline(robot: Placed) -> FloatArray:
+    """(n, 2) [m] of its footprint, in its own frame."""
+    return np.asarray(shapely.get_coordinates(shape_at(robot.footprint, (0.0, 0.0, 0.0))))
+
+
 def _extents(robot: Placed) -> FloatArray:
     """(2,) [m] of its footprint, along and across its heading."""
-    outline = shapely.get_coordinates(shape_at(robot.footprint, (0.0, 0.0, 0.0)))
-    return np.asarray(np.ptp(outline, axis=0))
+    return np.asarray(np.ptp(own_outline(robot), axis=0))
 
 
 def _longest(robots: list[Placed]) -> Placed:

@@ -12,8 +12,8 @@ import shapely
 from physim.authoring.importing import Options, import_world
 from physim.authoring.importing.lines import without_loops
 from physim.world.checks import check_world
+from tests.importing.drawn import LOOP, box, paths_of, ways_of
 from tests.importing.plans import check_says, only
-from tests.importing.test_drawn_robots import LOOP, _paths, _ways, box
 from tests.importing.test_joining import geojson
 from tests.importing.test_places import free_area, refusal
 
@@ -30,7 +30,7 @@ def test_lanes_of_a_lap_from_a_corner_go_round(
              ("path", shapely.LineString([*corners, corners[0]]))]  # fmt: skip
     made = import_world(geojson(tmp_path, parts), Options(robots=2 * lanes, lanes=lanes))
     lap = shapely.LineString([*corners, corners[0]]).length
-    lengths = [shapely.LineString(path).length for path in _paths(made)]
+    lengths = [shapely.LineString(path).length for path in paths_of(made)]
     assert min(lengths) > 0.8 * lap
     if lanes == 2:  # all begin at the beginning, so that they end in order
         assert not [one for one in made.changes if "shortened" in one]
@@ -40,7 +40,7 @@ def test_a_lane_goes_round_where_its_path_crosses_itself(tmp_path: Path) -> None
     way = [(0, 0), (60, 0), (60, 20), (30, 20), (30, -20)]
     parts = [("boundary", shapely.box(-10, -40, 80, 40)), ("path", shapely.LineString(way))]
     made = import_world(geojson(tmp_path, parts), Options(robots=4, lanes=2))
-    lengths = [shapely.LineString(path).length for path in _paths(made)]
+    lengths = [shapely.LineString(path).length for path in paths_of(made)]
     assert min(lengths) > shapely.LineString(way).length - 10.0
 
 
@@ -77,7 +77,7 @@ def test_robots_filled_in_on_a_lap_drive_it(
         reference = shapely.LineString(np.asarray(made.world.reference_path))
         starts = [reference.project(shapely.Point(one.pose[:2])) for one in made.world.robots]
         assert max(starts) < 0.3 * reference.length
-        assert min(_ways(made)) > 0.6 * reference.length
+        assert min(ways_of(made)) > 0.6 * reference.length
         said = check_world(tmp_path / "made.yaml").warnings
         assert not [one for one in said if "against" in str(one)]
 
@@ -90,7 +90,7 @@ def test_lanes_of_a_figure_of_eight_go_round(tmp_path: Path, begin: int, is_whol
     lap = shapely.LineString([*eight.round(3), eight[0].round(3)][: None if is_whole else -1])
     parts = [("boundary", shapely.box(-40, -30, 40, 30)), ("path", lap)]
     made = import_world(geojson(tmp_path, parts), Options(robots=4, lanes=2))
-    assert min(shapely.LineString(path).length for path in _paths(made)) > 0.9 * lap.length
+    assert min(shapely.LineString(path).length for path in paths_of(made)) > 0.9 * lap.length
 
 
 def test_lanes_end_where_their_path_does_beside_a_loop_at_its_end(tmp_path: Path) -> None:
@@ -101,7 +101,7 @@ def test_lanes_end_where_their_path_does_beside_a_loop_at_its_end(tmp_path: Path
     parts = [("boundary", shapely.buffer(way, 2.2)), ("path", way)]
     made = import_world(geojson(tmp_path, parts), Options(robots=4, lanes=2))
     reference = shapely.LineString(np.asarray(made.world.reference_path))
-    assert min(shapely.LineString(one).length for one in _paths(made)) > 0.85 * reference.length
+    assert min(shapely.LineString(one).length for one in paths_of(made)) > 0.85 * reference.length
 
 
 @pytest.mark.parametrize("far", [40, 60])
@@ -127,9 +127,9 @@ def test_a_lane_keeps_the_hairpins_of_its_path(tmp_path: Path, gap: float, back:
              ("robot a", box(-28, 0)), ("robot b", box(-25, 1.8))]  # fmt: skip
     made = import_world(geojson(tmp_path, parts))
     free_area(made, tmp_path)
-    assert min(_ways(made)) > way.length - 15.0
+    assert min(ways_of(made)) > way.length - 15.0
     reference = shapely.LineString(np.asarray(made.world.reference_path))
-    path = shapely.LineString(_paths(made)[1])
+    path = shapely.LineString(paths_of(made)[1])
     at = [reference.project(path.interpolate(x)) for x in np.arange(0.0, path.length, 1.0)]
     assert np.abs(np.diff(at)).max() < 8.0
     assert not check_world(tmp_path / "made.yaml").warnings
@@ -150,7 +150,7 @@ def test_lanes_stay_beside_their_leg_of_a_hairpin(tmp_path: Path, way: list[Any]
     reference = shapely.LineString(np.asarray(made.world.reference_path))
     starts = [reference.project(shapely.Point(one.pose[:2])) for one in made.world.robots]
     assert np.diff(starts) == pytest.approx([-3.2] * 5, abs=0.5)
-    for path in _paths(made):
+    for path in paths_of(made):
         line = shapely.LineString(path)
         at = [reference.project(line.interpolate(x)) for x in np.arange(0.0, line.length, 1.0)]
         assert np.abs(np.diff(at)).max() < 8.0
@@ -169,7 +169,7 @@ def test_a_group_that_would_lose_its_path_is_refused(
     check_says(said, "would leave out a part … and the formation would be lost; fewer --lanes")
     made = import_world(geojson(tmp_path, parts), Options(robots=robots))
     free_area(made, tmp_path)
-    assert min(_ways(made)) > 200.0
+    assert min(ways_of(made)) > 200.0
 
 
 AISLE = [(0, 0), (10, 0), (10, -25), (11, -25), (11, 0), (25, 0), (25, 20), (45, 20), (45, 0),
@@ -226,7 +226,7 @@ def test_a_lane_that_leaves_out_a_part_of_its_path_is_told(
     for one in told:
         check_says(one, f"WARNING: path of b … {shapely.LineString(way).length:.2f} m … named b")
     length = shapely.LineString(way).length
-    assert is_lost or abs(shapely.LineString(_paths(made)[0]).length - length) < 16.0
+    assert is_lost or abs(shapely.LineString(paths_of(made)[0]).length - length) < 16.0
 
 
 def test_a_lane_that_leaves_out_an_aisle_is_told_however_many_bends_there_are(

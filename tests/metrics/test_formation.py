@@ -60,6 +60,26 @@ def test_energy_is_that_of_the_controller(neighbours: str, adjacency: list[Float
     ].value == pytest.approx(expected[-1])
 
 
+@pytest.mark.parametrize(
+    ("neighbours", "parts"),
+    [
+        ("neighbours: all", [1, 1, 1]),
+        ("neighbours: [[r1, r2], [r4, r2]]", [2, 2, 2]),
+        ("neighbours: [[r1, r2], [r4, r2], [r4, r3]]", [1, 1, 1]),
+        ("range: 21.5", [1, 2, 1]),
+        ("range: 4.5", [3, 2, 3]),  # gaps of 5, 4 and 20; of 4, 4 and 24; of 4, 5 and 21.5 m
+        ("range: 1.0", [4, 4, 4]),
+    ],
+)
+def test_parts_are_those_that_chains_of_neighbours_connect(
+    neighbours: str, parts: list[int]
+) -> None:
+    course = metrics.formation_parts(drive(f"formation: {{{neighbours}}}"))
+    assert course is not None
+    assert course.values.tolist() == parts
+    assert metrics.formation_parts(drive("formation: null")) is None
+
+
 def test_errors_are_those_of_the_recorded_leads() -> None:
     """A robot behind its place has a positive error."""
     record = drive("formation: {}")

@@ -205,6 +205,26 @@ def test_the_peak_of_a_formation_error_is_marked_on_its_side(sign: float) -> Non
     assert texts(figure, "mark") == [true_minus(f"{0.9 * sign:.2f} m (r1)")]
 
 
+def test_when_a_formation_is_in_parts_is_shaded() -> None:
+    """Gaps of 4, 6, 6 and 4 m: apart from 0.5 to 2.5 s, and in one part beside that."""
+    step, gap = np.array([0, 100, 200, 300]), np.array([4.0, 6.0, 6.0, 4.0])
+    pose = along_reference(step, np.stack([20.0 + gap, np.full(4, 20.0)], axis=1))
+
+    def shades(reach: float) -> list[tuple[float, float]]:
+        world = f"formation: {{range: {reach}}}"
+        figure = formation(history(robots=2, pose=pose, steps_run=300, world=world))
+        found = [patch for axis in figure.axes for patch in axis.patches if patch.get_gid()]
+        legend = [text for shown in figure.legends for text in shown.get_texts()]
+        assert len([one for one in legend if "connected" in one.get_text()]) == bool(found)
+        return [(patch.get_x(), patch.get_x() + patch.get_width()) for patch in found]
+
+    for begin, end in (both := shades(5.0)):
+        assert (begin, end) == (pytest.approx(0.5, abs=0.11), pytest.approx(2.5, abs=0.11))
+    assert len(both) == 2, "in the errors and in the energy"
+    assert shades(7.0) == []
+    assert [one == pytest.approx((0.0, 3.0)) for one in shades(3.0)] == [True, True]
+
+
 def test_width_marks_the_narrowest_and_the_widest_place(record: Record) -> None:
     figure = width(record)
     found = metrics.measure(record)

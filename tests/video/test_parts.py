@@ -100,7 +100,8 @@ def test_text_is_cut_to_its_room(text: str, room: int) -> None:
     assert "\n" not in cut
     if cut != whole:
         start, end = cut.rsplit("…", 1)
-        assert whole.startswith(start) and whole.endswith(end)
+        assert whole.startswith(start)
+        assert whole.endswith(end)
         assert not end or end.isdigit(), "only a name's number stays behind the ellipsis"
     assert width(cut, 14) <= max(room, width("…", 14))
 

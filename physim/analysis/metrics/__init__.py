@@ -74,6 +74,7 @@ from physim.analysis.metrics.motion import (
     formation_error_peak,
     formation_error_rms,
     formation_errors,
+    formation_parts,
     has_formation,
     mean_speed,
 )
@@ -139,6 +140,7 @@ __all__ = [
     "formation_error_peak",
     "formation_error_rms",
     "formation_errors",
+    "formation_parts",
     "grazes",
     "has_formation",
     "last_decisions",

@@ -12,6 +12,7 @@ from math import sqrt
 from typing import Any, NamedTuple
 
 import numpy as np
+from scipy.sparse.csgraph import connected_components
 
 from physim.analysis.metrics.held import Held
 from physim.analysis.metrics.metric import Each, Moment, Series
@@ -207,13 +208,36 @@ def formation_energy(record: Record, every: float = GRID) -> Series | None:
     listed. With many robots the moments are farther apart than ``every`` [s]. Raises PhysimError
     unless that is positive.
     """
+    found = _stations(record, every)
+    return None if found is None else Series(found.time, _energies(record, found.values))
+
+
+def formation_parts(record: Record, every: float = GRID) -> Series | None:
+    """How many parts a formation is in over time: values (K,), 1 where all are connected.
+
+    Parts are robots that chains of neighbours connect, at the moments of `formation_energy`.
+    Between parts (7) keeps no distance, and W of (9) counts no error. None in a run without
+    formation, or without samples. Raises PhysimError unless ``every`` [s] is positive.
+    """
+    found = _stations(record, every)
+    if found is None:
+        return None
+    pairs, reach = _neighbours(record)
+    if pairs is None:
+        gaps = np.diff(np.sort(found.values, axis=1), axis=1)
+        return Series(found.time, 1.0 + (gaps > reach).sum(axis=1))
+    count, _ = connected_components(pairs, directed=False)
+    return Series(found.time, np.full(len(found.time), float(count)))
+
+
+def _stations(record: Record, every: float) -> Series | None:
+    """Stations (K, N) [m] on s* of a run with a formation, at moments that bound the time."""
     check_positive("every", every)
     if not has_formation(record) or not record.samples:
         return None
     moments = record.steps_run * record.dt / every + 1.0
     every *= max(1.0, np.ceil(moments * record.robots**2 / MOST_PAIRS))
-    time, station = samples_over_time(record, record.course[:, :, 2], every)
-    return Series(time, _energies(record, station))
+    return samples_over_time(record, record.course[:, :, 2], every)
 
 
 def sampled_energy(record: Record) -> Series | None:
@@ -230,10 +254,7 @@ def sampled_energy(record: Record) -> Series | None:
 
 def _energies(record: Record, station: FloatArray) -> FloatArray:
     """W (K,) [m^2] of stations (K, N) [m] on s*."""
-    plan, lead = record.world_settings["formation"], desired_leads(record)
-    pairs, reach = _listed(record, plan), plan.get("range", RANGE)
-    if not isinstance(reach, int | float):
-        raise RecordError(f"{record.where}: the world inside: formation.range is no number")
+    lead, (pairs, reach) = desired_leads(record), _neighbours(record)
     energy = np.empty(len(station))
     for k, s in enumerate(station):
         centre = s - lead  # the formation's, as each robot's station and place give it
@@ -251,16 +272,19 @@ def desired_leads(record: Record) -> FloatArray | None:
     return record.lead - record.lead.mean() if has_formation(record) else None
 
 
-def _listed(record: Record, plan: Mapping[str, Any]) -> FloatArray | None:
-    """(N, N) 1 where j is in N_i; None when neighbours are those within range.
+def _neighbours(record: Record) -> tuple[FloatArray | None, float]:
+    """(N, N) 1 where j is in N_i; None when neighbours are those within range, and that range [m].
 
     Raises RecordError where the world inside has something else there.
     """
-    neighbours, names = plan.get("neighbours", "range"), record.names
+    plan, names = record.world_settings["formation"], record.names
+    neighbours, reach = plan.get("neighbours", "range"), plan.get("range", RANGE)
+    if not isinstance(reach, int | float):
+        raise RecordError(f"{record.where}: the world inside: formation.range is no number")
     if neighbours == "range":
-        return None
+        return None, reach
     if neighbours == "all":
-        return np.ones((len(names), len(names)))
+        return np.ones((len(names), len(names))), reach
     listed = np.zeros((len(names), len(names)))
     try:
         pairs = [(names.index(a), names.index(b)) for a, b in neighbours]
@@ -271,7 +295,7 @@ def _listed(record: Record, plan: Mapping[str, Any]) -> FloatArray | None:
         ) from None
     for i, j in pairs:
         listed[i, j] = listed[j, i] = 1.0
-    return listed
+    return listed, reach
 
 
 def _extreme(record: Record, values: FloatArray, first: int = 0) -> Moment | None:

@@ -1,10 +1,12 @@
-"""Whether robots are a formation, measured along the reference path; and lanes that lose it."""
+"""Whether robots are a formation, measured along the reference path; how far its neighbours are
+apart; and lanes that lose it."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
 import numpy as np
+import shapely
 
 from physim.authoring.importing.fit import Fit
 from physim.authoring.importing.lanes import leaves_out
@@ -28,6 +30,10 @@ ALONG = (0.5, 1.6)
 it: outside and inside of bends, but not across one"""
 BACK = 4.0
 """[m] at size 1 that it comes back along it on its way at most"""
+RANGE = 10.0
+"""[m] of formation neighbours, at size 1"""
+MARGIN = 1.1
+"""[-] times the longest gap between robots at the start, if neighbours are to know of each other"""
 SHARE = 0.5
 """[-] share of its way that a formation leaves a robot at least"""
 
@@ -66,6 +72,18 @@ def lost(found: Fit, robots: list[Placed]) -> str:
                 f"{length_of(found.reference):.2f} m"
             )
     return ""
+
+
+def neighbour_range(found: Fit, robots: list[Placed]) -> float:
+    """Range [m] of formation neighbours: the usual one, or that which connects all at the start."""
+    usual = RANGE * found.size
+    if len(robots) < 2:
+        return usual
+    station = shapely.LineString(found.reference).project(
+        shapely.points([robot.pose[:2] for robot in robots])
+    )
+    gap = float(np.diff(np.sort(station)).max())
+    return usual if gap < usual else MARGIN * gap
 
 
 @dataclass(frozen=True)

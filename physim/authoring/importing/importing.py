@@ -32,7 +32,7 @@ from physim.authoring.importing.enclosure import (
     thin_out,
 )
 from physim.authoring.importing.fit import Fit, fit
-from physim.authoring.importing.formation import lost
+from physim.authoring.importing.formation import MARGIN, RANGE, lost, neighbour_range
 from physim.authoring.importing.lines import length_of
 from physim.authoring.importing.robots import Placed, fill_in, stop_warnings
 from physim.authoring.importing.source import format_of
@@ -205,7 +205,7 @@ def _about(drawing: Drawing, found: Fit, robots: list[Placed], options: Options)
     ]
     count = plural(len(robots), "robot")
     if drawing.robots and options.robots is None:
-        return [*facts, f"{count} as drawn"]
+        return [*facts, f"{count} as drawn", *_range(drawing, found, robots)]
     lanes = plural(min(options.lanes or 1, len(robots)), "lane")
     chosen = "as asked (--robot)"
     if options.robot is None and drawing.robots:
@@ -216,6 +216,17 @@ def _about(drawing: Drawing, found: Fit, robots: list[Placed], options: Options)
         chosen = "as large as fits, at most 1.8 x 1.0 m (--robot)"
     box = f"{number(found.box[0])} x {number(found.box[1])} m"
     return [*facts, f"{count} in {lanes}, {box}, {chosen}"]
+
+
+def _range(drawing: Drawing, found: Fit, robots: list[Placed]) -> list[str]:
+    """A line on robots of a formation that start farther apart than neighbours usually are."""
+    reach = neighbour_range(found, robots) if drawing.has_formation else 0.0
+    if reach <= RANGE * found.size:
+        return []
+    return [
+        f"formation.range is {reach:.3g} m, as robots start up to {reach / MARGIN:.2f} m apart "
+        "along the path and would not be neighbours within the usual range"
+    ]
 
 
 def _name(source: Path) -> str:

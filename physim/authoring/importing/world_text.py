@@ -8,6 +8,7 @@ from math import ceil
 
 from physim.authoring.importing.drawing import Drawing, number
 from physim.authoring.importing.fit import Fit
+from physim.authoring.importing.formation import neighbour_range
 from physim.authoring.importing.lines import length_of
 from physim.authoring.importing.robots import Placed
 from physim.escaping import escaped
@@ -58,7 +59,8 @@ def world_text(
     for robot in robots:
         anchor = _anchor(robot, robots, named) if robot.offset is None else ""
         lines += _robot(robot, found.size, anchor)
-    lines += _control(found.size, drawing.has_formation)
+    reach = _scaled(neighbour_range(found, robots), 1.0) if drawing.has_formation else ""
+    lines += _control(found.size, reach)
     return "\n".join(lines) + "\n"
 
 
@@ -110,24 +112,25 @@ def _robot(robot: Placed, size: float, anchor: str) -> Iterator[str]:
         yield f"    limits: {{v: {_scaled(1.5, size)}, omega: 1.6}}  # [m/s], [rad/s]"
 
 
-def _control(size: float, is_formation: bool) -> Iterator[str]:
+def _control(size: float, reach: str) -> Iterator[str]:
+    """Formation within range ``reach`` [m], none where that is empty, controller, expectations."""
     if size != 1.0:
         yield f"# Lengths and speeds below are the usual ones times {size:g}, as the robots are."
     limits = f"[{_scaled(0.8, size)}, {_scaled(1.3, size)}]"
-    speeds = f"speed: {_scaled(1.0, size)}, limits: {limits}, range: {_scaled(10.0, size)}"
-    if is_formation:
+    speeds = f"speed: {_scaled(1.0, size)}, limits: {limits}, range: {reach}"
+    if reach:
         yield f"formation: {{gain: 0.05, {speeds}}}  # [1/s, m/s, m]"
     if size != 1.0:
         yield "controller:  # [m]"
         yield "  type: mode_switching"
         for key, value in SETTINGS.items():
             yield f"  {key}: {_scaled(value, size)}"
-        if not is_formation:
+        if not reach:
             yield f"  speed: {_scaled(1.0, size)}  # [m/s]"
             yield f"  {FORWARD}"
         yield f"arrival: {{tolerance: {_scaled(TOLERANCE, size)}}}  # [m]"
     else:
-        yield f"controller: {{type: mode_switching{'' if is_formation else f', {FORWARD}'}}}"
+        yield f"controller: {{type: mode_switching{'' if reach else f', {FORWARD}'}}}"
     yield "expect: {contacts: 0, finished: true}"
 
 

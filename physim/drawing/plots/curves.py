@@ -21,6 +21,7 @@ from physim.analysis.metrics import (
     formation_error_final,
     formation_error_peak,
     formation_errors,
+    formation_parts,
 )
 from physim.analysis.metrics.motion import WINDOW
 from physim.analysis.metrics.progress import samples_over_time
@@ -177,12 +178,30 @@ def formation(record: Record) -> Any:
     mark(above, peak.time, value, text, below=value < 0.0)
     above.set_title(f"within {final.value:.2f} m of zero at the end", loc="right", fontsize=8.5)
     energy = formation_energy(record)
+    parts = _mark_parts([above, below], record)
     if energy is not None:
         below.fill_between(energy.time, 0.0, energy.values, color=INK, alpha=0.15, linewidth=0.0)
         below.plot(energy.time, energy.values, color=INK, linewidth=1.0)
         below.set_ylim(bottom=0.0)
-    legend_beside(figure, handles)
+    legend_beside(figure, [*handles, *parts])
     return figure
+
+
+def _mark_parts(axes: list[Any], record: Record) -> list[Any]:
+    """Shade when no chain of neighbours connected all: W knows nothing of errors between parts."""
+    course = formation_parts(record)
+    if course is None:
+        return []
+    is_apart = np.concatenate([[False], course.values > 1.0, [False]])
+    ends = np.flatnonzero(np.diff(is_apart)).reshape(-1, 2)
+    last = len(course.time) - 1
+    label = "not all connected:\nW omits errors\nbetween the parts"
+    shades = [
+        axis.axvspan(*course.time[[first, min(end, last)]], color=RULE, alpha=0.7, linewidth=0.0,
+                     label=label, gid="parts")
+        for axis in axes for first, end in ends
+    ]  # fmt: skip
+    return shades[:1]
 
 
 def speeds(record: Record) -> Any:

@@ -21,6 +21,7 @@ from physim.world.checks.danger import (
 from physim.world.checks.findings import MOST_ALIKE, Diagnostics, Finding, Findings
 from physim.world.checks.formation import check_formation, check_formation_speed
 from physim.world.checks.measured import check_measured
+from physim.world.checks.neighbourhood import check_neighbours
 from physim.world.checks.paths import (
     check_passage,
     check_paths,
@@ -169,6 +170,7 @@ def _check_layout(
         check_tolerance(laid, found)
     check_formation(laid, 1.0 if speed is None else speed, found)
     check_formation_speed(laid, found)
+    check_neighbours(laid, found)
     check_rings(laid, found)
     check_measured(laid, found)
     if checked.world is not None:

@@ -16,18 +16,23 @@ S* [m] a sum that (7) should still answer within the limits, the larger of
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-
 import numpy as np
 import shapely
 from numpy.typing import ArrayLike
 
 from physim.errors import Location
 from physim.geometry.polygon import circumscribed_radius
-from physim.geometry.shapes import FloatArray, IntArray
+from physim.geometry.shapes import FloatArray
 from physim.tolerances import CONTACT
 from physim.world.checks.findings import MOST_ALIKE, Diagnostics
-from physim.world.checks.spacing import check_order, check_spacing, listed_leads, name_of
+from physim.world.checks.neighbourhood import neighbours_at
+from physim.world.checks.spacing import (
+    check_order,
+    check_spacing,
+    listed_leads,
+    name_of,
+    start_stations,
+)
 from physim.world.faults import describe
 from physim.world.layout.layout import PartialLayout
 from physim.world.layout.shared import Shared
@@ -55,13 +60,6 @@ def check_formation(laid: PartialLayout, speed: float, found: Diagnostics) -> No
         check_order(laid, leads, found)
     if stations is not None and leads is not None:
         _check_length(laid, line, stations, leads, speed, found)
-
-
-def start_stations(laid: PartialLayout, line: shapely.LineString) -> FloatArray | None:
-    """(N,) [m] stations at the start along the reference path; None unless all are known."""
-    if np.isnan(laid.start).any():
-        return None
-    return np.asarray(line.project(shapely.points(laid.start[:, :2])))
 
 
 def _check_length(
@@ -228,38 +226,11 @@ def _error_sums(laid: PartialLayout) -> tuple[FloatArray, int]:
         return np.zeros(count), 1
     listed = listed_leads(laid)
     lead = station if listed is None else listed
-    if plan.neighbours == "range":
-        near = _within(station, plan.range or 0.0)
-    elif isinstance(plan.neighbours, tuple):
-        near = _listed(laid)
-    else:
+    if plan.neighbours == "all":
         error = station - lead
         return error.sum() - count * error, count - 1
     sums, most = np.zeros(count), 0
-    for i, others in enumerate(near):
+    for i, others in enumerate(neighbours_at(laid, station)):
         sums[i] = ((station[others] - station[i]) - (lead[others] - lead[i])).sum()
         most = max(most, len(others))
     return sums, most
-
-
-def _within(station: FloatArray, reach: float) -> Iterator[IntArray]:
-    """For each robot the others within ``reach`` [m] of its station, increasing."""
-    order = np.argsort(station)
-    margin = reach + CONTACT  # at first a hair more, so that no rounding leaves one out
-    low = np.searchsorted(station, station - margin, sorter=order)
-    high = np.searchsorted(station, station + margin, side="right", sorter=order)
-    for i in range(len(station)):
-        some = np.sort(order[low[i] : high[i]])
-        yield some[(np.abs(station[some] - station[i]) <= reach) & (some != i)]
-
-
-def _listed(laid: PartialLayout) -> Iterator[IntArray]:
-    """For each robot those that are listed as its neighbours, increasing."""
-    index = {name: i for i, name in enumerate(laid.names)}
-    near: list[set[int]] = [set() for _ in laid.names]
-    for a, b in laid.world.formation.neighbours:
-        if a in index and b in index:
-            near[index[a]].add(index[b])
-            near[index[b]].add(index[a])
-    for others in near:
-        yield np.array(sorted(others), dtype=np.int64)

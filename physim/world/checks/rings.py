@@ -16,7 +16,7 @@ from physim.geometry.polygon import circumscribed_radius
 from physim.geometry.shapes import FloatArray, IntArray
 from physim.tolerances import LENGTH
 from physim.world.checks.findings import MOST_ALIKE, Diagnostics
-from physim.world.checks.formation import start_stations
+from physim.world.checks.spacing import start_stations
 from physim.world.checks.standing import reached
 from physim.world.checks.way import Way, is_ring
 from physim.world.faults import describe

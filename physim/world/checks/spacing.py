@@ -34,6 +34,13 @@ def listed_leads(laid: PartialLayout) -> FloatArray | None:
     return np.array(spacing, dtype=np.float64) if is_one_each else None
 
 
+def start_stations(laid: PartialLayout, line: shapely.LineString) -> FloatArray | None:
+    """(N,) [m] stations at the start along the reference path; None unless all are known."""
+    if np.isnan(laid.start).any():
+        return None
+    return np.asarray(line.project(shapely.points(laid.start[:, :2])))
+
+
 def check_spacing(
     laid: PartialLayout, reference: FloatArray, leads: FloatArray, found: Diagnostics
 ) -> None:

@@ -138,7 +138,7 @@ EDITS = (
         "int((before & ~is_at_it).sum())",
         "0",
         "a queue goes on the path of the last",
-        "tests/importing/test_drawn_robots.py::test_a_queue_of_robots_with_paths_of_their_own_drives_all_of_them",
+        "tests/importing/test_queues.py::test_a_queue_of_robots_with_paths_of_their_own_drives_all_of_them",
     ),
     Edit(
         "importing",
@@ -192,7 +192,7 @@ EDITS = (
         "begun[key] = _begun(drawing, line, robots, size, what)",
         "begun[key] = line if key != id(drawing.reference) else _begun(drawing, line, robots, size, what)",
         "a path of its own begins at its robot",
-        "tests/importing/test_drawn_robots.py::test_a_lap_of_its_own_begins_at_its_robot",
+        "tests/importing/test_drawn_laps.py::test_a_lap_of_its_own_begins_at_its_robot",
     ),
     Edit(
         "importing",
@@ -255,7 +255,7 @@ EDITS = (
         "np.array([stand_on(one, line, size)[0] for one in robots])",
         "np.array([shapely.Polygon(one.outline).centroid.coords[0] for one in robots])",
         "a path begins at the reference points of its robots",
-        "tests/importing/test_drawn_robots.py::test_a_robot_heavy_in_front_drives_a_lap",
+        "tests/importing/test_drawn_laps.py::test_a_robot_heavy_in_front_drives_a_lap",
     ),
     Edit(
         "importing",
@@ -264,7 +264,7 @@ EDITS = (
         "0.0 < gap < CLOSED",
         "False",
         "a lap drawn a grain too short is closed",
-        "tests/importing/test_drawn_robots.py::test_a_lap_drawn_a_grain_too_short_is_closed",
+        "tests/importing/test_drawn_laps.py::test_a_lap_drawn_a_grain_too_short_is_closed",
     ),
     Edit(
         "importing",
@@ -372,7 +372,7 @@ EDITS = (
         '"a path is closed" if has_lap else no_formation(found, robots, alone)',
         '""',
         "robots on their own ways are no formation",
-        "tests/importing/test_drawn_robots.py::test_robots_that_go_another_way_are_no_formation",
+        "tests/importing/test_formations.py::test_robots_that_go_another_way_are_no_formation",
     ),
     Edit(
         "importing",
@@ -381,7 +381,7 @@ EDITS = (
         "_on_own_lap(one, found.size) if is_lap else",
         "one if is_lap else",
         "robots without a formation stop one behind the other, or drive a lap each",
-        "tests/importing/test_drawn_robots.py::test_robots_all_round_a_lap_drive_one_each",
+        "tests/importing/test_drawn_laps.py::test_robots_all_round_a_lap_drive_one_each",
     ),
     Edit(
         "importing",
@@ -390,7 +390,7 @@ EDITS = (
         '"a path is closed" if has_lap else',
         "",
         "robots on laps are no formation",
-        "tests/importing/test_drawn_robots.py::test_a_lap_begins_at_its_robot",
+        "tests/importing/test_drawn_laps.py::test_a_lap_begins_at_its_robot",
     ),
     Edit(
         "importing",
@@ -399,7 +399,7 @@ EDITS = (
         "not least * way < gain < most * way",
         "False",
         "a formation needs paths that lead along the reference path",
-        "tests/importing/test_drawn_robots.py::test_a_formation_goes_where_it_can_be_measured",
+        "tests/importing/test_formations.py::test_a_formation_goes_where_it_can_be_measured",
     ),
     Edit(
         "importing",
@@ -408,7 +408,7 @@ EDITS = (
         "back > BACK * found.size",
         "False",
         "nobody of a formation comes back along the reference path",
-        "tests/importing/test_drawn_robots.py::test_a_formation_goes_where_it_can_be_measured",
+        "tests/importing/test_formations.py::test_a_formation_goes_where_it_can_be_measured",
     ),
     Edit(
         "importing",
@@ -417,7 +417,7 @@ EDITS = (
         "way < SHARE * free",
         "False",
         "a formation leaves every robot most of its way",
-        "tests/importing/test_drawn_robots.py::test_a_formation_leaves_every_robot_most_of_its_way",
+        "tests/importing/test_formations.py::test_a_formation_leaves_every_robot_most_of_its_way",
     ),
     Edit(
         "importing",
@@ -426,7 +426,7 @@ EDITS = (
         "error > MOST_OFF * length_of(found.reference)",
         "False",
         "a formation is one at its stops, too",
-        "tests/importing/test_drawn_robots.py::test_a_queue_of_robots_with_paths_of_their_own_drives_all_of_them",
+        "tests/importing/test_queues.py::test_a_queue_of_robots_with_paths_of_their_own_drives_all_of_them",
     ),
     Edit(
         "importing",
@@ -435,7 +435,7 @@ EDITS = (
         "is_closed(way.line) and way.rear < way.at[-1]",
         "False",
         "laps of robots are not shortened at their joint",
-        "tests/importing/test_drawn_robots.py::test_a_lap_with_a_narrow_joint_stays_whole",
+        "tests/importing/test_drawn_laps.py::test_a_lap_with_a_narrow_joint_stays_whole",
     ),
     Edit(
         "importing",
@@ -480,7 +480,7 @@ EDITS = (
         "if is_ring else [reference]",
         "if False else [reference]",
         "a lap goes round its joint as round any corner",
-        "tests/importing/test_drawn_robots.py::test_a_lap_goes_round_its_joint_as_round_any_corner",
+        "tests/importing/test_drawn_laps.py::test_a_lap_goes_round_its_joint_as_round_any_corner",
     ),
     Edit(
         "importing",
@@ -489,7 +489,7 @@ EDITS = (
         "max(length_of(robot.path) - lag, here + LEAST * size)",
         "length_of(robot.path) - lag if lag < length_of(robot.path) - size else length_of(robot.path)",
         "who is far behind stays behind",
-        "tests/importing/test_drawn_robots.py::test_a_robot_far_behind_one_near_the_end_stays_behind_it",
+        "tests/importing/test_formations.py::test_a_robot_far_behind_one_near_the_end_stays_behind_it",
     ),
     Edit(
         "importing",
@@ -676,5 +676,14 @@ EDITS = (
         "robots stop beside nobody nearer than robots keep",
         "tests/importing/test_drawn_robots.py"
         "::test_robots_that_come_to_one_end_from_all_sides_stop_apart",
+    ),
+    Edit(
+        "importing",
+        "physim/authoring/importing/formation.py",
+        "neighbour_range",
+        "usual if gap < usual else MARGIN * gap",
+        "usual",
+        "robots of a formation that start far apart are neighbours",
+        "tests/importing/test_formations.py::test_robots_that_start_far_apart_are_neighbours_all_the_same",
     ),
 )

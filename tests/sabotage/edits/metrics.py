@@ -372,4 +372,22 @@ EDITS = (
         "a spacing that is none is refused",
         "tests/metrics/test_of_the_motion.py::test_times_asked_for_are_positive",
     ),
+    Edit(
+        "metrics",
+        "physim/analysis/metrics/motion.py",
+        "formation_parts",
+        "gaps > reach",
+        "gaps > 0.5 * reach",
+        "parts of a formation are apart by more than the range",
+        "tests/metrics/test_formation.py::test_parts_are_those_that_chains_of_neighbours_connect",
+    ),
+    Edit(
+        "metrics",
+        "physim/analysis/metrics/motion.py",
+        "formation_parts",
+        "float(count)",
+        "1.0",
+        "robots that no chain of pairs connects are parts",
+        "tests/metrics/test_formation.py::test_parts_are_those_that_chains_of_neighbours_connect",
+    ),
 )

@@ -269,4 +269,22 @@ EDITS = (
         "tests/plots/test_figures.py::"
         "test_collision_times_below_the_axis_lie_on_its_end_which_says_so",
     ),
+    Edit(
+        "plots",
+        "physim/drawing/plots/curves.py",
+        "_mark_parts",
+        "course.values > 1.0",
+        "course.values > 2.0",
+        "it is shaded when a formation is in parts",
+        "tests/plots/test_figures.py::test_when_a_formation_is_in_parts_is_shaded",
+    ),
+    Edit(
+        "plots",
+        "physim/drawing/plots/curves.py",
+        "formation",
+        "[*handles, *parts]",
+        "handles",
+        "a legend says what shades of a formation in parts mean",
+        "tests/plots/test_figures.py::test_when_a_formation_is_in_parts_is_shaded",
+    ),
 )

@@ -29,15 +29,16 @@ import numpy as np
 
 from physim.compiled import compiled
 from physim.errors import Fault, Location
-from physim.geometry.motion import facings
+from physim.geometry.motion import Course, facings
 from physim.geometry.path import path_length, point_at
 from physim.geometry.shapes import FloatArray, IntArray, Polylines, pack_parts
-from physim.geometry.wall_tree import Sight, build_wall_tree, seen_distance
+from physim.geometry.wall_tree import Sight, build_wall_tree, seen_distance, seen_time
 from physim.parts.controller import BatchController, Decision, Observation
 from physim.parts.declarations import PAPER_MODES, STANDARD_COLUMNS, Rule
 from physim.world.scene import Scene
 
 from .avoidance import first_robot, longest_pair, smallest_distance, smallest_time, widest_pair
+from .blind_followers import sense_doubts
 from .formation import SpeedRule, forward_speed
 from .near_field import COLUMNS, NearField, course_under, look_about
 from .path_following import judging_time, put_best_plan, put_pairs, target_on_path
@@ -48,7 +49,6 @@ from .switching import DISTANCE, SAFE, next_mode, update_interval
 from .world_checks import (
     omega_faults,
     range_doubts,
-    sense_doubts,
     speed_doubts,
     speed_faults,
     stop_doubts,
@@ -173,12 +173,13 @@ def decide_one(
     xi = smallest_time(bodies, near, pair, rules.horizon, -1.0)
     evaluations = len(rows) + 1
     mode = next_mode(memory.mode, distance, xi, boundary, rules)  # Fig. 5
-    if mode != SAFE and stops_within(
-        own, paths, pose[me, 2], pair[0], pair[1], xi, rules.boundary_low
-    ):
+    if mode != SAFE:
         mine = course_under(bodies, me, pair[0], keep * pair[1])
-        met = first_robot(bodies, near, mine, rules.horizon, -1.0)
-        mode = next_mode(memory.mode, distance, met, boundary, rules)
+        if is_wall_later(bodies, me, mine, own.sight, rules) or stops_within(
+            own, paths, pose[me, 2], pair[0], pair[1], xi, rules.boundary_low
+        ):
+            met = first_robot(bodies, near, mine, rules.horizon, -1.0)
+            mode = next_mode(memory.mode, distance, met, boundary, rules)
     rule = FOLLOW if dwell == 0 else PLAN
     interval = rules.longest_interval
     if mode == SAFE:
@@ -213,6 +214,19 @@ def decide_one(
     report[5] = evaluations
     dwell = dwell + 1 if goes_on else 0
     return pair[0], pair[1], hold, mode, rule, dwell, len(rows)
+
+
+@compiled
+def is_wall_later(bodies: Bodies, me: int, mine: Course, sight: Sight, rules: Rules) -> bool:
+    """Whether no wall is met on course ``mine`` up to ``boundary_time_high``, below ``time_high``.
+
+    Else a robot that had to stop, and is to turn at a corner only farther on, has the wall behind
+    the corner ahead of it for ever: standing is what (13) likes best.
+    """
+    high = rules.boundary_time_high
+    if high >= rules.time_high:
+        return False
+    return seen_time(bodies.shapes, bodies.shape[me], mine, sight, rules.time_high) > high
 
 
 @compiled

@@ -42,6 +42,7 @@ class Rules(NamedTuple):
     time_low: float
     time_high: float
     boundary_low: float
+    boundary_time_high: float
     beta: float
     event_triggered: bool
     longest_interval: float
@@ -111,6 +112,12 @@ class ModeSwitchingSettings(BaseModel):
     boundary_low: NotNegative = Field(
         default=0.15, description="[m] danger mode below this distance to a boundary, safe above it"
     )
+    boundary_time_high: NotNegative | None = Field(
+        default=None,
+        description="[s] a boundary ahead keeps danger mode up to this collision time; left out: "
+        "up to time_high, by which a robot that had to stop before a corner may stand there for "
+        "ever. From time_low to time_high",
+    )
     avoidance: Literal["distance_first", "time_first", "distance", "time", "none"] = Field(
         default="distance_first",
         description="which rule applies in danger mode: (12) below distance_low or boundary_low, "
@@ -155,6 +162,12 @@ class ModeSwitchingSettings(BaseModel):
                     f"{name}_high is {high:g}, below {name}_low {low:g}; hysteresis needs "
                     f"{name}_high >= {name}_low"
                 )
+        ahead = self.boundary_time_high
+        if ahead is not None and not self.time_low <= ahead <= self.time_high:
+            raise ValueError(
+                f"boundary_time_high is {ahead:g} s; allowed: from time_low, {self.time_low:g} s, "
+                f"to time_high, {self.time_high:g} s"
+            )
         if self.horizon < self.time_high:
             raise ValueError(
                 f"horizon is {self.horizon:g} s, below time_high {self.time_high:g} s: no "
@@ -183,6 +196,9 @@ class ModeSwitchingSettings(BaseModel):
             time_low=self.time_low,
             time_high=self.time_high,
             boundary_low=self.boundary_low,
+            boundary_time_high=(
+                self.time_high if self.boundary_time_high is None else self.boundary_time_high
+            ),
             beta=self.beta,
             event_triggered=self.event_triggered,
             longest_interval=self.longest_interval or 2.0 * self.update_period,

@@ -6,7 +6,8 @@ boundary distance is above its own: five thresholds.
 
 Departures from the paper: its five symbols are lost; these are our reading. Which of (12) and (13)
 serves in danger mode is a setting, ``avoidance``; (12) whenever shapes touch, unless there is (13)
-alone.
+alone. A sixth threshold, ``boundary_time_high``, may let danger end while a boundary is still
+within ``time_high`` ahead: the paper has robots consider boundaries within the danger area only.
 
 (14) is lost. The text says what it is for, to save messages and work, and that can only come from
 intervals longer than the 0.1 s of a plan; so the plan may be stretched to a longest interval of

@@ -3,27 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from itertools import combinations
 from math import ceil, hypot
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from physim.errors import Fault, Location, plural
-from physim.geometry.shapes import FloatArray
 
 from .settings import ModeSwitchingSettings
 
 if TYPE_CHECKING:
     from physim.world import Robot, World
-
-
-MOST_AGAINST = 12
-"""Robots that drive against the reference path whose paths are held against each other"""
-MOST_PLACES = 100
-"""of one path that are held against another"""
-FOLLOWED = 4
-"""Widths of a robot along which another's path is its own, if that is told"""
 
 
 def omega_faults(
@@ -131,60 +119,6 @@ def range_doubts(settings: ModeSwitchingSettings, world: World) -> list[Fault]:
         f"{why}; set it to at least {ceil(needed * 10.0) / 10.0:g} m"
     )
     return [Fault(where, message)]
-
-
-def sense_doubts(settings: ModeSwitchingSettings, world: World) -> list[Fault]:
-    """Warn of robots that follow each other against the reference path: the one behind is blind.
-
-    Priority goes by stations along it: who drives against it is behind the one that follows. The
-    first dozen of such robots is looked at.
-    """
-    if settings.avoidance == "none" or not world.reference:
-        return []
-    reference, against = np.array(world.reference), list[tuple[int, FloatArray, float]]()
-    for i, robot in enumerate(world.robots):
-        if isinstance(robot.path, Sequence) and robot.path[0] != robot.path[-1]:
-            path = np.array(robot.path, dtype=np.float64)
-            first, last = _nearest(reference, path[[0, -1]])[0]
-            if last < first and len(against) < MOST_AGAINST:
-                width = 2.0 * max(hypot(x, y) for x, y in robot.outline)
-                against.append((i, path, width))
-    for (i, one, width), (k, other, _) in combinations(against, 2):
-        if _follow(one, other, width):
-            message = (
-                f'"{world.robots[i].name}" and "{world.robots[k].name}" drive the same way against '
-                "the reference path, along which this controller settles who looks out for whom: "
-                "the one behind does not see the one before it; lead the reference path their way, "
-                "if others do not need it more"
-            )
-            return [Fault((*world.entry_of(i), "path"), message)]
-    return []
-
-
-def _follow(one: FloatArray, other: FloatArray, width: float) -> bool:
-    """Whether a path leads along another, nearer than ``width`` [m], for four times as long."""
-    own = np.concatenate(([0.0], np.cumsum(np.hypot(*np.diff(one, axis=0).T))))
-    at = np.linspace(0.0, own[-1], min(int(own[-1] / width) + 1, MOST_PLACES))
-    places = np.stack([np.interp(at, own, one[:, k]) for k in (0, 1)], axis=1)
-    stations, away = _nearest(other, places)
-    near = stations[away <= width]
-    return len(near) > FOLLOWED and bool((np.diff(near) > 0.0).all())
-
-
-def _nearest(line: FloatArray, places: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Stations (k,) [m] of a line next to places (k, 2), and how far those are; without a kernel,
-    which would be loaded with every world."""
-    begin, step = line[:-1], np.diff(line, axis=0)
-    length = np.maximum(np.hypot(*step.T), np.finfo(np.float64).tiny)
-    whole = np.concatenate(([0.0], np.cumsum(length)[:-1]))
-    found = []
-    for place in places:
-        along = np.clip(((place - begin) * step).sum(axis=1) / length, 0.0, length)
-        away = np.hypot(*(begin + (along / length)[:, None] * step - place).T)
-        k = int(np.argmin(away))
-        found.append((whole[k] + along[k], away[k]))
-    stations, far = np.array(found).T
-    return stations, far
 
 
 def _needs(settings: ModeSwitchingSettings, world: World) -> Iterator[tuple[float, str]]:

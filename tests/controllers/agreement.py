@@ -243,6 +243,10 @@ def met_by(a: Asked, expected: Expected) -> Counter[str]:
         "(13) with others": mode == "(13)" and expected.considered > 0,
         "safe with others": mode == "safe" and expected.considered > 0,
         "kept in danger by hysteresis": mode != "safe" and a.memory.mode in (1, 2) and fresh == 0,
+        "a wall beyond boundary_time_high": s.boundary_time_high is not None
+        and s.boundary_time_high < time <= s.time_high
+        and mode == "safe"
+        and a.memory.mode in (1, 2),
         "plan of several pairs": mode == "safe" and len(s.dwell_times) > 1,
         "plan gone on with": expected.continued,
         "too near to tell": len(expected.answers) > 1,

@@ -237,5 +237,9 @@ def random_settings(rng: np.random.Generator) -> ModeSwitchingSettings:
         "avoidance": str(rng.choice(AVOIDANCE, p=[0.35, 0.35, 0.1, 0.1, 0.1])),
         "longest_interval": [None, period, 2.0 * period, 0.4 * period][rng.integers(4)],
     }
+    share = [None, 0.0, 0.5, 1.0][rng.integers(4)]
+    if share is not None:
+        low, high = drawn["time_low"], drawn["time_high"]
+        drawn["boundary_time_high"] = low + share * (high - low)
     drawn["horizon"] = max(drawn["horizon"], drawn["time_high"])
     return ModeSwitchingSettings.model_validate(drawn)

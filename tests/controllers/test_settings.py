@@ -23,6 +23,11 @@ from physim.controllers.settings import (
         ({"dwell_times": [0.05, 0.04]}, "add up to 0.09"),
         ({"distance_low": 1.0}, "distance_high is 0.8, below distance_low 1"),
         ({"time_high": 0.1}, "time_high is 0.1, below time_low 1"),
+        (
+            {"boundary_time_high": 0.9},
+            "boundary_time_high is 0.9 s; allowed: from time_low, 1 s, to",
+        ),
+        ({"boundary_time_high": 2.1}, "time_high, 2 s"),
         ({"horizon": 1.9}, "horizon is 1.9 s, below time_high 2 s"),
         ({"omegas": [1.0]}, "no 0"),
         ({"beta": 1.0}, "less than 1"),
@@ -39,8 +44,8 @@ def test_the_rules_get_every_setting_of_the_same_name() -> None:
     given = {
         "look_ahead": 2.5, "safe_distance": 0.9, "update_period": 0.2, "judge_ahead": 0.7,
         "arrival_tolerance": 0.03, "distance_low": 0.31, "distance_high": 0.32, "time_low": 0.33,
-        "time_high": 0.34, "boundary_low": 0.35, "beta": 0.36, "event_triggered": False,
-        "longest_interval": 0.37, "horizon": 3.7,
+        "time_high": 0.34, "boundary_low": 0.35, "boundary_time_high": 0.335, "beta": 0.36,
+        "event_triggered": False, "longest_interval": 0.37, "horizon": 3.7,
     }  # fmt: skip
     settings = ModeSwitchingSettings.model_validate(
         {**given, "dwell_times": [0.05, 0.15], "collision_motion": "translation"}
@@ -61,6 +66,10 @@ def test_safe_mode_goes_forward_only_as_set_or_in_a_formation(
 ) -> None:
     settings = ModeSwitchingSettings(reverse_in_safe_mode=may_reverse)
     assert (settings.forward_only(False), settings.forward_only(True)) == (alone, in_formation)
+
+
+def test_a_boundary_ahead_counts_as_a_robot_unless_set_otherwise() -> None:
+    assert ModeSwitchingSettings(time_high=1.7).rules().boundary_time_high == 1.7
 
 
 def test_the_rules_number_the_kinds_of_avoidance() -> None:

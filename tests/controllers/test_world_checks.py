@@ -158,8 +158,9 @@ def test_a_range_is_doubted_where_thresholds_cannot_be_kept(tmp_path, overrides,
 
 def test_the_range_of_a_formation_counts_where_there_is_no_other(tmp_path):
     key = "formation.range"
-    assert "at least" in said(checked(tmp_path, TOGETHER, "formation.range=2.0"))[key]
-    both = checked(tmp_path, TOGETHER, "formation.range=2.0", "sensing.range=8.0")
+    short = ("formation.range=2.0", "formation.neighbours=all")
+    assert "at least" in said(checked(tmp_path, TOGETHER, *short))[key]
+    both = checked(tmp_path, TOGETHER, *short, "sensing.range=8.0")
     assert said(both) == {}
 
 
@@ -206,7 +207,7 @@ def test_who_follows_against_the_reference_path_is_blind(tmp_path, centreline):
     with physim.simulate(parse_world(text)) as record:
         hit = bool(len(record.contacts))
     assert hit == (centreline == EAST)
-    assert ("against the reference path" in str(said(told))) == hit
+    assert ("same way" in str(said(told))) == hit
     assert '"front" and "rear"' in str(said(told)) or not hit
 
 
@@ -222,3 +223,55 @@ def test_others_against_the_reference_path_are_not_told(tmp_path):
     for one in (lone, crossing):
         assert "same way" not in str(said(checked(tmp_path, one)))
     assert "same way" not in str(said(checked(tmp_path, text, "controller.avoidance=none")))
+
+
+HALL = """\
+name: hall
+time: {step: 0.02, duration: 240.0}
+boundaries: [[[-6, -6], [50, -6], [50, 30], [-6, 30], [-6, -6]]]
+reference_path: REFERENCE
+robots:
+  - {name: fast, footprint: {length: 1.4, width: 0.8}, pose: [1.0, 0.0, 0.0], path: FAST}
+  - {name: slow, footprint: {length: 1.4, width: 0.8}, pose: [22.0, 0.0, 0.0], path: SLOW,
+     limits: {v: 0.3}}
+controller: {type: mode_switching, reverse_in_safe_mode: false}
+"""
+OUT = "[[0, 0], [40, 0]]"
+U_TURN = ("[[1, 0], [30, 0], [30, 8], [8, 8]]", "[[22, 0], [30, 0], [30, 8], [3, 8]]")
+CORNER_TURN = ("[[1, 0], [30, 0], [30, 20]]", "[[22, 0], [30, 0], [30, 24]]")
+STRAIGHT = ("[[1, 0], [40, 0]]", "[[22, 0], [44, 0]]")
+LAP = "[[0, 0], [0, 20], [40, 20], [40, 0], [0, 0]]"
+AGAINST_LAP = ("[[1, 0], [40, 0], [40, 20], [6, 20]]", "[[22, 0], [40, 0], [40, 20], [2, 20]]")
+
+
+@pytest.mark.parametrize(
+    ("reference", "ways", "is_blind"),
+    [
+        (OUT, U_TURN, True),
+        ("[[0, 0], [30, 0], [30, 8], [0, 8]]", U_TURN, False),
+        ("[[0, 0], [30, 0]]", CORNER_TURN, True),  # beyond the end all stations are equal
+        ("[[0, 0], [30, 0], [30, 26]]", CORNER_TURN, False),
+        ("[[32, 0], [48, 0]]", STRAIGHT, True),  # before its beginning, too
+        ("[[0, 0], [48, 0]]", STRAIGHT, False),
+        (LAP, AGAINST_LAP, True),
+        ("[[0, 0], [40, 0], [40, 20], [0, 20], [0, 0]]", AGAINST_LAP, False),
+    ],
+    ids=["U-turn", "U-turn along", "end", "end along", "start", "start along", "lap", "lap along"],
+)
+def test_who_follows_where_stations_do_not_grow_is_blind(tmp_path, reference, ways, is_blind):
+    text = HALL.replace("REFERENCE", reference).replace("FAST", ways[0]).replace("SLOW", ways[1])
+    assert ("same way" in str(said(checked(tmp_path, text)))) == is_blind
+    with physim.simulate(parse_world(text)) as record:
+        assert bool(len(record.contacts)) == is_blind
+
+
+def test_robots_are_judged_from_where_they_start(tmp_path):
+    """What of a path lies behind a robot is nobody's way; the joint of a lap is no turn."""
+    text = HALL.replace("REFERENCE", "[[32, 0], [48, 0]]")
+    text = text.replace("FAST", "[[-4, 0], [40, 0]]").replace("SLOW", "[[-4, 0], [44, 0]]")
+    assert "same way" in str(said(checked(tmp_path, text)))
+    ahead = text.replace("pose: [1.0,", "pose: [32.0,").replace("pose: [22.0,", "pose: [36.0,")
+    assert "same way" not in str(said(checked(tmp_path, ahead)))
+    lap = "[[0, 0], [40, 0], [40, 20], [0, 20], [0, 0]]"
+    round_it = HALL.replace("REFERENCE", lap).replace("FAST", lap).replace("SLOW", lap)
+    assert "same way" not in str(said(checked(tmp_path, round_it)))

@@ -133,7 +133,10 @@ def decide(view, s, memory, target):
     evaluations = looked_at
     answers = yield from _ask(view, s, others, rest)
     mode = _mode(memory.mode, distance, answers.values(), boundary, s)
-    if mode != SAFE and _stops_before(me, answers, s.boundary_low):
+    waits = mode != SAFE and s.boundary_time_high is not None
+    if waits:
+        waits = _walls_wait((yield from _ask(view, s, [], rest)), s)
+    if mode != SAFE and (waits or _stops_before(me, answers, s.boundary_low)):
         alone = yield from _ask(dataclasses.replace(view, walls=()), s, others, rest)
         mode = _mode(memory.mode, distance, alone.values(), boundary, s)
     longest = longest_interval(s)
@@ -169,6 +172,21 @@ def decide(view, s, memory, target):
 def _pairs(array):
     """Speed pairs (C, 2) as tuples."""
     return tuple((float(v), float(omega)) for v, omega in array)
+
+
+def _walls_wait(answers, s):
+    """Whether walls alone are met only after ``boundary_time_high``.
+
+    UnsureError where it turns on rounding, or on which of several commands is taken.
+    """
+    found = set()
+    for answer in answers.values():
+        if not answer.sure or abs(answer.time - s.boundary_time_high) < 2.0 * TIME:
+            raise UnsureError
+        found.add(answer.time > s.boundary_time_high)
+    if len(found) > 1:
+        raise UnsureError
+    return found.pop()
 
 
 def _stops_before(me, answers, clear):

@@ -26,6 +26,8 @@ SETTINGS = {
     "boundary_low": 0.15,
 }
 """[m] settings of the shipped controller that are lengths, at size 1"""
+CORNERS = "boundary_time_high: 1.0"
+"""A setting of it [s]: else robots that had to stop before a corner may stand there for ever"""
 FORWARD = "reverse_in_safe_mode: false"
 """A setting of it without a formation: robots that may reverse stand for ever in tight bends"""
 TOLERANCE = 0.1
@@ -125,12 +127,14 @@ def _control(size: float, reach: str) -> Iterator[str]:
         yield "  type: mode_switching"
         for key, value in SETTINGS.items():
             yield f"  {key}: {_scaled(value, size)}"
+        yield f"  {CORNERS}  # [s]"
         if not reach:
             yield f"  speed: {_scaled(1.0, size)}  # [m/s]"
             yield f"  {FORWARD}"
         yield f"arrival: {{tolerance: {_scaled(TOLERANCE, size)}}}  # [m]"
     else:
-        yield f"controller: {{type: mode_switching{'' if reach else f', {FORWARD}'}}}"
+        more = CORNERS if reach else f"{CORNERS}, {FORWARD}"
+        yield f"controller: {{type: mode_switching, {more}}}  # [s]"
     yield "expect: {contacts: 0, finished: true}"
 
 

@@ -243,7 +243,7 @@ EDITS = (
         "importing",
         "physim/authoring/importing/world_text.py",
         "_control",
-        "if not is_formation:",
+        "if not reach:",
         "if False:",
         "speeds shrink without a formation, too",
         "tests/importing/test_drawn_robots.py::test_speeds_shrink_with_robots_that_are_no_formation",
@@ -532,10 +532,10 @@ EDITS = (
         "importing",
         "physim/authoring/importing/world_text.py",
         "_control",
-        "is_formation else f', {FORWARD}'",
+        "reach else f', {FORWARD}'",
         "True else ''",
         "robots without a formation go on in tight bends",
-        "tests/importing/test_drawn_robots.py"
+        "tests/importing/test_drawn_laps.py"
         "::test_robots_on_laps_go_on_in_bends_tighter_than_they_turn",
     ),
     Edit(
@@ -545,7 +545,7 @@ EDITS = (
         'yield f"  {FORWARD}"',
         "pass",
         "small robots without a formation go on in tight bends",
-        "tests/importing/test_drawn_robots.py"
+        "tests/importing/test_drawn_laps.py"
         "::test_robots_on_laps_go_on_in_bends_tighter_than_they_turn",
     ),
     Edit(
@@ -555,7 +555,7 @@ EDITS = (
         " or ways.blocked(found, robots)",
         "",
         "who would stop in the way of another is in no formation",
-        "tests/importing/test_drawn_robots.py"
+        "tests/importing/test_queues.py"
         "::test_robots_whose_paths_meet_stop_in_the_order_in_which_they_come",
     ),
     Edit(
@@ -565,7 +565,7 @@ EDITS = (
         "comes - way[j] / speed[j] * speed[i] > margin",
         "True",
         "a robot may pass where another stops later",
-        "tests/importing/test_drawn_robots.py"
+        "tests/importing/test_queues.py"
         "::test_robots_whose_paths_meet_stop_in_the_order_in_which_they_come",
     ),
     Edit(
@@ -575,7 +575,7 @@ EDITS = (
         "hypot(*(path[-1] - line[-1])) < _apart(",
         "0.0 > _apart(",
         "robots on several paths to one end stop behind one another",
-        "tests/importing/test_drawn_robots.py"
+        "tests/importing/test_queues.py"
         "::test_robots_whose_paths_meet_stop_in_the_order_in_which_they_come",
     ),
     Edit(
@@ -585,7 +585,7 @@ EDITS = (
         "drawing.facts += _stops_told(found, groups)",
         "pass",
         "it is told where robots of a formation on several paths stop",
-        "tests/importing/test_drawn_robots.py"
+        "tests/importing/test_queues.py"
         "::test_robots_whose_paths_meet_stop_in_the_order_in_which_they_come",
     ),
     Edit(
@@ -595,7 +595,7 @@ EDITS = (
         "lead in some and len(some) == len(robots)",
         "True",
         "it is told where robots of a formation on several paths stop",
-        "tests/importing/test_drawn_robots.py"
+        "tests/importing/test_queues.py"
         "::test_robots_whose_paths_meet_stop_in_the_order_in_which_they_come",
     ),
     Edit(
@@ -614,7 +614,7 @@ EDITS = (
         "if gap <= 0.0 <",
         "if gap < 0.0 <",
         "robots that would stop in one place are no formation",
-        "tests/importing/test_drawn_robots.py"
+        "tests/importing/test_formations.py"
         "::test_robots_that_would_stop_in_one_place_are_no_formation",
     ),
     Edit(
@@ -624,7 +624,7 @@ EDITS = (
         "lag = max(lag, behind)",
         "pass",
         "robots of several paths stop a robot and a gap apart",
-        "tests/importing/test_drawn_robots.py"
+        "tests/importing/test_queues.py"
         "::test_robots_that_come_to_one_end_stop_behind_one_another_and_nowhere_else",
     ),
     Edit(
@@ -634,7 +634,7 @@ EDITS = (
         "max((one.lag + to_go - one.to_go for one in stops if one.group == k), default=0.0)",
         "0.0",
         "robots of a path stop as far apart as they start",
-        "tests/importing/test_drawn_robots.py"
+        "tests/importing/test_queues.py"
         "::test_those_on_a_path_with_a_name_stop_one_behind_the_other",
     ),
     Edit(
@@ -644,7 +644,7 @@ EDITS = (
         "to_go - other.to_go < UNSURE * _apart(robot, other.robot, found) and not told",
         "False",
         "who comes first of two at a time is not known",
-        "tests/importing/test_drawn_robots.py"
+        "tests/importing/test_queues.py"
         "::test_robots_that_come_to_one_end_stop_behind_one_another_and_nowhere_else",
     ),
     Edit(
@@ -654,7 +654,7 @@ EDITS = (
         "need - away",
         "need",
         "robots stop a robot and a gap behind those ahead, wherever the ends of their paths are",
-        "tests/importing/test_drawn_robots.py"
+        "tests/importing/test_queues.py"
         "::test_robots_stop_behind_those_in_their_way_wherever_their_paths_end",
     ),
     Edit(
@@ -664,7 +664,7 @@ EDITS = (
         "length - float(station) + need - away",
         "need",
         "robots stop a robot and a gap behind those ahead, wherever the ends of their paths are",
-        "tests/importing/test_drawn_robots.py"
+        "tests/importing/test_queues.py"
         "::test_robots_stop_behind_those_in_their_way_wherever_their_paths_end",
     ),
     Edit(
@@ -674,7 +674,7 @@ EDITS = (
         "gap(lag) < BESIDE * found.size",
         "False",
         "robots stop beside nobody nearer than robots keep",
-        "tests/importing/test_drawn_robots.py"
+        "tests/importing/test_queues.py"
         "::test_robots_that_come_to_one_end_from_all_sides_stop_apart",
     ),
     Edit(

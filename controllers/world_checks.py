@@ -69,7 +69,15 @@ def speed_doubts(settings: ModeSwitchingSettings, world: World, where: Location)
     fastest, why = max(robot.limits.v for robot in world.robots), "its limits.v"
     if plan is not None and plan.limits is not None and plan.limits[1] < fastest:
         fastest, why = plan.limits[1], "formation.limits"  # the bounds of (7)
-    if "speed" not in of.model_fields_set or of.speed <= fastest:
+    if "speed" not in of.model_fields_set:
+        return []
+    if plan is not None and plan.limits is not None and plan.speed < plan.limits[0] <= fastest:
+        message = (
+            f"no robot drives as slowly as {plan.speed:g} m/s in safe mode: formation.limits hold "
+            f"(7) at {plan.limits[0]:g} m/s at least; lower them, or raise the speed"
+        )
+        return [Fault((*at, "speed"), message)]
+    if of.speed <= fastest:
         return []
     message = (
         f"no robot drives at {of.speed:g} m/s: each goes at {why}, at most {fastest:g} m/s; "

@@ -178,7 +178,7 @@ def plot(options: Options) -> int:
     type=number_from(0.001, 1e6),
     metavar="X",
     help="simulated seconds a second of video, 0.001 to 1000000 (default: chosen so that the "
-    "video lasts at most 80 s; GIF and WebP: 20 s)",
+    "video lasts at most 80 s, GIF and WebP 20 s, and 1.5 s on the last picture)",
 )
 @flag("--quiet", "no progress bar")  # fmt: skip
 def video(options: Options) -> int:

@@ -164,7 +164,8 @@ def _declared(controller: object, key: str, kind: type) -> tuple:  # type: ignor
     for name in names:
         if not isinstance(name, str) or not _NAME.fullmatch(name):
             raise ControllerError(
-                f"{where}: name {name!r}; allowed: lower-case letters, digits and _, a letter first"
+                f"{where}: name {name!r}; allowed: 1 to 40 lower-case letters, digits and _, a "
+                "letter first"
             )
         if names.count(name) > 1:
             raise ControllerError(f'{where}: "{name}" is declared {names.count(name)} times')

@@ -64,7 +64,7 @@ def test_initial_spacing_counts_too(tmp_path):
 def test_the_reference_path_is_longer_than_the_formation(tmp_path):
     error = only_error(tmp_path, changed(CORRIDOR, ("-3.0]", "-31.0]")))
     check_finding(error, "3:24 corridor.centreline", "30 m", "formation 31 m")
-    warning = only_warning(tmp_path, changed(CORRIDOR, ("-3.0]", "-28.0]")))
+    warning = only_warning(tmp_path, changed(CORRIDOR, ("-3.0]", "-28.0], range: 30.0")))
     figures = ("station 3.00 m", "stop station, 2.00 m")
     check_finding(warning, "11:11 robots[1].pose", '"b"', *figures)
 
@@ -75,6 +75,20 @@ def test_a_run_too_short_to_finish_is_a_warning(tmp_path):
     figures = ("24 m", "24 s at 1 m/s", "20 s", "expect.finished")
     check_finding(warning, "2:30 time.duration", "short", '"a"', *figures)
     assert lines(check(tmp_path, text.replace("finished: true", "contacts: 0"))) == ([], [])
+
+
+@pytest.mark.parametrize(("speed", "held"), [(2.0, 1.3), (0.5, 0.8)])
+def test_the_time_to_finish_is_that_at_the_limits_of_the_formation(tmp_path, speed, held):
+    """As (7) holds it; what a run takes."""
+    text = changed(CORRIDOR, ("{spacing", f"{{speed: {speed}, spacing"))
+    text += "expect: {finished: true}\n"
+    needed = 24.0 / held
+    for duration, is_told in ((0.97 * needed, True), (1.03 * needed, False)):
+        one = changed(text, ("duration: 60.0", f"duration: {duration:.1f}"))
+        told = with_facts(lines(check(tmp_path, one))[1], "time.duration", "short to finish")
+        assert bool(told) == is_told
+        with simulate(parse_world(one)) as record:
+            assert (record.ended != "finished") == is_told
 
 
 def test_a_steady_speed_outside_its_limits_is_a_warning(tmp_path):

@@ -154,3 +154,21 @@ def test_ways_too_long_to_be_followed_are_not(monkeypatch: pytest.MonkeyPatch) -
     monkeypatch.setattr(measuring, "pack_polylines", None)
     args = np.zeros((1, 3)), radius, np.array([length])
     assert measuring.measured([far], far, *args) is None
+
+
+def test_beside_an_error_nobody_is_foretold_from_where_none_was_drawn(tmp_path: Path) -> None:
+    """Robots of the seed's are not placed then; without the error nothing is told either."""
+    text = (
+        "name: drawn\ntime: {step: 0.02, duration: 90.0}\n"
+        "corridor: {centreline: [[0, 0], [60, 0]], width: 8.0}\n"
+        "robots:\n"
+        "  - {name: a, footprint: &box {length: 1.0, width: 0.6}, path: {offset: 1},\n"
+        "     start: {region: [[8, 0.5], [10, 0.5], [10, 1.5], [8, 1.5]], heading: 0.0}}\n"
+        "  - {name: b, footprint: *box, path: {offset: -1},\n"
+        "     start: {region: [[4, -1.5], [6, -1.5], [6, -0.5], [4, -0.5]], heading: 0.0}}\n"
+        "formation: {spacing: [0, -4]}\n"
+    )
+    for one in (text, text + "physics: {friction: -1.0}\n"):
+        errors, warnings = lines(check(tmp_path, one))
+        assert bool(errors) == ("friction" in one)
+        assert warnings == []

@@ -106,6 +106,9 @@ def test_a_speed_that_no_robot_reaches_is_doubted(tmp_path, controller):
     fast = "formation={speed: 1.6, limits: [0.8, 2.0], range: 20.0}"
     together = checked(tmp_path, ALONE, fast, controller=controller)
     assert "limits.v" in said(together)["formation.speed"]
+    slow = "formation={speed: 0.5, limits: [0.8, 2.0], range: 20.0}"
+    doubt = said(checked(tmp_path, ALONE, slow, controller=controller))["formation.speed"]
+    assert {"0.5", "0.8"} <= set(doubt.split())
 
 
 # Arrival

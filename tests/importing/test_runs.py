@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 import shapely
 
+from physim import simulate
 from physim.authoring.importing import Imported, Options, import_world
 from physim.parts.registry import CONTROLLER, make_part
 from physim.record import Record
@@ -18,6 +19,7 @@ from physim.simulation.loop import Simulation
 from physim.simulation.run import record_run
 from physim.world.layout.scene_builder import build_scene
 from tests.importing.plans import SAMPLES, svg
+from tests.importing.test_joining import geojson
 
 MAPS = Path(__file__).parents[2].parent / "shared" / "cases" / "maps"
 MAP_NAMES = (
@@ -66,6 +68,35 @@ def test_every_format_runs_for_a_minute(name: str) -> None:
     assert record.extremes["boundary_clearance"].min() > 0.05
     if length < 50.0:
         assert record.ended == "finished"
+
+
+@pytest.mark.parametrize(
+    ("racks", "aisle", "wide", "robots"), [(1, 4.0, 21.2, 3), (2, 4.0, 24.2, 2)]
+)
+def test_robots_that_had_to_stop_before_a_corner_go_on(
+    tmp_path: Path, racks: int, aisle: float, wide: float, robots: int
+) -> None:
+    """To and fro through the aisles of a warehouse; as the controller's default has it some stand
+    before a corner for ever."""
+    pitch = aisle + 0.8
+    high = racks * pitch + aisle
+    ends = [(1.8, wide - 1.8)[:: 1 if k % 2 == 0 else -1] for k in range(racks + 1)]
+    way = [(x, aisle / 2 + k * pitch) for k, two in enumerate(ends) for x in two]
+    parts = [
+        ("boundary", shapely.box(0, 0, wide, high)), ("path", shapely.LineString(way)),
+        *(("obstacle", shapely.box(3.6, aisle + k * pitch, wide - 3.6, (k + 1) * pitch))
+          for k in range(racks)),
+    ]  # fmt: skip
+    made = import_world(geojson(tmp_path, parts), Options(robots=robots))
+    ended = {}
+    for high_time in (made.world.controller.settings.get("boundary_time_high"), None):
+        settings = {"type": "mode_switching"}
+        if high_time is not None:
+            settings |= {"boundary_time_high": high_time}
+        with simulate(made.world.changed(controller=settings)) as record:
+            ended[high_time is None] = record.ended
+            assert len(record.contacts) == 0
+    assert ended == {False: "finished", True: "duration"}
 
 
 def hallway(end: float) -> str:

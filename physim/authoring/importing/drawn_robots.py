@@ -173,9 +173,11 @@ def _hardly_moving(
             continue
         if not drawing.has_formation:
             lead = leads.get(id(line), "")
-        one = max(group, key=lambda one: (round(ways[one.name], 1), one.name != lead))
+        behind = [one for one in group if one.name != lead] or group
+        one = max(behind, key=lambda one: ways[one.name])
         said = f"WARNING: {one.name} goes {ways[one.name]:.2f} m of a path of "
-        said += f"{length_of(line):.2f} m, and no other on it farther: "
+        said += f"{length_of(line):.2f} m, and no other "
+        said += "on it farther: " if len(behind) == len(group) else f"behind {lead} farther: "
         rear = group[int(np.argmin(stations(line, group)))]
         if station_of(line, np.array(rear.pose[:2])) > 0.5 * length_of(line):
             said += f"it stands near its end, {place(line[-1])}; if that is where it is to begin, "

@@ -111,7 +111,8 @@ def draw(
     for path in paths:
         if os.path.lexists(path) and not force:
             raise PhysimError(
-                f"{path}: exists; use --force to overwrite it, or -o for another folder"
+                f"{path}: exists; use --force (force=True) to overwrite it, or -o for another "
+                "folder"
             )
     drawn: list[Path] = []
     try:

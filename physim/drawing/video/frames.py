@@ -103,7 +103,7 @@ PALE = 0.45
 SAMPLE = "shown at {:.1f} s: "
 """Before what is said of a coarse record, of which a sample before the clock's time is shown"""
 MOST_NAMED = 2
-"""Differing values of the two worlds that the titles name; of more the number."""
+"""Differing values of the two worlds that the titles name."""
 
 
 class Beside:
@@ -257,18 +257,20 @@ def titles(left: World, right: World) -> tuple[str, str]:
     """Say of two effective worlds in what they differ: a title for either.
 
     Each is one line: the values of the keys that differ; where they are many, the names of the
-    worlds, or of worlds with one name their number; empty where the worlds are the same.
+    worlds, or of worlds with one name the first and how many more; empty where the worlds are the
+    same.
     """
     found = differences(left, right)
     if len(found) > MOST_NAMED and left.name != right.name:
         return left.name, right.name
-    if len(found) > MOST_NAMED:
-        return f"{len(found)} values differ", f"{len(found)} values differ"
     words = [_word(key.removesuffix(".type")) for key in found]
     if len(set(words)) < len(words):
         words = list(found)
+    named = list(zip(words, found.values(), strict=True))[:MOST_NAMED]
+    more = len(found) - len(named)
     first, second = (
-        ", ".join(f"{word}: {pair[side]}" for word, pair in zip(words, found.values(), strict=True))
+        ", ".join(f"{word}: {pair[side]}" for word, pair in named)
+        + (f", and {more} more" if more else "")
         for side in (0, 1)
     )
     return first, second

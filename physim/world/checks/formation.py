@@ -56,6 +56,8 @@ def check_formation(laid: PartialLayout, speed: float, found: Diagnostics) -> No
         if leads is None:
             return
         speed = 1.0 if plan.speed is None else plan.speed
+        if plan.limits is not None:  # of (7)
+            speed = min(max(speed, plan.limits[0]), plan.limits[1])
         check_spacing(laid, laid.reference, leads, found)
         check_order(laid, leads, found)
     if stations is not None and leads is not None:

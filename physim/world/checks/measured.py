@@ -34,6 +34,8 @@ def check_measured(laid: PartialLayout, found: Diagnostics) -> None:
     """Warn of a formation that is far off where all its robots have driven to their stops."""
     if laid.world.formation is None or laid.reference is None or laid.faults:
         return
+    if np.isnan(laid.start).any():  # not drawn, beside errors
+        return
     told = {fault.location[:1] for fault in found.errors}
     if told & {("formation",), laid.reference_key[:1]}:
         return

@@ -764,4 +764,22 @@ EDITS = (
         "robots that no chain of pairs connects are told",
         "tests/checking/test_neighbourhood.py::test_a_formation_in_parts_is_told",
     ),
+    Edit(
+        "checking",
+        "physim/world/checks/formation.py",
+        "check_formation",
+        "min(max(speed, plan.limits[0]), plan.limits[1])",
+        "speed",
+        "a run takes as long as (7) within its limits lets it",
+        "tests/checking/test_formations.py::test_the_time_to_finish_is_that_at_the_limits_of_the_formation",
+    ),
+    Edit(
+        "checking",
+        "physim/world/checks/measured.py",
+        "check_measured",
+        "np.isnan(laid.start).any()",
+        "False",
+        "robots that were not placed are not followed",
+        "tests/checking/test_measured.py::test_beside_an_error_nobody_is_foretold_from_where_none_was_drawn",
+    ),
 )

@@ -259,4 +259,22 @@ EDITS = (
         "constant: every robot takes the first command",
         "tests/controllers/test_constant.py::test_every_robot_holds_its_own_and_those_beyond_the_list_stand",
     ),
+    Edit(
+        "controllers",
+        "controllers/mode_switching.py",
+        "decide_one",
+        "is_wall_later(bodies, me, mine, own.sight, rules) or ",
+        "",
+        "a wall beyond boundary_time_high ends no danger",
+        "tests/controllers/test_standing.py::test_a_wall_behind_a_corner_keeps_nobody_standing_who_had_to_stop",
+    ),
+    Edit(
+        "controllers",
+        "controllers/mode_switching.py",
+        "is_wall_later",
+        "> high",
+        "> 0.5 * high",
+        "a wall within boundary_time_high keeps danger mode",
+        "tests/controllers/test_mode_switching.py::test_every_decision_agrees_with_the_oracle",
+    ),
 )

@@ -87,6 +87,21 @@ def test_the_scenes_meet_every_branch(tally: Tally) -> None:
     )
 
 
+def test_a_wall_beyond_its_threshold_keeps_nobody_in_danger() -> None:
+    """In danger before, and a wall within ``time_high`` ahead, but not ``boundary_time_high``."""
+    cases = []
+    for seed in range(70):
+        rng = np.random.default_rng([5, seed])
+        history, drawn = random_history(rng, moments=4), random_settings(rng).model_dump()
+        drawn |= {"time_low": 1.5, "time_high": 8.0, "horizon": 10.0, "avoidance": "time_first"}
+        drawn |= {"boundary_time_high": 1.5 + rng.uniform(0.0, 0.5), "boundary_low": 0.0}
+        drawn |= {"distance_low": 0.1, "distance_high": 0.1}
+        cases.append((history, ModeSwitchingSettings.model_validate(drawn)))
+    tally = hold_against_oracle(cases)
+    assert tally.faults == []
+    assert tally.met["a wall beyond boundary_time_high"] >= 4
+
+
 def test_candidates_that_are_equally_good() -> None:
     """Heading, then |omega|, then the order of the sets."""
     tally = hold_against_oracle([equal_case(np.random.default_rng([2, k])) for k in range(150)])

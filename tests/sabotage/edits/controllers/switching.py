@@ -273,8 +273,8 @@ EDITS = (
         "controllers/mode_switching.py",
         "is_wall_later",
         "> high",
-        "> 0.5 * high",
+        "> 0.0",
         "a wall within boundary_time_high keeps danger mode",
-        "tests/controllers/test_mode_switching.py::test_every_decision_agrees_with_the_oracle",
+        "tests/controllers/test_mode_switching.py::test_a_wall_beyond_its_threshold_keeps_nobody_in_danger",
     ),
 )

@@ -154,7 +154,7 @@ def test_a_robot_that_stops_early_behind_another_is_told_so(tmp_path: Path) -> N
     told = only(import_world(geojson(tmp_path, parts)), "WARNING")
     check_says(told, "a goes … behind b")
     assert "other way round" not in told
-    bent = ("path", shapely.LineString([(3, 5), (24, 5), (47, 5.6)]))
-    beside = [HALL, bent, ("robot a", box(4, 5)), ("robot b", box(41, 6.2))]
-    told = only(import_world(geojson(tmp_path, beside)), "WARNING")
-    check_says(told, "a goes … as far before its end as it starts behind b")
+    bent = ("path", shapely.LineString([(3, 5), (43, 5), (46.5, 8.5)]))
+    outside = [HALL, bent, ("robot a", box(4, 5)), ("robot b", box(39, 4.2))]  # goes farther
+    told = only(import_world(geojson(tmp_path, outside)), "WARNING")
+    check_says(told, "a goes … behind b farther … as it starts behind b")

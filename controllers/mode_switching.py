@@ -38,7 +38,6 @@ from physim.parts.declarations import PAPER_MODES, STANDARD_COLUMNS, Rule
 from physim.world.scene import Scene
 
 from .avoidance import first_robot, longest_pair, smallest_distance, smallest_time, widest_pair
-from .blind_followers import sense_doubts
 from .formation import SpeedRule, forward_speed
 from .near_field import COLUMNS, NearField, course_under, look_about
 from .path_following import judging_time, put_best_plan, put_pairs, target_on_path
@@ -281,14 +280,13 @@ class ModeSwitching:
         return speed_faults(self.settings, world, where)
 
     def world_doubts(self, world: World, where: Location) -> list[Fault]:
-        """Doubt speeds out of reach, stops short of arrival, too short a range, blind followers."""
+        """Doubt speeds out of reach, stops short of arrival, too short a range."""
         settings = self.settings
         may_stand = not settings.forward_only(world.formation is not None)
         return [
-            *speed_doubts(settings, world, where),
+            *speed_doubts(settings, world, where, by_7=True),
             *stop_doubts(settings, world, may_stand),
             *range_doubts(settings, world),
-            *sense_doubts(settings, world),
         ]
 
     def decide(self, observation: Observation, memory: Any) -> Decision:

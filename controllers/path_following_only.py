@@ -49,7 +49,10 @@ class PathFollowing:
 
     def world_doubts(self, world: World, where: Location) -> list[Fault]:
         """Doubt speeds out of reach, and stops short of arrival."""
-        return [*speed_doubts(self.paper, world, where), *stop_doubts(self.paper, world)]
+        return [
+            *speed_doubts(self.paper, world, where, by_7=False),
+            *stop_doubts(self.paper, world),
+        ]
 
     def decide(self, observation: Observation, memory: Any) -> Decision:
         """Choose the speed pair that ends nearest to the target (5)."""

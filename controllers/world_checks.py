@@ -62,19 +62,26 @@ def speed_faults(settings: ModeSwitchingSettings, world: World, where: Location)
     return [Fault((*where, "speed"), message)]
 
 
-def speed_doubts(settings: ModeSwitchingSettings, world: World, where: Location) -> list[Fault]:
-    """Warn of a speed that is written, but that the limits of all robots hold below it."""
-    plan = world.formation
+def speed_doubts(
+    settings: ModeSwitchingSettings, world: World, where: Location, by_7: bool
+) -> list[Fault]:
+    """Warn of a speed that is written, but that the limits hold elsewhere.
+
+    Those of all robots, and, where speeds are set ``by_7``, those of the formation.
+    """
+    plan, bounds = world.formation, None
+    if by_7 and plan is not None:
+        bounds = plan.limits
     of, at = (settings, where) if plan is None else (plan, ("formation",))
     fastest, why = max(robot.limits.v for robot in world.robots), "its limits.v"
-    if plan is not None and plan.limits is not None and plan.limits[1] < fastest:
-        fastest, why = plan.limits[1], "formation.limits"  # the bounds of (7)
+    if bounds is not None and bounds[1] < fastest:
+        fastest, why = bounds[1], "formation.limits"
     if "speed" not in of.model_fields_set:
         return []
-    if plan is not None and plan.limits is not None and plan.speed < plan.limits[0] <= fastest:
+    if bounds is not None and of.speed < bounds[0] <= fastest:
         message = (
-            f"no robot drives as slowly as {plan.speed:g} m/s in safe mode: formation.limits hold "
-            f"(7) at {plan.limits[0]:g} m/s at least; lower them, or raise the speed"
+            f"no robot drives as slowly as {of.speed:g} m/s in safe mode: formation.limits hold "
+            f"(7) at {bounds[0]:g} m/s at least; lower them, or raise the speed"
         )
         return [Fault((*at, "speed"), message)]
     if of.speed <= fastest:

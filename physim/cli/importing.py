@@ -87,7 +87,8 @@ ASKED = (
     section=ROUTE,
     help="[m] length and width of a robot (default: as large as fits, at most 1.8,1.0)",
 )
-@flag("--quiet", "no report")  # fmt: skip
+@flag("--untried", "do not drive the world made once, to see if all robots arrive")
+@flag("--quiet", "no report, and no drive")  # fmt: skip
 def import_command(options: Options) -> int:
     """Make a world from a race-track CSV, ROS map, SVG drawing, WKT or GeoJSON, and list every line
     that was dropped or repaired. Beside it goes world.schema.json, by which editors complete keys.
@@ -118,8 +119,12 @@ def import_command(options: Options) -> int:
     written = write_schema(output, options.force)  # first: without the world nothing is imported
     write_text(output, imported.text)
     if not options.quiet:
-        lines = [*_report(source, imported), *_doubts(output, options.lanes or 1), written]
-        print("\n".join(lines))
+        lines = [*_report(source, imported), *_doubts(output, options.lanes or 1)]
+        if not options.untried:
+            from physim.cli.trying import tried
+
+            lines += tried(imported.world, options.quiet)
+        print("\n".join([*lines, written]))
     return 0
 
 

@@ -95,6 +95,15 @@ def test_who_was_near_is_named(opened: Opened, ten: Record, page_of_ten: Path) -
     seen.settle()
     told = seen.text("#why .because")
     assert re.search(rf"it touched a robot it considered, {record.names[nearest]}(\.$| and )", told)
+    seen.ask(
+        "(({ view }, robot) => view.run.column('own:distance')"
+        f"[view.run.decision(robot, {at + 1e-6})] = 0)(physim, {robot})"
+    )
+    seen.ask("physim.go({robot: -1})")
+    seen.ask(f"physim.go({{robot: {robot}}})")
+    seen.settle()
+    told = seen.text("#why .because")
+    assert re.search(rf"it touched a robot it considered, {record.names[nearest]}(\.$| and )", told)
 
 
 def test_a_contact_tells_what_validate_says(opened: Opened, record: Record) -> None:

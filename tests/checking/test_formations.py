@@ -89,6 +89,11 @@ def test_the_time_to_finish_is_that_at_the_limits_of_the_formation(tmp_path, spe
         assert bool(told) == is_told
         with simulate(parse_world(one)) as record:
             assert (record.ended != "finished") == is_told
+    deaf = changed(text, ("duration: 60.0", f"duration: {0.97 * 24.0 / min(speed, 1.5):.1f}"))
+    deaf += "controller: {type: path_following}\n"  # (7) is not its rule
+    assert with_facts(lines(check(tmp_path, deaf))[1], "time.duration", "short to finish")
+    with simulate(parse_world(deaf)) as record:
+        assert record.ended != "finished"
 
 
 def test_a_steady_speed_outside_its_limits_is_a_warning(tmp_path):

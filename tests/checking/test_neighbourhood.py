@@ -95,3 +95,16 @@ def test_the_range_that_is_named_connects_all(tmp_path: Path) -> None:
     named = float(warning.split("range of at least ")[1].split()[0])
     _, warnings = lines(check(tmp_path, text(f"range: {named}", "initial", 33.3, 27.7)))
     assert warnings == []
+
+
+@pytest.mark.parametrize(
+    "neighbours",
+    ["[[a, b, c]]", "[[a]]", "[[1, 2]]", "[a, b]", "{a: 1}", "none", "true", "3", "", "[[a, z]]"],
+)
+def test_neighbours_of_the_wrong_kind_are_an_error_and_nothing_more(
+    tmp_path: Path, neighbours: str
+) -> None:
+    errors, warnings = lines(check(tmp_path, text(f"neighbours: {neighbours}")))
+    assert errors
+    assert all("formation.neighbours" in one for one in errors)
+    assert "whatever the gain" not in str(warnings)

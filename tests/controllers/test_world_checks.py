@@ -107,8 +107,11 @@ def test_a_speed_that_no_robot_reaches_is_doubted(tmp_path, controller):
     together = checked(tmp_path, ALONE, fast, controller=controller)
     assert "limits.v" in said(together)["formation.speed"]
     slow = "formation={speed: 0.5, limits: [0.8, 2.0], range: 20.0}"
-    doubt = said(checked(tmp_path, ALONE, slow, controller=controller))["formation.speed"]
-    assert {"0.5", "0.8"} <= set(doubt.split())
+    told = said(checked(tmp_path, ALONE, slow, controller=controller))
+    if controller == "path_following":  # it does not drive by (7)
+        assert "formation.speed" not in told
+    else:
+        assert {"0.5", "0.8"} <= set(told["formation.speed"].split())
 
 
 # Arrival
@@ -185,96 +188,3 @@ def test_a_head_on_meeting_at_the_needed_range_is_seen_in_time():
 def test_no_shipped_world_is_doubted(name):
     keys = {"sensing.range", "formation.range", "arrival.tolerance", "controller.arrival_tolerance"}
     assert keys.isdisjoint(said(check_world(name)))
-
-
-# The way the reference path leads
-
-FOLLOWING = """\
-name: following
-time: {step: 0.02, duration: 12.0}
-corridor: {centreline: CENTRELINE, width: 7.0}
-robots:
-  - {name: front, footprint: {length: 1.2, width: 0.7}, pose: [30, 0, 3.1416],
-     path: [[38, 0], [2, 0]], limits: {v: 0.4}}
-  - {name: rear, footprint: {length: 1.2, width: 0.7}, pose: [34, 0, 3.1416],
-     path: [[38, 0], [6, 0]]}
-"""
-EAST, WEST = "[[0, 0], [40, 0]]", "[[40, 0], [0, 0]]"
-
-
-@pytest.mark.parametrize("centreline", [EAST, WEST])
-def test_who_follows_against_the_reference_path_is_blind(tmp_path, centreline):
-    """Told where it is so, and only there: the run has a contact."""
-    text = FOLLOWING.replace("CENTRELINE", centreline)
-    told = checked(tmp_path, text)
-    with physim.simulate(parse_world(text)) as record:
-        hit = bool(len(record.contacts))
-    assert hit == (centreline == EAST)
-    assert ("same way" in str(said(told))) == hit
-    assert '"front" and "rear"' in str(said(told)) or not hit
-
-
-def test_others_against_the_reference_path_are_not_told(tmp_path):
-    """One alone, two that cross or go another way, and who does not look out at all."""
-    text = FOLLOWING.replace("CENTRELINE", EAST)
-    beside = text.replace("[38, 0], [6", "[36, 1], [6")
-    for one in (text, beside):
-        assert "same way" in str(said(checked(tmp_path, one)))
-    lone = text.replace("path: [[38, 0], [6, 0]]", "path: {offset: 2}")
-    lone = lone.replace("[34, 0, 3.1416]", "[4, 2, 0]")
-    crossing = text.replace("[[38, 0], [6, 0]]", "[[34, 3], [33, -3]]")
-    for one in (lone, crossing):
-        assert "same way" not in str(said(checked(tmp_path, one)))
-    assert "same way" not in str(said(checked(tmp_path, text, "controller.avoidance=none")))
-
-
-HALL = """\
-name: hall
-time: {step: 0.02, duration: 240.0}
-boundaries: [[[-6, -6], [50, -6], [50, 30], [-6, 30], [-6, -6]]]
-reference_path: REFERENCE
-robots:
-  - {name: fast, footprint: {length: 1.4, width: 0.8}, pose: [1.0, 0.0, 0.0], path: FAST}
-  - {name: slow, footprint: {length: 1.4, width: 0.8}, pose: [22.0, 0.0, 0.0], path: SLOW,
-     limits: {v: 0.3}}
-controller: {type: mode_switching, reverse_in_safe_mode: false}
-"""
-OUT = "[[0, 0], [40, 0]]"
-U_TURN = ("[[1, 0], [30, 0], [30, 8], [8, 8]]", "[[22, 0], [30, 0], [30, 8], [3, 8]]")
-CORNER_TURN = ("[[1, 0], [30, 0], [30, 20]]", "[[22, 0], [30, 0], [30, 24]]")
-STRAIGHT = ("[[1, 0], [40, 0]]", "[[22, 0], [44, 0]]")
-LAP = "[[0, 0], [0, 20], [40, 20], [40, 0], [0, 0]]"
-AGAINST_LAP = ("[[1, 0], [40, 0], [40, 20], [6, 20]]", "[[22, 0], [40, 0], [40, 20], [2, 20]]")
-
-
-@pytest.mark.parametrize(
-    ("reference", "ways", "is_blind"),
-    [
-        (OUT, U_TURN, True),
-        ("[[0, 0], [30, 0], [30, 8], [0, 8]]", U_TURN, False),
-        ("[[0, 0], [30, 0]]", CORNER_TURN, True),  # beyond the end all stations are equal
-        ("[[0, 0], [30, 0], [30, 26]]", CORNER_TURN, False),
-        ("[[32, 0], [48, 0]]", STRAIGHT, True),  # before its beginning, too
-        ("[[0, 0], [48, 0]]", STRAIGHT, False),
-        (LAP, AGAINST_LAP, True),
-        ("[[0, 0], [40, 0], [40, 20], [0, 20], [0, 0]]", AGAINST_LAP, False),
-    ],
-    ids=["U-turn", "U-turn along", "end", "end along", "start", "start along", "lap", "lap along"],
-)
-def test_who_follows_where_stations_do_not_grow_is_blind(tmp_path, reference, ways, is_blind):
-    text = HALL.replace("REFERENCE", reference).replace("FAST", ways[0]).replace("SLOW", ways[1])
-    assert ("same way" in str(said(checked(tmp_path, text)))) == is_blind
-    with physim.simulate(parse_world(text)) as record:
-        assert bool(len(record.contacts)) == is_blind
-
-
-def test_robots_are_judged_from_where_they_start(tmp_path):
-    """What of a path lies behind a robot is nobody's way; the joint of a lap is no turn."""
-    text = HALL.replace("REFERENCE", "[[32, 0], [48, 0]]")
-    text = text.replace("FAST", "[[-4, 0], [40, 0]]").replace("SLOW", "[[-4, 0], [44, 0]]")
-    assert "same way" in str(said(checked(tmp_path, text)))
-    ahead = text.replace("pose: [1.0,", "pose: [32.0,").replace("pose: [22.0,", "pose: [36.0,")
-    assert "same way" not in str(said(checked(tmp_path, ahead)))
-    lap = "[[0, 0], [40, 0], [40, 20], [0, 20], [0, 0]]"
-    round_it = HALL.replace("REFERENCE", lap).replace("FAST", lap).replace("SLOW", lap)
-    assert "same way" not in str(said(checked(tmp_path, round_it)))

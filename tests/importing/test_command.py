@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 
 from physim.authoring.importing import FORMATS, Options, import_world
+from physim.cli import trying
 from physim.world.file import load_world
 from physim.world.file.schema import schema_text
 from tests.cli.commands import physim
@@ -155,7 +156,7 @@ def test_what_the_check_says_of_the_world_is_told(
     warning, rest = told.split("\n", 1)
     assert warning.startswith("  w.yaml:")
     assert re.search(facts("15.00 m", "at or past", "stop station"), warning)
-    assert rest.startswith("written: w.yaml")
+    assert rest.startswith("tried for ")
     checked = physim("check", "w.yaml", capture=capture)
     assert warning in checked.out
     physim("import", "hall.svg", "-o", "v.yaml", "--scale", "0.1", "--quiet", capture=capture)
@@ -175,7 +176,7 @@ def test_lanes_that_come_close_in_a_sharp_bend_are_told(
     command = ("import", "z.csv", "-o", "w.yaml", "--robots", "6", "--force", "--lanes")
     done = physim(*command, "2", capture=capture)
     assert "formation: in formation" in done.out
-    advice = done.out.split("\nwritten: ")[0].splitlines()[-1]
+    advice = done.out.split("\ntried for ")[0].splitlines()[-1]
     assert re.search(facts("--lanes 1", "fewer"), advice)
     assert "physim check reports" not in physim(*command, "1", capture=capture).out
 
@@ -202,3 +203,40 @@ def test_errors_of_the_world_are_told_from_warnings(
     told = [one for one in done.out.splitlines() if "less than their footprints" in one]
     assert told
     assert all(one.startswith("  error: ") for one in told)
+
+
+HALL = """
+<rect id="boundary" width="30" height="18"/><path id="path_a" d="M 3 2 H 15"/>
+<rect id="robot_a" x="2.5" y="1.6" width="1.2" height="0.8"/>
+"""
+BLOCKED = """
+<path id="path_b" d="M 25 15 V 2 H 4"/><rect id="robot_b" x="24.6" y="13" width="0.8" height="1.2"/>
+"""
+
+
+@pytest.mark.parametrize(
+    ("shapes", "says"),
+    [
+        (HALL, "all robots arrive; no contact"),
+        (HALL + BLOCKED, "WARNING: 1 of 2 robots does not arrive, b"),  # a stands in its way
+    ],
+)
+def test_the_world_made_is_driven_once(
+    shapes: str, says: str, here: Path, capture: pytest.CaptureFixture[str]
+) -> None:
+    (here / "d.svg").write_text(svg(shapes))
+    done = physim("import", "d.svg", "-o", "w.yaml", "--scale", "1", capture=capture)
+    assert done.code == 0
+    line = next(one for one in done.out.splitlines() if one.startswith("tried for "))
+    assert says in line, done.out
+    again = ("import", "d.svg", "-o", "w.yaml", "--scale", "1", "--force")
+    assert "tried" not in physim(*again, "--untried", capture=capture).out
+    assert "tried" not in physim(*again, "--quiet", capture=capture).out
+
+
+def test_what_would_take_long_is_not_tried(
+    here: Path, capture: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(trying, "MOST_STEPS", 100)
+    done = physim("import", "office.wkt", "-o", "w.yaml", capture=capture)
+    assert re.search(r"^not tried: [0-9,]+ steps of robots", done.out, re.MULTILINE)

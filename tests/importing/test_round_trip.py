@@ -26,6 +26,7 @@ from tests.importing.plans import (
     svg_path,
     write_map,
 )
+from tests.importing.test_joining import geojson
 
 MILLIMETRE = 0.001
 ROUNDED = 0.75 * MILLIMETRE
@@ -221,3 +222,17 @@ def test_wkt_and_geojson_come_back(tmp_path: Path) -> None:
     half = import_world(wkt, Options(scale=0.5)).world
     scaled = shapely.affinity.scale(plan.boundary, 0.5, 0.5, origin=(0, 0))
     assert apart(outline(half), scaled) < ROUNDED
+
+
+@pytest.mark.parametrize("size", [0.5, 1.0, 3.0])
+def test_robots_see_as_far_as_their_size_asks(tmp_path: Path, size: float) -> None:
+    """Without a formation, whose range they would have: 10 m times their size."""
+    robot = shapely.affinity.scale(shapely.box(3, 4.5, 4.8, 5.5), size, size, origin=(0, 0))
+    parts = [("boundary", shapely.box(0, 0, 40 * size, 20 * size)),
+             ("path", shapely.LineString([(3 * size, 5 * size), (37 * size, 5 * size)])),
+             ("path b", shapely.LineString([(37 * size, 15 * size), (3 * size, 15 * size)])),
+             ("robot a", robot),
+             ("robot b", shapely.affinity.translate(robot, 32 * size, 10 * size))]  # fmt: skip
+    world = import_world(geojson(tmp_path, parts)).world
+    assert world.formation is None
+    assert world.sensing_range == pytest.approx(10.0 * size)

@@ -10,7 +10,8 @@ import pytest
 import shapely
 
 from physim.authoring.importing import Imported, Options, import_world, lanes, robots
-from physim.authoring.importing.robots import Placed, least_stop_gap, stop_stations
+from physim.authoring.importing.placed import Placed
+from physim.authoring.importing.stops import least_stop_gap, stop_stations
 from physim.parts.registry import CONTROLLER, make_part
 from physim.simulation.loop import Simulation
 from physim.world.layout.scene_builder import build_scene
@@ -66,7 +67,18 @@ def test_a_path_that_ends_after_a_bend_is_shortened_until_all_arrive(tmp_path: P
     imported = import_world(track(tmp_path, CORNER, 3.0), Options(robots=4))
     told = [change for change in imported.changes if "more at its end" in change]
     assert len(told) == 1
-    check_says(told[0], "0.80 m more … bend … 0.44 m … 1.24 m")
+    check_says(told[0], "1.20 m more … bend … 0.28 m … 1.20 m")
+    assert finishes(imported)
+
+
+def test_who_stops_just_behind_a_corner_still_heads_as_it_came(tmp_path: Path) -> None:
+    """A corner is cut, and who stops half a metre behind it lies across it: the next one waits."""
+    aisles = [(16.59, 0), (0, 0), (0, 3.53), (13.29, 3.53), (13.29, 3.93), (0, 3.93), (0, 11.4),
+              (16.59, 11.4), (16.59, 7.87), (3.29, 7.87), (3.29, 7.47), (16.59, 7.47)]  # fmt: skip
+    way = [(1.65, 1.77), (14.94, 1.77), (14.94, 5.7), (1.65, 5.7), (1.65, 9.64), (14.94, 9.64)]
+    parts = [("boundary", shapely.Polygon(aisles)), ("path", shapely.LineString(way))]
+    imported = import_world(geojson(tmp_path, parts), Options(robots=6))
+    assert [change for change in imported.changes if "more at its end" in change]
     assert finishes(imported)
 
 

@@ -74,6 +74,14 @@ def test_thresholds_are_the_settings_in_force() -> None:
         "collision_time": (1.5, 3.0),
         "boundary_distance": (rules.boundary_low, rules.boundary_low),
     }
+    (time,) = [one for one in told["thresholds"] if one["column"] == "collision_time"]
+    assert "boundary" not in time
+    (time,) = [
+        one
+        for one in of("mode_switching", {**given, "boundary_time_high": 1.7})["thresholds"]
+        if one["column"] == "collision_time"
+    ]
+    assert (time["leave"], time["boundary"]) == (3.0, 1.7)
     assert told["horizon"] == 4.5
     assert told["next"]["equation"] == "(14)"
     assert f"{rules.beta:g} times" in told["next"]["words"]

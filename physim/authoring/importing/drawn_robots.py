@@ -30,6 +30,7 @@ from physim.authoring.importing.path_starts import (
     robots_on,
     stand_on,
 )
+from physim.authoring.importing.placed import Placed
 from physim.authoring.importing.queues import (
     Group,
     first_of,
@@ -37,7 +38,7 @@ from physim.authoring.importing.queues import (
     queues_of,
     stations,
 )
-from physim.authoring.importing.robots import Placed, stop_stations
+from physim.authoring.importing.stops import stop_stations
 from physim.geometry.shapes import FloatArray
 
 LEAST = 0.1

@@ -34,8 +34,10 @@ from physim.authoring.importing.enclosure import (
 from physim.authoring.importing.fit import Fit, fit
 from physim.authoring.importing.formation import MARGIN, RANGE, lost, neighbour_range
 from physim.authoring.importing.lines import length_of
-from physim.authoring.importing.robots import Placed, fill_in, stop_warnings
+from physim.authoring.importing.placed import Placed
+from physim.authoring.importing.robots import fill_in
 from physim.authoring.importing.source import format_of
+from physim.authoring.importing.stops import stop_warnings
 from physim.authoring.importing.work import GRAIN
 from physim.authoring.importing.world_text import world_text
 from physim.errors import Location, WorldError, plural

@@ -11,7 +11,8 @@ import shapely
 
 from physim.authoring.importing.fit import Fit
 from physim.authoring.importing.lines import Pose, is_closed, length_of, pose_at, station_of
-from physim.authoring.importing.robots import WAITING, Placed, shape_at
+from physim.authoring.importing.placed import Placed, shape_at
+from physim.authoring.importing.stops import WAITING
 from physim.geometry.shapes import FloatArray
 from physim.tolerances import LENGTH
 from physim.world.checks.way import Way

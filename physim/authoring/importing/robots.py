@@ -6,7 +6,6 @@ and, where it can be, at its stops: in a bend two may come to stand too near eac
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from math import hypot
 from pathlib import Path
@@ -36,92 +35,14 @@ from physim.authoring.importing.lines import (
     station_of,
     stretch,
 )
-from physim.authoring.importing.outlines import Footprint
+from physim.authoring.importing.placed import Placed, shape_at
+from physim.authoring.importing.stops import least_stop_gap
 from physim.authoring.templates.text import ROW, lane_offsets
 from physim.geometry.area import shrunk
 from physim.geometry.shapes import FloatArray
 
-WAITING = 0.8
-"""[m] at size 1: robots that stop nearer than this keep each other in danger mode"""
 CLEAR = 0.9
 """[m] at size 1: the gap between robots at their stops that a group is given where it can be"""
-
-
-@dataclass(frozen=True)
-class Placed:
-    """One robot of the world, and the path (n, 2) [m] that it follows."""
-
-    name: str
-    footprint: Footprint
-    pose: Pose
-    path: FloatArray
-    offset: float | None
-    """[m] of its path from the reference path, left positive; None where points are needed"""
-
-
-def shape_at(footprint: Footprint, pose: Pose) -> Any:
-    """Outline of a robot as a shapely polygon, world frame."""
-    x, y, heading = pose
-    outline = footprint
-    if isinstance(outline, tuple):
-        a, b = 0.5 * outline[0], 0.5 * outline[1]
-        outline = np.array([(-a, -b), (a, -b), (a, b), (-a, b)])
-    c, s = np.cos(heading), np.sin(heading)
-    return shapely.Polygon(outline @ np.array([[c, s], [-s, c]]) + (x, y))
-
-
-def stop_stations(
-    reference: FloatArray, lines: Sequence[FloatArray], poses: Sequence[Pose]
-) -> FloatArray:
-    """(N,) [m] station on its own path at which each robot stops, as a run has it.
-
-    The robot that starts furthest along the reference path stops at its path's end, the others as
-    far before theirs as they start behind it.
-    """
-    at = shapely.points([pose[:2] for pose in poses])
-    lead = shapely.line_locate_point(shapely.LineString(reference), at)
-    ends = np.array([length_of(line) for line in lines])
-    return np.asarray(np.maximum(ends - (lead.max() - lead), 0.0))
-
-
-def least_stop_gap(
-    reference: FloatArray, robots: Sequence[Placed], window: float, is_formation: bool = True
-) -> tuple[float, int, int]:
-    """Least distance [m] between two robots at their stops, and which two; infinite for one.
-
-    Each heads along the chord of its path over ``window`` [m] about its stop; without a formation
-    that is the end of its path.
-    """
-    lines, poses = [one.path for one in robots], [one.pose for one in robots]
-    ends = np.array([length_of(line) for line in lines])
-    stops = stop_stations(reference, lines, poses) if is_formation else ends
-    shapes = [
-        shape_at(one.footprint, pose_at(one.path, station, window))
-        for one, station in zip(robots, stops, strict=True)
-    ]
-    if len(shapes) < 2:
-        return float("inf"), 0, 0
-    tree, within, near = shapely.STRtree(shapes), window, np.empty((2, 0), np.int64)
-    while not near.size:
-        near = tree.query(shapes, predicate="dwithin", distance=within)
-        near, within = near[:, near[0] < near[1]], 2.0 * within
-    gaps = (float(shapes[i].distance(shapes[j])) for i, j in near.T)
-    return min((gap, int(i), int(j)) for gap, (i, j) in zip(gaps, near.T, strict=True))
-
-
-def stop_warnings(
-    drawing: Drawing, reference: FloatArray, robots: Sequence[Placed], size: float, are_drawn: bool
-) -> list[str]:
-    """Say which two robots stop so near each other that they may wait for ever; else nothing."""
-    gap, i, j = least_stop_gap(reference, robots, size, drawing.has_formation)
-    if gap >= WAITING * size:
-        return []
-    mend = "draw them farther apart" if are_drawn else "fewer --robots or --lanes 1"
-    return [
-        f"note: {robots[i].name} and {robots[j].name} stop {gap:.2f} m from each other at the end "
-        f"of the path, and may wait for each other and never arrive; another end of the path "
-        f"(--to), or {mend}"
-    ]
 
 
 COLUMN = 3.2

@@ -8,9 +8,9 @@ from math import ceil
 
 from physim.authoring.importing.drawing import Drawing, number
 from physim.authoring.importing.fit import Fit
-from physim.authoring.importing.formation import neighbour_range
+from physim.authoring.importing.formation import RANGE, neighbour_range
 from physim.authoring.importing.lines import length_of
-from physim.authoring.importing.robots import Placed
+from physim.authoring.importing.placed import Placed
 from physim.escaping import escaped
 from physim.geometry.shapes import FloatArray
 from physim.world.file.schema import FILE
@@ -131,6 +131,7 @@ def _control(size: float, reach: str) -> Iterator[str]:
         if not reach:
             yield f"  speed: {_scaled(1.0, size)}  # [m/s]"
             yield f"  {FORWARD}"
+            yield f"sensing: {{range: {_scaled(RANGE, size)}}}  # [m]"
         yield f"arrival: {{tolerance: {_scaled(TOLERANCE, size)}}}  # [m]"
     else:
         more = CORNERS if reach else f"{CORNERS}, {FORWARD}"

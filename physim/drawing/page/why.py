@@ -117,14 +117,20 @@ def _settings(record: Record) -> dict[str, Any]:
 
 
 def _thresholds(settings: dict[str, Any]) -> list[dict[str, Any]]:
-    """Thresholds of Fig. 5: below ``enter`` danger begins, above ``leave`` it can end."""
+    """Thresholds of Fig. 5: below ``enter`` danger begins, above ``leave`` it can end.
+
+    Above ``boundary`` a collision time with a boundary ends it, where that has one of its own.
+    """
     kinds = (
         ("distance", "m", "distance_low", "distance_high"),
         ("collision_time", "s", "time_low", "time_high"),
         ("boundary_distance", "m", "boundary_low", "boundary_low"),
     )
+    ahead = settings.get("boundary_time_high")
+    own = {"collision_time": {"boundary": ahead}} if isinstance(ahead, float | int) else {}
     return [
         {"column": column, "unit": unit, "enter": settings[low], "leave": settings[high]}
+        | own.get(column, {})
         for column, unit, low, high in kinds
         if isinstance(settings.get(low), float | int)
         and isinstance(settings.get(high), float | int)

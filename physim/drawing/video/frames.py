@@ -257,8 +257,8 @@ def titles(left: World, right: World) -> tuple[str, str]:
     """Say of two effective worlds in what they differ: a title for either.
 
     Each is one line: the values of the keys that differ; where they are many, the names of the
-    worlds, or of worlds with one name the first and how many more; empty where the worlds are the
-    same.
+    worlds, or of worlds with one name how many and the first of them; empty where the worlds are
+    the same.
     """
     found = differences(left, right)
     if len(found) > MOST_NAMED and left.name != right.name:
@@ -268,10 +268,9 @@ def titles(left: World, right: World) -> tuple[str, str]:
         words = list(found)
     named = list(zip(words, found.values(), strict=True))[:MOST_NAMED]
     more = len(found) - len(named)
+    many = f"{len(found)} values, " if more else ""
     first, second = (
-        ", ".join(f"{word}: {pair[side]}" for word, pair in named)
-        + (f", and {more} more" if more else "")
-        for side in (0, 1)
+        many + ", ".join(f"{word}: {pair[side]}" for word, pair in named) for side in (0, 1)
     )
     return first, second
 

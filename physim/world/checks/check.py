@@ -10,12 +10,14 @@ import shapely
 
 from physim.errors import Fault, Position, WorldError
 from physim.escaping import escaped
+from physim.world.checks.blind_followers import check_blind_followers
 from physim.world.checks.blocked_ways import check_blocked_ways
 from physim.world.checks.boundaries import check_boundaries, check_obstacles
 from physim.world.checks.danger import (
     check_always_danger,
     check_safe_area,
     check_turning_room,
+    chosen,
     setting,
 )
 from physim.world.checks.findings import MOST_ALIKE, Diagnostics, Finding, Findings
@@ -168,15 +170,17 @@ def _check_layout(
         look_ahead = setting(laid, checked.controller, "look_ahead")
         check_safe_stops(laid, at, safe_distance, look_ahead, found)
         check_tolerance(laid, found)
-    check_formation(laid, 1.0 if speed is None else speed, found)
-    check_formation_speed(laid, found)
+    avoidance, usual = chosen(laid, checked.controller, "avoidance"), speed or 1.0
+    check_formation(laid, usual, avoidance is not None, found)  # who avoids so drives by (7), too
+    check_formation_speed(laid, avoidance is not None, found)
     check_neighbours(laid, found)
     check_rings(laid, found)
     check_measured(laid, found)
     if checked.world is not None:
         check_shared_stops(laid, at, found)
-        usual = 1.0 if speed is None else speed
         check_blocked_ways(laid, at, usual, distance or 0.0, found)
+        if avoidance not in (None, "none"):
+            check_blind_followers(laid, at, usual, distance or 0.0, time or 0.0, found)
     found.notes += _not_judged(laid, profiles, is_unread)
     return profiles
 

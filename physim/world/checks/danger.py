@@ -22,6 +22,13 @@ NEARLY_ALL = 0.95
 
 def setting(laid: PartialLayout, controller: type[Any] | None, key: str) -> float | None:
     """A length among the controller's settings [m]: as set, else its default; None without one."""
+    value = chosen(laid, controller, key)
+    is_number = isinstance(value, int | float) and not isinstance(value, bool)
+    return float(value) if is_number and 1e-9 <= value <= 1e6 else None
+
+
+def chosen(laid: PartialLayout, controller: type[Any] | None, key: str) -> Any:
+    """A value among the controller's settings: as set, else its default; None without one."""
     try:
         model = settings_model(controller) if controller is not None else None
     except ControllerError:
@@ -29,9 +36,7 @@ def setting(laid: PartialLayout, controller: type[Any] | None, key: str) -> floa
     field = model.model_fields.get(key) if model is not None else None
     if field is None or laid.world.controller is None:
         return None
-    value = laid.world.controller.settings.get(key, field.default)
-    is_number = isinstance(value, int | float) and not isinstance(value, bool)
-    return float(value) if is_number and 1e-9 <= value <= 1e6 else None
+    return laid.world.controller.settings.get(key, field.default)
 
 
 def check_safe_area(laid: PartialLayout, safe_distance: float | None, found: Diagnostics) -> None:

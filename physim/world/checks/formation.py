@@ -38,10 +38,11 @@ from physim.world.layout.layout import PartialLayout
 from physim.world.layout.shared import Shared
 
 
-def check_formation(laid: PartialLayout, speed: float, found: Diagnostics) -> None:
+def check_formation(laid: PartialLayout, speed: float, by_7: bool, found: Diagnostics) -> None:
     """Spacing longer than the footprints, and a reference path longer than the formation.
 
-    ``speed`` [m/s] is that at which robots move by themselves, in a world without formation.
+    ``speed`` [m/s] is that at which robots move by themselves, in a world without formation; in one
+    it is set ``by_7``, or stays the formation's.
     """
     plan = laid.world.formation
     if laid.reference is None or not laid.world.robots:
@@ -56,12 +57,13 @@ def check_formation(laid: PartialLayout, speed: float, found: Diagnostics) -> No
         if leads is None:
             return
         speed = 1.0 if plan.speed is None else plan.speed
-        if plan.limits is not None:  # of (7)
+        if by_7 and plan.limits is not None:
             speed = min(max(speed, plan.limits[0]), plan.limits[1])
         check_spacing(laid, laid.reference, leads, found)
         check_order(laid, leads, found)
     if stations is not None and leads is not None:
-        _check_length(laid, line, stations, leads, speed, found)
+        hurried = plan.limits[1] if by_7 and plan is not None and plan.limits else speed
+        _check_length(laid, line, stations, leads, (speed, max(speed, hurried)), found)
 
 
 def _check_length(
@@ -69,7 +71,7 @@ def _check_length(
     line: shapely.LineString,
     stations: FloatArray,
     leads: FloatArray,
-    speed: float,
+    speeds: tuple[float, float],
     found: Diagnostics,
 ) -> None:
     """Refuse a reference path shorter than the formation; warn of robots that start at a stop."""
@@ -115,18 +117,20 @@ def _check_length(
                 "reference path",
             )
         ways[k] = stop - begin
-    _check_duration(laid, ways, speed, found)
+    _check_duration(laid, ways, speeds, found)
 
 
 def _check_duration(
-    laid: PartialLayout, ways: dict[int, float], speed: float, found: Diagnostics
+    laid: PartialLayout, ways: dict[int, float], speeds: tuple[float, float], found: Diagnostics
 ) -> None:
-    """Warn where the run is too short for the ways [m] of its robots, but is expected to finish."""
+    """Warn where the run is too short for the ways [m] of its robots, but is expected to finish.
+
+    ``speeds`` [m/s] are the usual one and that of robots that are hurried.
+    """
     expect, duration = laid.world.expect, laid.world.time.duration
     if expect is None or not expect.finished or duration is None or not ways:
         return
-    plan = laid.world.formation
-    hurried = speed if plan is None or plan.limits is None else max(speed, plan.limits[1])
+    speed, hurried = speeds
 
     def times(k: int) -> tuple[float, float]:
         """[s] that a robot needs at least, as (7) hurries who is behind, and at its own pace."""
@@ -161,8 +165,11 @@ UPDATE = 0.1
 """[s] longest update interval (14)"""
 
 
-def check_formation_speed(laid: PartialLayout, found: Diagnostics) -> None:
-    """Warn of a steady speed outside the limits, slow robots, and a gain that saturates."""
+def check_formation_speed(laid: PartialLayout, by_7: bool, found: Diagnostics) -> None:
+    """Warn of a steady speed outside the limits, slow robots, and a gain that saturates.
+
+    Speeds are set ``by_7``, or stay the formation's.
+    """
     plan = laid.world.formation
     if plan is None or plan.speed is None or plan.limits is None or len(laid.world.robots) < 2:
         return
@@ -171,7 +178,9 @@ def check_formation_speed(laid: PartialLayout, found: Diagnostics) -> None:
         return
     _check_slow(laid, low, found)
     told = {fault.location for fault in found.warnings}
-    if not low <= speed <= high and ("formation", "speed") not in told:
+    if not low <= speed <= high and ("formation", "speed") in told:
+        return
+    if by_7 and not low <= speed <= high:
         found.warn(
             ("formation", "speed" if "speed" in plan.model_fields_set else "limits"),
             f"the steady speed, {speed:.6g} m/s, lies outside the limits, {low:.6g} to {high:.6g} "

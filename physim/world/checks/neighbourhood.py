@@ -8,6 +8,8 @@ without any neighbour the sum is empty, and it drives at the steady speed.
 from __future__ import annotations
 
 from collections.abc import Iterator
+from itertools import chain
+from typing import Any
 
 import numpy as np
 import shapely
@@ -24,11 +26,11 @@ from physim.world.layout.layout import PartialLayout
 def check_neighbours(laid: PartialLayout, found: Diagnostics) -> None:
     """Warn of a formation whose parts are not connected by neighbours."""
     plan = laid.world.formation
-    if plan is None or not plan.gain or plan.neighbours == "all" or len(laid.world.robots) < 2:
+    if plan is None or not plan.gain or len(laid.world.robots) < 2:
         return
     if plan.neighbours == "range":
         _check_range(laid, plan.range, found)
-    else:
+    elif are_pairs(plan.neighbours) and set(chain(*plan.neighbours)) <= {*laid.names}:
         _check_pairs(laid, found)
 
 
@@ -73,21 +75,29 @@ def _check_pairs(laid: PartialLayout, found: Diagnostics) -> None:
         return
     largest = int(np.argmax(np.bincount(part)))
     left = np.flatnonzero(part != largest)
+    advice = "add a pair of one of each" if parts == 2 else "add pairs until one leads to all"
     names = ", ".join(name_of(laid, int(i)) for i in left[:MOST_ALIKE])
     more = f" and {len(left) - MOST_ALIKE} more" if len(left) > MOST_ALIKE else ""
     found.warn(
         ("formation", "neighbours"),
         f"no chain of pairs connects {names}{more} with the other robots: by (7) neither side "
-        "keeps its distance to the other, whatever the gain; add a pair of one of each",
+        f"keeps its distance to the other, whatever the gain; {advice}",
     )
 
 
 def neighbours_at(laid: PartialLayout, station: FloatArray) -> Iterator[IntArray]:
     """For each robot its neighbours, increasing, at stations (N,) [m] of the reference path."""
     plan = laid.world.formation
-    if isinstance(plan.neighbours, tuple):
+    if are_pairs(plan.neighbours):
         return listed_neighbours(laid)
     return _within(station, plan.range or 0.0)
+
+
+def are_pairs(neighbours: Any) -> bool:
+    """Whether these are pairs of names, as in a world without a fault there."""
+    return isinstance(neighbours, tuple) and all(
+        isinstance(pair, tuple) and len(pair) == 2 for pair in neighbours
+    )
 
 
 def listed_neighbours(laid: PartialLayout) -> Iterator[IntArray]:

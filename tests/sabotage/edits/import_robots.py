@@ -704,4 +704,22 @@ EDITS = (
         "nobody stops behind itself",
         "tests/importing/test_queues.py::test_a_robot_that_stops_early_behind_another_is_told_so",
     ),
+    Edit(
+        "importing",
+        "physim/authoring/importing/stops.py",
+        "least_stop_gap",
+        "_as_it_came(one.path, station, LAG * window)",
+        "pose_at(one.path, station, window)",
+        "who stops just behind a corner still heads as it came",
+        "tests/importing/test_stops.py::test_who_stops_just_behind_a_corner_still_heads_as_it_came",
+    ),
+    Edit(
+        "importing",
+        "physim/authoring/importing/world_text.py",
+        "_control",
+        "sensing: {{range: {_scaled(RANGE, size)}}}",
+        "sensing: {{range: 10.0}}",
+        "large robots see as far for their size as small ones",
+        "tests/importing/test_round_trip.py::test_robots_see_as_far_as_their_size_asks",
+    ),
 )

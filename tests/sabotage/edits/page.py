@@ -177,4 +177,13 @@ EDITS = (
         "a page tells of its own run alone",
         "tests/page/test_findings.py::test_a_validation_is_of_the_run_that_is_shown",
     ),
+    Edit(
+        "page",
+        "physim/drawing/page/why.py",
+        "_thresholds",
+        "own.get(column, {})",
+        "{}",
+        "the page knows the threshold of boundaries ahead",
+        "tests/page/test_why.py::test_thresholds_are_the_settings_in_force",
+    ),
 )  # fmt: skip

@@ -118,10 +118,12 @@ export function limits(run, row) {
   const robotFirst = run.first.findLastIndex((first) => first <= row);
   const before = row > run.first[robotFirst] ? run.mode[row - 1] : -1;
   const wasDanger = before >= 0 && run.modes[before].danger;
-  return thresholds.map(({ column, enter, leave }) => {
+  const isSafe = !run.modes[run.mode[row]]?.danger;
+  return thresholds.map(({ column, enter, leave, boundary }) => {
     const value = run.column(`own:${column}`)[row];
-    const limit = wasDanger ? leave : enter;
-    return { column, value, limit, enter, leave, wasDanger, isShort: wasDanger ? value <= limit : value < limit };
+    const ofWall = wasDanger && isSafe && boundary !== undefined && value <= leave; // it left for a wall
+    const limit = ofWall ? boundary : wasDanger ? leave : enter;
+    return { column, value, limit, enter, leave, ofWall, wasDanger, isShort: wasDanger ? value <= limit : value < limit };
   });
 }
 
@@ -129,7 +131,8 @@ function seenTable(run, row, mode) {
   const states = limits(run, row);
   if (!states.length) return null;
   const rows = states.map((one) => {
-    const bound = amount(one.limit, one.column === "collision_time" ? "s" : "m");
+    const unit = one.column === "collision_time" ? "s" : "m";
+    const bound = amount(one.limit, unit) + (one.ofWall ? " (a boundary)" : "");
     const note = one.column === "collision_time" && mode?.danger ? " (under its new command)" : "";
     const known = !(one.column === "collision_time" && mode?.danger);
     return el(

@@ -1,0 +1,70 @@
+"""A run of a world just imported: whether all robots arrive, and without contact."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from physim.cli.progress import Bar, announce_compiling, interrupts
+from physim.cli.simulating import COMPILING
+from physim.errors import plural
+from physim.escaping import escaped
+
+if TYPE_CHECKING:
+    from physim.record import Record
+    from physim.world import World
+
+MOST_STEPS = 2_000_000
+"""Steps of all robots together that are tried: some 20 s"""
+MOST_NAMED = 3
+"""Robots that have not arrived which are named"""
+
+
+def tried(world: World, quiet: bool) -> list[str]:
+    """Lines on a run of ``world``, which Ctrl-C ends; why there is none where it takes long."""
+    from physim.parts.registry import CONTROLLER, make_part
+    from physim.simulation.loop import Simulation
+    from physim.simulation.run import is_warm, record_run
+    from physim.world.layout.scene_builder import build_scene
+
+    steps = round(world.time.duration / world.time.step) * len(world.robots)
+    if steps > MOST_STEPS:
+        return [f"not tried: {steps:,} steps of robots take long; physim run shows if all arrive"]
+    if not is_warm():
+        announce_compiling("controller and distances", COMPILING, quiet)
+    controller = make_part(CONTROLLER, world.controller.type, world.controller.settings)
+    simulation = Simulation(build_scene(world), controller=controller)
+    bar = Bar("trying it", world.time.duration, "s", quiet)
+    with interrupts() as interrupt, bar:
+        record = record_run(simulation, stop=interrupt, progress=bar.simulated)
+    with record:
+        return [f"tried for {record.steps_run * record.dt:.1f} s: {_found(record)}"]
+
+
+def _found(record: Record) -> str:
+    """What a run has shown: who has not arrived, and contacts."""
+    from physim.analysis.metrics.contacts import contact_episodes
+    from physim.analysis.metrics.progress import absent
+
+    left = absent(record)
+    if record.ended == "interrupted":
+        said = "interrupted"
+    elif not left:
+        said = "all robots arrive"
+    else:
+        named = [
+            f"{escaped(record.names[one.robot])} {one.short:.2f} m short"
+            for one in left[:MOST_NAMED]
+        ]
+        more = f" and {len(left) - MOST_NAMED} more" if len(left) > MOST_NAMED else ""
+        do = "does" if len(left) == 1 else "do"
+        said = f"WARNING: {len(left)} of {record.robots} robots {do} not arrive, "
+        said += f"{', '.join(named)}{more}"
+    met = contact_episodes(record)
+    if not met:
+        return f"{said}; no contact"
+    first = met[0]
+    bodies = " and ".join(escaped(record.bodies[k].name) for k in (first.a, first.b))
+    return (
+        f"{said}; WARNING: {plural(len(met), 'contact')}, the first after {first.time:.1f} s, of "
+        f"{bodies}"
+    )

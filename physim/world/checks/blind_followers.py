@@ -1,0 +1,146 @@
+"""Robots that run into others ahead of them, which they do not see by the rule of priority.
+
+Where stations along the reference path settle who looks out for whom, a robot does not see one
+ahead of it whose station is smaller, or, of equal stations, whose number is higher: on a way
+against the reference path, across it, beyond its ends, and on the outside of its corners.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from physim.errors import place_text, plural
+from physim.geometry.polygon import circumscribed_radius
+from physim.geometry.shapes import FloatArray, IntArray
+from physim.world.checks.findings import Diagnostics
+from physim.world.checks.measured import Drive
+from physim.world.checks.spacing import name_of
+from physim.world.checks.standing import Stop
+from physim.world.layout.layout import PartialLayout
+
+MOST_PLACES = 2_000_000
+"""Places of all robots at which it is known where they are along the reference path"""
+MOST_PAIRS = 10_000
+"""Pairs of robots that are driven, those that start nearest to each other"""
+MOST_STEPS = 20_000
+"""of a drive"""
+STEP = 0.2
+"""[m] that the fastest robot drives in a step"""
+SAME_WAY = 0.7
+"""[-] cosine between the headings of two that drive the same way"""
+
+
+class Reach(NamedTuple):
+    """How far the footprints of N robots reach to the front, back and side, (N,) [m] each."""
+
+    front: FloatArray
+    back: FloatArray
+    side: FloatArray
+
+    @classmethod
+    def of(cls, outlines: list[FloatArray]) -> Reach:
+        """Of outlines (n, 2) in the frames of their robots."""
+        ends = np.array([[one[:, 0].max(), -one[:, 0].min()] for one in outlines])
+        side = np.array([np.abs(one[:, 1]).max() for one in outlines])
+        return cls(ends[:, 0], ends[:, 1], side)
+
+
+def check_blind_followers(
+    laid: PartialLayout, at: list[Stop], speed: float, clear: float, time: float, found: Diagnostics
+) -> None:
+    """Warn of robots that would run into others which they do not see.
+
+    ``speed`` [m/s] is that of all robots whose limits are not below it. ``clear`` [m] and ``time``
+    [s] are the distance and the collision time that one keeps to those that it sees.
+    """
+    world, count = laid.world, len(at)
+    if laid.faults or count < 2 or laid.reference is None or np.isnan(laid.start).any():
+        return
+    outlines = [laid.footprints[i] for i in range(count)]
+    radius = np.array([circumscribed_radius(one) for one in outlines])
+    paths = [laid.paths[i] for i in range(count)]
+    stops = np.array([stop.station for stop in at])
+    drive = Drive.of(paths, laid.reference, laid.start, radius, stops, MOST_PLACES)
+    if drive is None:
+        return
+    plan = world.formation
+    if plan is not None:
+        speed = min(max(plan.speed, plan.limits[0]), plan.limits[1])  # (7)
+    own = np.array([np.inf if one.limits.v is None else one.limits.v for one in world.robots])
+    keep = (clear, time)
+    hits = run_into(drive, laid.start, np.minimum(own, speed), Reach.of(outlines), keep)
+    if not hits:
+        return
+    (i, j), (x, y) = hits[0]
+    more = f", and {plural(len(hits) - 1, 'more pair')} like that" if len(hits) > 1 else ""
+    found.warn(
+        laid.path_key(i),
+        f"{name_of(laid, i)} may run into {name_of(laid, j)} ahead of it, near "
+        f"{place_text(float(x), float(y), 4)}{more}: by its station along the reference path it "
+        "has priority there, against that path, across it, beyond its ends or outside a corner of "
+        "it, so it does not see the other; lead the reference path along the way of both, or give "
+        "them one speed",
+    )
+
+
+def run_into(
+    drive: Drive, start: FloatArray, speed: FloatArray, reach: Reach, keep: tuple[float, float]
+) -> list[tuple[tuple[int, int], FloatArray]]:
+    """Pairs (i, j) of robots of which i runs into j ahead, unseen, and where, (2,) [m].
+
+    Each pair of N robots drives alone, at ``speed`` (N,) [m/s] from its ``start`` (N, 3); i stays
+    ``keep[0]`` [m] and ``keep[1]`` [s] behind j wherever it sees it.
+    """
+    poses, station = (np.concatenate(some) for some in zip(*drive.blocks(), strict=True))
+    places = np.concatenate([start[None, :, :2], poses[:, :, :2]])
+    station = np.concatenate([station[:1], station])
+    i, j = _pairs(places, speed)
+    way = drive.end - drive.begin
+    pace = np.divide(speed * len(poses), way, out=np.zeros(len(way)), where=way > 0.0)  # [1/s]
+    step = STEP / float(speed.max())
+    steps = int(np.ceil(float((way / speed).max()) / step)) + 1
+    if not len(i) or steps > MOST_STEPS:
+        return []
+    ahead = np.diff(places, axis=0, append=places[-1:])
+    length = np.hypot(ahead[..., 0], ahead[..., 1])
+    along = ahead / np.maximum(length, np.finfo(np.float64).tiny)[..., None]
+    at_i, at_j = np.zeros(len(i)), np.zeros(len(i))
+    touch, side = reach.front[i] + reach.back[j], reach.side[i] + reach.side[j]
+    clear = keep[0] + np.maximum(speed[i] - speed[j], 0.0) * keep[1]
+    hit, where = np.full(len(i), steps), np.zeros((len(i), 2))
+    was_behind = np.zeros(len(i), dtype=bool)
+    last = len(places) - 1
+    for now in range(steps):
+        k, m = np.minimum(at_i.astype(int), last), np.minimum(at_j.astype(int), last)
+        here, heading = places[k, i], along[np.minimum(k, last - 1), i]
+        x, y = (places[m, j] - here).T
+        gap = heading[:, 0] * x + heading[:, 1] * y - touch
+        beside = np.abs(heading[:, 0] * y - heading[:, 1] * x)
+        same = (heading * along[np.minimum(m, last - 1), j]).sum(axis=1) > SAME_WAY
+        follows = same & (beside < side) & (gap > -touch)
+        mine, its = station[k, i], station[m, j]
+        sees = (its > mine) | ((its == mine) & (j < i))
+        new = was_behind & follows & ~sees & (gap <= 0.0) & (hit == steps)
+        hit[new], where[new] = now, here[new]
+        was_behind |= follows & (gap > 0.0)
+        at_i += np.where(follows & sees & (gap < clear), 0.0, pace[i] * step)
+        at_j += pace[j] * step
+    first: dict[tuple[int, int], int] = {}  # of two that drive through each other
+    for n in np.argsort(hit, kind="stable")[: np.count_nonzero(hit < steps)].tolist():
+        first.setdefault((min(i[n], j[n]), max(i[n], j[n])), n)
+    return [((int(i[n]), int(j[n])), where[n]) for n in first.values()]
+
+
+def _pairs(places: FloatArray, speed: FloatArray) -> tuple[IntArray, IntArray]:
+    """Numbers i and j of the pairs that may meet, those that start nearest to each other first."""
+    low, high = places.min(axis=0), places.max(axis=0)
+    tree = shapely.STRtree(shapely.box(*low.T, *high.T))
+    i, j = tree.query(tree.geometries)
+    i, j = i[i != j], j[i != j]
+    apart = np.hypot(*(places[0, i] - places[0, j]).T)
+    first: NDArray[np.int64] = np.argsort(apart, kind="stable")[:MOST_PAIRS]
+    return i[first], j[first]

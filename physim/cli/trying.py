@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from physim.cli.progress import Bar, announce_compiling, interrupts
 from physim.cli.simulating import COMPILING
-from physim.errors import plural
+from physim.errors import PhysimError, plural
 from physim.escaping import escaped
 
 if TYPE_CHECKING:
@@ -34,8 +34,11 @@ def tried(world: World, quiet: bool) -> list[str]:
     controller = make_part(CONTROLLER, world.controller.type, world.controller.settings)
     simulation = Simulation(build_scene(world), controller=controller)
     bar = Bar("trying it", world.time.duration, "s", quiet)
-    with interrupts() as interrupt, bar:
-        record = record_run(simulation, stop=interrupt, progress=bar.simulated)
+    try:
+        with interrupts() as interrupt, bar:
+            record = record_run(simulation, stop=interrupt, progress=bar.simulated)
+    except PhysimError as error:  # the world is written, and may be right all the same
+        return [f"not tried: {error}"]
     with record:
         return [f"tried for {record.steps_run * record.dt:.1f} s: {_found(record)}"]
 

@@ -111,7 +111,7 @@ def test_a_speed_that_no_robot_reaches_is_doubted(tmp_path, controller):
     if controller == "path_following":  # it does not drive by (7)
         assert "formation.speed" not in told
     else:
-        assert {"0.5", "0.8"} <= set(told["formation.speed"].split())
+        assert {"slowly", "0.5", "0.8"} <= set(told["formation.speed"].split())
 
 
 # Arrival

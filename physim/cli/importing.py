@@ -119,13 +119,22 @@ def import_command(options: Options) -> int:
     written = write_schema(output, options.force)  # first: without the world nothing is imported
     write_text(output, imported.text)
     if not options.quiet:
-        lines = [*_report(source, imported), *_doubts(output, options.lanes or 1)]
-        if not options.untried:
-            from physim.cli.trying import tried
-
-            lines += tried(imported.world, options.quiet)
-        print("\n".join([*lines, written]))
+        print("\n".join([*_report(source, imported), *_judged(options, imported), written]))
     return 0
+
+
+def _judged(options: Options, imported: Imported) -> list[str]:
+    """What is said of a world just written; Ctrl-C only ends that, for the world is there."""
+    from physim.cli.trying import tried
+
+    lines: list[str] = []
+    try:
+        lines += _doubts(options.output, options.lanes or 1)
+        if not options.untried:
+            lines += tried(imported.world, options.quiet)
+    except KeyboardInterrupt:
+        lines.append("interrupted: neither checked nor tried to the end")
+    return lines
 
 
 def _check_output(source: Path, output: Path, force: bool) -> None:

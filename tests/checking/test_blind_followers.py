@@ -13,7 +13,7 @@ from tests.checking.worlds import check
 BLIND = "does not see the other"
 FOLLOWING = """\
 name: following
-time: {step: 0.02, duration: 12.0}
+time: {step: 0.02, duration: 24.0}
 corridor: {centreline: CENTRELINE, width: 7.0}
 robots:
   - {name: front, footprint: {length: 1.2, width: 0.7}, pose: [30, 0, 3.1416],
@@ -39,9 +39,10 @@ def test_who_follows_against_the_reference_path_is_blind(tmp_path, centreline):
 def test_others_against_the_reference_path_are_not_told(tmp_path):
     """One alone, two that cross or go another way, and who does not look out at all."""
     text = FOLLOWING.replace("CENTRELINE", EAST)
-    beside = text.replace("[38, 0], [6", "[36, 1], [6")
-    for one in (text, beside):
-        assert BLIND in str(check(tmp_path, one))
+    for start in (0.0, 0.5):
+        beside = text.replace("[38, 0], [6", f"[36, {start}], [6")
+        beside = beside.replace("pose: [34, 0,", f"pose: [34, {start},")
+        assert BLIND in str(check(tmp_path, beside))
     lone = text.replace("path: [[38, 0], [6, 0]]", "path: {offset: 2}")
     lone = lone.replace("[34, 0, 3.1416]", "[4, 2, 0]")
     crossing = text.replace("[[38, 0], [6, 0]]", "[[34, 3], [33, -3]]")
@@ -144,3 +145,42 @@ def test_beyond_the_joint_of_a_lap_stations_stay_for_a_while(tmp_path: Path) -> 
     assert BLIND in str(check(tmp_path, text))
     with physim.simulate(parse_world(text)) as record:
         assert len(record.contacts)
+
+
+def test_who_creeps_elsewhere_changes_nothing(tmp_path: Path) -> None:
+    """Nor is a speed next to nothing a trouble."""
+    text = FOLLOWING.replace("CENTRELINE", EAST).replace("width: 7.0", "width: 12.0")
+    creeping = """  - {name: third, footprint: {length: 1.2, width: 0.7}, pose: [4, 4, 0],
+     path: [[4, 4], [38, 4]], limits: {v: SPEED}}
+"""
+    for speed in ("0.004", "1.0e-310"):
+        assert BLIND in str(check(tmp_path, text + creeping.replace("SPEED", speed)))
+    alone = text.replace("limits: {v: 0.4}", "limits: {v: 1.0e-310}").replace(
+        "path: [[38, 0], [6, 0]]", "path: [[38, 0], [6, 0]], limits: {v: 1.0e-310}"
+    )
+    assert BLIND not in str(check(tmp_path, alone))
+
+
+def test_lanes_that_overlap_are_one_way(tmp_path: Path) -> None:
+    text = FOLLOWING.replace("CENTRELINE", EAST)
+    text = text.replace("[[38, 0], [2, 0]]", "[[38, 0.2], [2, 0.2]]").replace(
+        "[30, 0,", "[30, 0.2,"
+    )
+    text = text.replace("[[38, 0], [6, 0]]", "[[38, -0.2], [6, -0.2]]").replace(
+        "[34, 0,", "[34, -0.2,"
+    )
+    assert BLIND in str(check(tmp_path, text))
+    with physim.simulate(parse_world(text)) as record:
+        assert len(record.contacts)
+
+
+@pytest.mark.parametrize(("low", "is_told"), [(0.4, False), (0.8, True)])
+def test_in_a_formation_who_comes_too_near_slows_down(
+    tmp_path: Path, low: float, is_told: bool
+) -> None:
+    """To the lower limit of (7): only faster than the one before it by that it comes nearer."""
+    robots = "\n".join((FAST, SLOW)).replace("Y", "-2.5").replace("SPEED", "0.5")
+    text = LANES.replace("ROBOTS", robots) + f"formation: {{gain: 0.2, limits: [{low}, 1.3]}}\n"
+    assert (BLIND in str(check(tmp_path, text))) == is_told
+    with physim.simulate(parse_world(text)) as record:
+        assert bool(len(record.contacts)) == is_told

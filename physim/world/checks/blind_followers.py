@@ -27,9 +27,11 @@ MOST_PLACES = 2_000_000
 MOST_PAIRS = 10_000
 """Pairs of robots that are driven, those that start nearest to each other"""
 MOST_STEPS = 20_000
-"""of a drive"""
+"""of a drive, which ends with the run that is checked, too"""
 STEP = 0.2
 """[m] that the fastest robot drives in a step"""
+SLOWEST = 1e-6
+"""[m/s] of a robot that is driven"""
 SAME_WAY = 0.7
 """[-] cosine between the headings of two that drive the same way"""
 
@@ -47,6 +49,19 @@ class Reach(NamedTuple):
         ends = np.array([[one[:, 0].max(), -one[:, 0].min()] for one in outlines])
         side = np.array([np.abs(one[:, 1]).max() for one in outlines])
         return cls(ends[:, 0], ends[:, 1], side)
+
+
+class Keeping(NamedTuple):
+    """What robots keep: the distance [m] and the collision time [s] to those that they see.
+
+    In a formation one that comes too near to another slows down, to ``least`` [m/s] at most;
+    without, that is infinite. ``duration`` [s] of the run.
+    """
+
+    clear: float
+    time: float
+    least: float
+    duration: float
 
 
 def check_blind_followers(
@@ -67,12 +82,14 @@ def check_blind_followers(
     drive = Drive.of(paths, laid.reference, laid.start, radius, stops, MOST_PLACES)
     if drive is None:
         return
-    plan = world.formation
+    plan, least = world.formation, np.inf
     if plan is not None:
-        speed = min(max(plan.speed, plan.limits[0]), plan.limits[1])  # (7)
+        least = plan.limits[0]
+        speed = min(max(plan.speed, least), plan.limits[1])  # (7)
     own = np.array([np.inf if one.limits.v is None else one.limits.v for one in world.robots])
-    keep = (clear, time)
-    hits = run_into(drive, laid.start, np.minimum(own, speed), Reach.of(outlines), keep)
+    usual = np.maximum(np.minimum(own, speed), SLOWEST)
+    rule = Keeping(clear, time, least, world.time.duration)
+    hits = run_into(drive, laid.start, usual, Reach.of(outlines), rule)
     if not hits:
         return
     (i, j), (x, y) = hits[0]
@@ -88,29 +105,32 @@ def check_blind_followers(
 
 
 def run_into(
-    drive: Drive, start: FloatArray, speed: FloatArray, reach: Reach, keep: tuple[float, float]
+    drive: Drive, start: FloatArray, speed: FloatArray, reach: Reach, keep: Keeping
 ) -> list[tuple[tuple[int, int], FloatArray]]:
     """Pairs (i, j) of robots of which i runs into j ahead, unseen, and where, (2,) [m].
 
     Each pair of N robots drives alone, at ``speed`` (N,) [m/s] from its ``start`` (N, 3); i stays
-    ``keep[0]`` [m] and ``keep[1]`` [s] behind j wherever it sees it.
+    behind j wherever it sees it, as far as it is to ``keep``.
     """
     poses, station = (np.concatenate(some) for some in zip(*drive.blocks(), strict=True))
     places = np.concatenate([start[None, :, :2], poses[:, :, :2]])
     station = np.concatenate([station[:1], station])
-    i, j = _pairs(places, speed)
+    i, j = _pairs(places, np.hypot(np.maximum(reach.front, reach.back), reach.side))
     way = drive.end - drive.begin
-    pace = np.divide(speed * len(poses), way, out=np.zeros(len(way)), where=way > 0.0)  # [1/s]
+    pace = np.divide(len(poses), way, out=np.zeros(len(way)), where=way > 0.0)  # [1/m]
+    pace_i = np.minimum(speed[i], np.maximum(speed[j], keep.least)) * pace[i]  # [1/s]
+    pace_j = speed[j] * pace[j]
     step = STEP / float(speed.max())
-    steps = int(np.ceil(float((way / speed).max()) / step)) + 1
-    if not len(i) or steps > MOST_STEPS:
+    lasting = min(float((way / speed).max()), keep.duration)
+    steps = min(int(np.ceil(lasting / step)) + 1, MOST_STEPS)
+    if not len(i):
         return []
     ahead = np.diff(places, axis=0, append=places[-1:])
     length = np.hypot(ahead[..., 0], ahead[..., 1])
     along = ahead / np.maximum(length, np.finfo(np.float64).tiny)[..., None]
     at_i, at_j = np.zeros(len(i)), np.zeros(len(i))
     touch, side = reach.front[i] + reach.back[j], reach.side[i] + reach.side[j]
-    clear = keep[0] + np.maximum(speed[i] - speed[j], 0.0) * keep[1]
+    clear = keep.clear + np.maximum(speed[i] - speed[j], 0.0) * keep.time
     hit, where = np.full(len(i), steps), np.zeros((len(i), 2))
     was_behind = np.zeros(len(i), dtype=bool)
     last = len(places) - 1
@@ -127,17 +147,20 @@ def run_into(
         new = was_behind & follows & ~sees & (gap <= 0.0) & (hit == steps)
         hit[new], where[new] = now, here[new]
         was_behind |= follows & (gap > 0.0)
-        at_i += np.where(follows & sees & (gap < clear), 0.0, pace[i] * step)
-        at_j += pace[j] * step
+        at_i += np.where(follows & sees & (gap < clear), 0.0, pace_i * step)
+        at_j += pace_j * step
     first: dict[tuple[int, int], int] = {}  # of two that drive through each other
     for n in np.argsort(hit, kind="stable")[: np.count_nonzero(hit < steps)].tolist():
         first.setdefault((min(i[n], j[n]), max(i[n], j[n])), n)
     return [((int(i[n]), int(j[n])), where[n]) for n in first.values()]
 
 
-def _pairs(places: FloatArray, speed: FloatArray) -> tuple[IntArray, IntArray]:
-    """Numbers i and j of the pairs that may meet, those that start nearest to each other first."""
-    low, high = places.min(axis=0), places.max(axis=0)
+def _pairs(places: FloatArray, radius: FloatArray) -> tuple[IntArray, IntArray]:
+    """Numbers i and j of the pairs that may meet, those that start nearest to each other first.
+
+    From places (K, N, 2) [m] and circumscribed radii (N,) [m].
+    """
+    low, high = places.min(axis=0) - radius[:, None], places.max(axis=0) + radius[:, None]
     tree = shapely.STRtree(shapely.box(*low.T, *high.T))
     i, j = tree.query(tree.geometries)
     i, j = i[i != j], j[i != j]

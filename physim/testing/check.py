@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import copy
 import os
+import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from math import isfinite
@@ -17,13 +18,13 @@ import numpy as np
 
 from physim.errors import ControllerError, PhysimError, WorldError, plural
 from physim.parts.controller import BatchCapable, Controller
-from physim.parts.registry import CONTROLLER, checked_settings, find_part, made_part
+from physim.parts.registry import CONTROLLER, checked_settings, find_part, made_part, part_names
 from physim.parts.user_code import place_of
 from physim.parts.world_checks import robot_faults
 from physim.testing.rules import Finding, FindingLog, check_batch, check_plain
 from physim.testing.trial import Make, run_trial
 from physim.world import World
-from physim.world.file import load_world, parse_world
+from physim.world.file import load_world, parse_world, read_world
 from physim.world.file.files import shipped_worlds
 from physim.world.layout.scene_builder import build_scene
 from physim.world.scene import Scene
@@ -39,6 +40,29 @@ class Candidate:
     """None: those of a world that has this controller, else the controller's own"""
     given: Controller | None
     """the object; it is never asked itself"""
+
+    def read(self, file: str | os.PathLike[str]) -> World:
+        """World of a file, or shipped. Settings there without a ``type`` are this controller's."""
+        name = self._importable()
+        try:
+            world, document = read_world(file)
+        except WorldError:
+            if name is None:
+                raise
+            return read_world(file, controller=name)[0]
+        written = document.values().get("controller")
+        if name is None or not isinstance(written, dict) or not written or "type" in written:
+            return world
+        return read_world(file, controller=name)[0]
+
+    def _importable(self) -> str | None:
+        """Name by which a world is given this controller; None where its class has none."""
+        if ":" in self.name or self.name in part_names(CONTROLLER):
+            return self.name
+        home = sys.modules.get(self.kind.__module__)
+        name = self.kind.__qualname__
+        is_there = getattr(home, name, None) is self.kind and self.kind.__module__ != "__main__"
+        return f"{self.kind.__module__}:{name}" if is_there else None
 
     def maker(self, world: World | None = None) -> Make:
         """How to make it for a world.
@@ -65,9 +89,9 @@ class Candidate:
     def _is_in(self, world: World) -> bool:
         """Whether it is the world's own controller."""
         try:
-            return self.kind is find_part(
-                CONTROLLER, world.controller.type, trusted=":" in self.name
-            )
+            name = world.controller.type
+            trusted = ":" in self.name or name == self._importable()
+            return self.kind is find_part(CONTROLLER, name, trusted=trusted)
         except ControllerError:
             return False
 
@@ -258,7 +282,7 @@ def check_worlds(
     tried, refusal = False, ""
     given = worlds_to_try(worlds)
     for one in given:
-        world = one if isinstance(one, World) else load_world(one)
+        world = one if isinstance(one, World) else chosen.read(one)
         name = world.name if isinstance(one, World) else str(one)
         begins(name)
         part = _check_scene(name, build_scene(world), chosen.maker(world), seconds)

@@ -245,6 +245,27 @@ def test_a_world_of_its_own_has_its_settings() -> None:
     assert candidate(Kept, None).maker(world)().settings.look_ahead == 2.0
 
 
+@pytest.mark.parametrize("given", [broken.Adjustable, "tests.testing.broken:Adjustable"])
+def test_settings_of_a_file_without_a_type_are_those_of_the_controller(
+    tmp_path: Path, given: Any
+) -> None:
+    """As `run` with --controller takes them; the world names none."""
+    text = physim.load_world("straight").to_yaml()
+    assert "controller:" in text
+    head, _, rest = text.partition("controller:")
+    tail = rest.partition("\n")[2]
+    while tail.startswith(" "):
+        tail = tail.partition("\n")[2]
+    file = tmp_path / "own.yaml"
+    file.write_text(f"{head}controller: {{share: 0.25}}\n{tail}")
+    chosen = candidate(given, None)
+    assert chosen.maker(chosen.read(file))().share == 0.25
+    assert chosen.read("straight").controller.type == "mode_switching"
+    file.write_text(f"{head}controller: {{shares: 0.25}}\n{tail}")
+    with pytest.raises(WorldError, match=facts("controller.shares", "unknown", "share")):
+        chosen.read(file)
+
+
 def test_the_object_given_is_never_asked() -> None:
     given = broken.CountsOnItself()
     assert check_controller(given, worlds=["straight"], seconds=0.1, report=str)

@@ -10,8 +10,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-import shapely
-from numpy.typing import NDArray
+from scipy.spatial import cKDTree
 
 from physim.errors import place_text, plural
 from physim.geometry.polygon import circumscribed_radius
@@ -25,7 +24,7 @@ from physim.world.layout.layout import PartialLayout
 MOST_PLACES = 2_000_000
 """Places of all robots at which it is known where they are along the reference path"""
 MOST_PAIRS = 10_000
-"""Pairs of robots that are driven, those that start nearest to each other"""
+"""Pairs of robots that are driven, about: of each those that start nearest to it"""
 MOST_STEPS = 20_000
 """of a drive, which ends with the run that is checked, too"""
 STEP = 0.2
@@ -116,15 +115,17 @@ def run_into(
     places = np.concatenate([start[None, :, :2], poses[:, :, :2]])
     station = np.concatenate([station[:1], station])
     i, j = _pairs(places, np.hypot(np.maximum(reach.front, reach.back), reach.side))
+    own = np.minimum(speed[i], np.maximum(speed[j], keep.least))
+    comes_nearer = own > speed[j]
+    i, j, own = i[comes_nearer], j[comes_nearer], own[comes_nearer]
+    if not len(i):
+        return []
     way = drive.end - drive.begin
     pace = np.divide(len(poses), way, out=np.zeros(len(way)), where=way > 0.0)  # [1/m]
-    pace_i = np.minimum(speed[i], np.maximum(speed[j], keep.least)) * pace[i]  # [1/s]
-    pace_j = speed[j] * pace[j]
+    pace_i, pace_j = own * pace[i], speed[j] * pace[j]  # [1/s]
     step = STEP / float(speed.max())
     lasting = min(float((way / speed).max()), keep.duration)
     steps = min(int(np.ceil(lasting / step)) + 1, MOST_STEPS)
-    if not len(i):
-        return []
     ahead = np.diff(places, axis=0, append=places[-1:])
     length = np.hypot(ahead[..., 0], ahead[..., 1])
     along = ahead / np.maximum(length, np.finfo(np.float64).tiny)[..., None]
@@ -156,14 +157,16 @@ def run_into(
 
 
 def _pairs(places: FloatArray, radius: FloatArray) -> tuple[IntArray, IntArray]:
-    """Numbers i and j of the pairs that may meet, those that start nearest to each other first.
+    """Numbers i and j of the pairs that may meet, of each robot those that start nearest to it.
 
     From places (K, N, 2) [m] and circumscribed radii (N,) [m].
     """
+    count = len(radius)
+    near = min(max(MOST_PAIRS // count, 1) + 1, count)
+    _, others = cKDTree(places[0]).query(places[0], near)
+    i, j = np.repeat(np.arange(count), near), others.ravel()
+    pair = np.unique(np.concatenate([i * count + j, j * count + i])[np.tile(i != j, 2)])
+    i, j = np.divmod(pair, count)
     low, high = places.min(axis=0) - radius[:, None], places.max(axis=0) + radius[:, None]
-    tree = shapely.STRtree(shapely.box(*low.T, *high.T))
-    i, j = tree.query(tree.geometries)
-    i, j = i[i != j], j[i != j]
-    apart = np.hypot(*(places[0, i] - places[0, j]).T)
-    first: NDArray[np.int64] = np.argsort(apart, kind="stable")[:MOST_PAIRS]
-    return i[first], j[first]
+    is_near = ((low[i] <= high[j]) & (low[j] <= high[i])).all(axis=1)
+    return i[is_near], j[is_near]

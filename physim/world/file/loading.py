@@ -102,10 +102,24 @@ def _made(named: Named, part: type[Any]) -> tuple[Any, list[Fault]]:
     unread = {key for key, value in settings.items() if holds_unreadable(value)}
     settings = {key: value for key, value in settings.items() if key not in unread}
     made, faults = checked_settings(part, settings, where)
+    if kind is CONTROLLER:
+        faults = [_of_another(fault, choice["type"]) for fault in faults]
     if faults or unread or not any(hasattr(part, hook) for hook in HOOKS):
         key = len(where)
         return None, [fault for fault in faults if unread.isdisjoint(fault.location[key:][:1])]
     return made_part(kind, part, made, choice["type"]), []
+
+
+def _of_another(fault: Fault, name: str) -> Fault:
+    """An unknown key of a controller, with what to do if it is one of another controller."""
+    if not isinstance(fault, KeyFault) or "did you mean" in fault.message:
+        return fault
+    key = ".".join(map(str, fault.location))
+    return replace(
+        fault,
+        message=f"{fault.message}; if it is a setting of another controller than {describe(name)}, "
+        f"name that one, by controller.type or --controller, or leave it out: --set {key}=null",
+    )
 
 
 MOST_FAULTS = 100

@@ -845,4 +845,22 @@ EDITS = (
         "neighbours of the wrong kind are an error alone",
         "tests/checking/test_neighbourhood.py::test_neighbours_of_the_wrong_kind_are_an_error_and_nothing_more",
     ),
+    Edit(
+        "checking",
+        "physim/world/checks/blind_followers.py",
+        "run_into",
+        "np.minimum(speed[i], np.maximum(speed[j], keep.least))",
+        "speed[i]",
+        "in a formation who comes too near slows down",
+        "tests/checking/test_blind_followers.py::test_in_a_formation_who_comes_too_near_slows_down",
+    ),
+    Edit(
+        "checking",
+        "physim/world/checks/blind_followers.py",
+        "run_into",
+        "min(float((way / speed).max()), keep.duration)",
+        "float((way / speed).max())",
+        "a drive ends with the run that is checked",
+        "tests/checking/test_blind_followers.py::test_who_creeps_elsewhere_changes_nothing",
+    ),
 )

@@ -23,7 +23,7 @@ from physim.parts.registry import (
 )
 from physim.parts.world_checks import HOOKS, robot_faults, world_doubts, world_faults
 from physim.world import ControllerChoice, Robot, RobotGroup, World
-from physim.world.faults import KeyFault, describe
+from physim.world.faults import KeyFault, describe, of_another_controller
 from physim.world.file.files import file_text, find_world
 from physim.world.file.nodes import (
     Document,
@@ -103,23 +103,11 @@ def _made(named: Named, part: type[Any]) -> tuple[Any, list[Fault]]:
     settings = {key: value for key, value in settings.items() if key not in unread}
     made, faults = checked_settings(part, settings, where)
     if kind is CONTROLLER:
-        faults = [_of_another(fault, choice["type"]) for fault in faults]
+        faults = [of_another_controller(fault, choice["type"]) for fault in faults]
     if faults or unread or not any(hasattr(part, hook) for hook in HOOKS):
         key = len(where)
         return None, [fault for fault in faults if unread.isdisjoint(fault.location[key:][:1])]
     return made_part(kind, part, made, choice["type"]), []
-
-
-def _of_another(fault: Fault, name: str) -> Fault:
-    """An unknown key of a controller, with what to do if it is one of another controller."""
-    if not isinstance(fault, KeyFault) or "did you mean" in fault.message:
-        return fault
-    key = ".".join(map(str, fault.location))
-    return replace(
-        fault,
-        message=f"{fault.message}; if it is a setting of another controller than {describe(name)}, "
-        f"name that one, by controller.type or --controller, or leave it out: --set {key}=null",
-    )
 
 
 MOST_FAULTS = 100

@@ -8,7 +8,7 @@ from __future__ import annotations
 import re
 import types
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Annotated, Any, Union, cast, get_args, get_origin
 
 from pydantic import BaseModel, Tag, ValidationError
@@ -173,18 +173,6 @@ def unknown_key(location: Location, allowed: list[str], advice: str = "") -> Fau
     choices = f"; allowed: {', '.join(allowed)}" if allowed else ""
     more = f"; {advice}" if advice else nearest(given.lower(), allowed)
     return KeyFault(location, f"unknown key{choices}{more}")
-
-
-def of_another_controller(fault: Fault, name: str) -> Fault:
-    """An unknown key of a controller, with what to do if it is one of another controller."""
-    if not isinstance(fault, KeyFault) or "did you mean" in fault.message:
-        return fault
-    key = ".".join(map(str, fault.location))
-    return replace(
-        fault,
-        message=f"{fault.message}; if it is a setting of another controller than {describe(name)}, "
-        f"name that one, by controller.type or --controller, or leave it out: --set {key}=null",
-    )
 
 
 def _advice(model: type[BaseModel] | None, key: str | int) -> str:

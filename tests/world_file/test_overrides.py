@@ -134,3 +134,27 @@ def test_one_controller_is_given(key: str) -> None:
         parse_world(STRAIGHT, "w.yaml", overrides=[key], controller="path_following")
     place = f"--set {key.partition('=')[0]}"
     check_error(f"{caught.value}\n", place, "--controller", "path_following", "one of them")
+
+
+ALONE = """\
+name: alone
+time: {{step: 0.01, duration: 5.0}}
+corridor: {{centreline: [[0, 0], [40, 0]], width: 8.0}}
+controller: {{{}: 2.2}}
+robots:
+  - {{name: a, footprint: {{length: 1.8, width: 1.0}}, pose: [5, 0, 0], path: {{offset: 0}}}}
+"""
+
+
+def test_a_setting_of_another_controller_says_what_to_do() -> None:
+    with pytest.raises(WorldError) as caught:
+        parse_world(ALONE.format("gap"), "w.yaml")
+    advice = ("controller.gap", "mode_switching", "--controller", "--set controller.gap=null")
+    check_error(f"{caught.value}\n", "w.yaml", *advice)
+    assert (
+        parse_world(ALONE.format("gap"), overrides=["controller.gap=null"]).controller.settings
+        == {}
+    )
+    with pytest.raises(WorldError) as caught:  # who misspells it is told so alone
+        parse_world(ALONE.format("look_ahed"), "w.yaml")
+    assert "another controller" not in str(caught.value)

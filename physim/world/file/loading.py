@@ -23,13 +23,13 @@ from physim.parts.registry import (
 )
 from physim.parts.world_checks import HOOKS, robot_faults, world_doubts, world_faults
 from physim.world import ControllerChoice, Robot, RobotGroup, World
-from physim.world.faults import KeyFault, describe, of_another_controller
+from physim.world.faults import KeyFault, describe
+from physim.world.file.controller_given import check_one_controller, of_another_controller
 from physim.world.file.files import file_text, find_world
 from physim.world.file.nodes import (
     Document,
     Member,
     Node,
-    OverridePosition,
     holds_unreadable,
 )
 from physim.world.file.overrides import apply_overrides
@@ -227,7 +227,7 @@ def validate(
         )
     overrides = (overrides,) if isinstance(overrides, str) else overrides
     if controller is not None:
-        _check_one_controller(overrides, controller, document.source)
+        check_one_controller(overrides, controller, document.source)
         document = _with_controller(document, controller)
     document = apply_overrides(document, overrides)
     values = document.values()
@@ -291,19 +291,6 @@ def _capped(faults: list[Fault]) -> list[Fault]:
     if len(faults) <= MOST_FAULTS:
         return faults
     return [*faults[: MOST_FAULTS - 1], Fault((), "more faults follow; correct these first")]
-
-
-def _check_one_controller(overrides: Sequence[str], controller: str, source: str) -> None:
-    """Raise WorldError where an override would take the place of the controller given beside it."""
-    for override in overrides:
-        key = override.partition("=")[0].strip()
-        if key in ("controller", "controller.type"):
-            message = (
-                f"would take the place of --controller {describe(controller)}; give one of them, "
-                "and settings as --set controller.KEY=VALUE"
-            )
-            place = OverridePosition(source, 1, 1, key)
-            raise WorldError([Fault(tuple(key.split(".")), message)], [place])
 
 
 def _with_controller(document: Document, name: str) -> Document:

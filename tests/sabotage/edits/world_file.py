@@ -25,8 +25,8 @@ EDITS = (
     ),
     Edit(
         "world_file",
-        "physim/world/file/loading.py",
-        "_check_one_controller",
+        "physim/world/file/controller_given.py",
+        "check_one_controller",
         'in ("controller", "controller.type")',
         'in ("controller",)',
         "--set controller.type does not take the place of --controller",
@@ -303,5 +303,14 @@ EDITS = (
         "or True",
         "a forgotten colon is said",
         "tests/world_file/test_reading.py::test_a_forgotten_colon_is_said",
+    ),
+    Edit(
+        "world_file",
+        "physim/world/file/controller_given.py",
+        "of_another_controller",
+        "not isinstance(fault, KeyFault) or",
+        "True or",
+        "an unknown setting says what to do if it is another controller's",
+        "tests/world_file/test_overrides.py::test_a_setting_of_another_controller_says_what_to_do",
     ),
 )

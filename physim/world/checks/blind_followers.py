@@ -120,40 +120,68 @@ def run_into(
     i, j, own = i[comes_nearer], j[comes_nearer], own[comes_nearer]
     if not len(i):
         return []
-    way = drive.end - drive.begin
+    way, step = drive.end - drive.begin, STEP / float(speed.max())
     pace = np.divide(len(poses), way, out=np.zeros(len(way)), where=way > 0.0)  # [1/m]
-    pace_i, pace_j = own * pace[i], speed[j] * pace[j]  # [1/s]
-    step = STEP / float(speed.max())
     lasting = min(float((way / speed).max()), keep.duration)
     steps = min(int(np.ceil(lasting / step)) + 1, MOST_STEPS)
-    ahead = np.diff(places, axis=0, append=places[-1:])
-    length = np.hypot(ahead[..., 0], ahead[..., 1])
-    along = ahead / np.maximum(length, np.finfo(np.float64).tiny)[..., None]
-    at_i, at_j = np.zeros(len(i)), np.zeros(len(i))
-    touch, side = reach.front[i] + reach.back[j], reach.side[i] + reach.side[j]
-    clear = keep.clear + np.maximum(speed[i] - speed[j], 0.0) * keep.time
-    hit, where = np.full(len(i), steps), np.zeros((len(i), 2))
-    was_behind = np.zeros(len(i), dtype=bool)
-    last = len(places) - 1
-    for now in range(steps):
-        k, m = np.minimum(at_i.astype(int), last), np.minimum(at_j.astype(int), last)
-        here, heading = places[k, i], along[np.minimum(k, last - 1), i]
-        x, y = (places[m, j] - here).T
-        gap = heading[:, 0] * x + heading[:, 1] * y - touch
-        beside = np.abs(heading[:, 0] * y - heading[:, 1] * x)
-        same = (heading * along[np.minimum(m, last - 1), j]).sum(axis=1) > SAME_WAY
-        follows = same & (beside < side) & (gap > -touch)
-        mine, its = station[k, i], station[m, j]
-        sees = (its > mine) | ((its == mine) & (j < i))
-        new = was_behind & follows & ~sees & (gap <= 0.0) & (hit == steps)
-        hit[new], where[new] = now, here[new]
-        was_behind |= follows & (gap > 0.0)
-        at_i += np.where(follows & sees & (gap < clear), 0.0, pace_i * step)
-        at_j += pace_j * step
+    two = _Two(
+        i, j,
+        pace=(own * pace[i] * step, speed[j] * pace[j] * step),
+        touch=reach.front[i] + reach.back[j],
+        side=reach.side[i] + reach.side[j],
+        clear=keep.clear + np.maximum(speed[i] - speed[j], 0.0) * keep.time,
+    )  # fmt: skip
+    hit, where = _driven(places, station, two, steps)
     first: dict[tuple[int, int], int] = {}  # of two that drive through each other
     for n in np.argsort(hit, kind="stable")[: np.count_nonzero(hit < steps)].tolist():
         first.setdefault((min(i[n], j[n]), max(i[n], j[n])), n)
     return [((int(i[n]), int(j[n])), where[n]) for n in first.values()]
+
+
+class _Two(NamedTuple):
+    """Pairs (P,) of robots i and j, the one behind and the one ahead."""
+
+    i: IntArray
+    j: IntArray
+    pace: tuple[FloatArray, FloatArray]
+    """places that i and j drive in a step"""
+    touch: FloatArray
+    """[m] between their reference points, one behind the other, where they touch"""
+    side: FloatArray
+    """[m] beside each other"""
+    clear: FloatArray
+    """[m] that i keeps to j where it sees it"""
+
+
+def _driven(
+    places: FloatArray, station: FloatArray, two: _Two, steps: int
+) -> tuple[IntArray, FloatArray]:
+    """In which step (P,) each i runs into j, unseen, else ``steps``; and where, (P, 2) [m].
+
+    From places (K, N, 2) [m] of N robots on their ways and their stations (K, N) [m] on s* there.
+    """
+    i, j, last = two.i, two.j, len(places) - 1
+    ahead = np.diff(places, axis=0)
+    length = np.hypot(ahead[..., 0], ahead[..., 1])
+    along = ahead / np.maximum(length, np.finfo(np.float64).tiny)[..., None]
+    at_i, at_j, was_behind = np.zeros(len(i)), np.zeros(len(i)), np.zeros(len(i), dtype=bool)
+    hit, where = np.full(len(i), steps), np.zeros((len(i), 2))
+    for now in range(steps):
+        k, m = np.minimum(at_i.astype(int), last), np.minimum(at_j.astype(int), last)
+        here, heading = places[k, i], along[np.minimum(k, last - 1), i]
+        x, y = (places[m, j] - here).T
+        gap = heading[:, 0] * x + heading[:, 1] * y - two.touch
+        beside = np.abs(heading[:, 0] * y - heading[:, 1] * x)
+        same = (heading * along[np.minimum(m, last - 1), j]).sum(axis=1) > SAME_WAY
+        follows = same & (beside < two.side) & (gap > -two.touch)
+        mine, its = station[k, i], station[m, j]
+        sees = (its > mine) | ((its == mine) & (j < i))  # `has_priority` of the controller
+        new = was_behind & follows & ~sees & (gap <= 0.0) & (hit == steps)
+        hit[new], where[new] = now, here[new]
+        was_behind |= follows & (gap > 0.0)
+        at_i += np.where(follows & sees & (gap < two.clear), 0.0, two.pace[0])
+        at_j += two.pace[1]
+    return hit, where
 
 
 def _pairs(places: FloatArray, radius: FloatArray) -> tuple[IntArray, IntArray]:

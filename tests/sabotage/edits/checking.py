@@ -776,7 +776,7 @@ EDITS = (
     Edit(
         "checking",
         "physim/world/checks/blind_followers.py",
-        "run_into",
+        "_driven",
         "(its > mine)",
         "(its != mine)",
         "a robot against the reference path does not see those before it",
@@ -785,7 +785,7 @@ EDITS = (
     Edit(
         "checking",
         "physim/world/checks/blind_followers.py",
-        "run_into",
+        "_driven",
         "(j < i)",
         "(j != i)",
         "of equal stations the first robot has priority",
@@ -794,7 +794,7 @@ EDITS = (
     Edit(
         "checking",
         "physim/world/checks/blind_followers.py",
-        "run_into",
+        "_driven",
         "(j < i)",
         "(j == i)",
         "of equal stations the first robot has priority",
@@ -803,8 +803,8 @@ EDITS = (
     Edit(
         "checking",
         "physim/world/checks/blind_followers.py",
-        "run_into",
-        "follows & sees & (gap < clear)",
+        "_driven",
+        "follows & sees & (gap < two.clear)",
         "False",
         "robots stay behind those that they see",
         "tests/checking/test_blind_followers.py::test_who_follows_where_stations_do_not_grow_is_blind",
@@ -812,7 +812,7 @@ EDITS = (
     Edit(
         "checking",
         "physim/world/checks/blind_followers.py",
-        "run_into",
+        "_driven",
         "was_behind & follows",
         "follows",
         "who crosses another is no follower",
@@ -821,7 +821,7 @@ EDITS = (
     Edit(
         "checking",
         "physim/world/checks/blind_followers.py",
-        "run_into",
+        "_driven",
         "& ~sees",
         "",
         "who sees another does not run into it",

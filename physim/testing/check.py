@@ -59,10 +59,11 @@ class Candidate:
         """Name by which a world is given this controller; None where its class has none."""
         if ":" in self.name or self.name in part_names(CONTROLLER):
             return self.name
-        home = sys.modules.get(self.kind.__module__)
-        name = self.kind.__qualname__
-        is_there = getattr(home, name, None) is self.kind and self.kind.__module__ != "__main__"
-        return f"{self.kind.__module__}:{name}" if is_there else None
+        home, name = self.kind.__module__, self.kind.__qualname__
+        found: Any = sys.modules.get(home)
+        for part in name.split("."):
+            found = getattr(found, part, None)
+        return f"{home}:{name}" if found is self.kind and home != "__main__" else None
 
     def maker(self, world: World | None = None) -> Make:
         """How to make it for a world.

@@ -492,6 +492,13 @@ class Adjustable:
         return steady(observation, share=self.share)
 
 
+class Nest:
+    """A class in a class has a name, too."""
+
+    class Adjustable(Adjustable):
+        """As `Adjustable`."""
+
+
 class Choosy:
     """Refuses robots by their name."""
 

@@ -245,7 +245,9 @@ def test_a_world_of_its_own_has_its_settings() -> None:
     assert candidate(Kept, None).maker(world)().settings.look_ahead == 2.0
 
 
-@pytest.mark.parametrize("given", [broken.Adjustable, "tests.testing.broken:Adjustable"])
+@pytest.mark.parametrize(
+    "given", [broken.Adjustable, "tests.testing.broken:Adjustable", broken.Nest.Adjustable]
+)
 def test_settings_of_a_file_without_a_type_are_those_of_the_controller(
     tmp_path: Path, given: Any
 ) -> None:

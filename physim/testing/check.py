@@ -24,10 +24,13 @@ from physim.parts.world_checks import robot_faults
 from physim.testing.rules import Finding, FindingLog, check_batch, check_plain
 from physim.testing.trial import Make, run_trial
 from physim.world import World
-from physim.world.file import load_world, parse_world, read_world
-from physim.world.file.files import shipped_worlds
+from physim.world.file import load_world, parse_world, read_document, world_of
+from physim.world.file.files import file_text, find_world, shipped_worlds
 from physim.world.layout.scene_builder import build_scene
 from physim.world.scene import Scene
+
+UNNAMED = ":"
+"""Type of controller of a world whose settings are for a class that cannot be named"""
 
 
 @dataclass(frozen=True)
@@ -43,17 +46,17 @@ class Candidate:
 
     def read(self, file: str | os.PathLike[str]) -> World:
         """World of a file, or shipped. Settings there without a ``type`` are this controller's."""
-        name = self._importable()
-        try:
-            world, document = read_world(file)
-        except WorldError:
-            if name is None:
-                raise
-            return read_world(file, controller=name)[0]
+        found = find_world(file)
+        document = read_document(file_text(found), str(found))
         written = document.values().get("controller")
-        if name is None or not isinstance(written, dict) or not written or "type" in written:
-            return world
-        return read_world(file, controller=name)[0]
+        if not isinstance(written, dict) or not written or "type" in written:
+            return load_world(file)
+        name = self._importable()
+        if name is not None:
+            return world_of(document, controller=name)[0]
+        world = world_of(document, check_controller=False)[0]
+        choice = world.controller.model_copy(update={"type": UNNAMED})
+        return world.model_copy(update={"controller": choice})
 
     def _importable(self) -> str | None:
         """Name by which a world is given this controller; None where its class has none."""
@@ -76,7 +79,7 @@ class Candidate:
             return lambda: _copy(original, self.name)
         settings = self.settings
         if settings is None:
-            settings = world.controller.settings if world is not None and self._is_in(world) else {}
+            settings = world.controller.settings if world and self._is_in(world) else {}
         made, faults = checked_settings(self.kind, settings, CONTROLLER.key)
         if faults:
             raise WorldError(faults)
@@ -91,6 +94,8 @@ class Candidate:
         """Whether it is the world's own controller."""
         try:
             name = world.controller.type
+            if name == UNNAMED:
+                return True
             trusted = ":" in self.name or name == self._importable()
             return self.kind is find_part(CONTROLLER, name, trusted=trusted)
         except ControllerError:

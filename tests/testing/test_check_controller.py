@@ -263,6 +263,12 @@ def test_settings_of_a_file_without_a_type_are_those_of_the_controller(
     chosen = candidate(given, None)
     assert chosen.maker(chosen.read(file))().share == 0.25
     assert chosen.read("straight").controller.type == "mode_switching"
+
+    class Local(broken.Adjustable):  # has no name by which it could be imported
+        pass
+
+    local = candidate(Local, None)
+    assert local.maker(local.read(file))().share == 0.25
     file.write_text(f"{head}controller: {{shares: 0.25}}\n{tail}")
     with pytest.raises(WorldError, match=facts("controller.shares", "unknown", "share")):
         chosen.read(file)

@@ -174,13 +174,26 @@ def test_lanes_that_overlap_are_one_way(tmp_path: Path) -> None:
         assert len(record.contacts)
 
 
-@pytest.mark.parametrize(("low", "is_told"), [(0.4, False), (0.8, True)])
+@pytest.mark.parametrize(
+    ("gain", "low", "is_told"), [(0.2, 0.4, False), (0.2, 0.8, True), (0.0, 0.4, True)]
+)
 def test_in_a_formation_who_comes_too_near_slows_down(
-    tmp_path: Path, low: float, is_told: bool
+    tmp_path: Path, gain: float, low: float, is_told: bool
 ) -> None:
-    """To the lower limit of (7): only faster than the one before it by that it comes nearer."""
+    """By (7), within its limits: no slower than the lower one, nor without a gain."""
     robots = "\n".join((FAST, SLOW)).replace("Y", "-2.5").replace("SPEED", "0.5")
-    text = LANES.replace("ROBOTS", robots) + f"formation: {{gain: 0.2, limits: [{low}, 1.3]}}\n"
+    text = LANES.replace("ROBOTS", robots)
+    text += f"formation: {{gain: {gain}, limits: [{low}, 1.3]}}\n"
     assert (BLIND in str(check(tmp_path, text))) == is_told
     with physim.simulate(parse_world(text)) as record:
         assert bool(len(record.contacts)) == is_told
+
+
+@pytest.mark.parametrize("gain", [0.02, 0.2])
+def test_against_the_reference_path_a_formation_slows_nobody(tmp_path: Path, gain: float) -> None:
+    """Who comes nearer is, by its station, ever farther behind its place."""
+    text = FOLLOWING.replace("CENTRELINE", EAST)
+    text += f"formation: {{gain: {gain}, limits: [0.1, 1.3]}}\n"
+    assert BLIND in str(check(tmp_path, text))
+    with physim.simulate(parse_world(text)) as record:
+        assert len(record.contacts)

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 
+import numpy as np
 import pytest
 
 from physim.authoring.importing import ImportSourceError, Options, import_world
@@ -435,3 +437,49 @@ def test_copies_of_what_is_hidden_by_where_it_stands_are_refused(tmp_path, inner
     with pytest.raises(ImportSourceError) as caught:
         obstacles(tmp_path, f'{inner.format(PILLAR)}<use href="#q"/>')
     check_says(str(caught.value), f':3: … "q" … copied … {seen} … <defs>')
+
+
+PLACE = """<svg xmlns="http://www.w3.org/2000/svg" xmlns:xlink="http://www.w3.org/1999/xlink"
+ xmlns:inkscape="http://www.inkscape.org/namespaces/inkscape" width="40" height="24"
+ viewBox="0 0 40 24">
+<g inkscape:label="boundary"><rect x="1" y="1" width="38" height="22"/></g>
+<g inkscape:label="path">{paths}</g>
+<g inkscape:label="robot"><rect id="one" inkscape:label="{first}" x="4" y="4.5" width="1.8"
+ height="1"/>{second}</g></svg>"""
+WAYS = """<path inkscape:label="path ann" d="M 3 5 L 37 5"/>
+<path inkscape:label="path bob" d="M 3 12 L 30 20"/>"""
+COPY = '<use xlink:href="#one" inkscape:label="{}" transform="translate(0,7)"/>'
+
+
+@pytest.mark.parametrize(
+    ("paths", "first", "second"),
+    [
+        (WAYS, "ann", COPY.format("bob")),
+        (WAYS, "robot ann", COPY.format("robot bob")),
+        (WAYS, "ann", '<g inkscape:label="bob"><rect x="4" y="11.5" width="1.8" height="1"/></g>'),
+        (WAYS.replace('<path inkscape:label="path bob" d="M 3 12 L 30 20"/>',
+                      '<g inkscape:label="bob"><path d="M 3 12 L 30 20"/></g>'),
+         "ann", COPY.format("bob")),
+    ],
+    ids=["copy", "copy with a role", "group", "path in a group"],
+)  # fmt: skip
+def test_copies_and_groups_have_names_of_their_own(
+    tmp_path: Path, paths: str, first: str, second: str
+) -> None:
+    """Not that of what they copy; by it a robot follows its own path."""
+    file = tmp_path / "d.svg"
+    file.write_text(PLACE.format(paths=paths, first=first, second=second))
+    world = import_world(file, Options(scale=1.0)).world
+    assert [robot.name for robot in world.robots] == ["ann", "bob"]
+    ends = [np.asarray(world.reference_path if not isinstance(one.path, tuple) else one.path)[-1]
+            for one in world.robots]  # fmt: skip
+    assert ends[0][1] == pytest.approx(19.0, abs=0.1)  # y points up
+    assert ends[1][1] < 6.0
+
+
+def test_a_copy_has_the_role_that_it_is_given(tmp_path: Path) -> None:
+    file = tmp_path / "d.svg"
+    obstacle = COPY.format("obstacle 1").replace("(0,7)", "(14,8)")
+    file.write_text(PLACE.format(paths=WAYS, first="robot ann", second=obstacle))
+    world = import_world(file, Options(scale=1.0)).world
+    assert ([robot.name for robot in world.robots], len(world.obstacles)) == (["ann"], 1)

@@ -217,10 +217,13 @@ def _role(element: Any) -> tuple[str, str]:
     return "", ""
 
 
-def _shapes(group: Any, role: str, name: str, walls: Walls) -> Any:
+def _shapes(
+    group: Any, role: str, name: str, walls: Walls, copied: tuple[str, str] = ("", "")
+) -> Any:
     """Every shape below a group, with the role and name that it or its layer has.
 
-    Without a role the name is that of the group that has one, for `Walls.note`.
+    Without a role the name is that of the group that has one, for `Walls.note`. Role and name of a
+    copy, ``copied``, take the place of those of what it is a copy of.
     """
     for element in group:
         own, rest = _role(element)
@@ -229,16 +232,21 @@ def _shapes(group: Any, role: str, name: str, walls: Walls) -> Any:
             own, rest = "boundary", ""
         label = next(iter(names_of(element)), "")
         within = name if role else ""  # that of a group without a role names nothing in it
+        drawn = str(element.values.get("attributes", {}).get(LABEL) or "")
+        given = rest or (drawn if drawn and role and not own else "")
         if isinstance(element, svgelements.Group | svgelements.Use):
-            named = rest or within if own or role else label or name
-            yield from _shapes(element, own or role, named, walls)
+            named = given or within if own or role else label or name
+            whose = copied
+            if isinstance(element, svgelements.Use):
+                whose = (copied[0] or own or role, copied[1] or given)
+            yield from _shapes(element, own or role, named, walls, whose)
         elif isinstance(element, svgelements.Shape):
             is_wall = {own, role} == {"boundary", "wall"}  # its own name says which
             if own and role and own != role and not (rest or is_asked_for or is_wall):
                 own = role
-            drawn = str(element.values.get("attributes", {}).get(LABEL) or "")
-            named = rest or (drawn if drawn and not own else within) if own or role else name
-            yield element, own or role, named
+            named = copied[1] or rest or (drawn if drawn and not own else within)
+            kind = copied[0] or own or role
+            yield element, kind, named if kind else name
 
 
 def _sort(path: Path, drawing: Drawing, lines: list[_Line], walls: Walls) -> None:

@@ -18,7 +18,7 @@ from physim.geometry.shapes import FloatArray, IntArray
 from physim.world.checks.findings import Diagnostics
 from physim.world.checks.measured import Drive
 from physim.world.checks.spacing import name_of
-from physim.world.checks.standing import Stop
+from physim.world.checks.standing import Stop, leads
 from physim.world.layout.layout import PartialLayout
 
 MOST_PLACES = 2_000_000
@@ -53,13 +53,17 @@ class Reach(NamedTuple):
 class Keeping(NamedTuple):
     """What robots keep: the distance [m] and the collision time [s] to those that they see.
 
-    In a formation one that comes too near to another slows down, to ``least`` [m/s] at most;
-    without, that is infinite. ``duration`` [s] of the run.
+    And their usual ``speed`` [m/s]; by (7) in a formation: ``gain`` [1/s], 0 without one, between
+    ``low`` and ``high`` [m/s], wanted leads (N,) [m] over the first. ``duration`` [s] of the run.
     """
 
     clear: float
     time: float
-    least: float
+    speed: float
+    gain: float
+    low: float
+    high: float
+    lead: FloatArray
     duration: float
 
 
@@ -81,14 +85,16 @@ def check_blind_followers(
     drive = Drive.of(paths, laid.reference, laid.start, radius, stops, MOST_PLACES)
     if drive is None:
         return
-    plan, least = world.formation, np.inf
+    plan, lead = world.formation, leads(laid)
+    gain, low, high = 0.0, 0.0, np.inf
     if plan is not None:
-        least = plan.limits[0]
-        speed = min(max(plan.speed, least), plan.limits[1])  # (7)
+        gain, (low, high) = plan.gain, plan.limits
+        speed = min(max(plan.speed, low), high)  # (7)
+    if lead is None:
+        return
     own = np.array([np.inf if one.limits.v is None else one.limits.v for one in world.robots])
-    usual = np.maximum(np.minimum(own, speed), SLOWEST)
-    rule = Keeping(clear, time, least, world.time.duration)
-    hits = run_into(drive, laid.start, usual, Reach.of(outlines), rule)
+    rule = Keeping(clear, time, speed, gain, low, high, lead, world.time.duration)
+    hits = run_into(drive, laid.start, np.maximum(own, SLOWEST), Reach.of(outlines), rule)
     if not hits:
         return
     (i, j), (x, y) = hits[0]
@@ -104,20 +110,20 @@ def check_blind_followers(
 
 
 def run_into(
-    drive: Drive, start: FloatArray, speed: FloatArray, reach: Reach, keep: Keeping
+    drive: Drive, start: FloatArray, limit: FloatArray, reach: Reach, keep: Keeping
 ) -> list[tuple[tuple[int, int], FloatArray]]:
     """Pairs (i, j) of robots of which i runs into j ahead, unseen, and where, (2,) [m].
 
-    Each pair of N robots drives alone, at ``speed`` (N,) [m/s] from its ``start`` (N, 3); i stays
-    behind j wherever it sees it, as far as it is to ``keep``.
+    Each pair of N robots drives alone, at ``limit`` (N,) [m/s] at most, from its ``start`` (N, 3);
+    i stays behind j wherever it sees it, as far as it is to ``keep``.
     """
     poses, station = (np.concatenate(some) for some in zip(*drive.blocks(), strict=True))
     places = np.concatenate([start[None, :, :2], poses[:, :, :2]])
     station = np.concatenate([station[:1], station])
     i, j = _pairs(places, np.hypot(np.maximum(reach.front, reach.back), reach.side))
-    own = np.minimum(speed[i], np.maximum(speed[j], keep.least))
-    comes_nearer = own > speed[j]
-    i, j, own = i[comes_nearer], j[comes_nearer], own[comes_nearer]
+    speed = np.maximum(np.minimum(limit, keep.speed), SLOWEST)
+    comes_nearer = (speed[i] > speed[j]) | (keep.gain > 0.0)  # by (7) it may
+    i, j = i[comes_nearer], j[comes_nearer]
     if not len(i):
         return []
     way, step = drive.end - drive.begin, STEP / float(speed.max())
@@ -126,12 +132,14 @@ def run_into(
     steps = min(int(np.ceil(lasting / step)) + 1, MOST_STEPS)
     two = _Two(
         i, j,
-        pace=(own * pace[i] * step, speed[j] * pace[j] * step),
+        limit=(limit[i], limit[j]),
+        pace=(pace[i] * step, pace[j] * step),
+        lead=keep.lead[j] - keep.lead[i],
         touch=reach.front[i] + reach.back[j],
         side=reach.side[i] + reach.side[j],
         clear=keep.clear + np.maximum(speed[i] - speed[j], 0.0) * keep.time,
     )  # fmt: skip
-    hit, where = _driven(places, station, two, steps)
+    hit, where = _driven(places, station, two, keep, steps)
     first: dict[tuple[int, int], int] = {}  # of two that drive through each other
     for n in np.argsort(hit, kind="stable")[: np.count_nonzero(hit < steps)].tolist():
         first.setdefault((min(i[n], j[n]), max(i[n], j[n])), n)
@@ -143,8 +151,12 @@ class _Two(NamedTuple):
 
     i: IntArray
     j: IntArray
+    limit: tuple[FloatArray, FloatArray]
+    """[m/s] of i and j"""
     pace: tuple[FloatArray, FloatArray]
-    """places that i and j drive in a step"""
+    """[s/m] places that they drive in a step, at 1 m/s"""
+    lead: FloatArray
+    """[m] that j is to lead i by in a formation"""
     touch: FloatArray
     """[m] between their reference points, one behind the other, where they touch"""
     side: FloatArray
@@ -154,7 +166,7 @@ class _Two(NamedTuple):
 
 
 def _driven(
-    places: FloatArray, station: FloatArray, two: _Two, steps: int
+    places: FloatArray, station: FloatArray, two: _Two, keep: Keeping, steps: int
 ) -> tuple[IntArray, FloatArray]:
     """In which step (P,) each i runs into j, unseen, else ``steps``; and where, (P, 2) [m].
 
@@ -179,8 +191,11 @@ def _driven(
         new = was_behind & follows & ~sees & (gap <= 0.0) & (hit == steps)
         hit[new], where[new] = now, here[new]
         was_behind |= follows & (gap > 0.0)
-        at_i += np.where(follows & sees & (gap < two.clear), 0.0, two.pace[0])
-        at_j += two.pace[1]
+        change = keep.gain * (its - mine - two.lead)  # (7), of these two alone
+        v_i = np.minimum(np.clip(keep.speed + change, keep.low, keep.high), two.limit[0])
+        v_j = np.minimum(np.clip(keep.speed - change, keep.low, keep.high), two.limit[1])
+        at_i += np.where(follows & sees & (gap < two.clear), 0.0, v_i * two.pace[0])
+        at_j += v_j * two.pace[1]
     return hit, where
 
 

@@ -31,5 +31,6 @@ def of_another_controller(fault: Fault, name: str) -> Fault:
     return replace(
         fault,
         message=f"{fault.message}; if it is a setting of another controller than {describe(name)}, "
-        f"name that one, by controller.type or --controller, or leave it out: --set {key}=null",
+        "name that one, by controller.type or --controller, or leave it out (of a file: --set "
+        f"{key}=null)",
     )

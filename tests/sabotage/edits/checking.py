@@ -848,9 +848,9 @@ EDITS = (
     Edit(
         "checking",
         "physim/world/checks/blind_followers.py",
-        "run_into",
-        "np.minimum(speed[i], np.maximum(speed[j], keep.least))",
-        "speed[i]",
+        "_driven",
+        "keep.gain * (its - mine - two.lead)",
+        "0.0 * keep.gain",
         "in a formation who comes too near slows down",
         "tests/checking/test_blind_followers.py::test_in_a_formation_who_comes_too_near_slows_down",
     ),

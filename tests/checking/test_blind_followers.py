@@ -46,7 +46,10 @@ def test_others_against_the_reference_path_are_not_told(tmp_path):
     lone = text.replace("path: [[38, 0], [6, 0]]", "path: {offset: 2}")
     lone = lone.replace("[34, 0, 3.1416]", "[4, 2, 0]")
     crossing = text.replace("[[38, 0], [6, 0]]", "[[34, 3], [33, -3]]")
-    for one in (lone, crossing):
+    merging = text.replace("[[38, 0], [6, 0]]", "[[34, 3], [26, 0], [6, 0]]")
+    merging = merging.replace("pose: [34, 0, 3.1416]", "pose: [34, 3, 3.5]")
+    merging = merging.replace("pose: [30, 0,", "pose: [30.5, 0,")  # it comes to lie beside it
+    for one in (lone, crossing, merging):
         assert BLIND not in str(check(tmp_path, one))
     assert BLIND not in str(
         check(tmp_path, text + "controller: {type: mode_switching, avoidance: none}\n")
@@ -91,6 +94,16 @@ def test_who_follows_where_stations_do_not_grow_is_blind(tmp_path, reference, wa
     assert (BLIND in str(check(tmp_path, text))) == is_blind
     with physim.simulate(parse_world(text)) as record:
         assert bool(len(record.contacts)) == is_blind
+
+
+def test_who_waited_behind_another_runs_into_it_where_it_is_blind(tmp_path):
+    """Held back from the tenth metre on, up to the corner."""
+    text = HALL.replace("REFERENCE", OUT).replace("FAST", U_TURN[0])
+    text = text.replace("SLOW", U_TURN[1].replace("[22, 0]", "[8, 0]"))
+    text = text.replace("pose: [22.0, 0.0, 0.0]", "pose: [8.0, 0.0, 0.0]")
+    assert '"fast" may run into "slow"' in str(check(tmp_path, text))
+    with physim.simulate(parse_world(text)) as record:
+        assert len(record.contacts)
 
 
 def test_robots_are_judged_from_where_they_start(tmp_path):

@@ -166,7 +166,7 @@ def test_beside_an_error_nobody_is_foretold_from_where_none_was_drawn(tmp_path: 
         "     start: {region: [[8, 0.5], [10, 0.5], [10, 1.5], [8, 1.5]], heading: 0.0}}\n"
         "  - {name: b, footprint: *box, path: {offset: -1},\n"
         "     start: {region: [[4, -1.5], [6, -1.5], [6, -0.5], [4, -0.5]], heading: 0.0}}\n"
-        "formation: {spacing: [0, -4]}\n"
+        "formation: {spacing: [0, -8]}\n"
     )
     for one in (text, text + "physics: {friction: -1.0}\n"):
         errors, warnings = lines(check(tmp_path, one))

@@ -807,16 +807,7 @@ EDITS = (
         "follows & sees & (gap < two.clear)",
         "False",
         "robots stay behind those that they see",
-        "tests/checking/test_blind_followers.py::test_who_follows_where_stations_do_not_grow_is_blind",
-    ),
-    Edit(
-        "checking",
-        "physim/world/checks/blind_followers.py",
-        "_driven",
-        "was_behind & follows",
-        "follows",
-        "who crosses another is no follower",
-        "tests/checking/test_blind_followers.py::test_others_against_the_reference_path_are_not_told",
+        "tests/checking/test_blind_followers.py::test_who_waited_behind_another_runs_into_it_where_it_is_blind",
     ),
     Edit(
         "checking",

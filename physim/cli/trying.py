@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from physim.cli.progress import Bar, announce_compiling, interrupts
-from physim.cli.simulating import COMPILING
+from physim.cli.progress import Bar, interrupts
 from physim.errors import PhysimError, plural
 from physim.escaping import escaped
 
@@ -13,8 +12,10 @@ if TYPE_CHECKING:
     from physim.record import Record
     from physim.world import World
 
-MOST_STEPS = 2_000_000
-"""Steps of all robots together that are tried: some 20 s"""
+MOST_STEPS = 100_000
+"""Steps of a run that are tried, of ten robots at most as many: some 8 s"""
+MOST_POINTS = 10_000
+"""Points of walls of a world that is tried: reading more takes long enough"""
 MOST_NAMED = 3
 """Robots that have not arrived which are named"""
 
@@ -26,11 +27,16 @@ def tried(world: World, quiet: bool) -> list[str]:
     from physim.simulation.run import is_warm, record_run
     from physim.world.layout.scene_builder import build_scene
 
-    steps = round(world.time.duration / world.time.step) * len(world.robots)
-    if steps > MOST_STEPS:
-        return [f"not tried: {steps:,} steps of robots take long; physim run shows if all arrive"]
+    steps = round(world.time.duration / world.time.step)
+    solids = [getattr(one, "outline", one) for one in world.obstacles or ()]
+    points = sum(len(line) for line in (*(world.boundaries or ()), *solids))
+    if steps * max(len(world.robots) / 10.0, 1.0) > MOST_STEPS or points > MOST_POINTS:
+        what = f"{steps:,} steps of {plural(len(world.robots), 'robot')}"
+        if points > MOST_POINTS:
+            what += f" between walls of {points:,} points"
+        return [f"not tried: {what} take long; physim run shows if all arrive"]
     if not is_warm():
-        announce_compiling("controller and distances", COMPILING, quiet)
+        return ["not tried: nothing is compiled yet; physim run does it, and shows if all arrive"]
     controller = make_part(CONTROLLER, world.controller.type, world.controller.settings)
     simulation = Simulation(build_scene(world), controller=controller)
     bar = Bar("trying it", world.time.duration, "s", quiet)

@@ -239,4 +239,13 @@ def test_what_would_take_long_is_not_tried(
 ) -> None:
     monkeypatch.setattr(trying, "MOST_STEPS", 100)
     done = physim("import", "office.wkt", "-o", "w.yaml", capture=capture)
-    assert re.search(r"^not tried: [0-9,]+ steps of robots", done.out, re.MULTILINE)
+    assert re.search(r"^not tried: [0-9,]+ steps of 1 robot", done.out, re.MULTILINE)
+
+
+def test_nothing_is_compiled_for_a_drive(
+    here: Path, capture: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("physim.simulation.run.is_warm", lambda: False)
+    done = physim("import", "office.wkt", "-o", "w.yaml", capture=capture)
+    assert (done.code, done.err) == (0, "")
+    assert "not tried: nothing is compiled yet" in done.out

@@ -149,7 +149,7 @@ robots:
 def test_a_setting_of_another_controller_says_what_to_do() -> None:
     with pytest.raises(WorldError) as caught:
         parse_world(ALONE.format("gap"), "w.yaml")
-    advice = ("controller.gap", "mode_switching", "--controller", "--set controller.gap=null")
+    advice = ("controller.gap", "another controller", "--controller", "--set controller.gap=null")
     check_error(f"{caught.value}\n", "w.yaml", *advice)
     assert (
         parse_world(ALONE.format("gap"), overrides=["controller.gap=null"]).controller.settings

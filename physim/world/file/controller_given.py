@@ -23,14 +23,13 @@ def check_one_controller(overrides: Sequence[str], controller: str, source: str)
             raise WorldError([Fault(tuple(key.split(".")), message)], [place])
 
 
-def of_another_controller(fault: Fault, name: str) -> Fault:
+def of_another_controller(fault: Fault) -> Fault:
     """An unknown key of a controller, with what to do if it is one of another controller."""
     if not isinstance(fault, KeyFault) or "did you mean" in fault.message:
         return fault
     key = ".".join(map(str, fault.location))
     return replace(
         fault,
-        message=f"{fault.message}; if it is a setting of another controller than {describe(name)}, "
-        "name that one, by controller.type or --controller, or leave it out (of a file: --set "
-        f"{key}=null)",
+        message=f"{fault.message}; if it is a setting of another controller, name that one, by "
+        f"controller.type or --controller, or leave it out (of a file: --set {key}=null)",
     )

@@ -103,7 +103,7 @@ def _made(named: Named, part: type[Any]) -> tuple[Any, list[Fault]]:
     settings = {key: value for key, value in settings.items() if key not in unread}
     made, faults = checked_settings(part, settings, where)
     if kind is CONTROLLER:
-        faults = [of_another_controller(fault, choice["type"]) for fault in faults]
+        faults = [of_another_controller(fault) for fault in faults]
     if faults or unread or not any(hasattr(part, hook) for hook in HOOKS):
         key = len(where)
         return None, [fault for fault in faults if unread.isdisjoint(fault.location[key:][:1])]

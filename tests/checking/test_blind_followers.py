@@ -46,11 +46,13 @@ def test_others_against_the_reference_path_are_not_told(tmp_path):
     lone = text.replace("path: [[38, 0], [6, 0]]", "path: {offset: 2}")
     lone = lone.replace("[34, 0, 3.1416]", "[4, 2, 0]")
     crossing = text.replace("[[38, 0], [6, 0]]", "[[34, 3], [33, -3]]")
-    merging = text.replace("[[38, 0], [6, 0]]", "[[34, 3], [26, 0], [6, 0]]")
-    merging = merging.replace("pose: [34, 0, 3.1416]", "pose: [34, 3, 3.5]")
+    merging = text.replace("[[38, 0], [6, 0]]", "[[34, 2.5], [26, 0], [6, 0]]")
+    merging = merging.replace("pose: [34, 0, 3.1416]", "pose: [34, 2.5, 3.5]")
     merging = merging.replace("pose: [30, 0,", "pose: [30.5, 0,")  # it comes to lie beside it
     for one in (lone, crossing, merging):
-        assert BLIND not in str(check(tmp_path, one))
+        found = check(tmp_path, one)
+        assert not found.errors
+        assert BLIND not in str(found)
     assert BLIND not in str(
         check(tmp_path, text + "controller: {type: mode_switching, avoidance: none}\n")
     )

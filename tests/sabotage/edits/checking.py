@@ -854,4 +854,13 @@ EDITS = (
         "a drive ends with the run that is checked",
         "tests/checking/test_blind_followers.py::test_who_creeps_elsewhere_changes_nothing",
     ),
+    Edit(
+        "checking",
+        "physim/world/checks/blind_followers.py",
+        "_driven",
+        "was_behind & follows",
+        "follows",
+        "who comes from the side is no follower",
+        "tests/checking/test_blind_followers.py::test_others_against_the_reference_path_are_not_told",
+    ),
 )

@@ -375,3 +375,5 @@ def test_a_controller_by_name_keeps_the_settings_of_its_own_type() -> None:
         assert settings_in(named, "mode_switching") == {}
     open_to_all = parse_world(text + "{speed: 0.7}\n")
     assert settings_in(open_to_all, "path_following") == {"speed": 0.7}
+    changed = parse_world(text + "{}\n").changed(controller={"speed": 0.7})
+    assert settings_in(changed, "path_following") == {"speed": 0.7}

@@ -335,7 +335,8 @@ def _changed(old: Any, new: Any) -> Any:
     if not isinstance(old, Model) or not isinstance(new, Mapping):
         return new
     if isinstance(old, Choice):
-        return new if "type" in new else {"type": old.type, **old.settings, **new}
+        named = {"type": old.type} if "type" in old.model_fields_set else {}
+        return new if "type" in new else {**named, **old.settings, **new}
     if is_random_corridor(old) != is_random_corridor(new):  # a road of the other kind
         return new
     kept = {key: getattr(old, key) for key in old.model_fields_set}

@@ -565,6 +565,15 @@ EDITS = (
     ),
     Edit(
         "loop",
+        "physim/world/model.py",
+        "_changed",
+        'if "type" in old.model_fields_set else {}',
+        "if True else {}",
+        "settings given in Python for a world without a type reach a controller by name",
+        "tests/test_simulation.py::test_a_controller_by_name_keeps_the_settings_of_its_own_type",
+    ),
+    Edit(
+        "loop",
         "physim/simulation/run.py",
         "_loop",
         "recorder.taken != simulation.step_number",

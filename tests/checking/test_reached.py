@@ -41,6 +41,24 @@ def test_what_lies_beyond_the_stop_is_not_judged(tmp_path, at, is_judged):
     assert (b.verdict == NOT) == is_judged
 
 
+REGION_BEHIND = DRAWN.replace(
+    "pose: [6.0, 1.0, 0.0]", "start: {region: [[5, 0], [9, 0], [9, 3], [5, 3]]}"
+)
+
+
+@pytest.mark.parametrize(("duration", "first"), [("60.0", (5.0, 9.0)), ("60.005", (9.0, 9.0))])
+def test_what_lies_behind_a_region_is_not_judged(tmp_path, duration, first):
+    """Beside a fault elsewhere the start is not drawn, and was taken for the beginning."""
+    text = changed(REGION_BEHIND, (UPPER, dented(2.0)), ("60.0", duration))
+    found = check(tmp_path, text)
+    assert {fault.key for fault in found.errors} == set(
+        () if duration == "60.0" else ["time.duration"]
+    )
+    a = found.clearance[0]
+    assert first[0] <= a.reached[0] <= first[1]
+    assert a.verdict == ANY
+
+
 def test_a_robot_with_a_fault_is_named_as_left_out(tmp_path):
     text = changed(DRAWN, ("path: [[0, 1], [30, 1]]", "path: [[0, 1], [30, x]]"))
     found = check(tmp_path, text)

@@ -66,19 +66,30 @@ def reached(laid: PartialLayout) -> dict[int, tuple[float, float]]:
     """First and last station [m] of its path at which each robot is to be, by number.
 
     From the point nearest to its start to its stop station; where one of them is not known, from
-    the beginning or to the end of the path.
+    the last that its region has, or the beginning, or to the end of the path.
     """
     way, stop = Shared(Way), stop_stations(laid)
-    start = dict.fromkeys(laid.paths, 0.0)
     placed = [
         i for i in laid.paths if i < len(laid.start) and not np.isnan(laid.start[i, :2]).any()
     ]
+    start = {
+        i: _drawn_within(laid, i, way(laid.paths[i])) for i in {*laid.paths}.difference(placed)
+    }
     for numbers in sharing([laid.paths[i] for i in placed]):
         group = [placed[k] for k in numbers]
         stations = way(laid.paths[group[0]]).nearest(laid.start[group, :2])
         start.update(zip(group, stations.tolist(), strict=True))
     ends = {i: stop.get(i, float(way(path).station[-1])) for i, path in laid.paths.items()}
     return {i: (min(start[i], ends[i]), ends[i]) for i in laid.paths}
+
+
+def _drawn_within(laid: PartialLayout, i: int, way: Way) -> float:
+    """Station [m] of a path that its robot is not before where the seed draws its start."""
+    robot = laid.world.robots[i]
+    start = robot.start or laid.world.start
+    if robot.pose is not None or start is None or not start.region:
+        return 0.0
+    return float(way.nearest(np.array(start.region)).max())
 
 
 def leads(laid: PartialLayout) -> FloatArray | None:

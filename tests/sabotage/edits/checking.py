@@ -7,6 +7,15 @@ from tests.sabotage.edit import Edit
 EDITS = (
     Edit(
         "checking",
+        "physim/world/checks/standing.py",
+        "_drawn_within",
+        "return float(way.nearest(np.array(start.region)).max())",
+        "return 0.0",
+        "what lies behind a region is not judged where no start was drawn",
+        "tests/checking/test_reached.py::test_what_lies_behind_a_region_is_not_judged",
+    ),
+    Edit(
+        "checking",
         "physim/world/checks/boundaries.py",
         "check_obstacles",
         "~meets",

@@ -14,7 +14,6 @@ from physim.cli.values import COUNT, DISTANCE, PATH, POSITIVE, OneOf, Value, pai
 
 if TYPE_CHECKING:
     from physim.authoring.importing import Imported
-    from physim.world.checks import Finding
 
 FORMATS = ("track", "ros-map", "svg", "wkt", "geojson")
 LINES, ROUTE = "Lines", "Path and robots"
@@ -103,14 +102,16 @@ def import_command(options: Options) -> int:
     exit codes:
       0    the world is written; it loads and its scene builds
       2    bad input: one message says what and where, and nothing is written
-      130  interrupted (Ctrl-C): no world is written
+      130  interrupted (Ctrl-C): no world is written, unless the report says so
 
     examples:
       physim import track.csv -o track.yaml --robots 6 --lanes 2
       physim import map.yaml -o office.yaml --robots 5 --from 1,2 --to 14.5,-3
       physim import plan.svg -o plan.yaml --scale 0.1
     """
+    # both now: Ctrl-C in the import of a module would end the command with the world just written
     from physim.authoring import importing
+    from physim.cli.trying import judge
 
     source, output = options.source, options.output
     _check_output(source, output, options.force)
@@ -119,22 +120,10 @@ def import_command(options: Options) -> int:
     written = write_schema(output, options.force)  # first: without the world nothing is imported
     write_text(output, imported.text)
     if not options.quiet:
-        print("\n".join([*_report(source, imported), *_judged(options, imported), written]))
+        print("\n".join(_report(source, imported)), flush=True)
+        judge(options, imported.world)
+        print(written)
     return 0
-
-
-def _judged(options: Options, imported: Imported) -> list[str]:
-    """What is said of a world just written; Ctrl-C only ends that, for the world is there."""
-    from physim.cli.trying import tried
-
-    lines: list[str] = []
-    try:
-        lines += _doubts(options.output, options.lanes or 1)
-        if not options.untried:
-            lines += tried(imported.world, options.quiet)
-    except KeyboardInterrupt:
-        lines.append("interrupted: neither checked nor tried to the end")
-    return lines
 
 
 def _check_output(source: Path, output: Path, force: bool) -> None:
@@ -152,21 +141,3 @@ def _report(source: Path, imported: Imported) -> list[str]:
         f"dropped or repaired:{changes}",
         *(f"  {change}" for change in imported.changes),
     ]
-
-
-def _doubts(world: Path, lanes: int) -> list[str]:
-    """What `physim check` says of a world just written, what concerns the whole group first."""
-    from physim.world.checks import check_world
-
-    found = check_world(world)
-    order = ("formation", "robots")
-
-    def rank(finding: Finding) -> int:
-        return next((k for k, key in enumerate(order) if finding.key.startswith(key)), len(order))
-
-    lines = [f"  error: {one}" for one in found.errors]
-    lines += [f"  {one}" for one in sorted(found.warnings, key=rank)]
-    said = (*found.errors, *found.warnings)
-    if lanes > 1 and any(one.key.startswith("formation") for one in said):
-        lines.append("  --lanes 1 has fewer places where paths come close")
-    return ["physim check reports:", *lines] if lines else []

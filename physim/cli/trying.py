@@ -1,16 +1,25 @@
-"""A run of a world just imported: whether all robots arrive, and without contact."""
+"""What is said of a world just imported: by its checks, and by a run of it.
+
+A run tells whether all robots arrive, and without contact.
+"""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from pathlib import Path
 
+from physim.analysis.metrics.contacts import contact_episodes
+from physim.analysis.metrics.progress import absent
+from physim.cli.parser import Options
 from physim.cli.progress import Bar, interrupts
 from physim.errors import PhysimError, plural
 from physim.escaping import escaped
-
-if TYPE_CHECKING:
-    from physim.record import Record
-    from physim.world import World
+from physim.parts.registry import CONTROLLER, make_part
+from physim.record import Record
+from physim.simulation.loop import Simulation
+from physim.simulation.run import is_warm, record_run
+from physim.world import World
+from physim.world.checks import Finding, check_world
+from physim.world.layout.scene_builder import build_scene
 
 MOST_STEPS = 100_000
 """Steps of a run that are tried, of ten robots at most as many: some 8 s"""
@@ -20,13 +29,35 @@ MOST_NAMED = 3
 """Robots that have not arrived which are named"""
 
 
+def judge(options: Options, world: World) -> None:
+    """Say what checks and a run have found; Ctrl-C only ends that, for the world is there."""
+    try:
+        for line in _doubts(options.output, options.lanes or 1):
+            print(line)
+        for line in () if options.untried else tried(world, options.quiet):
+            print(line)
+    except KeyboardInterrupt:
+        print("interrupted: neither checked nor tried to the end")
+
+
+def _doubts(world: Path, lanes: int) -> list[str]:
+    """What `physim check` says of a world just written, what concerns the whole group first."""
+    found = check_world(world)
+    order = ("formation", "robots")
+
+    def rank(finding: Finding) -> int:
+        return next((k for k, key in enumerate(order) if finding.key.startswith(key)), len(order))
+
+    lines = [f"  error: {one}" for one in found.errors]
+    lines += [f"  {one}" for one in sorted(found.warnings, key=rank)]
+    said = (*found.errors, *found.warnings)
+    if lanes > 1 and any(one.key.startswith("formation") for one in said):
+        lines.append("  --lanes 1 has fewer places where paths come close")
+    return ["physim check reports:", *lines] if lines else []
+
+
 def tried(world: World, quiet: bool) -> list[str]:
     """Lines on a run of ``world``, which Ctrl-C ends; why there is none where it takes long."""
-    from physim.parts.registry import CONTROLLER, make_part
-    from physim.simulation.loop import Simulation
-    from physim.simulation.run import is_warm, record_run
-    from physim.world.layout.scene_builder import build_scene
-
     steps = round(world.time.duration / world.time.step)
     solids = [getattr(one, "outline", one) for one in world.obstacles or ()]
     points = sum(len(line) for line in (*(world.boundaries or ()), *solids))
@@ -51,9 +82,6 @@ def tried(world: World, quiet: bool) -> list[str]:
 
 def _found(record: Record) -> str:
     """What a run has shown: who has not arrived, and contacts."""
-    from physim.analysis.metrics.contacts import contact_episodes
-    from physim.analysis.metrics.progress import absent
-
     left = absent(record)
     if record.ended == "interrupted":
         said = "interrupted"

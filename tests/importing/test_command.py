@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import re
 import shutil
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -245,7 +247,27 @@ def test_what_would_take_long_is_not_tried(
 def test_nothing_is_compiled_for_a_drive(
     here: Path, capture: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("physim.simulation.run.is_warm", lambda: False)
+    monkeypatch.setattr(trying, "is_warm", lambda: False)
     done = physim("import", "office.wkt", "-o", "w.yaml", capture=capture)
     assert (done.code, done.err) == (0, "")
     assert "not tried: nothing is compiled yet" in done.out
+
+
+LATE = """
+import sys
+from physim.cli import importing, main
+write, loaded = importing.write_text, []
+importing.write_text = lambda *given: (write(*given), loaded.extend(sys.modules))
+main(["import", "track.csv", "-o", "w.yaml"])
+print("late:", *sorted({*sys.modules}.difference(loaded)))
+"""
+
+
+def test_what_judges_a_world_is_imported_before_it_is_written(here: Path) -> None:
+    """Ctrl-C while a module is imported ends a command: "no world is written" was said of one."""
+    command = [sys.executable, "-c", LATE]
+    done = subprocess.run(command, cwd=here, capture_output=True, text=True, check=True)
+    late = done.stdout.partition("late:")[2].split()
+    assert late
+    assert not [name for name in late if name.startswith(("physim.world.checks", "physim.cli"))]
+    assert "physim.simulation.loop" not in late

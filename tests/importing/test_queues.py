@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -96,6 +97,28 @@ def test_robots_that_come_to_one_end_stop_behind_one_another_and_nowhere_else(
         check_says(told[0], f"b and a have {46.0 - farther:.2f} and 46.00 m")
     else:
         assert simulate(made.world).ended == "finished"
+
+
+@pytest.mark.parametrize("count", [4, 7])
+def test_each_robot_of_which_it_is_not_known_when_it_comes_is_told(
+    tmp_path: Path, count: int
+) -> None:
+    """A tie of the farther two of four was not, and they alone stood before one another."""
+    parts = [("boundary", shapely.box(0, 0, 50, 40))]
+    for k in range(count):
+        y = 20 + 5 * (k - (count - 1) / 2)
+        parts.append((f"path p{k}", shapely.LineString([(3, y), (24, 20), (46, 20)])))
+        parts.append((f"robot p{k}", box(3, y, 1.2, 0.7)))
+    made = import_world(geojson(tmp_path, parts))
+    told = [one for one in made.facts if "come in the other order" in one]
+    order = sorted(range(count), key=lambda k: (abs(k - (count - 1) / 2), k))
+    assert len(told) == min(count - 1, 3)
+    for (first, then), line in zip(pairwise(order), told, strict=False):
+        check_says(line, f"p{first} and p{then} have")
+    more = [one for one in made.facts if "more pair" in one]
+    assert len(more) == (count > 4)
+    if more:
+        check_says(more[0], f"{count - 4} more pairs")
 
 
 @pytest.mark.parametrize(("beyond", "aside", "gap"), [

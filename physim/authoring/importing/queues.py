@@ -13,6 +13,7 @@ from physim.authoring.importing.fit import Fit
 from physim.authoring.importing.lines import Pose, is_closed, length_of, pose_at, station_of
 from physim.authoring.importing.placed import Placed, shape_at
 from physim.authoring.importing.stops import WAITING
+from physim.errors import plural
 from physim.geometry.shapes import FloatArray
 from physim.tolerances import LENGTH
 from physim.world.checks.way import Way
@@ -25,6 +26,8 @@ BESIDE = 0.5
 """[m] at size 1 between robots that stop beside one another; nearer they are in danger mode"""
 STEP, MOST_STEPS = 0.1, 400
 """[m] at size 1 by which a robot stops earlier until it is clear of others, and how many at most"""
+MOST_TOLD = 3
+"""Pairs of robots of a queue of which it is told that either may come first"""
 UNSURE = 1.5
 """[-] times what is kept between two, by which one is farther away if it is known to come later"""
 
@@ -78,25 +81,32 @@ def queue_up(queue: list[Group], found: Fit) -> tuple[dict[str, float], list[str
     formation has it; a robot and a gap behind those on others in whose way they would stop. And
     what is said of two of which it is not known who comes first.
     """
-    stops, told = list[_Stop](), list[str]()
+    stops, unsure = list[_Stop](), list[tuple[_Stop, float, str]]()
     for to_go, name, k, robot in _in_order(queue):
         lag = max((one.lag + to_go - one.to_go for one in stops if one.group == k), default=0.0)
-        for other, behind in _in_the_way(robot, [one for one in stops if one.group != k], found):
-            lag = max(lag, behind)
-            if to_go - other.to_go < UNSURE * _apart(robot, other.robot, found) and not told:
-                first = other.robot.name
-                told.append(
-                    f"note: {first} and {name} have {other.to_go:.2f} and {to_go:.2f} m to go to "
-                    "one end: they may touch where their paths meet, or come in the other order, "
-                    f"in which {first} would wait for ever behind {name}; draw one of them farther "
-                    "away"
-                )
+        met = _in_the_way(robot, [one for one in stops if one.group != k], found)
+        lag = max([lag, *(behind for _, behind in met)])
+        last = max((other for other, _ in met), key=lambda one: one.to_go, default=None)
+        if last and to_go - last.to_go < UNSURE * _apart(robot, last.robot, found):
+            unsure.append((last, to_go, name))
         beside = [one.outline for one in stops if one.group != k]
         lag, pose = _clear_of(robot, lag, beside, found)
         stops.append(
             _Stop(robot, k, to_go, lag, np.array(pose[:2]), shape_at(robot.footprint, pose))
         )
-    return {one.robot.name: one.lag for one in stops}, told
+    return {one.robot.name: one.lag for one in stops}, _of_order(unsure)
+
+
+def _of_order(unsure: list[tuple[_Stop, float, str]]) -> list[str]:
+    """What is told of robots that have about as far to go as the one behind which they stop."""
+    told = [
+        f"note: {first.robot.name} and {name} have {first.to_go:.2f} and {to_go:.2f} m to go to "
+        "one end: they may touch where their paths meet, or come in the other order, in which "
+        f"{first.robot.name} would wait for ever behind {name}; draw one of them farther away"
+        for first, to_go, name in unsure[:MOST_TOLD]
+    ]
+    left = len(unsure) - MOST_TOLD
+    return [*told, f"note: and so for {plural(left, 'more pair')}"] if left > 0 else told
 
 
 def _in_the_way(robot: Placed, others: list[_Stop], found: Fit) -> list[tuple[_Stop, float]]:

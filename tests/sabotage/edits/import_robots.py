@@ -641,11 +641,21 @@ EDITS = (
         "importing",
         "physim/authoring/importing/queues.py",
         "queue_up",
-        "to_go - other.to_go < UNSURE * _apart(robot, other.robot, found) and not told",
+        "last and to_go - last.to_go < UNSURE * _apart(robot, last.robot, found)",
         "False",
         "who comes first of two at a time is not known",
         "tests/importing/test_queues.py"
         "::test_robots_that_come_to_one_end_stop_behind_one_another_and_nowhere_else",
+    ),
+    Edit(
+        "importing",
+        "physim/authoring/importing/queues.py",
+        "_of_order",
+        "in unsure[:MOST_TOLD]",
+        "in unsure[:1]",
+        "every pair of which it is not known who comes first is told",
+        "tests/importing/test_queues.py"
+        "::test_each_robot_of_which_it_is_not_known_when_it_comes_is_told",
     ),
     Edit(
         "importing",

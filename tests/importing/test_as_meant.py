@@ -65,6 +65,12 @@ def test_coordinates_of_a_national_grid_are_taken_from_an_origin(tmp_path: Path)
     assert room(imported).bounds == (10.0, 345.5, 40.0, 365.5)
     near = import_world(geojson(tmp_path, [moved(ROOM, 900_000.0, 10.0)], "EPSG:3857"))
     assert room(near).bounds[0] == 900_000.0  # what can be had as it is stays so
+    track = tmp_path / "track.csv"
+    track.write_text("".join(f"{500_000 + x},5400123,4,4\n" for x in range(30)))
+    imported = import_world(track)
+    check_says(" ".join(imported.facts), "origin … 500000, 5400000")
+    walls = shapely.MultiLineString(list(imported.world.boundaries or ()))
+    assert walls.bounds == pytest.approx((0.0, 119.0, 29.0, 127.0))
 
 
 WALLS = '<path id="boundary" d="M 0,0 24,0 24,14 0,14 Z"/>'

@@ -131,7 +131,7 @@ def maps() -> dict[str, tuple[str, bytes | None, str]]:
         "resolution": (
             yaml.replace("0.05", "0.0"),
             good,
-            ":2: … resolution: … 0 m … greater than 0",
+            ":2: … resolution: … 0 m … 1e-6 to 1000",
         ),
         "text": (
             yaml.replace("resolution: 0.05", "resolution: five"),

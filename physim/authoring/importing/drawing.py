@@ -19,6 +19,7 @@ DIGITS = 3
 
 LARGEST = 1.0e6
 """[m] largest coordinate of a world"""
+KILOMETRE = 1000.0
 
 MOST_CORNERS = 2_000
 """Corners of one obstacle of a world; a longer outline becomes a closed boundary."""
@@ -233,6 +234,23 @@ def place(point: Sequence[float] | FloatArray) -> str:
     """``(x, y)`` in metres."""
     x, y = (round(float(v), 2) + 0.0 for v in point[:2])
     return f"({x:.2f}, {y:.2f})"
+
+
+def grid_origin(points: FloatArray) -> FloatArray:
+    """(2,) [m] to be taken from points (n, 2): whole kilometres, as national grids need; else 0.
+
+    Only where the place itself is no larger than coordinates may be.
+    """
+    if np.isfinite(points).all() and np.abs(points).max() > LARGEST >= np.ptp(points, axis=0).max():
+        return np.asarray(np.floor(points.min(axis=0) / KILOMETRE) * KILOMETRE)
+    return np.zeros(2)
+
+
+def moved_to(origin: FloatArray) -> list[str]:
+    """What is told of an origin (2,) [m] that is taken from all points."""
+    if not origin.any():
+        return []
+    return [f"origin moved to {origin[0]:.0f}, {origin[1]:.0f} m of the source"]
 
 
 def rounded(points: FloatArray) -> FloatArray:

@@ -19,8 +19,10 @@ from physim.authoring.importing.drawing import (
     Drawing,
     DrawnRobot,
     Options,
+    grid_origin,
     is_long,
     listed,
+    moved_to,
     place,
     refused,
     rounded,
@@ -36,7 +38,6 @@ from physim.errors import plural
 from physim.escaping import escaped
 from physim.geometry.shapes import FloatArray
 
-KILOMETRE = 1000.0
 HEIGHTS = "third coordinates (height) left out"
 MEASURES = "measures (M) of points left out"
 MOST_GEOMETRIES = 10_000
@@ -63,9 +64,8 @@ def drawing_of(path: Path, kind: str, parts: list[Part], options: Options) -> Dr
     if not parts:
         raise refused(path, "holds no polygon and no line")
     check_count(path, parts)
-    origin = _origin([part.shape for part in parts], options.unit)
-    if origin.any():
-        drawing.facts.append(f"origin moved to {origin[0]:.0f}, {origin[1]:.0f} m of the source")
+    origin = grid_origin(shapely.get_coordinates([part.shape for part in parts]) * options.unit)
+    drawing.facts += moved_to(origin)
     shapes = [_scaled(path, part, options.unit, origin, drawing) for part in parts]
     check_work(path, [line for shape in shapes for line in lines_of(shape)])
     found = _sorted(path, drawing, parts, shapes)
@@ -184,17 +184,6 @@ def check_count(path: Path, parts: list[Part]) -> None:
     """Refuse more geometries than are read."""
     if len(parts) > MOST_GEOMETRIES:
         raise refused(path, f"more than {MOST_GEOMETRIES} geometries")
-
-
-def _origin(shapes: list[Any], scale: float) -> FloatArray:
-    """(2,) [m] to be taken from all coordinates: whole kilometres, as national grids need; else 0.
-
-    Only where the place itself is no larger than coordinates may be.
-    """
-    points = shapely.get_coordinates(shapes) * scale
-    if np.isfinite(points).all() and np.abs(points).max() > LARGEST >= np.ptp(points, axis=0).max():
-        return np.asarray(np.floor(points.min(axis=0) / KILOMETRE) * KILOMETRE)
-    return np.zeros(2)
 
 
 def _scaled(path: Path, part: Part, scale: float, origin: FloatArray, drawing: Drawing) -> Any:

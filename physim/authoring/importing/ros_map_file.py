@@ -72,7 +72,7 @@ class _Yaml:
             )
         resolution = self._number(("resolution",), values["resolution"])
         if not 1e-6 <= resolution <= 1e3:
-            raise self._fault(("resolution",), f"{resolution:g} m per cell; must be greater than 0")
+            raise self._fault(("resolution",), f"{resolution:g} m per cell; must be 1e-6 to 1000")
         negate = values.get("negate", 0)
         if negate not in (0, 1):
             raise self._fault(("negate",), f'must be 0 or 1; given "{escaped(str(negate)[:40])}"')
@@ -109,7 +109,8 @@ class _Yaml:
         if isinstance(value, bool) or not isinstance(value, int | float):
             raise self._fault(location, f'"{escaped(str(value)[:40])}" is not a number')
         if not math.isfinite(value) or abs(value) > 1e6:
-            raise self._fault(location, f"{value!r} is out of range, at most 1e6")
+            far = "; of a grid, leave out whole kilometres" if location[0] == "origin" else ""
+            raise self._fault(location, f"{value!r} is out of range, at most 1e6{far}")
         return float(value)
 
     def _share(self, key: str, value: Any) -> float:

@@ -8,7 +8,15 @@ from pathlib import Path
 import numpy as np
 import shapely
 
-from physim.authoring.importing.drawing import Drawing, Options, listed, place, refused, rounded
+from physim.authoring.importing.drawing import (
+    Drawing,
+    Options,
+    listed,
+    moved_to,
+    place,
+    refused,
+    rounded,
+)
 from physim.authoring.importing.enclosure import check_size
 from physim.authoring.importing.lines import (
     CrossingError,
@@ -86,6 +94,7 @@ def read_track(path: Path, options: Options) -> Drawing:
         f"{len(file.points)} points, {total:.1f} m, {kind}, {width.min():.2f} to "
         f"{width.max():.2f} m wide as stated; {options.unit:g} m per unit"
     )
+    drawing.facts += moved_to(file.origin)
     road = _road(file, closed)
     check_work(path, [road.centre, road.left, road.right])
     check_size(path, np.ptp(np.vstack([road.left, road.right]), axis=0))

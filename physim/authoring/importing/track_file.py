@@ -17,7 +17,7 @@ from pathlib import Path
 
 import numpy as np
 
-from physim.authoring.importing.drawing import LARGEST, listed, refused
+from physim.authoring.importing.drawing import LARGEST, grid_origin, listed, refused
 from physim.errors import nearest
 from physim.escaping import escaped
 from physim.geometry.shapes import FloatArray
@@ -149,6 +149,8 @@ class TrackFile:
     right: FloatArray
     left: FloatArray
     changes: tuple[str, ...]
+    origin: FloatArray
+    """(2,) [m] that has been taken from the points of the file"""
 
 
 def read_track_file(path: Path, text: str, scale: float) -> TrackFile:
@@ -158,15 +160,14 @@ def read_track_file(path: Path, text: str, scale: float) -> TrackFile:
     out of range, or a width that is not positive. A point that repeats the one before it is dropped
     and listed.
     """
-    if (lines := text.count("\n")) > MOST_LINES:
-        raise refused(path, f"{lines} lines; at most {MOST_LINES} are read")
+    if (count := text.count("\n")) > MOST_LINES:
+        raise refused(path, f"{count} lines; at most {MOST_LINES} are read")
     rows = [(k, row.strip()) for k, row in enumerate(text.split("\n"), start=1)]
     rows = [(k, row) for k, row in rows if row]
     columns = columns_of(path, rows)
     extra = f"columns left out: {', '.join(columns.extra)}"
     changes = [f"{extra[:200]}…" if len(extra) > 200 else extra] if columns.extra else []
-    values: list[list[float]] = []
-    repeated: list[str] = []
+    values, lines, repeated = list[list[float]](), list[int](), list[str]()
     for k, row in rows:
         if row.startswith("#") or not is_data(row):
             if values and not row.startswith("#"):
@@ -178,13 +179,18 @@ def read_track_file(path: Path, text: str, scale: float) -> TrackFile:
             repeated.append(f"line {k}: repeats the point before it, dropped")
             continue
         values.append(value)
+        lines.append(k)
         if len(values) > MOST_POINTS:
             raise refused(path, f"more than {MOST_POINTS} points", k)
     if len(values) < 2:
         raise refused(path, f"{len(values)} points; a centreline needs at least 2")
     table = np.array(values)
+    origin = grid_origin(table[:, :2])
+    table[:, :2] -= origin
+    for k, row in zip(lines, table, strict=True):
+        _check_size(path, k, row)
     changes += listed(repeated)
-    return TrackFile(table[:, :2], table[:, 2], table[:, 3], tuple(changes))
+    return TrackFile(table[:, :2], table[:, 2], table[:, 3], tuple(changes), origin)
 
 
 def _numbers(path: Path, line: int, row: str, columns: Columns) -> list[float]:
@@ -212,8 +218,12 @@ def _check(path: Path, line: int, value: list[float]) -> None:
     for name, v in zip(COLUMNS, value, strict=True):
         if not math.isfinite(v):
             raise refused(path, f"{name}: {v} is not a finite number", line)
-        if abs(v) > LARGEST:
-            raise refused(path, f"{name}: {v:g} m is beyond {LARGEST:g} m; check --scale", line)
     for name, v in zip(COLUMNS[2:], value[2:], strict=True):
         if v <= 0.0:
             raise refused(path, f"{name}: a width of {v:g} m; it must be greater than 0", line)
+
+
+def _check_size(path: Path, line: int, row: FloatArray) -> None:
+    for name, v in zip(COLUMNS, row, strict=True):
+        if abs(v) > LARGEST:
+            raise refused(path, f"{name}: {v:g} m is beyond {LARGEST:g} m; check --scale", line)

@@ -621,7 +621,7 @@ EDITS = (
         "importing",
         "physim/authoring/importing/queues.py",
         "queue_up",
-        "lag = max(lag, behind)",
+        "lag = max([lag, *(behind for _, behind in met)])",
         "pass",
         "robots of several paths stop a robot and a gap apart",
         "tests/importing/test_queues.py"

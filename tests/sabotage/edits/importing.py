@@ -315,8 +315,8 @@ EDITS = (
     ),
     Edit(
         "importing",
-        "physim/authoring/importing/parts.py",
-        "_origin",
+        "physim/authoring/importing/drawing.py",
+        "grid_origin",
         "> LARGEST >= np.ptp(points, axis=0).max()",
         "> np.inf",
         "coordinates of a national grid are taken from an origin",

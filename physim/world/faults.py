@@ -257,7 +257,8 @@ def message(details: Mapping[str, Any], needed: str = "") -> str:
     context = details.get("ctx", {})
     kind = str(details["type"])
     if kind in _NEEDED:
-        more = '; begin each robot with "- "' if details["loc"] == ("robots",) else ""
+        is_robots = kind in LISTS and details["loc"] == ("robots",)
+        more = '; begin each robot with "- "' if is_robots else ""
         return f"{needed or _NEEDED[kind]}; given {describe(given)}{_hint(kind, given) or more}"
     if kind == "literal_error":
         words = re.findall(r"'([^']*)'", context["expected"])

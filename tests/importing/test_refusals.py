@@ -18,8 +18,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from physim.authoring.importing import ImportSourceError, Options, import_world, importing
-from physim.errors import PhysimError
+from physim.errors import PhysimError, WorldError
 from physim.world.file.files import shipped_folder
+from tests.facts import facts
 from tests.importing.plans import SAMPLES, check_says, map_yaml, pgm, svg
 
 HEADER = "# x_m,y_m,w_tr_right_m,w_tr_left_m\n"
@@ -599,3 +600,22 @@ def told(path: Path, options: Options) -> str | None:
     except ImportSourceError as error:
         return str(error)
     return None
+
+
+@pytest.mark.parametrize(("given", "parts"), [
+    ({"robots": 0}, ("robots", "at least 1", "0")),
+    ({"lanes": -1}, ("lanes", "at least 1", "-1")),
+    ({"format": "SVG"}, ("format", "track, ros-map, svg", '"SVG"', '"svg"')),
+    ({"specks": -1.0}, ("specks", "at least 0", "-1.0")),
+    ({"tolerance": float("nan")}, ("tolerance", "finite", "nan")),
+    ({"boundary": "path"}, ("boundary", "list", '"path"')),
+    ({"origin": (1.0,)}, ("origin[1]", "missing")),
+    ({"scal": 1.0}, ("scal", "unknown", '"scale"')),
+])  # fmt: skip
+def test_options_from_python_are_looked_at_as_those_of_the_command_line(
+    given: dict[str, Any], parts: tuple[str, ...]
+) -> None:
+    """They ended in tracebacks, or went by in silence."""
+    with pytest.raises(WorldError, match=facts(*parts)):
+        Options(**given)
+    assert Options(robot=[1.2, 0.8]).robot == (1.2, 0.8)  # type: ignore[arg-type]

@@ -19,8 +19,9 @@ from physim.authoring.importing import (
     track_file,
     work,
 )
-from physim.authoring.importing.drawing import Drawing, ImportSourceError, Options
+from physim.authoring.importing.drawing import Drawing, ImportSourceError
 from physim.authoring.importing.geojson import read_geojson
+from physim.authoring.importing.options import Options
 from physim.authoring.importing.polygons import read_wkt
 from physim.authoring.importing.svg_curves import subpaths
 from physim.authoring.importing.svg_guard import look_at

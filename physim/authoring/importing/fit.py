@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 import shapely
 
-from physim.authoring.importing.drawing import Drawing, DrawnRobot, Options, place, rounded
+from physim.authoring.importing.drawing import Drawing, DrawnRobot, place, rounded
 from physim.authoring.importing.lines import (
     clearances,
     directions_at,
@@ -27,6 +27,7 @@ from physim.authoring.importing.lines import (
     station_of,
     stretch,
 )
+from physim.authoring.importing.options import Options
 from physim.authoring.importing.outlines import spans_of
 from physim.authoring.importing.path_area import MOST_TRIMMED, TOLD, check_inside, inside
 from physim.authoring.importing.path_starts import (

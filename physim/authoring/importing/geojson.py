@@ -13,7 +13,8 @@ from typing import Any
 import numpy as np
 import shapely
 
-from physim.authoring.importing.drawing import Drawing, Options, listed, refused
+from physim.authoring.importing.drawing import Drawing, listed, refused
+from physim.authoring.importing.options import Options
 from physim.authoring.importing.parts import (
     MOST_GEOMETRIES,
     Part,

@@ -12,16 +12,7 @@ from pathlib import Path
 import numpy as np
 import shapely
 
-from physim.authoring.importing.drawing import (
-    TOLERANT,
-    Drawing,
-    ImportSourceError,
-    Options,
-    check_options,
-    number,
-    place,
-    refused,
-)
+from physim.authoring.importing.drawing import Drawing, ImportSourceError, number, place, refused
 from physim.authoring.importing.drawn_robots import as_drawn
 from physim.authoring.importing.enclosure import (
     DENSE,
@@ -34,6 +25,7 @@ from physim.authoring.importing.enclosure import (
 from physim.authoring.importing.fit import Fit, fit
 from physim.authoring.importing.formation import MARGIN, RANGE, lost, neighbour_range
 from physim.authoring.importing.lines import length_of
+from physim.authoring.importing.options import TOLERANT, Options, check_options
 from physim.authoring.importing.placed import Placed
 from physim.authoring.importing.robots import fill_in
 from physim.authoring.importing.source import format_of

@@ -18,7 +18,6 @@ from physim.authoring.importing.drawing import (
     LARGEST,
     Drawing,
     DrawnRobot,
-    Options,
     grid_origin,
     is_long,
     listed,
@@ -28,6 +27,7 @@ from physim.authoring.importing.drawing import (
     rounded,
 )
 from physim.authoring.importing.joining import OUTSIDE, beyond_of, join_ends, knit
+from physim.authoring.importing.options import Options
 from physim.authoring.importing.outlines import drop_marks
 from physim.authoring.importing.path_pieces import take_paths
 from physim.authoring.importing.places import OTHERS, chosen_area

@@ -15,7 +15,8 @@ from typing import Any
 import numpy as np
 import shapely
 
-from physim.authoring.importing.drawing import Drawing, Options, listed, refused
+from physim.authoring.importing.drawing import Drawing, listed, refused
+from physim.authoring.importing.options import Options
 from physim.authoring.importing.parts import Part, drawing_of
 from physim.authoring.importing.source import read_text
 from physim.authoring.importing.work import depth_of

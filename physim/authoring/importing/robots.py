@@ -14,14 +14,7 @@ from typing import Any
 import numpy as np
 import shapely
 
-from physim.authoring.importing.drawing import (
-    Drawing,
-    ImportSourceError,
-    Options,
-    number,
-    refused,
-    rounded,
-)
+from physim.authoring.importing.drawing import Drawing, ImportSourceError, number, refused, rounded
 from physim.authoring.importing.fit import Fit
 from physim.authoring.importing.lanes import Lane, lane
 from physim.authoring.importing.lines import (
@@ -35,6 +28,7 @@ from physim.authoring.importing.lines import (
     station_of,
     stretch,
 )
+from physim.authoring.importing.options import Options
 from physim.authoring.importing.placed import Placed, shape_at
 from physim.authoring.importing.stops import least_stop_gap
 from physim.authoring.templates.text import ROW, lane_offsets

@@ -20,17 +20,10 @@ import cv2
 import numpy as np
 import shapely
 
-from physim.authoring.importing.drawing import (
-    DIGITS,
-    MOST_LISTED,
-    Drawing,
-    Options,
-    listed,
-    place,
-    refused,
-)
+from physim.authoring.importing.drawing import DIGITS, MOST_LISTED, Drawing, listed, place, refused
 from physim.authoring.importing.enclosure import MOST_OBSTACLES, check_size
 from physim.authoring.importing.lines import Outline
+from physim.authoring.importing.options import Options
 from physim.authoring.importing.ros_map_file import RosMap, read_map_file
 from physim.authoring.importing.source import read_image
 from physim.escaping import escaped

@@ -7,7 +7,7 @@ longer, and is then drawn smooth, without coming nearer to the walls than it mus
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -17,16 +17,10 @@ from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components, dijkstra
 from scipy.spatial import cKDTree
 
-from physim.authoring.importing.drawing import (
-    Drawing,
-    ImportSourceError,
-    Options,
-    place,
-    refused,
-    rounded,
-)
+from physim.authoring.importing.drawing import Drawing, ImportSourceError, place, refused, rounded
 from physim.authoring.importing.fit import LENGTH, ROOM, room_of
 from physim.authoring.importing.lines import Outline, clearances, length_of, points_at, samples
+from physim.authoring.importing.options import Options
 from physim.authoring.importing.work import GRAIN, coarse
 from physim.geometry.shapes import FloatArray
 
@@ -119,7 +113,7 @@ def find_route(path: Path, drawing: Drawing, options: Options) -> None:
     _check_inside(path, area, "--from", options.origin)
     _check_inside(path, area, "--to", options.goal)
     if options.origin is None and drawing.robots and options.robots is None:
-        options = replace(options, origin=_rear(path, grid, drawing, options))
+        options = options.model_copy(update={"origin": _rear(path, grid, drawing, options)})
     room, a, b = _ends(path, grid, options)
     graph = grid.graph(room, widest=True)
     before = dijkstra(graph, directed=False, indices=a, return_predecessors=True)[1]
@@ -148,7 +142,7 @@ def _rear(
     centres = shapely.get_coordinates(shapely.centroid(hulls))
     first = (float(centres[0][0]), float(centres[0][1]))
     try:
-        room, _, goal = _ends(path, grid, replace(options, origin=first))
+        room, _, goal = _ends(path, grid, options.model_copy(update={"origin": first}))
     except ImportSourceError:
         return None
     away = dijkstra(grid.graph(room, widest=False), directed=False, indices=goal)

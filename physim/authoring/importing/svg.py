@@ -20,7 +20,6 @@ import svgelements
 from physim.authoring.importing.drawing import (
     Drawing,
     DrawnRobot,
-    Options,
     Source,
     listed,
     place,
@@ -29,6 +28,7 @@ from physim.authoring.importing.drawing import (
 )
 from physim.authoring.importing.joining import join_ends
 from physim.authoring.importing.lines import is_closed
+from physim.authoring.importing.options import Options
 from physim.authoring.importing.outlines import drop_marks
 from physim.authoring.importing.path_pieces import take_paths
 from physim.authoring.importing.roles import nearest_role, role_named

@@ -9,7 +9,8 @@ from pathlib import Path
 
 import numpy as np
 
-from physim.authoring.importing.drawing import Options, refused
+from physim.authoring.importing.drawing import refused
+from physim.authoring.importing.options import Options
 from physim.authoring.importing.svg_look import SvgLook
 from physim.authoring.importing.svg_values import NUMBER, SIZES, pixels_of
 from physim.geometry.shapes import FloatArray

@@ -8,15 +8,7 @@ from pathlib import Path
 import numpy as np
 import shapely
 
-from physim.authoring.importing.drawing import (
-    Drawing,
-    Options,
-    listed,
-    moved_to,
-    place,
-    refused,
-    rounded,
-)
+from physim.authoring.importing.drawing import Drawing, listed, moved_to, place, refused, rounded
 from physim.authoring.importing.enclosure import check_size
 from physim.authoring.importing.lines import (
     CrossingError,
@@ -27,6 +19,7 @@ from physim.authoring.importing.lines import (
     stations,
     without_loops,
 )
+from physim.authoring.importing.options import Options
 from physim.authoring.importing.source import read_text
 from physim.authoring.importing.track_file import TrackFile, read_track_file
 from physim.authoring.importing.work import check_work

@@ -279,7 +279,7 @@ EDITS = (
     ),
     Edit(
         "importing",
-        "physim/authoring/importing/drawing.py",
+        "physim/authoring/importing/options.py",
         "check_options",
         "kind not in kinds",
         "False",
@@ -387,7 +387,7 @@ EDITS = (
     ),
     Edit(
         "importing",
-        "physim/authoring/importing/drawing.py",
+        "physim/authoring/importing/options.py",
         "check_options",
         "not min(options.robot) >= LEAST_ROBOT",
         "False",
@@ -596,7 +596,7 @@ EDITS = (
         "importing",
         "physim/authoring/importing/route.py",
         "find_route",
-        "options = replace(options, origin=_rear(path, grid, drawing, options))",
+        'options = options.model_copy(update={"origin": _rear(path, grid, drawing, options)})',
         "pass",
         "a route begins at the robots that are drawn",
         "tests/importing/test_places.py::test_a_route_begins_at_the_robots_that_are_drawn",

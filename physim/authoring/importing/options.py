@@ -1,0 +1,81 @@
+"""What is asked of an import."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Literal
+
+from pydantic import Field
+
+from physim.authoring.importing.drawing import DIGITS, refused
+from physim.world.base import Model
+from physim.world.kinds import Flag, Number, Sequence, Text, Whole
+
+Above = Annotated[Number, Field(gt=0.0)]
+Least = Annotated[Number, Field(ge=0.0)]
+Counted = Annotated[Whole, Field(ge=1, le=10_000)]
+Pair = Annotated[tuple[Number, Number], Sequence]
+
+
+class Options(Model):
+    """What the user asked for; None where the source or the import decides.
+
+    Lengths [m]: ``tolerance`` of simplified and flattened lines, ``start`` and ``gap`` of a closed
+    track, ``origin`` and ``goal`` (x, y) of the route, ``robot`` (length, width). ``scale`` [m per
+    unit of the source], ``specks`` [m²] the largest occupied patch that is left out. ``open``: the
+    track is open, whatever its ends look like. ``boundary`` are ids or labels of shapes and groups
+    of an SVG drawing that are walls. Raises WorldError for values that cannot be.
+    """
+
+    format: Literal["track", "ros-map", "svg", "wkt", "geojson"] | None = None
+    scale: Above | None = None
+    tolerance: Above | None = None
+    specks: Least | None = None
+    start: Least | None = None
+    gap: Above | None = None
+    open: Flag = False
+    origin: Pair | None = None
+    goal: Pair | None = None
+    robots: Counted | None = None
+    lanes: Counted | None = None
+    robot: Annotated[tuple[Above, Above], Sequence] | None = None
+    name: Text | None = None
+    boundary: Annotated[tuple[Text, ...], Sequence] = ()
+
+    @property
+    def unit(self) -> float:
+        """Metres per unit of a source whose units are metres unless the user says otherwise."""
+        return 1.0 if self.scale is None else self.scale
+
+
+ONLY_FOR = {
+    "start": (("track",), "says where a closed track (.csv) is cut open"),
+    "gap": (("track",), "says how much road is left out where a closed track (.csv) is cut open"),
+    "open": (("track",), "says that a track (.csv) is open, near as its ends may be"),
+    "specks": (("ros-map",), "says which occupied patches of a ROS map are left out"),
+    "boundary": (("svg",), "says which shapes of an SVG drawing are walls"),
+}
+"""Options that some kinds of source alone have a use for: these, and what it is; the others serve
+all."""
+
+
+TOLERANT = ("ros-map", "svg")
+"""Kinds of source of which every line is made within ``tolerance``, not only one of many points"""
+
+
+LEAST_ROBOT = 10.0**-DIGITS
+"""[m] length and width of a robot that a world can be written with"""
+
+
+def check_options(source: Path, kind: str, options: Options) -> None:
+    """Refuse options that would be without effect for a kind of source, or that none can take."""
+    for name, (kinds, purpose) in ONLY_FOR.items():
+        if getattr(options, name) != Options.model_fields[name].default and kind not in kinds:
+            raise refused(source, f"--{name}: {purpose}; this is read as {kind}")
+    if options.robot is not None and not min(options.robot) >= LEAST_ROBOT:
+        sides = ",".join(f"{side:g}" for side in options.robot)
+        raise refused(
+            source,
+            f"--robot {sides}: length and width must be at least {LEAST_ROBOT:g} m, as worlds are "
+            "written to the millimetre",
+        )

@@ -46,6 +46,7 @@ from .safe_area import is_outside, safe_target
 from .settings import ModeSwitchingSettings, Rules
 from .switching import DISTANCE, SAFE, next_mode, update_interval
 from .world_checks import (
+    interval_doubts,
     omega_faults,
     range_doubts,
     speed_doubts,
@@ -280,12 +281,13 @@ class ModeSwitching:
         return speed_faults(self.settings, world, where)
 
     def world_doubts(self, world: World, where: Location) -> list[Fault]:
-        """Doubt speeds out of reach, stops short of arrival, too short a range."""
+        """Doubt speeds out of reach, stops short of arrival, long commands, too short a range."""
         settings = self.settings
         may_stand = not settings.forward_only(world.formation is not None)
         return [
             *speed_doubts(settings, world, where, by_7=True),
             *stop_doubts(settings, world, may_stand),
+            *interval_doubts(settings, world),
             *range_doubts(settings, world),
         ]
 

@@ -120,6 +120,26 @@ def stop_doubts(
     return [Fault(where, message)]
 
 
+def interval_doubts(settings: ModeSwitchingSettings, world: World) -> list[Fault]:
+    """Warn of commands that may be held until a robot is far on its way to where it heads for.
+
+    Beyond half of that way robots of the shipped worlds have left their paths, and met walls.
+    """
+    held = settings.rules().longest_interval
+    speed = settings.speed if world.formation is None else world.formation.speed
+    moved = held * min(speed, max(robot.limits.v for robot in world.robots))
+    if moved <= 0.5 * settings.look_ahead:
+        return []
+    is_set = "longest_interval" in settings.model_fields_set
+    key, times = ("longest_interval", "") if is_set else ("update_period", "twice ")
+    message = (
+        f"a command may be held for {held:g} s ({times}controller.{key}), in which a robot moves "
+        f"{moved:.4g} m, more than half of the {settings.look_ahead:g} m (controller.look_ahead) "
+        "to where it heads for: it may leave its path; shorten the one, or lengthen the other"
+    )
+    return [Fault(("controller", key), message)]
+
+
 def range_doubts(settings: ModeSwitchingSettings, world: World) -> list[Fault]:
     """Warn of a sensing range too short for the thresholds of the controller."""
     reach = world.sensing_range

@@ -188,3 +188,27 @@ def test_a_head_on_meeting_at_the_needed_range_is_seen_in_time():
 def test_no_shipped_world_is_doubted(name):
     keys = {"sensing.range", "formation.range", "arrival.tolerance", "controller.arrival_tolerance"}
     assert keys.isdisjoint(said(check_world(name)))
+
+
+# Intervals
+
+
+@pytest.mark.parametrize(("held", "finished"), [(1.0, True), (1.5, False)])
+def test_commands_held_for_long_are_doubted_and_lose_the_path(held, finished):
+    """A robot alone, at 1 m/s with a look-ahead of 2 m, circles instead of arriving."""
+    given = f"controller.longest_interval={held}"
+    warned = said(check_world("single_robot", overrides=[given]))
+    assert ("controller.longest_interval" in warned) != finished
+    world = physim.load_world("single_robot").changed(controller={"longest_interval": held})
+    assert (physim.simulate(world).ended == "finished") == finished
+
+
+def test_a_period_held_twice_is_doubted_as_long(tmp_path):
+    text = (
+        ALONE + "controller: {type: mode_switching, update_period: 0.8, dwell_times: [0.4, 0.4]}\n"
+    )
+    message = said(checked(tmp_path, text))["controller.update_period"]
+    assert "1.6 s (twice controller.update_period)" in message
+    assert "controller.update_period" not in said(
+        checked(tmp_path, text.replace("0.8", "0.4").replace("[0.4, 0.4]", "[0.2, 0.2]"))
+    )

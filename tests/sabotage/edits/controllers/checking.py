@@ -62,6 +62,15 @@ EDITS = (
     Edit(
         "controllers",
         "controllers/world_checks.py",
+        "interval_doubts",
+        "if moved <= 0.5 * settings.look_ahead:",
+        "if True:",
+        "commands held for long are doubted",
+        "tests/controllers/test_world_checks.py::test_commands_held_for_long_are_doubted_and_lose_the_path",
+    ),
+    Edit(
+        "controllers",
+        "controllers/world_checks.py",
         "range_doubts",
         "if world.sensing.range is None and world.formation is not None:",
         "if False:",

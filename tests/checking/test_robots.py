@@ -446,6 +446,20 @@ def test_an_offset_path_that_folds_in_a_bend_is_a_warning(tmp_path):
     check_finding(folds[0], "8:20 robots[0].path.offset", "2.5 m", '"a"', "2.5)")
 
 
+@pytest.mark.parametrize("least", [-0.1, 2.4, 2.5, 2.6])
+def test_a_least_distance_to_a_wall_that_the_start_breaks_is_a_warning(tmp_path, least):
+    """b, 1 m wide, stands 1 m off the middle of a corridor of 8 m; so does a, on the other side."""
+    text = CORRIDOR + f"expect: {{min_boundary_distance: {least}}}\n"
+    _, warnings = lines(check(tmp_path, text))
+    broken = with_facts(warnings, "expect.min_boundary_distance")
+    assert len(broken) == (least > 2.5)
+    for one in broken:
+        parts = ('"a"', "2.5 m", "the edge of the corridor", "less than 2.6 m")
+        check_finding(one, "14:33 expect.min_boundary_distance", *parts)
+    _, warnings = lines(check(tmp_path, text + "obstacles: [[[5.8, 2], [6.2, 2], [6, 2.3]]]\n"))
+    assert with_facts(warnings, '"a"', "0.5 m", "obstacles[0]") or least < 0.0
+
+
 @pytest.mark.parametrize(("least", "warned"), [("50", True), ("0.05", False)])
 def test_a_least_distance_that_the_start_breaks_is_a_warning(tmp_path, least, warned):
     text = CORRIDOR + f"expect: {{min_distance: {least}}}\n"

@@ -41,16 +41,20 @@ def check_footprints(laid: PartialLayout, found: Diagnostics) -> None:
 
 
 def check_expected(laid: PartialLayout, found: Diagnostics) -> None:
-    """Warn of distances between robots that two of them do not keep at the start."""
+    """Warn of distances to others, or to a wall or obstacle, that are not kept at the start."""
     expect = laid.world.expect
     placed = []
     for i in laid.footprints:
         pose = laid.world.robots[i].pose
         if not np.isnan(laid.start[i]).any() and not (pose is not None and pose[2] == "random"):
             placed.append(i)
-    if expect is None or len(placed) < 2:
+    if expect is None:
         return
     shapes = [placed_outline(laid.start[i], laid.footprints[i]) for i in placed]
+    if expect.min_boundary_distance is not None:
+        _check_near_walls(laid, placed, shapes, expect.min_boundary_distance, found)
+    if len(placed) < 2:
+        return
 
     def told(key: str, one: int, other: int, gap: float, than: str) -> None:
         """Warn of two that are so far [m] apart."""
@@ -70,6 +74,22 @@ def check_expected(laid: PartialLayout, found: Diagnostics) -> None:
         gap = shapely.distance(shapes[one], shapes[other])
         if gap > most + LENGTH:
             told("max_distance", one, other, gap, f"more than {most:.6g} m")
+
+
+def _check_near_walls(
+    laid: PartialLayout, placed: list[int], shapes: list[Any], least: float, found: Diagnostics
+) -> None:
+    around = [*laid.walls, *laid.solids]
+    tree = shapely.STRtree([shape for _, shape in around])
+    pairs, gaps = tree.query_nearest(shapes, all_matches=False, return_distance=True)
+    if not len(gaps) or gaps.min() >= least - LENGTH:
+        return
+    k = int(np.argmin(gaps))
+    found.warn(
+        ("expect", "min_boundary_distance"),
+        f"{describe(laid.names[placed[pairs[0, k]]])} is {gaps[k]:.4g} m from "
+        f"{around[pairs[1, k]][0]} at the start, which is less than {least:.6g} m",
+    )
 
 
 def _far_apart(places: FloatArray) -> tuple[int, int]:

@@ -7,6 +7,16 @@ from tests.sabotage.edit import Edit
 EDITS = (
     Edit(
         "checking",
+        "physim/world/checks/starts.py",
+        "_check_near_walls",
+        "gaps.min() >= least - LENGTH",
+        "True",
+        "an expected distance to walls that the start breaks is told",
+        "tests/checking/test_robots.py"
+        "::test_a_least_distance_to_a_wall_that_the_start_breaks_is_a_warning",
+    ),
+    Edit(
+        "checking",
         "physim/world/checks/standing.py",
         "_drawn_within",
         "return float(way.nearest(np.array(start.region)).max())",

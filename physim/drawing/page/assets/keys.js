@@ -33,7 +33,7 @@ export function listenToKeys(does) {
   document.addEventListener("keydown", (event) => {
     if (event.ctrlKey || event.metaKey || event.altKey) return;
     const { target } = event;
-    if (target.closest("select, textarea, input:not([type=range])")) return;
+    if (target.closest("select, textarea, input:not([type=range], [type=checkbox])")) return;
     if (event.key === " " && target.closest("button, summary, a, input, label")) return;
     const action = Object.hasOwn(actions, event.key) ? actions[event.key] : null;
     if (!action) return;

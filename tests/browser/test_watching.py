@@ -308,3 +308,10 @@ def test_keys_do_what_the_page_says(opened: Opened) -> None:
     assert seen.ask("physim.robot") == -1
     seen.page.keyboard.press(" ")
     assert seen.ask("physim.player.playing")
+
+
+def test_keys_go_on_after_a_click_on_a_check_box(opened: Opened) -> None:
+    seen = opened()
+    seen.page.locator("#controls input[type=checkbox]").first.click()
+    seen.page.keyboard.press("ArrowRight")
+    assert seen.ask("physim.player.time") == pytest.approx(0.1)

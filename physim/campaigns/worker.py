@@ -8,10 +8,11 @@ from __future__ import annotations
 
 import os
 import signal
+import sys
 import threading
 import traceback
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager, redirect_stdout, suppress
 from dataclasses import dataclass
 from multiprocessing.connection import Connection
 from typing import Any
@@ -67,7 +68,7 @@ def do_jobs(pipe: Connection, halt: Any) -> None:
     settle()  # for what a job begins in turn
     own = os.getpid()
     threading.Thread(target=end_with_parent, daemon=True).start()
-    with gates():
+    with gates(), redirect_stdout(sys.stderr):  # the parent alone writes to standard output
         with suppress(OSError):
             pipe.send(READY)
         while True:

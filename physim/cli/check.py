@@ -61,9 +61,9 @@ def _check_on_save(options: Options) -> int:
 
     def check() -> None:
         text = f"-- {time.strftime('%H:%M:%S')}"
-        print(text, file=sys.stderr if options.json else sys.stdout)
+        print(text)
         _check_once(options)
-        sys.stdout.flush()
+        options.stdout.flush()
 
     return watch([_file(world) for world in options.worlds], check)
 
@@ -89,7 +89,7 @@ def _check_once(options: Options) -> int:
         for world in options.worlds
     ]
     if options.json:
-        print(json.dumps(json_of(found), indent=1))
+        print(json.dumps(json_of(found), indent=1), file=options.stdout)
     else:
         print("\n".join(text_of(findings) for findings in found), end="")
     return 0 if all(findings.ok for findings in found) else 2

@@ -98,7 +98,7 @@ def check_controller_command(options: Options) -> int:
         for part in check_worlds(chosen, worlds, options.seconds or SECONDS, begins):
             parts.append(part)  # one by one: `begins` counts them
     if options.json:
-        print(json.dumps(json_of(chosen.name, parts), indent=1))
+        print(json.dumps(json_of(chosen.name, parts), indent=1), file=options.stdout)
     else:
         print(text_of(chosen.name, parts), end="")
     return FOUND if any(part.findings for part in parts) else 0

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -15,7 +16,6 @@ from physim.cli.output import (
     new_json,
     new_page,
     spare,
-    text_stream,
     write_json,
     write_text,
 )
@@ -176,17 +176,16 @@ def _write_out(options: Options, found: list[Comparison], name: str) -> None:
         write_text(options.output, comparison_page(found, options.test, name, looked))
     if options.json is not None:
         values = comparison_values(found, options.test, looked)
-        write_json(options.json, json.dumps(values, indent=2, ensure_ascii=False, allow_nan=False))
+        write_json(options, json.dumps(values, indent=2, ensure_ascii=False, allow_nan=False))
     if options.quiet:
         return
-    stream = text_stream(options.json)
-    stream.write(comparison_text(found, options.test, looked))
+    sys.stdout.write(comparison_text(found, options.test, looked))
     known = {finding.name for one in found for finding in one.findings}
     for asked in [name for name in options.only or () if name not in known]:
         measure = escaped(asked.removeprefix(PREFIX))
-        stream.write(f"{measure}: not compared, as no seed has a value on both sides\n")
+        sys.stdout.write(f"{measure}: not compared, as no seed has a value on both sides\n")
     if options.output is not None:
-        stream.write(f"written to {options.output}\n")
+        sys.stdout.write(f"written to {options.output}\n")
 
 
 def _check(options: Options) -> None:

@@ -8,7 +8,7 @@ import time
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from physim.cli.output import new_json, remove_earlier, text_stream, write_json
+from physim.cli.output import new_json, remove_earlier, write_json
 from physim.cli.parser import Options, command, flag, option
 from physim.cli.progress import Bar, announce_compiling, interrupts
 from physim.cli.signals import INTERRUPTED
@@ -73,12 +73,12 @@ def crashtest(options: Options) -> int:
     if not is_warm():
         announce_compiling("the collision checks", COMPILING, options.quiet)
     report = _simulate_throws(options, folder)
-    write_json(options.json, report.to_json())
+    write_json(options, report.to_json())
     if not options.quiet:
         if report.interrupted:
             cut = f"interrupted after {report.cases:,} of {report.asked:,} cases"
             print(f"{cut}; the results so far:", file=sys.stderr, flush=True)
-        print(text(report), end="", file=text_stream(options.json))
+        print(text(report), end="")
     if report.interrupted:
         return INTERRUPTED
     return DISAGREE if report.unexplained else 0

@@ -16,7 +16,6 @@ from physim.cli.output import (
     inputs,
     new_json,
     remove_earlier,
-    text_stream,
     write_json,
     write_text,
 )
@@ -106,9 +105,8 @@ def falsify(options: Options) -> int:
     new_json(options.json, options.force, *inputs(options.world))
     space = _space(options)
     folder = _folder(options, space)
-    out = text_stream(options.json)
     if not options.quiet:
-        print("varied:\n" + "\n".join(f"  {line}" for line in space.lines()), file=out, flush=True)
+        print("varied:\n" + "\n".join(f"  {line}" for line in space.lines()), flush=True)
     with interrupts() as interrupt, _alone(folder), executor(options.workers) as workers:
         evaluate = by_executor(workers, space.world, interrupt)
         accepts = accepted(options.controller)
@@ -118,17 +116,17 @@ def falsify(options: Options) -> int:
                 at_random=options.random, whole_budget=options.whole_budget, stop=interrupt,
                 progress=lambda hunt: bar.update(hunt.runs, lambda: _note(hunt)),
             )  # fmt: skip
-        print(found_text(found), end="", file=out, flush=True)
+        print(found_text(found), end="", flush=True)
         if found.world is None:
             return INTERRUPTED
         shrunk = _shrunk(found, evaluate, accepts, interrupt, options)
         told = _write(folder, space, found, shrunk, interrupt, options)
         if not told:
             return INTERRUPTED
-        print(told, end="", file=out)
-        write_json(options.json, found_json(space, found, shrunk, told))
+        print(told, end="")
+        write_json(options, found_json(space, found, shrunk, told))
         names = [file.name for file in sorted(folder.iterdir()) if file.name in _files()]
-        print(f"written to {folder}/: {', '.join(names)}", file=out)
+        print(f"written to {folder}/: {', '.join(names)}")
         stopped = found.stopped or bool(interrupt.count)
     return INTERRUPTED if stopped else FAILED if found.failed else 0
 

@@ -48,7 +48,8 @@ def listing(options: Options) -> int:
         entries |= {name: taken_name(kind, name) for name in entries if name in own}
     if options.json:
         keys = ["worlds", *(kind.group.removeprefix("physim.") for kind in kinds)]
-        print(json.dumps(dict(zip(keys, found.values(), strict=True)), indent=2))
+        values = dict(zip(keys, found.values(), strict=True))
+        print(json.dumps(values, indent=2), file=options.stdout)
         return 0
     width = max(len(name) for entries in found.values() for name in entries)
     for title, entries in found.items():
@@ -91,7 +92,8 @@ def summary(options: Options) -> int:
             raise PhysimError("--definitions: takes no record; it explains the metrics")
         own, faults = own_metrics(DEFINITIONS)
         known = {**DEFINITIONS, **own}
-        print(_definitions_json(known) if options.json else _definitions(known), end="")
+        text = _definitions_json(known) if options.json else _definitions(known)
+        print(text, end="", file=options.stdout)
         for fault in faults:
             print(fault, file=sys.stderr)
         return 0
@@ -99,7 +101,8 @@ def summary(options: Options) -> int:
         raise PhysimError("physim summary: RECORD is missing; or give --definitions")
     with Record.load(options.record) as record:
         found = summarise(record)
-    print(found.to_json() if options.json else table(found), end="")
+    text = found.to_json() if options.json else table(found)
+    print(text, end="", file=options.stdout)
     return 0
 
 

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import os
-import sys
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TextIO
+from types import SimpleNamespace
 
 from physim.drafts import check_regular, discard, draft_of
 from physim.errors import PhysimError, WorldError
@@ -194,17 +193,12 @@ def spare(path: Path | None, *folders: Path, option: str = "-o") -> None:
             )
 
 
-def write_json(path: Path | None, text: str) -> None:
+def write_json(options: SimpleNamespace, text: str) -> None:
     """Write what ``--json`` asks for, if anything. Raises PhysimError when it cannot be written."""
-    if path == STDOUT:
-        sys.stdout.write(text if text.endswith("\n") else text + "\n")
-    elif path is not None:
-        write_text(path, text)
-
-
-def text_stream(json: Path | None) -> TextIO:
-    """Stream of the text for people: standard error where the JSON takes standard output."""
-    return sys.stderr if json == STDOUT else sys.stdout
+    if options.json == STDOUT:
+        options.stdout.write(text if text.endswith("\n") else text + "\n")
+    elif options.json is not None:
+        write_text(options.json, text)
 
 
 def write_text(path: Path, text: str) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import sys
 from pathlib import Path
 
 import click
@@ -15,7 +16,6 @@ from physim.cli.output import (
     new_json,
     new_page,
     spare,
-    text_stream,
     write_json,
     write_text,
 )
@@ -101,10 +101,9 @@ def report(options: Options) -> int:
         write_text(page, report_page(found, shown))
         if options.json is not None:
             values = json.dumps(report_values(found), indent=2, ensure_ascii=False, allow_nan=False)
-            write_json(options.json, values)
-        stream = text_stream(options.json)
+            write_json(options, values)
         if not options.quiet:
-            stream.write(report_text(found, [one.command for one in shown]))
+            sys.stdout.write(report_text(found, [one.command for one in shown]))
         if options.json != STDOUT or not options.quiet:
-            stream.write(f"written to {page}\n")
+            sys.stdout.write(f"written to {page}\n")
         return INTERRUPTED if interrupt() else 0

@@ -140,7 +140,8 @@ def _tell(
 
     labels, found = [cell.label for cell in grid.cells], Outcomes(read(folder))
     if options.json:
-        print(json.dumps(sweep_values(folder, found, labels, tally, decisions), indent=2))
+        values = sweep_values(folder, found, labels, tally, decisions)
+        print(json.dumps(values, indent=2), file=options.stdout)
         return
     print(sweep_text(folder, found, labels, tally), end="")
     for label, one in decisions.items():

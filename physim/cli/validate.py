@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from physim.cli.output import alone, inputs, new_json, new_page, text_stream, write_json
+from physim.cli.output import alone, inputs, new_json, new_page, write_json
 from physim.cli.page import make_page
 from physim.cli.parser import Options, changes, command, flag, option
 from physim.cli.progress import Bar, announce_compiling, interrupts
@@ -171,7 +171,6 @@ def _validate_world(world: World, document: Document, options: Options) -> int:
         print(
             "Nothing in this world is random: every seed gives the same run, so there is one run "
             "and no rate.\n",
-            file=text_stream(options.json),
         )
         return _report(found, options)
     if note := seeds_note(world):
@@ -188,7 +187,6 @@ def _validate_seeds(world: World, document: Document, options: Options) -> int:
     from physim.campaigns.spec import spec_of
     from physim.campaigns.worker import LostError
 
-    out = text_stream(options.json)
     first, last = options.seeds
     results: list[SeedResult] = []
     worst: Judged | None = None
@@ -210,7 +208,7 @@ def _validate_seeds(world: World, document: Document, options: Options) -> int:
                 worst = found
             if not options.quiet:
                 page = f"\n{found.report}\n" if options.verbose and found.report else ""
-                print(seed_line(found.result) + "\n" + page, end="", flush=True, file=out)
+                print(seed_line(found.result) + "\n" + page, end="", flush=True)
             if interrupt():
                 break
     study = SeedStudy(world.name, tuple(results), last - first)
@@ -240,11 +238,10 @@ def _warm_up(world: World, document: Document, options: Options) -> None:
 def _report_study(study: SeedStudy, worst: Judged | None, options: Options) -> None:
     from physim.analysis.validation.seeds import json_of_seeds, seeds_text
 
-    out = text_stream(options.json)
     if worst is not None and worst.report and not options.quiet and not options.verbose:
-        print("\n" + worst.report, end="", file=out)
-    print(("" if options.quiet else "\n") + seeds_text(study), end="", file=out)
-    write_json(options.json, json_of_seeds(study))
+        print("\n" + worst.report, end="")
+    print(("" if options.quiet else "\n") + seeds_text(study), end="")
+    write_json(options, json_of_seeds(study))
 
 
 def _run_and_validate(
@@ -283,8 +280,8 @@ def _report(found: Validation, options: Options, record: Record | None = None) -
 
     if record is not None:
         _write_page(found, record, options)
-    write_json(options.json, json_of_validation(found))
+    write_json(options, json_of_validation(found))
     short = [*warning_lines(found), f"verdict: {found.verdict}"]
     text = "\n".join(short) + "\n" if options.quiet else report(found)
-    print(text, end="", file=text_stream(options.json))
+    print(text, end="")
     return found.code

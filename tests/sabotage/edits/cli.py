@@ -124,9 +124,9 @@ EDITS = (
     ),
     Edit(
         "cli",
-        "physim/cli/output.py",
-        "text_stream",
-        "sys.stderr if json == STDOUT else sys.stdout",
+        "physim/cli/parser.py",
+        "Command.invoke",
+        "sys.stderr if is_json else sys.stdout",
         "sys.stdout",
         "JSON on standard output stands alone",
         "tests/cli/test_crashtest.py::test_json_on_standard_output_stands_alone",

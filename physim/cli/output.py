@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import os
+import sys
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, redirect_stdout
 from pathlib import Path
 from types import SimpleNamespace
+from typing import TextIO
 
 from physim.drafts import check_regular, discard, draft_of
 from physim.errors import PhysimError, WorldError
@@ -191,6 +193,17 @@ def spare(path: Path | None, *folders: Path, option: str = "-o") -> None:
             raise PhysimError(
                 f"{path}: is a part of the campaign in {folder}; {option} takes another file"
             )
+
+
+@contextmanager
+def output_of(json: Path | bool | None) -> Iterator[TextIO]:
+    """Standard output, for JSON alone where ``--json`` asks for it there.
+
+    All else that is printed then, by the user's code too, goes to standard error.
+    """
+    stdout = sys.stdout
+    with redirect_stdout(sys.stderr if json in (True, STDOUT) else stdout):
+        yield stdout
 
 
 def write_json(options: SimpleNamespace, text: str) -> None:

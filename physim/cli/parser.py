@@ -9,17 +9,15 @@ from __future__ import annotations
 
 import inspect
 import re
-import sys
 import traceback
 from collections.abc import Callable, Sequence
-from contextlib import redirect_stdout
 from importlib import import_module
 from types import SimpleNamespace
 from typing import Any, TypeVar
 
 import click
 
-from physim.cli.output import STDOUT
+from physim.cli.output import output_of
 from physim.cli.values import LONGEST_QUOTE, WHOLE, quoted
 from physim.errors import PhysimError, nearest, plain_key
 
@@ -56,9 +54,7 @@ GROUPS = {
 """By job, the commands in the order of the help: where each is defined."""
 COMMANDS = {name: where for group in GROUPS.values() for name, where in group.items()}
 
-HEAD = """\
-Usage: physim [-h] [--version] COMMAND ...  Run polygon robots; judge the runs.
-"""
+HEAD = "Usage: physim [-h] [--version] COMMAND ...  Run polygon robots; judge the runs.\n"
 TAIL = """\
 exit: 0 success, 1 contact, 2 bad input, 3 disagreement, 70 bug, 130 interrupted
 To begin: physim run three_robots. A command explained: physim COMMAND --help
@@ -128,16 +124,10 @@ class Command(click.Command):
             raise click.UsageError(f"--set {quoted(twice)}: is given twice{also}", ctx)
 
     def invoke(self, ctx: click.Context) -> Any:
-        """Do what the command is for; returns the exit code.
-
-        Where JSON is to stand on standard output, all else that is printed, by code of the user's
-        too, goes to standard error: the JSON alone goes to ``options.stdout``.
-        """
-        options = Options(**ctx.params, stdout=sys.stdout)
-        is_json = ctx.params.get("json") in (True, STDOUT)
+        """Do what the command is for; returns the exit code."""
         try:
-            with redirect_stdout(sys.stderr if is_json else sys.stdout):
-                return self.callback(options) if self.callback is not None else 0
+            with output_of(ctx.params.get("json")) as out:
+                return self.callback(Options(**ctx.params, stdout=out)) if self.callback else 0
         except PhysimError as error:
             if ctx.params.get("traceback") and error.__cause__ is not None:
                 traceback.print_exception(error.__cause__)

@@ -381,8 +381,9 @@ def test_what_cannot_be_sent_is_told(executor: Processes) -> None:
 def test_what_a_job_prints_does_not_act_on_the_terminal(
     executor: Processes, capfd: pytest.CaptureFixture[str]
 ) -> None:
+    """And stands beside what the command itself prints."""
     executor.begin(Job("colourful", sample.prints)).result()
-    assert capfd.readouterr() == ("red \\u001b[31m \\u202e\n",) * 2
+    assert capfd.readouterr() == ("", "red \\u001b[31m \\u202e\n" * 2)
 
 
 @pytest.mark.parametrize("workers", [0, -1, None, "2", 1.5, True])

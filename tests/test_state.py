@@ -22,6 +22,7 @@ from physim.simulation.run import simulate
 from physim.world.file import load_world
 from physim.world.file.files import find_world, shipped_worlds
 from physim.world.layout.scene_builder import build_scene
+from tests.facts import facts
 from tests.roads import road
 
 AHEAD = 150
@@ -192,6 +193,8 @@ def test_a_reset_scene_is_the_scene_of_that_seed() -> None:
     assert simulation.scene.world == scene.world
     with pytest.raises(PhysimError, match=r"-1; it must be a whole number"):
         simulation.reset(-1)
+    with pytest.raises(PhysimError, match=facts("1000000000000001", "10^15")):
+        simulation.reset(10**15 + 1)
 
 
 def test_a_state_of_something_else_is_refused() -> None:

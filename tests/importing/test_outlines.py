@@ -88,6 +88,23 @@ def test_a_box_heads_as_it_is_drawn_however_its_path_leads(off: float) -> None:
     assert heading == pytest.approx(angle)
 
 
+@pytest.mark.parametrize("corners", [8, 11, 12, 30, 200])
+def test_a_round_robot_heads_along_its_path(corners: int) -> None:
+    """The rectangles about a circle are as small in many directions; rounding chose one."""
+    for angle in np.linspace(0.0, 2.0, 9):
+        at = angle + np.linspace(0.0, 2.0 * pi, corners, endpoint=False)
+        circle = 0.3 * np.stack([np.cos(at), np.sin(at)], axis=1).round(3) + [4.0, 7.0]
+        middle, heading = rectangle_of(circle, turned(AHEAD[None], 0.4)[0])
+        assert heading == pytest.approx(0.4)
+        assert middle == pytest.approx([4.0, 7.0], abs=0.02)
+
+
+def test_an_oval_robot_heads_along_its_longer_axis() -> None:
+    at = np.linspace(0.0, 2.0 * pi, 60, endpoint=False)
+    oval = np.stack([0.4 * np.cos(at), 0.3 * np.sin(at)], axis=1)
+    assert rectangle_of(turned(oval, 0.2), AHEAD)[1] == pytest.approx(0.2, abs=0.06)
+
+
 @given(st.lists(st.tuples(st.floats(-2, 2), st.floats(-2, 2)), min_size=4, max_size=9))
 def test_the_rectangle_is_as_small_as_that_of_shapely(points: list[tuple[float, float]]) -> None:
     hull = shapely.MultiPoint(points).convex_hull

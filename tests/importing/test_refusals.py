@@ -22,6 +22,7 @@ from physim.errors import PhysimError, WorldError
 from physim.world.file.files import shipped_folder
 from tests.facts import facts
 from tests.importing.plans import SAMPLES, check_says, map_yaml, pgm, svg
+from tests.importing.test_joining import geojson
 
 HEADER = "# x_m,y_m,w_tr_right_m,w_tr_left_m\n"
 ROUND = np.linspace(0.0, 6.28, 200)
@@ -510,6 +511,28 @@ OPTIONS = {
 def test_options(name: str) -> None:
     options, message = OPTIONS[name]
     check_says(refusal(SAMPLES / "track.csv", options), message)
+
+
+def test_what_a_place_asked_for_lies_beside_is_told(tmp_path: Path) -> None:
+    rooms = [[(0, 0), (30, 0), (30, 20), (0, 20)], [(40, 0), (70, 0), (70, 20), (40, 20)]]
+    parts = [("boundary", shapely.Polygon(one)) for one in rooms]
+    parts.append(("path", shapely.LineString([(1.5, 10), (28, 10)])))
+    message = refusal(geojson(tmp_path, parts), Options(origin=(42.0, 10.0), goal=(68.0, 10.0)))
+    check_says(message, "--from (42.00, 10.00) … not in … drawn path")
+    made = import_world(geojson(tmp_path, parts[:2]), Options(origin=(42.0, 10.0)))
+    assert np.array(made.world.reference_path)[0] == pytest.approx([42.0, 10.0], abs=2.0)
+
+
+def test_own_paths_of_robots_that_are_left_out_are_told(tmp_path: Path) -> None:
+    parts = [("boundary", shapely.box(0, 0, 40, 20))]
+    for name, y in (("a", 5.0), ("b", 10.0), ("c", 15.0)):
+        parts.append((f"robot {name}", shapely.box(2, y - 0.5, 3.8, y + 0.5)))
+        parts.append((f"path {name}", shapely.LineString([(3, y), (37 - y, y)])))
+    made = import_world(geojson(tmp_path, parts), Options(robots=2))
+    told = [one for one in made.changes if "left out (--robots)" in one]
+    names = {"path of a", "path of b", "path of c", "3 robots of the drawing"}
+    assert {one.removesuffix(" left out (--robots)") for one in told} == names - {"path of a"}
+    assert not [one for one in import_world(geojson(tmp_path, parts)).changes if "--robots" in one]
 
 
 SAMPLE_OF = {

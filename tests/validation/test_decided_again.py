@@ -84,6 +84,20 @@ def test_behind_filters_and_disturbances_decisions_are_made_again(tmp_path):
     found = validate(record)
     assert found.recomputed.mismatches == ()
     assert found.recomputed.replayed == len(record.updates)
+    for word, said in zip(("filter", "disturbance"), found.recomputed.left_out, strict=True):
+        assert word in said
+        assert "--rerun" in said
+        assert states(report(found), said, within=200)
+
+
+def test_nobody_considers_itself_whatever_was_sensed(tmp_path):
+    world = physim.parse_world(LANE, overrides=["time.duration=2"])
+    record = physim.simulate(world, sensing=[Heard()])
+    assert len(record.considered)
+    own = column("/considered", "other", 1, lambda rows: rows["robot"] == 1)
+    (one,) = judged(record, tmp_path, own).recomputed.mismatches
+    assert (one.table, one.column, one.robot) == ("/considered", "other", 1)
+    assert one.exact == "another robot"
 
 
 def test_what_was_sensed_is_not_in_the_record():

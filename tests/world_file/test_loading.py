@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import gzip
 import os
 import re
 from pathlib import Path
@@ -73,6 +74,8 @@ def test_files_that_cannot_be_read_say_why(tmp_path):
     latin.write_bytes(b"name: a\ndescription: caf\xe9\n")
     check_error(f"{refusal(latin)}\n", f"{latin}:2:17:", "0xe9", "UTF-8")
     assert "not UTF-8" in refusal(_written(tmp_path / "u16.yaml", STRAIGHT.encode("utf-16")))
+    packed = refusal(_written(tmp_path / "packed.yaml", gzip.compress(STRAIGHT.encode())))
+    check_error(f"{packed}\n", str(tmp_path / "packed.yaml"), "gzip", "unpack")
 
 
 def _written(path: Path, data: bytes) -> Path:

@@ -192,6 +192,11 @@ def check_considered(record: Record, considered: Considered, found: Mismatches) 
             "/considered", "robot", int(table["robot"][k]), "no robot that decides then",
             "by the decisions", row=k, robot=int(table["robot"][k]), step=int(table["step"][k]),
         )  # fmt: skip
+    listed = record.considered
+    for row in listed[listed["other"] == listed["robot"]]:
+        robot, step = int(row["robot"]), int(row["step"])
+        why, name = "as nobody considers itself", record.names[robot]
+        found.add("/considered", "other", name, "another robot", why, robot=robot, step=step)
 
 
 def check_priority(

@@ -50,7 +50,7 @@ from physim.parts.controller import (
     Snapshot,
 )
 from physim.parts.declarations import NO_NUMBER, Declared
-from physim.parts.registry import CONTROLLER, SENSING, shipped_parts
+from physim.parts.registry import CONTROLLER, DISTURBANCE, FILTER, SENSING, shipped_parts
 from physim.parts.stages import everybody, shared
 from physim.record import Record
 from physim.simulation.decisions import PerRobotAdapter
@@ -221,6 +221,9 @@ def recompute(record: Record, inside: Inside, table: DecisionTable) -> Recompute
         check_ending(record, scene, arrivals, found)
     if replay is not None and replay.broken is not None:
         left_out.append(f"decisions from there on: {replay.broken}")
+    for word in (FILTER.word, DISTURBANCE.word):
+        if word in (inside.stages or ()):
+            left_out.append(f"what each {word} made of commands: only --rerun runs it again")
     return Recomputed(
         len(record.updates), 0 if replay is None else replay.decided,
         () if columns is None else tuple(columns.columns), tuple(left_out), found.found,

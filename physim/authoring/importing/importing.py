@@ -12,7 +12,14 @@ from pathlib import Path
 import numpy as np
 import shapely
 
-from physim.authoring.importing.drawing import Drawing, ImportSourceError, number, place, refused
+from physim.authoring.importing.drawing import (
+    Drawing,
+    ImportSourceError,
+    listed,
+    number,
+    place,
+    refused,
+)
 from physim.authoring.importing.drawn_robots import as_drawn
 from physim.authoring.importing.enclosure import (
     DENSE,
@@ -102,6 +109,7 @@ def _imported(source: Path, options: Options) -> Imported:
             f"{given[0]}: {plural(len(drawing.robots), 'robot')} of the drawing are taken as they "
             "are drawn; with --robots N boxes are placed instead",
         )
+    left = [] if drawn else _paths_left(drawing)
     many = thin_out(drawing, GRAIN if options.tolerance is None else options.tolerance)
     if options.tolerance is not None and not many and form not in TOLERANT:
         drawing.facts.append(
@@ -118,6 +126,7 @@ def _imported(source: Path, options: Options) -> Imported:
         drawing.changes.append(
             f"{plural(len(drawing.robots), 'robot')} of the drawing left out (--robots)"
         )
+        drawing.changes += left
     if drawn:
         drawing.changes[:0] = _missed(found, options)
         robots = as_drawn(drawing, found)
@@ -136,6 +145,12 @@ def _imported(source: Path, options: Options) -> Imported:
 
     text, world = _checked(source, written, drawing, robots, options)
     return Imported(text, world, drawing.kind, tuple(drawing.facts), tuple(drawing.changes))
+
+
+def _paths_left(drawing: Drawing) -> list[str]:
+    """What is said of robots' own paths that are left out with them: all but the reference path."""
+    names = [name for name, line in drawing.paths.items() if line is not drawing.reference]
+    return listed([f"path of {name} left out (--robots)" for name in names])
 
 
 def _check_extent(source: Path, drawing: Drawing) -> None:

@@ -21,6 +21,9 @@ DENT = 0.002
 """[m] Rounding to the millimetre moves a corner by 0.7 mm, and those beside it the other way."""
 AS_NEAR = 0.2
 """[-] by which the cosines of two angles to the path differ at most that are as near"""
+ROUND, LEAST_CORNERS = 1.02, 8
+"""[-] Greatest over least distance of corners from the centre, of an outline of at least so many,
+that has no direction of its own"""
 MOST_CORNERS = 100
 """of an outline whose mirror images are looked at; what has more is round"""
 
@@ -67,9 +70,12 @@ def rectangle_of(outline: FloatArray, ahead: FloatArray) -> tuple[FloatArray, fl
     a triangle is on one of its sides. Where there is none (an arrow with a shaft lies smallest on
     a side of its head), its lines of symmetry count as well. Of these directions the one nearest
     to the direction ``ahead``; of two as near, as at a corner of the path, the one along which the
-    rectangle is longer.
+    rectangle is longer. A round outline has no direction of its own, and takes that.
     """
     hull = np.array(shapely.Polygon(outline).convex_hull.exterior.coords)
+    if _is_round(_corners(outline)):
+        heading = atan2(ahead[1], ahead[0])
+        return _box(hull, heading)[0], heading
     sides = [atan2(y, x) for x, y in np.diff(hull, axis=0)]
     areas = [float(np.prod(2.0 * _box(hull, angle)[1])) for angle in sides]
     smallest = [
@@ -104,6 +110,12 @@ def _corners(outline: FloatArray) -> FloatArray:
     polygon = shapely.Polygon(outline)
     plain = polygon.simplify(0.2 * ALIKE * polygon.area**0.5)
     return np.asarray(np.array(plain.exterior.coords)[:-1] - plain.centroid.coords[0])
+
+
+def _is_round(outline: FloatArray) -> bool:
+    """Whether an outline about its centre is a circle, as coarsely as small ones are drawn."""
+    radius = np.hypot(*outline.T)
+    return len(outline) >= LEAST_CORNERS and bool(radius.max() <= ROUND * radius.min())
 
 
 def _lines(outline: FloatArray) -> list[float]:

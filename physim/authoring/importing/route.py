@@ -110,8 +110,8 @@ def find_route(path: Path, drawing: Drawing, options: Options) -> None:
     step = float(np.sqrt(area.area / MOST_CELLS))
     rough = Outline(coarse(area, ROUGH * step))
     grid = _grid(rough, step)
-    _check_inside(path, area, "--from", options.origin)
-    _check_inside(path, area, "--to", options.goal)
+    _check_inside(path, drawing, "--from", options.origin)
+    _check_inside(path, drawing, "--to", options.goal)
     if options.origin is None and drawing.robots and options.robots is None:
         options = options.model_copy(update={"origin": _rear(path, grid, drawing, options)})
     room, a, b = _ends(path, grid, options)
@@ -178,9 +178,14 @@ def _grid(outline: Outline, step: float) -> _Grid:
     return _Grid(nodes, gaps, first[clear], second[clear], length[clear])
 
 
-def _check_inside(path: Path, area: Any, word: str, point: tuple[float, float] | None) -> None:
-    if point is not None and not area.covers(shapely.Point(point)):
-        raise refused(path, f"{word} {place(point)}: not in the area of the robots")
+def _check_inside(
+    path: Path, drawing: Drawing, word: str, point: tuple[float, float] | None
+) -> None:
+    if point is None or drawing.area.covers(shapely.Point(point)):
+        return
+    why = ", which is where the drawn path is: leave that out to begin elsewhere"
+    message = f"{word} {place(point)}: not in the area of the robots"
+    raise refused(path, message if drawing.reference is None else message + why)
 
 
 def _ends(path: Path, grid: _Grid, options: Options) -> tuple[float, int, int]:

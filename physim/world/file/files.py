@@ -132,6 +132,8 @@ def _decoded(data: bytes, source: str) -> str:
         line = before.count(b"\n") + 1
         column = len(before[before.rfind(b"\n") + 1 :].decode("utf-8")) + 1
         message = f"byte 0x{data[error.start]:02x} is not UTF-8; save the file as UTF-8"
+        if data.startswith(b"\x1f\x8b"):
+            message = "is compressed by gzip; unpack it first"
         raise refused(source, line, column, message) from None
 
 

@@ -89,7 +89,8 @@ def reseeded(scene: Scene, seed: int) -> Scene:
         or not isinstance(seed, int | np.integer)
         or not (0 <= seed <= MOST_SEED)
     ):
-        raise WorldError([Fault(("seed",), f"{seed!r}; it must be a whole number from 0 on")])
+        message = f"{seed!r}; it must be a whole number from 0 to 10^15"
+        raise WorldError([Fault(("seed",), message)])
     world = scene.world.model_copy(update={"seed": int(seed)})
     if not is_random(world):
         return replace(scene, world=world, seed=int(seed))

@@ -732,4 +732,22 @@ EDITS = (
         "large robots see as far for their size as small ones",
         "tests/importing/test_round_trip.py::test_robots_see_as_far_as_their_size_asks",
     ),
+    Edit(
+        "importing",
+        "physim/authoring/importing/outlines.py",
+        "_is_round",
+        "len(outline) >= LEAST_CORNERS and",
+        "False and",
+        "a round robot heads along its path",
+        "tests/importing/test_outlines.py::test_a_round_robot_heads_along_its_path",
+    ),
+    Edit(
+        "importing",
+        "physim/authoring/importing/importing.py",
+        "_paths_left",
+        "if line is not drawing.reference",
+        "if False",
+        "own paths of robots that are left out are told",
+        "tests/importing/test_refusals.py::test_own_paths_of_robots_that_are_left_out_are_told",
+    ),
 )

@@ -754,4 +754,13 @@ EDITS = (
         "what would take long is not tried",
         "tests/importing/test_command.py::test_what_would_take_long_is_not_tried",
     ),
+    Edit(
+        "importing",
+        "physim/authoring/importing/route.py",
+        "_check_inside",
+        "message if drawing.reference is None else message + why",
+        "message",
+        "why a place asked for is not in the area is told",
+        "tests/importing/test_refusals.py::test_what_a_place_asked_for_lies_beside_is_told",
+    ),
 )

@@ -675,4 +675,22 @@ EDITS = (
         "a touch is not looked for through a slack of hours",
         "tests/validation/test_slack.py::test_a_slack_of_hours_is_not_looked_through",
     ),
+    Edit(
+        "validation",
+        "physim/analysis/validation/columns.py",
+        "check_considered",
+        'listed["other"] == listed["robot"]',
+        'listed["other"] == -1',
+        "nobody considers itself, whatever was sensed",
+        "tests/validation/test_decided_again.py::test_nobody_considers_itself_whatever_was_sensed",
+    ),
+    Edit(
+        "validation",
+        "physim/analysis/validation/recomputed.py",
+        "recompute",
+        "if word in (inside.stages or ()):",
+        "if False:",
+        "what filters made of commands is said not to be run again",
+        "tests/validation/test_decided_again.py::test_behind_filters_and_disturbances_decisions_are_made_again",
+    ),
 )

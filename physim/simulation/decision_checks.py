@@ -131,8 +131,14 @@ def check_commands(scene: Scene, time: float, robots: IntArray | None, command: 
     raise ControllerError(
         f"{scene.names[row if robots is None else robots[row]]} at {time:g} s: command {quantity} "
         f"= {_beside(value, most)} {unit}; it must be finite and within "
-        f"{most:g} {unit} in either direction"
+        f"{most:g} {unit} in either direction{_if_rounded(value, most)}"
     )
+
+
+def _if_rounded(value: float, most: float) -> str:
+    """A hint where a value beyond a limit is that limit, rounded to 32 bits."""
+    is_rounded = float(np.float32(most)) == abs(value)
+    return "; numbers of 32 bits are rounded: clip those of 64 bits" if is_rounded else ""
 
 
 def _beside(value: float, most: float) -> str:

@@ -40,8 +40,9 @@ def test_robots_of_one_name_have_names_of_their_own(tmp_path: Path) -> None:
     ]
     path = tmp_path / "plan.geojson"
     path.write_text(json.dumps({"type": "FeatureCollection", "features": features}))
-    names = [robot.name for robot in import_world(path, Options(scale=1.0)).world.robots]
-    assert names == ["q", "q_2"]
+    imported = import_world(path, Options(scale=1.0))
+    assert [robot.name for robot in imported.world.robots] == ["q", "q_2"]
+    assert [one for one in imported.changes if "q_2" in one] == ["a second robot q is called q_2"]
 
 
 ROUND = [[0, 0], [40, 0], [40, 12], [0, 12], [0, 0]]

@@ -535,6 +535,11 @@ def test_own_paths_of_robots_that_are_left_out_are_told(tmp_path: Path) -> None:
     assert not [one for one in import_world(geojson(tmp_path, parts)).changes if "--robots" in one]
 
 
+def test_lanes_beyond_one_of_each_robot_are_told() -> None:
+    facts_of = import_world(SAMPLES / "track.csv", Options(robots=2, lanes=5)).facts
+    check_says(" ".join(facts_of), "2 robots in 2 lanes … 5 asked for")
+
+
 SAMPLE_OF = {
     "track": "track.csv",
     "ros-map": "office.yaml",

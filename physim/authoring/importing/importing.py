@@ -128,7 +128,7 @@ def _imported(source: Path, options: Options) -> Imported:
         )
         drawing.changes += left
     if drawn:
-        drawing.changes[:0] = _missed(found, options)
+        drawing.changes[:0] = _missed(found, options) + _renamed(drawing)
         robots = as_drawn(drawing, found)
     else:
         found, robots = fill_in(source, drawing, found, options)
@@ -145,6 +145,13 @@ def _imported(source: Path, options: Options) -> Imported:
 
     text, world = _checked(source, written, drawing, robots, options)
     return Imported(text, world, drawing.kind, tuple(drawing.facts), tuple(drawing.changes))
+
+
+def _renamed(drawing: Drawing) -> list[str]:
+    """What is said of robots whose drawn name another bears."""
+    named = [(escaped(one.drawn_name)[:80].strip(), one.name) for one in drawing.robots]
+    twice = [pair for pair in named if pair[0] and pair[0] != pair[1]]
+    return listed([f"a second robot {drawn} is called {name}" for drawn, name in twice])
 
 
 def _paths_left(drawing: Drawing) -> list[str]:
@@ -216,6 +223,8 @@ def _about(drawing: Drawing, found: Fit, robots: list[Placed], options: Options)
     if drawing.robots and options.robots is None:
         return [*facts, f"{count} as drawn", *_range(drawing, found, robots)]
     lanes = plural(min(options.lanes or 1, len(robots)), "lane")
+    if (options.lanes or 1) > len(robots):
+        lanes += f" of the {options.lanes} asked for, a robot each"
     chosen = "as asked (--robot)"
     if options.robot is None and drawing.robots:
         drawn = len(drawing.robots)

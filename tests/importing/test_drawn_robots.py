@@ -9,10 +9,10 @@ import pytest
 import shapely
 import shapely.affinity
 
-from physim.authoring.importing import import_world
+from physim.authoring.importing import Options, import_world
 from physim.geometry.corridor import offset_polyline
 from tests.importing.drawn import HALL, LOOP, WAY, box, paths_of
-from tests.importing.plans import check_says, only
+from tests.importing.plans import check_says, only, svg
 from tests.importing.test_joining import geojson
 from tests.importing.test_places import free_area, refusal
 
@@ -324,3 +324,30 @@ def test_a_path_whose_robot_is_not_there_is_told_with_the_nearest(tmp_path: Path
     ]
     told = only(import_world(geojson(tmp_path, parts)), "there is no robot")
     check_says(told, '"Fork" … "fork" … left out')
+
+
+@pytest.mark.parametrize("radius", [0.037, 0.1, 0.5])
+@pytest.mark.parametrize("drawn", [
+    '<circle id="robot a" cx="3" cy="4.1" r="{r}"/>',
+    '<path id="robot a" d="M {left},4.1 a {r},{r} 0 0 1 {d},0 a {r},{r} 0 0 1 -{d},0 z"/>',
+    '<ellipse id="robot a" cx="1" cy="4.1" rx="{r}" ry="{r}" transform="translate(2 0)"/>',
+])  # fmt: skip
+def test_small_round_robots_are_as_large_as_drawn(
+    tmp_path: Path, radius: float, drawn: str
+) -> None:
+    """Chords within 1 cm of a circle of 3.7 cm made a square of it, and it headed anywhere."""
+    robot = drawn.format(r=radius, d=2.0 * radius, left=3.0 - radius)
+    file = tmp_path / "plan.svg"
+    file.write_text(
+        svg(
+            '<rect id="boundary" width="20" height="8"/>'
+            f'<path id="path" fill="none" d="M2,4 L17,5"/>{robot}',
+            'viewBox="0 0 20 8"',
+        )
+    )
+    (one,) = import_world(file, Options(scale=1.0)).world.robots
+    outline = shapely.Polygon(one.outline)
+    assert outline.area == pytest.approx(np.pi * radius**2, rel=0.06)
+    assert outline.hausdorff_distance(shapely.Point(0, 0).buffer(radius)) < 0.025 * radius + 0.001
+    assert one.pose is not None
+    assert one.pose[2] == pytest.approx(-np.arctan2(1, 15), abs=6e-4)

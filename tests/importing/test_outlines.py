@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from math import atan2, cos, hypot, pi, sin
+from typing import Any
 
 import numpy as np
 import pytest
@@ -88,21 +89,45 @@ def test_a_box_heads_as_it_is_drawn_however_its_path_leads(off: float) -> None:
     assert heading == pytest.approx(angle)
 
 
-@pytest.mark.parametrize("corners", [8, 11, 12, 30, 200])
-def test_a_round_robot_heads_along_its_path(corners: int) -> None:
+@pytest.mark.parametrize("radius", [0.0165, 0.3])
+@pytest.mark.parametrize("corners", [12, 15, 30, 200])
+def test_a_round_robot_heads_along_its_path(radius: float, corners: int) -> None:
     """The rectangles about a circle are as small in many directions; rounding chose one."""
     for angle in np.linspace(0.0, 2.0, 9):
         at = angle + np.linspace(0.0, 2.0 * pi, corners, endpoint=False)
-        circle = 0.3 * np.stack([np.cos(at), np.sin(at)], axis=1).round(3) + [4.0, 7.0]
+        circle = (radius * np.stack([np.cos(at), np.sin(at)], axis=1)).round(3) + [4.0, 7.0]
         middle, heading = rectangle_of(circle, turned(AHEAD[None], 0.4)[0])
         assert heading == pytest.approx(0.4)
-        assert middle == pytest.approx([4.0, 7.0], abs=0.02)
+        assert middle == pytest.approx([4.0, 7.0], abs=0.06 * radius)
 
 
-def test_an_oval_robot_heads_along_its_longer_axis() -> None:
-    at = np.linspace(0.0, 2.0 * pi, 60, endpoint=False)
-    oval = np.stack([0.4 * np.cos(at), 0.3 * np.sin(at)], axis=1)
-    assert rectangle_of(turned(oval, 0.2), AHEAD)[1] == pytest.approx(0.2, abs=0.06)
+@pytest.mark.parametrize("longer", [1.1, 1.4, 2.5])
+@pytest.mark.parametrize("corners", [24, 40, 100])
+@pytest.mark.parametrize("off", [-0.6, -0.1, 0.05, 0.2])
+def test_an_oval_robot_heads_along_its_longer_axis(longer: float, corners: int, off: float) -> None:
+    """The rectangles beside it are hardly larger, and were taken where they are nearer the path."""
+    at = np.linspace(0.0, 2.0 * pi, corners, endpoint=False)
+    oval = np.stack([0.5 * longer * np.cos(at), 0.5 * np.sin(at)], axis=1)
+    for one in (oval, oval[::-1]):
+        heading = rectangle_of(turned(one, off).round(3), AHEAD)[1]
+        assert heading == pytest.approx(off, abs=0.006)
+
+
+@pytest.mark.parametrize(("length", "width", "cut"), [
+    (1.0, 0.8, 0.05), (1.0, 1.0, 0.1), (1.8, 1.0, 0.05), (1.2, 1.0, 0.1), (1.8, 1.0, 0.3),
+])  # fmt: skip
+@pytest.mark.parametrize("count", [1, 4])
+def test_a_box_without_its_corners_is_not_round(
+    length: float, width: float, cut: float, count: int
+) -> None:
+    """All eight of its corners lie about as far from the middle."""
+    x, y = 0.5 * length - cut, 0.5 * width - cut
+    inner = shapely.box(-x, -y, x, y)
+    style: Any = "bevel" if count == 1 else "round"
+    outline = shapely.get_coordinates(inner.buffer(cut, quad_segs=count, join_style=style))[:-1]
+    for off in (-0.6, -0.2, 0.1, 0.5):
+        heading = rectangle_of(turned(outline, off).round(3), AHEAD)[1]
+        assert heading == pytest.approx(off, abs=0.004)
 
 
 @given(st.lists(st.tuples(st.floats(-2, 2), st.floats(-2, 2)), min_size=4, max_size=9))

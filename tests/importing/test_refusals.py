@@ -62,6 +62,10 @@ TRACKS = {
     "empty": ("", "begins with a number … x_m, y_m, w_tr_right_m, w_tr_left_m"),
     "one point": (HEADER + "0,0,3,3\n", "1 points … 2"),
     "far away": (HEADER + "0,0,3,3\n5e6,0,3,3\n", ":3: … x_m … 5e+06 m … 1e+06 m … --scale"),
+    "a point of a grid left at 0": (
+        HEADER + "500000,5400000,3,3\n500009,5400000,3,3\n0,0,3,3\n500018,5400000,3,3\n",
+        ":4: … y_m … 0 m … 5.4e+06 m … 1e+06 m … check it",
+    ),
     "words below": (HEADER + ROWS + "the end\n", ':22: … "the end" … numbers'),
     "other names": (
         "x,y,width_left,width_right\n0,0,2,3\n10,0,2,3\n",
@@ -518,7 +522,7 @@ def test_what_a_place_asked_for_lies_beside_is_told(tmp_path: Path) -> None:
     parts = [("boundary", shapely.Polygon(one)) for one in rooms]
     parts.append(("path", shapely.LineString([(1.5, 10), (28, 10)])))
     message = refusal(geojson(tmp_path, parts), Options(origin=(42.0, 10.0), goal=(68.0, 10.0)))
-    check_says(message, "--from (42.00, 10.00) … not in … drawn path")
+    check_says(message, "--from (42.00, 10.00) … not in … path of the source")
     made = import_world(geojson(tmp_path, parts[:2]), Options(origin=(42.0, 10.0)))
     assert np.array(made.world.reference_path)[0] == pytest.approx([42.0, 10.0], abs=2.0)
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import atan2, cos, pi, sin
+from math import atan2, cos, hypot, pi, sin
 
 import numpy as np
 import shapely
@@ -21,9 +21,15 @@ DENT = 0.002
 """[m] Rounding to the millimetre moves a corner by 0.7 mm, and those beside it the other way."""
 AS_NEAR = 0.2
 """[-] by which the cosines of two angles to the path differ at most that are as near"""
-ROUND, LEAST_CORNERS = 1.02, 8
-"""[-] Greatest over least distance of corners from the centre, of an outline of at least so many,
-that has no direction of its own"""
+ROUND = 0.915
+"""[-] least over greatest distance from its centre of an outline without a direction of its own: an
+octagon has 0.924, an oval that is a tenth longer than wide 0.909"""
+OVAL = 0.03
+"""[-] by which the rectangle along the axis of an oval of few points is larger than on a side"""
+AS_LONG = 0.02
+"""[-] of the moments of an outline by which they differ at least in one that has a long axis"""
+FEW_CORNERS = 8
+"""of an outline that lies on its sides; one with more may be an oval, which has none"""
 MOST_CORNERS = 100
 """of an outline whose mirror images are looked at; what has more is round"""
 
@@ -65,26 +71,29 @@ def drop_marks(drawing: Drawing) -> None:
 def rectangle_of(outline: FloatArray, ahead: FloatArray) -> tuple[FloatArray, float]:
     """Middle (2,) [m] and heading [rad] of the rectangle about an outline that a robot takes.
 
-    The smallest one lies on a side of the convex hull. Of all that are larger by `AS_SMALL` at
-    most, and their four directions, those count in which the outline is its own mirror image, as
-    a triangle is on one of its sides. Where there is none (an arrow with a shaft lies smallest on
-    a side of its head), its lines of symmetry count as well. Of these directions the one nearest
-    to the direction ``ahead``; of two as near, as at a corner of the path, the one along which the
-    rectangle is longer. A round outline has no direction of its own, and takes that.
+    The smallest one lies on a side of the convex hull; an oval has an axis instead. Of all that are
+    larger by `AS_SMALL` at most, and their four directions, those count in which the outline is its
+    own mirror image, as a triangle is on one of its sides. Where there is none (an arrow with a
+    shaft lies smallest on a side of its head), its lines of symmetry count as well. Of these
+    directions the one nearest to the direction ``ahead``; of two as near, as at a corner of the
+    path, the one along which the rectangle is longer. A round outline takes ``ahead`` itself.
     """
     hull = np.array(shapely.Polygon(outline).convex_hull.exterior.coords)
-    if _is_round(_corners(outline)):
+    whole, outline = outline, _corners(outline)
+    if _is_round(outline):
         heading = atan2(ahead[1], ahead[0])
         return _box(hull, heading)[0], heading
+
+    def area(angle: float) -> float:
+        return float(np.prod(2.0 * _box(hull, angle)[1]))
+
     sides = [atan2(y, x) for x, y in np.diff(hull, axis=0)]
-    areas = [float(np.prod(2.0 * _box(hull, angle)[1])) for angle in sides]
-    smallest = [
-        angle + quarter
-        for angle, area in zip(sides, areas, strict=True)
-        if area <= min(areas) * (1.0 + AS_SMALL)
-        for quarter in (0.0, pi / 2.0)
-    ]
-    outline = _corners(outline)
+    least = min(map(area, sides))
+    axis = _long_axis(whole) if len(outline) > FEW_CORNERS else None
+    along = [angle for angle in sides if area(angle) <= least * (1.0 + AS_SMALL)]
+    if axis is not None and area(axis) <= least * (1.0 + OVAL) and _is_mirrored(outline, axis):
+        along = [axis]
+    smallest = [angle + turn for angle in along for turn in (0.0, pi / 2.0)]
     axes = [angle for angle in smallest if _is_mirrored(outline, angle)]
     axes = axes or smallest + [one for one in _lines(outline) if _is_mirrored(outline, one)]
     directions = [angle + turn for angle in axes for turn in (0.0, pi)]
@@ -114,8 +123,20 @@ def _corners(outline: FloatArray) -> FloatArray:
 
 def _is_round(outline: FloatArray) -> bool:
     """Whether an outline about its centre is a circle, as coarsely as small ones are drawn."""
-    radius = np.hypot(*outline.T)
-    return len(outline) >= LEAST_CORNERS and bool(radius.max() <= ROUND * radius.min())
+    inner = shapely.LinearRing(outline).distance(shapely.Point(0.0, 0.0))
+    return bool(inner >= ROUND * np.hypot(*outline.T).max())
+
+
+def _long_axis(outline: FloatArray) -> float | None:
+    """Direction [rad] in which an outline is longest by its moments; None where in every one."""
+    x, y = (outline - shapely.Polygon(outline).centroid.coords[0]).T
+    after_x, after_y = np.roll(x, -1), np.roll(y, -1)
+    cross = x * after_y - after_x * y
+    cross *= np.sign(cross.sum())  # either way round
+    xx, yy = (cross @ (u * u + u * v + v * v) for u, v in ((x, after_x), (y, after_y)))
+    xy = cross @ (x * after_y + 2.0 * x * y + 2.0 * after_x * after_y + after_x * y) / 2.0
+    is_long = hypot(xx - yy, 2.0 * xy) > AS_LONG * (xx + yy)
+    return 0.5 * atan2(2.0 * xy, xx - yy) if is_long else None
 
 
 def _lines(outline: FloatArray) -> list[float]:

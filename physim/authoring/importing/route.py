@@ -183,7 +183,7 @@ def _check_inside(
 ) -> None:
     if point is None or drawing.area.covers(shapely.Point(point)):
         return
-    why = ", which is where the drawn path is: leave that out to begin elsewhere"
+    why = ", which is that with the path of the source in it"
     message = f"{word} {place(point)}: not in the area of the robots"
     raise refused(path, message if drawing.reference is None else message + why)
 

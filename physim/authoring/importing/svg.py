@@ -53,6 +53,8 @@ from physim.geometry.shapes import FloatArray
 
 TOLERANCE = 0.01
 """[m] chords of curves, unless the user says otherwise"""
+FINE = 0.01
+"""[-] of the size of a robot, within which its chords keep however small it is"""
 OF_PROGRAMS = re.compile(r"path[-_]?\d[\d_-]*|path-copy.*")
 """Ids that programs give by themselves"""
 
@@ -140,7 +142,7 @@ class _Lines:
             if fault := element.values.get(FAULT):
                 at, _, what = fault.partition(" ")
                 raise refused(self.path, what, int(at))
-            found = self._subpaths(element, where, line)
+            found = self._subpaths(element, role, where, line)
             for cut in (value for key, value in element.values.items() if CUT in key):
                 self._whole[f"{cut} is not applied; taken whole"] = None
             if not is_named and (doubt := _doubt(element.values, found)):
@@ -157,11 +159,17 @@ class _Lines:
                 self._take(one)
 
     def _subpaths(
-        self, element: Any, where: str, line: int | None
+        self, element: Any, role: str, where: str, line: int | None
     ) -> list[tuple[FloatArray, bool]]:
         tolerance = self.tolerance / self.frame.metres
         try:
-            return subpaths(svgelements.Path(element), tolerance, MOST_POINTS - self._count)
+            shape = svgelements.Path(element)
+            box = shape.bbox() if role == "robot" else None
+            if box is not None:
+                tolerance = (
+                    min(tolerance, FINE * max(box[2] - box[0], box[3] - box[1])) or tolerance
+                )
+            return subpaths(shape, tolerance, MOST_POINTS - self._count)
         except (ValueError, ArithmeticError) as error:
             raise refused(self.path, f"{where}: {escaped(str(error))[:160]}", line) from None
 

@@ -187,8 +187,7 @@ def read_track_file(path: Path, text: str, scale: float) -> TrackFile:
     table = np.array(values)
     origin = grid_origin(table[:, :2])
     table[:, :2] -= origin
-    for k, row in zip(lines, table, strict=True):
-        _check_size(path, k, row)
+    _check_size(path, lines, table)
     changes += listed(repeated)
     return TrackFile(table[:, :2], table[:, 2], table[:, 3], tuple(changes), origin)
 
@@ -223,7 +222,15 @@ def _check(path: Path, line: int, value: list[float]) -> None:
             raise refused(path, f"{name}: a width of {v:g} m; it must be greater than 0", line)
 
 
-def _check_size(path: Path, line: int, row: FloatArray) -> None:
-    for name, v in zip(COLUMNS, row, strict=True):
-        if abs(v) > LARGEST:
-            raise refused(path, f"{name}: {v:g} m is beyond {LARGEST:g} m; check --scale", line)
+def _check_size(path: Path, lines: list[int], table: FloatArray) -> None:
+    """Refuse a number beyond what a world may hold; of points the one farthest from the others."""
+    if np.abs(table).max() <= LARGEST:
+        return
+    away = np.abs(table - np.median(table, axis=0))
+    away[np.abs(table) <= LARGEST] *= 1.0 - 1e-9  # of two points that which is beyond
+    k, column = np.unravel_index(np.argmax(away), away.shape)
+    message = (
+        f"{COLUMNS[column]}: {table[k, column]:g} m is {away[k, column]:g} m from the middle one "
+        f"of all, and a world reaches to {LARGEST:g} m; check it, or --scale"
+    )
+    raise refused(path, message, lines[k])

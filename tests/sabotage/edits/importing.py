@@ -73,7 +73,7 @@ EDITS = (
         "physim/authoring/importing/outlines.py",
         "rectangle_of",
         "if area(angle) <= least * (1.0 + AS_SMALL)",
-        "if area <= min(areas)",
+        "if area(angle) <= least",
         "an arrow heads where it points, though its sides have rectangles as small",
         "tests/importing/test_outlines.py::test_an_arrow_heads_where_it_points",
     ),

@@ -165,10 +165,8 @@ class _Lines:
         try:
             shape = svgelements.Path(element)
             box = shape.bbox() if role == "robot" else None
-            if box is not None:
-                tolerance = (
-                    min(tolerance, FINE * max(box[2] - box[0], box[3] - box[1])) or tolerance
-                )
+            if box is not None and (size := max(box[2] - box[0], box[3] - box[1])) > 0.0:
+                tolerance = min(tolerance, FINE * size)
             return subpaths(shape, tolerance, MOST_POINTS - self._count)
         except (ValueError, ArithmeticError) as error:
             raise refused(self.path, f"{where}: {escaped(str(error))[:160]}", line) from None

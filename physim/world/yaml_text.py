@@ -99,8 +99,13 @@ def _item(item: BaseModel, indent: int) -> Iterator[str]:
 
 
 def _choice(choice: Choice, indent: int) -> Iterator[str]:
-    """Lines of a part by name: type and settings in one mapping."""
-    for name, setting in {"type": choice.type, **thawed(choice.settings)}.items():
+    """Lines of a part by name: type and settings in one mapping.
+
+    Settings beside no type are those of whatever runs, and stay so.
+    """
+    is_named = "type" in choice.model_fields_set or not choice.settings
+    named = {"type": choice.type} if is_named else {}
+    for name, setting in (named | thawed(choice.settings)).items():
         yield from _entry(f"{' ' * indent}{scalar_text(name)}", setting, "")
 
 

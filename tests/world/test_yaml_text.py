@@ -8,6 +8,7 @@ from hypothesis import given, settings
 
 from physim.errors import PhysimError
 from physim.world import World
+from physim.world.file import parse_world
 from physim.world.file.nodes import Document
 from physim.world.file.reading import read_document
 from tests.facts import facts
@@ -85,3 +86,21 @@ def test_a_save_that_fails_in_the_middle_leaves_what_was_there(tmp_path, monkeyp
         World(**values()).save(path)
     left = {file.name: file.read_text() for file in tmp_path.iterdir()}
     assert left == ({} if before is None else {"a.yaml": before})
+
+
+@pytest.mark.parametrize("given", ["{speed: 0.7}", "{type: mode_switching, speed: 0.7}", "{}"])
+def test_settings_without_a_type_stay_without_one(given):
+    """They are for whatever runs; beside a type they would be lost to another controller."""
+    world = parse_world(f"{ROAD}controller: {given}\n")
+    text = world.to_yaml()
+    assert ("type:" in text) == (given != "{speed: 0.7}")
+    assert parse_world(text) == world
+    assert parse_world(text).to_yaml() == text
+
+
+ROAD = """\
+name: road
+time: {step: 0.05, duration: 1}
+corridor: {centreline: [[0, 0], [20, 0]], width: 8}
+robots: [{name: a, footprint: {length: 1.8, width: 1}, pose: [3, 0, 0], path: {offset: 0}}]
+"""

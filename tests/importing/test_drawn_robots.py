@@ -351,3 +351,36 @@ def test_small_round_robots_are_as_large_as_drawn(
     assert outline.hausdorff_distance(shapely.Point(0, 0).buffer(radius)) < 0.025 * radius + 0.001
     assert one.pose is not None
     assert one.pose[2] == pytest.approx(-np.arctan2(1, 15), abs=6e-4)
+
+
+@pytest.mark.parametrize("order", [(0, 1), (1, 0)])
+def test_drawn_names_are_given_first(tmp_path: Path, order: tuple[int, int]) -> None:
+    """A robot without a name, taken first, had the name of another, and so its path."""
+    robots = [("robot r1", box(5, 4, 1.2, 0.7)), ("robot", box(5, 10, 1.2, 0.7))]
+    parts = [("boundary", shapely.box(0, 0, 26, 14)), *(robots[k] for k in order)]
+    parts += [("path", shapely.LineString([(3, 10), (23, 10)]))]
+    parts += [("path r1", shapely.LineString([(3, 4), (20, 4)]))]
+    made = import_world(geojson(tmp_path, parts))
+    (drawn,) = (one for one in made.world.robots if one.name == "r1")
+    assert drawn.pose is not None
+    assert drawn.pose[1] == 4.0
+    assert not [one for one in made.changes if "called" in one]
+
+
+def test_an_id_names_a_robot_where_a_path_is_named_after_it(tmp_path: Path) -> None:
+    """Others, such as rect12, are programs' own; a path of "tug" was for nobody, in one line."""
+    file = tmp_path / "plan.svg"
+    file.write_text(
+        svg(
+            '<rect id="boundary" width="40" height="20"/>'
+            '<g id="path" fill="none"><path id="path_fork" d="M3,5 H37"/>'
+            '<path id="path_tug" d="M37,15 H3"/></g>'
+            '<g id="robot"><rect id="fork" x="2" y="4.5" width="2" height="1"/>'
+            '<rect id="tug" x="36" y="14.5" width="2" height="1"/>'
+            '<rect id="rect12" x="6" y="4.5" width="2" height="1"/></g>',
+            'viewBox="0 0 40 20"',
+        )
+    )
+    made = import_world(file, Options(scale=1.0))
+    assert [one.name for one in made.world.robots] == ["fork", "tug", "r3"]
+    assert not [one for one in made.changes if "there is no robot" in one]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -36,9 +36,10 @@ class ImportSourceError(PhysimError):
 class DrawnRobot:
     """A robot as drawn: its outline (n, 2) [m], world frame, and the name that it has there."""
 
-    name: str
     outline: FloatArray
-    drawn_name: str = ""
+    drawn_name: str
+    name: str = ""
+    """see `Drawing.name_robots`"""
 
 
 @dataclass(frozen=True)
@@ -105,14 +106,17 @@ class Drawing:
             shapely.dwithin(_lines([source])[0], shapely.Point(point[:2]), distance)
         )
 
-    def free_name(self, name: str) -> str:
-        """Name of the next robot: its own, unless there is none or another bears it."""
-        number = len(self.robots) + 1
-        name = escaped(name)[:80].strip() or f"r{number}"
-        taken = {robot.name for robot in self.robots}
-        while name in taken:
-            name = f"{name}_{number}"
-        return name
+    def name_robots(self) -> None:
+        """Give all robots their names, once they are known: as drawn, else by number, if free."""
+        drawn = [escaped(robot.drawn_name)[:80].strip() for robot in self.robots]
+        names = dict[str, int]()
+        for k in sorted(range(len(drawn)), key=lambda k: drawn[k] == ""):  # those first
+            name = drawn[k] or f"r{k + 1}"
+            while name in names:
+                name = f"{name}_{k + 1}"
+            names[name] = k
+        for name, k in names.items():
+            self.robots[k] = replace(self.robots[k], name=name)
 
     def named(self, point: Sequence[float] | FloatArray, *roles: str) -> str:
         """`` ('pillar', line 3)`` for the source nearest to a point; empty where none is known."""

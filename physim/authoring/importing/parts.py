@@ -69,6 +69,7 @@ def drawing_of(path: Path, kind: str, parts: list[Part], options: Options) -> Dr
     shapes = [_scaled(path, part, options.unit, origin, drawing) for part in parts]
     check_work(path, [line for shape in shapes for line in lines_of(shape)])
     found = _sorted(path, drawing, parts, shapes)
+    drawing.name_robots()
     drop_marks(drawing)
     take_paths(drawing, found.paths)
     take_walls(drawing, found.walls)
@@ -124,7 +125,7 @@ def _sorted(path: Path, drawing: Drawing, parts: list[Part], shapes: list[Any]) 
             at = place(shapely.get_coordinates(shape)[0])
             found.unused.append(f"{shape.geom_type} at {at}: holds no lines, left out")
         elif part.role == "robot":
-            drawing.robots.append(DrawnRobot(drawing.free_name(part.name), _ring(shape), part.name))
+            drawing.robots.append(DrawnRobot(_ring(shape), part.name))
         elif part.role == "obstacle":
             drawing.obstacles.append(_ring(shape))
         elif part.role == "wall":

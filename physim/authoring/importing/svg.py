@@ -71,6 +71,7 @@ class _Line:
     """what messages call it"""
     line: int | None
     """of the text, from 1"""
+    own_id: str
 
 
 def read_svg(path: Path, options: Options) -> Drawing:
@@ -147,9 +148,9 @@ class _Lines:
                 self._whole[f"{cut} is not applied; taken whole"] = None
             if not is_named and (doubt := _doubt(element.values, found)):
                 self._whole[f"line {line}: {where}: {doubt}; taken"] = None
-            kind = "boundary" if role == "wall" else role
+            kind, own_id = "boundary" if role == "wall" else role, str(own.get("id") or "")
             lines = [
-                _Line(kind, name, rounded(self.frame.placed(points)), closed, where, line)
+                _Line(kind, name, rounded(self.frame.placed(points)), closed, where, line, own_id)
                 for points, closed in found
             ]
             if role == "wall" and has_area(element.values):
@@ -258,6 +259,7 @@ def _shapes(
 def _sort(path: Path, drawing: Drawing, lines: list[_Line], walls: Walls) -> None:
     """Give every line its place in the drawing."""
     paths: list[tuple[str, FloatArray]] = []
+    called = {line.name: line.name for line in lines if line.role == "path"}
     open_paths = {line.name for line in lines if line.role == "path" and not line.is_closed}
     for line in lines:
         points = line.points
@@ -275,7 +277,7 @@ def _sort(path: Path, drawing: Drawing, lines: list[_Line], walls: Walls) -> Non
             if len(ring) < 3:
                 message = f"{line.where}: a robot at {place(ring[0])} has no area; draw its outline"
                 raise refused(path, message, line.line)
-            drawing.robots.append(DrawnRobot(drawing.free_name(line.name), ring, line.name))
+            drawing.robots.append(DrawnRobot(ring, line.name or called.get(line.own_id, "")))
         else:
             drawing.obstacles.append(ring)
         if line.role in ("robot", "obstacle") and not (line.is_closed and len(points) > 2):
@@ -283,6 +285,7 @@ def _sort(path: Path, drawing: Drawing, lines: list[_Line], walls: Walls) -> Non
                 f"line {line.line}: {line.where}: {line.role} at {place(points[0])} is not closed: "
                 "closed by a straight line"
             )
+    drawing.name_robots()
     drop_marks(drawing)
     take_paths(drawing, paths)
     drawing.changes += join_ends(drawing.boundaries)

@@ -759,4 +759,22 @@ EDITS = (
         "an oval heads along its longer axis",
         "tests/importing/test_outlines.py::test_an_oval_robot_heads_along_its_longer_axis",
     ),
+    Edit(
+        "importing",
+        "physim/authoring/importing/drawing.py",
+        "Drawing.name_robots",
+        'key=lambda k: drawn[k] == ""',
+        "key=lambda k: 0",
+        "drawn names are given first",
+        "tests/importing/test_drawn_robots.py::test_drawn_names_are_given_first",
+    ),
+    Edit(
+        "importing",
+        "physim/authoring/importing/svg.py",
+        "_sort",
+        'called.get(line.own_id, "")',
+        '""',
+        "an id names a robot where a path is named after it",
+        "tests/importing/test_drawn_robots.py::test_an_id_names_a_robot_where_a_path_is_named_after_it",
+    ),
 )

@@ -120,9 +120,10 @@ def import_command(options: Options) -> int:
     written = write_schema(output, options.force)  # first: without the world nothing is imported
     write_text(output, imported.text)
     if not options.quiet:
-        print("\n".join(_report(source, imported)), flush=True)
+        *files, steps = written.splitlines()
+        print("\n".join([*_report(source, imported), *files]), flush=True)
         judge(options, imported.world)
-        print(written)
+        print(steps)
     return 0
 
 

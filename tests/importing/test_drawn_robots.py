@@ -384,3 +384,45 @@ def test_an_id_names_a_robot_where_a_path_is_named_after_it(tmp_path: Path) -> N
     made = import_world(file, Options(scale=1.0))
     assert [one.name for one in made.world.robots] == ["fork", "tug", "r3"]
     assert not [one for one in made.changes if "there is no robot" in one]
+
+
+NAMED = {
+    "one given twice does not take that of another": (
+        '<path id="path_a" d="M2,4 H36"/><path id="path_a_2" d="M2,10 H36"/>',
+        '<rect id="robot_a" x="4" y="3.5" width="1.8" height="1"/>'
+        '<rect id="robot_a" x="7" y="3.5" width="1.8" height="1"/>'
+        '<rect id="robot_a_2" x="4" y="9.5" width="1.8" height="1"/>',
+        {"a": 4.0, "a_2": 10.0, "a_2_2": 4.0},
+    ),
+    "a mark that is drawn first has none": (
+        '<path id="path_a" d="M2,4 H36"/><path id="path_b" d="M2,10 H36"/>',
+        '<g id="robot_a"><path d="M5.2,4 4.6,4.3 4.6,3.7 Z"/>'
+        '<rect x="4" y="3.5" width="1.8" height="1"/></g>'
+        '<g id="robot_b"><path d="M5.2,10 4.6,10.3 4.6,9.7 Z"/>'
+        '<rect x="4" y="9.5" width="1.8" height="1"/></g>',
+        {"a": 4.0, "b": 10.0},
+    ),
+    "a copy has its own id": (
+        '<path id="path_a" d="M2,4 H36"/><path id="path_b" d="M2,10 H36"/>',
+        '<g id="robot"><rect id="a" x="4" y="3.5" width="1.8" height="1"/>'
+        '<use href="#a" id="b" y="6"/></g>',
+        {"a": 4.0, "b": 10.0},
+    ),
+    "a name goes before an id": (
+        '<path id="path_a" d="M2,4 H36"/><path id="path" d="M2,10 H36"/>',
+        '<g id="robot"><rect id="a" x="4" y="9.5" width="1.8" height="1"/>'
+        '<rect inkscape:label="a" x="4" y="3.5" width="1.8" height="1"/></g>',
+        {"r1": 10.0, "a": 4.0},
+    ),
+}
+
+
+@pytest.mark.parametrize("case", NAMED)
+def test_names(tmp_path: Path, case: str) -> None:
+    paths, robots, expected = NAMED[case]
+    file = tmp_path / "plan.svg"
+    ground = f'<rect id="boundary" width="40" height="14"/><g fill="none">{paths}</g>{robots}'
+    file.write_text(svg(ground, 'viewBox="0 0 40 14"'))
+    made = import_world(file, Options(scale=1.0))
+    drawn = {one.name: 14.0 - one.pose[1] for one in made.world.robots if one.pose}
+    assert drawn == pytest.approx(expected)

@@ -186,3 +186,28 @@ def test_a_notch_that_is_drawn_stays() -> None:
     assert len(without_dents(notched)) == 5
     notched[3, 1] = 0.5985
     assert len(without_dents(notched)) == 4
+
+
+def _round(longer: float) -> FloatArray:
+    """A circle with a nose in front."""
+    nose = shapely.box(0.0, -0.1, longer, 0.1)
+    return shapely.get_coordinates(shapely.Point(0, 0).buffer(1.0).union(nose))[:-1]
+
+
+POINTED = {
+    "kite": [(0.9, 0), (0, 0.4), (-0.6, 0), (0, -0.4)],
+    "arrow with a shaft": [(0.9, 0), (0.3, 0.5), (0.3, 0.2), (-0.9, 0.2), (-0.9, -0.2), (0.3, -0.2),
+                           (0.3, -0.5)],
+    "drop": [(1.4, 0), *((cos(t), sin(t)) for t in np.linspace(0.8, 2 * pi - 0.8, 25))],
+    "circle with a nose": _round(1.2),
+    "house": [(0.9, 0), (0.6, 0.5), (-0.9, 0.5), (-0.9, -0.5), (0.6, -0.5)],
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("off", [-40.0, -15.0, 5.0, 25.0, 44.0])
+@pytest.mark.parametrize("shape", POINTED)
+def test_what_is_alike_on_both_sides_heads_along_its_middle(shape: str, off: float) -> None:
+    """However its path leads: some side of it was taken where that lies nearer to the path."""
+    outline = turned(np.array(POINTED[shape]), np.radians(off)).round(3)
+    for one in (outline, outline[::-1]):
+        assert rectangle_of(one, AHEAD)[1] == pytest.approx(np.radians(off), abs=0.006)

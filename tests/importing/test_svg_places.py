@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -116,8 +115,8 @@ FAULTS = {
 
 
 OPTIONS = {
-    "no room at the start": replace(METRES, robot=(1.8, 1.1)),
-    "room for some": replace(METRES, robots=40),
+    "no room at the start": METRES.changed(robot=(1.8, 1.1)),
+    "room for some": METRES.changed(robots=40),
 }
 
 

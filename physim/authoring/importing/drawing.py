@@ -112,7 +112,7 @@ class Drawing:
         names = dict[str, int]()
         for k in sorted(range(len(drawn)), key=lambda k: drawn[k] == ""):  # those first
             name = drawn[k] or f"r{k + 1}"
-            while name in names:
+            while name in names or (name in drawn and name != drawn[k]):
                 name = f"{name}_{k + 1}"
             names[name] = k
         for name, k in names.items():

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
@@ -41,6 +41,10 @@ class Options(Model):
     robot: Annotated[tuple[Above, Above], Sequence] | None = None
     name: Text | None = None
     boundary: Annotated[tuple[Text, ...], Sequence] = ()
+
+    def changed(self, **changes: Any) -> Options:
+        """Return these with some values replaced; WorldError for values that cannot be."""
+        return Options(**{**dict(self), **changes})
 
     @property
     def unit(self) -> float:

@@ -24,11 +24,9 @@ AS_NEAR = 0.2
 ROUND = 0.915
 """[-] least over greatest distance from its centre of an outline without a direction of its own: an
 octagon has 0.924, an oval that is a tenth longer than wide 0.909"""
-OVAL = 0.03
-"""[-] by which the rectangle along the axis of an oval of few points is larger than on a side"""
 AS_LONG = 0.02
 """[-] of the moments of an outline by which they differ at least in one that has a long axis"""
-FEW_CORNERS = 8
+FEW_CORNERS = 6
 """of an outline that lies on its sides; one with more may be an oval, which has none"""
 MOST_CORNERS = 100
 """of an outline whose mirror images are looked at; what has more is round"""
@@ -53,19 +51,22 @@ def drop_marks(drawing: Drawing) -> None:
         k: j for k, j in sorted(pairs, reverse=True)
         if j < k and (j, k) in pairs and names[j] == names[k]
     }  # fmt: skip
+    left_out = marks.keys() | twice.keys()
+    kept = [k for k in range(len(outlines)) if k not in left_out]
+    drawing.robots = [drawing.robots[k] for k in kept]
+    drawing.name_robots()  # what is left out has no name to keep
+    called = {k: one.name for k, one in zip(kept, drawing.robots, strict=True)}
     drawing.changes += listed(
         [
-            f"robot at {place(outlines[k][0])}: within {drawing.robots[j].name}, a mark on it, "
+            f"robot at {place(outlines[k][0])}: within {called.get(j, 'another')}, a mark on it, "
             "left out"
             for k, j in marks.items()
         ]
         + [
-            f"robot at {place(outlines[k][0])}: {drawing.robots[j].name} drawn twice, left out"
+            f"robot at {place(outlines[k][0])}: {called.get(j, 'another')} drawn twice, left out"
             for k, j in twice.items()
         ]
     )
-    left_out = marks.keys() | twice.keys()
-    drawing.robots = [one for k, one in enumerate(drawing.robots) if k not in left_out]
 
 
 def rectangle_of(outline: FloatArray, ahead: FloatArray) -> tuple[FloatArray, float]:
@@ -74,7 +75,7 @@ def rectangle_of(outline: FloatArray, ahead: FloatArray) -> tuple[FloatArray, fl
     The smallest one lies on a side of the convex hull; an oval has an axis instead. Of all that are
     larger by `AS_SMALL` at most, and their four directions, those count in which the outline is its
     own mirror image, as a triangle is on one of its sides. Where there is none (an arrow with a
-    shaft lies smallest on a side of its head), its lines of symmetry count as well. Of these
+    shaft lies smallest on a side of its head), its lines of symmetry count, if it has any. Of these
     directions the one nearest to the direction ``ahead``; of two as near, as at a corner of the
     path, the one along which the rectangle is longer. A round outline takes ``ahead`` itself.
     """
@@ -89,13 +90,13 @@ def rectangle_of(outline: FloatArray, ahead: FloatArray) -> tuple[FloatArray, fl
 
     sides = [atan2(y, x) for x, y in np.diff(hull, axis=0)]
     least = min(map(area, sides))
-    axis = _long_axis(whole) if len(outline) > FEW_CORNERS else None
     along = [angle for angle in sides if area(angle) <= least * (1.0 + AS_SMALL)]
-    if axis is not None and area(axis) <= least * (1.0 + OVAL) and _is_mirrored(outline, axis):
+    axis = _long_axis(whole) if len(outline) > FEW_CORNERS else None
+    if axis is not None and _is_mirrored(outline, axis):
         along = [axis]
     smallest = [angle + turn for angle in along for turn in (0.0, pi / 2.0)]
     axes = [angle for angle in smallest if _is_mirrored(outline, angle)]
-    axes = axes or smallest + [one for one in _lines(outline) if _is_mirrored(outline, one)]
+    axes = axes or [one for one in _lines(outline) if _is_mirrored(outline, one)] or smallest
     directions = [angle + turn for angle in axes for turn in (0.0, pi)]
 
     def rank(angle: float) -> float:

@@ -113,7 +113,7 @@ def find_route(path: Path, drawing: Drawing, options: Options) -> None:
     _check_inside(path, drawing, "--from", options.origin)
     _check_inside(path, drawing, "--to", options.goal)
     if options.origin is None and drawing.robots and options.robots is None:
-        options = options.model_copy(update={"origin": _rear(path, grid, drawing, options)})
+        options = options.changed(origin=_rear(path, grid, drawing, options))
     room, a, b = _ends(path, grid, options)
     graph = grid.graph(room, widest=True)
     before = dijkstra(graph, directed=False, indices=a, return_predecessors=True)[1]
@@ -142,7 +142,7 @@ def _rear(
     centres = shapely.get_coordinates(shapely.centroid(hulls))
     first = (float(centres[0][0]), float(centres[0][1]))
     try:
-        room, _, goal = _ends(path, grid, options.model_copy(update={"origin": first}))
+        room, _, goal = _ends(path, grid, options.changed(origin=first))
     except ImportSourceError:
         return None
     away = dijkstra(grid.graph(room, widest=False), directed=False, indices=goal)

@@ -33,7 +33,7 @@ from physim.authoring.importing.outlines import drop_marks
 from physim.authoring.importing.path_pieces import take_paths
 from physim.authoring.importing.roles import nearest_role, role_named
 from physim.authoring.importing.source import read_xml
-from physim.authoring.importing.svg_bare import CUT, FAULT, LINE, TAG
+from physim.authoring.importing.svg_bare import CUT, FAULT, LINE, SAME_ID, TAG
 from physim.authoring.importing.svg_curves import subpaths
 from physim.authoring.importing.svg_guard import look_at
 from physim.authoring.importing.svg_look import SvgLook
@@ -72,6 +72,7 @@ class _Line:
     line: int | None
     """of the text, from 1"""
     own_id: str
+    """that of the copy, if it is one"""
 
 
 def read_svg(path: Path, options: Options) -> Drawing:
@@ -86,8 +87,8 @@ def read_svg(path: Path, options: Options) -> Drawing:
         reason = escaped(str(error))[:100] or type(error).__name__
         raise refused(path, f"cannot be read as SVG: {reason}") from None
     found = _Lines(path, look, options)
-    for element, role, name in _shapes(root, "", "", found.walls):
-        found.look_at(element, role, name)
+    for element, role, name, own_id in _shapes(root, "", "", found.walls):
+        found.look_at(element, role, name, own_id)
     if unknown := found.walls.unknown(look.lines):
         raise refused(path, unknown)
     drawing.changes += found.told()
@@ -119,7 +120,7 @@ class _Lines:
         self._seen: set[int | None] = set()
         self._count = 0
 
-    def look_at(self, element: Any, role: str, name: str) -> None:
+    def look_at(self, element: Any, role: str, name: str, own_id: str) -> None:
         """Take the lines of a shape, if it has a role and is seen; refuse those that are not read.
 
         Without a role ``name`` is that of the group that has one.
@@ -148,7 +149,7 @@ class _Lines:
                 self._whole[f"{cut} is not applied; taken whole"] = None
             if not is_named and (doubt := _doubt(element.values, found)):
                 self._whole[f"line {line}: {where}: {doubt}; taken"] = None
-            kind, own_id = "boundary" if role == "wall" else role, str(own.get("id") or "")
+            kind = "boundary" if role == "wall" else role
             lines = [
                 _Line(kind, name, rounded(self.frame.placed(points)), closed, where, line, own_id)
                 for points, closed in found
@@ -224,13 +225,18 @@ def _role(element: Any) -> tuple[str, str]:
     return "", ""
 
 
-def _shapes(
-    group: Any, role: str, name: str, walls: Walls, copied: tuple[str, str] = ("", "")
-) -> Any:
-    """Every shape below a group, with the role and name that it or its layer has.
+def _id(element: Any) -> str:
+    own = element.values.get("attributes", {})
+    return str(own.get("id") or own.get(SAME_ID) or "")
 
-    Without a role the name is that of the group that has one, for `Walls.note`. Role and name of a
-    copy, ``copied``, take the place of those of what it is a copy of.
+
+def _shapes(
+    group: Any, role: str, name: str, walls: Walls, copied: tuple[str, str, str] = ("", "", "")
+) -> Any:
+    """Every shape below a group, with the role and name that it or its layer has, and its id.
+
+    Without a role the name is that of the group that has one, for `Walls.note`. Role, name and id
+    of a copy, ``copied``, take the place of those of what it is a copy of.
     """
     for element in group:
         own, rest = _role(element)
@@ -245,7 +251,7 @@ def _shapes(
             named = given or within if own or role else label or name
             whose = copied
             if isinstance(element, svgelements.Use):
-                whose = (copied[0] or own or role, copied[1] or given)
+                whose = (copied[0] or own or role, copied[1] or given, copied[2] or _id(element))
             yield from _shapes(element, own or role, named, walls, whose)
         elif isinstance(element, svgelements.Shape):
             is_wall = {own, role} == {"boundary", "wall"}  # its own name says which
@@ -253,13 +259,15 @@ def _shapes(
                 own = role
             named = copied[1] or rest or (drawn if drawn and not own else within)
             kind = copied[0] or own or role
-            yield element, kind, named if kind else name
+            own_id = copied[2] if copied[0] else _id(element)
+            yield element, kind, named if kind else name, own_id
 
 
 def _sort(path: Path, drawing: Drawing, lines: list[_Line], walls: Walls) -> None:
     """Give every line its place in the drawing."""
     paths: list[tuple[str, FloatArray]] = []
-    called = {line.name: line.name for line in lines if line.role == "path"}
+    labels = {line.name for line in lines if line.role == "robot"}
+    called = {line.name for line in lines if line.role == "path"} - labels  # by id, if at all
     open_paths = {line.name for line in lines if line.role == "path" and not line.is_closed}
     for line in lines:
         points = line.points
@@ -277,7 +285,8 @@ def _sort(path: Path, drawing: Drawing, lines: list[_Line], walls: Walls) -> Non
             if len(ring) < 3:
                 message = f"{line.where}: a robot at {place(ring[0])} has no area; draw its outline"
                 raise refused(path, message, line.line)
-            drawing.robots.append(DrawnRobot(ring, line.name or called.get(line.own_id, "")))
+            by_id = line.own_id if line.own_id in called else ""
+            drawing.robots.append(DrawnRobot(ring, line.name or by_id))
         else:
             drawing.obstacles.append(ring)
         if line.role in ("robot", "obstacle") and not (line.is_closed and len(points) > 2):

@@ -772,10 +772,11 @@ EDITS = (
         "importing",
         "physim/authoring/importing/svg.py",
         "_sort",
-        'called.get(line.own_id, "")',
-        '""',
+        "line.own_id if line.own_id in called else",
+        "",
         "an id names a robot where a path is named after it",
-        "tests/importing/test_drawn_robots.py::test_an_id_names_a_robot_where_a_path_is_named_after_it",
+        "tests/importing/test_drawn_robots.py"
+        "::test_an_id_names_a_robot_where_a_path_is_named_after_it",
     ),
     Edit(
         "importing",

@@ -211,3 +211,18 @@ def test_what_is_alike_on_both_sides_heads_along_its_middle(shape: str, off: flo
     outline = turned(np.array(POINTED[shape]), np.radians(off)).round(3)
     for one in (outline, outline[::-1]):
         assert rectangle_of(one, AHEAD)[1] == pytest.approx(np.radians(off), abs=0.006)
+
+
+SIDED = {
+    "L of equal arms": [(0, 0), (1, 0), (1, 0.3), (0.3, 0.3), (0.3, 1), (0, 1)],
+    "box without a corner": [(0.4, 0.5), (-0.5, 0.5), (-0.5, -0.5), (0.5, -0.5), (0.5, 0.4)],
+    "box with less of it": [(0.1, 0.5), (-0.5, 0.5), (-0.5, -0.5), (0.5, -0.5), (0.5, 0.1)],
+}
+
+
+@pytest.mark.parametrize("off", [-40.0, -15.0, 0.0, 25.0, 44.0])
+@pytest.mark.parametrize("shape", SIDED)
+def test_what_has_square_sides_heads_along_them_not_across(shape: str, off: float) -> None:
+    """Alike on both sides of a diagonal, it would drive on a corner."""
+    outline = turned(np.array(SIDED[shape], dtype=np.float64), np.radians(off)).round(3)
+    assert rectangle_of(outline, AHEAD)[1] == pytest.approx(np.radians(off), abs=0.004)

@@ -24,6 +24,8 @@ AS_NEAR = 0.2
 ROUND = 0.915
 """[-] least over greatest distance from its centre of an outline without a direction of its own: an
 octagon has 0.924, an oval that is a tenth longer than wide 0.909"""
+SQUARE, ASKEW = 0.6, 0.05
+"""[-] share of an outline that lies along the sides of its rectangle, and [rad] to what angle"""
 AS_LONG = 0.02
 """[-] of the moments of an outline by which they differ at least in one that has a long axis"""
 FEW_CORNERS = 6
@@ -75,7 +77,8 @@ def rectangle_of(outline: FloatArray, ahead: FloatArray) -> tuple[FloatArray, fl
     The smallest one lies on a side of the convex hull; an oval has an axis instead. Of all that are
     larger by `AS_SMALL` at most, and their four directions, those count in which the outline is its
     own mirror image, as a triangle is on one of its sides. Where there is none (an arrow with a
-    shaft lies smallest on a side of its head), its lines of symmetry count, if it has any. Of these
+    shaft lies smallest on a side of its head), its lines of symmetry count, if it has any; not so
+    of what lies mostly along its sides (`SQUARE`), as a box without a corner, or an L. Of these
     directions the one nearest to the direction ``ahead``; of two as near, as at a corner of the
     path, the one along which the rectangle is longer. A round outline takes ``ahead`` itself.
     """
@@ -91,18 +94,21 @@ def rectangle_of(outline: FloatArray, ahead: FloatArray) -> tuple[FloatArray, fl
     sides = [atan2(y, x) for x, y in np.diff(hull, axis=0)]
     least = min(map(area, sides))
     along = [angle for angle in sides if area(angle) <= least * (1.0 + AS_SMALL)]
-    axis = _long_axis(whole) if len(outline) > FEW_CORNERS else None
+    is_square = max(_share(outline, angle) for angle in along) >= SQUARE
+    axis = None if is_square or len(outline) <= FEW_CORNERS else _long_axis(whole)
     if axis is not None and _is_mirrored(outline, axis):
         along = [axis]
     smallest = [angle + turn for angle in along for turn in (0.0, pi / 2.0)]
     axes = [angle for angle in smallest if _is_mirrored(outline, angle)]
-    axes = axes or [one for one in _lines(outline) if _is_mirrored(outline, one)] or smallest
+    if not axes and not is_square:
+        axes = [angle for angle in _lines(outline) if _is_mirrored(outline, angle)]
+    axes = axes or smallest
     directions = [angle + turn for angle in axes for turn in (0.0, pi)]
 
     def rank(angle: float) -> float:
         half = _box(hull, angle)[1]
         cosine = float(cos(angle) * ahead[0] + sin(angle) * ahead[1])
-        return cosine + AS_NEAR * float(half[0] > half[1])
+        return cosine + AS_NEAR * float(half[0] > half[1] * (1.0 + AS_SMALL))
 
     heading = max(directions, key=rank)
     return _box(hull, heading)[0], (heading + pi) % (2.0 * pi) - pi
@@ -138,6 +144,14 @@ def _long_axis(outline: FloatArray) -> float | None:
     xy = cross @ (x * after_y + 2.0 * x * y + 2.0 * after_x * after_y + after_x * y) / 2.0
     is_long = hypot(xx - yy, 2.0 * xy) > AS_LONG * (xx + yy)
     return 0.5 * atan2(2.0 * xy, xx - yy) if is_long else None
+
+
+def _share(outline: FloatArray, angle: float) -> float:
+    """Share of an outline that goes in a direction, or across it."""
+    x, y = (np.roll(outline, -1, axis=0) - outline).T
+    off = np.abs((np.arctan2(y, x) - angle + pi / 4.0) % (pi / 2.0) - pi / 4.0)
+    length = np.hypot(x, y)
+    return float(length[off < ASKEW].sum() / length.sum())
 
 
 def _lines(outline: FloatArray) -> list[float]:

@@ -805,4 +805,22 @@ EDITS = (
         "a copy has its own id",
         "tests/importing/test_drawn_robots.py::test_names",
     ),
+    Edit(
+        "importing",
+        "physim/authoring/importing/outlines.py",
+        "rectangle_of",
+        "if not axes and not is_square:",
+        "if not axes:",
+        "what has square sides heads along them",
+        "tests/importing/test_outlines.py::test_what_has_square_sides_heads_along_them_not_across",
+    ),
+    Edit(
+        "importing",
+        "physim/authoring/importing/outlines.py",
+        "rectangle_of",
+        "half[0] > half[1] * (1.0 + AS_SMALL)",
+        "half[0] > half[1]",
+        "a rounding makes no square longer one way",
+        "tests/importing/test_outlines.py::test_what_has_square_sides_heads_along_them_not_across",
+    ),
 )

@@ -80,8 +80,8 @@ def simulation_again(
         if len(names) != len(parts):
             raise PhysimError(
                 f"{where}: has to be simulated again, and its {kind} {', '.join(names) or 'none'} "
-                "came from Python; give it again there: physim.analysis.validation.rerun(record, "
-                "sensing=..., filters=..., disturbances=...)"
+                "came from Python; give it again there: rerun(record, sensing=..., filters=..., "
+                "disturbances=...) of physim.analysis.validation.rerun"
             )
     return Simulation(
         record.world, controller=controller, sensing=sensing, filters=filters,

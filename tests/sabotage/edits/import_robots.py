@@ -270,7 +270,7 @@ EDITS = (
         "importing",
         "physim/authoring/importing/outlines.py",
         "rectangle_of",
-        "AS_NEAR * float(half[0] > half[1])",
+        "AS_NEAR * float(half[0] > half[1] * (1.0 + AS_SMALL))",
         "0.0",
         "a box at a corner heads along its longer side",
         "tests/importing/test_drawn_robots.py::test_a_box_at_a_corner_heads_along_its_longer_side",

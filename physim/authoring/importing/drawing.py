@@ -109,14 +109,13 @@ class Drawing:
     def name_robots(self) -> None:
         """Give all robots their names, once they are known: as drawn, else by number, if free."""
         drawn = [escaped(robot.drawn_name)[:80].strip() for robot in self.robots]
-        names = dict[str, int]()
-        for k in sorted(range(len(drawn)), key=lambda k: drawn[k] == ""):  # those first
+        taken = set[str]()
+        for k, robot in enumerate(self.robots):
             name = drawn[k] or f"r{k + 1}"
-            while name in names or (name in drawn and name != drawn[k]):
+            while name in taken or (name in drawn and name != drawn[k]):
                 name = f"{name}_{k + 1}"
-            names[name] = k
-        for name, k in names.items():
-            self.robots[k] = replace(self.robots[k], name=name)
+            taken.add(name)
+            self.robots[k] = replace(robot, name=name)
 
     def named(self, point: Sequence[float] | FloatArray, *roles: str) -> str:
         """`` ('pillar', line 3)`` for the source nearest to a point; empty where none is known."""

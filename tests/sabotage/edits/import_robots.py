@@ -761,15 +761,6 @@ EDITS = (
     ),
     Edit(
         "importing",
-        "physim/authoring/importing/drawing.py",
-        "Drawing.name_robots",
-        'key=lambda k: drawn[k] == ""',
-        "key=lambda k: 0",
-        "drawn names are given first",
-        "tests/importing/test_drawn_robots.py::test_drawn_names_are_given_first",
-    ),
-    Edit(
-        "importing",
         "physim/authoring/importing/svg.py",
         "_sort",
         "line.own_id if line.own_id in called else",

@@ -41,6 +41,11 @@ class DrawnRobot:
     name: str = ""
     """see `Drawing.name_robots`"""
 
+    @property
+    def own_name(self) -> str:
+        """The drawn name as a world may have it; empty where there is none."""
+        return escaped(self.drawn_name)[:80].strip()
+
 
 @dataclass(frozen=True)
 class Source:
@@ -108,7 +113,7 @@ class Drawing:
 
     def name_robots(self) -> None:
         """Give all robots their names, once they are known: as drawn, else by number, if free."""
-        drawn = [escaped(robot.drawn_name)[:80].strip() for robot in self.robots]
+        drawn = [robot.own_name for robot in self.robots]
         taken = set[str]()
         for k, robot in enumerate(self.robots):
             name = drawn[k] or f"r{k + 1}"

@@ -149,9 +149,8 @@ def _imported(source: Path, options: Options) -> Imported:
 
 def _renamed(drawing: Drawing) -> list[str]:
     """What is said of robots whose drawn name another bears."""
-    named = [(escaped(one.drawn_name)[:80].strip(), one.name) for one in drawing.robots]
-    twice = [pair for pair in named if pair[0] and pair[0] != pair[1]]
-    return listed([f"a second robot {drawn} is called {name}" for drawn, name in twice])
+    twice = [one for one in drawing.robots if one.own_name not in ("", one.name)]
+    return listed([f"a second robot {one.own_name} is called {one.name}" for one in twice])
 
 
 def _paths_left(drawing: Drawing) -> list[str]:

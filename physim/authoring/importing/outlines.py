@@ -38,10 +38,11 @@ def drop_marks(drawing: Drawing) -> None:
     """Leave out outlines of robots within those of others, as of the heading; they are listed.
 
     So are those that are drawn twice, as the filling and the line of one shape, unless they have
-    names of their own.
+    names of their own. Those that stay get their names.
     """
     outlines = [one.outline for one in drawing.robots]
     if len(outlines) < 2 or min(map(len, outlines)) < 3:
+        drawing.name_robots()
         return
     shapes = shapely.make_valid(np.array([shapely.Polygon(one) for one in outlines], dtype=object))
     within, about = shapely.STRtree(shapes).query(shapes, predicate="covered_by")

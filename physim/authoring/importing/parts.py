@@ -69,7 +69,6 @@ def drawing_of(path: Path, kind: str, parts: list[Part], options: Options) -> Dr
     shapes = [_scaled(path, part, options.unit, origin, drawing) for part in parts]
     check_work(path, [line for shape in shapes for line in lines_of(shape)])
     found = _sorted(path, drawing, parts, shapes)
-    drawing.name_robots()
     drop_marks(drawing)
     take_paths(drawing, found.paths)
     take_walls(drawing, found.walls)

@@ -294,7 +294,6 @@ def _sort(path: Path, drawing: Drawing, lines: list[_Line], walls: Walls) -> Non
                 f"line {line.line}: {line.where}: {line.role} at {place(points[0])} is not closed: "
                 "closed by a straight line"
             )
-    drawing.name_robots()
     drop_marks(drawing)
     take_paths(drawing, paths)
     drawing.changes += join_ends(drawing.boundaries)

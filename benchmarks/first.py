@@ -136,7 +136,7 @@ def _memory(store: Store, who: str) -> str:
 def install(folder: Path, store: Store) -> None:
     """Install physim as a stranger would, and go on to the first video of a run."""
     from benchmarks.measuring import run
-    from tests.sabotage.scratch import tracked_files
+    from tests.checkout import tracked_files
 
     job = Job(SUBJECT, "physim", "install", ())
     with tempfile.TemporaryDirectory(dir=folder) as name:

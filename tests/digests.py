@@ -20,7 +20,7 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import NamedTuple
 
-from tests.sabotage.scratch import LINKS, copy_checkout, environment, python
+from tests.checkout import LINKS, copy_checkout, environment, python
 
 ROOT = Path(__file__).parents[1]
 

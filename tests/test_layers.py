@@ -1,4 +1,4 @@
-"""The order of the house: who may import whom, no module-level state, no file too long.
+"""The order of the house: who may import whom, no module-level state.
 
 Reads the sources with `ast`, imports inside functions included. What stands under
 ``if TYPE_CHECKING:`` is exempt: it is never executed, so it ties no module to another, and types
@@ -15,14 +15,11 @@ from collections.abc import Iterator
 from importlib.metadata import entry_points
 from pathlib import Path
 
-import pytest
-
 from physim.compiled import ROOMS_WITHOUT_KERNELS
 from physim.parts.registry import CONTROLLER, controller_names
 from physim.world.file.files import shipped_folder, shipped_worlds
 
 ROOT = Path(__file__).parents[1]
-LONGEST_FILE = 350
 
 LAYERS = {
     "physim.errors": (0, 0),
@@ -193,32 +190,28 @@ def stands_in(module: str, rooms: tuple[str, ...]) -> bool:
     return module in rooms or room_of(module) in rooms
 
 
-every_module = pytest.mark.parametrize("module", MODULES)
-
-
 def test_every_module_has_its_layer() -> None:
     assert [module for module in MODULES if not room_of(module)] == []
     assert [room for room in LAYERS if room not in {room_of(m) for m in MODULES}] == []
 
 
-@every_module
-def test_imports_go_downward(module: str) -> None:
-    room = room_of(module)
-    wrong = []
-    for line, name in imports(module):
-        if not name.startswith("physim"):
-            continue
-        other = room_of(name)
-        assert other, f"{module}:{line} imports {name}, which has no layer"
-        if (room, other) == ("physim.compiled", "physim.controllers"):
-            continue  # where their sources lie, for the stamp of the cache; nothing is imported
-        if other != room and LAYERS[other] >= LAYERS[room]:
-            wrong.append(f"{module}:{line} imports {name}")
-    assert wrong == []
+def test_imports_go_downward() -> None:
+    for module in MODULES:
+        room = room_of(module)
+        wrong = []
+        for line, name in imports(module):
+            if not name.startswith("physim"):
+                continue
+            other = room_of(name)
+            assert other, f"{module}:{line} imports {name}, which has no layer"
+            if (room, other) == ("physim.compiled", "physim.controllers"):
+                continue  # where their sources lie, for the stamp of the cache; nothing is imported
+            if other != room and LAYERS[other] >= LAYERS[room]:
+                wrong.append(f"{module}:{line} imports {name}")
+        assert wrong == []
 
 
-@every_module
-def test_third_parties_stay_where_they_belong(module: str) -> None:
+def test_third_parties_stay_where_they_belong() -> None:
     allowed = {
         "pymunk": ("physim.simulation.engine",),
         "h5py": ("physim.record",),
@@ -243,42 +236,43 @@ def test_third_parties_stay_where_they_belong(module: str) -> None:
         "distributed": ("physim.campaigns",),
         "pandas": ("physim.record",),
     }
-    for line, name in imports(module):
-        rooms = allowed.get(name.split(".")[0])
-        assert rooms is None or room_of(module) in rooms, f"{module}:{line} imports {name}"
+    for module in MODULES:
+        for line, name in imports(module):
+            rooms = allowed.get(name.split(".")[0])
+            assert rooms is None or room_of(module) in rooms, f"{module}:{line} imports {name}"
 
 
-@pytest.mark.parametrize("module", [m for m in MODULES if m.startswith("physim.controllers")])
-def test_controllers_see_layers_0_and_1_and_each_other(module: str) -> None:
-    for line, name in imports(module):
-        top = name.split(".")[0]
-        where = f"{module}:{line} imports {name}"
-        if top != "physim":
-            assert top in ("numpy", "pydantic") or top in sys.stdlib_module_names, where
-        elif not name.startswith("physim.controllers"):
-            assert LAYERS[room_of(name)][0] <= 1, where
-    written = [
-        node.module
-        for node in ast.walk(tree_of(module))
-        if isinstance(node, ast.ImportFrom) and not node.level
-    ]
-    assert [name for name in written if (name or "").startswith("physim.controllers")] == []
+def test_controllers_see_layers_0_and_1_and_each_other() -> None:
+    for module in [m for m in MODULES if m.startswith("physim.controllers")]:
+        for line, name in imports(module):
+            top = name.split(".")[0]
+            where = f"{module}:{line} imports {name}"
+            if top != "physim":
+                assert top in ("numpy", "pydantic") or top in sys.stdlib_module_names, where
+            elif not name.startswith("physim.controllers"):
+                assert LAYERS[room_of(name)][0] <= 1, where
+        written = [
+            node.module
+            for node in ast.walk(tree_of(module))
+            if isinstance(node, ast.ImportFrom) and not node.level
+        ]
+        assert [name for name in written if (name or "").startswith("physim.controllers")] == []
 
 
-@pytest.mark.parametrize("module", [m for m in MODULES if not m.startswith("physim.controllers")])
-def test_physim_reaches_controllers_through_the_registry_alone(module: str) -> None:
-    named = [name for _, name in imports(module) if name.startswith("physim.controllers")]
-    if module == "physim.compiled":  # its stamp covers their sources, found without import
-        named.remove("physim.controllers")
-    assert named == []
+def test_physim_reaches_controllers_through_the_registry_alone() -> None:
+    for module in [m for m in MODULES if not m.startswith("physim.controllers")]:
+        named = [name for _, name in imports(module) if name.startswith("physim.controllers")]
+        if module == "physim.compiled":  # its stamp covers their sources, found without import
+            named.remove("physim.controllers")
+        assert named == []
 
 
-@pytest.mark.parametrize("module", [m for m in MODULES if m.startswith(FROM_THE_RECORD_ALONE)])
-def test_figures_and_pictures_come_from_the_record_alone(module: str) -> None:
-    for line, name in imports(module):
-        if (module, name) in OF_THEIR_OWN:
-            continue
-        assert not stands_in(name, NOT_FROM_THE_RECORD), f"{module}:{line} imports {name}"
+def test_figures_and_pictures_come_from_the_record_alone() -> None:
+    for module in [m for m in MODULES if m.startswith(FROM_THE_RECORD_ALONE)]:
+        for line, name in imports(module):
+            if (module, name) in OF_THEIR_OWN:
+                continue
+            assert not stands_in(name, NOT_FROM_THE_RECORD), f"{module}:{line} imports {name}"
 
 
 def test_reading_a_record_loads_no_engine_and_no_simulation() -> None:
@@ -301,20 +295,20 @@ def mutable(node: ast.expr | None) -> bool:
     return isinstance(node, displays)
 
 
-@every_module
-def test_no_state_at_module_level(module: str) -> None:
+def test_no_state_at_module_level() -> None:
     """Tables in capitals may stand there as long as nothing in the module writes to them."""
-    tree = tree_of(module)
-    tables = set()
-    for node in tree.body:
-        if isinstance(node, ast.Assign | ast.AnnAssign) and mutable(node.value):
-            targets = node.targets if isinstance(node, ast.Assign) else [node.target]
-            names = {ast.unparse(target) for target in targets} - {"__all__"}
-            assert all(name.isupper() for name in names), f"{module}:{node.lineno} {names}"
-            tables |= names
-    for node in ast.walk(tree):
-        assert not isinstance(node, ast.Global), f"{module}:{node.lineno} global"
-        assert written_name(node) not in tables, f"{module}: writes to {written_name(node)}"
+    for module in MODULES:
+        tree = tree_of(module)
+        tables = set()
+        for node in tree.body:
+            if isinstance(node, ast.Assign | ast.AnnAssign) and mutable(node.value):
+                targets = node.targets if isinstance(node, ast.Assign) else [node.target]
+                names = {ast.unparse(target) for target in targets} - {"__all__"}
+                assert all(name.isupper() for name in names), f"{module}:{node.lineno} {names}"
+                tables |= names
+        for node in ast.walk(tree):
+            assert not isinstance(node, ast.Global), f"{module}:{node.lineno} global"
+            assert written_name(node) not in tables, f"{module}: writes to {written_name(node)}"
 
 
 WRITERS = (
@@ -332,11 +326,6 @@ def written_name(node: ast.AST) -> str:
     if isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute):
         return ast.unparse(node.func.value) if node.func.attr in WRITERS else ""
     return ""
-
-
-@every_module
-def test_no_file_is_too_long(module: str) -> None:
-    assert len(MODULES[module].read_text(encoding="utf-8").splitlines()) <= LONGEST_FILE
 
 
 def test_every_world_on_disk_is_under_contract() -> None:
@@ -362,19 +351,21 @@ def test_every_controller_on_disk_is_under_contract() -> None:
     assert set(controller_names()) >= {"mode_switching", "path_following"}
 
 
-@every_module
-def test_rooms_left_out_of_the_stamp_hold_nothing_that_kernels_need(module: str) -> None:
+def test_rooms_left_out_of_the_stamp_hold_nothing_that_kernels_need() -> None:
     """Kernels are not compiled anew for edits there: see `physim.compiled.source_stamp`."""
     left_out = tuple(f"physim.{room}" for room in ROOMS_WITHOUT_KERNELS)
-    is_left_out = module.startswith(tuple(f"{room}." for room in left_out)) or module in left_out
-    decorators = {
-        ast.unparse(one).split("(")[0]
-        for node in ast.walk(tree_of(module))
-        if isinstance(node, ast.FunctionDef)
-        for one in node.decorator_list
-    }
-    if is_left_out:
-        assert not decorators & {"compiled", "callback"}
-    elif decorators & {"compiled", "callback"}:
-        wrong = [name for _, name in imports(module) if name.startswith(left_out)]
-        assert wrong == []
+    for module in MODULES:
+        is_left_out = (
+            module.startswith(tuple(f"{room}." for room in left_out)) or module in left_out
+        )
+        decorators = {
+            ast.unparse(one).split("(")[0]
+            for node in ast.walk(tree_of(module))
+            if isinstance(node, ast.FunctionDef)
+            for one in node.decorator_list
+        }
+        if is_left_out:
+            assert not decorators & {"compiled", "callback"}
+        elif decorators & {"compiled", "callback"}:
+            wrong = [name for _, name in imports(module) if name.startswith(left_out)]
+            assert wrong == []

@@ -14,6 +14,7 @@ from typing import Any, SupportsIndex
 import numpy as np
 from numpy.typing import NDArray
 
+from physim.contacts import CONTACT_ROW
 from physim.errors import PhysimError, WorldError, plural
 from physim.geometry.shapes import FloatArray, locked, read_only
 from physim.geometry.tracking import Tracking
@@ -41,6 +42,7 @@ from physim.simulation.decisions import Decided, begun, decide
 from physim.simulation.engine import Physics
 from physim.simulation.observation import observe
 from physim.simulation.state import SimulationState, replaced, scene_digest
+from physim.simulation.swept_contacts import SweptContactFinder
 from physim.world import World
 from physim.world.faults import describe
 from physim.world.layout.scene_builder import build_scene, reseeded
@@ -137,7 +139,10 @@ class Simulation:
 
     @property
     def contacts(self) -> NDArray[np.void]:
-        """Rows of `physim.contacts.CONTACT_ROW` of the present sample."""
+        """Rows of `physim.contacts.CONTACT_ROW` of the present sample, as a record has them.
+
+        Grazes of the step that led to it stand last, see `physim.contacts.touching`.
+        """
         return np.asarray(locked(self.physics.contacts))
 
     def __repr__(self) -> str:
@@ -243,6 +248,11 @@ class Simulation:
     def _arrive(self, step: int, nominal: FloatArray) -> None:
         """Take up the sample to which the physics brought the robots."""
         pose = read_only(self.physics.pose)
+        grazes = self._swept.rows(step, self.now.pose, pose)
+        if len(grazes):  # which the engine cannot see
+            self.physics.contacts = np.concatenate(
+                (self.physics.contacts, grazes), dtype=CONTACT_ROW
+            )
         self._arrivals.follow(self._tracking, step, pose)
         self._take(step, pose, nominal)
 
@@ -307,6 +317,7 @@ class Simulation:
     def _host(self) -> None:
         """Put the robots into the engine."""
         scene = self.scene
+        self._swept = SweptContactFinder(scene)
         self.physics = Physics(
             scene.shapes, scene.walls, scene.start, scene.mass, scene.dt,
             friction=scene.world.physics.friction, elasticity=scene.world.physics.elasticity,

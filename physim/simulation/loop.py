@@ -308,10 +308,14 @@ class Simulation:
 
     def reset(self, seed: int | None = None) -> None:
         """Go back to sample 0, with another seed or the same. Observers are let go."""
+        before = self.scene.shapes
         if seed is not None and seed != self.scene.seed:
             self.scene = reseeded(self.scene, seed)
         self.observers = []
-        self.physics.reset(self.scene.start)
+        if self.scene.shapes is before:
+            self.physics.reset(self.scene.start)
+        else:  # the seed draws footprints or the road
+            self._host()
         self._begin()
 
     def _host(self) -> None:

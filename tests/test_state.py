@@ -15,6 +15,8 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+from physim.controllers.mode_switching import ModeSwitching
+from physim.controllers.settings import ModeSwitchingSettings
 from physim.errors import PhysimError
 from physim.parts.controller import Decision, Observation
 from physim.simulation.loop import Simulation
@@ -129,6 +131,19 @@ class Slow:
         return np.stack((v, nominal[:, 1]), axis=1), v
 
 
+class Share:
+    """A filter that lets a share of each command through."""
+
+    def __init__(self, share: float = 1.0) -> None:
+        self.share = share
+
+    def start(self, scene: Any) -> Any:
+        return None
+
+    def filter(self, scene: Any, sensed: Any, nominal: Any, state: Any) -> Any:
+        return self.share * nominal, state
+
+
 @pytest.mark.parametrize("step", [0, 3, 60, 133, 260, 401])
 def test_contacts_under_way_memories_and_filters_come_along(step: int) -> None:
     simulation = Simulation(crowd(), controller=Stubborn(), filters=[Slow()])
@@ -220,6 +235,22 @@ def test_a_state_of_something_else_is_refused() -> None:
         Simulation(load_world("doorway"), state=state)
     with pytest.raises(PhysimError, match="a run with mode_switching; this one has path_following"):
         Simulation(load_world("straight"), controller="path_following", state=state)
+
+
+def test_a_state_of_a_part_with_other_settings_is_refused_by_the_setting() -> None:
+    world, settings = load_world("straight"), ModeSwitchingSettings
+    for key, one, other in [
+        ("safe_distance", {"controller": ModeSwitching(settings(safe_distance=0.7))},
+         {"controller": ModeSwitching(settings(safe_distance=0.8))}),
+        ("share", {"filters": [Share(0.5)]}, {"filters": [Share()]}),
+    ]:  # fmt: skip
+        state = pickle.loads(pickle.dumps(Simulation(world, **one).state))
+        assert same(Simulation(world, **one, state=state).state, state)
+        with pytest.raises(PhysimError, match=key):
+            Simulation(world, **other, state=state)
+    state = Simulation(world).state
+    with pytest.raises(PhysimError, match="safe_distance"):
+        Simulation(world.changed(controller={"safe_distance": 0.7}), state=state)
 
 
 def test_a_copy_goes_its_own_way() -> None:

@@ -270,6 +270,7 @@ class Simulation:
             scene=scene_digest(self.scene),
             seed=self.scene.seed,
             parts=self.parts.names,
+            settings=self.parts.settings,
             now=self.now,
             mode=self.mode,
             next_decision=self.next_decision,
@@ -283,8 +284,8 @@ class Simulation:
     def restore(self, state: SimulationState) -> None:
         """Go to the sample of a state; what follows is bit for bit what followed there.
 
-        Raises PhysimError for a state of another world, seed, controller or stage, TypeError for
-        what is no state.
+        Raises PhysimError for a state of another world, seed, controller or stage, or of a part
+        with other settings; TypeError for what is no state.
         """
         if not isinstance(state, SimulationState):
             raise TypeError(f"a state is needed, such as `state` is, not {type(state).__name__}")
@@ -293,6 +294,8 @@ class Simulation:
                 f"the state is of a run with {', '.join(state.parts)}; this one has "
                 f"{', '.join(self.parts.names)}"
             )
+        if other := self.parts.set_otherwise(state.settings):
+            raise PhysimError(f"the state is of a run in which {other}; give it the same")
         if state.scene != scene_digest(self.scene):
             raise PhysimError("the state is of another world or seed; restore it in its own")
         self.physics.restore(state.physics)

@@ -9,6 +9,7 @@ can follow: a needle without a slope nobody finds faster than by chance.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from itertools import pairwise
 from math import cos, hypot, pi, sin
 
 import numpy as np
@@ -18,7 +19,7 @@ from physim import Decision, Observation, World
 from physim.campaigns.falsify.evaluate import controller_of
 from physim.campaigns.falsify.robustness import ROBOTS, Judged, Touched
 from physim.geometry.clearance import clearances
-from physim.geometry.shapes import FloatArray
+from physim.geometry.shapes import FloatArray, locked
 from physim.simulation.swept_contacts import SweptContactFinder
 from physim.tolerances import CONTACT
 from physim.world.layout.scene_builder import build_scene
@@ -129,7 +130,10 @@ class Twin:
         scene, poses = self.scene, self.poses(world)
         found = clearances(poses, scene.shapes, scene.walls, scene.wall_grid)
         gap = np.minimum(found.clearance[:, 0], found.boundary_clearance[:, 0])
-        between = SweptContactFinder(scene).rows(0, poses, found)
+        finder, steps = SweptContactFinder(scene), list(locked(poses))
+        between = np.concatenate(
+            [finder.rows(k + 1, *pair) for k, pair in enumerate(pairwise(steps))]
+        )
         touching = np.flatnonzero(gap <= CONTACT)
         steps = [*touching[:1].tolist(), *between["step"][:1].tolist()]
         value = min([float(gap.min()), *(-between["depth"]).tolist()])

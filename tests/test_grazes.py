@@ -1,18 +1,21 @@
-"""Grazes of a run as rows: bodies that touch between two samples only, block by block."""
+"""Grazes of a run as rows: bodies that touch between two samples only, step by step."""
 
 from __future__ import annotations
 
+import copy
 import math
 
 import numpy as np
 import pytest
 
 from physim.contacts import Kind, Phase
-from physim.geometry.clearance import clearances
-from physim.geometry.shapes import FloatArray
+from physim.geometry.shapes import FloatArray, locked
 from physim.parts.controller import Decision
+from physim.parts.stages import Step
 from physim.simulation.loop import Simulation
+from physim.simulation.run import simulate
 from physim.simulation.swept_contacts import SweptContactFinder
+from physim.world.file import parse_world
 from physim.world.layout.scene_builder import build_scene
 from physim.world.scene import Scene
 from tests.roads import road
@@ -42,18 +45,14 @@ def course(scene: Scene) -> FloatArray:
     return poses
 
 
-def rows(scene: Scene, course: FloatArray, cuts: list[int]) -> np.ndarray:
-    """Rows of a course that is looked at in blocks."""
-    finder, found = SweptContactFinder(scene), []
-    for first, last in zip([0, *cuts], [*cuts, len(course)], strict=True):
-        block = np.ascontiguousarray(course[first:last])
-        near = clearances(block, scene.shapes, scene.walls, scene.wall_grid)
-        found.append(finder.rows(first, block, near))
-    return np.concatenate(found)
+def rows(scene: Scene, course: FloatArray) -> np.ndarray:
+    """Rows of all steps of a course."""
+    finder, samples = SweptContactFinder(scene), list(locked(course))
+    return np.concatenate([finder.rows(k, *samples[k - 1 : k + 1]) for k in range(1, len(samples))])
 
 
 def test_a_graze_is_told_at_the_sample_after_it(scene: Scene, course: FloatArray) -> None:
-    (row,) = rows(scene, course, [])
+    (row,) = rows(scene, course)
     gap = np.hypot(*(course[:, 1, :2] - course[:, 0, :2] - [0.9, 0.5]).T)
     nearest = int(np.argmin(gap[:-1] + gap[1:])) + 1
     assert (row["step"], row["a"], row["b"]) == (nearest, 0, 1)
@@ -63,14 +62,52 @@ def test_a_graze_is_told_at_the_sample_after_it(scene: Scene, course: FloatArray
     assert row["nx"] + row["ny"] > 0.0  # from the first to the second
 
 
-def test_blocks_of_any_size_find_the_same_grazes(scene: Scene, course: FloatArray) -> None:
-    whole = rows(scene, course, [])
+def test_a_step_is_looked_at_alone_as_after_others(scene: Scene, course: FloatArray) -> None:
+    whole = rows(scene, course)
     step = int(whole["step"][0])
-    for cuts in ([step], [step - 1], [step - 1, step], [step, step + 1], list(range(1, 101))):
-        assert rows(scene, course, cuts).tobytes() == whole.tobytes()
+    alone = SweptContactFinder(scene).rows(step, course[step - 1], course[step])
+    assert alone.tobytes() == whole.tobytes()
 
 
 def test_the_engine_sees_none_of_it(scene: Scene) -> None:
     """So that it is the search that finds it."""
     simulation = Simulation(scene, controller=Says(lambda o: Decision(0.0, 0.0, hold=1.0)))
     assert len(simulation.contacts) == 0
+
+
+SPINNING = """
+name: spinning
+time: {step: 0.01, duration: 8.0}
+boundaries: [[[-5, -5], [5, -5], [5, WALL], [-5, WALL], [-5, -5]]]
+robots:
+  - {name: a, footprint: {length: 1.8, width: 1.0}, pose: [0, 0, 0], path: [[-3, 0], [3, 0]]}
+reference_path: [[-3, 0], [3, 0]]
+controller: {type: constant, commands: [[0.0, 0.8]]}
+"""
+"""A robot that turns on the spot; its corners go a micrometre into a wall, between samples."""
+
+
+class Looks:
+    """Keeps every contact that an observer is told of, or finds in the simulation."""
+
+    def start(self, simulation: Simulation) -> None:
+        self.simulation, self.told, self.found = simulation, [], []
+        self.copied: list[np.ndarray] = []
+
+    def after_step(self, step: Step) -> None:
+        self.told.append(step.contacts)
+        self.found.append(self.simulation.contacts)
+        self.copied.append(copy.deepcopy(self.simulation).contacts if len(step.contacts) else [])
+
+    def close(self, ended: str) -> None:
+        pass
+
+
+def test_an_observer_is_told_of_grazes_as_the_record_has_them() -> None:
+    wall = math.hypot(0.9, 0.5) - 1e-6
+    looks = Looks()
+    with simulate(parse_world(SPINNING.replace("WALL", repr(wall))), observers=[looks]) as record:
+        contacts = record.contacts
+    assert (contacts["kind"] == Kind.SWEPT).any()
+    for seen in (looks.told, looks.found, [one for one in looks.copied if len(one)]):
+        assert np.concatenate(seen).tobytes() == contacts.tobytes()

@@ -26,6 +26,7 @@ from physim.drawing.palette import (
     robot_colour,
 )
 from physim.drawing.split_line import split_at
+from physim.geometry.area import united
 from physim.geometry.polygon import convex_parts
 from physim.geometry.shapes import FloatArray, Polylines, Shapes
 from physim.parts.declarations import NO_NUMBER, Mode
@@ -204,7 +205,7 @@ class SceneModel:
     @cached_property
     def solid_rings(self) -> tuple[FloatArray, ...]:
         """Rings of all obstacles together, even-odd, without the seams between those that touch."""
-        return tuple(rings_of(shapely.union_all([_polygon(corners) for corners in self.obstacles])))
+        return tuple(rings_of(united([_polygon(corners) for corners in self.obstacles])))
 
     @cached_property
     def path_pieces(self) -> tuple[tuple[list[FloatArray], list[FloatArray]], ...]:

@@ -1,11 +1,12 @@
-"""Swept contacts: bodies that touch between two samples and are apart at both, over many samples.
+"""Swept contacts: bodies that touch between two samples and are apart at both.
 
 From one sample to the next position and angle go linearly, as the physics moves its bodies. Only
-robots near enough to something to reach it within a step are looked at; who they are is worked
-out beforehand from their clearances, for whole blocks of samples at once.
+robots near enough to something to reach it within the step are looked at.
 """
 
 from __future__ import annotations
+
+import math
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,37 +24,37 @@ MARGIN = 4.0 * CONTACT
 """[m] Bounds must win by this."""
 
 
-def travel_bounds(poses: FloatArray, radius: FloatArray) -> FloatArray:
-    """Upper bound (B - 1, N) [m] on how far any point of a robot moves in each step.
+@compiled
+def wear_off(
+    old: FloatArray, now: FloatArray, radius: FloatArray, reach: FloatArray, room: FloatArray
+) -> bool:
+    """Take from ``room`` what a step may have taken; whether somebody may touch something in it.
 
-    ``poses`` (B, N, 3), headings unwrapped; ``radius`` (N,) [m] about the reference points.
+    Poses (N, 3) at both samples, headings unwrapped; ``radius`` (N,) [m] about the reference
+    points. ``room`` (2, N) [m] is a lower bound of each robot's distance from other robots, and
+    from walls. ``reach`` (2, N) [m] takes how much these distances change at most: what is farther
+    apart at either sample does not touch in between.
     """
-    moved = np.diff(poses, axis=0)
-    bound: FloatArray = np.hypot(moved[..., 0], moved[..., 1]) + radius * np.abs(moved[..., 2])
-    return bound
-
-
-def within_reach(
-    travel: FloatArray, clearance: FloatArray, boundary_clearance: FloatArray
-) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
-    """Which robots may touch another robot, or a wall, between the samples of a step.
-
-    ``travel`` (B - 1, N), clearances (B, N) [m]; each answer (B - 1, N). What is left out here
-    is apart for sure: distances change by no more than the two travel, so a contact within a step
-    needs the distances at both its samples, added, to be no more than that.
-    """
-    other = travel.max(axis=1, keepdims=True, initial=0.0)
-    robots = clearance[:-1] + clearance[1:] <= travel + other + MARGIN
-    walls = boundary_clearance[:-1] + boundary_clearance[1:] <= travel + MARGIN
-    return robots, walls
+    most = 0.0
+    for i in range(len(old)):
+        moved = math.hypot(now[i, 0] - old[i, 0], now[i, 1] - old[i, 1])
+        reach[1, i] = moved + radius[i] * abs(now[i, 2] - old[i, 2]) + MARGIN
+        most = max(most, reach[1, i])
+    is_near = False
+    for i in range(len(old)):
+        reach[0, i] = reach[1, i] + most
+        for k in range(2):
+            is_near |= room[k, i] <= reach[k, i]
+            room[k, i] -= reach[k, i]
+    return is_near
 
 
 @compiled
 def find_swept_contacts(
-    poses: FloatArray,
-    travel: FloatArray,
-    near_robots: NDArray[np.bool_],
-    near_walls: NDArray[np.bool_],
+    old: FloatArray,
+    now: FloatArray,
+    reach: FloatArray,
+    near: NDArray[np.bool_],
     shapes: Shapes,
     walls: Shapes,
     dt: float,
@@ -62,60 +63,58 @@ def find_swept_contacts(
 ) -> int:
     """Write a row for each pair that is apart at both samples of a step and touches in between.
 
-    ``poses`` (B, N, 3); ``travel`` and the two masks (B - 1, N) as above. ``who`` (C, 3) takes the
-    step's last sample and bodies a < b (walls from N on), ``values`` (C, 5) what `describe_pair`
-    gives. Returns how many, in the order of steps, or FULL.
+    Poses (N, 3); ``reach`` (2, N) of `wear_off`; ``near`` (2, N), who may touch another robot, and
+    a wall. ``who`` (C, 2) takes the bodies a < b (walls from N on), ``values`` (C, 5) what
+    `describe_pair` gives. Returns how many, or FULL.
     """
     count = 0
-    robots = poses.shape[1]
+    robots = len(old)
     still = np.zeros(3)
-    for k in range(1, len(poses)):
-        old, now = poses[k - 1], poses[k]
-        for a in range(robots):
-            if near_robots[k - 1, a]:
-                for b in range(a + 1, robots):
-                    room = travel[k - 1, a] + travel[k - 1, b] + MARGIN
-                    if not near_robots[k - 1, b] or discs_apart(shapes, a, now, b, room):
-                        continue
-                    after = body_distance(shapes, a, now[a], shapes, b, now[b])
-                    if after <= CONTACT or after > room:
-                        continue
-                    before = body_distance(shapes, a, old[a], shapes, b, old[b])
-                    if before <= CONTACT or before + after > room:
-                        continue
-                    if swept_pair(shapes, a, old[a], now[a], b, old[b], now[b], dt) == np.inf:
-                        continue
-                    if count == len(who):
-                        return FULL
-                    least = least_gap_pair(shapes, a, old[a], now[a], b, old[b], now[b], dt)
-                    who[count, 0], who[count, 1], who[count, 2] = k, a, b
-                    share = least[2] / dt
-                    describe_pair(
-                        shapes, a, between(old[a], now[a], share),
-                        shapes, b, between(old[b], now[b], share), values[count],
-                    )  # fmt: skip
-                    count += 1
-            if near_walls[k - 1, a]:
-                room = travel[k - 1, a] + MARGIN
-                for w in range(len(walls.body_start) - 1):
-                    parts = parts_about(walls, w, now[a], shapes.radius[a] + room)
-                    if not len(parts):
-                        continue
-                    after = wall_distance(shapes, a, now[a], walls, parts)
-                    if after <= CONTACT or after > room:
-                        continue
-                    before = wall_distance(shapes, a, old[a], walls, parts)
-                    if before <= CONTACT or before + after > room:
-                        continue
-                    if swept_walls(shapes, a, old[a], now[a], walls, parts, dt)[0] == np.inf:
-                        continue
-                    if count == len(who):
-                        return FULL
-                    found = least_gap_walls(shapes, a, old[a], now[a], walls, parts, dt)
-                    who[count, 0], who[count, 1], who[count, 2] = k, a, robots + w
-                    at = between(old[a], now[a], found[2] / dt)
-                    describe_pair(shapes, a, at, walls, w, still, values[count])
-                    count += 1
+    for a in range(robots):
+        if near[0, a]:
+            for b in range(a + 1, robots):
+                room = reach[1, a] + reach[1, b]
+                if not near[0, b] or discs_apart(shapes, a, now, b, room):
+                    continue
+                after = body_distance(shapes, a, now[a], shapes, b, now[b])
+                if after <= CONTACT or after > room:
+                    continue
+                before = body_distance(shapes, a, old[a], shapes, b, old[b])
+                if before <= CONTACT or before + after > room:
+                    continue
+                if swept_pair(shapes, a, old[a], now[a], b, old[b], now[b], dt) == np.inf:
+                    continue
+                if count == len(who):
+                    return FULL
+                least = least_gap_pair(shapes, a, old[a], now[a], b, old[b], now[b], dt)
+                who[count, 0], who[count, 1] = a, b
+                share = least[2] / dt
+                describe_pair(
+                    shapes, a, between(old[a], now[a], share),
+                    shapes, b, between(old[b], now[b], share), values[count],
+                )  # fmt: skip
+                count += 1
+        if near[1, a]:
+            room = reach[1, a]
+            for w in range(len(walls.body_start) - 1):
+                parts = parts_about(walls, w, now[a], shapes.radius[a] + room)
+                if not len(parts):
+                    continue
+                after = wall_distance(shapes, a, now[a], walls, parts)
+                if after <= CONTACT or after > room:
+                    continue
+                before = wall_distance(shapes, a, old[a], walls, parts)
+                if before <= CONTACT or before + after > room:
+                    continue
+                if swept_walls(shapes, a, old[a], now[a], walls, parts, dt)[0] == np.inf:
+                    continue
+                if count == len(who):
+                    return FULL
+                found = least_gap_walls(shapes, a, old[a], now[a], walls, parts, dt)
+                who[count, 0], who[count, 1] = a, robots + w
+                at = between(old[a], now[a], found[2] / dt)
+                describe_pair(shapes, a, at, walls, w, still, values[count])
+                count += 1
     return count
 
 

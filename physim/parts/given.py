@@ -34,6 +34,12 @@ class GivenSettings:
     not_known: tuple[str, ...] = ()
     """names of what may differ and cannot be told"""
 
+    def told(self, name: str) -> str:
+        """The value of a setting, in words."""
+        if name in self.not_known:
+            return "not known"
+        return str(self.settings[name]) if name in self.settings else "by default"
+
 
 def given_settings(part: object) -> GivenSettings:
     """Settings of a part that differ from their defaults; nothing that its code does is raised."""

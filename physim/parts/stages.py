@@ -95,7 +95,7 @@ class Step(NamedTuple):
     pose: FloatArray
     """(N, 3) at the sample after the step, as contacts allow"""
     contacts: NDArray[np.void]
-    """rows of `physim.contacts.CONTACT_ROW` of that sample"""
+    """rows of `physim.contacts.CONTACT_ROW` of that sample, and last the grazes of the step"""
     false_contacts: NDArray[np.void]
     """rows of `physim.contacts.FALSE_CONTACT_ROW` of that sample"""
     arrived: NDArray[np.bool_]

@@ -14,6 +14,7 @@ from typing import Any, SupportsIndex
 import numpy as np
 from numpy.typing import NDArray
 
+from physim.contacts import CONTACT_ROW
 from physim.errors import PhysimError, WorldError, plural
 from physim.geometry.shapes import FloatArray, locked, read_only
 from physim.geometry.tracking import Tracking
@@ -41,6 +42,7 @@ from physim.simulation.decisions import Decided, begun, decide
 from physim.simulation.engine import Physics
 from physim.simulation.observation import observe
 from physim.simulation.state import SimulationState, replaced, scene_digest
+from physim.simulation.swept_contacts import SweptContactFinder
 from physim.world import World
 from physim.world.faults import describe
 from physim.world.layout.scene_builder import build_scene, reseeded
@@ -137,7 +139,10 @@ class Simulation:
 
     @property
     def contacts(self) -> NDArray[np.void]:
-        """Rows of `physim.contacts.CONTACT_ROW` of the present sample."""
+        """Rows of `physim.contacts.CONTACT_ROW` of the present sample, as a record has them.
+
+        Grazes of the step that led to it stand last, see `physim.contacts.touching`.
+        """
         return np.asarray(locked(self.physics.contacts))
 
     def __repr__(self) -> str:
@@ -243,6 +248,11 @@ class Simulation:
     def _arrive(self, step: int, nominal: FloatArray) -> None:
         """Take up the sample to which the physics brought the robots."""
         pose = read_only(self.physics.pose)
+        grazes = self._swept.rows(step, self.now.pose, pose)
+        if len(grazes):  # which the engine cannot see
+            self.physics.contacts = np.concatenate(
+                (self.physics.contacts, grazes), dtype=CONTACT_ROW
+            )
         self._arrivals.follow(self._tracking, step, pose)
         self._take(step, pose, nominal)
 
@@ -260,6 +270,7 @@ class Simulation:
             scene=scene_digest(self.scene),
             seed=self.scene.seed,
             parts=self.parts.names,
+            settings=self.parts.settings,
             now=self.now,
             mode=self.mode,
             next_decision=self.next_decision,
@@ -273,8 +284,8 @@ class Simulation:
     def restore(self, state: SimulationState) -> None:
         """Go to the sample of a state; what follows is bit for bit what followed there.
 
-        Raises PhysimError for a state of another world, seed, controller or stage, TypeError for
-        what is no state.
+        Raises PhysimError for a state of another world, seed, controller or stage, or of a part
+        with other settings; TypeError for what is no state.
         """
         if not isinstance(state, SimulationState):
             raise TypeError(f"a state is needed, such as `state` is, not {type(state).__name__}")
@@ -283,6 +294,8 @@ class Simulation:
                 f"the state is of a run with {', '.join(state.parts)}; this one has "
                 f"{', '.join(self.parts.names)}"
             )
+        if other := self.parts.set_otherwise(state.settings):
+            raise PhysimError(f"the state is of a run in which {other}; give it the same")
         if state.scene != scene_digest(self.scene):
             raise PhysimError("the state is of another world or seed; restore it in its own")
         self.physics.restore(state.physics)
@@ -298,15 +311,20 @@ class Simulation:
 
     def reset(self, seed: int | None = None) -> None:
         """Go back to sample 0, with another seed or the same. Observers are let go."""
+        before = self.scene.shapes
         if seed is not None and seed != self.scene.seed:
             self.scene = reseeded(self.scene, seed)
         self.observers = []
-        self.physics.reset(self.scene.start)
+        if self.scene.shapes is before:
+            self.physics.reset(self.scene.start)
+        else:  # the seed draws footprints or the road
+            self._host()
         self._begin()
 
     def _host(self) -> None:
         """Put the robots into the engine."""
         scene = self.scene
+        self._swept = SweptContactFinder(scene)
         self.physics = Physics(
             scene.shapes, scene.walls, scene.start, scene.mass, scene.dt,
             friction=scene.world.physics.friction, elasticity=scene.world.physics.elasticity,

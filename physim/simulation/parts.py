@@ -83,6 +83,8 @@ class Parts:
     """of each of these"""
     names: tuple[str, ...] = ()
     """of all of them"""
+    settings: tuple[GivenSettings, ...] = ()
+    """of each of the names"""
 
     def start(self, scene: Scene) -> tuple[tuple[Any, ...], ...]:
         """States of sensing stages, filters and disturbances at sample 0."""
@@ -94,6 +96,14 @@ class Parts:
                     begun.append(call(kind, part, "start", scene))
             states.append(tuple(begun))
         return tuple(states)
+
+    def set_otherwise(self, others: Sequence[GivenSettings]) -> str:
+        """In what the parts of another run, of the same names, are set otherwise; "" in nothing."""
+        for name, other, own in zip(self.names, others, self.settings, strict=True):
+            for key in (*other.settings, *other.not_known, *own.settings, *own.not_known):
+                if (there := other.told(key)) != (here := own.told(key)):
+                    return f"{name} has {key} {there}, here {here}"
+        return ""
 
     @property
     def stages(self) -> tuple[tuple[Kind, tuple[Any, ...]], ...]:
@@ -116,7 +126,8 @@ def parts_of(
     chosen = _controller(world, controller)
     name = "" if controller is None else _given_name(controller, chosen, world)
     given = [("controller", name)] if name else []
-    settings = [given_settings(chosen)] if name else []
+    settings = [given_settings(chosen)]
+    of_given = settings[:] if name else []
     names = [name or world.controller.type]
     found: list[tuple[Any, ...]] = []
     in_world = (world.sensing.stages, world.filters, world.disturbances)
@@ -126,15 +137,19 @@ def parts_of(
         for part in extra:
             check_part(kind, part)
             given.append((kind.word, class_name(part)))
-            settings.append(given_settings(part))
-        named = (
+        named = [
             make_part(kind, choice.type, choice.settings, where=(*kind.key, k))
             for k, choice in enumerate(choices)
-        )
+        ]
         found.append((*named, *extra))
+        settings += map(given_settings, found[-1])
+        of_given += settings[len(settings) - len(extra) :]
         names += [f"{kind.word} {choice.type}" for choice in choices]
         names += [f"{kind.word} {class_name(part)}" for part in extra]
-    return Parts(chosen, found[0], found[1], found[2], tuple(given), tuple(settings), tuple(names))
+    return Parts(
+        chosen, found[0], found[1], found[2], tuple(given), tuple(of_given), tuple(names),
+        tuple(settings),
+    )  # fmt: skip
 
 
 def part_faults(parts: Parts, world: World) -> list[Fault]:

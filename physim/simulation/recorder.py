@@ -22,7 +22,6 @@ from physim.record import RecordWriter
 from physim.record.layout import COMMAND, CONSIDERING, OPTIONAL
 from physim.simulation.arrival import since
 from physim.simulation.observation import formation_errors
-from physim.simulation.swept_contacts import SweptContactFinder
 from physim.world.scene import Scene
 
 if TYPE_CHECKING:
@@ -89,7 +88,6 @@ class Recorder:
         self.since = np.full(self.scene.robots, -1, dtype=np.int64)
         scene = self.scene
         self.near = ClearanceFinder(scene.shapes, scene.walls, scene.wall_grid)
-        self.swept = SweptContactFinder(scene)
         self.least = np.full((2, scene.robots), np.inf)
         """[m] least distance of each robot from another, and from a wall, since the last recorded
         sample"""
@@ -127,7 +125,7 @@ class Recorder:
             self._write_samples(
                 stacked([step.pose for step in steps]),
                 stacked([step.arrived for step in steps]),
-                [step.contacts for step in steps if len(step.contacts)],
+                [step.contacts for step in steps],
             )
         if last and self.unrecorded is not None:
             step, pose = self.unrecorded
@@ -173,18 +171,16 @@ class Recorder:
     def _write_samples(
         self, poses: FloatArray, arrived: NDArray[np.bool_], contacts: Sequence[NDArray[np.void]]
     ) -> None:
-        """Clearances, contacts at samples and between them in the order of steps, poses (B, N, 3).
+        """Clearances, contacts in the order of steps, poses (B, N, 3).
 
         ``arrived`` (B, N); ``contacts`` are those of samples that have some.
         """
         self.since = later_since(self.since, self.first, arrived)
         self.writer.note_arrived(self.since)
         found = self.near.find(poses)
-        rows = np.concatenate(
-            [*contacts, self.swept.rows(self.first, poses, found)], dtype=CONTACT_ROW
-        )
-        if len(rows) and "contacts" in self.tables:
-            self.writer.append("contacts", rows[np.argsort(rows["step"], kind="stable")])
+        rows = [one for one in contacts if len(one)]
+        if rows and "contacts" in self.tables:
+            self.writer.append("contacts", np.concatenate(rows, dtype=CONTACT_ROW))
         self._write_poses(poses, found)
         self.first += len(poses)
 

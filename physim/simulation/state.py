@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from physim.geometry.shapes import FloatArray, IntArray, read_only
 from physim.parts.controller import Snapshot
+from physim.parts.given import GivenSettings
 from physim.simulation.engine import PhysicsState
 from physim.world.scene import Scene
 
@@ -27,6 +28,8 @@ class SimulationState:
     seed: int
     parts: tuple[str, ...]
     """names of controller, sensing stages, filters and disturbances, in their order"""
+    settings: tuple[GivenSettings, ...]
+    """of each of these"""
     now: Snapshot
     """step; poses, nominal commands, stations"""
     mode: IntArray

@@ -1,7 +1,6 @@
 """Swept contacts of a run as contact rows: bodies that touch between two samples, apart at both.
 
-The engine looks at samples only and lets such bodies pass; the geometry finds them, block by block
-as the run is recorded.
+The engine looks at samples only and lets such bodies pass; the geometry finds them, step by step.
 """
 
 from __future__ import annotations
@@ -9,43 +8,50 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from physim.compiled import direct
 from physim.contacts import CONTACT_ROW, Kind, Phase
-from physim.geometry.clearance import Clearances
-from physim.geometry.shapes import FloatArray
-from physim.geometry.swept_contacts import FULL, find_swept_contacts, travel_bounds, within_reach
+from physim.geometry.clearance import ClearanceFinder
+from physim.geometry.shapes import FloatArray, read_only
+from physim.geometry.swept_contacts import FULL, find_swept_contacts, wear_off
 from physim.world.scene import Scene
 
+NO_ROWS = read_only(np.zeros(0, CONTACT_ROW))
 ROOM = 64
 """Rows that the search has room for at first."""
 
 
 class SweptContactFinder:
-    """Finds the swept contacts of one run, given every sample once and in order."""
+    """Finds the swept contacts of steps; one that begins where the last one ended costs least."""
 
     def __init__(self, scene: Scene) -> None:
         self._scene = scene
-        none = np.zeros((0, scene.robots))
-        self._before = np.zeros((0, scene.robots, 3)), none, none
+        self._clearances = ClearanceFinder(scene.shapes, scene.walls, scene.wall_grid)
+        self._wear_off = direct(wear_off)
+        self._pose: FloatArray | None = None
+        self._room, self._reach = np.empty((2, 2, scene.robots))
+        """(2, N) [m] of `wear_off`, at ``_pose``"""
 
-    def rows(self, first: int, poses: FloatArray, found: Clearances) -> NDArray[np.void]:
-        """Contact rows of kind *swept* of the steps that end with the samples of a block.
+    def rows(self, step: int, old: FloatArray, now: FloatArray) -> NDArray[np.void]:
+        """Contact rows of kind *swept* of the step from poses ``old`` (N, 3) to ``now``.
 
-        ``poses`` (B, N, 3) of samples ``first`` on, with their clearances. In a row ``step`` is
-        the sample at the end of its step; point, normal and depth are those of the instant at
-        which the two are closest.
+        In a row ``step`` is the sample at the end of its step; point, normal and depth are those of
+        the instant at which the two are closest.
         """
         scene = self._scene
-        known = poses, found.clearance, found.boundary_clearance
-        poses, gap, wall_gap = map(np.concatenate, zip(self._before, known, strict=True))
-        self._before = poses[-1:].copy(), gap[-1:].copy(), wall_gap[-1:].copy()
-        travel = travel_bounds(poses, scene.shapes.radius)
-        robots, walls = within_reach(travel, gap, wall_gap)
-        if not robots.any() and not walls.any():
-            return np.zeros(0, CONTACT_ROW)
-        who, values = _found(scene, poses, travel, robots, walls)
+        if old is not self._pose:
+            self._room[:] = -np.inf
+        self._pose = now
+        if not self._wear_off(old, now, scene.shapes.radius, self._reach, self._room):
+            return NO_ROWS
+        found = self._clearances.find(now[None])
+        self._room[0], self._room[1] = found.clearance, found.boundary_clearance
+        near = self._room <= self._reach
+        if not near.any():
+            return NO_ROWS
+        who, values = _found(scene, old, now, self._reach, near)
         rows = np.zeros(len(who), CONTACT_ROW)
-        rows["step"] = who[:, 0] + first + len(known[0]) - len(poses)
-        rows["a"], rows["b"] = who[:, 1], who[:, 2]
+        rows["step"] = step
+        rows["a"], rows["b"] = who.T
         rows["phase"], rows["kind"] = Phase.BEGAN, Kind.SWEPT
         rows["x"], rows["y"], rows["nx"], rows["ny"] = values[:, :4].T
         rows["depth"] = np.maximum(-values[:, 4], 0.0)
@@ -53,18 +59,14 @@ class SweptContactFinder:
 
 
 def _found(
-    scene: Scene,
-    poses: FloatArray,
-    travel: FloatArray,
-    robots: NDArray[np.bool_],
-    walls: NDArray[np.bool_],
+    scene: Scene, old: FloatArray, now: FloatArray, reach: FloatArray, near: NDArray[np.bool_]
 ) -> tuple[NDArray[np.int64], FloatArray]:
     """Output of the search, with as much room as it needs."""
     room = ROOM
     while True:
-        who, values = np.empty((room, 3), dtype=np.int64), np.empty((room, 5))
+        who, values = np.empty((room, 2), dtype=np.int64), np.empty((room, 5))
         count = find_swept_contacts(
-            poses, travel, robots, walls, scene.shapes, scene.walls, scene.dt, who, values
+            old, now, reach, near, scene.shapes, scene.walls, scene.dt, who, values
         )
         if count != FULL:
             return who[:count], values[:count]
@@ -73,5 +75,6 @@ def _found(
 
 def warm_up_swept_contacts(scene: Scene) -> None:
     """Compile or load the kernel: a search in a step in which nobody is near anything."""
-    none = np.zeros((1, scene.robots), dtype=np.bool_)
-    _found(scene, np.stack((scene.start, scene.start)), np.zeros(none.shape), none, none)
+    none = np.zeros((2, scene.robots), dtype=np.bool_)
+    start = read_only(scene.start.view())
+    _found(scene, start, start, np.zeros(none.shape), none)

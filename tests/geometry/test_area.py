@@ -33,6 +33,47 @@ def test_obstacles_are_holes_and_what_they_cut_off_is_not_accessible() -> None:
     assert len(area.accessible_rings) == 2
 
 
+SHELVES = [
+    [[1.0, 14.0], [1.146243212086177, 15.191055381969585],
+     [0.3522062907731194, 15.288550856693703], [0.20596307868694236, 14.097495474724118]],
+    [[1.146243212086177, 15.191055381969587], [1.292486424172354, 16.382110763939174],
+     [0.49844950285929635, 16.47960623866329], [0.3522062907731193, 15.288550856693705]],
+    [[1.292486424172354, 16.382110763939174], [1.4387296362585311, 17.57316614590876],
+     [0.6446927149454733, 17.670661620632877], [0.4984495028592964, 16.47960623866329]],
+    [[1.4387296362585311, 17.573166145908758], [1.584972848344708, 18.764221527878345],
+     [0.7909359270316505, 18.86171700260246], [0.6446927149454734, 17.670661620632874]],
+    [[1.5849728483447079, 18.764221527878348], [1.731216060430885, 19.955276909847935],
+     [0.9371791391178272, 20.05277238457205], [0.7909359270316503, 18.861717002602465]],
+    [[1.731216060430885, 19.95527690984793], [1.8774592725170618, 21.14633229181752],
+     [1.0834223512040042, 21.243827766541635], [0.9371791391178274, 20.052772384572048]],
+]  # fmt: skip
+"""corners of a row as a script printed them, of which a union without a grid lost two"""
+
+
+def row_of_shelves(draw: np.random.Generator) -> list[list[list[float]]]:
+    """Boxes end to end at any angle, whose corners differ by rounding."""
+    angle, length, depth = draw.uniform(0, 2 * np.pi), draw.uniform(0.3, 6), draw.uniform(0.2, 3)
+    along, aside = np.array([[np.cos(angle), np.sin(angle)], [-np.sin(angle), np.cos(angle)]])
+    first = draw.uniform(-300, 300, 2)
+    corners = [first + k * length * along for k in range(draw.integers(3, 12))]
+    return [
+        [list(a), list(a + length * along), list(a + length * along + depth * aside),
+         list(a + depth * aside)] for a in corners
+    ]  # fmt: skip
+
+
+def test_no_shelf_of_a_row_is_left_out() -> None:
+    draw = np.random.default_rng(5)
+    for shelves in [SHELVES, *(row_of_shelves(draw) for _ in range(400))]:
+        solids = [shapely.Polygon(shelf) for shelf in shelves]
+        x0, y0, x1, y1 = shapely.total_bounds(solids) + (-5, -5, 5, 5)
+        face, path = box(x0, y0, x1, y1), np.array([[x0 + 1, y0 + 1], [x1 - 1, y0 + 1]])
+        free = accessible_area([np.vstack([face, face[:1]])], list(map(np.array, shelves)), path)
+        assert not shapely.contains(free.polygon, shapely.point_on_surface(solids)).any()
+        left = (x1 - x0) * (y1 - y0) - shapely.area(solids).sum()
+        assert free.polygon.area == pytest.approx(left, abs=1e-5)
+
+
 def test_of_two_faces_the_one_with_the_path_is_accessible() -> None:
     """Whichever is drawn first, and however large the other is."""
     rooms = [box(-3, -4, 23, 4), box(-3, 10, 60, 40)]

@@ -7,9 +7,8 @@ import math
 import numpy as np
 import pytest
 
-from physim.geometry.separation import body_distance
-from physim.geometry.shapes import FloatArray, IntArray, pack_parts
-from physim.geometry.swept_contacts import find_swept_contacts, travel_bounds, within_reach
+from physim.geometry.shapes import FloatArray, pack_parts
+from physim.geometry.swept_contacts import find_swept_contacts, wear_off
 from tests.geometry.cases import BOX
 
 DT = 0.1
@@ -19,21 +18,21 @@ TURN = math.atan2(0.9, 0.5)
 """[rad] heading at which a corner of the box is farthest to the left"""
 
 
-def found(poses: FloatArray, walls: list[FloatArray]) -> tuple[IntArray, FloatArray]:
-    """Rows of the search over samples (B, 2, 3), every clearance by the plain distance."""
+def found(poses: FloatArray, walls: list[FloatArray]) -> tuple[list[list[int]], FloatArray]:
+    """Step, bodies and values of what is found in the steps between samples (B, 2, 3)."""
     packed = pack_parts([[wall] for wall in walls])
-    gap, wall_gap = np.empty((2, len(poses), 2))
-    for k, pose in enumerate(poses):
-        gap[k] = body_distance(SHAPES, 0, pose[0], SHAPES, 1, pose[1])
-        for i in range(2):
-            wall_gap[k, i] = min(
-                body_distance(SHAPES, i, pose[i], packed, w, np.zeros(3)) for w in range(len(walls))
-            )
-    travel = travel_bounds(poses, SHAPES.radius)
-    robots, near = within_reach(travel, gap, wall_gap)
-    who, values = np.empty((8, 3), dtype=np.int64), np.empty((8, 5))
-    count = find_swept_contacts(poses, travel, robots, near, SHAPES, packed, DT, who, values)
-    return who[:count], values[:count]
+    steps, all_values = [], []
+    for k in range(1, len(poses)):
+        reach, room = np.empty((2, 2)), np.full((2, 2), -np.inf)
+        assert wear_off(poses[k - 1], poses[k], SHAPES.radius, reach, room)
+        near = np.ones((2, 2), dtype=np.bool_)
+        who, values = np.empty((8, 2), dtype=np.int64), np.empty((8, 5))
+        count = find_swept_contacts(
+            poses[k - 1], poses[k], reach, near, SHAPES, packed, DT, who, values
+        )
+        steps += [[k, *pair] for pair in who[:count].tolist()]
+        all_values.append(values[:count])
+    return steps, np.concatenate(all_values)
 
 
 FAR = np.array([[-50.0, -50.0], [50.0, -50.0]])
@@ -47,7 +46,7 @@ def test_a_corner_that_swings_past_a_wall(gap: float, touches: bool) -> None:
     poses[:, 0, 2] = TURN - 0.2, TURN + 0.2
     poses[:, 1, 0] = 20.0
     who, values = found(poses, [FAR, wall])
-    assert who.tolist() == ([[1, 0, 3]] if touches else [])
+    assert who == ([[1, 0, 3]] if touches else [])
     for x, y, nx, ny, distance in values:
         assert (x, y) == pytest.approx((0.0, RADIUS + gap), abs=1e-3)
         assert (nx, ny) == pytest.approx((0.0, 1.0), abs=1e-6)
@@ -63,7 +62,7 @@ def test_corners_that_pass(depth: float, touches: bool) -> None:
     poses[:, 1, 2] = 0.25 * math.pi - math.atan2(0.5, 0.9)  # its rear right corner goes ahead
     poses[:, 1, :2] = BOX[2] + (RADIUS - depth) * out + along[:, None] * aside
     who, values = found(poses, [FAR])
-    assert who.tolist() == ([[2, 0, 1]] if touches else [])
+    assert who == ([[2, 0, 1]] if touches else [])
     for x, y, nx, ny, distance in values:
         assert (x, y) == pytest.approx((0.9, 0.5), abs=2e-3)
         assert nx * out[0] + ny * out[1] > 0.5

@@ -7,7 +7,7 @@ import shapely
 from shapely.ops import substring
 
 from physim.errors import Location, place_text, plural
-from physim.geometry.area import NEAR_EDGE
+from physim.geometry.area import NEAR_EDGE, united
 from physim.geometry.corridor import offset_polyline
 from physim.geometry.path import SHARPEST_TURN
 from physim.geometry.polygon import least_width
@@ -69,7 +69,7 @@ def _check_inside(
     met = [one for one in laid.solids if one[1].covers(line.interpolate(edge))]
     through = met[0][0] if met else None
     stretch = substring(line, first, last)
-    solids = shapely.union_all([one for _, one in laid.solids if one.intersects(stretch)])
+    solids = united([one for _, one in laid.solids if one.intersects(stretch)])
     if met and stretch.difference(solids).length > LENGTH:
         found.error(
             laid.path_key(i),

@@ -17,7 +17,7 @@ import shapely
 from numpy.typing import NDArray
 from shapely.ops import substring
 
-from physim.geometry.area import Area
+from physim.geometry.area import Area, united
 from physim.geometry.polygon import circumscribed_radius
 from physim.geometry.shapes import FloatArray
 from physim.tolerances import CONTACT
@@ -183,7 +183,7 @@ class _Surroundings:
     @classmethod
     def of(cls, laid: PartialLayout) -> _Surroundings:
         """Those of a world; of obstacles that overlap the outline is that of all together."""
-        solid = shapely.boundary(shapely.union_all([shape for _, shape in laid.solids]))
+        solid = united([shape for _, shape in laid.solids]).boundary
         lines = [*(shape for _, shape in laid.walls), *shapely.get_parts(solid)]
         return cls(shapely.STRtree(_pieces(lines)), laid.area)
 

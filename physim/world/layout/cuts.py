@@ -9,7 +9,7 @@ import numpy as np
 import shapely
 
 from physim.errors import Fault, place_text
-from physim.geometry.area import accessible_area
+from physim.geometry.area import accessible_area, united
 from physim.geometry.shapes import FloatArray
 from physim.tolerances import LENGTH
 
@@ -38,7 +38,7 @@ def cut_faults(
             continue
         group = _needed(face, {k: solids[k] for k in group}, line)
         within = shapely.points(shapely.get_coordinates(
-            shapely.union_all([solids[k] for k in group]).intersection(line)
+            united([solids[k] for k in group]).intersection(line)
         ))  # fmt: skip
         station = float(shapely.line_locate_point(line, within).min())
         x, y = shapely.get_coordinates(line.interpolate(station))[0]
@@ -85,7 +85,7 @@ def _needed(face: Any, group: dict[int, Any], line: Any) -> list[int]:
 
 def _cut(face: shapely.Polygon, solids: Sequence[Any], line: Any) -> bool:
     """Whether solids leave the first and the last of a line within a face in different parts."""
-    parts = shapely.get_parts(face.difference(shapely.union_all(solids)))
+    parts = shapely.get_parts(face.difference(united(solids)))
     free = [(part, part.intersection(line)) for part in parts]
     stations = [
         [float(shapely.line_locate_point(line, point)) for point in shapely.points(

@@ -12,7 +12,7 @@ from physim.geometry.clearance import clearances
 from physim.geometry.shapes import FloatArray
 from physim.parts.controller import Decision
 from physim.simulation.loop import Simulation
-from physim.simulation.swept_contacts import SweptContactFinder
+from physim.simulation.swept_contacts import ROOM, SweptContactFinder
 from physim.world.layout.scene_builder import build_scene
 from physim.world.scene import Scene
 from tests.roads import road
@@ -68,6 +68,15 @@ def test_blocks_of_any_size_find_the_same_grazes(scene: Scene, course: FloatArra
     step = int(whole["step"][0])
     for cuts in ([step], [step - 1], [step - 1, step], [step, step + 1], list(range(1, 101))):
         assert rows(scene, course, cuts).tobytes() == whole.tobytes()
+
+
+def test_more_grazes_in_a_block_than_there_is_room_for_at_first(
+    scene: Scene, course: FloatArray
+) -> None:
+    """To and fro past the corner."""
+    step = int(rows(scene, course, [])["step"][0])
+    to_and_fro = course[[step - 1, step] * ROOM]
+    assert rows(scene, to_and_fro, [])["step"].tolist() == list(range(1, 2 * ROOM))
 
 
 def test_the_engine_sees_none_of_it(scene: Scene) -> None:

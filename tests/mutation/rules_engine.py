@@ -42,17 +42,6 @@ def robots_move_along_their_last_heading() -> None:
     instead("physim.geometry.motion:chord_velocity", last)
 
 
-@rule("physics")
-def robots_go_the_length_of_the_arc() -> None:
-    """A step is as long as the arc, not as its chord."""
-
-    def long(a: Any) -> tuple[float, float]:
-        heading = a.heading + 0.5 * a.omega * a.dt
-        return a.v * math.cos(heading), a.v * math.sin(heading)
-
-    instead("physim.geometry.motion:chord_velocity", long)
-
-
 # Contact
 
 
@@ -222,8 +211,8 @@ def who_is_too_deep_goes_back() -> None:
 
 
 @rule("physics")
-def bodies_stop_where_they_first_touch() -> None:
-    """Who is stopped within a step stops at depth 0, and so loses the contact again."""
+def bodies_stop_short() -> None:
+    """Who is stopped within a step stops apart from what it met, and so loses the contact."""
 
     def earlier(old: Any, a: Any) -> None:
         old()

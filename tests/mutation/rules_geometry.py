@@ -67,9 +67,8 @@ def distance_is_that_of_corners() -> None:
 
     def corners(a: Any) -> float:
         turn = np.array([[a.c, -a.s], [a.s, a.c]])
-        mine = a.P[a.p0 : a.p1] - (a.rx, a.ry)
-        its = a.Q[a.q0 : a.q1] @ turn.T + (a.tx, a.ty)
-        return float(np.hypot(*(mine[:, None] - its).reshape(-1, 2).T).min())
+        its = (a.Q[a.q0 : a.q1] - (a.rx, a.ry)) @ turn.T + (a.tx, a.ty)
+        return float(np.hypot(*(a.P[a.p0 : a.p1, None] - its).reshape(-1, 2).T).min())
 
     found(
         "physim.geometry.convex:part_gap",
@@ -78,14 +77,14 @@ def distance_is_that_of_corners() -> None:
 
 
 @rule("geometry")
-def depth_is_along_the_line_of_centres() -> None:
-    """The depth of an overlap is measured between the middles, not the shortest way out."""
+def depth_is_not_the_shortest_way_out() -> None:
+    """The depth of an overlap goes by how the middles lie, and may be more than the least."""
 
     def deeper(gap: float, a: Any) -> float:
         if gap >= 0.0:
             return gap
         turn = np.array([[a.c, -a.s], [a.s, a.c]])
-        between = (a.Q[a.q0 : a.q1] @ turn.T + (a.tx, a.ty)).mean(axis=0)
+        between = ((a.Q[a.q0 : a.q1] - (a.rx, a.ry)) @ turn.T + (a.tx, a.ty)).mean(axis=0)
         between -= a.P[a.p0 : a.p1].mean(axis=0)
         size = math.hypot(*between)
         return gap if size == 0.0 else gap * (1.0 + abs(between[1]) / size)
@@ -165,7 +164,7 @@ def headings_are_kept_in_11() -> None:
 
 
 @rule("geometry")
-def walls_move_with_the_robot() -> None:
+def walls_are_not_foreseen() -> None:
     """A robot meets no wall that it does not touch."""
     found(COLLISION + "walls_time", lambda xi, a: xi if xi == 0.0 else math.inf)
 
@@ -190,7 +189,7 @@ def travel_is_on_a_straight_line() -> None:
 
 @rule("geometry")
 def steps_are_not_certified() -> None:
-    """Advancement goes by the closing speed of the nearest points, not by a bound."""
+    """Advancement takes steps longer than those in which the gap surely lasts."""
     found(BOUNDS + "certified_step", lambda value, a: 1.5 * value)
 
 
@@ -208,7 +207,7 @@ def discs_that_part_never_meet() -> None:
 
 
 @rule("geometry")
-def swept_check_looks_at_the_ends() -> None:
+def swept_check_looks_at_the_middle() -> None:
     """A contact between two samples is one only where the middle of the step touches."""
     from physim.geometry.separation import body_distance
 

@@ -102,8 +102,8 @@ def others_are_seen_by_what_moved_them() -> None:
 
 
 @rule("loop")
-def disturbances_come_before_filters() -> None:
-    """A filter corrects what a disturbance will do."""
+def filters_get_disturbed_commands() -> None:
+    """A filter is given what disturbances make of the nominal commands, not these."""
 
     def exchange(old: Any) -> Any:
         def act(self: Any, nominal: Any) -> Any:
@@ -113,19 +113,6 @@ def disturbances_come_before_filters() -> None:
         return act
 
     replaced(LOOP + "_filter", exchange)
-
-
-@rule("loop")
-def sensing_looks_a_step_late() -> None:
-    """What is sensed at a step is what was sensed at the step before."""
-
-    def late(old: Any, a: Any) -> Any:
-        before = getattr(a.self, "_before", None)
-        value = old()
-        a.self._before = value
-        return before if before is not None and before[0].step == a.self.now.step - 1 else value
-
-    called(LOOP + "_sense", late)
 
 
 @rule("loop")
@@ -305,15 +292,6 @@ def digest_leaves_out_the_motion() -> None:
     )
 
 
-@rule("record")
-def digest_goes_by_what_is_recorded() -> None:
-    """The digest covers names and shapes of what a record holds, not the values."""
-    called(
-        "physim.record.layout:_add",
-        lambda old, a: a.total.update(f"{a.path} {a.dataset.shape}\n".encode()),
-    )
-
-
 @rule("metrics")
 def every_stage_has_the_nominal_command() -> None:
     """The record tells the nominal command where the filtered or applied one is asked for."""
@@ -447,7 +425,7 @@ def predictions_go_straight() -> None:
 
 
 @rule("crashtest")
-def contact_is_first_foretold_after_the_engine_says_it() -> None:
+def cases_are_judged_a_sample_late() -> None:
     """The distances by which a case is judged are those one sample later."""
     given(CRASH + "report:classify", distance=lambda a: np.append(a.distance[1:], a.distance[-1:]))
 

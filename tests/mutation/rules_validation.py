@@ -199,8 +199,7 @@ def rows_are_held_against_themselves() -> None:
     """Points, normals and depths of contacts are compared with what the record says."""
 
     def same(exact: Any, a: Any) -> Any:
-        names = ("x", "y", "nx", "ny", "depth")
-        return {name: a.rows[name] for name in names} if isinstance(exact, dict) else exact
+        return {name: a.rows[name] for name in exact}
 
     found(RECORDED + "_exact", same)
 

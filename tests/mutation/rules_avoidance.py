@@ -64,12 +64,6 @@ def others_stand_in_11() -> None:
 
 
 @rule("controllers")
-def only_the_nearest_counts_in_12() -> None:
-    """(12) looks at the robot that is nearest now, not at the smallest distance then."""
-    given(AVOIDANCE + "distance_after", near=nearest_alone, poses=lambda a: a.poses[:1])
-
-
-@rule("controllers")
 def only_the_nearest_counts_in_11() -> None:
     """The collision time is that with the nearest robot, not the smallest of all."""
     given(AVOIDANCE + "first_robot", near=nearest_alone)

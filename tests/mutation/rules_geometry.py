@@ -182,28 +182,9 @@ def turning_reaches_no_farther() -> None:
 
 
 @rule("geometry")
-def travel_is_on_a_straight_line() -> None:
-    """The bound on travel along an axis leaves out that the velocity turns."""
-    found(BOUNDS + "travel", lambda value, a: a.ax * a.vx + a.ay * a.vy)
-
-
-@rule("geometry")
 def steps_are_not_certified() -> None:
     """Advancement takes steps longer than those in which the gap surely lasts."""
     found(BOUNDS + "certified_step", lambda value, a: 1.5 * value)
-
-
-@rule("geometry")
-def discs_that_part_never_meet() -> None:
-    """Bodies whose middles move apart now are taken never to meet, though they turn."""
-
-    def apart(never: bool, a: Any) -> bool:
-        x, y = a.b.x - a.a.x, a.b.y - a.a.y
-        parts = x * (a.b.vx - a.a.vx) + y * (a.b.vy - a.a.vy) > 0.0
-        far = math.hypot(x, y) > a.a.radius + a.b.radius
-        return bool(never or (parts and far))
-
-    found(COLLISION + "never_meet", apart)
 
 
 @rule("geometry")
@@ -219,18 +200,6 @@ def swept_check_looks_at_the_middle() -> None:
     instead("physim.geometry.swept:swept_pair", middle)
 
 
-@rule("geometry")
-def bodies_turn_the_short_way_between_samples() -> None:
-    """Between two samples a robot that turns by more than half a turn goes the other way."""
-
-    def short(a: Any) -> Any:
-        end = np.array(a.end, dtype=float)
-        end[2] = a.start[2] + math.remainder(end[2] - a.start[2], 2.0 * math.pi)
-        return end
-
-    given("physim.geometry.swept:step_course", end=short)
-
-
 # Paths and areas
 
 
@@ -239,16 +208,6 @@ def projection_jumps() -> None:
     """The projection is the nearest point of all the path, also where it passes near itself."""
     given(PATH + "track", window=lambda a: 1e9)
     given(TRACKING + "track_line", window=lambda a: 1e9)
-
-
-@rule("geometry")
-def projection_never_goes_back() -> None:
-    """A robot that is pushed back keeps its station."""
-    given(
-        PATH + "track",
-        window=lambda a: 0.5 * a.window,
-        previous=lambda a: a.previous + 0.5 * a.window,
-    )
 
 
 @rule("geometry")

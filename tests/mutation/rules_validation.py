@@ -175,20 +175,6 @@ def whoever_touches_goes_anywhere() -> None:
 
 
 @rule("validation")
-def pushes_reach_the_whole_crowd() -> None:
-    """All robots are one group, whoever they touch: a push may come from anywhere."""
-    instead(PUSHING + "_groups", lambda a: np.zeros(a.count, dtype=np.int64))
-
-
-@rule("validation")
-def pushes_bring_everybody_as_far() -> None:
-    """A push may bring every robot as far as the one that it brings farthest."""
-    found(
-        PUSHING + "Pushing._allowed", lambda value, a: np.full_like(value, value.max(initial=0.0))
-    )
-
-
-@rule("validation")
 def distances_are_held_with_their_sign_lost() -> None:
     """An overlap in the record may be a gap by the shapes."""
     found(DIFFERENCES + "distance_at", lambda value, a: abs(value))
@@ -202,16 +188,6 @@ def rows_are_held_against_themselves() -> None:
         return {name: a.rows[name] for name in exact}
 
     found(RECORDED + "_exact", same)
-
-
-@rule("validation")
-def one_row_stands_for_a_pair() -> None:
-    """Only the first wrong row of a whole run is told, not that of each pair."""
-
-    def first(value: Any, a: Any) -> Any:
-        return value[:1] if isinstance(value, list) else tuple(one[:1] for one in value)
-
-    found(RECORDED + "_by_pair", first)
 
 
 @rule("validation")

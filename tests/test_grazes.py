@@ -14,7 +14,7 @@ from physim.parts.controller import Decision
 from physim.parts.stages import Step
 from physim.simulation.loop import Simulation
 from physim.simulation.run import simulate
-from physim.simulation.swept_contacts import SweptContactFinder
+from physim.simulation.swept_contacts import ROOM, SweptContactFinder
 from physim.world.file import parse_world
 from physim.world.layout.scene_builder import build_scene
 from physim.world.scene import Scene
@@ -67,6 +67,19 @@ def test_a_step_is_looked_at_alone_as_after_others(scene: Scene, course: FloatAr
     step = int(whole["step"][0])
     alone = SweptContactFinder(scene).rows(step, course[step - 1], course[step])
     assert alone.tobytes() == whole.tobytes()
+
+
+def test_more_grazes_in_a_step_than_there_is_room_for_at_first(
+    scene: Scene, course: FloatArray
+) -> None:
+    """As many pairs, five metres apart, each as the first."""
+    pairs = ROOM + 1
+    apart = [[5.0 * (k % 30), 8.0 * (k // 30 - 1), 0.0] for k in range(pairs)]
+    many = (course[:, None] + np.array(apart)[:, None]).reshape(len(course), 2 * pairs, 3)
+    found = rows(build_scene(road(many[0].tolist(), duration=1.0)), many)
+    (alone,) = rows(scene, course)
+    assert found["step"].tolist() == [alone["step"]] * pairs
+    assert found["a"].tolist() == list(range(0, 2 * pairs, 2))
 
 
 def test_the_engine_sees_none_of_it(scene: Scene) -> None:

@@ -193,6 +193,15 @@ def test_a_run_driven_from_outside_finishes_and_is_recorded_with_its_commands() 
     assert record.arrived.tolist() == [record.steps_run]
 
 
+def test_when_a_robot_arrived_does_not_depend_on_blocks(monkeypatch: pytest.MonkeyPatch) -> None:
+    """It stands at its stop from the start on: arrived once it has stood for half a second."""
+    world = road([[200.0, 0.0, 0.0], [100.0, 9.0, 0.0]], duration=0.7)
+    for steps in (1, 10, 50, 1000):
+        monkeypatch.setattr("physim.simulation.recorder.BLOCK_STEPS", steps)
+        record = simulate(world, controller=Says(lambda o: Decision(0.0, 0.0, hold=0.1)))
+        assert record.arrived.tolist() == [50, -1]
+
+
 @pytest.mark.parametrize("every", [1, 7])
 def test_what_is_recorded_is_a_value(wild: Any, every: int) -> None:
     whole = simulate(wild, controller=Says(drift))

@@ -77,6 +77,26 @@ def test_what_is_no_run_is_not_run() -> None:
         run_one(cast("RunSpec", parse_world(WORLD)))
 
 
+def test_a_seed_runs_though_the_first_one_does_not() -> None:
+    """Robots in a tight place: not every seed finds room for them."""
+    tight = parse_world(TIGHT)
+    assert run_one(spec_of(tight, 2)).ended == "duration"
+    failed = run_one(spec_of(tight, 0))
+    assert (failed.ended, "could be placed" in failed.reason) == ("error", True)
+
+
+TIGHT = """\
+name: tight
+time: {step: 0.02, duration: 0.2}  # [s]
+corridor: {centreline: [[0, 0], [20, 0]], width: 8.0}  # [m]
+robots:
+  - count: 4
+    footprint: {length: 1.8, width: 1.0}  # [m]
+    path: {offset: 0.0}
+    start: {region: [[1, -3], [3.8, -3], [3.8, 3], [1, 3]], min_gap: 0.1}
+"""
+
+
 def test_a_run_of_a_spec_is_that_of_its_world() -> None:
     world = parse_world(WORLD)
     spec = pickle.loads(pickle.dumps(spec_of(world, 3)))

@@ -186,4 +186,6 @@ def test_the_largest_distance_counts_walls_that_stand_in_the_area() -> None:
     halved = accessible_area([rim, np.array([[0.0, 2.0], [20.0, 2.0]])], [], path)
     assert halved.largest_distance() == pytest.approx(1.0, abs=2e-3)
     wall = np.array([[0.0, 2.0], [18.5, 2.0]])
-    assert accessible_area([rim, wall], [], path).largest_distance() < 1.3
+    largest = accessible_area([rim, wall], [], path).largest_distance()
+    # of the circle r that touches the wall's end and two sides: (1.5 - r)^2 + (2 - r)^2 = r^2
+    assert largest == pytest.approx(3.5 - np.sqrt(6.0), abs=5e-3)

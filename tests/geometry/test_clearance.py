@@ -190,6 +190,14 @@ def test_equally_near_robots_give_the_lowest():
     assert list(found.other[0]) == [1, 0, 0]
 
 
+def test_equally_near_walls_give_the_lowest():
+    """Whichever was nearest before."""
+    walls = pack_parts([[np.array([[0.0, y], [20.0, y]])] for y in (3.0, -3.0)])
+    poses = np.array([[[8.0, y, 0.0]] for y in (-0.25, 0.0, 0.25, 0.0, -0.25, 0.0)])
+    found = clearances(poses, pack_parts([[BOX]]), walls, build_wall_grid(walls, 5.0, 1.0))
+    assert found.boundary_other[:, 0].tolist() == [2, 1, 1, 1, 2, 1]
+
+
 def test_cores_lie_inside():
     rng = np.random.default_rng(9)
     shapes = pack_parts([random_body(rng) for _ in range(20)])

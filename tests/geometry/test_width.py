@@ -78,6 +78,16 @@ def test_the_two_sides_are_apart_as_seen_from_the_path() -> None:
     assert not opposite(point, along, np.array([[0.0, 1.0]]), np.full((1, 2), np.inf)).any()
 
 
+def test_the_narrowest_place_is_the_middle_of_the_longest_narrow_stretch() -> None:
+    """Two stretches, equally narrow: from 2 to 4 m and from 8 to 14 m."""
+    walls = [[0.0, -3.0, 20.0, -3.0], [0.0, 3.0, 20.0, 3.0], [2.0, 1.0, 4.0, 1.0],
+             [8.0, 1.0, 14.0, 1.0]]  # fmt: skip
+    path = np.array([[0.0, 0.0], [20.0, 0.0]])
+    found = widths_at(path, np.linspace(0.0, 20.0, 201), np.array(walls))
+    assert found.narrowest is not None
+    assert found.station[found.narrowest] == pytest.approx(11.0)
+
+
 @pytest.mark.parametrize("aside", [-1.2, 0.0, 1.2])
 @pytest.mark.parametrize("inward", [True, False])
 def test_a_road_that_passes_itself_has_its_own_width_everywhere(aside: float, inward: bool) -> None:

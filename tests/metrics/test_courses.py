@@ -283,6 +283,18 @@ def test_width_is_from_wall_to_wall() -> None:
     assert np.allclose(np.minimum(*gaps), least)
 
 
+def test_an_obstacle_beside_the_path_is_the_side() -> None:
+    """In a corridor 8 m wide: a box from 1 m left of the path on."""
+    world = physim.parse_world(LANE.replace("duration: 3.0", "duration: 0.1") + BOX_ON_THE_LEFT)
+    with physim.simulate(world, controller=Drivers((0.0, 0.0), (0.0, 0.0))) as record:
+        found = metrics.corridor_width(record)
+    for station, width in ((10.0, 8.0), (16.0, 5.0)):
+        assert found.width[np.isclose(found.station, station)] == pytest.approx([width])
+
+
+BOX_ON_THE_LEFT = "obstacles: [[[15, 1], [17, 1], [17, 2], [15, 2]]]\n"
+
+
 def room(walls: FloatArray, path: list[list[float]]) -> Record:
     """One robot on a path within one closed line of walls."""
     scene = make_scene(1)

@@ -16,6 +16,7 @@ import pytest
 from crowds import KINDS, crowd, digest, go_on, run, told, worth_restoring
 from engine_memory import biases, set_biases
 
+from physim.contacts import Phase
 from physim.errors import PhysimError
 
 ONWARD = 200
@@ -161,6 +162,18 @@ def test_the_order_of_pairs_of_the_tree_depends_on_the_past(monkeypatch):
             continue
         differ += go_on(scene, physics, 300) != by_tree.samples[k:]
     assert differ > 0
+
+
+def test_contacts_that_have_ended_were_solved_too():
+    """How long the engine solves hangs on how many pairs touched; some of them are apart since."""
+    scene, undisturbed = crowd("jam", 1), past("jam", 1)
+    ended = [s for s in undisturbed.states[:LAST] if (s.contacts["phase"] == Phase.ENDED).any()]
+    physics = scene.physics()
+    for state in ended[:8]:
+        physics.restore(state)
+        until = int(state.step) + 40
+        go_on(scene, physics, until)
+        assert physics.state == undisturbed.states[until]
 
 
 def test_what_eases_overlaps_follows_from_the_poses():

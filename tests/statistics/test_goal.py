@@ -101,6 +101,12 @@ def test_a_decision_is_the_first_look_that_decides() -> None:
     assert narrow.holds is None
 
 
+def test_a_bound_that_the_interval_only_touches_is_not_decided() -> None:
+    """However many runs succeed: that every one does is never known, nor that none does."""
+    assert decide(Goal("rate", "<", 1.0), [True] * 50).holds is None
+    assert decide(Goal("rate", ">", 0.0), [False] * 50).holds is None
+
+
 def test_without_enough_runs_nothing_is_decided() -> None:
     found = decide(Goal("rate", ">", 0.999), [True] * 100)
     assert (found.runs, found.decided, found.holds) == (100, False, None)

@@ -22,15 +22,20 @@ BOX = "footprint: {length: 1.8, width: 1.0}"
 STAND, DRIVE = (0.0, 0.0), (0.8, 0.0)
 
 
-def row(*robots: tuple[float, float, tuple[float, float]], obstacles: str = "[]"):
-    """Robots on the middle of the lane: x [m], heading [rad], command; as validated."""
+def driven(*robots: tuple[float, float, tuple[float, float]], obstacles: str = "[]"):
+    """Robots on the middle of the lane: x [m], heading [rad], command; the record."""
     lines = [
         f"  - {{name: r{k}, {BOX}, pose: [{x}, 0.0, {heading}], path: {{offset: 0.0}}}}"
         for k, (x, heading, _) in enumerate(robots, 1)
     ]
     head = f"obstacles: {obstacles}\n{LANE[: LANE.index('  - {')]}"
     world = physim.parse_world(head + "\n".join(lines) + "\n")
-    found = validate(physim.simulate(world, controller=Drivers(*(c for _, _, c in robots))))
+    return physim.simulate(world, controller=Drivers(*(c for _, _, c in robots)))
+
+
+def row(*robots: tuple[float, float, tuple[float, float]], obstacles: str = "[]"):
+    """The same, as validated."""
+    found = validate(driven(*robots, obstacles=obstacles))
     return found, " ".join(report(found).split())
 
 
@@ -154,3 +159,11 @@ def test_a_standing_robot_that_nobody_is_seen_to_push(tmp_path, pushed_along):
     assert one.responsible == (0,)
     said = describe_cause(one, [body.name for body in found.run.bodies])
     assert states(said, "stander stood by command", "no robot", "pushed")
+
+
+def test_robots_that_touch_each_other_and_stand_push_nobody(tmp_path):
+    """Two that lean on each other at a wall; of what pushes them the record tells nothing."""
+    obstacle = "[[[10, 0.2], [11, 0.2], [11, 2], [10, 2]]]"
+    record = driven((8.7, 0.0, STAND), (6.6, 0.0, STAND), (4.5, 0.0, DRIVE), obstacles=obstacle)
+    with edited(record, tmp_path / "r.h5", lambda rows: rows[rows["b"] != 2]) as alone:
+        assert [one.responsible for one in validate(alone).contacts if one.b > 2] == [(0,)]

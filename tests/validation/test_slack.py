@@ -109,6 +109,19 @@ def test_a_prediction_agrees_to_its_slack(monkeypatch, rear_end, late, verdict):
     assert found.verdict == verdict
 
 
+@pytest.mark.parametrize(("aside", "moved"), [(5e-8, True), (1e-5, False)])
+def test_a_robot_moved_as_commanded_to_1e_7_m(rear_end, tmp_path, aside, moved):
+    """At the contact that is predicted from its command; along the other robot's rear."""
+    step = metrics.contact_episodes(rear_end)[0].step
+
+    def shift(file):
+        file["/steps/pose"][step, 1, 1] += aside
+
+    with changed(rear_end, tmp_path / "record.h5", shift) as record:
+        found = validate(record).contacts[0].prediction
+    assert (found.verdict != prediction.NOT_AS_COMMANDED) == moved
+
+
 def test_a_slack_of_hours_is_not_looked_through(rear_end, monkeypatch):
     """A forged command turns so fast that its chord is kilometres long: it took hours."""
     record, episode = rear_end, metrics.contact_episodes(rear_end)[0]

@@ -1,0 +1,288 @@
+"""Rules of the paper's controller, broken: priority, path following (2) to (6), (7) to (10)."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+
+from tests.mutation.rules import called, found, given, instead, replaced, rule
+
+BATCH = "physim.controllers.batch:"
+FOLLOWING = "physim.controllers.path_following:"
+FORMATION = "physim.controllers.formation:"
+PRIORITY = "physim.controllers.priority:"
+
+
+# Priority
+
+
+@rule("controllers")
+def who_is_behind_has_priority() -> None:
+    """A robot considers those behind it along s*, not those ahead."""
+    given(
+        PRIORITY + "has_priority",
+        station_i=lambda a: a.station_j, station_j=lambda a: a.station_i,
+        index_i=lambda a: a.index_j, index_j=lambda a: a.index_i,
+    )  # fmt: skip
+
+
+@rule("controllers")
+def range_along_the_path_alone() -> None:
+    """The range of priority holds along s* only, however far a robot is straight away."""
+    given(PRIORITY + "considered", pose=lambda a: np.zeros_like(a.pose))
+    given(PRIORITY + "considered_by_rank", pose=lambda a: np.zeros_like(a.pose))
+
+
+@rule("controllers")
+def range_straight_alone() -> None:
+    """The range of priority holds straight only, however far a robot is ahead along s*."""
+    given(PRIORITY + "considered", station=lambda a: 1e-6 * a.station)
+    given(
+        PRIORITY + "considered_by_rank",
+        ranking=lambda a: a.ranking._replace(along=1e-6 * a.ranking.along),
+    )
+
+
+@rule("controllers")
+def everybody_within_range_is_considered() -> None:
+    """Nobody has priority: robots beside and behind are considered, too."""
+
+    def near(me: int, pose: Any, station: Any, reach: float) -> list[int]:
+        return [
+            j for j in range(len(pose))
+            if j != me and abs(station[j] - station[me]) <= reach
+            and math.hypot(*(pose[j, :2] - pose[me, :2])) <= reach
+        ]  # fmt: skip
+
+    def by_rank(old: Any, a: Any) -> int:
+        ranking = a.ranking
+        rows = near(a.me, a.pose, ranking.along[ranking.place], a.reach)
+        ranking.rows[: len(rows)] = rows
+        return len(rows)
+
+    instead(
+        PRIORITY + "considered",
+        lambda a: np.array(near(a.me, a.pose, a.station, a.reach), dtype=np.int64),
+    )
+    called(PRIORITY + "considered_by_rank", by_rank)
+
+
+@rule("controllers")
+def only_the_next_one_ahead_is_considered() -> None:
+    """Of those ahead only the first along s* is looked at."""
+
+    def first(old: Any, a: Any) -> int:
+        count = old()
+        rows = a.ranking.rows
+        if count:
+            rows[0] = min(rows[:count], key=lambda j: a.ranking.place[j])
+        return min(count, 1)
+
+    found(
+        PRIORITY + "considered",
+        lambda rows, a: np.array(sorted(rows, key=lambda j: a.station[j])[:1], dtype=np.int64),
+    )
+    called(PRIORITY + "considered_by_rank", first)
+
+
+@rule("controllers")
+def stations_of_own_paths_decide() -> None:
+    """Formation and priority go by stations along the own paths, not along s*."""
+    given(
+        BATCH + "ModeSwitchingBatch.decide_due",
+        sensed=lambda a: a.sensed._replace(reference_station=a.sensed.station),
+    )
+
+
+@rule("controllers")
+def robots_decide_one_after_the_other() -> None:
+    """Who decides later in a step sees the new commands of those before, not one snapshot."""
+
+    def tell(old: Any, a: Any) -> Any:
+        looked_at = old()
+        a.bodies.command[list(a.bodies.number).index(a.i)] = a.out.command[a.k]
+        return looked_at
+
+    given(
+        BATCH + "ModeSwitchingBatch.decide_due",
+        sensed=lambda a: a.sensed._replace(command=a.sensed.command.copy()),
+    )
+    called(BATCH + "decide_row", tell)
+
+
+# Target and path following, (2) to (6)
+
+
+@rule("controllers")
+def target_straight_ahead_of_the_projection() -> None:
+    """(3) leaves the path: the target lies on the tangent at the projection."""
+
+    def straight(old: Any, a: Any) -> Any:
+        x, y, tx, ty = old(look_ahead=0.0)
+        return x + a.look_ahead * tx, y + a.look_ahead * ty, tx, ty
+
+    called(FOLLOWING + "target_on_path", straight)
+
+
+@rule("controllers")
+def target_beyond_the_last_waypoint() -> None:
+    """(3) goes on straight where the path ends, in place of the last waypoint."""
+
+    def onward(value: Any, a: Any) -> Any:
+        x, y, tx, ty = value
+        last = a.paths.start[a.k + 1] - 1
+        over = max(0.0, a.station + a.look_ahead - a.paths.station[last])
+        return x + over * tx, y + over * ty, tx, ty
+
+    found(FOLLOWING + "target_on_path", onward)
+
+
+@rule("controllers")
+def energy_is_a_distance() -> None:
+    """(4) is half the distance to the target, not half its square."""
+    instead(
+        FOLLOWING + "target_energy", lambda a: 0.5 * math.hypot(*np.subtract(a.position, a.target))
+    )
+
+
+@rule("controllers")
+def heading_decides_before_distance() -> None:
+    """Ties of (12) and (13) go to the smaller heading error first, then to the distance."""
+    found(FOLLOWING + "judge", lambda value, a: (value[1], value[0], value[2]))
+
+
+@rule("controllers")
+def plan_is_judged_by_its_first_pair() -> None:
+    """(5) looks at a plan as if its first speed pair were held throughout."""
+    given(FOLLOWING + "plan_end", plan=lambda a: np.tile(a.plan[0], (len(a.plan), 1)))
+
+
+@rule("controllers")
+def plan_moves_along_the_first_heading() -> None:
+    """(5) foresees straight motion with a turn on the spot, not the arc of (1)."""
+    instead(
+        FOLLOWING + "arc",
+        lambda a: (
+            a.pose[0] + a.v * a.t * math.cos(a.pose[2]),
+            a.pose[1] + a.v * a.t * math.sin(a.pose[2]),
+            a.pose[2] + a.omega * a.t,
+        ),
+        here=True,
+    )
+
+
+@rule("controllers")
+def plan_is_judged_beyond_the_last_waypoint() -> None:
+    """A plan is judged ``judge_ahead``, however near the last waypoint is."""
+    instead(FOLLOWING + "judging_time", lambda a: a.judge_ahead)
+
+
+@rule("controllers")
+def heading_error_is_not_wrapped() -> None:
+    """The heading error grows with every full turn of the robot."""
+    instead(
+        FOLLOWING + "heading_error",
+        lambda a: abs(math.atan2(a.ty - a.y, a.tx - a.x) - a.heading),
+    )
+
+
+@rule("controllers")
+def ties_go_by_the_order_of_the_sets() -> None:
+    """Neither heading error nor the smaller |omega| settles a tie of (5), (12) or (13)."""
+    instead(FOLLOWING + "comes_first", lambda a: a.a[0] < a.b[0] - 1e-12)
+
+
+@rule("controllers")
+def nobody_drives_backwards() -> None:
+    """In danger the candidates have no speeds below 0."""
+    given(FOLLOWING + "put_pairs", speeds=lambda a: np.maximum(a.speeds, 0.0))
+
+
+@rule("controllers")
+def rotational_speeds_go_with_the_speed() -> None:
+    """The candidates of (6) turn the faster the faster the formation drives."""
+    given(FOLLOWING + "put_pairs", omegas=lambda a: a.nu * a.omegas)
+
+
+# Formation, (7) to (10)
+
+
+@rule("controllers")
+def no_desired_distances() -> None:
+    """(7) draws all robots to one station: l*_ij counts as 0."""
+    given(FORMATION + "formation_sum", lead=lambda a: np.zeros_like(a.lead))
+
+
+@rule("controllers")
+def formation_takes_the_mean() -> None:
+    """(7) adds the gain times the mean over N_i, not times the sum."""
+    found(FORMATION + "formation_sum", lambda value, a: value / max(1, len(a.neighbours)))
+
+
+@rule("controllers")
+def formation_looks_ahead_only() -> None:
+    """N_i holds only who is ahead, so it is not symmetric, and (10) does not hold."""
+    given(
+        FORMATION + "formation_sum",
+        neighbours=lambda a: [j for j in a.neighbours if a.station[j] > a.station[a.me]],
+    )
+
+
+@rule("controllers")
+def formation_takes_the_largest_error() -> None:
+    """(7) takes the largest of the errors over N_i in place of their sum."""
+
+    def largest(a: Any) -> float:
+        own = a.lead[a.number[a.me]]
+        errors = [
+            (a.station[j] - a.station[a.me]) - (a.lead[a.number[j]] - own) for j in a.neighbours
+        ]
+        return float(max(errors, key=abs, default=0.0))
+
+    instead(FORMATION + "formation_sum", largest)
+
+
+@rule("controllers")
+def speed_is_held_about_the_steady_one() -> None:
+    """The bounds of (7) lie as far below nu_0 as above."""
+    given(FORMATION + "formation_speed", v_min=lambda a: 2.0 * a.nu_0 - a.v_max)
+
+
+@rule("controllers")
+def limit_holds_before_the_formation() -> None:
+    """A robot's top speed bounds nu_0, and (7) may go beyond it."""
+    given(
+        FORMATION + "forward_speed",
+        rule=lambda a: a.rule._replace(nu_0=min(a.rule.nu_0, a.top_speed)),
+        top_speed=lambda a: math.inf,
+    )
+
+
+@rule("controllers")
+def energy_counts_each_pair_once() -> None:
+    """(9) leaves out the pairs j < i, so that W is half of what it is."""
+    given(FORMATION + "formation_energy", adjacency=lambda a: np.triu(a.adjacency))
+
+
+@rule("controllers")
+def energy_falls_by_the_squares_of_errors() -> None:
+    """(10) sums the squares of the single errors, not the squares of the sums over N_i."""
+
+    def rate(a: Any) -> float:
+        error = np.subtract.outer(a.station - a.lead, a.station - a.lead)
+        return float(-2.0 * a.alpha * (a.adjacency * error**2).sum())
+
+    instead(FORMATION + "formation_energy_rate", rate)
+
+
+@rule("controllers")
+def speed_of_the_formation_without_one() -> None:
+    """Without a formation robots drive at the formation's steady speed, not at their own."""
+
+    def of(old: Any) -> Any:
+        make = old.__func__
+        return staticmethod(lambda plan, speed: make(plan, speed)._replace(nu_0=plan.speed))
+
+    replaced(FORMATION + "SpeedRule.of", of)

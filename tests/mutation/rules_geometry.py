@@ -1,0 +1,262 @@
+"""Rules of geometry, broken: arcs, distances, collision times (11) and their guarantee, paths."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+
+from tests.mutation.rules import called, found, given, instead, rule
+
+ADVANCE = "physim.geometry.advancement:"
+BOUNDS = "physim.geometry.gap_bounds:"
+COLLISION = "physim.geometry.collision:"
+MOTION = "physim.geometry.motion:"
+PATH = "physim.geometry.path:"
+SAFE_POINT = "physim.geometry.safe_point:"
+TRACKING = "physim.geometry.tracking:"
+
+
+@rule("geometry")
+def arc_is_its_tangent() -> None:
+    """(1) moves along the heading at the start."""
+    instead(
+        MOTION + "arc",
+        lambda a: (
+            a.pose[0] + a.v * a.t * math.cos(a.pose[2]),
+            a.pose[1] + a.v * a.t * math.sin(a.pose[2]),
+            a.pose[2] + a.omega * a.t,
+        ),
+    )
+
+
+@rule("geometry")
+def chord_is_as_long_as_its_arc() -> None:
+    """(1) has the direction of the chord and the length of the arc."""
+    instead(MOTION + "chord_factor", lambda a: 1.0)
+
+
+@rule("geometry")
+def chord_to_second_order() -> None:
+    """The chord over its arc is taken from a series of two terms."""
+    instead(MOTION + "chord_factor", lambda a: 1.0 - a.h * a.h / 6.0)
+
+
+@rule("geometry")
+def headings_are_wrapped() -> None:
+    """A heading lies within half a turn of the x axis."""
+    found(MOTION + "arc", lambda value, a: (*value[:2], math.remainder(value[2], 2.0 * math.pi)))
+
+
+@rule("geometry")
+def course_turns_with_its_velocity_alone() -> None:
+    """A body on an arc keeps its heading while it goes round."""
+    found(MOTION + "facing_course", lambda course, a: course._replace(spin=0.0))
+
+
+@rule("geometry")
+def depth_is_nought() -> None:
+    """Overlap has no depth: the distance is unsigned."""
+    found("physim.geometry.convex:part_gap", lambda gap, a: max(gap, 0.0))
+
+
+@rule("geometry")
+def distance_is_that_of_corners() -> None:
+    """The distance of two parts is that of their nearest corners."""
+
+    def corners(a: Any) -> float:
+        turn = np.array([[a.c, -a.s], [a.s, a.c]])
+        its = (a.Q[a.q0 : a.q1] - (a.rx, a.ry)) @ turn.T + (a.tx, a.ty)
+        return float(np.hypot(*(a.P[a.p0 : a.p1, None] - its).reshape(-1, 2).T).min())
+
+    found(
+        "physim.geometry.convex:part_gap",
+        lambda gap, a: corners(a) if 0.0 < gap < a.enough else gap,
+    )
+
+
+@rule("geometry")
+def depth_is_not_the_shortest_way_out() -> None:
+    """The depth of an overlap goes by how the middles lie, and may be more than the least."""
+
+    def deeper(gap: float, a: Any) -> float:
+        if gap >= 0.0:
+            return gap
+        turn = np.array([[a.c, -a.s], [a.s, a.c]])
+        between = ((a.Q[a.q0 : a.q1] - (a.rx, a.ry)) @ turn.T + (a.tx, a.ty)).mean(axis=0)
+        between -= a.P[a.p0 : a.p1].mean(axis=0)
+        size = math.hypot(*between)
+        return gap if size == 0.0 else gap * (1.0 + abs(between[1]) / size)
+
+    found("physim.geometry.convex:part_gap", deeper)
+
+
+@rule("geometry")
+def only_the_first_part_counts() -> None:
+    """A nonconvex body is its first convex part."""
+    given(
+        "physim.geometry.separation:body_gap",
+        p_last=lambda a: a.p_first + 1, q_last=lambda a: a.q_first + 1,
+    )  # fmt: skip
+
+
+@rule("geometry")
+def footprint_is_its_hull() -> None:
+    """A nonconvex outline is filled in."""
+    from physim.geometry.polygon import convex_hull
+
+    instead("physim.geometry.polygon:convex_parts", lambda a: [convex_hull(a.polygon)])
+
+
+@rule("geometry")
+def clearance_to_the_nearest_middle() -> None:
+    """The nearest robot is the one whose reference point is nearest."""
+
+    def nearest(old: Any, a: Any) -> Any:
+        answer = old()
+        place = a.pose[:, :2]
+        apart = np.hypot(*(place[:, None] - place).transpose(2, 0, 1))
+        np.fill_diagonal(apart, np.inf)
+        if len(place) > 1:
+            a.other[:] = apart.argmin(axis=1)
+        return answer
+
+    called("physim.geometry.nearest_robots:nearest_others", nearest)
+
+
+# Collision time
+
+
+@rule("geometry")
+def collision_time_is_late() -> None:
+    """A collision time may be a little later than the first touch."""
+    found(COLLISION + "bodies_time", lambda xi, a: xi + 1e-5 if xi > 0.0 else xi)
+
+
+@rule("geometry")
+def collision_time_is_early() -> None:
+    """At a collision time the shapes need not touch yet."""
+    found(COLLISION + "bodies_time", lambda xi, a: 0.9999 * xi)
+
+
+@rule("geometry")
+def collision_time_is_that_of_discs() -> None:
+    """Two bodies meet when the discs about them do."""
+    from physim.geometry.time_bounds import discs_meet
+
+    instead(COLLISION + "bodies_time", lambda a: discs_meet(a.a, a.b, 0.0, a.horizon))
+
+
+@rule("geometry")
+def overlap_is_no_collision() -> None:
+    """Bodies that overlap at the start have no collision time."""
+    found(COLLISION + "bodies_time", lambda xi, a: math.inf if xi == 0.0 else xi)
+
+
+@rule("geometry")
+def headings_are_kept_in_11() -> None:
+    """A collision time takes both bodies as not turning."""
+    given(
+        COLLISION + "collision_time_pair",
+        twist_i=lambda a: (a.twist_i[0], 0.0), twist_j=lambda a: (a.twist_j[0], 0.0),
+    )  # fmt: skip
+
+
+@rule("geometry")
+def walls_are_not_foreseen() -> None:
+    """A robot meets no wall that it does not touch."""
+    found(COLLISION + "walls_time", lambda xi, a: xi if xi == 0.0 else math.inf)
+
+
+@rule("geometry")
+def step_rests_on_the_rate_alone() -> None:
+    """A certified step takes the gap of a turning edge to close at a constant rate."""
+    instead(BOUNDS + "bend", lambda a: 0.0)
+
+
+@rule("geometry")
+def turning_reaches_no_farther() -> None:
+    """A part that turns reaches as far along an axis as it does now."""
+    instead(BOUNDS + "turning_reach", lambda a: a.top)
+
+
+@rule("geometry")
+def steps_are_not_certified() -> None:
+    """Advancement takes steps longer than those in which the gap surely lasts."""
+    found(BOUNDS + "certified_step", lambda value, a: 1.5 * value)
+
+
+@rule("geometry")
+def swept_check_looks_at_the_middle() -> None:
+    """A contact between two samples is one only where the middle of the step touches."""
+    from physim.geometry.separation import body_distance
+
+    def middle(a: Any) -> float:
+        one, other = 0.5 * (a.start_i + a.end_i), 0.5 * (a.start_j + a.end_j)
+        gap = body_distance(a.shapes, a.i, one, a.shapes, a.j, other)
+        return 0.5 * a.dt if gap <= 1e-9 else math.inf
+
+    instead("physim.geometry.swept:swept_pair", middle)
+
+
+# Paths and areas
+
+
+@rule("geometry")
+def projection_jumps() -> None:
+    """The projection is the nearest point of all the path, also where it passes near itself."""
+    given(PATH + "track", window=lambda a: 1e9)
+    given(TRACKING + "track_line", window=lambda a: 1e9)
+
+
+@rule("geometry")
+def projection_is_a_waypoint() -> None:
+    """A robot is at the station of the nearest waypoint."""
+
+    def waypoint(value: Any, a: Any) -> Any:
+        stations = a.lines.station[a.lines.start[a.k] : a.lines.start[a.k + 1]]
+        return float(stations[np.abs(stations - value[0]).argmin()]), value[1]
+
+    found(PATH + "project", waypoint)
+
+
+@rule("geometry")
+def way_to_a_safe_point_may_cross_walls() -> None:
+    """A target is moved to the nearest safe point, behind a wall if that is nearest."""
+    instead(SAFE_POINT + "_crosses", lambda a: False)
+
+
+@rule("geometry")
+def safe_points_behind_serve() -> None:
+    """A safe point may lie any way behind the target."""
+    given(SAFE_POINT + "nearest_safe_point", back=lambda a: math.inf)
+
+
+@rule("geometry")
+def roomiest_point_is_the_target() -> None:
+    """In a narrow place the target stays, wherever in the cross-section it is."""
+    instead(SAFE_POINT + "roomiest_point", lambda a: a.target)
+
+
+@rule("geometry")
+def walls_within_the_area_have_no_danger_area() -> None:
+    """Only the edge of the accessible area has one, not a wall that stands in it."""
+    from shapely import MultiLineString
+
+    instead("physim.geometry.area:inner_lines", lambda a: MultiLineString())
+
+
+@rule("geometry")
+def corridor_corners_are_not_mitred() -> None:
+    """A wall is the middle line's points moved square to one leg: it is narrower in bends."""
+    instead(
+        "physim.geometry.corridor:offset_polyline",
+        lambda a: (
+            a.points
+            + np.asarray(a.offset)[:, None]
+            * (lambda leg: np.stack((-leg[:, 1], leg[:, 0]), 1) / np.hypot(*leg.T)[:, None])(
+                np.diff(a.points, axis=0, append=2.0 * a.points[-1:] - a.points[-2:-1])
+            )
+        ),
+    )

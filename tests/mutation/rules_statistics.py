@@ -1,0 +1,294 @@
+"""Rules of statistics, broken: another interval, another test, another way to stop."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+
+from tests.mutation.rules import found, given, instead, rule
+
+PAIRED = "physim.statistics.paired:"
+PROPORTION = "physim.statistics.proportion:"
+SEQUENCE = "physim.statistics.sequence:"
+
+
+def counts(a: Any) -> tuple[Any, Any, Any]:
+    """Successes, trials (1 at least), and the quantile of the normal distribution."""
+    from scipy.special import ndtri
+
+    s, n = np.broadcast_arrays(np.asarray(a.successes, float), np.asarray(a.trials, float))
+    return s, np.maximum(n, 1.0), float(ndtri(0.5 + 0.5 * a.confidence))
+
+
+@rule("statistics")
+def interval_is_walds() -> None:
+    """A rate has the normal interval about its estimate, which is empty at 0 and 1."""
+
+    def wald(a: Any) -> Any:
+        s, n, z = counts(a)
+        half = z * np.sqrt(s / n * (1.0 - s / n) / n)
+        return np.maximum(s / n - half, 0.0), np.minimum(s / n + half, 1.0)
+
+    instead(PROPORTION + "clopper_pearson_each", wald)
+
+
+@rule("statistics")
+def interval_is_wilsons() -> None:
+    """A rate has the score interval, which covers less than it says for some rates."""
+
+    def wilson(a: Any) -> Any:
+        s, n, z = counts(a)
+        middle = (s + 0.5 * z * z) / (n + z * z)
+        half = z / (n + z * z) * np.sqrt(s * (n - s) / n + 0.25 * z * z)
+        return np.maximum(middle - half, 0.0), np.minimum(middle + half, 1.0)
+
+    instead(PROPORTION + "clopper_pearson_each", wilson)
+
+
+@rule("statistics")
+def interval_is_bayesian() -> None:
+    """A rate has the credible interval of Jeffreys' prior, which holds on average alone."""
+    from scipy.special import betaincinv
+
+    def jeffreys(a: Any) -> Any:
+        s, n = np.broadcast_arrays(np.asarray(a.successes, float), np.asarray(a.trials, float))
+        tail = 0.5 * (1.0 - a.confidence)
+        low = betaincinv(s + 0.5, n - s + 0.5, tail)
+        high = betaincinv(s + 0.5, n - s + 0.5, 1.0 - tail)
+        return np.where(s > 0, low, 0.0), np.where(s < n, high, 1.0)
+
+    instead(PROPORTION + "clopper_pearson_each", jeffreys)
+
+
+@rule("statistics")
+def interval_is_mid_p() -> None:
+    """The ends of a rate's interval count half of the outcome that was seen."""
+    from scipy.special import betaincinv
+
+    def mid(value: Any, a: Any) -> Any:
+        s, n = np.broadcast_arrays(np.asarray(a.successes, float), np.asarray(a.trials, float))
+        tail = 1.0 - a.confidence
+        low, high = (np.array(end) for end in value)
+        some, most = s > 0, s < n
+        low[some] = betaincinv(s[some], n[some] - s[some] + 1.0, tail)
+        high[most] = betaincinv(s[most] + 1.0, n[most] - s[most], 1.0 - tail)
+        return 0.5 * (value[0] + low), 0.5 * (value[1] + high)
+
+    found(PROPORTION + "clopper_pearson_each", mid)
+
+
+@rule("statistics")
+def bound_is_the_rule_of_three() -> None:
+    """Without a failure the rate of failures is at most 3 over the number of runs."""
+    instead(
+        PROPORTION + "failure_bound", lambda a: min(1.0, 3.0 / a.trials) if a.trials > 0 else 1.0
+    )
+
+
+@rule("statistics")
+def runs_by_the_rule_of_three() -> None:
+    """It takes 3 over the rate of failures to show a rate."""
+    instead(PROPORTION + "runs_needed", lambda a: math.ceil(3.0 / (1.0 - a.rate)))
+
+
+@rule("statistics")
+def every_look_is_the_only_one() -> None:
+    """A campaign that looks after every run takes the interval of a number fixed beforehand."""
+    from physim.statistics.proportion import clopper_pearson_each
+
+    instead(
+        SEQUENCE + "at_each_look",
+        lambda a: clopper_pearson_each(a.successes, np.add(a.successes, a.failures), a.confidence),
+    )
+
+
+@rule("statistics")
+def looks_share_the_error() -> None:
+    """The n-th look is given the share 1/2^n of the error: it holds, but never decides."""
+    from physim.statistics.proportion import clopper_pearson_each
+
+    def shared(a: Any) -> Any:
+        s, f = np.broadcast_arrays(np.asarray(a.successes, float), np.asarray(a.failures, float))
+        ends = [
+            clopper_pearson_each(
+                one, one + other, 1.0 - (1.0 - a.confidence) / 2.0 ** (one + other)
+            )
+            for one, other in zip(s.ravel(), f.ravel(), strict=True)
+        ]
+        low, high = np.array(ends).reshape(-1, 2).T
+        return low.reshape(s.shape), high.reshape(s.shape)
+
+    instead(SEQUENCE + "at_each_look", shared)
+
+
+@rule("statistics")
+def evidence_is_the_best_likelihood() -> None:
+    """The evidence against a rate is the ratio to the best rate, which has no mean of 1."""
+    from scipy.special import xlogy
+
+    def best(a: Any) -> Any:
+        n = np.maximum(a.s + a.f, 1.0)
+        return np.asarray(xlogy(a.s, a.s / n) + xlogy(a.f, a.f / n))
+
+    instead(SEQUENCE + "_mixture", best)
+
+
+@rule("statistics")
+def looks_as_for_a_fixed_number() -> None:
+    """It takes as many runs to show a rate at any look as at one look alone."""
+    from physim.statistics.proportion import runs_needed
+
+    instead(SEQUENCE + "looks_needed", lambda a: runs_needed(a.rate, a.confidence))
+
+
+@rule("statistics")
+def all_runs_have_a_say() -> None:
+    """A goal is held against the interval after the last run, not after the first that decides."""
+    from types import SimpleNamespace
+
+    from physim.statistics.sequence import running
+
+    def last_look(outcomes: Any, confidence: float) -> Any:
+        looks = running(outcomes, confidence)
+        return SimpleNamespace(
+            low=np.full_like(looks.low, looks.low[-1]),
+            high=np.full_like(looks.high, looks.high[-1]),
+            successes=looks.successes,
+        )
+
+    instead(
+        "physim.statistics.goal:running", lambda a: last_look(a.outcomes, a.confidence), here=True
+    )
+
+
+@rule("statistics")
+def mcnemar_is_asymptotic() -> None:
+    """Two arms are compared by the chi-squared form of McNemar's test."""
+    from scipy.special import chdtrc
+
+    instead(
+        PAIRED + "mcnemar",
+        lambda a: (
+            float(chdtrc(1, (a.only_a - a.only_b) ** 2 / (a.only_a + a.only_b)))
+            if a.only_a + a.only_b
+            else 1.0
+        ),
+    )
+
+
+@rule("statistics")
+def mcnemar_counts_half() -> None:
+    """The outcome that was seen counts half (mid-p), so that more than alpha are rejected."""
+    from scipy.special import binom
+
+    def mid(p: float, a: Any) -> float:
+        n = a.only_a + a.only_b
+        return float(p - binom(n, min(a.only_a, a.only_b)) * 0.5**n) if n else p
+
+    found(PAIRED + "mcnemar", mid)
+
+
+@rule("statistics")
+def arms_are_independent() -> None:
+    """A difference of rates is taken as if the arms had run on seeds of their own."""
+    from scipy.special import ndtri
+
+    def independent(a: Any) -> Any:
+        x, y, n = (np.asarray(each, float) for each in (a.only_a, a.only_b, a.pairs))
+        n = np.maximum(n, 1.0)
+        p, q = x / n, y / n
+        half = ndtri(0.5 + 0.5 * a.confidence) * np.sqrt((p * (1 - p) + q * (1 - q)) / n)
+        return np.maximum(p - q - half, -1.0), np.minimum(p - q + half, 1.0)
+
+    instead(PAIRED + "rate_differences", independent)
+
+
+@rule("statistics")
+def both_parts_have_all_of_the_error() -> None:
+    """The two intervals that make one of a difference each have the whole allowed error."""
+    given(PAIRED + "rate_differences", confidence=lambda a: a.confidence - (1.0 - a.confidence))
+
+
+@rule("statistics")
+def findings_by_false_discovery() -> None:
+    """P values are corrected by Benjamini and Hochberg, not by Holm."""
+
+    def discovery(a: Any) -> list[float]:
+        p = np.asarray(a.p_values, float)
+        order = np.argsort(p, kind="stable")
+        sizes = len(p) / np.arange(1, len(p) + 1)
+        corrected = np.minimum.accumulate((p[order] * sizes)[::-1])[::-1]
+        back = np.empty(len(p))
+        back[order] = np.minimum(1.0, corrected)
+        return back.tolist()
+
+    instead(PAIRED + "holm", discovery)
+
+
+@rule("statistics")
+def findings_by_bonferroni() -> None:
+    """Every p value is multiplied by the number of all, also behind those rejected before."""
+    instead(PAIRED + "holm", lambda a: [float(min(1.0, len(a.p_values) * p)) for p in a.p_values])
+
+
+@rule("statistics")
+def no_difference_counts_for_both() -> None:
+    """In the sign test a difference of 0 counts half for either side."""
+    from physim.statistics.paired import mcnemar
+
+    def halves(p: float, a: Any) -> float:
+        d = np.asarray(a.differences, float)
+        none = int(np.count_nonzero(d == 0.0)) // 2
+        if math.isnan(p):
+            return p
+        return mcnemar(int((d > 0).sum()) + none, int((d < 0).sum()) + none)
+
+    found(PAIRED + "sign_test", halves)
+
+
+@rule("statistics")
+def wilcoxon_is_normal() -> None:
+    """Ranks of few differences are taken as normally distributed, too."""
+    from scipy.stats import wilcoxon
+
+    def normal(p: float, a: Any) -> float:
+        d = np.asarray(a.differences, float)
+        d = d[d != 0.0]
+        return float(wilcoxon(d, method="asymptotic").pvalue) if len(d) and not math.isnan(p) else p
+
+    found(PAIRED + "wilcoxon", normal)
+
+
+@rule("statistics")
+def wilcoxon_ranks_by_size_of_value() -> None:
+    """Differences are ranked by value, not by size."""
+    from physim.statistics.paired import sign_test
+
+    found(PAIRED + "wilcoxon", lambda p, a: sign_test(a.differences))
+
+
+@rule("statistics")
+def median_is_the_mean() -> None:
+    """The middle of paired differences is their mean."""
+    found(
+        PAIRED + "median_difference",
+        lambda value, a: (
+            value._replace(value=float(np.mean(a.differences))) if len(a.differences) else value
+        ),
+    )
+
+
+@rule("statistics")
+def interval_of_the_median_is_normal() -> None:
+    """The median has the interval of a mean of normally distributed differences."""
+
+    def normal(value: Any, a: Any) -> Any:
+        d = np.asarray(a.differences, float)
+        if not math.isfinite(value.low):
+            return value
+        half = 1.96 * d.std(ddof=1) / math.sqrt(len(d))
+        return value._replace(low=float(d.mean() - half), high=float(d.mean() + half))
+
+    found(PAIRED + "median_difference", normal)

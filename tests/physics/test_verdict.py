@@ -99,15 +99,13 @@ def test_links_of_open_and_closed_chains():
     assert links.part[2:8].tolist() == [[7, 3], [2, 4], [3, 5], [4, 6], [5, 7], [6, 2]]
     assert links.part[8].tolist() == [-1, -1]
     assert links.end[2:8].tolist() == [[1, 0]] * 6
-    assert links.own[2:8].all()
 
 
-def test_links_prefer_the_own_body_and_take_either_direction():
+def test_links_go_straight_on_and_take_either_direction():
     wall, cap = [(0, 0), (1, 0), (2, 0)], [(2, 3), (2, 0)]
     links = segment_links(pack_parts([segments(wall), segments(cap), segments([(1, 5), (1, 0)])]))
     assert links.part.tolist() == [[-1, 1], [0, 2], [-1, 1], [-1, 0]]
     assert links.end[1].tolist() == [1, 1]
-    assert links.own.tolist() == [[False, True], [True, False], [False, False], [False, False]]
 
 
 FLOOR = [(-2.0, 0.0), (-0.1, 0.0), (0.4998, 0.0), (1.5, 0.0), (2.0, 0.0)]

@@ -19,6 +19,7 @@ from physim.geometry.shapes import (
     joined_shapes,
     part_bodies,
 )
+from physim.geometry.solids import united
 from physim.simulation.engine.choice import guard_of
 from physim.simulation.engine.cutting import cut_short
 from physim.simulation.engine.energy import OF_IMPACTS, OF_PUSHES, failures
@@ -31,6 +32,7 @@ from physim.simulation.engine.pairs import (
     false_rows,
     gather,
     hold_back,
+    named,
     no_contacts,
     no_false_contacts,
     no_pairs,
@@ -91,14 +93,17 @@ class Physics:
         each step, elasticity adds to the impulse of an impact but nothing bounces.
         """
         start = np.ascontiguousarray(start, dtype=np.float64)
-        hosted = build_space(shapes, walls, start, mass, friction, elasticity)
+        self._solids = united(walls)
+        hosted = build_space(shapes, self._solids.shapes, start, mass, friction, elasticity)
         self.dt = dt
         self._allowed_depth = allowed_depth(shapes, dt)
         self._robots = len(start)
         self._shapes = joined_shapes(shapes, walls)
-        self._body_of_part = part_bodies(self._shapes)
+        self._joined = joined_shapes(shapes, self._solids.shapes)
+        self._body_of_part = part_bodies(self._joined)
         self._bodies = len(self._shapes.body_start) - 1
-        self._guard = guard_of(hosted, self._shapes, checks=_guarded)
+        self._solid = np.concatenate((np.arange(len(start)), len(start) + self._solids.of))
+        self._guard = guard_of(hosted, self._joined, checks=_guarded)
         self._engine = Engine(hosted, shapes, walls, self._guard, dt)
         self._arrays = self._engine.arrays
         inertia = [(m, m, moment(body_parts(shapes, i), m)) for i, m in enumerate(mass)]
@@ -205,14 +210,14 @@ class Physics:
     def _take_up(self, state: PhysicsState) -> None:
         if self._journal is None:
             known = Impulses(state.part, state.feature, state.impulse)
-            self._engine.recall(state.pose, state.before, known)
+            self._engine.recall(state.pose, self._count(state.before), known)
             return
         if len(state.part):
             raise PhysimError(
                 "this version of pymunk cannot continue from a state in contact that another "
                 "version made"
             )
-        self._engine.recall(state.pose, state.before, None)
+        self._engine.recall(state.pose, self._count(state.before), None)
         self._journal.begin(int(state.step), state.pose, int(state.rejected))
 
     def _do_again(self, state: PhysicsState) -> None:
@@ -238,7 +243,7 @@ class Physics:
         pushes = self._no_pairs
         if len(before.key):
             self._wanted[:] = self._arrays.velocity
-            pushes = self._hold_back(len(before.key))
+            pushes = self._hold_back(self._count(split(before.key, self._bodies)))
             self._arrays.velocity[:] = self._wanted
         self._move(before, pushes)
         return pushes
@@ -270,12 +275,13 @@ class Physics:
     def _cut_short(self, start: FloatArray, before: Pairs, pushes: Pairs, rejected: int) -> None:
         """Do the step from poses (N, 3) again; bodies that came too deep stop where they touch."""
         arrays = self._arrays
-        velocity, end = arrays.velocity.copy(), self._placed.copy()
-        way, keys = end[: self._robots] - start, before.key
+        velocity, bodies = arrays.velocity.copy(), len(self._joined.body_start) - 1
+        end = self._placed[:bodies].copy()
+        way, keys = end[: self._robots] - start, self._solid_keys(split(before.key, self._bodies))
         last, share = np.ones((2, self._robots))
         while True:  # what stops may be met by what passed it before
-            keys = np.union1d(keys, self._pairs.key)
-            cut_short(keys, self._shapes, end, way, self._allowed_depth, share)
+            keys = np.union1d(keys, self._solid_keys(split(self._pairs.key, self._bodies)))
+            cut_short(keys, self._joined, end, way, self._allowed_depth, share)
             if np.array_equal(share, last):
                 return
             last[:] = share
@@ -288,7 +294,8 @@ class Physics:
     def _move(self, before: Pairs, pushes: Pairs) -> None:
         """Move all bodies by ``velocity`` and set ``contacts``, given the pairs ``before``."""
         self._arrays.write_velocity()
-        touches = self._engine.step(len(before.key))
+        solved = self._count(split(before.key, self._bodies))
+        touches = self._engine.step(solved)
         self._arrays.read_pose()
         self.false_contacts = self._no_false
         if self._engine.remembers:
@@ -297,12 +304,13 @@ class Physics:
             self._pairs, self.contacts = self._no_pairs, self._no_contacts
             return
         self._pairs = now = self._gather(touches)
-        self._check_impacts(len(before.key))
+        self._check_impacts(solved)
         self._placed[: self._robots] = self._arrays.pose
         rows = np.empty(len(before.key) + len(now.key), CONTACT_ROW)
         count = contact_rows(
-            self.step_number, before.key, *now, *pushes, self._shapes, self._placed, rows
-        )
+            self.step_number, before.key, *now, *pushes, self._shapes, self._solids.faces,
+            self._placed, rows,
+        )  # fmt: skip
         self.contacts = rows[:count].copy()
 
     def _check_impacts(self, before: int) -> None:
@@ -339,4 +347,16 @@ class Physics:
     def _gather(self, touches: Touches) -> Pairs:
         if not len(touches.part):
             return self._no_pairs
-        return Pairs(*gather(*touches, self._body_of_part, self._bodies))
+        self._placed[: self._robots] = self._arrays.pose
+        found = named(
+            *touches, self._body_of_part, self._joined, self._solids, self._shapes, self._placed
+        )
+        return Pairs(*gather(*found, self._bodies))
+
+    def _count(self, pairs: IntArray) -> int:
+        """How many contacts of bodies the engine has to solve where pairs (K, 2) touch."""
+        return len(self._solid_keys(pairs)) if len(pairs) else 0
+
+    def _solid_keys(self, pairs: IntArray) -> IntArray:
+        """Keys of pairs (K, 2) in the numbering of robots and solids."""
+        return np.unique(self._solid[pairs] @ (len(self._joined.body_start) - 1, 1))

@@ -40,16 +40,16 @@ PARTS, VERTICES, BODIES = 2, 3, 4
 """how many"""
 SHAPES_OF, PROCESS, GET_BODY, GET_ARBITER, SET_POINTS, APPEND = 5, 6, 7, 8, 9, 10
 """functions of the engine"""
-VERTEX, PART_START, BODY_START, RADIUS, LINK_PART, LINK_END, LINK_OWN = 11, 12, 13, 14, 15, 16, 17
+VERTEX, PART_START, BODY_START, RADIUS, LINK_PART, LINK_END = 11, 12, 13, 14, 15, 16
 """arrays of `Shapes` and `Links`"""
-HANDLES, PART_OF_HANDLE, BODY_OF_PART = 18, 19, 20
+HANDLES, PART_OF_HANDLE, BODY_OF_PART = 17, 18, 19
 """the engine's pointers to shapes, sorted, the part of each, and pointers to the bodies of parts"""
-BODY_FIELDS, IMPULSE_FIELDS, POINT_FIELDS = 21, 22, 23
+BODY_FIELDS, IMPULSE_FIELDS, POINT_FIELDS = 20, 21, 22
 """what the engine is asked for"""
-FLOATS, FLOAT_COUNT, INTS, INT_COUNT = 24, 25, 26, 27
+FLOATS, FLOAT_COUNT, INTS, INT_COUNT = 23, 24, 25, 26
 """where it writes the answer"""
-POINTS, FOUND, KEPT_OUT, SCRATCH = 28, 29, 30, 31
-SLOTS = 32
+POINTS, FOUND, KEPT_OUT, SCRATCH = 27, 28, 29, 30
+SLOTS = 31
 
 ROW = 3
 """Numbers of a true contact: two parts, and the bits of the impulse."""
@@ -74,7 +74,6 @@ def links_at(table: IntArray) -> Links:
     return Links(
         array_at(pointer(table[LINK_PART]), shape, np.int64),
         array_at(pointer(table[LINK_END]), shape, np.int64),
-        array_at(pointer(table[LINK_OWN]), shape, np.bool_),
     )
 
 
@@ -279,7 +278,7 @@ class NativeGuard:
         table[VERTICES] = len(shapes.vertices)
         for slot, array in zip(range(VERTEX, RADIUS + 1), shapes, strict=True):
             table[slot] = self._keep(array)
-        for slot, ends in zip(range(LINK_PART, LINK_OWN + 1), segment_links(shapes), strict=True):
+        for slot, ends in zip(range(LINK_PART, LINK_END + 1), segment_links(shapes), strict=True):
             table[slot] = self._keep(ends)
         handles = np.array([address(shape._shape) for shape in hosted.parts], dtype=np.int64)
         order = np.argsort(handles)

@@ -13,8 +13,10 @@ from numpy.typing import NDArray
 
 from physim.compiled import compiled
 from physim.contacts import CONTACT_ROW, FALSE_CONTACT_ROW, Kind, Phase
-from physim.geometry.separation import describe_pair
+from physim.geometry.separation import body_distance, point_gap, relative_frame
 from physim.geometry.shapes import FloatArray, IntArray, Shapes
+from physim.geometry.solids import Solids, describe_contact
+from physim.geometry.witness import part_witness
 from physim.tolerances import CONTACT
 
 BEGAN, STAYS, ENDED, PHYSICAL = map(int, (*Phase, Kind.PHYSICAL))
@@ -63,15 +65,83 @@ def split(key: IntArray, bodies: int) -> IntArray:
 
 
 @compiled
-def gather(
-    part: IntArray, impulse: FloatArray, body_of_part: IntArray, bodies: int
+def named(
+    part: IntArray,
+    impulse: FloatArray,
+    body_of_part: IntArray,
+    joined: Shapes,
+    solids: Solids,
+    shapes: Shapes,
+    pose: FloatArray,
 ) -> tuple[IntArray, FloatArray]:
-    """Gather contacts of parts (M, 2), in any order, into `Pairs`: impulses (M,) are added."""
-    count = len(part)
+    """Contacts of bodies (M, 2), by their ids, and their impulses, of contacts of parts (K, 2).
+
+    ``part`` and ``body_of_part`` number robots and solids, whose shapes are ``joined``; ``shapes``
+    are those of robots and walls, ``pose`` (B, 3) all robots first. What a robot exchanges with a
+    solid of several walls it does with the one of those it touches that the contact's point on the
+    solid lies on. The others that it touches have a contact without impulse.
+    """
+    robots = len(pose) - len(solids.of)
+    room = 0
+    for m in range(len(part)):
+        s = max(body_of_part[part[m, 0]], body_of_part[part[m, 1]]) - robots
+        room += 1 if s < 0 else 1 + solids.start[s + 1] - solids.start[s]
+    body, given = np.empty((room, 2), np.int64), np.zeros(room)
+    count = 0
+    for m in range(len(part)):
+        p, q = part[m, 0], part[m, 1]
+        if body_of_part[p] > body_of_part[q]:
+            p, q = q, p
+        a, b = body_of_part[p], body_of_part[q]
+        s = b - robots
+        first = count
+        body[first, 0], body[first, 1], given[first] = a, b, impulse[m]
+        count += 1
+        if s < 0:
+            continue
+        walls = solids.wall[solids.start[s] : solids.start[s + 1]]
+        body[first, 1] = robots + walls[0]
+        if len(walls) == 1:
+            continue
+        x, y = _on_solid(joined, p, pose[a], q)
+        nearest, is_met = np.inf, False
+        for w in walls:
+            gap = np.inf
+            for k in range(shapes.body_start[robots + w], shapes.body_start[robots + w + 1]):
+                start, end = shapes.part_start[k], shapes.part_start[k + 1]
+                gap = min(gap, point_gap(shapes.vertices, start, end, x, y))
+            d = body_distance(shapes, a, pose[a], shapes, robots + w, pose[robots + w])
+            touches = d <= CONTACT
+            if touches > is_met or (touches == is_met and gap < nearest):
+                nearest, is_met = gap, touches
+                body[first, 1] = robots + w
+            if touches:
+                body[count, 0], body[count, 1] = a, robots + w
+                count += 1
+    return body[:count], given[:count]
+
+
+@compiled
+def _on_solid(joined: Shapes, p: int, pose: FloatArray, q: int) -> tuple[float, float]:
+    """Point [m] of part q of a solid at which it touches part p of a robot."""
+    c, s, tx, ty = relative_frame(pose, np.zeros(3))
+    v, start = joined.vertices, joined.part_start
+    found = part_witness(
+        v, start[p], start[p + 1], v, start[q], start[q + 1], c, s, tx, ty, 0.0, 0.0
+    )
+    cp, sp = np.cos(pose[2]), np.sin(pose[2])
+    x, y = found[5], found[6]
+    return pose[0] + cp * x - sp * y, pose[1] + sp * x + cp * y
+
+
+@compiled
+def gather(body: IntArray, impulse: FloatArray, bodies: int) -> tuple[IntArray, FloatArray]:
+    """Gather contacts of bodies (M, 2), in any order, into `Pairs`: impulses (M,) are added."""
+    count = len(body)
     # One number for pair and place: those of a pair stay in their order, in which they are added.
     places = np.empty(count, np.int64)
     for m in range(count):
-        a, b = body_of_part[part[m, 0]], body_of_part[part[m, 1]]
+        a, b = body[m, 0], body[m, 1]
         places[m] = (min(a, b) * bodies + max(a, b)) * count + m
     places.sort()
     key, total = np.empty(count, np.int64), np.empty(count)
@@ -93,6 +163,7 @@ def contact_rows(
     pushed: IntArray,
     push: FloatArray,
     shapes: Shapes,
+    faces: Shapes,
     pose: FloatArray,
     rows: NDArray[np.void],
 ) -> int:
@@ -100,8 +171,9 @@ def contact_rows(
 
     The keys of the pairs that touched ``before`` and touch ``now`` are sorted, and so are those
     that were ``pushed`` on the way; ``impact`` and ``push`` [N s] belong to the latter two.
-    ``shapes`` are those of all bodies, at ``pose`` (B, 3). Of a pair that has ended the depth is
-    minus the distance; a pair that touches, by its tolerance, has no depth below 0.
+    ``shapes`` are those of all bodies, at ``pose`` (B, 3), ``faces`` those of `Solids`. Of a pair
+    that has ended the depth is minus the distance; a pair that touches, by its tolerance, has no
+    depth below 0.
     """
     bodies = len(pose)
     found = np.empty(5)
@@ -118,7 +190,7 @@ def contact_rows(
         if touches:
             impulse += impact[j]
         a, b = key // bodies, key % bodies
-        describe_pair(shapes, a, pose[a], shapes, b, pose[b], found)
+        describe_contact(shapes, faces, a, pose[a], b, pose[b], found)
         row = rows[count]
         row.step, row.a, row.b, row.kind = step, a, b, PHYSICAL
         row.x, row.y, row.nx, row.ny = found[0], found[1], found[2], found[3]

@@ -82,9 +82,10 @@ class PhysicsState:
             object.__setattr__(self, name, copy)
 
     @property
-    def before(self) -> int:
-        """How many pairs touched at the sample before: they go on, or have ended."""
-        return int(np.count_nonzero(self.contacts["phase"] != Phase.BEGAN))
+    def before(self) -> IntArray:
+        """Pairs (K, 2) that touched at the sample before: they go on, or have ended."""
+        rows = self.contacts[self.contacts["phase"] != Phase.BEGAN]
+        return np.stack((rows["a"], rows["b"]), axis=1)
 
     def arrays(self) -> dict[str, NDArray[Any]]:
         """All arrays by name; ``PhysicsState(**arrays)`` makes the same state of them."""

@@ -12,8 +12,9 @@ normal.
 
 In a corner that closes round the robot each segment holds it along its own normal, whatever the
 way out that is the shortest from the segment alone: left to the neighbour, or pushed past the
-segment's end into the neighbour, the robot would get through the wall. There it does not matter
-whether the neighbour belongs to the same body: walls and caps of a corridor hold like one line.
+segment's end into the neighbour, the robot would get through the wall.
+
+Segments here are those of solids (`physim.geometry.solids`), of which walls that join are one.
 
 How far a part is beyond a segment, measured along the segment's own normal.
 """
@@ -23,12 +24,11 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from physim.compiled import compiled
 from physim.geometry.convex import part_gap
 from physim.geometry.separation import relative_frame
-from physim.geometry.shapes import FloatArray, IntArray, Shapes, part_bodies
+from physim.geometry.shapes import FloatArray, IntArray, Shapes
 from physim.geometry.witness import part_witness
 from physim.tolerances import CONTACT
 
@@ -49,11 +49,9 @@ class Links(NamedTuple):
     """What meets each part at its first and second end; only segments have ends."""
 
     part: IntArray
-    """(P, 2) the segment that meets it there, of the same body if there is one; or -1"""
+    """(P, 2) the segment that goes on there, the straightest of several; or -1"""
     end: IntArray
     """(P, 2) which end of that segment"""
-    own: NDArray[np.bool_]
-    """(P, 2) whether it is of the same body"""
 
 
 def segment_links(shapes: Shapes) -> Links:
@@ -62,9 +60,7 @@ def segment_links(shapes: Shapes) -> Links:
     links = Links(
         np.full((count, 2), -1, dtype=np.int64),
         np.zeros((count, 2), dtype=np.int64),
-        np.zeros((count, 2), dtype=np.bool_),
     )
-    body = part_bodies(shapes)
     segments = np.flatnonzero(np.diff(shapes.part_start) == 2).tolist()
     meeting: dict[tuple[float, float], list[tuple[int, int]]] = {}
     for p in segments:
@@ -74,11 +70,18 @@ def segment_links(shapes: Shapes) -> Links:
     for some in meeting.values():
         for p, end in some:
             others = [one for one in some if one[0] != p]
-            own = [one for one in others if body[one[0]] == body[p]]
             if others:
-                links.part[p, end], links.end[p, end] = (own or others)[0]
-                links.own[p, end] = bool(own)
+                onto = -_leaving(shapes, p, end)
+                ahead = [float(_leaving(shapes, *one) @ onto) for one in others]
+                links.part[p, end], links.end[p, end] = others[int(np.argmax(ahead))]
     return links
+
+
+def _leaving(shapes: Shapes, segment: int, end: int) -> FloatArray:
+    """Unit vector (2,) along a segment, away from one of its ends."""
+    v, k = shapes.vertices, shapes.part_start[segment]
+    way = v[k + 1 - end] - v[k + end]
+    return np.asarray(way / np.hypot(*way))
 
 
 @compiled
@@ -187,7 +190,7 @@ def classify(
     third = leans_on(shapes, links, other, ox, oy)[0]
     # One round which the part has come, to lie on the neighbour alone, does not close.
     if third < 0 or (third != q and inward):
-        return (LEFT if links.own[q, end] else ACTS), nx, ny
+        return LEFT, nx, ny
     return SIDE, mx, my
 
 

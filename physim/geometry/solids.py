@@ -17,6 +17,7 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 from physim.compiled import compiled
+from physim.geometry.area import united
 from physim.geometry.separation import describe_pair
 from physim.geometry.shapes import (
     FloatArray,
@@ -49,7 +50,7 @@ class Solids(NamedTuple):
     """for each wall the segments of its solid that go along it; none for a wall on its own"""
 
 
-def united(walls: Shapes) -> Solids:
+def solids_of(walls: Shapes) -> Solids:
     """Unite the walls that touch."""
     of = _solids(walls)
     wall = np.argsort(of, kind="stable")
@@ -89,7 +90,7 @@ def _solids(walls: Shapes) -> IntArray:
 def _outline(parts: Sequence[FloatArray]) -> list[FloatArray]:
     """Segments (2, 2) of the outline of polygons that touch, or of segments that join."""
     if len(parts[0]) > 2:
-        solid = shapely.union_all([shapely.Polygon(part) for part in parts], grid_size=LENGTH)
+        solid = united([shapely.Polygon(part) for part in parts])
         lines = shapely.get_parts(shapely.get_rings(shapely.get_parts(solid)))
         drawn = np.concatenate(parts)
     else:

@@ -31,7 +31,7 @@ from physim.analysis.validation.disagreements import (
 from physim.contacts import Kind, Phase
 from physim.errors import RecordError
 from physim.geometry.shapes import FloatArray, IntArray, joined_shapes
-from physim.geometry.solids import describe_contacts, united
+from physim.geometry.solids import describe_contacts, solids_of
 from physim.geometry.swept import least_gap_pair, least_gap_walls
 from physim.record import Record
 from physim.tolerances import CONTACT
@@ -139,7 +139,7 @@ def check_contact_rows(record: Record) -> list[Disagreement]:
 
 def _exact(record: Record, rows: NDArray[np.void]) -> dict[str, FloatArray]:
     """Columns of the rows (M,) by the shapes: point [m], normal, depth [m]."""
-    shapes, faces = joined_shapes(record.shapes, record.walls), united(record.walls).faces
+    shapes, faces = joined_shapes(record.shapes, record.walls), solids_of(record.walls).faces
     found = np.zeros((len(rows), 5))
     pose = np.zeros((len(shapes.body_start) - 1, 3))
     step, pairs = rows["step"], np.stack((rows["a"], rows["b"]), axis=1).astype(np.int64)

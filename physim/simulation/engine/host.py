@@ -19,7 +19,7 @@ from physim.geometry.shapes import (
     joined_shapes,
     part_bodies,
 )
-from physim.geometry.solids import united
+from physim.geometry.solids import solids_of
 from physim.simulation.engine.choice import guard_of
 from physim.simulation.engine.cutting import cut_short
 from physim.simulation.engine.energy import OF_IMPACTS, OF_PUSHES, failures
@@ -93,7 +93,7 @@ class Physics:
         each step, elasticity adds to the impulse of an impact but nothing bounces.
         """
         start = np.ascontiguousarray(start, dtype=np.float64)
-        self._solids = united(walls)
+        self._solids = solids_of(walls)
         hosted = build_space(shapes, self._solids.shapes, start, mass, friction, elasticity)
         self.dt = dt
         self._allowed_depth = allowed_depth(shapes, dt)

@@ -101,7 +101,7 @@ function sign(words, colours) {
     context.lineWidth = 1.5;
     context.stroke();
   };
-  const key = Object.entries({ "safe area": "safe", "danger area": "danger", "accessible area": "floor" })
+  const key = Object.entries({ "safe area": "safe", "danger area": "danger", "accessible area": "floor", obstacle: "obstacle" })
     .find(([name]) => name === words)?.[1];
   if (key) {
     context.fillStyle = colours[key];

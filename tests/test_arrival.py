@@ -1,118 +1,175 @@
-"""Arrival by the motion alone: two forms that agree, and a definition written out."""
+"""Arrival by the motion alone, against the definition written out."""
 
 from __future__ import annotations
 
 import math
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from physim.simulation.arrival import (
-    STILL_TIME,
-    arrivals,
-    note_arrivals,
-    since,
-    still_distances,
-    still_steps,
-)
+import physim
+from physim import Decision
+from physim.analysis.metrics import absent
+from physim.analysis.validation import validate
+from physim.geometry.shapes import pack_parts, pack_polylines
+from physim.geometry.tracking import Tracking
+from physim.simulation.arrival import Arrivals, later_since
+from tests.forgeries.tools import cells
+from tests.validation.test_tampered import tampered
+
+END, TOLERANCE = 20.0, 0.1
 
 
-def written_out(pose, station, least, near, dt):
+def judged(pose: np.ndarray, sizes: list[float], stop: float = END, dt: float = 0.01) -> np.ndarray:
+    """(K, N) who has arrived at poses (K, N, 3): paths run along x to `END`, robots are squares."""
+    square = np.array([[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5], [-0.5, 0.5]])
+    robots = len(sizes)
+    shapes = pack_parts([[square * size] for size in sizes])
+    road = np.array([[0.0, 0.0], [3.0, 0.0], [END, 0.0]])
+    tracking = Tracking(
+        pack_polylines([road] * robots), pack_polylines([road]), shapes.radius, pose[0]
+    )
+    scene = SimpleNamespace(
+        stop_station=np.full(robots, stop), arrival_tolerance=TOLERANCE, dt=dt,
+        shapes=shapes, robots=robots, start=pose[0],
+    )  # fmt: skip
+    arrivals, found = Arrivals(scene, tracking), []
+    for k, stations in enumerate(tracking.course(pose)):
+        arrivals.note(k, pose[k], stations.T)
+        found.append(arrivals.arrived)
+        assert arrivals.all == found[-1].all()
+    return np.array(found)
+
+
+def written_out(pose: np.ndarray, sizes: list[float], stop: float, dt: float) -> np.ndarray:
     """The definition, word by word."""
-    samples, robots = station.shape
-    found = np.zeros((samples, robots), dtype=bool)
-    for k in range(samples):
-        first = k - math.ceil(STILL_TIME / dt - 1e-9)
-        for i in range(robots):
-            places = pose[max(first, 0) : k + 1, i, :2]
-            stood = [math.dist(place, pose[k, i, :2]) <= near[i] for place in places]
-            found[k, i] = first >= 0 and station[k, i] >= least[i] and all(stood)
+    found = np.zeros(pose.shape[:2], dtype=bool)
+    for k, i in np.ndindex(*found.shape):
+        first = k - math.ceil(0.5 / dt - 1e-9)
+        places = pose[max(first, 0) : k + 1, i, :2]
+        near = min(0.01, 0.05 * math.sqrt(0.5) * sizes[i])
+        stood = all(math.dist(place, places[-1]) <= near for place in places)
+        x, y = places[-1]
+        there = abs(x - stop) <= TOLERANCE and abs(y) <= max(abs(pose[0, i, 1]), sizes[i] / 2)
+        found[k, i] = first >= 0 and there and stood
     return found
 
 
-def stepwise(pose, station, least, near, dt):
-    """The compiled form, as a simulation calls it."""
-    trail = np.zeros((still_steps(dt) + 1, pose.shape[1], 2))
-    found = np.zeros(station.shape, dtype=bool)
-    for k in range(len(pose)):
-        everybody = note_arrivals(k, pose[k], station[k], least, near, trail, found[k])
-        assert everybody == found[k].all()
-    return found
-
-
-@given(st.integers(0, 10**6), st.sampled_from([0.05, 0.1, 0.07, 0.5, 0.6]))
-def test_all_forms_agree_on_robots_that_stop_and_go(seed: int, dt: float) -> None:
+@given(
+    st.integers(0, 10**6),
+    st.sampled_from([0.05, 0.1, 0.07, 0.5, 0.6]),
+    st.sampled_from([19.7, END]),
+)
+def test_robots_that_stop_and_go_arrive_as_it_is_defined(seed: int, dt: float, stop: float) -> None:
     random = np.random.default_rng(seed)
-    samples, robots = 80, 3
-    speed = random.choice([0.0, 0.0, 0.004, 0.3], (samples, robots))
-    speed = speed[np.maximum(np.arange(samples)[:, None] // 12 * 12 - np.arange(robots), 0), 0]
-    station = np.cumsum(speed * dt, axis=0)
-    pose = np.zeros((samples, robots, 3))
-    pose[..., 0] = station
-    pose[..., 1] = random.choice([0.0, 0.004], (samples, robots))
-    pose[..., 2] = random.uniform(-3, 3, (samples, robots))
-    least = random.uniform(0.0, 1.0, robots) * station[-1]
-    near = still_distances(np.array([0.02, 0.06, 1.0]))
-    wanted = written_out(pose, station, least, near, dt)
-    assert np.array_equal(arrivals(pose, station, least, near, dt), wanted)
-    assert np.array_equal(stepwise(pose, station, least, near, dt), wanted)
+    samples, sizes = 80, [0.04, 0.12, 0.5, 1.0]
+    speed = random.choice([0.0, 0.0, 0.004, 0.3], (samples, 4))
+    speed = speed[np.maximum(np.arange(samples)[:, None] // 12 * 12 - np.arange(4), 0), 0]
+    pose = np.zeros((samples, 4, 3))
+    pose[..., 0] = np.cumsum(speed * dt, axis=0)
+    pose[..., 0] += stop - random.uniform(-0.1, 1.1) * pose[-1, :, 0]
+    pose[..., 1] = random.choice([0.0, 0.004], (samples, 4)) + random.choice([0.0, 0.3], 4)
+    pose[..., 2] = random.uniform(-3, 3, (samples, 4))
+    assert np.array_equal(judged(pose, sizes, stop, dt), written_out(pose, sizes, stop, dt))
 
 
-LARGE = np.array([0.01])
-"""[m] how far a robot of a metre may move while it stands"""
-
-
-def stretch(speeds: list[float], dt: float = 0.01) -> np.ndarray:
-    x = np.concatenate(([0.0], np.cumsum(np.array(speeds) * dt)))
-    pose = np.zeros((len(x), 1, 3))
-    pose[:, 0, 0] = x
+def stretch(speeds: list[float], first: float = END - 0.05, dt: float = 0.01) -> np.ndarray:
+    """Poses (K, 1, 3) along the path, from a station on."""
+    pose = np.zeros((len(speeds) + 1, 1, 3))
+    pose[1:, 0, 0] = np.cumsum(np.array(speeds) * dt)
+    pose[:, 0, 0] += first
     return pose
+
+
+def arrives(pose: np.ndarray, size: float = 1.0) -> int:
+    """Sample from which on the one robot has arrived to the end; -1: it has not."""
+    found = judged(pose, [size])
+    halves = later_since(np.array([-1]), 0, found[:60])
+    if len(found) > 60:
+        halves = later_since(halves, 60, found[60:])
+    assert halves.tolist() == later_since(np.array([-1]), 0, found).tolist()
+    return int(halves[0])
 
 
 @pytest.mark.parametrize(
     ("speeds", "first"),
     [
         ([0.0] * 100, 50),  # standing from the start on: when 0.5 s have passed
-        ([0.9] * 30 + [0.0] * 100, 79),  # the last 9 mm of the way count as standing
-        ([1.0] * 30 + [0.019] * 100, 80),  # creeping by 9.5 mm in 0.5 s
-        ([1.0] * 30 + [0.021] * 100, -1),  # by 10.5 mm
-        ([0.0] * 20 + [0.9] * 2 + [0.0] * 100, 71),
+        ([0.09] * 30 + [0.0] * 100, 69),  # the last 9.9 mm of the way count as standing
+        ([0.1] * 30 + [0.019] * 100, 80),  # creeping by 9.5 mm in 0.5 s
+        ([0.1] * 30 + [0.021] * 100, -1),  # by 10.5 mm
+        ([0.0] * 60 + [0.9] * 5 + [0.0] * 60, 114),  # one that moves on has not arrived
+        ([0.0] * 60 + [0.9] * 5 + [0.0] * 10, -1),
     ],
 )
 def test_standing_is_half_a_second_within_a_centimetre(speeds: list[float], first: int) -> None:
-    pose = stretch(speeds)
-    found = arrivals(pose, pose[:, :, 0], np.array([-1.0]), LARGE, 0.01)
-    assert since(found).tolist() == [first]
+    assert arrives(stretch(speeds)) == first
 
 
 def test_a_small_robot_that_creeps_at_its_full_speed_does_not_stand() -> None:
     """A Kilobot: 16.5 mm of radius, 1 cm/s. One of a metre that moves so stands."""
-    pose = stretch([0.01] * 300)
-    for radius, stands in ((0.0165, False), (1.0, True)):
-        near = still_distances(np.array([radius]))
-        assert arrivals(pose, pose[:, :, 0], np.array([-1.0]), near, 0.01).any() == stands
+    pose = stretch([0.01] * 100)
+    assert arrives(pose, size=0.0233) == -1
+    assert arrives(pose, size=1.0) == 50
 
 
-def test_short_of_the_stop_station_nobody_arrives() -> None:
-    pose = stretch([1.0] * 30 + [0.0] * 100)
-    for least, arrives in ((0.3, True), (0.3001, False)):
-        found = arrivals(pose, pose[:, :, 0], np.array([least]), LARGE, 0.01)
-        assert found[-1, 0] == arrives
+def test_a_run_shorter_than_standing_takes_has_no_arrivals() -> None:
+    assert not judged(np.full((30, 2, 3), [END, 0.0, 0.0]), [1.0, 1.0], dt=1e-6).any()
 
 
-def test_one_that_moves_on_has_not_arrived() -> None:
-    pose = stretch([0.0] * 60 + [0.9] * 5 + [0.0] * 60)
-    found = arrivals(pose, pose[:, :, 0], np.array([-1.0]), LARGE, 0.01)
-    assert found[55, 0]
-    assert not found[62, 0]
-    assert since(found).tolist() == [114]
-    assert since(found[:64]).tolist() == [-1]
+ROAD = """\
+name: road
+time: {step: 0.01, duration: 6.0}
+corridor: {centreline: [[0, 0], [20, 0]], width: 8.0}
+arrival: {tolerance: 0.1}
+robots:
+  - {name: stands, footprint: {length: 0.6, width: 0.4}, pose: [19.99, 0, 0], path: {offset: 0}}
+  - {name: pushes, footprint: {length: 0.6, width: 0.4}, pose: POSE, path: {offset: 0}}
+"""
 
 
-def test_a_run_shorter_than_standing_takes_has_no_arrivals_and_no_time() -> None:
-    # A record may say that its steps are of a nanosecond: half a second is 5e8 of them.
-    pose, station = np.zeros((30, 2, 3)), np.full((30, 2), 9.0)
-    assert not arrivals(pose, station, np.ones(2), np.ones(2), 1e-9).any()
-    assert arrivals(pose, station, np.ones(2), np.ones(2), 0.1)[5:].all()
+class Push:
+    """The second robot drives from 1 s to ``until``; the first stands all the time."""
+
+    def __init__(self, until: float) -> None:
+        self.until = until
+
+    def decide(self, observation, memory):
+        drives = observation.index == 1 and 1.0 <= observation.time < self.until
+        return Decision(v=1.0 if drives else 0.0, omega=0.0, hold=0.01)
+
+
+def pushed(pose: str, until: float) -> physim.Record:
+    return physim.simulate(
+        physim.parse_world(ROAD.replace("POSE", pose)), controller=Push(until), path=None
+    )
+
+
+PAST, ASIDE = "[19.0, 0, 0]", "[19.85, -0.7, 1.5707963]"
+
+
+@pytest.mark.parametrize(
+    ("pose", "until", "said"),
+    [(PAST, 4.0, "m past its stop station"), (ASIDE, 2.0, "m beside its stop station")],
+)
+def test_who_is_pushed_away_from_its_stop_has_not_arrived_any_more(pose, until, said) -> None:
+    """It stood 7.78 m past its stop, and the run was said to be finished."""
+    for much in (False, True):
+        record = pushed(pose, until if much else 1.42 if pose == PAST else 1.35)
+        away = np.hypot(*(record.pose[-1, 0, :2] - record.pose[0, 0, :2]))
+        assert (away > 0.25) == much
+        assert away > 0.01
+        assert (record.arrived[0] < 0) == much
+        assert validate(record).code in (0, 1)
+        text = [one.sentence("it") for one in absent(record) if one.robot == 0]
+        assert [said in one for one in text] == [True] * much
+
+
+def test_validation_finds_an_arrival_by_the_word_at_or_past_the_stop(tmp_path) -> None:
+    record = pushed(PAST, 4.0)
+    with physim.Record.load(tampered(record, tmp_path, cells("/robots/arrived", 0, 450))) as forged:
+        found = validate(forged)
+    assert [one.table for one in found.recomputed.mismatches] == ["/robots/arrived"]

@@ -125,10 +125,10 @@ def test_another_process_gives_the_same_digest(hash_seed: str) -> None:
 
 
 def test_a_run_says_how_it_ended() -> None:
-    """Robots drive 0.3 m past their stop stations, or stand somewhere else."""
+    """Robots drive 5 cm past their stop stations, or stand somewhere else."""
 
     def until(o: Observation) -> Decision:
-        past = o.pose[0] >= 200.3
+        past = o.pose[0] >= 200.05
         return Decision(0.0 if past else 0.9, 0.0, hold=0.01)
 
     def ends(o: Observation) -> Decision:
@@ -141,7 +141,7 @@ def test_a_run_says_how_it_ended() -> None:
     record = simulate(world, controller=Says(until))
     assert record.ended == "finished"
     since = record.arrived
-    stood = [int(np.flatnonzero(record.pose[:, i, 0] >= 200.3)[0]) for i in range(3)]
+    stood = [int(np.flatnonzero(record.pose[:, i, 0] >= 200.05)[0]) for i in range(3)]
     assert record.steps_run == since.max()
     # still: the last 0.5 s lie within 1 cm, which the last step of 9 mm does, too
     assert since.tolist() == [k + 49 for k in stood]

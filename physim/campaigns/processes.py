@@ -171,8 +171,7 @@ class Processes(Executor):
             for one in self._team:
                 one.pipe.close()  # then it ends
             for process in (*self._gone, *(one.process for one in self._team)):
-                if not _has_ended(process, LAST_SECONDS):
-                    process.kill()
+                _end(process, LAST_SECONDS)
 
     def _hand_out(self) -> None:
         """Give jobs to those who have none, and begin processes where there are more jobs."""
@@ -243,8 +242,7 @@ class Processes(Executor):
             or (given_up is not None and not one.ready)  # it still starts: nothing is lost
         ]
         for one in late:
-            one.process.kill()
-            _has_ended(one.process, LAST_SECONDS)
+            _end(one.process, 0.0)
         return [one for one in busy if one.pipe in ready or not one.process.is_alive()]
 
 
@@ -302,9 +300,7 @@ class _Worker:
             done, found = answer
         except Exception:  # it is gone, or what it does wrote into the pipe
             self.gone = True
-            if not _has_ended(self.process, LOOK_SECONDS):
-                self.process.kill()
-                _has_ended(self.process, LAST_SECONDS)
+            _end(self.process, LOOK_SECONDS)
             done, found = (True, None) if halted else (False, self._lost(job))
         self.job = self.future = self.due = None
         if done:
@@ -328,18 +324,19 @@ class _Worker:
         return LostError(f"a worker process was killed at {job.note} ({how}){hint}")
 
 
-def _has_ended(process: Any, within: float) -> bool:
-    """Whether a process ends within some seconds.
+def _end(process: Any, within: float) -> None:
+    """Return when a process is gone, which is killed unless it ends within some seconds.
 
-    ``join`` would wait without end where what a controller does wrote into the pipe by which the
-    process tells of its end.
+    ``join`` would wait for one that goes on without end where what a controller does wrote into the
+    pipe by which the process tells of its end; one that was killed it may wait for.
     """
     until = time.monotonic() + within
     while process.is_alive():
-        if time.monotonic() > until:
-            return False
+        if time.monotonic() >= until:
+            process.kill()
+            process.join()
+            return
         time.sleep(POLL_SECONDS)
-    return True
 
 
 def _plainly(fn: Callable[..., Any], args: Any, kwargs: Any, _: Stop) -> Any:

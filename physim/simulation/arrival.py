@@ -1,20 +1,27 @@
-"""Arrival, judged from the motion alone: at the stop station, and standing.
+"""Arrival, judged from the motion alone: at the stop, and standing.
 
-A robot has arrived at a sample when its station along its own path is at least the stop station
-less the world's tolerance, and no sample of the last `STILL_TIME` shows it farther from where it is
+A robot has arrived at a sample when its reference point is within the world's tolerance of its stop
+along its path, before or past it, and no farther beside it than at its start or half its width,
+whichever is more, and when no sample of the last `STILL_TIME` shows it farther from where it is
 than `still_distances`: 1 cm, less where the robot itself is small. Before that much time has passed
-nobody has arrived. What a controller says of itself does not matter. A run is finished when all
-have arrived.
+nobody has arrived. What a controller says of itself does not matter. One that is pushed away has
+not arrived any more. A run is finished when all have arrived at one sample.
 """
 
 from __future__ import annotations
+
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from physim.compiled import compiled, direct
-from physim.geometry.shapes import FloatArray, IntArray, read_only
+from physim.geometry.shapes import FloatArray, IntArray, Shapes, read_only
 from physim.geometry.tracking import Tracking, track_all
+from physim.tolerances import LENGTH
+
+if TYPE_CHECKING:
+    from physim.world.scene import Scene
 
 STILL_TIME = 0.5
 """[s]"""
@@ -34,33 +41,52 @@ def still_steps(dt: float) -> int:
     return int(np.ceil(STILL_TIME / dt - 1e-9))
 
 
+def most_beside(shapes: Shapes, deviation: FloatArray) -> FloatArray:
+    """(N,) [m] that robots which arrive may be beside their stops.
+
+    ``shapes`` are the N footprints; ``deviation`` (N,) [m] from their paths at the start.
+    """
+    y, first = shapes.vertices[:, 1], shapes.part_start[shapes.body_start[:-1]]
+    width = np.maximum.reduceat(y, first) - np.minimum.reduceat(y, first)
+    return np.maximum(np.abs(deviation), 0.5 * width)
+
+
 class Arrivals:
     """Judges the robots at every sample of a run, from sample 0 on.
 
-    ``least`` (N,) [m] are the stations from which on they may have arrived, ``pose`` (N, 3) where
-    they stand at sample 0, and ``near`` (N,) [m] their `still_distances`. Values handed out never
-    change.
+    ``tracking`` is at the start of the run. Values handed out never change.
     """
 
-    def __init__(self, least: FloatArray, near: FloatArray, dt: float, pose: FloatArray) -> None:
-        self.least, self.near = least, near
-        self.trail = np.zeros((still_steps(dt) + 1, len(least), 2))
+    def __init__(self, scene: Scene, tracking: Tracking) -> None:
+        stop, tolerance = scene.stop_station, scene.arrival_tolerance
+        beside = most_beside(scene.shapes, tracking.deviation) + LENGTH
+        near = still_distances(scene.shapes.radius)
+        self.bounds = np.stack((stop - tolerance, stop + tolerance, beside**2, near**2))
+        """(4, N) least and greatest station [m], squares of how far beside and how far moved"""
+        self.legs = tracking.legs
+        self.trail = np.zeros((still_steps(scene.dt) + 1, scene.robots, 2))
         """(W + 1, N, 2) places of the last samples, sample k in row k % (W + 1)"""
-        self.trail[0] = pose[:, :2]
-        self.arrived: NDArray[np.bool_] = read_only(np.zeros(len(least), dtype=np.bool_))
+        self.trail[0] = scene.start[:, :2]
+        self.arrived: NDArray[np.bool_] = read_only(np.zeros(scene.robots, dtype=np.bool_))
         """(N,) who has arrived at the present sample"""
         self.all = False
         """whether all have"""
-        self._follow_and_judge = direct(follow_and_judge)
+        self._follow_and_judge, self._judge = direct(follow_and_judge), direct(judge)
 
     def follow(self, tracking: Tracking, step: int, pose: FloatArray) -> None:
         """Judge the sample after the last one, to which ``tracking`` follows."""
         stations, arrived = np.empty((3, len(pose))), np.empty(len(pose), np.bool_)
         self.all = self._follow_and_judge(
-            *tracking.legs, tracking.last, pose, tracking.windows, tracking.stations, stations,
-            step, self.least, self.near, self.trail, arrived,
+            *self.legs, tracking.last, pose, tracking.windows, tracking.stations, stations,
+            step, self.bounds, self.trail, arrived,
         )  # fmt: skip
         tracking.stations, self.arrived = read_only(stations), read_only(arrived)
+
+    def note(self, step: int, pose: FloatArray, stations: FloatArray) -> None:
+        """Judge the sample after the last one: ``stations`` (3, N) as `Tracking` has them."""
+        arrived = np.empty(len(pose), np.bool_)
+        self.all = self._judge(*self.legs, step, pose, stations, self.bounds, self.trail, arrived)
+        self.arrived = read_only(arrived)
 
     def restore(self, trail: FloatArray, arrived: NDArray[np.bool_]) -> None:
         """Go to a sample whose ``trail`` and ``arrived`` are known; the trail is copied."""
@@ -78,75 +104,64 @@ def follow_and_judge(
     before: FloatArray,
     after: FloatArray,
     step: int,
-    least: FloatArray,
-    near: FloatArray,
+    bounds: FloatArray,
     trail: FloatArray,
     arrived: NDArray[np.bool_],
 ) -> bool:
-    """`track_all` and `note_arrivals` in one call, since every step makes both.
+    """`track_all` and `judge` in one call, since every step makes both.
 
     ``start`` and ``row`` are those of the legs: one by one they are handed over in a third of the
     time.
     """
     track_all(start, row, last, pose, windows, before, after)
-    return note_arrivals(step, pose, after[0], least, near, trail, arrived)
+    return judge(start, row, step, pose, after, bounds, trail, arrived)
 
 
 @compiled
-def note_arrivals(
+def judge(
+    start: IntArray,
+    row: FloatArray,
     step: int,
     pose: FloatArray,
-    station: FloatArray,
-    least: FloatArray,
-    near: FloatArray,
+    stations: FloatArray,
+    bounds: FloatArray,
     trail: FloatArray,
     arrived: NDArray[np.bool_],
 ) -> bool:
     """Judge the robots at ``pose`` (N, 3), sample ``step``, into ``arrived`` (N,): are all there?
 
-    ``least`` (N,) [m] are the stations from which on they may have arrived, ``near`` (N,) [m] how
-    far they may have moved. ``trail`` (W + 1, N, 2) holds the places of the last W + 1 samples,
-    sample k in row k % (W + 1); this one is added.
+    Stations end with the path: past that the path goes straight on. This sample is added to
+    ``trail``; it and ``bounds`` are those of `Arrivals`.
     """
     length = len(trail)
-    row = step % length
+    now = step % length
     everybody = True
     for i in range(len(pose)):
         x, y = pose[i, 0], pose[i, 1]
-        trail[row, i, 0], trail[row, i, 1] = x, y
-        still = station[i] >= least[i] and step + 1 >= length
+        trail[now, i, 0], trail[now, i, 1] = x, y
+        along, beside, end, past = stations[0, i], stations[1, i], start[i + 1] - 1, 0.0
+        if along >= row[end, 4] - LENGTH:
+            past = (x - row[end, 0]) * row[end - 1, 2] + (y - row[end, 1]) * row[end - 1, 3]
+            past = max(past, 0.0)
+        still = bounds[0, i] <= along + past <= bounds[1, i] and step + 1 >= length
+        still = still and beside * beside - past * past <= bounds[2, i]
         k = 1  # the oldest first: of a robot that moves it is the farthest
         while still and k < length:
-            dx, dy = trail[(row + k) % length, i, 0] - x, trail[(row + k) % length, i, 1] - y
-            still = dx * dx + dy * dy <= near[i] * near[i]
+            dx, dy = trail[(now + k) % length, i, 0] - x, trail[(now + k) % length, i, 1] - y
+            still = dx * dx + dy * dy <= bounds[3, i]
             k += 1
         arrived[i] = still
         everybody = everybody and still
     return everybody
 
 
-def arrivals(
-    pose: FloatArray, station: FloatArray, least: FloatArray, near: FloatArray, dt: float
-) -> NDArray[np.bool_]:
-    """(K, N) who has arrived at each of K consecutive samples from 0 on: `note_arrivals` in numpy.
+def later_since(before: IntArray, first: int, arrived: NDArray[np.bool_]) -> IntArray:
+    """(N,) sample from which on each robot has arrived to the end of a block; -1 where it has not.
 
-    ``pose`` (K, N, 3), ``station`` (K, N) [m].
+    The block ``arrived`` (B, N) begins at sample ``first``, and ``before`` (N,) is the same for
+    what comes before it. One that moves on has not arrived: its last stretch counts.
     """
-    window = still_steps(dt)
-    place = pose[:, :, :2]
-    found = station >= least
-    found[:window] = False
-    for k in range(1, min(window + 1, len(pose))):
-        apart = np.square(place[k:] - place[:-k]).sum(axis=2)
-        found[k:] &= apart <= near * near
-    return np.asarray(found)
-
-
-def since(arrived: NDArray[np.bool_]) -> IntArray:
-    """(N,) sample from which on each robot has arrived to the end of (K, N); -1 where it has not.
-
-    One that moves on has not arrived: its last stretch counts.
-    """
-    samples = len(arrived)
-    away = np.where(~arrived, np.arange(samples)[:, None], -1).max(axis=0, initial=-1)
-    return np.where(away + 1 < samples, away + 1, -1)
+    size = len(arrived)
+    away = np.where(~arrived, np.arange(size)[:, None], -1).max(axis=0, initial=-1)
+    found = np.where(away + 1 < size, first + away + 1, -1)
+    return np.where((away < 0) & (before >= 0), before, found)

@@ -36,7 +36,7 @@ from physim.parts.stages import (
 )
 from physim.parts.world_checks import listed
 from physim.simulation import parts
-from physim.simulation.arrival import Arrivals, still_distances
+from physim.simulation.arrival import Arrivals
 from physim.simulation.decision_checks import outside
 from physim.simulation.decisions import Decided, begun, decide
 from physim.simulation.engine import Physics
@@ -339,13 +339,11 @@ class Simulation:
         self._tracking = Tracking(
             scene.paths, scene.reference, scene.shapes.radius[:robots], read_only(scene.start)
         )
-        least, pose = scene.stop_station - scene.arrival_tolerance, read_only(self.physics.pose)
-        near = still_distances(scene.shapes.radius[:robots])
-        self._arrivals = Arrivals(least, near, scene.dt, pose)
+        self._arrivals = Arrivals(scene, self._tracking)
         self.mode = read_only(np.full(robots, NO_NUMBER, dtype=np.int64))
         self.next_decision = read_only(np.zeros(robots, dtype=np.int64))
         self._next_due, self._told = 0, None
-        self._take(0, pose, read_only(np.zeros((robots, 2))))
+        self._take(0, read_only(self.physics.pose), read_only(np.zeros((robots, 2))))
 
     def __getstate__(self) -> dict[str, Any]:
         """Scene, parts and state: the engine itself is built anew from these."""

@@ -20,7 +20,7 @@ from physim.geometry.shapes import FloatArray
 from physim.parts.stages import Step
 from physim.record import RecordWriter
 from physim.record.layout import COMMAND, CONSIDERING, OPTIONAL
-from physim.simulation.arrival import since
+from physim.simulation.arrival import later_since
 from physim.simulation.observation import formation_errors
 from physim.world.scene import Scene
 
@@ -198,15 +198,6 @@ class Recorder:
             gaps = gaps[:, ends[-1] :]
         self.least = gaps.min(axis=1, initial=np.inf)
         self.unrecorded = (int(step[-1]), poses[-1]) if gaps.shape[1] else None
-
-
-def later_since(
-    before: NDArray[np.int64], first: int, arrived: NDArray[np.bool_]
-) -> NDArray[np.int64]:
-    """Samples (N,) from which on robots have arrived, after a block (B, N) that begins at one."""
-    found = since(arrived)
-    throughout = (found == 0) & (before >= 0)
-    return np.where(throughout, before, np.where(found >= 0, found + first, -1))
 
 
 def stacked(arrays: Sequence[NDArray[Any]]) -> NDArray[Any]:

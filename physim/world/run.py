@@ -130,13 +130,14 @@ class Time(Model):
 class Arrival(Model):
     """When a robot counts as arrived: at its stop station, and standing for 0.5 s.
 
+    It is no farther beside the stop station than at its start, or half its width if that is more.
     It stands where it moves by no more than 1 cm, or a twentieth of its radius if that is less.
     """
 
     tolerance: Distance = Field(
         default=0.1,
         description="[m] along its path by which a robot that stands may be short of its stop "
-        "station",
+        "station, or past it",
     )
 
 
@@ -180,5 +181,5 @@ class Expectation(Model):
     )
     finished: Flag | None = Field(
         default=None,
-        description="whether all robots arrive: stand at their stop stations, or past them",
+        description="whether all robots arrive: stand at their stop stations at one time",
     )

@@ -116,12 +116,12 @@ class Scene:
     omegas: tuple[tuple[float, ...] | None, ...]
     """for each robot its own set of rotational speeds [rad/s]; None: the controller's"""
     stop_station: FloatArray
-    """(N,) [m] along the own path; at or past it a robot has arrived"""
+    """(N,) [m] along the own path, see `physim.simulation.arrival`"""
     formation: FormationPlan
     sensing_range: float
     """[m] within which robots see and consider others and walls"""
     arrival_tolerance: float
-    """[m] along its path by which a robot that stands may be short of its stop station"""
+    """[m] along its path by which a robot that has arrived may be short of its stop, or past it"""
     layout: Layout
     """the same as plain geometry, before it was packed"""
 

@@ -13,6 +13,7 @@ import pytest
 from PIL import Image
 
 import physim
+from physim.drawing import palette
 from physim.drawing.page import write_page
 from physim.drawing.page.data import TOLERANCE
 from physim.drawing.scene_model import SceneModel, placed
@@ -315,3 +316,16 @@ def test_keys_go_on_after_a_click_on_a_check_box(opened: Opened) -> None:
     seen.page.locator("#controls input[type=checkbox]").first.click()
     seen.page.keyboard.press("ArrowRight")
     assert seen.ask("physim.player.time") == pytest.approx(0.1)
+
+
+def test_the_legend_shows_an_obstacle_in_the_colour_it_is_drawn_in(
+    opened: Opened, tmp_path: Path
+) -> None:
+    """It had the colour of the first robot."""
+    world = parse_world(WORLD).changed(obstacles=[[[12, -1], [13, -1], [13, 0], [12, 0]]])
+    seen = opened(write_page([physim.simulate(world)], tmp_path / "r.html"))
+    sign = "#legend li:has(span:text-is('obstacle')) canvas"
+    pixel = seen.page.locator(sign).evaluate(
+        "one => [...one.getContext('2d').getImageData(30, 20, 1, 1).data.slice(0, 3)]"
+    )
+    assert tuple(pixel) == palette.OBSTACLE

@@ -342,6 +342,18 @@ def test_a_worker_killed_from_outside(executor: Processes) -> None:
     assert executor.submit(abs, -4).result() == 4
 
 
+def test_a_worker_that_does_not_end_in_time_is_gone_after_the_shutdown(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """It was killed and not waited for: on a busy machine it was still there."""
+    monkeypatch.setattr(processes, "LAST_SECONDS", 0.0)
+    made = Processes(2)
+    for future in [made.submit(time.sleep, 0.05) for _ in range(4)]:
+        future.result()
+    made.shutdown()
+    assert not multiprocessing.active_children()
+
+
 def test_workers_killed_while_they_had_nothing_to_do(executor: Processes) -> None:
     for _ in range(3):
         assert executor.submit(abs, -4).result() == 4

@@ -293,3 +293,17 @@ def test_places_far_from_the_origin(made: Callable[..., Any], changed: Callable[
     here, there = frame_at(record, 2.0), frame_at(moved, 2.0)
     for colour in (palette.SAFE_AREA, palette.DANGER_AREA, rgb(SAFE.colour)):
         assert pixels(there, colour) == pytest.approx(pixels(here, colour), rel=0.05)
+
+
+def test_who_has_arrived_is_counted_in_one_place(
+    made: Callable[..., Any], changed: Callable[..., Any], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The last frames of a film said "9 arrived" and "arrived 10": by the motion, by the modes."""
+    words, updates = words_of_the_panel(monkeypatch), made(3).updates.copy()
+    updates["mode"] = 3
+    for arrived, told in (([50, 60, -1], False), ([50, 60, 70], True)):
+        words.clear()
+        record = changed(made(3), updates=updates, arrived=np.array(arrived), dt=0.02)
+        Painter(Timeline(record), 1.0, 25.0).frame(3.0)
+        counts = [said for said in words if "arrived" in said and any(map(str.isdigit, said))]
+        assert (counts, "finished" in words, "3" in words) == ([], told, True)

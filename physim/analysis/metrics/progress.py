@@ -20,7 +20,8 @@ from physim.analysis.metrics.metric import Each, Series
 from physim.errors import PhysimError
 from physim.geometry.shapes import FloatArray, IntArray
 from physim.record import Record
-from physim.simulation.arrival import STILL_TIME, still_distances, still_steps
+from physim.simulation.arrival import STILL_TIME, most_beside, still_distances, still_steps
+from physim.tolerances import LENGTH
 
 Rows = NDArray[np.void]
 
@@ -88,8 +89,7 @@ def time_to_finish(record: Record) -> float | None:
 def stop_distance(record: Record) -> Each | None:
     """Distances [m] of all robots from their stop stations at the last sample, and the largest.
 
-    To arrive a robot has to stand no more than the tolerance before its stop station; past it or
-    beside it, as where others pushed it, it has arrived, too. None of a run that did not finish.
+    None of a run that did not finish.
     """
     if not finished(record):
         return None
@@ -110,25 +110,31 @@ class Absent:
     short: float
     """[m] along its path from where it is to its stop station; negative when past it"""
     tolerance: float
-    """[m] by which it may be short"""
+    """[m] by which it may be short, or past"""
     stands: bool
     """it moved no more in the last 0.5 s than one that stands may"""
     beside: float = 0.0
     """[m] how far it is from the nearest point of that part of its path"""
     turned: float = 0.0
     """[deg] from the direction of its path there, 0 to 180"""
+    room: float = np.inf
+    """[m] that it may be beside"""
 
     def sentence(self, name: str) -> str:
         """Why robot ``name`` has not arrived."""
-        if self.short <= self.tolerance and self.stands:
+        if abs(self.short) > self.tolerance:
+            side = "short of" if self.short > 0.0 else "past"
+            away, allowed = _lengths(abs(self.short), self.tolerance)
+        elif self.beside > self.room:
+            side, (away, allowed) = "beside", _lengths(self.beside, self.room)
+        elif self.stands:
             return f"{name} is at its stop station, but has not stood there for {STILL_TIME:g} s"
-        if self.short <= self.tolerance:
+        else:
             return f"{name} still moves at its stop station"
-        short, allowed = self._lengths()
-        off = self._off()
+        off, where = self._off(), f"{away} m {side} its stop station"
         if self.stands:
-            return f"{name} stands {short} m short of its stop station (tolerance {allowed} m){off}"
-        return f"{name} still moves, {short} m short of its stop station{off}"
+            return f"{name} stands {where} (tolerance {allowed} m){off}"
+        return f"{name} still moves, {where}{off}"
 
     @property
     def is_astray(self) -> bool:
@@ -142,12 +148,13 @@ class Absent:
             where.append(f"turned {self.turned:.0f}° from its direction")
         return f": it is {' and '.join(where)}" if where else ""
 
-    def _lengths(self) -> tuple[str, str]:
-        """How far it is short, and the tolerance, with as many digits as they need to differ."""
-        digits = 2 if self.short < 10.0 else 1
-        while f"{self.short:.{digits}f}" == f"{self.tolerance:.{digits}f}" and digits < 9:
-            digits += 1
-        return f"{self.short:.{digits}f}", f"{self.tolerance:.{max(digits, 2)}f}"
+
+def _lengths(away: float, allowed: float) -> tuple[str, str]:
+    """How far a robot is away, and may be, with as many digits as they need to differ."""
+    digits = 2 if away < 10.0 else 1
+    while f"{away:.{digits}f}" == f"{allowed:.{digits}f}" and digits < 9:
+        digits += 1
+    return f"{away:.{digits}f}", f"{allowed:.{max(digits, 2)}f}"
 
 
 def absent(record: Record) -> tuple[Absent, ...]:
@@ -155,14 +162,14 @@ def absent(record: Record) -> tuple[Absent, ...]:
     if not record.samples:
         return ()
     still = _stood(record)
-    short, tolerance = record.stop_station - last_stations(record), arrival_tolerance(record)
-    return tuple(
-        Absent(
-            i, float(short[i]), tolerance, bool(still[i]),
-            *_astray(record, i, float(record.stop_station[i] - short[i])),
-        )
-        for i in np.flatnonzero(record.arrived < 0).tolist()
-    )  # fmt: skip
+    station, tolerance = last_stations(record), arrival_tolerance(record)
+    room = most_beside(record.shapes, record.course[0, :, 1])
+    found = []
+    for i in np.flatnonzero(record.arrived < 0).tolist():
+        past, beside, turned = _astray(record, i, float(station[i]))
+        short = float(record.stop_station[i] - station[i]) - past
+        found.append(Absent(i, short, tolerance, bool(still[i]), beside, turned, float(room[i])))
+    return tuple(found)
 
 
 def _stood(record: Record) -> NDArray[np.bool_]:
@@ -186,17 +193,20 @@ def _stood(record: Record) -> NDArray[np.bool_]:
     return np.asarray((within & idle) | (near.all(axis=0) & (first > 0)))
 
 
-def _astray(record: Record, robot: int, station: float) -> tuple[float, float]:
-    """How far [m] a robot is at the end from a station of its path, and how it is turned [deg]."""
+def _astray(record: Record, robot: int, station: float) -> tuple[float, float, float]:
+    """How far [m] a robot is at the end past its path, whose nearest point has this station, and
+    beside it, and how it is turned [deg]."""
     lines = record.paths
     a, b = lines.start[robot : robot + 2]
     points, at = lines.points[a:b], lines.station[a:b]
     k = int(np.clip(np.searchsorted(at, station, side="right") - 1, 0, len(at) - 2))
     along = (points[k + 1] - points[k]) / (at[k + 1] - at[k])
     x, y, heading = record.pose[-1, robot]
-    beside = np.hypot(*(points[k] + (station - at[k]) * along - (x, y)))
+    way = (x, y) - points[k] - (station - at[k]) * along
+    past = max(float(way @ along), 0.0) if station >= at[-1] - LENGTH else 0.0
+    beside = np.hypot(*(way - past * along))
     turned = abs((heading - np.arctan2(along[1], along[0]) + np.pi) % (2.0 * np.pi) - np.pi)
-    return float(beside), float(np.degrees(turned))
+    return past, float(beside), float(np.degrees(turned))
 
 
 def last_stations(record: Record) -> FloatArray:
@@ -226,7 +236,7 @@ def last_stations(record: Record) -> FloatArray:
 
 
 def arrival_tolerance(record: Record) -> float:
-    """[m] by which a robot that stands may be short of its stop station: the world's, or 0.1."""
+    """[m] by which a robot may be short of its stop station, or past it: the world's, or 0.1."""
     arrival = record.world_settings.get("arrival")
     tolerance = arrival.get("tolerance") if isinstance(arrival, Mapping) else None
     if isinstance(tolerance, float) or (isinstance(tolerance, int) and abs(tolerance) < 2**63):

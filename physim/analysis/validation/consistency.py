@@ -15,9 +15,10 @@ import numpy as np
 from physim.analysis.validation.decisions import DecisionTable, SampleBlock
 from physim.analysis.validation.mismatch import Mismatches
 from physim.geometry.shapes import FloatArray, IntArray
+from physim.geometry.tracking import Tracking
 from physim.record import Record
 from physim.record.layout import ARRIVED, OPTIONAL
-from physim.simulation.arrival import arrivals, still_distances, still_steps
+from physim.simulation.arrival import Arrivals, later_since
 from physim.tolerances import SHARE
 from physim.world.scene import Scene
 
@@ -166,42 +167,23 @@ BY = "by the poses"
 class ArrivalCheck:
     """Finds arrival anew, from poses and stations (`physim.simulation.arrival`)."""
 
-    def __init__(self, record: Record, scene: Scene) -> None:
-        self.dt = record.dt
-        self.least = scene.stop_station - scene.arrival_tolerance
-        self.near = still_distances(scene.shapes.radius[: record.robots])
-        self.window = still_steps(record.dt)
-        self.pose = np.zeros((0, record.robots, 3))
-        self.station = np.zeros((0, record.robots))
-        self.away: IntArray = np.full(record.robots, -1)
-        """(N,) last sample at which each robot had not arrived"""
+    def __init__(self, scene: Scene) -> None:
+        start = Tracking(scene.paths, scene.reference, scene.shapes.radius, scene.start)
+        self.arrivals = Arrivals(scene, start)
+        self.since: IntArray = np.full(scene.robots, -1)
+        """(N,) sample from which on each robot has arrived, to the last; -1 where it has not"""
         self.all_since: int | None = None
         """first sample at which all had arrived"""
 
     def take(self, block: SampleBlock) -> None:
         """Continue with the samples of a block."""
-        pose = np.concatenate((self.pose, block.pose[block.overlap :]))
-        station = np.concatenate((self.station, block.station[block.overlap :]))
-        known = len(self.pose)
-        found = np.zeros((len(pose) - known, pose.shape[1]), dtype=np.bool_)
-        near = (station[known:] >= self.least).any(axis=0)
-        if near.any():
-            arrived = arrivals(
-                pose[:, near], station[:, near], self.least[near], self.near[near], self.dt
-            )
-            found[:, near] = arrived[known:]
-        first = block.first + block.overlap
-        samples = first + np.arange(len(found))[:, None]
-        away = np.where(~found, samples, -1).max(axis=0, initial=-1)
-        self.away = np.maximum(self.away, away)
-        together = np.flatnonzero(found.all(axis=1))
-        if self.all_since is None and len(together):
-            self.all_since = first + int(together[0])
-        self.pose, self.station = pose[-self.window :], station[-self.window :]
-
-    def since(self, samples: int) -> IntArray:
-        """(N,) sample from which on each robot has arrived, to the last; -1 where it has not."""
-        return np.asarray(np.where(self.away + 1 < samples, self.away + 1, -1))
+        first, found = block.first + block.overlap, []
+        for k in range(block.overlap, len(block.pose)):
+            self.arrivals.note(block.first + k, block.pose[k], block.course[k].T)
+            found.append(self.arrivals.arrived)
+            if self.all_since is None and self.arrivals.all:
+                self.all_since = block.first + k
+        self.since = later_since(self.since, first, np.array(found))
 
 
 def check_ending(record: Record, scene: Scene, exact: ArrivalCheck, found: Mismatches) -> None:
@@ -216,7 +198,7 @@ def check_ending(record: Record, scene: Scene, exact: ArrivalCheck, found: Misma
             "attribute", "steps_run", last, exact.all_since, f"{BY}: all robots had arrived then"
         )
     arrived = exact.all_since is not None
-    since = exact.since(record.samples)
+    since = exact.since
     if record.ended == "finished" and not arrived:
         missing = [record.names[i] for i in np.flatnonzero(since < 0)]
         found.add(

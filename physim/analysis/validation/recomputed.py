@@ -202,7 +202,7 @@ def recompute(record: Record, inside: Inside, table: DecisionTable) -> Recompute
     considered = Considered(record)
     replay, columns, left_out = _checkers(record, inside, considered)
     by_rule = replay is not None and scene is not None and scene.world.controller.type == PAPER
-    arrivals = None if scene is None else ArrivalCheck(record, scene)
+    arrivals = None if scene is None else ArrivalCheck(scene)
     check_schedule(record, table, found)
     check_considered(record, considered, found)
     check_commands(record, table, scene, inside.stages, found)

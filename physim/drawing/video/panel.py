@@ -129,9 +129,9 @@ class Panel:
         self._show_clock(now.time)
         self._show_scale(self._timeline.over(now.time))
         self._show_trails(self._timeline.over(now.time))
-        arrived = self._timeline.arrived(now.time)
-        every = arrived == self._timeline.robots > 1
-        words = ("all arrived" if every else f"{arrived} arrived") if arrived else ""
+        # the legend counts who is in each mode, such as the paper's "arrived"
+        every = self._timeline.arrived(now.time) == self._timeline.robots
+        words = "finished" if every else ""
         self._show_line(53, "", words, palette.INK, size=SMALL, left=self._box.width // 2)
         for row, (words, value, colour) in enumerate(self._figures(now, pair)):
             self._show_line(FIGURES + 12 + row * FIGURE, words, value, colour)

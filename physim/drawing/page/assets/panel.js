@@ -7,7 +7,7 @@ import { decimal, metres } from "./words.js";
 
 /** The table of figures, one column a run; `update` shows another time. */
 export function figures(views) {
-  const labels = ["contacts so far", "touching now", "closest now", "wall, closest now", "arrived"];
+  const labels = ["contacts so far", "touching now", "closest now", "wall, closest now", "finished"];
   const cells = labels.map(() => views.map(() => el("td", {})));
   const many = views.length > 1;
   const top = many
@@ -36,14 +36,13 @@ function momentOf(view, time) {
   const closest = pair ? `${run.names[pair.a]} – ${run.names[pair.b]} ${metres(pair.distance)}` : "–";
   const walls = run.header.curves.wall ? (view.walls ??= run.array("now_wall")) : null;
   const wall = walls ? walls[nowAt(run, time)] : Infinity;
-  const arrived = run.arrived(time);
   const isKnown = run.header.contacts.recorded;
   return [
     [isKnown ? String(count) : "not recorded", count > 0],
     [isKnown ? touching : "not recorded", now.length > 0],
     [closest, pair !== null && pair.distance <= 0],
     [Number.isFinite(wall) ? metres(wall) : "–", wall <= 0],
-    [arrived === run.robots && arrived > 1 ? "all" : String(arrived), false],
+    [run.finished(time) ? "yes" : "no", false],
   ];
 }
 
@@ -102,7 +101,7 @@ function sign(words, colours) {
     context.lineWidth = 1.5;
     context.stroke();
   };
-  const key = Object.entries({ "safe area": "safe", "danger area": "danger", "accessible area": "floor" })
+  const key = Object.entries({ "safe area": "safe", "danger area": "danger", "accessible area": "floor", obstacle: "obstacle" })
     .find(([name]) => name === words)?.[1];
   if (key) {
     context.fillStyle = colours[key];

@@ -103,9 +103,10 @@ export class Run {
     return this.modesNow;
   }
 
-  arrived(time) {
+  /** Whether all robots have arrived. */
+  finished(time) {
     const step = (time + SLACK) / this.dt;
-    return this.arrivedStep.reduce((count, at) => count + (at >= 0 && at <= step), 0);
+    return this.arrivedStep.every((at) => at >= 0 && at <= step);
   }
 
   /** Robots that were considered in a decision; null where the page does not have them. */

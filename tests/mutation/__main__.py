@@ -12,6 +12,7 @@ from __future__ import annotations
 import argparse
 import functools
 import hashlib
+import importlib
 import importlib.util
 import json
 import math
@@ -75,9 +76,9 @@ class Known:
         """Run every file once, unmutated, or read how that went; say which tests are left out."""
         stamp = hashlib.sha256(repr((sources, slow)).encode())
         for folder in ("physim", "controllers", "worlds", "tests"):
-            for file in sorted((ROOT / folder).rglob("*")):
-                if file.suffix in (".py", ".yaml") and "mutation" not in file.parts[:-1]:
-                    stamp.update(f"{file.relative_to(ROOT)}".encode() + file.read_bytes())
+            for path in sorted((ROOT / folder).rglob("*")):
+                if path.suffix in (".py", ".yaml") and "mutation" not in path.parts[:-1]:
+                    stamp.update(f"{path.relative_to(ROOT)}".encode() + path.read_bytes())
         kept = CACHE / stamp.hexdigest()[:16]
         kept.mkdir(exist_ok=True)
         place = {file: kept / f"{file.replace('/', '.')}.json" for file in files}
@@ -87,17 +88,17 @@ class Known:
         self.seconds: dict[str, float] = {}
         self.left_out: dict[str, str] = {}
         self._by_line: defaultdict[tuple[str, int], set[str]] = defaultdict(set)
-        for file in files:
-            run = json.loads(place[file].read_text())
-            self.seconds |= run["seconds"]
-            self.left_out |= run["not_passed"]
-            for source, lines in run["lines"].items():
+        for found in (json.loads(place[file].read_text()) for file in files):
+            self.seconds |= found["seconds"]
+            self.left_out |= found["not_passed"]
+            for source, lines in found["lines"].items():
                 for line, tests in lines.items():
                     self._by_line[source, int(line)].update(set(tests) & set(self.seconds))
         kinds, total = dict(Counter(self.left_out.values())), sum(self.seconds.values())
         print(f"{len(self.seconds)} tests, {total:.0f} s; left out: {kinds}", flush=True)
-        named = (f"  {kind}: {name}" for name, kind in self.left_out.items() if kind != "skipped")
-        print(*named, sep="\n")
+        for name, kind in self.left_out.items():
+            if kind != "skipped":
+                print(f"  {kind}: {name}")
 
     def reaching(self, mutant: Mutant) -> set[str]:
         """Tests that execute a mutant; all, where that happens at import."""
@@ -143,8 +144,9 @@ def judge(sample: list[Mutant], tests: Known, compiles: bool, in_forks: Callable
         if one not in judged:
             print(f"not judged, as only tests that are left out reach it: {one}")
         elif one in survivors:
-            note = f"{len(reaching[one] & left_out)} tests that are left out reach it, too"
-            print(f"survives: {one}", f"({note if reaching[one] else 'no test reaches it'})")
+            others = len(reaching[one] & left_out)
+            note = f" ({others} tests that are left out reach it, too)" if others else ""
+            print(f"survives: {one}{note if reaching[one] else ' (no test reaches it)'}")
     tell("mutants", len(judged), len(survivors))
     return len(survivors)
 
@@ -156,9 +158,8 @@ def judge_rules(room: str, tests: Known, in_forks: Callable[..., Any]) -> int:
     names_of_room = (room, *ROOMS[room].tests)
 
     def rules() -> dict[str, Callable[[], Any]]:
-        from tests.mutation.rules import RULES
-
-        return {name: breaks for place, name, breaks in RULES if place in names_of_room}
+        every = importlib.import_module("tests.mutation.rules").RULES
+        return {name: breaks for place, name, breaks in every if place in names_of_room}
 
     def run(name: str) -> str:
         uncompiled()

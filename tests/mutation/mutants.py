@@ -39,7 +39,7 @@ class Mutant(NamedTuple):
     function: str
     """qualified name; "" outside of functions"""
     operator: str
-    index: int
+    number: int
     """which of the changes by this operator in this function"""
     lines: tuple[int, int] | None
     """first and last of the lines that a test executes where it reaches the change; None: import"""
@@ -82,11 +82,11 @@ def mutants_of(file: str, root: Path) -> list[Mutant]:
                 at = node if isinstance(node, ast.stmt) and function is not None else stmt
                 name = scope if function is not None else ""
                 for operator, new in changes(node, field, function):
-                    lines = at and (at.lineno, node.end_lineno)  # type: ignore[attr-defined]
-                    index = count[name, operator]
+                    lines = (at.lineno, node.end_lineno) if at else None  # type: ignore[attr-defined]
+                    number = count[name, operator]
                     count[name, operator] += 1
                     yield Mutant(
-                        file, name, operator, index, lines, kernel,
+                        file, name, operator, number, lines, kernel,
                         tree, parent, field, place, node, new,
                     )  # fmt: skip
                 if isinstance(node, ast.FunctionDef | ast.ClassDef):
@@ -105,7 +105,7 @@ def drawn(mutants: Iterable[Mutant], seed: int, count: int) -> list[Mutant]:
 
     def order(one: Mutant) -> bytes:
         file = "" if one.function else one.file
-        key = f"{seed} {one.function} {one.operator} {one.index} {file}"
+        key = f"{seed} {one.function} {one.operator} {one.number} {file}"
         return hashlib.sha256(key.encode()).digest()
 
     return sorted(mutants, key=order)[:count]
@@ -128,7 +128,7 @@ def changes(
                 for operator, table in (("bound", BOUNDS), ("comparison", COMPARISONS)):
                     if type(op) in table:
                         new = copy.copy(node)
-                        new.ops = [*node.ops[:k], table[type(op)](), *node.ops[k + 1 :]]  # type: ignore
+                        new.ops = [*node.ops[:k], table[type(op)](), *node.ops[k + 1 :]]
                         yield operator, new
         case ast.BinOp() if not any(map(is_text, (node.left, node.right))):
             if type(node.op) in SIGNS:
@@ -143,19 +143,21 @@ def changes(
             for k in range(len(node.values)):
                 rest = node.values[:k] + node.values[k + 1 :]
                 yield "dropped term", rest[0] if len(rest) == 1 else ast.BoolOp(node.op, rest)
-        case ast.Constant(value=bool()):
-            yield "constant", ast.Constant(not node.value)
-        case ast.Constant(value=int()):
-            yield "constant", ast.Constant(node.value + 1)
-        case ast.Constant(value=float()):
-            yield "constant", ast.Constant(2.0 * node.value or 1.0)
+        case ast.Constant(value=bool() as known):
+            yield "constant", ast.Constant(not known)
+        case ast.Constant(value=int() as known):
+            yield "constant", ast.Constant(known + 1)
+        case ast.Constant(value=float() as known):
+            yield "constant", ast.Constant(2.0 * known or 1.0)
         case ast.Name() if node.id in EXTREMES and field == "func":
             yield "extreme", ast.Name(EXTREMES[node.id], node.ctx)
         case ast.Attribute() if node.attr in EXTREMES:
             yield "extreme", ast.Attribute(node.value, EXTREMES[node.attr], node.ctx)
-        case ast.Return(value=ast.expr()) if function is not None and function.returns is not None:
+        case ast.Return(value=ast.expr() as result) if (
+            function is not None and function.returns is not None
+        ):
             default = ast.Constant(DEFAULTS.get(ast.unparse(function.returns)))
-            if ast.dump(default) != ast.dump(node.value):
+            if ast.dump(default) != ast.dump(result):
                 yield "returned default", ast.Return(default)
         case ast.Expr(value=ast.Call()) | ast.AugAssign() | ast.Break() | ast.Continue():
             yield "dropped statement", ast.Pass()

@@ -77,18 +77,19 @@ class Known:
         stamp = hashlib.sha256(repr((sources, slow)).encode())
         for folder in ("physim", "controllers", "worlds", "tests"):
             for path in sorted((ROOT / folder).rglob("*")):
-                if path.suffix in (".py", ".yaml") and "mutation" not in path.parts[:-1]:
-                    stamp.update(f"{path.relative_to(ROOT)}".encode() + path.read_bytes())
+                place = path.relative_to(ROOT)
+                if path.suffix in (".py", ".yaml") and place.parts[:2] != ("tests", "mutation"):
+                    stamp.update(f"{place}".encode() + path.read_bytes())
         kept = CACHE / stamp.hexdigest()[:16]
         kept.mkdir(exist_ok=True)
-        place = {file: kept / f"{file.replace('/', '.')}.json" for file in files}
+        known = {file: kept / f"{file.replace('/', '.')}.json" for file in files}
         run = functools.partial(watched, sources=sources, slow=slow)
-        for file, found in in_forks([one for one in files if not place[one].exists()], run):
-            place[file].write_text(json.dumps(found))
+        for file, found in in_forks([one for one in files if not known[one].exists()], run):
+            known[file].write_text(json.dumps(found))
         self.seconds: dict[str, float] = {}
         self.left_out: dict[str, str] = {}
         self._by_line: defaultdict[tuple[str, int], set[str]] = defaultdict(set)
-        for found in (json.loads(place[file].read_text()) for file in files):
+        for found in (json.loads(known[file].read_text()) for file in files):
             self.seconds |= found["seconds"]
             self.left_out |= found["not_passed"]
             for source, lines in found["lines"].items():

@@ -29,7 +29,6 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any, TypeVar, cast
 
-from physim.errors import PhysimError
 from physim.stray_settings import load_numba
 
 F = TypeVar("F", bound=Callable[..., Any])
@@ -41,6 +40,11 @@ ROOMS_WITHOUT_KERNELS = (
 
 LINKED_SERIES = ("0.61", "0.62", "0.63", "0.64", "0.65", "0.66", "0.67", "0.68")
 """Versions of numba that `physim.linking` was tried with; any other compiles kernels by itself."""
+
+
+def compiles() -> bool:
+    """Whether kernels are compiled: not with numba's ``NUMBA_DISABLE_JIT=1``, to step through."""
+    return os.environ.get("NUMBA_DISABLE_JIT", "0") == "0"
 
 
 @functools.cache
@@ -70,8 +74,14 @@ def source_stamp() -> str:
 
 
 def compiled(function: F) -> F:
-    """Make a `Kernel` of a function; it is called as before."""
-    return cast(F, Kernel(function))
+    """Make a `Kernel` of a function; it is called as before.
+
+    Where nothing `compiles` it stays the plain function.
+    """
+    if compiles():
+        return cast(F, Kernel(function))
+    function.py_func = function.whole = function  # type: ignore[attr-defined]
+    return function
 
 
 def direct(kernel: F) -> F:
@@ -170,14 +180,8 @@ class Callback:
 
 
 def _dispatcher(function: Callable[..., Any], **options: Any) -> Any:
-    numba = load_numba()
-    if numba.config.DISABLE_JIT:
-        raise PhysimError(
-            "NUMBA_DISABLE_JIT is set: physim runs as compiled code alone; unset it (to step "
-            "through a controller of your own, leave its own functions uncompiled)"
-        )
     options = {"error_model": "numpy", "no_cfunc_wrapper": True, **options}
-    return numba.njit(**options)(function)
+    return load_numba().njit(**options)(function)
 
 
 def _keep_in_temporary_folder() -> bool:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from physim.compiled import compiles
 from physim.geometry.shapes import Shapes, joined_shapes, pack_parts
 from physim.simulation.engine.guard import Guard, PlainGuard
 from physim.simulation.engine.space import Hosted, build_space
@@ -39,7 +40,7 @@ def judges_natively() -> bool:
     try:
         from physim.simulation.engine.native_memory import layout_is_known
 
-        return layout_is_known() and _trial()
+        return compiles() and layout_is_known() and _trial()
     except Exception:  # whatever a missing or changed private member brings about
         return False
 

@@ -192,11 +192,11 @@ def contact_rows(
         a, b = key // bodies, key % bodies
         describe_contact(shapes, faces, a, pose[a], b, pose[b], found)
         row = rows[count]
-        row.step, row.a, row.b, row.kind = step, a, b, PHYSICAL
-        row.x, row.y, row.nx, row.ny = found[0], found[1], found[2], found[3]
-        row.phase = (STAYS if touched else BEGAN) if touches else ENDED
-        row.depth = -found[4] if found[4] < 0.0 or not touches else 0.0  # and not -0.0
-        row.impulse = impulse
+        row["step"], row["a"], row["b"], row["kind"] = step, a, b, PHYSICAL
+        row["x"], row["y"], row["nx"], row["ny"] = found[0], found[1], found[2], found[3]
+        row["phase"] = (STAYS if touched else BEGAN) if touches else ENDED
+        row["depth"] = -found[4] if found[4] < 0.0 or not touches else 0.0  # and not -0.0
+        row["impulse"] = impulse
         i, j, count = i + touched, j + touches, count + 1
     return count
 

@@ -61,7 +61,7 @@ def compare(name: str, controller: str, budget: int, seconds: float) -> str:
 def outcome(found: Hunt) -> str:
     """Least clearance of a search and its first failure, of all runs."""
     assert found.judged is not None
-    failed = next((run for run, value in found.history if value <= 0.0), None)
+    failed = next((run for run, value, _ in found.history if value <= 0.0), None)
     first = "none" if failed is None else f"run {failed}, {found.failures} in all"
     return f"{found.judged.clearance:.3f} m, {first}"
 

@@ -100,11 +100,12 @@ def page(folders: Sequence[Path]) -> str:
 def touching(outcomes: Outcomes, cell: Cell) -> str:
     """In how many runs robots touched each other, and walls, and how many failed."""
     columns = {
-        name: outcomes.column(name)[cell.rows] for name in ("contacts", "wall_contacts", "grazes")
+        name: outcomes.column(name)[cell.rows]
+        for name in ("contacts_between_robots", "contacts_with_boundaries", "grazes")
     }
     counts = {
-        "robots": np.count_nonzero(columns["contacts"] > 0),
-        "walls": np.count_nonzero(columns["wall_contacts"] > 0),
+        "robots": np.count_nonzero(columns["contacts_between_robots"] > 0),
+        "walls": np.count_nonzero(columns["contacts_with_boundaries"] > 0),
         "between samples": np.count_nonzero(columns["grazes"] > 0),
         "failed": np.count_nonzero(outcomes.failed[cell.rows]),
     }

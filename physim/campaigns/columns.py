@@ -26,7 +26,6 @@ class _Ended:
     __slots__ = ()
     ended: str
     contacts: int | None
-    wall_contacts: int | None
     grazes: int | None
 
     @property
@@ -37,8 +36,7 @@ class _Ended:
     @property
     def contact_free(self) -> bool:
         """Whether it came to its end and nothing touched."""
-        touches = (self.contacts, self.wall_contacts, self.grazes)
-        return self.ended in (FINISHED, DURATION) and all(count == 0 for count in touches)
+        return self.ended in (FINISHED, DURATION) and self.contacts == self.grazes == 0
 
     @property
     def safe(self) -> bool:
@@ -67,8 +65,9 @@ class Row(_Ended):
     """[s] simulated"""
     robots: int | None = None
     contacts: int | None = None
-    """episodes of two robots"""
-    wall_contacts: int | None = None
+    """episodes, with robots and with walls"""
+    contacts_between_robots: int | None = None
+    contacts_with_boundaries: int | None = None
     grazes: int | None = None
     """contacts between two samples"""
     first_contact: float | None = None
@@ -77,10 +76,23 @@ class Row(_Ended):
     """ "r1, r2" """
     deepest: float | None = None
     """[m]"""
+    closing_speed: float | None = None
+    """[m/s] of the severest contact, as the next four"""
+    energy_lost: float | None = None
+    """[J]"""
+    impulse: float | None = None
+    """[N s]"""
+    severest_contact_pair: str = ""
+    severest_contact_time: float | None = None
+    """[s]"""
     shortest_distance: float | None = None
-    """[m] to robots and walls; negative: depth"""
-    shortest_distance_pair: str = ""
-    shortest_distance_time: float | None = None
+    """[m] of two robots; negative: depth"""
+    shortest_boundary_distance: float | None = None
+    """[m] of a robot and a wall; negative: depth"""
+    least_distance: float | None = None
+    """[m] the less of the two"""
+    least_distance_pair: str = ""
+    least_distance_time: float | None = None
     """[s]"""
     shortest_collision_time: float | None = None
     """[s]"""
@@ -93,6 +105,10 @@ class Row(_Ended):
     """[m] greatest size, from the path"""
     finish_time: float | None = None
     """[s]"""
+    not_arrived: str = ""
+    """ "r1, r3": robots that had not arrived at the end"""
+    stood: str = ""
+    """those of them that stood"""
     danger_share: float | None = None
     updates: int | None = None
     messages: int | None = None
@@ -121,7 +137,6 @@ class Brief(_Ended):
     controller: str
     ended: str
     contacts: int | None
-    wall_contacts: int | None
     grazes: int | None
 
 
@@ -171,9 +186,12 @@ def _texts(words: str, pattern: str, needed: bool = False) -> Allowed:
 MOST = 1e12
 """[m], [s] that a length or a time may be: far beyond any run"""
 _ENDED = _texts(f"one of {', '.join(ENDS)}", "|".join(ENDS), True)
+_DISTANCE = Allowed("float", "a number from -1e12 to 1e12", least=-MOST, most=MOST)
 _NUMBERS = {
     "seed": Allowed("int", "a whole number from 0", least=0, needed=True),
-    "shortest_distance": Allowed("float", "a number from -1e12 to 1e12", least=-MOST, most=MOST),
+    "shortest_distance": _DISTANCE,
+    "shortest_boundary_distance": _DISTANCE,
+    "least_distance": _DISTANCE,
     "shortest_collision_time": Allowed("float", "a finite number from 0, or null", least=0.0),
     "danger_share": Allowed("float", "a number from 0 to 1", least=0.0, most=1.0),
 }
@@ -203,13 +221,31 @@ SHOWN = 40
 """Characters of a value that an error repeats."""
 
 
+OLD, DERIVED = "wall_contacts", "contact_free"
+"""A column of earlier rows, whose ``contacts`` are of robots alone and whose ``shortest_distance``
+is of robots and walls; and what follows from other columns, which a line may say all the same"""
+_RENAMED = {
+    "contacts": "contacts_between_robots",
+    OLD: "contacts_with_boundaries",
+    "shortest_distance": "least_distance",
+    "shortest_distance_pair": "least_distance_pair",
+    "shortest_distance_time": "least_distance_time",
+}
+
+
 def row_of(tree: Any) -> Row:
     """Row of the values that a line holds; columns of a later version are left out.
 
+    Columns of a line with `OLD` that mean something else now get the names of what they mean.
     Raises ValueError with the column, what stands in it and what is allowed.
     """
     if not isinstance(tree, dict):
         raise ValueError("is no row: must be an object with columns")
+    if OLD in tree:
+        counts = tree.get("contacts"), tree[OLD]
+        tree = {_RENAMED.get(name, name): value for name, value in tree.items()}
+        if all(type(count) is int for count in counts):
+            tree["contacts"] = sum(counts)
     values: dict[str, Any] = {}
     for name, allowed in ALLOWED.items():
         value = tree.get(name)
@@ -222,7 +258,10 @@ def row_of(tree: Any) -> Row:
             shown = shown if len(shown) <= SHOWN else shown[:SHOWN] + "…"
             raise ValueError(f"{name}: must be {allowed.words}; given: {shown}")
         values[name] = float(value) if allowed.type == "float" else value
-    return Row(**values)
+    row = Row(**values)
+    if tree.get(DERIVED, row.contact_free) is not row.contact_free:
+        raise ValueError(f"{DERIVED}: must be {row.contact_free} by the other columns")
+    return row
 
 
 def _fits(value: Any, allowed: Allowed) -> bool:
@@ -263,6 +302,6 @@ def are_rows(table: pa.Table) -> bool:
 
 
 __all__ = [
-    "ALLOWED", "COLUMNS", "FAILED", "TIMES", "Brief", "Row", "are_rows", "briefs", "row_of",
-    "rows_of", "schema",
+    "ALLOWED", "COLUMNS", "DERIVED", "FAILED", "OLD", "TIMES", "Brief", "Row", "are_rows", "briefs",
+    "row_of", "rows_of", "schema",
 ]  # fmt: skip

@@ -6,7 +6,7 @@ common, the difficulty of a seed, cancels in the differences of its two runs.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import combinations
 from types import MappingProxyType
@@ -25,14 +25,18 @@ from physim.statistics.paired import (
     median_difference,
     rate_difference,
     sign_test,
-    wilcoxon,
 )
 
 ALPHA = 0.05
 FEWEST_PAIRS = 6
 """Pairs from which on a test of two sides can reach `ALPHA`: at best its p is 2 / 2^pairs."""
 MEASURES = {
+    "least_distance": 1,
     "shortest_distance": 1,
+    "shortest_boundary_distance": 1,
+    "closing_speed": -1,
+    "energy_lost": -1,
+    "impulse": -1,
     "shortest_collision_time": 1,
     "finish_time": -1,
     "deviation": -1,
@@ -43,9 +47,8 @@ MEASURES = {
 }
 """Columns that can be compared: 1 where more is better, -1 where less is."""
 DIRECTIONS = dict.fromkeys(RATES, 1) | MEASURES
-USUAL = (*RATES, "shortest_distance", "finish_time", "deviation", "formation_error")
+USUAL = (*RATES, "least_distance", "finish_time", "deviation", "formation_error")
 """What is compared where nothing else is asked for."""
-TESTS: dict[str, Callable[[FloatArray], float]] = {"sign": sign_test, "wilcoxon": wilcoxon}
 MOST_PAIRS_OF_CELLS = 200
 
 
@@ -60,7 +63,10 @@ class Arm:
 
 @dataclass(frozen=True)
 class Finding:
-    """What a comparison says of one rate or measure: B minus A, the better one by its direction."""
+    """What a comparison says of one rate or measure: with more seeds, which one is better.
+
+    That is what ``p`` is of. How much better is another question: ``difference``, B minus A.
+    """
 
     name: str
     pairs: int
@@ -85,11 +91,17 @@ class Finding:
     def better(self) -> str:
         """``a``, ``b``, or nothing where no difference is shown.
 
-        Shown is one that stays significant after the correction and whose interval leaves out 0.
+        Shown is one that stays significant after the correction; of a rate, whose interval is of
+        the same question, one that leaves out 0 as well.
         """
-        if self.corrected > ALPHA or self.low <= 0.0 <= self.high:
+        if self.corrected > ALPHA or (self.is_rate and self.low <= 0.0 <= self.high):
             return ""
-        return "b" if self.difference * self.direction > 0.0 else "a"
+        return "b" if self.only_b > self.only_a else "a"
+
+    @property
+    def ties(self) -> int:
+        """Seeds with which neither is better: the test leaves them out."""
+        return self.pairs - self.only_a - self.only_b
 
     @property
     def is_tested(self) -> bool:
@@ -189,7 +201,6 @@ def between(a: Outcomes, b: Outcomes, names: tuple[str, str]) -> list[tuple[Arm,
 def compare(
     pairs: Sequence[tuple[Arm, Arm, str]],
     names: Sequence[str] = USUAL,
-    test: str = "sign",
     own: Mapping[str, int] = MappingProxyType({}),
 ) -> list[Comparison]:
     """Compare arms in rates and measures; all p values are corrected together, after Holm.
@@ -204,7 +215,7 @@ def compare(
     _check_own(pairs, own)
     directions = {**DIRECTIONS, **own}
     chosen = {name: directions[name] for name in names}
-    made = [_compared(a, b, common, chosen, TESTS[test]) for a, b, common in pairs]
+    made = [_compared(a, b, common, chosen) for a, b, common in pairs]
     tested = [f.p for comparison in made for f in comparison.findings if f.is_tested]
     corrected = iter(holm(tested))
     return [
@@ -229,15 +240,13 @@ def _check_own(pairs: Sequence[tuple[Arm, Arm, str]], own: Mapping[str, int]) ->
             )
 
 
-def _compared(
-    a: Arm, b: Arm, common: str, names: Mapping[str, int], test: Callable[[FloatArray], float]
-) -> Comparison:
+def _compared(a: Arm, b: Arm, common: str, names: Mapping[str, int]) -> Comparison:
     seeds_a, seeds_b = (arm.outcomes.seed[arm.cell.rows] for arm in (a, b))
     both, at_a, at_b = np.intersect1d(seeds_a, seeds_b, assume_unique=True, return_indices=True)
     if not len(both):
         raise PhysimError(f"{a.cell.name} and {b.cell.name}: have no seed in common")
     rows = at_a + a.cell.start, at_b + b.cell.start
-    findings = list(_findings(a, b, rows, names, test))
+    findings = list(_findings(a, b, rows, names))
     return Comparison(
         a, b, common, len(both), _seeds(np.setdiff1d(seeds_a, both)),
         _seeds(np.setdiff1d(seeds_b, both)),
@@ -251,7 +260,6 @@ def _findings(
     b: Arm,
     rows: tuple[NDArray[np.int64], NDArray[np.int64]],
     names: Mapping[str, int],
-    test: Callable[[FloatArray], float],
 ) -> Iterator[Finding]:
     for name, direction in names.items():
         if name in RATES:
@@ -274,7 +282,7 @@ def _findings(
         gain = difference * direction
         yield Finding(
             name, len(difference), float(np.median(values_a)), float(np.median(values_b)),
-            *median_difference(difference), test(difference),
+            *median_difference(difference), sign_test(difference),
             int(np.count_nonzero(gain < 0)), int(np.count_nonzero(gain > 0)), direction,
         )  # fmt: skip
 

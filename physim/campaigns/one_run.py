@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from physim._version import __version__
-from physim.analysis.metrics import Metric, Moment, measure
+from physim.analysis.metrics import Metric, Moment, absent, measure
 from physim.analysis.metrics.distances import least_distance
 from physim.campaigns import own_metrics
 from physim.campaigns.columns import ERROR, Row
@@ -31,10 +31,10 @@ from physim.world.layout.scene_builder import build_scene, reseeded
 from physim.world.scene import Scene
 
 METRICS = (
-    "contacts_between_robots", "contacts_with_boundaries", "grazes", "first_contact",
-    "deepest_contact", "shortest_distance", "shortest_boundary_distance", "shortest_collision_time",
-    "formation_error_peak", "deviation_peak", "time_to_finish", "danger_share", "decisions",
-    "messages",
+    "contacts", "contacts_between_robots", "contacts_with_boundaries", "grazes", "first_contact",
+    "deepest_contact", "closing_speed", "energy_lost", "impulse", "shortest_distance",
+    "shortest_boundary_distance", "shortest_collision_time", "formation_error_peak",
+    "deviation_peak", "time_to_finish", "danger_share", "decisions", "messages",
 )  # fmt: skip
 KEEP = ("none", "failed", "all")
 """Which records are kept: those of no run, of runs that were not contact-free, of all"""
@@ -165,26 +165,36 @@ def figures(record: Record) -> dict[str, Any]:
         return "" if of is None else ", ".join(names[i] for i in of.bodies)
 
     first, time_left = found.get("first_contact"), found.get("shortest_collision_time")
-    nearest = least_distance(record)
+    severest, nearest, missing = found.get("closing_speed"), least_distance(record), absent(record)
     return {
         "ended": record.ended,
         "seconds": record.steps_run * record.dt,
         "robots": record.robots,
-        "contacts": value("contacts_between_robots") or 0,
-        "wall_contacts": value("contacts_with_boundaries") or 0,
+        "contacts": value("contacts") or 0,
+        "contacts_between_robots": value("contacts_between_robots"),
+        "contacts_with_boundaries": value("contacts_with_boundaries"),
         "grazes": value("grazes") or 0,
         "first_contact": _finite(value("first_contact")),
         "first_contact_pair": pair(first),
         "deepest": _finite(value("deepest_contact")),
-        "shortest_distance": _finite(None if nearest is None else nearest.value),
-        "shortest_distance_pair": pair(nearest),
-        "shortest_distance_time": None if nearest is None else nearest.time,
+        "closing_speed": _finite(value("closing_speed")),
+        "energy_lost": _finite(value("energy_lost")),
+        "impulse": _finite(value("impulse")),
+        "severest_contact_pair": pair(severest),
+        "severest_contact_time": None if severest is None else severest.time,
+        "shortest_distance": _finite(value("shortest_distance")),
+        "shortest_boundary_distance": _finite(value("shortest_boundary_distance")),
+        "least_distance": _finite(None if nearest is None else nearest.value),
+        "least_distance_pair": pair(nearest),
+        "least_distance_time": None if nearest is None else nearest.time,
         "shortest_collision_time": _finite(value("shortest_collision_time")),
         "shortest_collision_time_pair": pair(time_left),
         "shortest_collision_time_time": None if time_left is None else time_left.time,
         "formation_error": _finite(size("formation_error_peak")),
         "deviation": _finite(size("deviation_peak")),
         "finish_time": _finite(value("time_to_finish")) if record.ended == "finished" else None,
+        "not_arrived": ", ".join(names[one.robot] for one in missing),
+        "stood": ", ".join(names[one.robot] for one in missing if one.stands),
         "danger_share": _finite(value("danger_share")),
         "updates": value("decisions"),
         "messages": value("messages"),

@@ -102,19 +102,23 @@ class Outcomes:
     @cached_property
     def touched(self) -> BoolArray:
         """Runs with any contact, between robots or with walls, at samples or between them."""
-        some = [self.column(name) > 0 for name in ("contacts", "wall_contacts", "grazes")]
-        return np.asarray(np.any(some, axis=0), bool)
+        return np.asarray((self.column("contacts") > 0) | (self.column("grazes") > 0))
 
     @cached_property
     def contact_free(self) -> BoolArray:
         """Runs without any contact that came to their end."""
-        known = [self.column(name) == 0 for name in ("contacts", "wall_contacts", "grazes")]
-        return np.asarray(np.all(known, axis=0) & ~self.failed)
+        none = (self.column("contacts") == 0) & (self.column("grazes") == 0)
+        return np.asarray(none & ~self.failed)
 
     @cached_property
     def finished(self) -> BoolArray:
         """Runs in which all robots arrived."""
         return self._ended_in(("finished",))
+
+    @cached_property
+    def unfinished(self) -> BoolArray:
+        """Runs whose time was up before all robots had arrived."""
+        return self._ended_in(("duration",))
 
     @cached_property
     def rate(self) -> BoolArray:

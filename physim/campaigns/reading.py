@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from physim.campaigns import own_metrics
+from physim.campaigns import contradictions, own_metrics
 from physim.campaigns.columns import FAILED, schema
 from physim.campaigns.folder import CAMPAIGN, RESULTS, Folder, label_of
 from physim.campaigns.spec import identity_of, key_of, short_hash
@@ -32,8 +32,8 @@ def read(folder: str | os.PathLike[str]) -> pa.Table:
 
     Metrics of one's own have a column each, ``metric_NAME``. Of a run that was done again the last
     row that did not fail, else the last. Raises PhysimError where there is no campaign, a shard
-    cannot be read, or a row is of no run of the campaign: its cell is not in ``campaign.json``, or
-    its key is not that of its cell and seed.
+    cannot be read, a row is of no run of the campaign (its cell is not in ``campaign.json``, or
+    its key is not that of its cell and seed), or rows contradict themselves or one another.
     """
     place = Folder(folder)
     table = _all_rows(place)
@@ -89,7 +89,8 @@ def write_results(folder: Path) -> None:
 
 
 def _check_runs(place: Folder, table: pa.Table) -> None:
-    """Raise PhysimError for a row that is of no run of the campaign, with file and line."""
+    """Raise PhysimError for a row that is of no run of the campaign, or differs from another of
+    its run, with file and line."""
     known = _identities(place)
     columns = [table[name].to_pylist() for name in (*ORDER, *OF_CELL)]
     for *label, seed, run, world_hash, physim, engine in zip(*columns, strict=True):
@@ -106,6 +107,11 @@ def _check_runs(place: Folder, table: pa.Table) -> None:
         )
         raise PhysimError(
             f"{place.shards.place_of(row)}: {escaped(why)}; is this a row of another campaign?"
+        )
+    if other := contradictions.of_another(table):
+        raise PhysimError(
+            f"{place.shards.place_of(other)}: {list(other)[1]} is not that of another row of run "
+            f"{other['run']}; delete the one that is wrong"
         )
 
 

@@ -118,7 +118,8 @@ def check(record: Record, row: Row) -> list[str]:
     return [
         f"{key} {getattr(row, key)} there, {value} here"
         for key, value in found.items()
-        if key != TEXT and getattr(row, key) != value  # what others measure says nothing of a run
+        # what others measure says nothing of a run, nor does a column that its row lacks
+        if key != TEXT and getattr(row, key) not in (None, "", value)
     ]
 
 

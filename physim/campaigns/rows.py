@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 from uuid import uuid4
 
-from physim.campaigns.columns import FAILED, Row
+from physim.campaigns.columns import FAILED, Row, row_of
 from physim.campaigns.shard import Part, read_shard
 from physim.drafts import discard, draft_of
 from physim.errors import Notice, PhysimError
@@ -110,7 +110,7 @@ class Shards:
         for file in self.files():
             with suppress(OSError, ValueError):
                 for number, line in enumerate(file.read_bytes().split(b"\n"), 1):
-                    if run in line and row.items() <= json.loads(line).items():
+                    if run in line and row.items() <= asdict(row_of(json.loads(line))).items():
                         place = f"{file}:{number}"
         return place
 

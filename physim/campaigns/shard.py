@@ -9,7 +9,8 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
-from physim.campaigns.columns import COLUMNS, Row, are_rows, row_of, schema
+from physim.campaigns import contradictions
+from physim.campaigns.columns import COLUMNS, DERIVED, OLD, Row, are_rows, row_of, schema
 from physim.errors import PhysimError
 from physim.json_text import parse_json
 
@@ -63,7 +64,11 @@ def _part(file: Path, data: bytes, before: int) -> Part:
     if ends:
         lines.pop()
     table = _in_bulk(data, lines) if ends else None
-    return Part(table, lines) if table is not None else _one_by_one(file, lines, ends, before)
+    part = Part(table, lines) if table is not None else _one_by_one(file, lines, ends, before)
+    if found := contradictions.of_itself(part.table):
+        row, what = found
+        raise PhysimError(f"{file}:{before + row + 1}: contradicts itself: {what}")
+    return part
 
 
 def _in_bulk(data: bytes, lines: list[bytes]) -> pa.Table | None:
@@ -72,6 +77,8 @@ def _in_bulk(data: bytes, lines: list[bytes]) -> pa.Table | None:
     from pyarrow import compute, json
 
     if not _are_plain(data, lines):  # at the nested Arrow would break the whole process off
+        return None
+    if any(f'"{name}"'.encode() in data for name in (OLD, DERIVED)):
         return None
     options = json.ParseOptions(explicit_schema=schema(), unexpected_field_behavior="ignore")
     try:

@@ -119,8 +119,8 @@ def sweep(
         work.go(stop, progress)
     finally:
         work.close()
+    write_results(place.path)  # it checks the rows, of which each run keeps one
     place.shards.put_together()
-    write_results(place.path)
     return work.tally
 
 

@@ -95,14 +95,6 @@ def measures(text: str) -> dict[str, int]:
     help="only these rates and "
     "measures; metrics of your own as NAME:more or NAME:less, by what is better",
 )
-@option(
-    "--test",
-    type=OneOf(["sign", "wilcoxon"]),
-    metavar="TEST",
-    default="sign",
-    help="of measures: sign (needs no assumption), or wilcoxon (sees more where differences are "
-    "symmetric)",
-)
 @option("-o", "--output", type=PATH, metavar="FILE", help="write a page with all pairs as points")
 @option("--json", type=PATH, metavar="FILE", help="write all to FILE (-: standard output) as JSON")
 @flag("--force", "overwrite an existing FILE")
@@ -112,8 +104,8 @@ def compare(options: Options) -> int:
     tested, and corrected for how many are looked at. Seeds that only one has are left out.
 
     Rates (rate: contact-free and finished; contact_free; finished) are compared by McNemar's exact
-    test, measures (shortest_distance, finish_time, deviation, formation_error) by the sign test or
-    Wilcoxon's; p values are corrected after Holm.
+    test, measures (least_distance, finish_time, deviation, formation_error) by the sign test: with
+    how many seeds is which the better one? p values are corrected after Holm.
 
     With --seeds the runs are made first, as physim sweep makes them, in a folder that goes on where
     it was left; compared is what is given several of: controllers, values, or two worlds. A is the
@@ -158,7 +150,7 @@ def compare(options: Options) -> int:
         pairs, name = _two(options.a, options.b), f"{options.a} and {options.b}"
     chosen = options.only or measures(",".join(USUAL))
     own = {name: way for name, way in chosen.items() if name.startswith(PREFIX)}
-    found = compared(pairs, [*chosen], options.test, own)
+    found = compared(pairs, [*chosen], own)
     if options.seeds is None and options.b is not None:
         found = with_unlike(found, Folder(options.a), Folder(options.b))
     _write_out(options, found, name)
@@ -173,13 +165,13 @@ def _write_out(options: Options, found: list[Comparison], name: str) -> None:
 
     looked = options.seeds is None and any(map(_looked_at, _folders(options)))
     if options.output is not None:
-        write_text(options.output, comparison_page(found, options.test, name, looked))
+        write_text(options.output, comparison_page(found, name, looked))
     if options.json is not None:
-        values = comparison_values(found, options.test, looked)
+        values = comparison_values(found, looked)
         write_json(options, json.dumps(values, indent=2, ensure_ascii=False, allow_nan=False))
     if options.quiet:
         return
-    sys.stdout.write(comparison_text(found, options.test, looked))
+    sys.stdout.write(comparison_text(found, looked))
     known = {finding.name for one in found for finding in one.findings}
     for asked in [name for name in options.only or () if name not in known]:
         measure = escaped(asked.removeprefix(PREFIX))

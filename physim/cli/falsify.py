@@ -55,7 +55,7 @@ def _kinds(text: str) -> tuple[str, ...]:
         help="runs to search with at most (200)")  # fmt: skip
 @option("--vary", type=Value(_kinds), default="pose,heading", metavar="WHAT",
         help="what is varied, of pose, heading, speed, settings (pose,heading)")  # fmt: skip
-@flag("--whole-budget", "go on after the first failure, for the deepest")
+@flag("--whole-budget", "go on after the first failure, for the severest")
 @flag("--random", "search at random, to compare with")
 @option("--shrink", type=whole_from(0, 100_000), default=500, metavar="N",
         help="runs to shrink a failure with at most (500); 0 leaves it as found")  # fmt: skip
@@ -70,9 +70,10 @@ def _kinds(text: str) -> tuple[str, ...]:
 @flag("--no-video", "make no video")
 @flag("--quiet", "print the result only")  # fmt: skip
 def falsify(options: Options) -> int:
-    """Look for the start in which robots come nearest to a contact, or overlap most, by CMA-ES on
-    the signed swept clearance. The first failure ends the search and is shrunk: fewest robots,
-    shortest time, straightest walls, roundest numbers with which it still fails.
+    """Look for the start in which robots come nearest to a contact, or touch hardest, by CMA-ES on
+    the signed swept clearance, and of contacts on the closing speed. The first failure ends the
+    search and is shrunk: fewest robots, shortest time, straightest walls, roundest numbers with
+    which it still fails.
 
     bounds: pose: up to 1 m along x and y, or anywhere in the start region, clear of all else by
     0.3 m or what the world itself has; heading: any where it is random, else 0.5 rad to either
@@ -197,8 +198,11 @@ def _alone(folder: Path) -> Iterator[None]:
 
 
 def _note(found: Hunt) -> str:
-    least = found.judged.clearance if found.judged is not None else None
-    return "" if least is None else f"least clearance {least:.4g} m"
+    if (worst := found.judged) is None or worst.clearance is None:
+        return ""
+    if worst.failed:
+        return f"severest contact {worst.closing:.2f} m/s"
+    return f"least clearance {worst.clearance:.4g} m"
 
 
 def _shrunk(

@@ -35,9 +35,9 @@ PAGE = "report.html"
     "-o", "--output", type=PATH, metavar="FILE", help=f"page to write (DIR/{PAGE}, again each time)"
 )
 @option("--json", type=PATH, metavar="FILE", help="write all figures to FILE (-: standard output)")
-@flag("--videos", "make the videos of the worst runs, and link to them")
-@flag("--pages", "make the pages of the worst runs for the browser, and link to their moments")
-@flag("--no-pictures", "do not run the worst again for their pictures")
+@flag("--videos", "make the videos of the runs with pictures, and link to them")
+@flag("--pages", "make the pages of these runs for the browser, and link to their moments")
+@flag("--no-pictures", "do not run any again for their pictures")
 @option(
     "--controller", "controllers", multiple=True, metavar="NAME",
     help="a class of yours that runs of DIR had, so that they can be run again for their pictures: "
@@ -48,7 +48,8 @@ PAGE = "report.html"
 def report(options: Options) -> int:
     """Report a campaign as a table and as one page of HTML: for each world, settings and
     controller how many runs were contact-free, finished, and both, with intervals; distances and
-    times; runs that failed; and the ten worst, with pictures.
+    times; the ten worst runs, by the severity of their contacts, and runs that did not finish, with
+    pictures; runs that crashed.
 
     intervals:
       Exact (Clopper-Pearson) for a campaign whose number of runs was fixed in advance; by a

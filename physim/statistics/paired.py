@@ -21,9 +21,6 @@ SHARE_OF_SIDE = 0.8
 """of the allowed error of `rate_difference` that goes to which arm is better, the rest to how often
 they differ: the sign of a difference matters more than its size"""
 
-EXACT_RANKS = 50
-"""differences up to which `wilcoxon` is exact: 2^50 choices of signs are still counted exactly"""
-
 
 class Interval(NamedTuple):
     """A value and the interval around it."""
@@ -91,32 +88,6 @@ def sign_test(differences: ArrayLike) -> float:
     if np.isnan(d).any():
         return math.nan
     return mcnemar(int(np.count_nonzero(d > 0)), int(np.count_nonzero(d < 0)))
-
-
-def wilcoxon(differences: ArrayLike) -> float:
-    """P value of Wilcoxon's signed rank test, two-sided (Wilcoxon, Biometrics Bulletin 1, 1945).
-
-    Needs differences that are distributed symmetrically, and then sees smaller ones than
-    `sign_test`; without symmetry it may err to either side. Those of 0 are left out, ties have the
-    mean of their ranks; exact up to `EXACT_RANKS` differences, ties or not, for more by the normal
-    approximation (`scipy.stats.wilcoxon`). nan where a difference is.
-    """
-    from scipy.stats import rankdata
-    from scipy.stats import wilcoxon as signed_rank
-
-    d = np.asarray(differences, float)
-    if np.isnan(d).any():
-        return math.nan
-    d = d[d != 0.0]
-    if len(d) > EXACT_RANKS:
-        return float(signed_rank(d).pvalue)
-    ranks = (2.0 * rankdata(np.abs(d))).astype(int)  # twice, so that those of ties are whole
-    ways = np.zeros(ranks.sum() + 1)
-    ways[0] = 1.0
-    for rank in ranks:  # of how many choices of signs which sum of ranks comes
-        ways[rank:] += ways[:-rank].copy()
-    least = min(ranks[d > 0.0].sum(), ranks[d < 0.0].sum())
-    return float(min(1.0, 2.0 * ways[: least + 1].sum() / 2.0 ** len(d)))
 
 
 def rank_beyond(count: int, confidence: float = CONFIDENCE) -> int:

@@ -29,7 +29,7 @@ def test_a_report_fits(browser: Any, tmp_path: Path, size: tuple[int, int], sche
     rows = [row(k, updates=14_150 + 7 * k, messages=39_500 + k, **more) for k in range(40)]
     rows += [hit(seed, controller="path_following") for seed in range(40)]
     one = report_of(Outcomes(table([*rows, failed(50)])), "yard")
-    shown = [Shown("physim replay yard:0123456789abcdef0123") for _ in one.worst]
+    shown = [Shown("physim replay yard:0123456789abcdef0123") for _ in one.pictured]
     file = tmp_path / "report.html"
     file.write_text(report_page(one, shown))
     context = browser.new_context(

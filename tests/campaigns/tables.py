@@ -8,10 +8,14 @@ import numpy as np
 import pyarrow as pa
 
 TEXTS = ("run", "world", "settings", "controller", "physim", "engine", "ended", "reason",
-         "first_contact_pair", "shortest_distance_pair", "shortest_collision_time_pair", "metrics",
-         "record", "world_hash")  # fmt: skip
-WHOLE = ("seed", "robots", "contacts", "wall_contacts", "grazes", "updates", "messages")
-NUMBERS = ("seconds", "first_contact", "deepest", "shortest_distance", "shortest_distance_time",
+         "first_contact_pair", "severest_contact_pair", "least_distance_pair",
+         "shortest_collision_time_pair", "not_arrived", "stood", "metrics", "record",
+         "world_hash")  # fmt: skip
+WHOLE = ("seed", "robots", "contacts", "contacts_between_robots", "contacts_with_boundaries",
+         "grazes", "updates", "messages")  # fmt: skip
+NUMBERS = ("seconds", "first_contact", "deepest", "closing_speed", "energy_lost", "impulse",
+           "severest_contact_time", "shortest_distance", "shortest_boundary_distance",
+           "least_distance", "least_distance_time",
            "shortest_collision_time", "shortest_collision_time_time", "formation_error",
            "deviation", "finish_time", "danger_share", "cpu_seconds", "wall_seconds")  # fmt: skip
 
@@ -21,10 +25,13 @@ def row(seed: int = 1, **given: Any) -> dict[str, Any]:
     usual: dict[str, Any] = {
         "run": "", "world": "yard", "seed": seed, "settings": "", "controller": "good",
         "physim": "0.1.0", "engine": "pymunk 7.3.1", "ended": "finished", "reason": "",
-        "seconds": 20.0, "robots": 3, "contacts": 0, "wall_contacts": 0, "grazes": 0,
+        "seconds": 20.0, "robots": 3, "contacts": 0, "contacts_between_robots": 0,
+        "contacts_with_boundaries": 0, "grazes": 0,
         "first_contact": None, "first_contact_pair": "", "deepest": None,
-        "shortest_distance": 0.4, "shortest_distance_pair": "r1, r2",
-        "shortest_distance_time": 3.2, "shortest_collision_time": 1.5,
+        "closing_speed": None, "energy_lost": None, "impulse": None, "severest_contact_pair": "",
+        "severest_contact_time": None, "shortest_distance": 0.4, "shortest_boundary_distance": 0.6,
+        "least_distance": 0.4, "least_distance_pair": "r1, r2", "least_distance_time": 3.2,
+        "not_arrived": "", "stood": "", "shortest_collision_time": 1.5,
         "shortest_collision_time_pair": "r1, r2", "shortest_collision_time_time": 3.0,
         "formation_error": None, "deviation": 0.2, "finish_time": 18.0, "danger_share": 0.05,
         "updates": 900, "messages": 1800, "cpu_seconds": 0.1, "wall_seconds": 0.12, "metrics": "",
@@ -43,7 +50,8 @@ def failed(seed: int = 1, ended: str = "error", reason: str = "it broke", **give
 
 def hit(seed: int = 1, depth: float = 0.01, **given: Any) -> dict[str, Any]:
     """A run with a contact."""
-    touched = {"contacts": 1, "shortest_distance": -depth, "deepest": depth, "first_contact": 3.1}
+    touched = {"contacts": 1, "contacts_between_robots": 1, "shortest_distance": -depth,
+               "least_distance": -depth, "deepest": depth, "first_contact": 3.1}  # fmt: skip
     return row(seed, **{**touched, **given})
 
 
@@ -77,17 +85,25 @@ def many(count: int, cells: int = 10, seed: int = 0) -> pa.Table:
         "controller": np.where(bad, "path_following", "mode_switching").tolist(),
         "physim": ["0.1.0"] * count, "engine": ["pymunk 7.3.1"] * count, "ended": ends.tolist(),
         "reason": np.where(broke, "ZeroDivisionError: float division", "").tolist(),
-        "first_contact_pair": [""] * count, "shortest_distance_pair": ["r1, r2"] * count,
+        "first_contact_pair": [""] * count, "severest_contact_pair": [""] * count,
+        "not_arrived": [""] * count, "stood": [""] * count,
+        "least_distance_pair": ["r1, r2"] * count,
         "shortest_collision_time_pair": ["r1, r2"] * count, "metrics": [""] * count,
         "record": [""] * count,
         "world_hash": [f"{k // 2:012x}" for k in cell],
         "seed": pa.array(number), "robots": whole(np.full(count, 10)), "contacts": whole(touched),
-        "wall_contacts": whole(np.zeros(count)), "grazes": whole(np.zeros(count)),
+        "contacts_between_robots": whole(touched),
+        "contacts_with_boundaries": whole(np.zeros(count)), "grazes": whole(np.zeros(count)),
         "updates": whole(rng.integers(800, 900, count)),
         "messages": whole(rng.integers(800, 900, count)), "seconds": some(np.full(count, 20.0)),
         "first_contact": pa.array(np.full(count, 3.0), mask=~touched),
         "deepest": pa.array(np.abs(distance), mask=~touched),
-        "shortest_distance": some(distance), "shortest_distance_time": some(rng.random(count) * 20),
+        "closing_speed": pa.array(rng.random(count), mask=~touched),
+        "energy_lost": pa.array(rng.random(count), mask=~touched),
+        "impulse": pa.array(rng.random(count), mask=~touched),
+        "severest_contact_time": pa.array(np.full(count, 3.0), mask=~touched),
+        "shortest_distance": some(distance), "shortest_boundary_distance": some(distance + 1.0),
+        "least_distance": some(distance), "least_distance_time": some(rng.random(count) * 20),
         "shortest_collision_time": some(rng.gamma(5.0, 0.4, count)),
         "shortest_collision_time_time": some(rng.random(count) * 20),
         "formation_error": pa.nulls(count, pa.float64()),

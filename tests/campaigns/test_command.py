@@ -176,7 +176,7 @@ def test_a_controller_of_ones_own_and_what_fails(
         "--set", "controller.how=fine,raise", capture=capsys,
     )  # fmt: skip
     assert done.code == 0
-    assert "2 failed (2 error)" in done.out
+    assert "2 crashed (2 error)" in done.out
 
 
 @pytest.mark.parametrize(

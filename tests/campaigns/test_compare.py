@@ -16,7 +16,7 @@ from physim.campaigns.report.comparison_page import comparison_page
 from physim.campaigns.report.comparison_text import comparison_text, comparison_values, verdict
 from physim.campaigns.report.plots import paired_plot, shift_plot
 from physim.errors import PhysimError
-from physim.statistics.paired import mcnemar, median_difference, sign_test, wilcoxon
+from physim.statistics.paired import mcnemar, median_difference, sign_test
 from tests.campaigns.tables import failed, hit, row, table
 from tests.campaigns.test_report import HOSTILE, Elements
 from tests.facts import facts
@@ -28,10 +28,10 @@ def campaign(shift: float = 0.0, seeds: int = 60, hits: int = 0, **other: Any) -
     hard, noise = rng.normal(0.5, 0.2, seeds), rng.normal(0.0, 0.02, (2, seeds))
     rows = []
     for seed in range(seeds):
-        rows.append(row(seed, shortest_distance=hard[seed] + noise[0, seed]))
+        rows.append(row(seed, least_distance=hard[seed] + noise[0, seed]))
         value = hard[seed] + noise[1, seed] - shift
         bad = {"contacts": 1} if seed < hits else {}
-        rows.append(row(seed, controller="other", shortest_distance=value, **bad, **other))
+        rows.append(row(seed, controller="other", least_distance=value, **bad, **other))
     return Outcomes(table(rows))
 
 
@@ -41,13 +41,13 @@ def finding(comparisons: list[Comparison], name: str) -> Any:
 
 def test_a_planted_difference_is_found_with_its_size() -> None:
     found = compare(by(campaign(shift=0.05, hits=20), "controller"))
-    near = finding(found, "shortest_distance")
+    near = finding(found, "least_distance")
     assert near.better == "a"
     assert near.low < -0.05 < near.high < 0.0
     free = finding(found, "contact_free")
     assert free.better == "a"
     assert (free.only_a, free.only_b, free.difference) == (20, 0, pytest.approx(-20 / 60))
-    text = comparison_text(found, "sign")
+    text = comparison_text(found)
     assert "A is better by 33.3" in text
     assert "A good, B other" in text
 
@@ -55,27 +55,47 @@ def test_a_planted_difference_is_found_with_its_size() -> None:
 def test_pairing_sees_what_the_arms_alone_do_not() -> None:
     """Seeds differ by 0.2 m, the arms by 0.03 m."""
     (one,) = compare(by(campaign(shift=0.03), "controller"))
-    a, b = one.values("shortest_distance")
-    near = next(f for f in one.findings if f.name == "shortest_distance")
+    a, b = one.values("least_distance")
+    near = next(f for f in one.findings if f.name == "least_distance")
     assert near.better == "a"
     assert median_difference(a).low < float(np.median(b)) < median_difference(a).high
 
 
 def test_a_difference_below_what_is_shown_is_not_told_as_none() -> None:
-    near = finding(compare(by(campaign(shift=0.05), "controller")), "shortest_distance")
+    near = finding(compare(by(campaign(shift=0.05), "controller")), "least_distance")
     tiny = replace(near, difference=-1e-9, low=-2e-9, high=-5e-10)
-    assert verdict(tiny).startswith("A is better by less than 0.001 [0.000, 0.000] m")
+    assert verdict(tiny).startswith("A is better")
 
 
 def test_arms_that_do_not_differ_are_not_said_to_be_equal() -> None:
     found = compare(by(campaign(), "controller"))
-    text = comparison_text(found, "sign")
-    said = Elements(comparison_page(found, "sign", "yard")).said
+    text = comparison_text(found)
+    said = Elements(comparison_page(found, "yard")).said
     assert {f.better for f in found[0].findings} == {""}
     for words in (text, said):
         assert "no difference shown" in words
         assert "equal" not in words
         assert "is better by" not in words
+
+
+def test_the_test_and_the_verdict_are_of_the_same_question() -> None:
+    """Of 100 seeds 41 are equal, so the median of the differences is 0; B is better with 57."""
+    gains = [0.0] * 41 + [0.1] * 57 + [-0.1] * 2
+    rows = [row(seed, controller=name, deviation=1.0 - gain * (name == "other"))
+            for seed, gain in enumerate(gains) for name in ("good", "other")]  # fmt: skip
+    found = compare(by(Outcomes(table(rows)), "controller"), ("deviation",))
+    one = finding(found, "deviation")
+    assert (one.better, one.only_a, one.only_b, one.ties) == ("b", 2, 57, 41)
+    assert one.corrected < 1e-4
+    text, said = comparison_text(found), Elements(comparison_page(found, "yard")).said
+    assert text.splitlines()[0].startswith("other (B) is better in largest deviation")
+    for words in (text, said):
+        assert "no difference shown" not in words
+        assert re.search(facts("other (B) is better", "2 seeds", "57", "41 ties"), words)
+    assert (
+        comparison_values(found)["comparisons"][0]["verdict"]
+        == text.splitlines()[0].partition(" (yard")[0]
+    )
 
 
 def test_less_is_better_for_times() -> None:
@@ -86,15 +106,14 @@ def test_less_is_better_for_times() -> None:
 
 def test_p_values_are_those_of_the_tests_corrected_together() -> None:
     outcomes = campaign(shift=0.01, hits=7)
-    for test, function in (("sign", sign_test), ("wilcoxon", wilcoxon)):
-        (one,) = compare(by(outcomes, "controller"), ("contact_free", "shortest_distance"), test)
-        free, near = one.findings
-        a, b = one.values("shortest_distance")
-        assert near.p == function(b - a)
-        assert free.p == mcnemar(7, 0)
-        small, large = sorted((free, near), key=lambda f: f.p)
-        assert small.corrected == pytest.approx(min(1.0, 2 * small.p))
-        assert large.corrected == pytest.approx(max(small.corrected, large.p))
+    (one,) = compare(by(outcomes, "controller"), ("contact_free", "least_distance"))
+    free, near = one.findings
+    a, b = one.values("least_distance")
+    assert near.p == sign_test(b - a)
+    assert free.p == mcnemar(7, 0)
+    small, large = sorted((free, near), key=lambda f: f.p)
+    assert small.corrected == pytest.approx(min(1.0, 2 * small.p))
+    assert large.corrected == pytest.approx(max(small.corrected, large.p))
 
 
 @pytest.mark.parametrize("few", [1, 5, 6])
@@ -104,15 +123,15 @@ def test_too_few_pairs_to_show_a_difference_count_in_no_correction(few: int) -> 
         by(campaign(hits=6), "controller"),
         by(campaign(seeds=few, hits=few), "controller"),
     )
-    names = ("contact_free", "shortest_distance")
+    names = ("contact_free", "least_distance")
     alone, (both, other) = compare(large, names), compare([*large, *small], names)
     unchanged = [f.corrected for f in both.findings] == [f.corrected for f in alone[0].findings]
     assert unchanged == (few < FEWEST_PAIRS)
     assert [f.is_tested for f in other.findings] == [few >= FEWEST_PAIRS] * 2
     assert min(2.0 / 2.0**few, 1.0) > ALPHA or few >= FEWEST_PAIRS
     for said in (
-        comparison_text([both, other], "sign"),
-        comparison_page([both, other], "sign", "y"),
+        comparison_text([both, other]),
+        comparison_page([both, other], "y"),
     ):
         assert ("not tested: " in said) == (few < FEWEST_PAIRS)
         assert ("where nothing in the world is random" in said) == (few == 1)
@@ -120,7 +139,7 @@ def test_too_few_pairs_to_show_a_difference_count_in_no_correction(few: int) -> 
 
 def test_what_is_not_tested_is_not_told_how() -> None:
     found = compare(by(campaign(seeds=3), "controller"))
-    for said in (comparison_text(found, "sign"), comparison_page(found, "sign", "yard")):
+    for said in (comparison_text(found), comparison_page(found, "yard")):
         assert "none is tested" in said
         assert "Holm" not in said
 
@@ -137,12 +156,12 @@ def test_a_difference_that_does_not_survive_the_correction_is_not_shown() -> Non
 
 def test_seeds_of_one_arm_alone_are_told_and_left_out() -> None:
     rows = [row(seed) for seed in range(10)]
-    rows += [row(seed, controller="other", shortest_distance=0.1) for seed in range(4, 12)]
+    rows += [row(seed, controller="other", least_distance=0.1) for seed in range(4, 12)]
     found = compare(by(Outcomes(table(rows)), "controller"))
     (one,) = found
     assert (one.seeds, one.only_a, one.only_b) == (6, (0, 1, 2, 3), (10, 11))
     assert all(f.pairs == 6 for f in one.findings)
-    for words in (comparison_text(found, "sign"), comparison_page(found, "sign", "yard")):
+    for words in (comparison_text(found), comparison_page(found, "yard")):
         assert "6 seeds in common" in words
         assert "0, 1, 2, 3" in words
         assert "10, 11" in words
@@ -154,9 +173,9 @@ def test_failed_runs_count_in_rates_and_not_in_measures() -> None:
              for seed in range(10)]  # fmt: skip
     found = compare(by(Outcomes(table(rows)), "controller"))
     assert finding(found, "rate").b == 0.7
-    assert finding(found, "shortest_distance").pairs == 7
-    text = comparison_text(found, "sign")
-    assert "3 runs of B failed" in text
+    assert finding(found, "least_distance").pairs == 7
+    text = comparison_text(found)
+    assert "3 runs of B crashed" in text
     assert "7 pairs in which both have one" in text
 
 
@@ -216,27 +235,27 @@ def test_hostile_names_are_only_names() -> None:
     rows = [make(seed, world=HOSTILE, controller=name) for seed in range(8)
             for name, make in ((HOSTILE, row), (HOSTILE + "2", hit))]  # fmt: skip
     found = compare(by(Outcomes(table(rows)), "controller"))
-    page = comparison_page(found, "sign", HOSTILE)
+    page = comparison_page(found, HOSTILE)
     assert "script" not in Elements(page).tags
-    for words in (page, comparison_text(found, "sign")):
+    for words in (page, comparison_text(found)):
         assert "\x1b" not in words
         assert "\u202e" not in words
 
 
 def test_values_of_a_comparison() -> None:
     found = compare(by(campaign(shift=0.05, seeds=4), "controller"))
-    values = json.loads(json.dumps(comparison_values(found, "sign"), allow_nan=False))
+    values = json.loads(json.dumps(comparison_values(found), allow_nan=False))
     (one,) = values["comparisons"]
-    near = next(f for f in one["findings"] if f["name"] == "shortest_distance")
+    near = next(f for f in one["findings"] if f["name"] == "least_distance")
     assert (near["low"], near["high"], near["better"]) == (None, None, None)
     assert near["pairs"] == 4
-    assert "not tested: 4 pairs" in comparison_text(found, "sign")
-    Elements(comparison_page(found, "sign", "yard"))
+    assert "not tested: 4 pairs" in comparison_text(found)
+    Elements(comparison_page(found, "yard"))
 
 
 def test_plots_of_many_pairs_stay_small_and_say_so() -> None:
     found = compare(by(campaign(seeds=5000), "controller"))
-    page = comparison_page(found, "sign", "yard")
+    page = comparison_page(found, "yard")
     assert len(page) < 200_000
     assert "400 pairs of 5000" in Elements(page).said
 
@@ -256,7 +275,7 @@ def test_points_of_one_pair_have_labels_that_fit_on_their_card(value: float) -> 
 
 def test_one_pair_is_no_pairs() -> None:
     found = compare(by(campaign(seeds=1), "controller"))
-    said = Elements(comparison_page(found, "sign", "yard")).said
+    said = Elements(comparison_page(found, "yard")).said
     assert "1 pair;" in said
     assert "1 pairs" not in said
 

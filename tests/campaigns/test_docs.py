@@ -21,7 +21,7 @@ TEXT = (Path(__file__).parents[2] / "docs/CAMPAIGNS.md").read_text(encoding="utf
 
 def test_every_column_is_told() -> None:
     told = set(re.findall(r"`(\w+)`", TEXT.split("## Columns")[1].split("\n## ")[0]))
-    told |= {f"shortest_{what}{end}" for what in ("distance", "collision_time")
+    told |= {f"{what}{end}" for what in ("least_distance", "shortest_collision_time")
              for end in ("_pair", "_time")}  # fmt: skip
     assert set(COLUMNS) <= told
 

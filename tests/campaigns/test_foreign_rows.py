@@ -102,6 +102,45 @@ class Unused(Executor):
     """Is never given anything to do."""
 
 
+FALSE: list[dict[str, object]] = [
+    {"contacts": 0, "shortest_distance": -0.01, "least_distance": -0.01},
+    {"contact_free": True, "contacts": 3},
+    {"contacts": 1, "contacts_between_robots": 1, "contacts_with_boundaries": 1},
+    {"contacts": 1, "least_distance": 0.2},
+    {"contacts": 0, "first_contact": 3.0},
+    {"least_distance": 0.3, "shortest_distance": 0.2, "shortest_boundary_distance": 0.4},
+    {"ended": "duration", "finish_time": 3.0},
+    {"not_arrived": "a"},
+]
+
+
+@pytest.mark.parametrize("columns", FALSE, ids=range(len(FALSE)))
+def test_a_row_that_contradicts_itself_is_told_with_its_line(
+    campaign: Path, columns: dict[str, object]
+) -> None:
+    place = put(campaign, row_without_run(specs(3)[2], FINISHED, ""))
+    file = Path(place.removesuffix(":2"))
+    first, second = file.read_text().splitlines()
+    file.write_text(f"{first}\n{json.dumps({**json.loads(second), 'grazes': 0, **columns})}\n")
+    with pytest.raises(PhysimError, match=facts(place, next(iter(columns)))):
+        read(campaign)
+
+
+def test_a_row_that_contradicts_another_of_its_run_is_told_with_its_line(campaign: Path) -> None:
+    """What runs that failed and were done again say is no contradiction, nor is a null."""
+    run = specs(3)[2]
+    place = put(campaign, replace(row_without_run(run, FINISHED, ""), contacts=1))
+    Path(place.removesuffix(":2")).rename(campaign / "rows/8-2-x-1.jsonl")
+    put(campaign, row_without_run(run, "timeout", "too long"))
+    assert read(campaign).num_rows == 3
+    Path(place.removesuffix(":2")).rename(campaign / "rows/7-2-x-1.jsonl")
+    place = put(campaign, replace(row_without_run(run, FINISHED, ""), contacts=2))
+    with pytest.raises(PhysimError, match=facts(place, "contacts", run.key)):
+        read(campaign)
+    with pytest.raises(PhysimError, match=facts(place, "contacts")):
+        sweep(specs(5), campaign, Unused())
+
+
 def test_the_same_rows_in_a_second_file_count_once(campaign: Path) -> None:
     (file,) = (campaign / "rows").iterdir()
     shutil.copy(file, file.with_name("9-2-copy-1.jsonl"))

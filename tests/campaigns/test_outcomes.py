@@ -37,7 +37,7 @@ def test_cells_are_sorted_and_have_their_rows_by_seed() -> None:
         (row(), True, True, False),
         (row(ended="duration", finish_time=None), True, False, False),
         (hit(), False, True, False),
-        (row(wall_contacts=1), False, True, False),
+        (row(contacts=1, contacts_with_boundaries=1), False, True, False),
         (row(grazes=1), False, True, False),
         (hit(ended="duration"), False, False, False),
         (failed(), False, False, True),

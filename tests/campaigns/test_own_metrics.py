@@ -147,7 +147,7 @@ def test_reports_sum_them_up() -> None:
     report = report_of(outcomes, "yard")
     assert report.cells[0].spread("metric_way").median == 6.0
     assert "\n  way  " in report_text(report, [""] * len(report.worst))
-    assert 'data-name="way"' in report_page(report, [Shown("")] * len(report.worst))
+    assert 'data-name="way"' in report_page(report, [Shown("")] * len(report.pictured))
 
 
 def test_a_unit_is_only_a_unit(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -161,7 +161,7 @@ def test_a_unit_is_only_a_unit(monkeypatch: pytest.MonkeyPatch) -> None:
     ]
     outcomes = Outcomes(with_columns(table(rows)))
     report = report_of(outcomes, "yard")
-    page = report_page(report, [Shown("")] * len(report.worst))
+    page = report_page(report, [Shown("")] * len(report.pictured))
     found = compare(by(outcomes, "controller"), ["metric_gap"], own={"metric_gap": 1})
     compared = comparison_page(found, "sign", "t")
     for shown in (page, compared):

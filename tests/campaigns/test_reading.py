@@ -42,7 +42,7 @@ def test_in_bulk_as_one_by_one(tmp_path: Path) -> None:
     for k in range(0, 500, 60):
         shards.write(given[k : k + 60])
     again = [replace(one, ended="finished", reason="") for one in given if one.failed][:3]
-    worse = [replace(one, ended="killed") for one in given if not one.failed][:5]
+    worse = [replace(one, ended="killed", finish_time=None) for one in given if not one.failed][:5]
     later = [replace(one, deviation=9.0) for one in given if not one.failed][5:9]
     shards.write([*again, *worse, *later])
     table = read(tmp_path)

@@ -32,6 +32,7 @@ from physim.world.file import parse_world
 from tests.campaigns.real import WORLD as REAL
 from tests.campaigns.samples import WORLD
 from tests.campaigns.tables import failed, hit, many, row, table
+from tests.facts import facts
 
 HOSTILE = '<script>alert("1")</script>\x1b[31m\u202e&\'">'
 
@@ -41,7 +42,7 @@ def report(rows: list[dict[str, Any]], **given: Any) -> Report:
 
 
 def pages(one: Report, **shown: Any) -> tuple[str, str]:
-    commands = [f"physim replay yard:{one.outcomes.row(index)['run']}" for index in one.worst]
+    commands = [f"physim replay yard:{one.outcomes.row(row)['run']}" for row, _ in one.pictured]
     page = report_page(one, [Shown(command, **shown) for command in commands])
     return report_text(one, commands), page
 
@@ -92,15 +93,15 @@ def test_rates_by_hand() -> None:
 def test_failed_runs_count_as_no_success_and_are_told() -> None:
     """They are in no average of distances, and it says of how many that is."""
     one = report(SOME)
-    near = one.cells[0].spread("shortest_distance")
+    near = one.cells[0].spread("least_distance")
     assert near.count == 10
     assert one.failures[0].seeds == (9,)
     text, page = pages(one)
-    assert re.search(r"11 runs, of which 1 failed", text)
+    assert re.search(r"11 runs, of which 1 with contacts, 1 did not finish, 1 crashed", text)
     assert re.search(r"error: it broke", text)
     assert "of 10 that have one" in text
     said = Elements(page).said
-    assert "1 run failed" in said
+    assert "1 run crashed" in said
     assert "it broke" in said
     assert "10 of 11 runs have one" in said
 
@@ -144,7 +145,9 @@ def test_a_campaign_with_a_goal_has_the_sequence_and_says_so() -> None:
     text, page = pages(one)
     for words in (text, Elements(page).said):
         assert "confidence sequence" in words
-        assert re.search(rf"decided after {runs} runs: above 90\.0 %", words)
+        assert re.search(
+            rf"decided after {runs} runs: contact-free and finished above 90\.0 %", words
+        )
     assert "Clopper" in pages(report(rows))[0]
     assert "Clopper" in pages(report(rows))[1]
 
@@ -164,24 +167,74 @@ def test_only_runs_without_a_gap_decide() -> None:
     assert whole.decided
 
 
-def test_the_worst_are_the_ten_least_distances() -> None:
+def test_the_worst_are_the_ten_severest_contacts() -> None:
     outcomes = Outcomes(many(3000))
     one = report_of(outcomes, "yard")
-    near = outcomes.column("shortest_distance")
-    assert sorted(near[list(one.worst)]) == sorted(near[~np.isnan(near)])[:10]
-    assert list(near[list(one.worst)]) == sorted(near[list(one.worst)])
-    tied = report([row(seed, shortest_distance=0.5) for seed in range(30)])
+    speed = outcomes.column("closing_speed")
+    assert list(speed[list(one.worst)]) == sorted(speed[~np.isnan(speed)])[:-11:-1]
+    tied = report([row(seed, least_distance=0.5) for seed in range(30)])
     assert tied.worst == tuple(range(10))
     assert report([failed()]).worst == ()
 
 
-def test_a_least_distance_at_the_end_is_shown_from_near(tmp_path: Path) -> None:
-    record = physim.simulate(parse_world(WORLD))
-    for name, time in (("end", 1.0), ("before", 0.98), ("later", 2.0)):
-        _draw_view(record, tmp_path / f"{name}.png", time)
-    near = (tmp_path / "before.png").read_bytes()
-    assert (tmp_path / "end.png").read_bytes() == (tmp_path / "later.png").read_bytes() == near
-    assert not np.array_equal(frame_at(record, 1.0), frame_at(record, 0.98))
+def test_a_hard_hit_comes_before_a_deep_one_and_both_before_what_only_came_near() -> None:
+    rows = [row(seed, least_distance=0.001) for seed in range(12)]
+    rows += [hit(20 + k, depth=0.02, closing_speed=0.1, energy_lost=0.5) for k in range(9)]
+    rows += [hit(30, depth=0.0001, closing_speed=1.46, energy_lost=35.6, impulse=48.0,
+                 severest_contact_pair="r2, r3", severest_contact_time=7.5)]  # fmt: skip
+    one = report(rows)
+    assert [one.outcomes.seed[row] for row in one.worst] == [30, *range(20, 29)]
+    text, page = pages(one)
+    for words in (text, Elements(page).said):
+        assert re.search(facts("1.46 m/s", "35.6 J", "r2, r3 at 7.50 s"), words)
+
+
+def test_a_decision_stands_beside_the_rate_that_it_is_of() -> None:
+    """Of runs that never finish, contact-free is decided, and nothing is about finishing."""
+    rows = [row(seed, ended="duration", finish_time=None) for seed in range(200)]
+    text, page = pages(report(rows, goal=read_goal("contact_free > 0.9")))
+    decided = re.compile(r"decided after \d+ runs: contact-free above 90\.0 %")
+    (cell,) = [part for part in page.split("<td ") if decided.search(part)]
+    assert cell.startswith('data-name="contact-free"')
+    lines = text.splitlines()
+    (place,) = [k for k, line in enumerate(lines) if decided.search(line)]
+    assert lines[place - 1].startswith("  contact-free  ")
+
+
+def test_runs_that_did_not_finish_are_told_and_shown_by_cell() -> None:
+    rows = [row(seed, ended="duration" if seed % 2 else "finished", not_arrived="r1, r3",
+                stood="r3") for seed in range(20)]  # fmt: skip
+    rows += [hit(seed, controller="other", ended="duration") for seed in range(3)]
+    one = report(rows)
+    assert [(cell.unfinished, cell.touched, cell.failed) for cell in one.cells] == [
+        (10, 0, 0), (3, 3, 0),
+    ]  # fmt: skip
+    shown = [one.outcomes.row(index) for index, moment in one.pictured if moment == "end"]
+    assert {(row["controller"], row["ended"]) for row in shown} == {
+        ("good", "duration"), ("other", "duration"),
+    }  # fmt: skip
+    text, page = pages(one, still=b"\x89PNG")
+    for words in (text, Elements(page).said):
+        said = facts("seeds 1, 3, 5", "r3 (10", "r1 (10", "still moved:")
+        assert re.search(said, words)
+        assert "failed" not in words
+    assert page.count("<img") == len(one.worst) + len(shown)
+    assert json.loads(json.dumps(report_values(one)))["unfinished"][0]["stood"] == {"r3": 10}
+
+
+def test_the_end_of_a_run_is_shown_from_near(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The last picture of a film shows the whole world."""
+    record, times = physim.simulate(parse_world(WORLD)), []
+
+    def noted(record: Any, time: float, **how: Any) -> Any:
+        times.append(time)
+        return frame_at(record, time, **how)
+
+    monkeypatch.setattr("physim.drawing.video.frame_at", noted)
+    _draw_view(record, tmp_path / "end.png", "end")
+    assert times == [pytest.approx(0.98)]
 
 
 @pytest.mark.parametrize(
@@ -200,14 +253,14 @@ def test_the_picture_of_a_least_distance_marks_that_one(
     record = physim.simulate(parse_world(text, controller="path_following"))
     figured = figures(record)
     names = [record.bodies[body].name for body in bodies]
-    assert figured["shortest_distance_pair"] == ", ".join(names)
+    assert figured["least_distance_pair"] == ", ".join(names)
     drawn, said = [], []
     monkeypatch.setattr(view, "draw_closest", lambda _image, _lens, pair: drawn.append(pair))
     monkeypatch.setattr(view, "sprite", lambda text, *how: said.append(text) or sprite(text, *how))
-    _draw_view(record, tmp_path / "least.png", figured["shortest_distance_time"])
+    _draw_view(record, tmp_path / "least.png", "nearest")
     [pair] = drawn
     assert (pair.a, pair.b) == bodies
-    least = figured["shortest_distance"]
+    least = figured["least_distance"]
     assert (least < 0.0) == (heading != 0.0)
     assert pair.distance == pytest.approx(max(least, 0.0), abs=1e-9)
     assert said[0] == (metres(least) if least > 0.0 else "contact")
@@ -216,19 +269,19 @@ def test_the_picture_of_a_least_distance_marks_that_one(
 
 
 def test_it_says_where_the_least_distances_leave_cells_out() -> None:
-    bad = [row(seed, controller="deaf", shortest_distance=-0.1) for seed in range(12)]
-    good = [row(seed, shortest_distance=0.5) for seed in range(12)]
+    bad = [row(seed, controller="deaf", least_distance=-0.1) for seed in range(12)]
+    good = [row(seed, least_distance=0.5) for seed in range(12)]
     text, page = pages(report([*bad, *good]))
     for words in (text, Elements(page).said):
         assert "all of 1 of 2 cells" in words
     text, page = pages(report([*bad[:5], *good[:5]]))
-    assert "of 2 cells" not in text.partition("the least distances")[2]
+    assert "of 2 cells" not in text.partition("then the least distances")[2]
     assert "They are" not in Elements(page).said
 
 
 def test_cells_without_any_value_are_told_too() -> None:
     text, page = pages(report([failed(seed) for seed in range(3)]))
-    assert "3 runs, of which 3 failed" in text
+    assert "3 runs, of which 3 crashed" in text
     assert "no run has one" in Elements(page).said
     assert "nan" not in text + Elements(page).said
     empty, page = pages(report([]))
@@ -239,12 +292,12 @@ def test_cells_without_any_value_are_told_too() -> None:
 def test_hostile_names_are_only_names() -> None:
     rows = [
         row(1, world=HOSTILE, controller=HOSTILE, settings=HOSTILE, physim=HOSTILE,
-            shortest_distance_pair=HOSTILE, run=HOSTILE),
-        hit(2, world=HOSTILE, shortest_distance_pair=HOSTILE),
+            least_distance_pair=HOSTILE, run=HOSTILE),
+        hit(2, world=HOSTILE, least_distance_pair=HOSTILE),
         failed(3, reason=HOSTILE, ended=HOSTILE, world=HOSTILE),
     ]  # fmt: skip
     one = report_of(Outcomes(table(rows)), HOSTILE)
-    shown = [Shown(HOSTILE, b"PNG", f"javascript:{HOSTILE}", HOSTILE) for _ in one.worst]
+    shown = [Shown(HOSTILE, b"PNG", f"javascript:{HOSTILE}", HOSTILE) for _ in one.pictured]
     page = report_page(one, shown)
     plain = Elements(report_page(report([row(1), hit(2), failed(3)]), [Shown("")] * 2))
     found = Elements(page)
@@ -284,7 +337,7 @@ def test_values_of_a_report() -> None:
     assert (cell["runs"], cell["failed"]) == (11, 1)
     assert cell["rates"][0]["good"] == 8
     assert cell["measures"]["formation_error"]["median"] is None
-    assert values["worst"][0]["shortest_distance"] == -0.01
+    assert values["worst"][0]["least_distance"] == -0.01
     assert values["failures"][0]["seeds"] == [9]
 
 

@@ -39,7 +39,7 @@ def folder(tmp_path: Path) -> Path:
 
 
 def test_rows_come_back_as_they_were(folder: Path) -> None:
-    given = [row(1, contacts=0, first_contact=0.1 + 0.2, reason="ä\n;"), row(2, "error")]
+    given = [row(1, contacts=1, first_contact=0.1 + 0.2, reason="ä\n;"), row(2, "error")]
     Shards(folder).write(given)
     assert rows_in(folder) == given
 
@@ -165,8 +165,10 @@ def test_results_open_elsewhere(folder: Path) -> None:
     ],
 )
 def test_contact_free_and_safe(ended: str, touches, free: bool, safe: bool) -> None:
-    contacts, walls, grazes = touches
-    one = row(1, ended, contacts=contacts, wall_contacts=walls, grazes=grazes)
+    robots, walls, grazes = touches
+    contacts = None if robots is None else robots + walls
+    one = row(1, ended, contacts=contacts, contacts_between_robots=robots,
+              contacts_with_boundaries=walls, grazes=grazes)  # fmt: skip
     assert (one.contact_free, one.safe) == (free, safe)
 
 
@@ -186,7 +188,7 @@ FAULTS: list[tuple[str, object]] = [
 def test_what_may_not_stand_in_a_column_is_told_with_its_line(
     folder: Path, column: str, value: object
 ) -> None:
-    rows = [asdict(row(k, contacts=0, grazes=0, wall_contacts=0)) for k in range(3)]
+    rows = [asdict(row(k, contacts=0, grazes=0)) for k in range(3)]
     rows[1][column] = value
     text = "".join(json.dumps(one) + "\n" for one in rows)
     (folder / "rows" / "5-2-x-1.jsonl").write_text(text)
@@ -194,6 +196,22 @@ def test_what_may_not_stand_in_a_column_is_told_with_its_line(
     for once in (lambda: read(folder), lambda: list(Shards(folder).tables())):
         with pytest.raises(PhysimError, match=said):
             once()  # type: ignore[no-untyped-call]
+
+
+def test_columns_of_earlier_rows_have_the_names_of_what_they_mean(folder: Path) -> None:
+    """There, contacts were of robots alone and the shortest distance was to walls, too."""
+    earlier = {"run": "1" * 20, "world": "w", "seed": 1, "physim": "1", "engine": "e",
+               "ended": "finished", "contacts": 1, "wall_contacts": 2, "grazes": 0,
+               "shortest_distance": -0.01, "shortest_distance_pair": "r1, left wall",
+               "shortest_distance_time": 3.0}  # fmt: skip
+    (folder / "rows" / "5-2-x-1.jsonl").write_text(json.dumps(earlier) + "\n")
+    (one,) = rows_in(folder)
+    assert (one.contacts, one.contacts_between_robots, one.contacts_with_boundaries) == (3, 1, 2)
+    assert (one.shortest_distance, one.shortest_boundary_distance) == (None, None)
+    assert (one.least_distance, one.least_distance_pair, one.least_distance_time) == (
+        -0.01, "r1, left wall", 3.0,
+    )  # fmt: skip
+    assert not one.contact_free
 
 
 def test_a_last_line_that_was_cut_off_is_told_and_mended(folder: Path) -> None:

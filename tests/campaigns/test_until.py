@@ -22,7 +22,7 @@ def row(seed: int, label: tuple[str, str, str] = GOOD, *, contact: bool = False)
     return Row(
         run=f"{seed:020x}", world=world, seed=seed, settings=settings, controller=controller,
         physim="0.1.0", engine="pymunk 7.3.1", ended="finished", contacts=int(contact),
-        wall_contacts=0, grazes=0,
+        grazes=0,
     )  # fmt: skip
 
 
@@ -75,7 +75,7 @@ def test_rows_that_come_several_at_a_time_are_as_one_by_one(tmp_path: Path) -> N
 
 
 def test_what_counts_for_each_rate() -> None:
-    nothing = {"contacts": 0, "wall_contacts": 0, "grazes": 0}
+    nothing = {"contacts": 0, "grazes": 0}
     slow = Row(run="", world="", seed=1, physim="", engine="", ended="duration", **nothing)
     failed = Row(run="", world="", seed=1, physim="", engine="", ended="error")
     names = ("rate", "contact_free", "finished")

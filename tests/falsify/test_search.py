@@ -71,10 +71,13 @@ def test_it_begins_anew_where_there_is_nowhere_to_go() -> None:
 
 
 def judged(value: float | None) -> Judged:
+    """A run with a clearance; below 0, one with a contact at that closing speed."""
     if value is None:
         return Judged(None, reason="broken")
     touched = Touched(ROBOTS, ("r1", "r2"), 1.0) if value <= 0.0 else None
-    return Judged(value, ("r1", "r2"), 1.0, touched)
+    depth = 0.02 / (1.0 + abs(value))  # that of a hard contact may be small
+    clearance = value if value > 0.0 else -depth
+    return Judged(clearance, ("r1", "r2"), 1.0, touched, closing=max(0.0, -value))
 
 
 def scripted(values: list[float | None]):
@@ -99,16 +102,17 @@ def fine(world) -> str:
 def test_the_first_failure_ends_the_search(space: Space) -> None:
     found = hunt(space, scripted([1.0, 2.0, 0.5, -0.1, -9.0]), fine, budget=50)
     assert (found.runs, found.run, found.failures, found.failed) == (4, 4, 1, True)
-    assert found.history == [(1, 1.0), (3, 0.5), (4, -0.1)]
+    assert [run for run, _, _ in found.history] == [1, 3, 4]
+    assert [closing for _, _, closing in found.history] == [0.0, 0.0, 0.1]
     assert found.first == 1.0
 
 
-def test_the_whole_budget_finds_the_deepest(space: Space) -> None:
+def test_the_whole_budget_finds_the_severest(space: Space) -> None:
     values = [1.0, 2.0, 0.5, -0.1, -9.0]
     found = hunt(space, scripted(values), fine, budget=50, whole_budget=True)
     assert (found.runs, found.run, found.failures) == (50, 5, 2)
     assert found.judged is not None
-    assert found.judged.clearance == -9.0
+    assert (found.judged.closing, found.judged.aim) == (9.0, -9.0)
 
 
 def test_runs_are_no_more_than_the_budget(space: Space) -> None:

@@ -26,6 +26,7 @@ from physim.analysis.metrics.contacts import (
     contact_episodes,
     grazes,
     masses,
+    severest,
     severity,
 )
 from physim.analysis.metrics.deep import Deep, deep_contacts
@@ -155,6 +156,7 @@ __all__ = [
     "own_part",
     "pair_distances",
     "placed",
+    "severest",
     "severity",
     "share_of_modes",
     "shortest_boundary_distance",

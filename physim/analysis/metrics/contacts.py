@@ -26,7 +26,7 @@ References: impulse and energy of an impact with restitution, e.g. Stronge, Impa
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -163,6 +163,18 @@ def severity(
     changes = tuple(episode.impact / float(mass[i]) for i in (a, b) if i < record.robots)
     energy = 0.5 * (1.0 - _elasticity(record)) * episode.impact * closing
     return Severity(closing, sliding, changes, energy)
+
+
+def severest(record: Record, episodes: Sequence[Episode]) -> tuple[Episode, Severity] | None:
+    """The severest contact: that of the greatest closing speed, then energy lost, then impulse.
+
+    None without contacts, and where not every step is recorded.
+    """
+    if not episodes or record.samples <= record.steps_run:
+        return None
+    mass = masses(record)
+    found = [(one, severity(record, one, mass)) for one in episodes]
+    return max(found, key=lambda one: (one[1].closing, one[1].energy or 0.0, one[0].impulse))
 
 
 def masses(record: Record) -> FloatArray | None:

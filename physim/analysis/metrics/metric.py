@@ -17,7 +17,7 @@ class Moment:
     """An extreme value, when it was taken and by whom."""
 
     value: float
-    """[m] or [s]"""
+    """in the unit of what it is a moment of"""
     step: int
     time: float
     """[s]"""

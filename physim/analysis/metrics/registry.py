@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterable, Mapping
 from functools import cached_property
 from types import MappingProxyType
 
-from physim.analysis.metrics.contacts import Episode, contact_episodes, grazes
+from physim.analysis.metrics.contacts import Episode, Severity, contact_episodes, grazes, severest
 from physim.analysis.metrics.distances import (
     Width,
     corridor_width,
@@ -70,6 +70,11 @@ class Courses:
         return contact_episodes(self.record)
 
     @cached_property
+    def severest(self) -> tuple[Episode, Severity] | None:
+        """The severest contact."""
+        return severest(self.record, self.episodes)
+
+    @cached_property
     def averaged(self) -> AveragedSpeeds:
         """Speeds averaged over 10 s."""
         return averaged_speeds(self.record)
@@ -106,6 +111,14 @@ def _deepest_contact(run: Courses) -> Moment | None:
         return None
     time = deepest.depth_step * run.record.dt
     return Moment(deepest.depth, deepest.depth_step, time, deepest.a, deepest.b)
+
+
+def _severest(run: Courses, figure: Callable[[Episode, Severity], float | None]) -> Moment | None:
+    """A figure of the severest contact."""
+    if run.severest is None or (value := figure(*run.severest)) is None:
+        return None
+    one = run.severest[0]
+    return Moment(value, one.step, one.time, one.a, one.b)
 
 
 def _energy(run: Courses, last: bool) -> float | None:
@@ -167,6 +180,18 @@ _ALL = (
     ),
     Definition(
         "deepest_contact", "m", "greatest depth of any contact", "-", _deepest_contact,
+    ),
+    Definition(
+        "closing_speed", "m/s", "of the severest contact: the greatest closing speed of any, along "
+        "the normal, just before", "-", lambda run: _severest(run, lambda _, how: how.closing),
+    ),
+    Definition(
+        "energy_lost", "J", "by the impact of the severest contact", "-",
+        lambda run: _severest(run, lambda _, how: how.energy),
+    ),
+    Definition(
+        "impulse", "N s", "of the severest contact: the impact and the pushing after it", "-",
+        lambda run: _severest(run, lambda one, _: one.impulse),
     ),
     Definition(
         "shortest_distance", "m", "shortest distance between two robots; negative = depth",

@@ -27,7 +27,7 @@ Evaluate = Callable[[Sequence[World]], Iterable[Judged]]
 """Runs worlds and judges them, in their order. Whoever asks may look at the first few only. Raises
 `StoppedError`."""
 
-NEEDED = SaveAt(tables=("contacts", "updates"))
+NEEDED = SaveAt(every=1, tables=("contacts", "updates"))  # severity is of single steps
 
 
 class StoppedError(Exception):

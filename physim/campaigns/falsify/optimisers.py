@@ -41,7 +41,7 @@ class Search(Protocol):
         ...
 
     def tell(self, values: Sequence[float | None]) -> None:
-        """Take the clearances [m] of the generation; None for what could not be judged."""
+        """Take `Judged.aim` of the generation; None for what could not be judged."""
         ...
 
 

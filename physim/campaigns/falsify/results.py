@@ -104,8 +104,9 @@ def found_text(found: Hunt) -> str:
     if found.stopped:
         lines.append(f"interrupted after {found.runs} of {found.budget} runs")
     if found.judged is not None and found.failed:
+        hard = f", the severest contact at {found.judged.closing:.2f} m/s"
         times = f"; {found.failures} of {found.runs} runs failed" if found.failures > 1 else ""
-        lines.append(f"failure in run {found.run}: {headline(found.judged)}{times}")
+        lines.append(f"failure in run {found.run}: {headline(found.judged)}{hard}{times}")
     elif found.judged is not None:
         pair = " and ".join(found.judged.pair)
         lines.append(
@@ -175,6 +176,7 @@ def _values(judged: Judged) -> dict[str, Any]:
     touched = judged.touched
     return {
         "clearance_m": judged.clearance,
+        "closing_speed_m_per_s": judged.closing if judged.failed else None,
         "pair": judged.pair,
         "time_s": judged.time,
         "touched": None

@@ -7,7 +7,9 @@ It is the least of three figures of a record:
 - minus the depth of every contact between two samples, by exact geometry.
 
 So it is at most 0 if and only if something touched, at a sample or between two: contacts between
-samples are found without a miss, and the sign never errs. The size may err to the high side, never
+samples are found without a miss, and the sign never errs. How deep a contact is the engine decides:
+of runs with contacts the worse is that whose severest contact closed faster (`Judged.aim`). The
+size may err to the high side, never
 to the low one. A gap that opens and closes within a step without contact is that of the nearer
 sample: too large by at most half of what the two travel in the step. The depth of a contact is that
 at its samples, after the engine has eased the two apart.
@@ -20,7 +22,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from physim.analysis.metrics import Episode, Graze, contact_episodes, grazes
+from physim.analysis.metrics import Episode, Graze, contact_episodes, grazes, severest
 from physim.analysis.metrics.distances import shortest_boundary_distance, shortest_distance
 from physim.parts.declarations import NO_NUMBER
 from physim.record import Record
@@ -71,6 +73,9 @@ class Judged:
     """why there was no run, or why it broke off: one line"""
     before: tuple[Moment, ...] = field(default=(), compare=False)
     """moments before the first contact, the last of them first"""
+    closing: float = field(default=0.0, compare=False)
+    """[m/s] closing speed of the severest contact; 0 without one, and of contacts between samples
+    alone"""
     refused: bool = False
     """the world was no world that can be run; otherwise the run broke off"""
 
@@ -78,6 +83,14 @@ class Judged:
     def failed(self) -> bool:
         """Whether something touched."""
         return self.touched is not None
+
+    @property
+    def aim(self) -> float | None:
+        """What a search makes least: the clearance [m]; of contacts, minus the closing speed [m/s].
+
+        None where the run broke off.
+        """
+        return -self.closing if self.failed else self.clearance
 
 
 def judged(record: Record) -> Judged:
@@ -89,7 +102,8 @@ def judged(record: Record) -> Judged:
             found.append((moment.value, moment.time, moment.a, moment.b or 0))
     between = grazes(record)
     found += [(-graze.depth, graze.time, graze.a, graze.b) for graze in between]
-    touches: list[Episode | Graze] = [*contact_episodes(record), *between]
+    episodes = contact_episodes(record)
+    touches: list[Episode | Graze] = [*episodes, *between]
     # touching within the contact tolerance is touching, though the distance may be above 0
     found += [(0.0, one.time, one.a, one.b) for one in touches]
     first = min(touches, key=lambda one: (one.step, one.a, one.b), default=None)
@@ -101,9 +115,11 @@ def judged(record: Record) -> Judged:
         modes = _mode(record, first.a, first.step), _mode(record, first.b, first.step)
         touched = Touched(kind, (names[first.a], names[first.b]), first.time, modes)
     if not found:
-        return Judged(float("inf"), touched=touched, before=before)
+        return Judged(float("inf"))
     value, time, a, b = min(found)
-    return Judged(value, (names[a], names[b]), time, touched, before=before)
+    hardest = severest(record, episodes)
+    closing = 0.0 if hardest is None else hardest[1].closing
+    return Judged(value, (names[a], names[b]), time, touched, before=before, closing=closing)
 
 
 def _before(record: Record, step: int) -> tuple[Moment, ...]:

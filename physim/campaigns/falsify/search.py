@@ -45,8 +45,9 @@ class Hunt:
     """which run that was, from 1"""
     stopped: bool = False
     """told to stop before the end"""
-    history: list[tuple[int, float]] = field(default_factory=list)
-    """run and signed swept clearance [m] of each that was worse than all before it"""
+    history: list[tuple[int, float, float]] = field(default_factory=list)
+    """of each run that was worse than all before it: which, its signed swept clearance [m], and the
+    closing speed [m/s] of its severest contact"""
 
     @property
     def failed(self) -> bool:
@@ -107,7 +108,7 @@ def _take(
     whole_budget: bool,
     progress: Callable[[Hunt], None],
 ) -> list[float | None]:
-    """Count the runs of a generation in their order; their clearances for the search."""
+    """Count the runs of a generation in their order; what the search makes least."""
     values: list[float | None] = []
     for one, result in zip(drawn, results, strict=True):
         found.runs += 1
@@ -122,13 +123,14 @@ def _take(
 
 
 def _counted(found: Hunt, world: World, result: Judged, accepts: Accepts) -> float | None:
-    """Clearance of a run; None where it says nothing. Only what a check accepts is kept."""
-    if result.clearance is None:
+    """`Judged.aim` of a run; None where it says nothing. Only what a check accepts is kept."""
+    aim = result.aim
+    if aim is None or result.clearance is None:
         found.refused += result.refused
         found.broken += not result.refused
         found.reason = found.reason or result.reason
         return None
-    is_worse = found.judged is None or result.clearance < (found.judged.clearance or 0.0)
+    is_worse = found.judged is None or aim < (found.judged.aim or 0.0)
     if result.failed or is_worse:
         reason = accepts(world)
         if reason:
@@ -138,5 +140,5 @@ def _counted(found: Hunt, world: World, result: Judged, accepts: Accepts) -> flo
     found.failures += result.failed
     if is_worse:
         found.world, found.judged, found.run = world, result, found.runs
-        found.history.append((found.runs, result.clearance))
-    return result.clearance
+        found.history.append((found.runs, result.clearance, result.closing))
+    return aim

@@ -10,6 +10,7 @@ from physim.campaigns.compare import Comparison, Finding
 from physim.campaigns.report.comparison_text import (
     difference_text,
     difference_unit,
+    headline,
     interval_text,
     is_share,
     method,
@@ -20,6 +21,7 @@ from physim.campaigns.report.comparison_text import (
     unit_of,
     untested,
     value_text,
+    won,
 )
 from physim.campaigns.report.contents import title_of
 from physim.campaigns.report.markup import figures, page, text
@@ -34,9 +36,7 @@ SHIFT_WIDTH = 220.0
 """[px]"""
 
 
-def comparison_page(
-    comparisons: Sequence[Comparison], test: str, name: str, looked: bool = False
-) -> str:
+def comparison_page(comparisons: Sequence[Comparison], name: str, looked: bool = False) -> str:
     """The page."""
     parts = [f"<h1>{text(name)}</h1>"]
     shown = sum(bool(f.better) for one in comparisons for f in one.findings)
@@ -48,7 +48,7 @@ def comparison_page(
         room -= len(one.findings)
     if room < 0:
         parts.append(f'<p class="quiet">Points of pairs are shown of the first {MOST_PLOTS}.</p>')
-    parts += ["<h2>How this was found</h2>", f"<p>{text(method(comparisons, test, looked))}</p>"]
+    parts += ["<h2>How this was found</h2>", f"<p>{text(method(comparisons, looked))}</p>"]
     return page(name, "\n".join(parts), GENERATOR)
 
 
@@ -56,6 +56,7 @@ def _comparison(one: Comparison, room: int) -> Iterator[str]:
     yield f"<h2>A {text(one.a.label)} · B {text(one.b.label)}</h2>"
     if one.common:
         yield f"<h3>{text(one.common)}</h3>"
+    yield f"<p><b>{text(headline(one))}</b></p>"
     yield f'<p class="quiet">{text(told(one))}</p>'
     for difference in one.unlike:
         yield f"<p><b>Note:</b> {text(difference)}</p>"
@@ -74,7 +75,7 @@ def _comparison(one: Comparison, room: int) -> Iterator[str]:
             f"<span>{text(pairs_text(one, f).strip(' ()'))}</span></td>"
             f'<td class="number" data-name="A">{a}</td><td class="number" data-name="B">{b}</td>'
             f'<td>{plot}</td><td class="number">{shift}</td>'
-            f'<td><span class="verdict">{text(words)}</span><br><small>{_tested(f)}<br>{_won(f)}'
+            f'<td><span class="verdict">{text(words)}</span><br><small>{_tested(f)}<br>{won(f)}'
             "</small></td></tr>"
         )
     yield "</tbody></table></div>"
@@ -99,11 +100,6 @@ def _verdict(one: Comparison, found: Finding) -> str:
         return "no difference shown"
     label = one.a.label if found.better == "a" else one.b.label
     return f"{found.better.upper()} is better ({label})"
-
-
-def _won(found: Finding) -> str:
-    what = "alone succeeds" if found.is_rate else "is better"
-    return f"A {what} with {plural(found.only_a, 'seed')}, B with {found.only_b}"
 
 
 def _points(one: Comparison, found: Finding) -> Iterator[str]:

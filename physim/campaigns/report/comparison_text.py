@@ -17,21 +17,20 @@ LOOKED = (
     " Here a campaign was stopped because of what it showed (sweep --until): intervals and p "
     "values are then too sure; compare campaigns of a number of runs fixed in advance."
 )
-TEST_NAMES = {"sign": "the sign test", "wilcoxon": "Wilcoxon's signed rank test"}
 
 
-def comparison_text(comparisons: Sequence[Comparison], test: str, looked: bool = False) -> str:
+def comparison_text(comparisons: Sequence[Comparison], looked: bool = False) -> str:
     """All comparisons, then how they were made."""
     lines: list[str] = []
     for one in comparisons:
         lines += [*_lines(one), ""]
-    lines.append(method(comparisons, test, looked))
+    lines.append(method(comparisons, looked))
     return "\n".join(lines) + "\n"
 
 
 def _lines(one: Comparison) -> Iterator[str]:
-    yield escaped(f"A {one.a.label}, B {one.b.label}{': ' if one.common else ''}{one.common}")
-    yield f"  {told(one)}"
+    yield escaped(f"{headline(one)}{' (' + one.common + ')' if one.common else ''}")
+    yield escaped(f"  A {one.a.label}, B {one.b.label}: {told(one)}")
     for difference in one.unlike:
         yield escaped(f"  note: {difference}")
     for f in one.findings:
@@ -39,6 +38,21 @@ def _lines(one: Comparison) -> Iterator[str]:
         a, b = (value_text(f, value, unit) for value in (f.a, f.b))
         yield f"  {title(f):<26}A {a}, B {b}{pairs_text(one, f)}"
         yield f"  {'':<26}{verdict(f)}"
+
+
+def headline(one: Comparison) -> str:
+    """Which arm is better in what; one sentence."""
+    said = [
+        f"{arm.label} ({side.upper()}) is better in {', '.join(names)}"
+        for side, arm in (("a", one.a), ("b", one.b))
+        if (names := [title(f) for f in one.findings if f.better == side])
+    ]
+    if not any(f.is_tested for f in one.findings):
+        return "too few pairs to tell"
+    rest = ", ".join(title(f) for f in one.findings if not f.better)
+    if not said:
+        return f"no difference shown, in none of {rest}"
+    return "; ".join([*said, *([f"no difference shown in {rest}"] if rest else [])])
 
 
 def told(one: Comparison) -> str:
@@ -53,7 +67,7 @@ def told(one: Comparison) -> str:
             )
     for name, failed in (("A", one.failed_a), ("B", one.failed_b)):
         if failed:
-            text += f"; {plural(failed, 'run')} of {name} failed"
+            text += f"; {plural(failed, 'run')} of {name} crashed"
     return text
 
 
@@ -91,11 +105,21 @@ def verdict(found: Finding) -> str:
         return f"B - A = {difference_text(found)}; {untested(found)}"
     p = f"p {p_text(found.p)}, corrected {p_text(found.corrected)}"
     range_text = interval_text(found)
+    if not found.is_rate:
+        said = f"{found.better.upper()} is better" if found.better else "no difference shown"
+        return f"{said}: {won(found)}; {p}; median of B - A {range_text}"
     if not found.better:
         return f"no difference shown: B - A = {range_text}; {p}"
     sign = -1.0 if found.difference < 0.0 else 1.0
     name = found.better.upper()
     return f"{name} is better by {_size(found, sign)}; {p}"
+
+
+def won(found: Finding) -> str:
+    """With how many seeds each is the better one; of a rate, succeeds alone."""
+    what = "alone succeeds" if found.is_rate else "is better"
+    ties = f"; {plural(found.ties, 'tie')}" if found.ties and not found.is_rate else ""
+    return f"A {what} with {plural(found.only_a, 'seed')}, B with {found.only_b}{ties}"
 
 
 def untested(found: Finding) -> str:
@@ -109,9 +133,6 @@ def _size(found: Finding, sign: float) -> str:
     """Difference without its sign, with the interval of its size."""
     low, high = sorted((sign * found.low, sign * found.high))
     value, low_text, high_text = (_amount(found, x) for x in (abs(found.difference), low, high))
-    if not value.strip("0.,"):  # below what is shown, of rounding
-        digits = len(value.partition(".")[2])
-        value = f"less than {10.0**-digits:.{digits}f}"
     return f"{value} [{low_text}, {high_text}] {difference_unit(found)}".rstrip()
 
 
@@ -153,7 +174,7 @@ def p_text(p: float) -> str:
     return "< 0.0001" if p < 1e-4 else f"{p:.2g}" if p < 0.1 else f"{p:.2f}"
 
 
-def method(comparisons: Sequence[Comparison], test: str, looked: bool) -> str:
+def method(comparisons: Sequence[Comparison], looked: bool) -> str:
     """How differences were estimated and tested; one paragraph.
 
     ``looked``: a campaign was stopped because of what it showed, which is told.
@@ -168,18 +189,18 @@ def method(comparisons: Sequence[Comparison], test: str, looked: bool) -> str:
         "Differences are B minus A on the same seeds, with 95 % intervals that hold each for "
         "itself, for a number of seeds fixed in advance: of rates in percentage points "
         "(conservative, from exact parts), of measures the median of the differences (order "
-        f"statistics). Tests: McNemar's exact one of rates, {TEST_NAMES[test]} of measures; p is "
+        "statistics). The better one is that which succeeds alone (rates) or has the better value "
+        "(measures) with more seeds; ties are left out. That is tested, "
+        "exactly and on two sides (McNemar's test, the sign test); p is "
         f"corrected for all {plural(looks, 'finding')} that {FEWEST_PAIRS} pairs or more tell of "
-        "(Holm). A difference is shown where the "
-        f"corrected p is at most {ALPHA:g} and the interval leaves out 0. That none is shown does "
+        f"(Holm), and a difference is shown where it is at most {ALPHA:g} (and the interval of a "
+        "rate leaves out 0). That none is shown does "
         "not mean that there is none: the interval says how large it may be."
         f"{LOOKED if looked else ''}"
     )
 
 
-def comparison_values(
-    comparisons: Sequence[Comparison], test: str, looked: bool = False
-) -> dict[str, Any]:
+def comparison_values(comparisons: Sequence[Comparison], looked: bool = False) -> dict[str, Any]:
     """All comparisons in types that JSON knows; what is infinite or has no value is null."""
     return {
         "format": "physim-comparison",
@@ -187,10 +208,11 @@ def comparison_values(
         "units": "m, s; shares from 0 to 1; differences are b minus a",
         "confidence": 0.95,
         "number_of_runs_fixed_in_advance": not looked,
-        "tests": {"rates": "McNemar, exact", "measures": test, "correction": "Holm"},
+        "tests": {"rates": "McNemar, exact", "measures": "sign", "correction": "Holm"},
         "comparisons": [
             {
                 "common": one.common,
+                "verdict": headline(one),
                 **{
                     key: {"label": arm.label, **dict(zip(_CELL, arm.cell.names, strict=True))}
                     for key, arm in (("a", one.a), ("b", one.b))
@@ -206,6 +228,7 @@ def comparison_values(
                         "name": f.name, "pairs": f.pairs, "a": plain(f.a), "b": plain(f.b),
                         "difference": plain(f.difference), "low": plain(f.low),
                         "high": plain(f.high), "only_a": f.only_a, "only_b": f.only_b,
+                        "ties": f.ties,
                         "tested": f.is_tested, "p": f.p, "p_corrected": f.corrected,
                         "better": f.better or None,
                     }

@@ -1,9 +1,11 @@
-"""Figures of a report: rates with their intervals, distances, times, the worst and the failed."""
+"""Figures of a report: rates with intervals, distances, times, the worst, who did not finish."""
 
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
@@ -18,7 +20,12 @@ SHOWN = 0.999
 """the rate of which is told how many runs without a failure would show it"""
 WORST = 10
 MEASURES = {
-    "shortest_distance": ("least distance", "m"),
+    "least_distance": ("least distance", "m"),
+    "shortest_distance": ("shortest distance of robots", "m"),
+    "shortest_boundary_distance": ("shortest distance to a wall", "m"),
+    "closing_speed": ("closing speed of contacts", "m/s"),
+    "energy_lost": ("energy lost in contacts", "J"),
+    "impulse": ("impulse of contacts", "N s"),
     "shortest_collision_time": ("least collision time", "s"),
     "finish_time": ("finish time", "s"),
     "deviation": ("largest deviation", "m"),
@@ -29,6 +36,8 @@ MEASURES = {
     "cpu_seconds": ("processor time", "s"),
 }
 """Columns of numbers that a report sums up: what they are, and their units."""
+SEVERITY = ("closing_speed", "energy_lost", "impulse")
+"""Columns of the severest contact of a run, by which runs with contacts are ranked"""
 
 
 def title_of(column: str) -> tuple[str, str]:
@@ -86,7 +95,11 @@ class CellReport:
     cell: Cell
     rates: tuple[Rate, Rate, Rate]
     failed: int
+    """runs that crashed: an error, the limit of time, a killed worker"""
     touched: int
+    """runs with a contact"""
+    unfinished: int
+    """runs whose time was up before all robots had arrived"""
     spreads: tuple[Spread, ...]
     decision: Decision | None
     """what stopped the campaign, where it had a goal"""
@@ -100,12 +113,27 @@ class CellReport:
 
 @dataclass(frozen=True)
 class Failure:
-    """Runs of a cell that failed for the same reason."""
+    """Runs of a cell that crashed for the same reason."""
 
     cell: Cell
     ended: str
     reason: str
     seeds: tuple[int, ...]
+
+
+Robots = tuple[tuple[str, int], ...]
+
+
+@dataclass(frozen=True)
+class Unfinished:
+    """Runs of a cell whose time was up before all robots had arrived."""
+
+    cell: Cell
+    seeds: tuple[int, ...]
+    stood: Robots
+    """robots that stood short of their stops, and in how many runs; the most frequent first"""
+    moved: Robots
+    """the same of robots that were still on their way"""
 
 
 @dataclass(frozen=True)
@@ -117,8 +145,12 @@ class Report:
     goal: Goal | None
     cells: tuple[CellReport, ...]
     worst: tuple[int, ...]
-    """rows of the runs with the least distances, the worst first"""
+    """rows of the runs with the severest contacts, then those with the least distances"""
     failures: tuple[Failure, ...]
+    """runs that crashed"""
+    unfinished: tuple[Unfinished, ...]
+    stuck: tuple[int, ...]
+    """rows of some runs that did not finish, of every cell in turn"""
     missing: tuple[Missing, ...] = ()
     """cells that lack rows of runs that were asked for"""
 
@@ -128,8 +160,15 @@ class Report:
         return len(self.outcomes)
 
     @property
+    def pictured(self) -> list[tuple[int, str]]:
+        """Rows of which there are pictures, and of which moment: contact, nearest or end."""
+        severe = ~np.isnan(self.outcomes.column(SEVERITY[0]))
+        worst = [(row, "contact" if severe[row] else "nearest") for row in self.worst]
+        return [*worst, *((row, "end") for row in self.stuck)]
+
+    @property
     def cells_of_worst(self) -> int:
-        """Number of cells that the runs with the least distances are of."""
+        """Number of cells that the worst runs are of."""
         stops = [one.cell.stop for one in self.cells]
         return len(set(np.searchsorted(stops, self.worst, side="right").tolist()))
 
@@ -158,8 +197,8 @@ def report_of(
     measures = {name: outcomes.column(name) for name in (*MEASURES, *outcomes.own)}
     cells = tuple(_cell(outcomes, cell, measures, goal, first) for cell in outcomes.cells)
     return Report(
-        title, outcomes, goal, cells, _worst(outcomes, measures["shortest_distance"]),
-        _failures(outcomes), missing(asked or {}, outcomes),
+        title, outcomes, goal, cells, _worst(outcomes), _failures(outcomes),
+        *_unfinished(outcomes), missing(asked or {}, outcomes),
     )  # fmt: skip
 
 
@@ -182,11 +221,12 @@ def _cell(
         else at_any_look(name, hits[: decision.runs])
         for name, hits in good.items()
     ]  # fmt: skip
-    near = measures["shortest_distance"][rows]
+    near = measures["least_distance"][rows]
     worst = None if np.all(np.isnan(near)) else cell.start + int(np.nanargmin(near))
     return CellReport(
         cell, (rates[0], rates[1], rates[2]), int(np.count_nonzero(outcomes.failed[rows])),
         int(np.count_nonzero(outcomes.touched[rows])),
+        int(np.count_nonzero(outcomes.unfinished[rows])),
         tuple(Spread.of(name, values[rows]) for name, values in measures.items()),
         decision, worst,
     )  # fmt: skip
@@ -220,18 +260,44 @@ def at_any_look(name: str, hits: np.ndarray) -> Rate:
     return Rate(name, good, of, float(low), float(high), 1.0 - float(low), looks_needed(SHOWN))
 
 
-def _worst(outcomes: Outcomes, near: FloatArray) -> tuple[int, ...]:
-    """Rows with the least distances; of equal ones, the first."""
-    known = np.flatnonzero(~np.isnan(near))
-    if len(known) > WORST:
-        limit = np.partition(near[known], WORST - 1)[WORST - 1]
-        known = known[near[known] <= limit]
-    order = known[np.argsort(near[known], kind="stable")]
-    return tuple(int(row) for row in order[:WORST])
+def _worst(outcomes: Outcomes) -> tuple[int, ...]:
+    """Rows with the severest contacts, then with the least distances; of equal ones, the first.
+
+    How deep a contact is says nothing: the engine decides that.
+    """
+    touched, near = outcomes.touched, outcomes.column("least_distance")
+    speed, energy, impulse = (np.nan_to_num(outcomes.column(name)) for name in SEVERITY)
+    known = np.flatnonzero(touched | ~np.isnan(near))
+    keys = (np.where(touched, 0.0, near), -impulse, -energy, -speed, ~touched)
+    order = np.lexsort([key[known] for key in keys])
+    return tuple(int(row) for row in known[order[:WORST]])
+
+
+def who_stood(rows: Sequence[Mapping[str, Any]]) -> tuple[Robots, Robots]:
+    """Robots that stood short of their stops at the end of runs, and those that still moved."""
+    stood, late = (
+        Counter(name for row in rows for name in (row[column] or "").split(", ") if name)
+        for column in ("stood", "not_arrived")
+    )
+    return tuple(stood.most_common()), tuple((late - stood).most_common())
+
+
+def _unfinished(outcomes: Outcomes) -> tuple[tuple[Unfinished, ...], tuple[int, ...]]:
+    """Runs that did not finish, by cell; and rows of some, the first of every cell, the second."""
+    rows = np.flatnonzero(outcomes.unfinished)
+    cell_of = np.searchsorted([cell.stop for cell in outcomes.cells], rows, side="right")
+    part = outcomes.table.select(["not_arrived", "stood"]).take(rows).to_pylist()
+    found = []
+    for k in np.unique(cell_of).tolist():
+        mine = np.flatnonzero(cell_of == k).tolist()
+        seeds = tuple(outcomes.seed[rows[mine]].tolist())
+        found.append(Unfinished(outcomes.cells[k], seeds, *who_stood([part[n] for n in mine])))
+    turn = np.arange(len(rows)) - np.searchsorted(cell_of, cell_of)
+    return tuple(found), tuple(rows[np.lexsort((cell_of, turn))][:WORST].tolist())
 
 
 def _failures(outcomes: Outcomes) -> tuple[Failure, ...]:
-    """Runs that failed, by cell, end and reason; the most frequent first."""
+    """Runs that crashed, by cell, end and reason; the most frequent first."""
     rows = np.flatnonzero(outcomes.failed)
     part = outcomes.table.select(["ended", "reason"]).take(rows).to_pylist()
     cell_of = np.searchsorted([cell.stop for cell in outcomes.cells], rows, side="right")

@@ -16,6 +16,7 @@ from physim.campaigns.report.contents import (
     Report,
     Spread,
     title_of,
+    who_stood,
 )
 from physim.campaigns.report.markup import code, figures, page, text
 from physim.campaigns.report.plots import distribution, rate_axis, rate_plot, spread_axis
@@ -31,6 +32,8 @@ from physim.campaigns.report.wording import (
     number,
     of_cells,
     percent,
+    robots_words,
+    severity_words,
 )
 from physim.errors import plural
 
@@ -45,33 +48,34 @@ MOST_REASON = 400
 
 @dataclass(frozen=True)
 class Shown:
-    """How a run among the worst is shown."""
+    """How a run with a picture is shown."""
 
     command: str
     """that makes it again"""
     still: bytes = b""
-    """PNG of the moment of least distance; empty where there is none"""
+    """PNG of the moment; empty where there is none"""
     video: str = ""
     """link to its video, relative to the page"""
     fault: str = ""
     """why there is no still"""
     page: str = ""
-    """link to its page for the browser, relative, at the moment of least distance"""
+    """link to its page for the browser, relative, at the moment"""
     left_out: str = ""
     """why there is no page"""
 
 
 def report_page(report: Report, shown: Sequence[Shown]) -> str:
-    """The page; ``shown`` are the runs of `Report.worst`."""
-    parts = [*_opening(report), *_rates(report), *_distances(report), *_measures(report)]
-    parts += [*_worst(report, shown), *_failures(report)]
+    """The page; ``shown`` are the runs of `Report.pictured`."""
+    count = len(report.worst)
+    parts = [*_opening(report), *_rates(report), *_worst(report, shown[:count])]
+    parts += [*_unfinished(report, shown[count:]), *_failures(report)]
+    parts += [*_distances(report), *_measures(report)]
     return page(f"{report.title}: campaign", "\n".join(parts))
 
 
 def _opening(report: Report) -> Iterator[str]:
     outcomes = report.outcomes
     failed = sum(one.failed for one in report.cells)
-    touched = sum(one.touched for one in report.cells)
     cpu = outcomes.column("cpu_seconds")
     yield f"<h1>{text(report.title)}</h1>"
     seeds = f"seeds {outcomes.seed.min()} to {outcomes.seed.max()}" if len(outcomes) else "no runs"
@@ -84,14 +88,9 @@ def _opening(report: Report) -> Iterator[str]:
     )
     if report.missing:
         yield f'<p class="bad">{text(missing_words(report.missing))}</p>'
-    near = outcomes.column("shortest_distance")
-    least = measured("", float(np.nanmin(near)), "m") if report.worst else "-"
     figures = [
         ("runs", number(report.runs), False),
-        ("with contacts", number(touched), touched > 0),
-        ("failed", number(failed), failed > 0),
-        ("least distance", least.replace("-", "−") if report.worst else least,
-         bool(report.worst) and near[report.worst[0]] < 0.0),
+        ("crashed", number(failed), failed > 0),
         ("processor time", _hours(float(np.nansum(cpu))), False),
     ]  # fmt: skip
     cells = "".join(
@@ -113,33 +112,38 @@ def _rates(report: Report) -> Iterator[str]:
     failed = sum(one.failed for one in report.cells)
     if failed:
         yield (
-            f"<p>{plural(failed, 'run')} failed (an error, the limit of time, a killed worker). "
+            f"<p>{plural(failed, 'run')} crashed (an error, the limit of time, a killed worker). "
             "They count in every rate, as neither contact-free nor finished.</p>"
         )
     cells = report.cells[:MOST_CELLS]
     axis = rate_axis([one.rates[0].low for one in cells], RATE_WIDTH)
     yield '<div class="wide"><table class="stack"><thead><tr><th>cell</th><th class="number">runs'
-    yield '</th><th class="number">failed</th>'
+    yield '</th><th class="number">with contacts</th><th class="number">not finished</th>'
+    yield '<th class="number">crashed</th>'
     yield f'<th colspan="2">{RATE_NAMES["rate"]}</th>'
     yield f"<th>{RATE_NAMES['contact_free']}</th><th>{RATE_NAMES['finished']}</th></tr></thead>"
     yield "<tbody>"
     for one in cells:
         both, free, finished = one.rates
         plot = rate_plot(both.share, both.low, both.high, axis, _in_words(both))
-        decision = ""
+        decided = dict.fromkeys(RATE_NAMES, "")
         if report.goal is not None and one.decision is not None:
             words = decision_words(one.decision, report.goal)
-            decision = f'<br><small class="verdict">{text(words)}</small>'
+            decided[report.goal.rate] = f'<br><small class="verdict">{text(words)}</small>'
         note = note_of(both)
         yield (
             f"<tr>{_name(one)}"
             f'<td class="number" data-name="runs">{number(one.cell.count)}</td>'
-            f'<td class="number" data-name="failed">{number(one.failed)}</td>'
+            f'<td class="number" data-name="with contacts">{number(one.touched)}</td>'
+            f'<td class="number" data-name="not finished">{number(one.unfinished)}</td>'
+            f'<td class="number" data-name="crashed">{number(one.failed)}</td>'
             f"<td>{plot}</td>"
-            f'<td data-name="{RATE_NAMES["rate"]}">{_rate(both)}{decision}'
+            f'<td data-name="{RATE_NAMES["rate"]}">{_rate(both)}{decided["rate"]}'
             f"{f'<br><small>{text(note)}</small>' if note else ''}</td>"
-            f'<td data-name="{RATE_NAMES["contact_free"]}">{_rate(free)}</td>'
-            f'<td data-name="{RATE_NAMES["finished"]}">{_rate(finished)}</td></tr>'
+            f'<td data-name="{RATE_NAMES["contact_free"]}">{_rate(free)}'
+            f"{decided['contact_free']}</td>"
+            f'<td data-name="{RATE_NAMES["finished"]}">{_rate(finished)}'
+            f"{decided['finished']}</td></tr>"
         )
     yield "</tbody></table></div>"
     yield from _left_out(len(report.cells), MOST_CELLS, "cells")
@@ -187,10 +191,11 @@ def _distances(report: Report) -> Iterator[str]:
     yield "<h2>How close do robots come to each other and to walls?</h2>"
     yield (
         "<p>The least distance of a whole run, robots and walls, over all physics steps. Below 0, "
-        "left of the dashed line, robots overlapped: a contact. Upright: the share of runs. Cells "
+        "left of the dashed line, there was a contact; how far below is no measure of its "
+        "severity. Upright: the share of runs. Cells "
         "of a world have the same axis.</p>"
     )
-    near = report.outcomes.column("shortest_distance")
+    near = report.outcomes.column("least_distance")
     axes = {}
     for world in {one.cell.world for one in report.cells}:
         rows = [near[one.cell.rows] for one in report.cells if one.cell.world == world]
@@ -199,7 +204,7 @@ def _distances(report: Report) -> Iterator[str]:
     for one in report.cells[:MOST_PLOTS]:
         values = near[one.cell.rows]
         known = values[~np.isnan(values)]
-        spread = one.spread("shortest_distance")
+        spread = one.spread("least_distance")
         name = ", ".join(part for part in (one.cell.controller, one.cell.settings) if part)
         yield f'<figure class="tile"><h3>{text(one.cell.world)}</h3>'
         yield f'<p class="quiet">{text(name)}</p>'
@@ -231,7 +236,7 @@ def _of(spread: Spread, one: CellReport) -> str:
 
 
 def _measures(report: Report) -> Iterator[str]:
-    names = [n for n in (*MEASURES, *report.outcomes.own) if n != "shortest_distance"]
+    names = [n for n in (*MEASURES, *report.outcomes.own) if n != "least_distance"]
     names = [n for n in names if any(one.spread(n).count for one in report.cells)]
     if not names:
         return
@@ -270,27 +275,38 @@ def _measures(report: Report) -> Iterator[str]:
 def _worst(report: Report, shown: Sequence[Shown]) -> Iterator[str]:
     if not report.worst:
         return
-    count = "ten " if len(report.worst) == 10 else ""
-    yield f"<h2>The {count}least distances</h2>"
+    touched = report.outcomes.touched[list(report.worst)]
+    ranks = "the severest contacts" if touched.any() else ""
+    if not touched.all():
+        ranks += f"{', then ' if ranks else ''}the least distances"
+    yield f"<h2>{ranks[:1].upper()}{ranks[1:]}</h2>"
     if left := of_cells(report):
-        yield f"<p>They are{left.removeprefix(',')}; the least of each is told under it above.</p>"
-    yield "<p>Each picture is the moment of the least distance. The command makes the run again,"
-    yield " with its record and video.</p>"
+        yield f"<p>They are{left.removeprefix(',')}; each least distance is told below.</p>"
+    yield "<p>Of each run the closing speed of its severest contact, the energy lost and the "
+    yield "impulse, by which they are ranked in this order; of one without a contact the least "
+    yield "distance. Each picture is that moment. The command makes the run again, with its record "
+    yield "and video.</p>"
+    yield from _tiles(report, report.worst, shown)
+
+
+def _tiles(report: Report, rows: Sequence[int], shown: Sequence[Shown]) -> Iterator[str]:
+    """Runs with their pictures."""
     yield '<div class="tiles large">'
-    near = report.outcomes.column("shortest_distance")
-    for place, (index, one) in enumerate(zip(report.worst, shown, strict=True), start=1):
+    for place, (index, one) in enumerate(zip(rows, shown, strict=True), start=1):
         row = report.outcomes.row(index)
+        is_end = rows is report.stuck
         yield '<figure class="tile">'
-        name = ", ".join(str(row[k]) for k in ("controller", "settings") if row[k])
+        said = robots_words(*who_stood([row]), 1) if is_end else where(row)
         if one.still:
             data = base64.b64encode(one.still).decode("ascii")
-            alt = f"{row['world']}, seed {row['seed']}: {where(row)}"
+            alt = f"{row['world']}, seed {row['seed']}: {said}"
             yield f'<img src="data:image/png;base64,{data}" alt="{text(alt)}">'
-        bad = " bad" if near[index] < 0.0 else ""
-        value = measured("", near[index], "m").replace("-", "−")
-        yield f'<p class="big{bad}">{value}</p>'
+        if not is_end:
+            bad = " bad" if report.outcomes.touched[index] else ""
+            yield f'<p class="big{bad}">{severity_words(row)}</p>'
         yield f"<h3>{place}. {text(row['world'])}, seed {row['seed']}</h3>"
-        yield f"<figcaption>{text(name)}; {text(where(row))}; {_contacts(row)}"
+        name = ", ".join(str(row[k]) for k in ("controller", "settings") if row[k])
+        yield f"<figcaption>{text(name)}; {text(said)}; {_contacts(row)}"
         if one.fault:
             yield f"<br>no picture: {text(one.fault)}"
         links = {"watch this moment, and ask why": one.page, "video": one.video}
@@ -303,10 +319,32 @@ def _worst(report: Report, shown: Sequence[Shown]) -> Iterator[str]:
     yield "</div>"
 
 
+def _unfinished(report: Report, shown: Sequence[Shown]) -> Iterator[str]:
+    if not report.unfinished:
+        return
+    yield "<h2>Runs that did not finish</h2>"
+    yield "<p>Their time was up before all robots had arrived. Named are those that had not, with "
+    yield "the number of runs: they stood short of their stops, or still moved.</p>"
+    yield '<div class="wide"><table class="stack"><thead><tr><th>cell</th>'
+    yield '<th class="number">runs</th><th>robots</th><th>seeds</th></tr></thead><tbody>'
+    for one in report.unfinished[:MOST_CELLS]:
+        robots = robots_words(one.stood, one.moved, len(one.seeds))
+        yield (
+            f'<tr><td class="name">{text(one.cell.name)}</td>'
+            f'<td class="number" data-name="runs">{number(len(one.seeds))}</td>'
+            f'<td data-name="robots">{text(robots)}</td>'
+            f'<td data-name="seeds">{seeds_text(one.seeds)}</td></tr>'
+        )
+    yield "</tbody></table></div>"
+    yield from _left_out(len(report.unfinished), MOST_CELLS, "cells")
+    yield "<p>Each picture is the end of a run, of every cell in turn.</p>"
+    yield from _tiles(report, report.stuck, shown)
+
+
 def _contacts(row: dict[str, object]) -> str:
     kinds = {
-        "contacts": ("contact of robots", "contacts of robots"),
-        "wall_contacts": ("contact with walls", "contacts with walls"),
+        "contacts_between_robots": ("contact of robots", "contacts of robots"),
+        "contacts_with_boundaries": ("contact with walls", "contacts with walls"),
         "grazes": ("graze between samples", "grazes between samples"),
     }
     counts = [plural(int(str(row[key])), *words) for key, words in kinds.items() if row[key]]
@@ -316,7 +354,7 @@ def _contacts(row: dict[str, object]) -> str:
 def _failures(report: Report) -> Iterator[str]:
     if not report.failures:
         return
-    yield "<h2>Runs that failed</h2>"
+    yield "<h2>Runs that crashed</h2>"
     yield '<div class="wide"><table class="stack"><thead><tr><th>cell</th>'
     yield '<th class="number">runs</th>'
     yield "<th>ended by</th><th>reason</th><th>seeds</th></tr></thead><tbody>"
@@ -330,4 +368,4 @@ def _failures(report: Report) -> Iterator[str]:
             f'<td data-name="seeds">{seeds_text(one.seeds)}</td></tr>'
         )
     yield "</tbody></table></div>"
-    yield from _left_out(len(report.failures), MOST_FAILURES, "kinds of failure")
+    yield from _left_out(len(report.failures), MOST_FAILURES, "kinds of crash")

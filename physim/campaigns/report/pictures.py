@@ -1,4 +1,4 @@
-"""Stills, videos and pages of the worst runs: from kept records, else run again."""
+"""Stills, videos and pages of some runs: from kept records, else run again."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 from urllib.parse import urlencode
 
+from physim.analysis.metrics import Metric, Moment, measure
 from physim.analysis.metrics.distances import least_distance
 from physim.campaigns.columns import COLUMNS, Row
 from physim.campaigns.folder import PAGES, STILLS, VIDEOS, Folder
@@ -19,6 +20,7 @@ from physim.campaigns.outcomes import DONE
 from physim.campaigns.replay import check, spec_of_row
 from physim.campaigns.report.contents import Report
 from physim.campaigns.report.page import Shown
+from physim.campaigns.report.wording import pair_and_time
 from physim.errors import PhysimError
 from physim.record import Record
 from physim.simulation.run import record_run
@@ -77,31 +79,31 @@ def pictures(
     progress: Progress = lambda done, total, note: None,
     stop: Callable[[], bool] = lambda: False,
 ) -> list[Shown]:
-    """How the worst runs are shown on a page: what is not there yet is made, into ``folder``.
+    """How `Report.pictured` are shown on a page: what is not there yet is made, into ``folder``.
 
     A run that cannot be made again is shown without, and why. When ``stop`` says True the rest are
     shown without. Raises PhysimError where a picture cannot be written.
     """
     found = []
-    for done, index in enumerate(report.worst):
+    for done, (index, moment) in enumerate(report.pictured):
         row = report.outcomes.row(index)
         again = command(folder, row)
-        progress(done, len(report.worst), f"seed {row['seed']}")
+        progress(done, len(report.pictured), f"seed {row['seed']}")
         if not (stills or videos or pages) or stop():
             found.append(Shown(again))
         elif not KEY.fullmatch(str(row["run"])):
             found.append(Shown(again, fault="the run has no key"))
         else:
-            found.append(_shown(row, again, folder, page, remake, videos, pages))
-    progress(len(report.worst), len(report.worst), "")
+            found.append(_shown(row, moment, again, folder, page, remake, videos, pages))
+    progress(len(report.pictured), len(report.pictured), "")
     return found
 
 
 def _shown(
-    row: dict[str, Any], again: str, folder: Path, page: Path, remake: Remake,
+    row: dict[str, Any], moment: str, again: str, folder: Path, page: Path, remake: Remake,
     videos: bool, pages: bool = False,
 ) -> Shown:  # fmt: skip
-    still = folder / STILLS / f"{row['run']}.png"
+    still = folder / STILLS / f"{row['run']}-{moment}.png"
     video = folder / VIDEOS / f"{row['run']}.mp4"
     own = folder / PAGES / f"{row['run']}.html"
     left_out = ""
@@ -112,7 +114,7 @@ def _shown(
         except PhysimError as error:
             return Shown(again, fault=str(error).partition("\n")[0])
         with closing(record):
-            _draw(record, row, still, video if videos else None)
+            _draw(record, moment, still, video if videos else None)
             if pages and not own.is_file():
                 left_out = _write_page(record, own)
     links = [
@@ -120,7 +122,7 @@ def _shown(
         for file in (video, own)
     ]
     if links[1]:
-        links[1] += _moment(row)
+        links[1] += _opened_at(row, moment)
     with still.open("rb") as file:
         picture = file.read(MOST_STILL + 1)
     if not picture.startswith(PNG) or len(picture) > MOST_STILL:
@@ -128,11 +130,15 @@ def _shown(
     return Shown(again, picture, links[0], page=links[1], left_out=left_out)
 
 
-def _moment(row: dict[str, Any]) -> str:
-    """What opens a page at the least distance of its run, and asks the first of the two why."""
-    asked = {"robot": (row["shortest_distance_pair"] or "").partition(", ")[0]}
-    if row["shortest_distance_time"] is not None:
-        asked["t"] = f"{row['shortest_distance_time']:.3f}"
+def _opened_at(row: dict[str, Any], moment: str) -> str:
+    """What opens the page of a run at a moment, and asks the first robot of it why."""
+    if moment == "end":
+        robots, time = row["stood"] or row["not_arrived"], row["seconds"]
+    else:
+        robots, time = pair_and_time(row)
+    asked = {"robot": (robots or "").partition(", ")[0]}
+    if time is not None:
+        asked["t"] = f"{time:.3f}"
     return f"#{urlencode(asked)}"
 
 
@@ -162,14 +168,14 @@ def _record(row: dict[str, Any], folder: Path, remake: Remake) -> Record:
     return record
 
 
-def _draw(record: Record, row: dict[str, Any], still: Path, video: Path | None) -> None:
+def _draw(record: Record, moment: str, still: Path, video: Path | None) -> None:
     from physim.drawing.video import render
 
     for file in (still, video):
         if file is not None:
             _its_folder(file)
     if not still.is_file():
-        _draw_view(record, still, row["shortest_distance_time"] or 0.0)
+        _draw_view(record, still, moment)
     if video is not None and not video.is_file():
         render(record, video)
 
@@ -181,8 +187,8 @@ def _its_folder(file: Path) -> None:
         raise PhysimError(f"{file.parent}: cannot be written: {error.strerror}") from None
 
 
-def _draw_view(record: Record, path: Path, time: float) -> None:
-    """The view of a still, in which the least distance of the run is marked.
+def _draw_view(record: Record, path: Path, moment: str) -> None:
+    """The view of a still at a moment of `Report.pictured`, with the two that it is of marked.
 
     Without the panel beside it, which would be too small to read.
     """
@@ -191,8 +197,13 @@ def _draw_view(record: Record, path: Path, time: float) -> None:
     from physim.drawing.video.layout import arrange
 
     view, _, _ = arrange()
+    one: Moment | Metric | None = None
+    if moment == "contact":
+        one = measure(record, ["closing_speed"]).get("closing_speed")
+    if moment != "end":
+        one = one or least_distance(record)
+    time = record.steps_run * record.dt if one is None else one.time or 0.0
     within = max(0.0, min(time, (record.steps_run - 1) * record.dt))  # a film ends far away
-    least = least_distance(record)
-    between = None if least is None or least.b is None else (least.a, least.b)
+    between = None if one is None or len(one.bodies) < 2 else (one.bodies[0], one.bodies[1])
     picture = view.of(frame_at(record, within, between=between))
     save_still(path, resized(picture, (STILL_WIDTH, STILL_WIDTH * view.height // view.width)))

@@ -65,7 +65,7 @@ def what_came(row: Mapping[str, Any]) -> str:
     if row["ended"] in FAILED:
         return f"{row['ended']}: {row['reason']}" if row["reason"] else str(row["ended"])
     said = []
-    if row["contacts"] or row["wall_contacts"] or row["grazes"]:
+    if row["contacts"] or row["grazes"]:
         when = row["first_contact"]
         said.append("contact" if when is None else f"contact at {when:.2f} s")
         if row["first_contact_pair"]:
@@ -81,7 +81,7 @@ def sweep_text(folder: Path, outcomes: Outcomes, labels: Collection[Label], tall
     for one in counts_of(outcomes, labels):
         label = ", ".join(one[key] for key in ("world", "settings", "controller") if one[key])
         reasons = [f"{one[key]} {key}" for key in FAILED if one[key]]
-        failed = f", {one['failed']} failed ({', '.join(reasons)})" if one["failed"] else ""
+        failed = f", {one['failed']} crashed ({', '.join(reasons)})" if one["failed"] else ""
         lines.append(
             f"{label}: {plural(one['runs'], 'run')}, {one['contact_free']} contact-free, "
             f"{one['finished']} finished{failed}"

@@ -7,7 +7,15 @@ from collections.abc import Iterator
 from dataclasses import asdict
 from typing import Any
 
-from physim.campaigns.report.contents import CellReport, Failure, Rate, Report, title_of
+from physim.campaigns.report.contents import (
+    SEVERITY,
+    CellReport,
+    Failure,
+    Rate,
+    Report,
+    Unfinished,
+    title_of,
+)
 from physim.campaigns.report.wording import (
     RATE_NAMES,
     decision_words,
@@ -18,33 +26,39 @@ from physim.campaigns.report.wording import (
     note_of,
     number,
     of_cells,
+    pair_and_time,
     percent,
+    robots_words,
+    severity_words,
 )
 from physim.errors import plural
 from physim.escaping import escaped
 
 LONGEST_REASON = 160
 MOST_SEEDS = 5
-TOLD = ("shortest_distance", "finish_time", "deviation", "formation_error")
+TOLD = ("least_distance", "closing_speed", "finish_time", "deviation", "formation_error")
 """Measures that the text tells; the page and the values have all."""
 
 
 def report_text(report: Report, commands: list[str]) -> str:
-    """All cells, the failed runs and the worst ones, whose ``commands`` show them again."""
+    """All cells, what did not finish or crashed, and the worst, whose ``commands`` show them."""
     lines = [*opening(report), ""]
     for one in report.cells:
         lines += [*_cell(report, one), ""]
+    if report.unfinished:
+        lines.append("runs that did not finish, with the robots that had not arrived (runs):")
+        lines += [f"  {unfinished_line(one)}" for one in report.unfinished]
+        lines.append("")
     if report.failures:
-        lines.append("failed runs, each counted above as neither contact-free nor finished:")
+        lines.append("runs that crashed, each counted above as neither contact-free nor finished:")
         lines += [f"  {failure_line(one)}" for one in report.failures]
         lines.append("")
     if report.worst:
-        lines.append(f"the least distances{of_cells(report)}:")
-        near = report.outcomes.column("shortest_distance")
-        for index, again in zip(report.worst, commands, strict=True):
+        lines.append(f"the severest contacts, then the least distances{of_cells(report)}:")
+        for index, again in zip(report.worst, commands, strict=False):  # then those of the stuck
             row = report.outcomes.row(index)
             lines.append(
-                f"  {measured('', near[index], 'm'):>9}  {escaped(where(row))}, "
+                f"  {severity_words(row):>9}  {escaped(where(row))}, "
                 f"{escaped(run_name(row))}: {escaped(again)}"
             )
         lines.append("")
@@ -59,20 +73,23 @@ def opening(report: Report) -> list[str]:
     between = f", seeds {seeds.min()} to {seeds.max()}" if len(seeds) else ""
     line = f"{number(report.runs)} runs of {plural(len(report.cells), 'cell')}{between}"
     if failed:
-        line += f"; {plural(failed, 'run')} failed"
+        line += f"; {plural(failed, 'run')} crashed"
     lines = [f"{escaped(report.title)}: {line}", escaped(", ".join(report.versions()))]
     return [*lines, escaped(missing_words(report.missing))] if report.missing else lines
 
 
 def _cell(report: Report, one: CellReport) -> Iterator[str]:
-    yield f"{escaped(one.cell.name)}: {plural(one.cell.count, 'run')}" + (
-        f", of which {one.failed} failed" if one.failed else ""
-    )
-    if report.goal is not None and one.decision is not None:
-        yield f"  {decision_words(one.decision, report.goal)}"
+    counts = {
+        "with contacts": one.touched, "did not finish": one.unfinished, "crashed": one.failed,
+    }  # fmt: skip
+    some = [f"{number(count)} {what}" for what, count in counts.items() if count]
+    of = f", of which {', '.join(some)}" if some else ""
+    yield f"{escaped(one.cell.name)}: {plural(one.cell.count, 'run')}{of}"
     told = ""
     for rate in one.rates:
         yield f"  {RATE_NAMES[rate.name]:<26}{rate_text(rate)}"
+        if one.decision is not None and report.goal is not None and rate.name == report.goal.rate:
+            yield f"  {'':<26}{decision_words(one.decision, report.goal)}"
         note = note_of(rate)
         if note and note != told:  # one line stands for rates that have the same
             yield f"  {'':<26}{note}"
@@ -95,8 +112,8 @@ def rate_text(rate: Rate) -> str:
 
 
 def where(row: dict[str, Any]) -> str:
-    """``r1, r2 at 3.20 s``."""
-    pair, time = row["shortest_distance_pair"] or "", row["shortest_distance_time"]
+    """``r1, r2 at 3.20 s``: of the severest contact, or else of the least distance."""
+    pair, time = pair_and_time(row)
     return f"{pair} at {time:.2f} s" if time is not None else pair
 
 
@@ -106,8 +123,16 @@ def run_name(row: dict[str, Any]) -> str:
     return f"{', '.join(names)}, seed {row['seed']}"
 
 
+def unfinished_line(one: Unfinished) -> str:
+    """Runs of a cell that did not finish, in one line."""
+    return (
+        f"{plural(len(one.seeds), 'run')} of {escaped(one.cell.name)}, {seeds_text(one.seeds)}: "
+        f"{escaped(robots_words(one.stood, one.moved, len(one.seeds)))}"
+    )
+
+
 def failure_line(one: Failure) -> str:
-    """Runs of a cell that failed alike, in one line."""
+    """Runs of a cell that crashed alike, in one line."""
     reason = escaped(one.reason)
     if len(reason) > LONGEST_REASON:
         reason = reason[: LONGEST_REASON - 1] + "…"
@@ -128,7 +153,7 @@ def seeds_text(seeds: tuple[int, ...]) -> str:
 
 def report_values(report: Report) -> dict[str, Any]:
     """All figures, in types that JSON knows; nan is null. Units: m, s; shares from 0 to 1."""
-    near = report.outcomes.column("shortest_distance")
+    near = report.outcomes.column("least_distance")
     return {
         "format": "physim-campaign-report",
         "version": 1,
@@ -151,6 +176,7 @@ def report_values(report: Report) -> dict[str, Any]:
                 "runs": one.cell.count,
                 "failed": one.failed,
                 "with_contacts": one.touched,
+                "unfinished": one.unfinished,
                 "rates": [
                     {"share": plain(rate.share), **{k: plain(v) for k, v in asdict(rate).items()}}
                     for rate in one.rates
@@ -167,8 +193,13 @@ def report_values(report: Report) -> dict[str, Any]:
         ],
         "worst": [
             {"run": (row := report.outcomes.row(index))["run"], "name": run_name(row),
-             "shortest_distance": plain(near[index])}
+             "least_distance": plain(near[index]), **{name: row[name] for name in SEVERITY}}
             for index in report.worst
+        ],
+        "unfinished": [
+            {"cell": one.cell.name, "seeds": list(one.seeds), "stood": dict(one.stood),
+             "moved": dict(one.moved)}
+            for one in report.unfinished
         ],
         "failures": [
             {"cell": one.cell.name, "ended": one.ended, "reason": one.reason,

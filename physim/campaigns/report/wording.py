@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from typing import Any
 
 from physim.campaigns.asked import Missing
-from physim.campaigns.report.contents import SHOWN, Rate, Report
+from physim.campaigns.report.contents import MEASURES, SEVERITY, SHOWN, Rate, Report, Robots
 from physim.errors import decimal_text, plural
 from physim.statistics.goal import Decision, Goal
 
@@ -18,6 +19,9 @@ RATE_NAMES = {
 SHARES = ("danger_share",)
 """Measures that are written as shares."""
 FEWEST_DIGITS, MOST_DIGITS = 1, 4
+SEVERITY_UNITS = [(name, MEASURES[name][1]) for name in SEVERITY]
+MOST_ROBOTS = 6
+"""that are named of those that did not arrive"""
 MOST_MISSING = 3
 """Cells of which is told what they lack"""
 LARGE = 1e9
@@ -74,7 +78,7 @@ def note_of(rate: Rate) -> str:
 
 
 def of_cells(report: Report) -> str:
-    """``, all of 1 of 6 cells``: where the runs with the least distances leave cells out."""
+    """``, all of 1 of 6 cells``: where the worst runs leave cells out."""
     among, cells = report.cells_of_worst, len(report.cells)
     return f", all of {among} of {cells} cells" if among < cells else ""
 
@@ -158,4 +162,36 @@ def decision_words(decision: Decision, goal: Goal) -> str:
     if decision.holds is None:
         return f"narrow enough after {runs}"
     than = "above" if (goal.sign == ">") == decision.holds else "below"
-    return f"decided after {runs}: {than} {percent(goal.number)}"
+    return f"decided after {runs}: {RATE_NAMES[goal.rate]} {than} {percent(goal.number)}"
+
+
+def severity_words(row: Mapping[str, Any]) -> str:
+    """How hard the severest contact of a run was, or how near anything came."""
+    known = [(name, unit) for name, unit in SEVERITY_UNITS if row[name] is not None]
+    if known:
+        return ", ".join(amount(float(f"{row[name]:.3g}"), unit) for name, unit in known)
+    if row["contacts"] or row["grazes"]:
+        return "contact"
+    return amount(row["least_distance"], "m").replace("-", "−")
+
+
+def pair_and_time(row: Mapping[str, Any]) -> tuple[str, float | None]:
+    """Whose the severest contact of a run was and when [s], or else the least distance."""
+    of = "least_distance" if row["severest_contact_time"] is None else "severest_contact"
+    return row[f"{of}_pair"] or "", row[f"{of}_time"]
+
+
+def robots_words(stood: Robots, moved: Robots, runs: int) -> str:
+    """Which robots stood short of their stops and which still moved, each in how many runs."""
+    parts = [
+        f"{verb}: {_often(names, runs)}"
+        for verb, names in (("stood", stood), ("still moved", moved))
+        if names
+    ]
+    return "; ".join(parts) or "robots not known"
+
+
+def _often(names: Robots, runs: int) -> str:
+    shown = [name if runs == 1 else f"{name} ({number(count)})" for name, count in names]
+    more = len(shown) - MOST_ROBOTS
+    return ", ".join(shown[:MOST_ROBOTS]) + (f" and {number(more)} more" if more > 0 else "")

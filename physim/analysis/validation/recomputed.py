@@ -254,7 +254,7 @@ def _checkers(
     elif own is not None and record.declared != Declared.of(own):
         why = "the record declares others"
     if why or own is None:
-        what = "modes, rules, commands and targets of decisions, and whom they had to consider"
+        what = "modes, rules, commands and targets of decisions, and which robots they considered"
         return None, columns, [f"{what}: {why}"]
     return Replay(record, scene, own, considered), columns, []
 

@@ -162,7 +162,8 @@ def _shown(world: World, record: Record, why: str) -> Trial:
     )
     facts: dict[int, Fact] = {}
     if expect is None or expect.contacts is None or len(met) > expect.contacts:
-        for one in met:
+        firsts = {(one.a, one.b): one for one in reversed(met)}  # of each pair
+        for one in sorted(firsts.values(), key=lambda one: one.time):
             free = [k for k in (one.a, one.b) if k < record.robots and k not in facts]
             if free:
                 facts[free[0]] = _contact(world, record, one, free[0])

@@ -1,10 +1,11 @@
 """Collision avoidance: shortest distance and collision time (11), and the rules (12) and (13).
 
 Departures from the paper: (12) uses the signed distance, so that touching robots still have a best
-way out; the boundaries count in (12) when the footprint is within L of one, in (13) always; ties,
-two infinities included, are settled by (5). A collision time beyond ``horizon`` counts as infinite:
-under a short one (ten_robots: 4.5 s) all commands that are safe that long are equal in (13), and
-(5) decides among them.
+way out; the boundaries count in (12) when the footprint is within L of one, in (13) always; in (11)
+they count within the sensing range only, so that a robot on its way into one beyond reports no
+collision time; ties, two infinities included, are settled by (5). A collision time beyond
+``horizon`` counts as infinite: under a short one (ten_robots: 4.5 s) all commands that are safe
+that long are equal in (13), and (5) decides among them.
 
 A smallest value is found by looking at few pairs: bounds say which of them can have it, and what
 lies behind all bounds is left out. Of a pair that does count the value is that of

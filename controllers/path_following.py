@@ -4,10 +4,11 @@ The target is the point ``look_ahead`` further along the path than the robot's p
 plan is a short sequence of speed pairs, one for each dwell time tau_1, tau_2, ...; the plan whose
 end lies nearest to the target is taken (5).
 
-Departures from the paper: by default the plan is judged ``judge_ahead`` = 0.5 s ahead with its last
-command held, which chatters less than judging it at the period's end, but no further than to the
-last waypoint; ties are settled by the smaller heading error at the end, then by the smaller |omega|
-of the first pair, then by the order of the sets.
+Departures from the paper: in a formation (5) chooses omega alone, as (7) gives the forward speed.
+By default the plan is judged ``judge_ahead`` = 0.5 s ahead with its last command held, which
+chatters less than judging it at the period's end, but no further than to the last waypoint; ties
+are settled by the smaller heading error at the end, then by the smaller |omega| of the first pair,
+then by the order of the sets.
 """
 
 from __future__ import annotations

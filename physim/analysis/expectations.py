@@ -18,11 +18,14 @@ class Held(NamedTuple):
     key: str
     wanted: Figure
     got: Figure
-    """[m] for distances; None where the figure has no meaning, which counts as held"""
+    """[m] for distances; None where the run does not have it, which counts as held, or does not
+    show it, as one that was cut short whether all arrive"""
     held: bool
 
     def __str__(self) -> str:
         """``held: 2 <= 2``: whether it held, what was found, the bound."""
+        if self.key == "finished" and self.got is None:
+            return "NOT HELD: the run was cut short, and does not show whether all arrive"
         sign = "=" if self.key == "finished" else ">=" if self.key.startswith("min_") else "<="
         digits = 4  # as many as a bound that was missed differs in
         while not self.held and digits < 17 and self._text(self.got, digits) == self._text(
@@ -46,16 +49,17 @@ def expectations(record: Record) -> list[Held]:
     ``contacts`` is the largest number of contact episodes and contacts between two samples
     together: touching is a contact, wherever the samples fall. ``min_distance``,
     ``min_boundary_distance`` and ``max_distance`` are bounds [m] over all physics steps,
-    ``finished`` says whether all robots arrive. A distance that a run does not have (one robot,
-    no walls) holds any bound.
+    ``finished`` says whether all robots arrive, which a run that was cut short does not show: it
+    does not hold then. A distance that a run does not have (one robot, no walls) holds any bound.
     """
+    cut = record.ended in ("running", "interrupted") and record.steps_run < record.steps_planned
     wanted = _wanted(record)
     found: dict[str, Figure] = {
         "contacts": len(metrics.contact_episodes(record)) + len(metrics.grazes(record)),
         "min_distance": _value(metrics.shortest_distance(record)),
         "min_boundary_distance": _value(metrics.shortest_boundary_distance(record)),
         "max_distance": _value(metrics.farthest_pair(record)),
-        "finished": metrics.finished(record),
+        "finished": None if cut else metrics.finished(record),
     }
     return [
         Held(key, wanted[key], got, _holds(key, wanted[key], got))

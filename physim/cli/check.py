@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import sys
 import time
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, TextIO
 
@@ -18,12 +19,13 @@ from physim.cli.values import PATH
 from physim.errors import PhysimError, WorldError
 
 if TYPE_CHECKING:
+    from physim.analysis.trial import Trial
     from physim.world.checks import ClearanceProfile, Findings
     from physim.world.scene import Layout
 
 
 MOST_ROWS = 12
-"""Robots in the table of room; of more, those with least room."""
+"""Robots in the table of room, of more those with least room; facts of a trial that are told."""
 
 
 @command("check", "find every fault of a world before running it")
@@ -35,11 +37,13 @@ MOST_ROWS = 12
     help="a world file, or the name of a shipped world",
 )
 @changes("every world")
+@flag("--no-run", "only look at the file, without a trial run")
 @flag("--json", "print everything as JSON instead")
 @flag("--watch", "check again whenever a file is saved, until Ctrl-C")  # fmt: skip
 def check_command(options: Options) -> int:
     """Read worlds strictly and look at their geometry: all errors and warnings at once, each with
-    file, line and column, and the room that each robot has on its path.
+    file, line and column, and the room that each robot has on its path. Then run a world without
+    errors once, and tell which robots touch something or do not arrive.
 
     exit codes:
       0    no errors; there may be warnings
@@ -80,41 +84,62 @@ def _file(world: str) -> Path:
 
 def _check_once(options: Options) -> int:
     """Check worlds once and print what is found; returns the exit code."""
-    from physim.world.checks import check_world
-
-    found = [
-        check_world(
-            world, overrides=options.overrides, controller=options.controller, seed=options.seed
-        )
-        for world in options.worlds
-    ]
+    found = [_found(world, options) for world in options.worlds]
     if options.json:
         print(json.dumps(json_of(found), indent=1), file=options.stdout)
     else:
-        print("\n".join(text_of(findings) for findings in found), end="")
-    return 0 if all(findings.ok for findings in found) else 2
+        print("\n".join(text_of(*one) for one in found), end="")
+    return 0 if all(findings.ok for findings, _ in found) else 2
 
 
-def json_of(found: list[Findings]) -> dict[str, object]:
-    """Everything that was found, as JSON holds it."""
+def _found(world: str, options: Options) -> tuple[Findings, Trial | None]:
+    """What the file shows of a world, and a run of it."""
+    from physim.cli.trying import tried
+    from physim.world.checks import check_world
+
+    findings = check_world(
+        world, overrides=options.overrides, controller=options.controller, seed=options.seed
+    )
+    if options.no_run or not findings.ok or findings.world is None:
+        return findings, None
+    return findings, tried(findings.world, options.json, options.controller is not None)
+
+
+def json_of(found: list[tuple[Findings, Trial | None]]) -> dict[str, object]:
+    """Everything that was found, as JSON holds it; facts of the trial are the last warnings."""
+    worlds = []
+    for findings, trial in found:
+        one = findings.as_json()
+        for fact in trial.facts if trial else ():
+            one["warnings"].append(findings.located(fact.fault).as_json() | fact.as_json())
+        worlds.append({**one, "trial": trial and trial.line})
     return {
         "format": "physim-check",
         "version": 1,
-        "errors": sum(len(findings.errors) for findings in found),
-        "warnings": sum(len(findings.warnings) for findings in found),
-        "worlds": [findings.as_json() for findings in found],
+        "errors": sum(len(one["errors"]) for one in worlds),
+        "warnings": sum(len(one["warnings"]) for one in worlds),
+        "worlds": worlds,
     }
 
 
-def text_of(findings: Findings) -> str:
+def text_of(findings: Findings, trial: Trial | None = None) -> str:
     """What was found in one world: errors, warnings, room, and a last line that sums up."""
+    shown = tuple(findings.located(fact.fault) for fact in (trial.facts if trial else ()))
+    told = [f"  {one}" for one in shown[:MOST_ROWS]]
+    if len(shown) > MOST_ROWS:
+        told.append(f"  and {len(shown) - MOST_ROWS} more (--json has all)")
     lines: list[str] = []
     for title, group in (("errors", findings.errors), ("warnings", findings.warnings)):
         if group:
             lines += [f"{title}:", *(f"  {one}" for one in map(str, group)), ""]
+    if trial and told:
+        lines += [f"{trial.line}:", *told, ""]
     lines += _room(findings.clearance)
     lines += findings.notes
-    lines.append(f"{findings.file}: {findings.count}")
+    if trial and not told:
+        lines.append(trial.line)
+    count = replace(findings, warnings=(*findings.warnings, *shown)).count
+    lines.append(f"{findings.file}: {count}")
     return "\n".join(lines) + "\n"
 
 

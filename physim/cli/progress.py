@@ -184,7 +184,10 @@ def watch(paths: Sequence[Path], changed: Callable[[], object]) -> int:
             now = [state(path) for path in paths]
             if now == before and (handled is None or now != handled):
                 handled = now  # before the call: what is saved meanwhile is a change
-                changed()
+                try:
+                    changed()
+                except KeyboardInterrupt:  # a run in it has heard the signal
+                    break
             before = now
             time.sleep(EVERY)
     print("interrupted", file=sys.stderr)

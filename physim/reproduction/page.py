@@ -80,6 +80,12 @@ def _opening(report: Report) -> Iterator[str]:
         "is marked as such: it is no evidence for avoidance."
     )
     yield (
+        "Two of our rules depart from the paper's: in a formation the speed pair of (5) is a "
+        "choice of omega alone, as (7) gives the forward speed; and in (11) boundaries count "
+        "within the sensing range only, so that a robot on its way into one beyond reports no"
+        " collision time. The modules of the controller list these and smaller departures."
+    )
+    yield (
         "Deviations and formation errors in the tables are those at the decisions of the robots, "
         f"which are up to 0.2 s apart; {_code('physim summary')} takes them at every sample."
     )

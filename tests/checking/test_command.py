@@ -40,13 +40,14 @@ def test_a_clean_world(capsys, here):
     (here / "w.yaml").write_text(CORRIDOR)
     code, out, err = run(capsys, "w.yaml")
     assert (code, err) == (0, "")
-    title, *table, blank, end = out.splitlines()
+    title, *table, blank, tried, end = out.splitlines()
     assert title.endswith("[m]:")
     head, *rows = [re.split("  +", line.strip()) for line in table]
     values = ["0.50 to 1.03", "0 %", "fits at any heading"]
     assert rows == [["a", "30.0", "3.00", "6.0", *values], ["b", "30.0", "3.00", "3.0", *values]]
     assert len(head) == len(rows[0])
     assert blank == ""
+    check_finding(tried, "tried for", "all robots arrive", "no contact")
     check_finding(end, "w.yaml:", "no errors", "no warnings")
 
 

@@ -46,6 +46,10 @@ class Drivers:
         return Decision(v=v, omega=omega, hold=0.1)
 
 
+DRIVERS = f"{__name__}:Drivers"
+"""their name in a record"""
+
+
 class Careless(Drivers):
     """As on the command line: module:Class."""
 

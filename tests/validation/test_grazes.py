@@ -104,6 +104,8 @@ def test_the_video_counts_and_marks_it_apart(grazing):
         (lambda rows: rows[:0], "not in the record"),
         (lambda rows: shifted(rows, "step", 3), "in the record, shapes apart"),
         (lambda rows: shifted(rows, "depth", 1e-6), "m by the shapes"),
+        (lambda rows: shifted(rows, "impulse", 5.0), "with a push or another phase"),
+        (lambda rows: shifted(rows, "phase", int(Phase.STAYS)), "with a push or another phase"),
     ],
 )
 def test_a_false_row_is_found_out(tmp_path, grazing, change, expected):

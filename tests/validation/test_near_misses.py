@@ -6,9 +6,9 @@ import pytest
 
 import physim
 from physim import Decision
-from physim.analysis.validation import validate
+from physim.analysis.validation import responsibility, validate
 from physim.analysis.validation.near_misses import TOGETHER
-from tests.validation.runs import APART, LANE, lane
+from tests.validation.runs import APART, DRIVERS, LANE, lane
 
 
 def test_an_approach_that_ends_in_contact_is_none(rear_end, into_wall):
@@ -21,7 +21,8 @@ def test_an_approach_that_ends_in_contact_is_none(rear_end, into_wall):
 
 
 @pytest.mark.parametrize(("x", "behind"), [(6.0, 1), (10.5, 0)])
-def test_the_robot_behind_had_to_give_way(x, behind):
+def test_the_robot_behind_had_to_give_way(x, behind, monkeypatch):
+    monkeypatch.setattr(responsibility, "PRIORITY", DRIVERS)
     found = validate(lane(APART, **{"robots.1.pose": f"[{x}, -1.3, 0.0]"})).near_misses
     pair = [one for one in found.distances if one.b == 1]
     assert pair

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import json
+import re
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
 import physim
-from physim.analysis.validation import report, validate
+from physim.analysis.validation import report, responsibility, validate
 from physim.analysis.validation.disagreements import GRAZE
 from physim.analysis.validation.prediction import AGREES
 from physim.analysis.validation.seeds import json_of_validation
@@ -18,7 +19,7 @@ from physim.errors import RecordError
 from physim.record.setup import Part
 from tests.facts import facts
 from tests.validation.reports import states
-from tests.validation.runs import LANE, lane
+from tests.validation.runs import DRIVERS, LANE, lane
 
 
 def test_contact_free(apart):
@@ -30,7 +31,8 @@ def test_contact_free(apart):
     assert "DISAGREEMENTS: none" in text
 
 
-def test_the_robot_behind_is_responsible(rear_end):
+def test_the_robot_behind_is_responsible(rear_end, monkeypatch):
+    monkeypatch.setattr(responsibility, "PRIORITY", DRIVERS)
     found = validate(rear_end)
     assert found.code == 1
     assert found.verdict == "contacts: 2 of 1 pair"
@@ -46,6 +48,24 @@ def test_the_robot_behind_is_responsible(rear_end):
     assert 0.0 < first.severity.closing < 2.0
     assert len(first.severity.changes) == 2
     assert first.severity.energy > 0.0
+
+
+def test_nobody_is_blamed_by_a_rule_that_the_controller_does_not_have(rear_end):
+    found = validate(rear_end)
+    text = report(found)
+    assert found.contacts[0].responsible == ()
+    assert all(one.behind is None for one in found.near_misses.times)
+    assert not re.search(r"[Rr]esponsible is|priority|had to (consider|give way)", text)
+    assert "fast reported no distance to slow" in " ".join(text.split())
+
+
+@pytest.mark.parametrize("wanted", [True, False])
+def test_a_run_that_was_cut_short_does_not_show_whether_all_arrive(wanted):
+    world = physim.parse_world(LANE, overrides=[f"expect={{finished: {str(wanted).lower()}}}"])
+    found = validate(physim.simulate(world, stop=lambda: True))
+    assert found.code == 1
+    assert "finished" in found.verdict
+    assert states(report(found), "NOT HELD", "cut short", within=60)
 
 
 def test_contact_comes_when_it_was_predicted(rear_end):

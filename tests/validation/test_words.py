@@ -10,7 +10,7 @@ import pytest
 import physim
 from physim import Decision
 from physim.analysis.validation import report, validate
-from physim.analysis.validation.contact_report import describe_cause
+from physim.analysis.validation.contact_report import describe_cause, describe_responsibility
 from physim.analysis.validation.wording import length, short
 from physim.parts.declarations import AT_STOP, PAPER_MODES, SAFE, STANDARD_COLUMNS
 from tests.validation.reports import states
@@ -100,6 +100,7 @@ def test_a_command_that_kept_clear_of_what_was_known_is_not_blamed():
         )
         assert avoiding.mode.danger
         assert avoiding.decided == other.decided
+        assert "by the paper's rule of priority" in describe_responsibility(one, found.names)
         said = describe_cause(one, found.names)
         assert states(said, "r3", "reported no collision", "r1", "in the same step")
         for decided, words in ((avoiding.decided - 0.2, "held"), (avoiding.decided + 0.1, "after")):

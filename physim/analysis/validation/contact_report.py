@@ -61,7 +61,8 @@ class ContactReport:
     """[s] for how long before the contact it lay ahead without a break, under the commands of
     the moment; None where earlier decisions were not looked at"""
     responsible: tuple[int, ...]
-    """robots that were responsible; a third one where it pushed one of the two"""
+    """robots that were responsible; a third one where it pushed one of the two; none where no rule
+    of the controller says who"""
     along: str
     """where along a wall, `physim.analysis.metrics.walls.along_wall`; empty between robots"""
 
@@ -83,7 +84,8 @@ class SweptContactReport:
     sides: tuple[RobotInContact, ...]
     """the robots, a first"""
     responsible: tuple[int, ...]
-    """robots that were responsible; a third one where it pushed one of the two"""
+    """robots that were responsible; a third one where it pushed one of the two; none where no rule
+    of the controller says who"""
     along: str
     """where along a wall, `physim.analysis.metrics.walls.along_wall`; empty between robots"""
 
@@ -199,7 +201,16 @@ def describe_bodies(one: ContactReport | SweptContactReport, names: list[str]) -
 
 
 def describe_responsibility(one: ContactReport | SweptContactReport, names: list[str]) -> str:
-    """``r2: it was 1.2 m behind r1 …``, who had to keep clear, and why."""
+    """``Responsible is r2: it was 1.2 m behind r1 …``, who had to keep clear, and why.
+
+    Empty where the controller has no rule that says so.
+    """
+    if not one.responsible:
+        return ""
+    return f"Responsible is {_why(one, names)}"
+
+
+def _why(one: ContactReport | SweptContactReport, names: list[str]) -> str:
     pushed = [side for side in one.sides if side.pushed_by is not None]
     if pushed:
         return " ".join(_push(side, one, names) for side in pushed)
@@ -215,7 +226,7 @@ def describe_responsibility(one: ContactReport | SweptContactReport, names: list
     if behind > 0.0:
         return (
             f"{who}: it was {length(behind)} behind {other} along the reference path, "
-            f"so it had to consider {other}."
+            f"so by the paper's rule of priority it had to consider {other}."
         )
     if behind == 0.0:
         return f"{who}: level with {other}, which has the lower number and so priority."
@@ -230,10 +241,6 @@ def describe_cause(one: ContactReport, names: list[str]) -> str:
         if pushed.stands and pushed.speed <= PUSH:
             return f"{name} stood by command; the other was pushed by {by}."
         return f"{name} {'stood by command and ' if pushed.stands else ''}was pushed by {by}."
-    side = next(side for side in one.sides if side.responsible)
-    name, other = names[side.body], names[one.a + one.b - side.body]
-    if side.decided is None:
-        return f"{name} had made no decision yet."
     said = []
     if one.warning is not None:
         said.append(
@@ -241,31 +248,38 @@ def describe_cause(one: ContactReport, names: list[str]) -> str:
             if one.warning > 0.0
             else "Contact did not lie ahead at the last decision."
         )
+    charged = next((side for side in one.sides if side.responsible), None)
+    sides = one.sides if charged is None else (charged,)
+    return " ".join([*said, *(_decided(side, one, names) for side in sides)])
+
+
+def _decided(side: RobotInContact, one: ContactReport, names: list[str]) -> str:
+    """Why a robot did not avoid the contact, as far as the record shows."""
+    name, other = names[side.body], names[one.a + one.b - side.body]
+    if side.decided is None:
+        return f"{name} had made no decision yet."
     if side.stands:
-        said.append(f"{name} stood by command, and the record shows no robot that pushed it.")
-        return " ".join(said)
+        return f"{name} stood by command, and the record shows no robot that pushed it."
     wall = len(one.sides) == 1
     looked = not math.isnan(side.reported_time)
     looked |= not math.isnan(side.reported_boundary if wall else side.reported_distance)
     if not looked:
-        said.append(f"{name} reported no distance to {other} and no collision time.")
-    elif not wall and side.considered == 0:
-        said.append(f"{name} considered no robot, though it had to consider {other}.")
-    elif not wall and math.isinf(side.reported_time) and _moves_by_choice(side):
+        return f"{name} reported no distance to {other} and no collision time."
+    if not wall and side.considered == 0:
+        return f"{name} considered no robot."
+    if not wall and math.isinf(side.reported_time) and _moves_by_choice(side):
         did = "looked" if side.mode is None else "was avoiding"
-        said.append(
+        return (
             f"{name} {did}, and reported no collision for the command it took; {other} "
             f"{_held_or_changed(one, side)}."
         )
-    elif side.mode is None:
-        said.append(f"{name} looked, but took no command that kept it clear of {other}.")
-    elif side.mode.danger:
-        said.append(f"{name} was avoiding, but took no command that kept it clear of {other}.")
-    elif side.mode.name == AT_STOP.name:
-        said.append(f"{name} said that it had arrived, yet its command was to move.")
-    else:
-        said.append(f"{name} was in mode {side.mode}: it did not take {other} for a danger.")
-    return " ".join(said)
+    if side.mode is None:
+        return f"{name} looked, but took no command that kept it clear of {other}."
+    if side.mode.danger:
+        return f"{name} was avoiding, but took no command that kept it clear of {other}."
+    if side.mode.name == AT_STOP.name:
+        return f"{name} said that it had arrived, yet its command was to move."
+    return f"{name} was in mode {side.mode}: it did not take {other} for a danger."
 
 
 def _moves_by_choice(side: RobotInContact) -> bool:

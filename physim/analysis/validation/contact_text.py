@@ -57,14 +57,21 @@ def _sentences(validation: Validation) -> list[str]:
     said = [
         f"{robots} between robots, {len(validation.contacts) - robots} with boundaries or "
         f"obstacles, in {run.seconds:.2f} s.",
-        f"First at {first.time:.2f} s: {describe_bodies(first, names)}. "
-        f"Responsible is {describe_responsibility(first, names)} {describe_cause(first, names)}",
+        " ".join(
+            part
+            for part in (
+                f"First at {first.time:.2f} s: {describe_bodies(first, names)}.",
+                describe_responsibility(first, names),
+                describe_cause(first, names),
+            )
+            if part
+        ),
     ]
-    if len(validation.contacts) > 1:
-        shares = [
-            f"{names[i]} {sum(i in one.responsible for one in validation.contacts)}"
-            for i in sorted({i for one in validation.contacts for i in one.responsible})
-        ]
+    shares = [
+        f"{names[i]} {sum(i in one.responsible for one in validation.contacts)}"
+        for i in sorted({i for one in validation.contacts for i in one.responsible})
+    ]
+    if shares and len(validation.contacts) > 1:
         said.append(f"Responsible, by number of contacts: {', '.join(shares)}.")
     return said + _grazes(validation)
 
@@ -88,7 +95,7 @@ def _grazes(validation: Validation) -> list[str]:
         "contact all the same.",
         f"{'That' if count == 1 else 'The first of these'} was just before {first.time:.2f} s: "
         f"{describe_bodies(first, names)}, {length(first.depth)} deep, at {where}. "
-        f"Responsible is {describe_responsibility(first, names)}",
+        f"{describe_responsibility(first, names)}".rstrip(),
     ]
 
 
@@ -108,7 +115,7 @@ def table_lines(validation: Validation) -> list[str]:
             f"  {sum(one.duration for one in some):>8.2f} s"
             f"  {length(max(one.depth for one in some)):>7}"
             f"  {amount_text(sum(one.impulse for one in some), 0):>9} N s"
-            f"   {joined([names[i] for i in who])}"
+            f"   {joined([names[i] for i in who])}".rstrip()
         )
     return lines
 
@@ -170,11 +177,11 @@ def paragraph(
             f"first, {amount_text(one.impulse, 1)} N s in all",
         ),
         *_severity(one, names),
-        ("responsible", describe_responsibility(one, names)),
+        ("responsible", describe_responsibility(one, names).removeprefix("Responsible is ")),
         *((names[side.body], _decision(side, one)) for side in one.sides),
         ("finding", describe_cause(one, names)),
     ]
-    return [*items, ("note", before)] if before else items
+    return [item for item in (*items, ("note", before)) if item[1]]
 
 
 def _along(one: ContactReport | SweptContactReport) -> str:

@@ -28,6 +28,7 @@ from physim.analysis.validation.analytic_contacts import (
 )
 from physim.analysis.validation.decisions import DecisionTable
 from physim.analysis.validation.recorded_distances import SMALLEST, Exact
+from physim.analysis.validation.responsibility import has_priority
 from physim.compiled import compiled
 from physim.geometry.collision import collision_time_pair, collision_time_walls
 from physim.geometry.shapes import FloatArray, IntArray, Shapes, read_only
@@ -61,7 +62,8 @@ class NearMiss:
     value: float
     """[m] or [s]"""
     behind: int | None = None
-    """robot that was behind along s*, and so had to consider the other; None for a boundary"""
+    """robot that was behind along s*, and so had to consider the other; None for a boundary, and
+    where the controller has no such rule"""
     along: str = ""
     """where along a wall it was nearest then; empty between robots"""
 
@@ -130,6 +132,8 @@ def _with_order(table: DecisionTable, one: NearMiss) -> NearMiss:
     """Say which of two robots was behind (equal stations: the higher index), or where a wall is."""
     if one.b >= table.record.robots:
         return replace(one, along=near_wall(table.record, one.a, one.b, one.step))
+    if not has_priority(table.record):
+        return one
     ahead = table.reference_station(one.a, one.step) >= table.reference_station(one.b, one.step)
     return replace(one, behind=one.b if ahead else one.a)
 

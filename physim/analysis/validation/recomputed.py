@@ -39,6 +39,7 @@ from physim.analysis.validation.mismatch import (
     plain,
 )
 from physim.analysis.validation.origin import Inside
+from physim.analysis.validation.responsibility import has_priority
 from physim.errors import ControllerError
 from physim.geometry.shapes import FloatArray, IntArray, read_only
 from physim.parts.controller import (
@@ -178,10 +179,6 @@ def whole_steps(hold: FloatArray, dt: float) -> IntArray:
     return np.asarray(steps, dtype=np.int64)
 
 
-PAPER = "mode_switching"
-"""Name of the controller whose considered robots follow the paper's rule of priority."""
-
-
 @dataclass(frozen=True)
 class Recomputed:
     """What was computed anew, and what does not agree."""
@@ -201,7 +198,7 @@ def recompute(record: Record, inside: Inside, table: DecisionTable) -> Recompute
     found, scene = Mismatches(record), inside.scene
     considered = Considered(record)
     replay, columns, left_out = _checkers(record, inside, considered)
-    by_rule = replay is not None and scene is not None and scene.world.controller.type == PAPER
+    by_rule = replay is not None and scene is not None and has_priority(record)
     arrivals = None if scene is None else ArrivalCheck(scene)
     check_schedule(record, table, found)
     check_considered(record, considered, found)
@@ -257,7 +254,7 @@ def _checkers(
     elif own is not None and record.declared != Declared.of(own):
         why = "the record declares others"
     if why or own is None:
-        what = "modes, rules, commands and targets of decisions, and whom they had to consider"
+        what = "modes, rules, commands and targets of decisions, and which robots they considered"
         return None, columns, [f"{what}: {why}"]
     return Replay(record, scene, own, considered), columns, []
 

@@ -47,8 +47,8 @@ NEAR_TOUCH = 2.0 * CONTACT
 def check_swept_contacts(record: Record, analytic: AnalyticContacts) -> list[Disagreement]:
     """Contacts between two samples, which the engine cannot see: the record against the shapes.
 
-    Where only one of the two has it, or their depths differ, it is unexplained. Raises RecordError
-    for one before the start.
+    Where only one of the two has it, their depths differ, or the row tells of more than one moment
+    without a force, it is unexplained. Raises RecordError for one before the start.
     """
     rows = record.contacts[record.contacts["kind"] == Kind.SWEPT]
     if (rows["step"] == 0).any():
@@ -59,6 +59,8 @@ def check_swept_contacts(record: Record, analytic: AnalyticContacts) -> list[Dis
     swept = analytic.grazes
     entries = dict(zip(places(swept), swept["entry"].tolist(), strict=True))
     depths = dict(zip(places(rows), rows["depth"].tolist(), strict=True))
+    more = (rows["phase"] != Phase.BEGAN) | (rows["impulse"] != 0.0)
+    forced = set(places(rows[more]))
     found = []
     for place in sorted({*entries, *depths}):
         step, a, b = place
@@ -74,6 +76,9 @@ def check_swept_contacts(record: Record, analytic: AnalyticContacts) -> list[Dis
                 f"touching between two samples, depth {depths[place]:.3g} m in the record, "
                 f"{max(-least, 0.0):.3g} m by the shapes"
             )
+        elif place in forced:
+            cause = UNEXPLAINED
+            what = "touching between two samples, with a push or another phase than began"
         time = (step - 1) * record.dt + entries.get(place, record.dt)
         found.append(Disagreement(a, b, step, 1, time, least, cause, what))
     return found

@@ -1,9 +1,10 @@
 """The robots of a contact: what each did and saw, who pushed whom, and who was responsible.
 
-Responsibility follows the paper's priority rule: a robot has to consider those that are further
-along the reference path s* (equal stations: the lower index has priority). So of two robots the
-one that was behind at its own last decision before the contact had to avoid it. With a boundary
-or an obstacle it is always the robot.
+Between robots responsibility follows the paper's priority rule: a robot has to consider those that
+are further along the reference path s* (equal stations: the lower index has priority). So of two
+robots the one that was behind at its own last decision before the contact had to avoid it. The rule
+is that of `mode_switching` alone: under another controller nobody is responsible but who pushed a
+robot, or ran into one that stood. With a boundary or an obstacle it is always the robot.
 
 Departure: the rule speaks of robots that move by their own commands. One that was pushed into the
 contact, or stood by command while the other came, is not charged but the one that did it. A robot
@@ -31,6 +32,14 @@ from physim.geometry.shapes import FloatArray
 from physim.parts.declarations import NO_NUMBER, Mode, Rule
 from physim.record import Record
 from physim.tolerances import PUSH
+
+PRIORITY = "mode_switching"
+"""Name of the controller that has the paper's rule of priority."""
+
+
+def has_priority(record: Record) -> bool:
+    """Whether the controller of a run has the paper's rule of priority."""
+    return record.setup.controller.name == PRIORITY
 
 
 @dataclass(frozen=True)
@@ -176,7 +185,7 @@ class RobotInContact:
 def robots_in_contact(
     record: Record, table: DecisionTable, touch: Touch
 ) -> tuple[tuple[RobotInContact, ...], tuple[int, ...]]:
-    """Robots of a contact, a first, and the ids of those that were responsible for it."""
+    """Robots of a contact, a first, and the ids of those that were responsible for it, if any."""
     a, b, step = touch.a, touch.b, touch.step
     robots = [i for i in (a, b) if i < record.robots]
     behind = {i: _behind(record, table, i, a + b - i, step) for i in robots}
@@ -184,7 +193,12 @@ def robots_in_contact(
     if not ruled:  # they changed places between their last decisions
         ruled = [max(robots, key=lambda i: -table.reference_station(i, step))]
     pushed = {i: pushed_by(record, table, i, touch) for i in ruled}
-    charged = {i if by is None else by for i, by in pushed.items()}
+    if len(robots) == 1 or has_priority(record):
+        charged = {i if by is None else by for i, by in pushed.items()}
+    else:  # no rule says who; facts may
+        pushed |= {i: pushed_by(record, table, i, touch) for i in robots if i not in pushed}
+        pushed = dict([(i, by) for i, by in pushed.items() if by is not None][:1])
+        charged = {by for by in pushed.values() if by is not None}
     sides = tuple(
         _side(record, table, i, touch, behind[i], pushed.get(i), i in charged) for i in robots
     )

@@ -58,7 +58,7 @@ class SeedResult:
             x, y = one.place
             first = (
                 f"{names[one.a]} and {names[one.b]} at {one.time:.2f} s, "
-                f"{one.along or f'at {place_text(x, y, 4)}'}, responsible {who}"
+                f"{one.along or f'at {place_text(x, y, 4)}'}{who and f', responsible {who}'}"
             )
         near = found.near_misses.distances
         return cls(

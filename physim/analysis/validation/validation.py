@@ -87,7 +87,7 @@ class Validation:
     recomputed: Recomputed
     """decisions, commands and the end of the run, computed anew"""
     expectations: tuple[Held, ...]
-    """what the world inside expects of a run, as far as it can be said of this one"""
+    """what the world inside expects of a run, and whether this one shows it"""
     deep: tuple[Deep, ...]
     """contacts deeper than `physim.contacts.allowed_depth`: what follows them is not physical"""
     rerun: Rerun | None = None
@@ -193,7 +193,7 @@ def validate(record: Record, *, source: str | None = None) -> Validation:
         near_misses(record, analytic, table, exact),
         check_motion(record, table, None if fitted.scene is None else fitted.scene.mass),
         compare_with_world(record, inside), recompute(record, fitted, table),
-        _expectations(record), deep_contacts(record),
+        tuple(expectations(record)), deep_contacts(record),
     )  # fmt: skip
 
 
@@ -227,13 +227,6 @@ def validate_again(record: Record, again: Record, source: str) -> Validation:
         recomputed=replace(found.recomputed, mismatches=wrong),
         rerun=compare_runs(record, again),
     )  # fmt: skip
-
-
-def _expectations(record: Record) -> tuple[Held, ...]:
-    """What the world expects; whether all arrive cannot be said of a run that was cut short."""
-    cut = record.ended in ("running", "interrupted") and record.steps_run < record.steps_planned
-    held = expectations(record)
-    return tuple(one for one in held if not (cut and one.key == "finished"))
 
 
 def missing(record: Record) -> str:

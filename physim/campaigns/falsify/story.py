@@ -82,10 +82,10 @@ def _contact(
     step = round(one.time / record.dt)
     table = DecisionTable(record)
     said += [_doing(record, table, side.body, step, side.speed, names) for side in one.sides]
-    said.append(f"Responsible is {describe_responsibility(one, names)}")
+    said.append(describe_responsibility(one, names))
     if isinstance(one, ContactReport):
         said.append(describe_cause(one, names))
-    return said
+    return [one for one in said if one]
 
 
 def _doing(

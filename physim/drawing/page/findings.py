@@ -120,8 +120,7 @@ def _contacts(found: Validation, summary: Summary) -> Iterator[Finding]:
         who = describe_responsibility(one, names)
         place = number.get((one.a, one.b, round(one.time, 6)))
         first = min(one.responsible, default=None)
-        text = f"responsible is {who} {more}"
-        return Finding("contact", one.time, (one.a, one.b), text, place, first)
+        return Finding("contact", one.time, (one.a, one.b), f"{who} {more}".lstrip(), place, first)
 
     for contact in found.contacts:
         sunk = deep.pop((contact.a, contact.b), "")

@@ -97,6 +97,7 @@ def check_world(
         notes=tuple(found.notes),
         clearance=profiles,
         world=checked.world,
+        document=document,
     )
 
 

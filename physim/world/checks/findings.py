@@ -12,6 +12,7 @@ from physim.world.faults import describe
 if TYPE_CHECKING:
     from physim.world import World
     from physim.world.checks.room import ClearanceProfile
+    from physim.world.file.nodes import Document
 
 
 MOST_ALIKE = 5
@@ -92,11 +93,18 @@ class Findings:
     """room along the path of each robot whose path and footprint are sound"""
     world: World | None = field(default=None, repr=False)
     """the world, where it could be read without a fault"""
+    document: Document | None = field(default=None, repr=False)
+    """the text that was checked; None where it could not be read"""
 
     @property
     def ok(self) -> bool:
         """Whether there is no error; there may be warnings."""
         return not self.errors
+
+    def located(self, fault: Fault) -> Finding:
+        """A fault found by other means, as by a run, at its place in the file."""
+        position = None if self.document is None else self.document.position(fault.location)
+        return Finding.of(fault, position, self.file)
 
     @property
     def count(self) -> str:

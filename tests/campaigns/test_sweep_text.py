@@ -16,7 +16,9 @@ GOOD = ("yard", "", "good")
 
 
 def text(rows: list[dict[str, object]], *labels: tuple[str, str, str]) -> str:
-    return sweep_text(Path("out"), Outcomes(table(rows)), labels or [GOOD], Tally(len(rows)))
+    return sweep_text(
+        Path("out"), Outcomes(table(rows)), dict.fromkeys(labels or [GOOD], ""), Tally(len(rows))
+    )
 
 
 def named(said: str) -> list[int]:

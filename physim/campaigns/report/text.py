@@ -18,6 +18,7 @@ from physim.campaigns.report.wording import (
     note_of,
     number,
     of_cells,
+    over_seeds,
     percent,
 )
 from physim.errors import plural
@@ -70,6 +71,8 @@ def _cell(report: Report, one: CellReport) -> Iterator[str]:
     )
     if report.goal is not None and one.decision is not None:
         yield f"  {decision_words(one.decision, report.goal)}"
+    if over := over_seeds(one.cell.count, one.draws):
+        yield f"  {escaped(over)}"
     told = ""
     for rate in one.rates:
         yield f"  {RATE_NAMES[rate.name]:<26}{rate_text(rate)}"
@@ -151,6 +154,7 @@ def report_values(report: Report) -> dict[str, Any]:
                 "runs": one.cell.count,
                 "failed": one.failed,
                 "with_contacts": one.touched,
+                "draws": one.draws,
                 "rates": [
                     {"share": plain(rate.share), **{k: plain(v) for k, v in asdict(rate).items()}}
                     for rate in one.rates

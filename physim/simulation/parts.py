@@ -63,7 +63,7 @@ def driven_by(world: World, controller: Controller | str | None) -> World:
     mine = own.type == controller or "type" not in own.model_fields_set
     if own.settings and not mine:
         left = unused_settings([*own.settings], own.type, controller)
-        advice = "(changed(controller={KEY: VALUE}), without a type, gives it its own)"
+        advice = f'(changed(controller={{"type": "{controller}", …}}) gives it its own)'
         text = f"world {world.name}: controller: {left} {advice}"
         warnings.warn(text, Notice, stacklevel=4)
     return world.changed(controller={**(own.settings if mine else {}), "type": controller})

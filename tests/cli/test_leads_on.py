@@ -127,5 +127,3 @@ def test_own_classes_are_advised_as_they_can_be_given(here, capsys):
                          ("pack.mine.Go", "pack.mine:Go"), ("mine", "mine:CLASS")):  # fmt: skip
         code, _, err = physim("check", "w.yaml", "--controller", given, capture=capsys)
         assert (code, err) == (2, "") or f"here {meant}" in err
-    world = package.load_world("w.yaml").changed(controller={"speed": 0.5})
-    assert world.controller.settings == {"speed": 0.5}

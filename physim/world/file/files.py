@@ -70,8 +70,8 @@ def find_world(given: str | os.PathLike[str]) -> Path:
 def stem_of(file: str | os.PathLike[str]) -> str:
     """What is named after a world file: its name without ending, in one line.
 
-    Of a record.h5 that of its folder. ``world`` where it is dots alone, which name no file or folder
-    of their own.
+    Of a record.h5 that of its folder. ``world`` where it is dots alone, which name no file or
+    folder of their own.
     """
     path = Path(file)
     stem = escaped(path.absolute().parent.name if path.name == RECORD else path.stem)

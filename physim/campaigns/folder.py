@@ -86,7 +86,8 @@ class Folder:
             self._describe([*known, *new], seeds)
 
     def cells(self) -> list[dict[str, str]]:
-        """What there are runs of: world, settings and controller, and the hashes of what they are.
+        """What there are runs of: world, settings and controller, the hashes of what they are, and
+        in words what the seed ``draws`` there.
 
         Raises PhysimError where this is no folder of a campaign.
         """
@@ -206,13 +207,14 @@ def _cells(values: object) -> list[tuple[dict[str, str], tuple[range, ...]]]:
     for value in values:
         if not isinstance(value, dict):
             raise ValueError("cells: each must be an object")
-        for key in _KEYS:
+        value.setdefault("draws", "")
+        for key in (*_KEYS, "draws"):
             text = value.get(key)
             if not isinstance(text, str) or text != text.encode("utf-8", "replace").decode():
                 raise ValueError(f"cells: each must have a text {key}")
         if not re.fullmatch("[0-9a-f]{1,64}", value["world_hash"]):  # names a file
             raise ValueError("cells: world_hash: must be hex digits")
-    found = [{key: value[key] for key in _KEYS} for value in values]
+    found = [{key: value[key] for key in (*_KEYS, "draws")} for value in values]
     if len({label_of(one) for one in found}) < len(found):
         raise ValueError("cells: one is there twice")
     try:
@@ -224,7 +226,10 @@ def _cells(values: object) -> list[tuple[dict[str, str], tuple[range, ...]]]:
 
 def _described(spec: RunSpec) -> dict[str, str]:
     values = (spec.world, spec.settings, spec.controller, spec.world_hash, spec.source_hash)
-    return dict(zip(_KEYS, (*values, __version__, engine()), strict=True))
+    return {
+        **dict(zip(_KEYS, (*values, __version__, engine()), strict=True)),
+        "draws": spec.draws,
+    }
 
 
 def _check(path: Path, known: list[dict[str, str]], wanted: dict[Label, RunSpec]) -> None:

@@ -15,6 +15,7 @@ from physim.campaigns.sources import Source, files_named, own_parts, source_hash
 from physim.errors import PhysimError
 from physim.world import World
 from physim.world.kinds import MOST_SEED
+from physim.world.layout.scene_builder import seeds_draw
 
 LEAST_LIMIT = 120.0
 """[s] that every run may take"""
@@ -46,6 +47,8 @@ class RunSpec:
     sources: tuple[Source, ...] = ()
     limit: float | None = None
     """[s] after which the run is given up, inf never; no part of what the run is"""
+    draws: str = ""
+    """what the seed draws, in words; no part of what the run is"""
 
     def __post_init__(self) -> None:
         """Refuse what no row could hold; a whole number of numpy is one of Python's then."""
@@ -141,7 +144,7 @@ def spec_of(
         sources = sources_of(own_parts(world)) + files_named(world)
     return RunSpec(
         world.changed(seed=0).to_yaml(), seed, world.stem if name is None else name, settings,
-        controller, sources, usual_limit(world) if limit is None else limit,
+        controller, sources, usual_limit(world) if limit is None else limit, seeds_draw(world),
     )  # fmt: skip
 
 

@@ -15,7 +15,7 @@ from physim.cli.output import inputs, new_file
 from physim.cli.parser import Options, changes, command, flag, option
 from physim.cli.progress import interrupts, watch
 from physim.cli.signals import INTERRUPTED
-from physim.cli.values import PATH
+from physim.cli.values import PATH, WORLD_HELP
 from physim.errors import PhysimError, WorldError
 
 if TYPE_CHECKING:
@@ -34,7 +34,7 @@ MOST_ROWS = 12
     nargs=-1,
     required=True,
     metavar="WORLD...",
-    help="a world file, or the name of a shipped world",
+    help=WORLD_HELP,
 )
 @changes("every world")
 @flag("--no-run", "only look at the file, without a trial run")
@@ -171,7 +171,7 @@ def _room(profiles: tuple[ClearanceProfile, ...]) -> list[str]:
 
 
 @command("preview", "draw a world before it is run")
-@click.argument("world", metavar="WORLD", help="a world file, or the name of a shipped world")
+@click.argument("world", metavar="WORLD", help=WORLD_HELP)
 @option(
     "-o",
     "--output",
@@ -181,7 +181,7 @@ def _room(profiles: tuple[ClearanceProfile, ...]) -> list[str]:
 )
 @flag("--watch", "draw again whenever the world is saved, until Ctrl-C")
 @flag("--force", "overwrite an existing picture")
-@changes(controller=False)  # fmt: skip
+@changes()  # fmt: skip
 def preview(options: Options) -> int:
     """Draw one picture of a world: boundaries, safe and danger area, paths, robots at the start,
     the narrowest place, and the width along the path of the first robot.
@@ -203,7 +203,7 @@ def preview(options: Options) -> int:
         return _draw_on_save(options, path)
     layout = _laid_out(options)
     with interrupts() as interrupt:  # the picture is whole in any case
-        save_preview(layout, path)
+        save_preview(layout, path, trusted=options.controller is not None)
     print(path)
     if interrupt():
         print("interrupted when the picture was drawn", file=sys.stderr)
@@ -228,7 +228,9 @@ def _laid_out(options: Options) -> Layout:
     from physim.world.file import located, read_world
     from physim.world.layout.layout import lay_out
 
-    world, document = read_world(options.world, overrides=options.overrides)
+    world, document = read_world(
+        options.world, overrides=options.overrides, controller=options.controller
+    )
     try:
         return lay_out(world, options.seed)
     except WorldError as error:
@@ -243,13 +245,16 @@ def _draw_on_save(options: Options, path: Path) -> int:
 
     def draw() -> None:
         try:
-            save_preview(_laid_out(options), path)
+            save_preview(_laid_out(options), path, trusted=options.controller is not None)
         except PhysimError as error:
             print(error, file=sys.stderr)
             _log(f"{path} stays as it is until the faults are corrected", sys.stderr)
         else:
             _log(f"{path} drawn", sys.stdout)
-            found = check_world(options.world, overrides=options.overrides, seed=options.seed)
+            found = check_world(
+                options.world, overrides=options.overrides, controller=options.controller,
+                seed=options.seed,
+            )  # fmt: skip
             for kind, group in (("error", found.errors), ("warning", found.warnings)):
                 for finding in group:
                     print(f"{kind}: {finding}", file=sys.stderr, flush=True)

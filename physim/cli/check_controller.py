@@ -10,7 +10,7 @@ import click
 
 from physim.cli.parser import Options, command, flag, option
 from physim.cli.progress import Bar, announce_compiling
-from physim.cli.values import number_from
+from physim.cli.values import WORLD_HELP, number_from
 from physim.errors import Fault, Location, WorldError, plural
 
 if TYPE_CHECKING:
@@ -33,8 +33,7 @@ COMPILING = 25
     "worlds",
     multiple=True,
     metavar="WORLD",
-    help="a world file, or the name of a shipped world, instead of all shipped ones of up to 100 "
-    "robots (may be repeated)",
+    help=f"{WORLD_HELP}; instead of all shipped ones of up to 100 robots (may be repeated)",
 )
 @option(
     "--seconds",

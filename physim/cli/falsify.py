@@ -23,7 +23,7 @@ from physim.cli.output import writing as writing_to
 from physim.cli.parser import Options, changes, command, flag, option
 from physim.cli.progress import Bar, Interrupt, announce_compiling, interrupts
 from physim.cli.signals import INTERRUPTED
-from physim.cli.values import PATH, Value, not_among, whole_from
+from physim.cli.values import PATH, WORLD_HELP, Value, not_among, whole_from
 from physim.errors import PhysimError
 
 if TYPE_CHECKING:
@@ -50,7 +50,7 @@ def _kinds(text: str) -> tuple[str, ...]:
 
 
 @command("falsify", "the worst that can happen: searched, shrunk, told")
-@click.argument("world", metavar="WORLD", help="a world file, or the name of a shipped world")
+@click.argument("world", metavar="WORLD", help=WORLD_HELP)
 @option("--budget", type=whole_from(1, 1_000_000), default=200, metavar="N",
         help="runs to search with at most (200)")  # fmt: skip
 @option("--vary", type=Value(_kinds), default="pose,heading", metavar="WHAT",

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import click
 
 from physim.cli.parser import Options, command, flag
-from physim.cli.values import PATH
+from physim.cli.values import RECORD, RECORD_HELP
 from physim.errors import PhysimError
 
 if TYPE_CHECKING:
@@ -67,7 +67,7 @@ LINE = 96
 
 
 @command("summary", "figures of a record: contacts, distances, times")
-@click.argument("record", metavar="[RECORD]", required=False, type=PATH, help="record.h5 of a run")
+@click.argument("record", metavar="[RECORD]", required=False, type=RECORD, help=RECORD_HELP)
 @flag("--json", "print everything as JSON instead")
 @flag("--definitions", "print what each metric means instead, with its unit and equation or figure")
 def summary(options: Options) -> int:
@@ -79,7 +79,7 @@ def summary(options: Options) -> int:
       2    bad input: one message says what and where
 
     examples:
-      physim summary runs/ten_robots-21/record.h5
+      physim summary runs/ten_robots-21
       physim summary out/record.h5 --json > figures.json
       physim summary --definitions
     """

@@ -184,7 +184,7 @@ def _drawn(options: Options) -> int:
         if getattr(options, key) is not None:
             raise PhysimError(f"--{key}: cannot be combined with --from, which gives the world")
     overrides = [] if options.seed is None else [f"seed={options.seed}"]
-    world, document = read_world(options.drawn, overrides=overrides)
+    world, document = read_world(options.drawn, overrides=overrides, check_controller=False)
     given = options.output.name if options.output is not None else f"{world.stem}_{world.seed}"
     name, stem = _named(options.name if options.name is not None else given)
     file = options.output or Path(f"{stem}.yaml")

@@ -12,7 +12,7 @@ import click
 from physim.cli.output import new_page
 from physim.cli.parser import Options, command, flag, option
 from physim.cli.progress import announce_compiling
-from physim.cli.values import PATH
+from physim.cli.values import PATH, RECORD, RECORD_HELP
 from physim.errors import PhysimError
 
 if TYPE_CHECKING:
@@ -27,8 +27,8 @@ NAME = "page.html"
 
 
 @command("page", "a run in the browser: watch, scrub, ask why")
-@click.argument("records", metavar="RECORD...", nargs=-1, required=True, type=PATH,
-                help="record.h5 of a run; of several runs, shown in step")  # fmt: skip
+@click.argument("records", metavar="RECORD...", nargs=-1, required=True, type=RECORD,
+                help=f"{RECORD_HELP}; of several runs, shown in step")  # fmt: skip
 @option(
     "-o",
     "--output",
@@ -52,7 +52,7 @@ def page(options: Options) -> int:
     keys for the browser: listed in the page; page.html#t=57.4&robot=r9 opens it at a moment
 
     examples:
-      physim page runs/ten_robots-21/record.h5
+      physim page runs/ten_robots-21
       physim page with/record.h5 without/record.h5 -o both.html
     """
     from physim.drawing.page import MOST_RUNS

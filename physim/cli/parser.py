@@ -253,7 +253,7 @@ def flag(name: str, text: str, **attributes: Any) -> Callable[[Action], Action]:
     return option(name, is_flag=True, help=text, **attributes)
 
 
-def changes(each: str = "the world", controller: bool = True) -> Callable[[Action], Action]:
+def changes(each: str = "the world") -> Callable[[Action], Action]:
     """Add the options that change a world before it is run: seed, controller and values."""
 
     def add(action: Action) -> Action:
@@ -262,11 +262,10 @@ def changes(each: str = "the world", controller: bool = True) -> Callable[[Actio
             help=f"change one value of {each}, e.g. robots.0.limits.v=1.2, or leave one out, e.g. "
             "formation=null (may be repeated)",
         )(action)  # fmt: skip
-        if controller:
-            text = "show where code of your own failed, with all calls that led there"
-            action = flag("--traceback", text)(action)
-            text = "a registered controller (physim list) or your own as module:Class"
-            action = option("--controller", metavar="NAME", help=text)(action)
+        text = "show where code of your own failed, with all calls that led there"
+        action = flag("--traceback", text)(action)
+        text = "a registered controller (physim list) or your own as module:Class"
+        action = option("--controller", metavar="NAME", help=text)(action)
         text = "seed, instead of the world's own"
         return option("--seed", type=WHOLE, metavar="N", help=text)(action)
 

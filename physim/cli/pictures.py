@@ -15,7 +15,17 @@ from physim.cli.output import CUT_SHORT, a_folder, new_file
 from physim.cli.parser import Options, command, flag, option
 from physim.cli.progress import Bar, interrupts
 from physim.cli.signals import INTERRUPTED
-from physim.cli.values import PATH, POSITIVE, PRINTED, OneOf, not_among, number_from, whole_from
+from physim.cli.values import (
+    PATH,
+    POSITIVE,
+    PRINTED,
+    RECORD,
+    RECORD_HELP,
+    OneOf,
+    not_among,
+    number_from,
+    whole_from,
+)
 from physim.drafts import check_regular
 from physim.errors import PhysimError, plural
 
@@ -28,7 +38,7 @@ SNAPSHOTS = "trajectories"
 
 
 @command("plot", "draw the figures of a record")
-@click.argument("record", metavar="RECORD", type=PATH, help="record.h5 of a run")
+@click.argument("record", metavar="RECORD", type=RECORD, help=RECORD_HELP)
 @option(
     "--only",
     metavar="NAMES",
@@ -78,7 +88,7 @@ def plot(options: Options) -> int:
       130  interrupted (Ctrl-C): pictures that were done by then stay, no half ones
 
     examples:
-      physim plot runs/ten_robots-21/record.h5
+      physim plot runs/ten_robots-21
       physim plot out/record.h5 --only modes,trajectories --snapshots 21 --format pdf -o figures
       physim plot out/record.h5 --only distances --no-title --width column --format pdf
     """
@@ -120,9 +130,9 @@ def plot(options: Options) -> int:
 
 
 @command("video", "films and stills of a record, or of two")
-@click.argument("record", metavar="RECORD", type=PATH, help="record.h5 of a run")
+@click.argument("record", metavar="RECORD", type=RECORD, help=RECORD_HELP)
 @click.argument(
-    "other", metavar="[RECORD]", required=False, type=PATH, help="another run, as by --beside"
+    "other", metavar="[RECORD]", required=False, type=RECORD, help="another run, as by --beside"
 )
 @option(
     "-o",
@@ -134,7 +144,7 @@ def plot(options: Options) -> int:
 )
 @option(
     "--beside",
-    type=PATH,
+    type=RECORD,
     metavar="RECORD",
     help="another run, shown on the right; titles say in what the two worlds differ",
 )

@@ -65,7 +65,7 @@ def report(options: Options) -> int:
       physim report runs/study --videos --pages -o study.html
       physim report runs/study --json - --no-pictures --quiet
     """
-    from physim.campaigns.folder import Folder
+    from physim.campaigns.folder import Folder, label_of
     from physim.campaigns.outcomes import Outcomes
     from physim.campaigns.reading import read
     from physim.campaigns.report.contents import report_of
@@ -87,12 +87,13 @@ def report(options: Options) -> int:
     if options.output is not None:
         new_page(page, options.force)
     asked = Folder(folder).asked()
+    draws = {label_of(cell): cell["draws"] for cell in Folder(folder).cells()}
     check_regular(page)
     if page.exists() and not is_ours(page):
         new_file(page, options.force)
     until = read_until(folder)
     goal, first = (None, None) if until is None else (until.goal, until.first)
-    found = report_of(Outcomes(read(folder)), str(folder), goal, first, asked)
+    found = report_of(Outcomes(read(folder)), str(folder), goal, first, asked, draws)
     own = options.controllers
     with interrupts() as interrupt, Bar("pictures", 1.0, "runs", options.quiet) as bar:
         shown = pictures(

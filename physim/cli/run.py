@@ -15,7 +15,7 @@ from physim.cli.parser import Options, changes, command, flag, option
 from physim.cli.pictures import write_video
 from physim.cli.progress import Bar, Interrupt, interrupts
 from physim.cli.signals import INTERRUPTED
-from physim.cli.values import PATH
+from physim.cli.values import PATH, WORLD_HELP
 from physim.errors import PhysimError
 
 if TYPE_CHECKING:
@@ -31,7 +31,7 @@ FAILED = 1
 
 
 @command("run", "run a world: record, video and summary")
-@click.argument("world", metavar="WORLD", help="a world file, or the name of a shipped world")
+@click.argument("world", metavar="WORLD", help=WORLD_HELP)
 @option("-o", "--output", type=PATH, metavar="DIR", help="output folder (default: runs/NAME-SEED)")
 @flag("--force", "overwrite an earlier run in DIR")
 @changes()

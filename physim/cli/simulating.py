@@ -20,9 +20,8 @@ from physim.simulation.size import check_room, size_of
 from physim.world import World
 from physim.world.checks.start_stations import doubtful_starts
 from physim.world.file import located, read_world, warning_lines
-from physim.world.file.loading import unused_settings, world_of
+from physim.world.file.loading import unused_settings
 from physim.world.file.nodes import Document
-from physim.world.file.reading import read_document
 from physim.world.layout.scene_builder import build_scene
 from physim.world.scene import Scene
 
@@ -78,7 +77,7 @@ def _prepare(scene: Scene, controller: Controller, options: Options) -> None:
 
 
 def world_given(options: Options, given: str) -> tuple[World, Document]:
-    """World of a file or a shipped one, with the changes of the command line."""
+    """World that is given to a command, with the changes of the command line."""
     overrides = _every_step(options)
     world, document = read_world(given, overrides=overrides, controller=options.controller)
     tell_warnings(document)
@@ -104,27 +103,6 @@ def tell_notices(lines: Iterable[str]) -> None:
     """Say what is to be noted, a line each."""
     for line in lines:
         print(f"WARNING  {line}", file=sys.stderr, flush=True)
-
-
-def world_of_record(options: Options, record: Record) -> tuple[World, Document]:
-    """World that a record holds, to be run with other seeds.
-
-    A class of one's own is code: it is imported only when named again by --controller. Other parts
-    from Python cannot be had here.
-    """
-    from physim.analysis.validation.origin import check_controller_given
-
-    document = read_document(record.world_text, f"world of {record.path}")
-    for kind, name in record.given:
-        if kind != CONTROLLER.word:
-            raise PhysimError(
-                f"{record.path}: its {kind} {name} came from Python, which --seeds cannot give"
-            )
-    check_controller_given(record, options.controller is not None)
-    overrides = _every_step(options)
-    world, document = world_of(document, overrides=overrides, controller=options.controller)
-    tell_warnings(document)
-    return world, document
 
 
 def run_of_record(record: Record, options: Options) -> Record:

@@ -12,7 +12,7 @@ import click
 from physim.cli.parser import Options, command, flag, option
 from physim.cli.signals import INTERRUPTED
 from physim.cli.sweeping import names_of, run_grid, tell_fixed, usual_folder
-from physim.cli.values import PATH, OneOf, Value, number_from, seed_range, whole_from
+from physim.cli.values import PATH, WORLD_HELP, OneOf, Value, number_from, seed_range, whole_from
 from physim.errors import PhysimError, plural
 
 if TYPE_CHECKING:
@@ -46,7 +46,7 @@ def goal(text: str) -> Goal:
     nargs=-1,
     required=True,
     metavar="WORLD...",
-    help="a world file, or the name of a shipped world",
+    help=WORLD_HELP,
 )
 @option(
     "--seeds", type=Value(seed_range), metavar="A:B",
@@ -138,12 +138,12 @@ def _tell(
     from physim.campaigns.reading import read
     from physim.campaigns.report.sweep_text import sweep_text, sweep_values
 
-    labels, found = [cell.label for cell in grid.cells], Outcomes(read(folder))
+    draws, found = {cell.label: cell.draws for cell in grid.cells}, Outcomes(read(folder))
     if options.json:
-        values = sweep_values(folder, found, labels, tally, decisions)
+        values = sweep_values(folder, found, draws, tally, decisions)
         print(json.dumps(values, indent=2), file=options.stdout)
         return
-    print(sweep_text(folder, found, labels, tally), end="")
+    print(sweep_text(folder, found, draws, tally), end="")
     for label, one in decisions.items():
         print(f"{', '.join(filter(None, label))}: {_decided(one, options.until)}")
 

@@ -90,6 +90,8 @@ def usual_folder(worlds: tuple[str, ...]) -> Path:
 
 def tell_fixed(grid: Grid, quiet: bool) -> None:
     """Say what is to be noted of the worlds, and in which nothing is random."""
+    from physim.world.layout.scene_builder import TO_DRAW
+
     for line in grid.warnings:
         print(f"WARNING  {line}", file=sys.stderr)
     if grid.seeds is None or quiet:
@@ -102,7 +104,7 @@ def tell_fixed(grid: Grid, quiet: bool) -> None:
         else:
             each = f"each of its {n} variants" if n > 1 else "it"
             words = f"Nothing in {world} is random: {each} is"
-        print(f"{words} run once.", file=sys.stderr)
+        print(f"{words} run once; {TO_DRAW}.", file=sys.stderr)
 
 
 def _warm_up(quiet: bool) -> None:

@@ -15,8 +15,8 @@ from physim.cli.page import make_page
 from physim.cli.parser import Options, changes, command, flag, option
 from physim.cli.progress import Bar, announce_compiling, interrupts
 from physim.cli.signals import INTERRUPTED
-from physim.cli.values import PATH, Value, seed_range, whole_from
-from physim.errors import PhysimError
+from physim.cli.values import PATH, RECORD_HELP, Value, record_file, seed_range, whole_from
+from physim.errors import PhysimError, WorldError
 
 if TYPE_CHECKING:
     from physim.analysis.validation import Validation
@@ -34,7 +34,7 @@ COMPILING = 15
 @click.argument(
     "given",
     metavar="WORLD|RECORD",
-    help="record.h5 of a run; or a world file or the name of a shipped world, to run and validate",
+    help=f"{RECORD_HELP}; or a world to run first: its file, or the name of a shipped one",
 )
 @option(
     "--json",
@@ -78,7 +78,7 @@ def validate_command(options: Options) -> int:
       130  interrupted (Ctrl-C): with --seeds, the seeds so far are reported and written
 
     examples:
-      physim validate runs/ten_robots-21/record.h5
+      physim validate runs/ten_robots-21
       physim validate runs/ten_robots-21/record.h5 --rerun --world ten_robots
       physim validate three_robots --controller path_following
       physim validate three_robots --controller path_following --page contacts.html
@@ -95,14 +95,14 @@ def validate_command(options: Options) -> int:
         if options.seeds is not None:
             raise PhysimError("--page: is of one run; not with --seeds")
         new_page(options.page, options.force, *given, option="--page")
-    if not is_record(options.given):
+    if (path := _record(options.given)) is None:
         if options.world is not None:
             raise PhysimError("--world: needs a record; it checks where the record came from")
         if options.rerun:
             raise PhysimError("--rerun: needs a record; a world is simulated anyway")
         world, document = rerun.world_given(options, options.given)
         return _validate_world(world, document, options)
-    with Record.load(Path(options.given)) as record:
+    with Record.load(path) as record:
         return _validate_record(record, options)
 
 
@@ -115,20 +115,15 @@ def _check(options: Options) -> None:
             raise PhysimError(f"{name}: needs --seeds A:B, the seeds to run")
 
 
-def is_record(given: str) -> bool:
-    """Whether an argument names a record rather than a world."""
-    from physim.world.file.files import SUFFIXES
+def _record(given: str) -> Path | None:
+    """Record that an argument names; None where it names a world."""
+    from physim.world.file.files import find_world, is_record
 
-    path = Path(given)
-    if path.suffix in SUFFIXES:
-        return False
-    if path.is_file():
-        try:
-            with path.open("rb") as stream:
-                return stream.read(4) == b"\x89HDF" or path.suffix in (".h5", ".hdf5")
-        except OSError:
-            return True  # opening it says why not
-    return path.suffix in (".h5", ".hdf5") or path.is_dir()
+    try:
+        path = record_file(str(find_world(given)))
+    except WorldError:  # there is neither
+        path = Path(given)
+    return path if path.suffix in (".h5", ".hdf5") or is_record(path) else None
 
 
 def _validate_record(record: Record, options: Options) -> int:
@@ -141,7 +136,7 @@ def _validate_record(record: Record, options: Options) -> int:
         world, _ = rerun.world_given(options, options.world)
         check_made_from(record, world, options.world)
     if options.seeds is not None:
-        return _validate_world(*rerun.world_of_record(options, record), options)
+        return _validate_world(*rerun.world_given(options, str(record.path)), options)
     if options.seed is not None:
         raise PhysimError("--seed: needs a world; a record has its own seed")
     lacking = missing(record)
@@ -160,7 +155,7 @@ def _validate_record(record: Record, options: Options) -> int:
 
 
 def _validate_world(world: World, document: Document, options: Options) -> int:
-    from physim.world.layout.scene_builder import may_vary, seeds_note
+    from physim.world.layout.scene_builder import TO_DRAW, may_vary, seeds_note
 
     if options.seeds is None:
         return _report(_run_and_validate(world, document, options.seed, options), options)
@@ -170,7 +165,7 @@ def _validate_world(world: World, document: Document, options: Options) -> int:
         found = _run_and_validate(world, document, None, options)
         print(
             "Nothing in this world is random: every seed gives the same run, so there is one run "
-            "and no rate.\n",
+            f"and no rate; {TO_DRAW}.\n",
         )
         return _report(found, options)
     if note := seeds_note(world):
@@ -186,6 +181,7 @@ def _validate_seeds(world: World, document: Document, options: Options) -> int:
     from physim.campaigns.judged import judged
     from physim.campaigns.spec import spec_of
     from physim.campaigns.worker import LostError
+    from physim.world.layout.scene_builder import seeds_draw
 
     first, last = options.seeds
     results: list[SeedResult] = []
@@ -211,7 +207,7 @@ def _validate_seeds(world: World, document: Document, options: Options) -> int:
                 print(seed_line(found.result) + "\n" + page, end="", flush=True)
             if interrupt():
                 break
-    study = SeedStudy(world.name, tuple(results), last - first)
+    study = SeedStudy(world.name, tuple(results), last - first, seeds_draw(world))
     if study.interrupted:
         below = "; the results so far:" if results else ""
         how = "interrupted" if failed is None else f"seed {failed[0]} failed"

@@ -153,3 +153,17 @@ def _path(text: str) -> Path:
 
 
 PATH = Value(_path)
+
+
+def record_file(text: str) -> Path:
+    """File of a record that is named by itself or by the folder of its run."""
+    path = _path(text)
+    return path / "record.h5" if path.is_dir() else path
+
+
+RECORD = Value(record_file)
+RECORD_HELP = "a run: its folder or its record.h5"
+WORLD_HELP = (
+    "a world file; the name of a shipped world, or of one in worlds/; or the record.h5 of a run, "
+    "whose world is taken"
+)

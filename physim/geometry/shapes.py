@@ -69,8 +69,7 @@ def pack_parts(bodies: Sequence[Sequence[ArrayLike]]) -> Shapes:
     packed = [[np.asarray(part, dtype=np.float64) for part in body] for body in bodies]
     parts = list(chain.from_iterable(packed))
     radius = [
-        max((float(np.hypot(p[:, 0], p[:, 1]).max()) for p in body), default=0.0)
-        for body in packed
+        max((float(np.hypot(p[:, 0], p[:, 1]).max()) for p in body), default=0.0) for body in packed
     ]
     return Shapes(
         np.ascontiguousarray(np.concatenate(parts) if parts else np.zeros((0, 2))),

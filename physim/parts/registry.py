@@ -127,11 +127,9 @@ def find_part(kind: Kind, name: str, trusted: bool = False) -> type[Any]:
         return _registered(kind, entries, name)
     if ":" in name:
         if not trusted:
-            by = f"; give it by {kind.option}, in Python as simulate(…, {kind.word}=…)"
-            advice = by if kind.option else f'; register it in the entry points "{kind.group}"'
             raise ControllerError(
                 f"{describe(name)} names a class; a world may name registered {kind.word}s only: "
-                f"{', '.join(sorted(entries)) or 'none'}{advice}"
+                f"{', '.join(sorted(entries)) or 'none'}; {advice(kind, name)}"
             )
         make_folder_importable(kind, name)
         return load_class(kind, name, name)
@@ -140,6 +138,13 @@ def find_part(kind: Kind, name: str, trusted: bool = False) -> type[Any]:
         f"no {kind.word} is called {describe(name)}; registered: {', '.join(known) or 'none'}"
         f"{_elsewhere(kind, name) or nearest(name[:100], known) or _own(kind, name, trusted)}"
     )
+
+
+def advice(kind: Kind, name: str) -> str:
+    """How a run is given a class: code is not run because a file names it."""
+    if not kind.option:
+        return f'register it in the entry points "{kind.group}"'
+    return f"if you trust it, give {kind.option} {name}, in Python simulate(…, {kind.word}=…)"
 
 
 def check_part(kind: Kind, part: object) -> None:
@@ -340,8 +345,9 @@ def _elsewhere(kind: Kind, name: str) -> str:
 
 def _own(kind: Kind, name: str, trusted: bool) -> str:
     registered = f"register one by an entry point in the group {describe(kind.group)}"
-    module, _, own = name.removesuffix(".py").rpartition("/")[2].partition(".")
-    like = f"{escaped(module)[:40]}:{escaped(own)[:40] or 'CLASS'}"
+    path, dot, own = name.removesuffix(".py").removeprefix("./").rpartition(".")
+    module, own = (path, own) if dot and "/" not in name else (path + dot + own, "CLASS")
+    like = f"{escaped(module.replace('/', '.'))[:40]}:{escaped(own)[:40]}"
     given = f"one of your own is given as MODULE:CLASS, here {like}; or " if trusted else ""
     return f"; {given}{registered}, then pip install again"
 

@@ -24,8 +24,8 @@ from physim.parts.world_checks import robot_faults
 from physim.testing.rules import Finding, FindingLog, check_batch, check_plain
 from physim.testing.trial import Make, run_trial
 from physim.world import World
-from physim.world.file import load_world, parse_world, read_document, world_of
-from physim.world.file.files import file_text, find_world, shipped_worlds
+from physim.world.file import load_world, parse_world, world_of
+from physim.world.file.files import shipped_worlds, world_document
 from physim.world.layout.scene_builder import build_scene
 from physim.world.scene import Scene
 
@@ -45,11 +45,12 @@ class Candidate:
     """the object; it is never asked itself"""
 
     def read(self, file: str | os.PathLike[str]) -> World:
-        """World of a file, or shipped. Settings there without a ``type`` are this controller's."""
-        found = find_world(file)
-        document = read_document(file_text(found), str(found))
+        """World as `load_world` takes it. Settings there without a ``type`` are this controller's;
+        a class that it names is not run, and its settings are left out."""
+        document = world_document(file)
         written = document.values().get("controller")
-        if not isinstance(written, dict) or not written or "type" in written:
+        own = written.get("type", ":") if isinstance(written, dict) and written else ""
+        if ":" not in str(own) and not document.from_python:
             return load_world(file)
         name = self._importable()
         if name is not None:

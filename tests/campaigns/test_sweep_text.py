@@ -16,7 +16,9 @@ GOOD = ("yard", "", "good")
 
 
 def text(rows: list[dict[str, object]], *labels: tuple[str, str, str]) -> str:
-    return sweep_text(Path("out"), Outcomes(table(rows)), labels or [GOOD], Tally(len(rows)))
+    return sweep_text(
+        Path("out"), Outcomes(table(rows)), dict.fromkeys(labels or [GOOD], ""), Tally(len(rows))
+    )
 
 
 def named(said: str) -> list[int]:
@@ -55,9 +57,8 @@ def test_only_the_cells_that_were_asked_for() -> None:
 
 def test_counts_and_values() -> None:
     rows = [row(1), row(2, ended="duration"), failed(3), failed(4, "killed"), hit(5)]
-    found = sweep_values(
-        Path("out"), Outcomes(table(rows)), [GOOD, ("none", "", "x")], Tally(5), {}
-    )
+    draws = {GOOD: "the starts", ("none", "", "x"): ""}
+    found = sweep_values(Path("out"), Outcomes(table(rows)), draws, Tally(5), {})
     one, nothing = found["cells"]
     counts = {key: one[key] for key in ("runs", "contact_free", "finished", "failed", "error",
                                         "killed", "timeout")}  # fmt: skip

@@ -106,6 +106,8 @@ class SeedStudy:
     results: tuple[SeedResult, ...]
     asked: int
     """number of seeds that it was to have"""
+    draws: str = ""
+    """what the seed draws, in words"""
 
     @property
     def interrupted(self) -> bool:
@@ -151,6 +153,8 @@ def seeds_text(study: SeedStudy) -> str:
         f"{study.world}: {rate.words(what)}"
         for rate, what in zip(study.rates, ("contact-free", "finished"), strict=True)
     ]
+    if study.draws:
+        lines.append(f"over {plural(count, 'seed')}, which draw {study.draws}")
     if study.interrupted:
         lines.append(f"interrupted: {study.asked - count} of {study.asked} seeds were not run")
     if bad:
@@ -194,6 +198,7 @@ def json_of_seeds(study: SeedStudy) -> str:
             "seeds_asked": study.asked,
             "interrupted": study.interrupted,
             "runs": len(study.results),
+            "draws": study.draws,
             "contact_free": study.free,
             "rate": free.share,
             "interval_95": list(free.interval),

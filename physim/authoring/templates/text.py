@@ -22,7 +22,7 @@ LANE = 2.0
 controller's danger mode begins and ends"""
 EDGE = 1.3
 """[m] from the middle of an outer lane to the wall at least: the danger area and some more"""
-ROW, FILE_ROW = 4.0, 3.0
+ROW, FILE_ROW = 4.0, 3.5
 """[m] from one robot to the next in a lane; where there is one lane only"""
 BACK, FRONT = 1.0, 4.0
 """[m] from the beginning of the straight stretch to the last robot, from the first to its end"""
@@ -33,6 +33,8 @@ FOOTPRINTS = (
     "[[0.9, 0.0], [0.4, 0.5], [-0.8, 0.5], [-0.8, -0.5], [0.4, -0.5]]",
 )
 """Taken in turn"""
+BOX = (1.2, 0.7)
+"""[m] half the region in which the seed draws a start: a footprint, and 0.2 m or more round it"""
 
 
 @dataclass(frozen=True)
@@ -118,8 +120,7 @@ def _head(name: str, road: Road) -> Iterator[str]:
     yield "# counter-clockwise positive. Further keys: at the end."
     yield f"name: {scalar_text(name)}  # label: in the video, and of the folder of a run"
     yield f"description: {scalar_text(road.what)}"
-    what = "the road, which --seed changes, and" if road.drawn else "start of"
-    yield f"seed: 1  # {what} everything random, as headings are when they say so"
+    yield f"seed: 1  # draws {'the road and ' if road.drawn else ''}where robots start; or --seed N"
     yield "time:"
     yield "  step: 0.01  # [s] one physics step"
     duration = 10 * ceil((shapely.LineString(road.reference).length / SLOWEST + 10.0) / 10.0)
@@ -158,9 +159,19 @@ def _robots(group: list[Place]) -> Iterator[str]:
     for i, place in enumerate(group):
         yield f"  - name: r{i + 1}{notes[0]}"
         yield f"    footprint: {place.footprint}{notes[1]}"
-        yield f"    pose: [{place.x}, {place.offset}, 0.0]{notes[2]}"
+        if i == 0:
+            pose = f"pose: [{place.x}, {place.offset}, 0.0]"
+            yield f"    # the seed draws where it starts, within a region; {pose} in place of"
+            yield "    # start draws nothing: with one for every robot all seeds give the same run"
+        yield f"    start: {{region: {_box(place)}, heading: 0.0}}{notes[2]}"
         yield f"    path: {{offset: {place.offset}}}{notes[3]}"
         notes = ("",) * 4
+
+
+def _box(place: Place) -> str:
+    (x, y), (a, b) = (place.x, place.offset), BOX
+    corners = ((x - a, y - b), (x + a, y - b), (x + a, y + b), (x - a, y + b))
+    return f"[{', '.join(f'[{u:.4g}, {v:.4g}]' for u, v in corners)}]"
 
 
 def _optional(road: Road, group: list[Place]) -> Iterator[str]:
@@ -181,7 +192,7 @@ def _optional(road: Road, group: list[Place]) -> Iterator[str]:
 ROBOT_NOTES = (
     "  # label, different for each robot",
     "  # [m] a box; or corners [x, y] in the robot's frame, x forward",
-    "  # [m, m, rad] x, y and heading at the start; the heading may be: random",
+    "  # [m], [rad]",
     "  # [m] from the reference path, left positive; or points [x, y]",
 )
 

@@ -59,7 +59,7 @@ def write_world(
     ``said`` are further lines of the head. Raises PhysimError where it cannot be written.
     """
     named = ["--controller", controller] if controller and ":" in controller else []
-    run = shlex.join(["physim", "run", path.name, *named])
+    run = shlex.join(["physim", "run", str(path), *named])
     head = headline(result)
     lines = [
         f"{head[:1].upper() if head.startswith('nothing') else head[:1]}{head[1:]}.",

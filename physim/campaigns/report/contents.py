@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -12,6 +12,7 @@ import numpy as np
 from physim.campaigns import own_metrics
 from physim.campaigns.asked import Asked, Missing, missing
 from physim.campaigns.outcomes import Cell, FloatArray, Outcomes
+from physim.campaigns.spec import Label
 from physim.statistics.goal import RATES, Decision, Goal, decide
 from physim.statistics.proportion import clopper_pearson, failure_bound, runs_needed
 from physim.statistics.sequence import looks_needed, running
@@ -105,6 +106,8 @@ class CellReport:
     """what stopped the campaign, where it had a goal"""
     worst: int | None
     """row of the run with the least distance"""
+    draws: str = ""
+    """what the seed draws, in words"""
 
     def spread(self, name: str) -> Spread:
         """Distribution of one measure."""
@@ -187,15 +190,21 @@ def report_of(
     goal: Goal | None = None,
     first: int | None = None,
     asked: Asked | None = None,
+    draws: Mapping[Label, str] | None = None,
 ) -> Report:
     """All figures. With a ``goal``, that of ``sweep --until``, by the confidence sequence.
 
-    ``asked`` are the seeds that the campaign is to have. With a goal only runs without a gap from
-    seed ``first`` on count in rates: which runs after a gap are there depends on how long they
-    took.
+    ``asked`` are the seeds that the campaign is to have, ``draws`` is what they draw. With a goal
+    only runs without a gap from seed ``first`` on count in rates: which runs after a gap are there
+    depends on how long they took.
     """
     measures = {name: outcomes.column(name) for name in (*MEASURES, *outcomes.own)}
-    cells = tuple(_cell(outcomes, cell, measures, goal, first) for cell in outcomes.cells)
+    cells = tuple(
+        replace(
+            _cell(outcomes, cell, measures, goal, first), draws=(draws or {}).get(cell.names, "")
+        )
+        for cell in outcomes.cells
+    )
     return Report(
         title, outcomes, goal, cells, _worst(outcomes), _failures(outcomes),
         *_unfinished(outcomes), missing(asked or {}, outcomes),

@@ -31,6 +31,7 @@ from physim.campaigns.report.wording import (
     note_of,
     number,
     of_cells,
+    over_seeds,
     percent,
     robots_words,
     severity_words,
@@ -130,7 +131,7 @@ def _rates(report: Report) -> Iterator[str]:
         if report.goal is not None and one.decision is not None:
             words = decision_words(one.decision, report.goal)
             decided[report.goal.rate] = f'<br><small class="verdict">{text(words)}</small>'
-        note = note_of(both)
+        notes = filter(None, (note_of(both), over_seeds(one.cell.count, one.draws)))
         yield (
             f"<tr>{_name(one)}"
             f'<td class="number" data-name="runs">{number(one.cell.count)}</td>'
@@ -139,7 +140,7 @@ def _rates(report: Report) -> Iterator[str]:
             f'<td class="number" data-name="crashed">{number(one.failed)}</td>'
             f"<td>{plot}</td>"
             f'<td data-name="{RATE_NAMES["rate"]}">{_rate(both)}{decided["rate"]}'
-            f"{f'<br><small>{text(note)}</small>' if note else ''}</td>"
+            f"{''.join(f'<br><small>{text(note)}</small>' for note in notes)}</td>"
             f'<td data-name="{RATE_NAMES["contact_free"]}">{_rate(free)}'
             f"{decided['contact_free']}</td>"
             f'<td data-name="{RATE_NAMES["finished"]}">{_rate(finished)}'

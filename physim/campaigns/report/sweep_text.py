@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from physim.campaigns.columns import FAILED
 from physim.campaigns.outcomes import Cell, Outcomes
+from physim.campaigns.report.wording import over_seeds
 from physim.campaigns.spec import Label
 from physim.campaigns.sweep import Tally
 from physim.errors import plural
@@ -22,9 +23,9 @@ MOST_NAMED = 10
 """Runs that are named"""
 
 
-def counts_of(outcomes: Outcomes, labels: Collection[Label]) -> list[dict[str, Any]]:
-    """What came of every cell, with all rows that there are of it."""
-    return [_count(outcomes, label) for label in labels]
+def counts_of(outcomes: Outcomes, draws: Mapping[Label, str]) -> list[dict[str, Any]]:
+    """What came of every cell, with all rows that there are of it, and what the seed draws."""
+    return [{**_count(outcomes, label), "draws": words} for label, words in draws.items()]
 
 
 def _count(outcomes: Outcomes, label: Label) -> dict[str, Any]:
@@ -75,10 +76,13 @@ def what_came(row: Mapping[str, Any]) -> str:
     return ", ".join(said)
 
 
-def sweep_text(folder: Path, outcomes: Outcomes, labels: Collection[Label], tally: Tally) -> str:
-    """A line for each cell, where the rows are, and the first runs to look at."""
+def sweep_text(folder: Path, outcomes: Outcomes, draws: Mapping[Label, str], tally: Tally) -> str:
+    """A line for each cell, where the rows are, and the first runs to look at.
+
+    ``draws`` are the cells, and in words what the seed draws in each.
+    """
     lines = []
-    for one in counts_of(outcomes, labels):
+    for one in counts_of(outcomes, draws):
         label = ", ".join(one[key] for key in ("world", "settings", "controller") if one[key])
         reasons = [f"{one[key]} {key}" for key in FAILED if one[key]]
         failed = f", {one['failed']} crashed ({', '.join(reasons)})" if one["failed"] else ""
@@ -86,13 +90,15 @@ def sweep_text(folder: Path, outcomes: Outcomes, labels: Collection[Label], tall
             f"{label}: {plural(one['runs'], 'run')}, {one['contact_free']} contact-free, "
             f"{one['finished']} finished{failed}"
         )
+        if over := over_seeds(one["runs"], one["draws"]):
+            lines.append(f"  {over}")
     before = (
         f" ({tally.before} {'was' if tally.before == 1 else 'were'} there before)"
         if tally.before
         else ""
     )
     lines.append(f"{plural(tally.known, 'run')}{before}; rows in {folder}/results.parquet")
-    rows, where = to_look_at(outcomes, labels), shlex.quote(str(folder))
+    rows, where = to_look_at(outcomes, draws), shlex.quote(str(folder))
     if len(rows):
         shown = [outcomes.row(int(k)) for k in rows[:MOST_NAMED]]
         lines += ["to look at:", *(f"  {_named(row)}: {what_came(row)}" for row in shown)]
@@ -107,16 +113,16 @@ def sweep_text(folder: Path, outcomes: Outcomes, labels: Collection[Label], tall
 def sweep_values(
     folder: Path,
     outcomes: Outcomes,
-    labels: Collection[Label],
+    draws: Mapping[Label, str],
     tally: Tally,
     decisions: Mapping[Label, Decision],
 ) -> dict[str, Any]:
     """The same for programs."""
-    cells = counts_of(outcomes, labels)
-    for one, label in zip(cells, labels, strict=True):
+    cells = counts_of(outcomes, draws)
+    for one, label in zip(cells, draws, strict=True):
         found = decisions.get(label)
         one["decision"] = None if found is None else asdict(found)
-    rows = to_look_at(outcomes, labels)
+    rows = to_look_at(outcomes, draws)
     keys = ("world", "settings", "controller", "seed", "run", "ended")
     return {
         "format": "physim-sweep",

@@ -26,6 +26,7 @@ from physim.campaigns.report.wording import (
     note_of,
     number,
     of_cells,
+    over_seeds,
     pair_and_time,
     percent,
     robots_words,
@@ -85,6 +86,8 @@ def _cell(report: Report, one: CellReport) -> Iterator[str]:
     some = [f"{number(count)} {what}" for what, count in counts.items() if count]
     of = f", of which {', '.join(some)}" if some else ""
     yield f"{escaped(one.cell.name)}: {plural(one.cell.count, 'run')}{of}"
+    if over := over_seeds(one.cell.count, one.draws):
+        yield f"  {escaped(over)}"
     told = ""
     for rate in one.rates:
         yield f"  {RATE_NAMES[rate.name]:<26}{rate_text(rate)}"
@@ -177,6 +180,7 @@ def report_values(report: Report) -> dict[str, Any]:
                 "failed": one.failed,
                 "with_contacts": one.touched,
                 "unfinished": one.unfinished,
+                "draws": one.draws,
                 "rates": [
                     {"share": plain(rate.share), **{k: plain(v) for k, v in asdict(rate).items()}}
                     for rate in one.rates

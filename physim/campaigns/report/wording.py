@@ -77,6 +77,11 @@ def note_of(rate: Rate) -> str:
     return f"{few}, which shows {shown}"
 
 
+def over_seeds(runs: int, draws: str) -> str:
+    """``over 100 seeds, which draw the starts``; empty where nothing is drawn."""
+    return f"over {number(runs)} seeds, which draw {draws}" if draws and runs > 1 else ""
+
+
 def of_cells(report: Report) -> str:
     """``, all of 1 of 6 cells``: where the worst runs leave cells out."""
     among, cells = report.cells_of_worst, len(report.cells)

@@ -139,10 +139,10 @@ def make_figure(preview: Contents, format: str = "png") -> Any:
     return figure
 
 
-def preview_of(layout: Layout) -> Contents:
+def preview_of(layout: Layout, trusted: bool = False) -> Contents:
     """The preview of a world, with the modes of its controller and the L that it keeps."""
     choice = layout.world.controller
-    controller = make_part(CONTROLLER, choice.type, choice.settings)
+    controller = make_part(CONTROLLER, choice.type, choice.settings, trusted=trusted)
     settings = getattr(controller, "settings", None)
     safe_distance = float(getattr(settings, "safe_distance", 0.0))
     return contents(layout, Declared.of(controller).modes, safe_distance)
@@ -164,7 +164,7 @@ def _has_room(figure: Any, size: float, weight: str, text: str) -> bool:
     return text_size(figure, text, size, weight)[0] <= 0.94 * 72.0 * SIZE[0]
 
 
-def save_preview(layout: Layout, path: str | os.PathLike[str]) -> None:
+def save_preview(layout: Layout, path: str | os.PathLike[str], trusted: bool = False) -> None:
     """Draw a world as PNG or SVG, by the ending of ``path``: whole or not at all.
 
     The same world gives the same file. Raises PhysimError for another ending and where the file
@@ -177,7 +177,11 @@ def save_preview(layout: Layout, path: str | os.PathLike[str]) -> None:
     options = {"pil_kwargs": {"compress_level": 1}} if format == "png" else {}
     try:
         save_figure(
-            path, format, lambda: make_figure(preview_of(layout), format), dpi=DPI, **options
+            path,
+            format,
+            lambda: make_figure(preview_of(layout, trusted), format),
+            dpi=DPI,
+            **options,
         )
     except OSError as error:
         raise PhysimError(f"{path}: cannot be written ({error.strerror})") from None

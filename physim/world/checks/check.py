@@ -48,8 +48,7 @@ from physim.world.checks.starts import (
 )
 from physim.world.checks.stops import StopLimits, check_stops, check_tolerance
 from physim.world.faults import describe
-from physim.world.file import read_document
-from physim.world.file.files import file_text, find_world
+from physim.world.file.files import world_document
 from physim.world.file.loading import Validated, in_order, placed, validate
 from physim.world.file.nodes import Document, collector_paused
 from physim.world.layout.layout import PartialLayout, partial_layout
@@ -79,11 +78,10 @@ def check_world(
     if isinstance(path, World):
         raise TypeError(f"check_world takes a world file, not {path!r}; save it to one")
     try:
-        file = find_world(path)
         if seed is not None:
             overrides = [*overrides, f"seed={seed}"]
         with collector_paused():
-            document = read_document(file_text(file), str(file))
+            document = world_document(path)
             checked = validate(document, overrides=overrides, controller=controller)
     except WorldError as error:
         return _refused(error, str(path))

@@ -1,6 +1,7 @@
 """World files on disk: the shipped ones, finding one by path or by name, and its text.
 
-Kind, size and encoding of a file that a user named are checked before it is read.
+Kind, size and encoding of a file that a user named are checked before it is read. The record of a
+run is a world, too: the effective one inside it.
 """
 
 from __future__ import annotations
@@ -8,6 +9,7 @@ from __future__ import annotations
 import difflib
 import os
 import stat
+from dataclasses import replace
 from importlib.resources import as_file, files
 from pathlib import Path
 from types import MappingProxyType
@@ -16,9 +18,13 @@ import yaml
 
 from physim.errors import Fault, WorldError, nearest
 from physim.escaping import escaped
-from physim.world.file.reading import MOST_BYTES, refused
+from physim.json_text import parse_json
+from physim.world.file.nodes import Document
+from physim.world.file.reading import MOST_BYTES, read_document, refused
 
 SUFFIXES = (".yaml", ".yml")
+RECORD = "record.h5"
+"""What the record of a run is called in its folder"""
 
 
 def shipped_folder() -> Path:
@@ -37,7 +43,9 @@ def shipped_worlds() -> dict[str, str]:
 
 
 def find_world(given: str | os.PathLike[str]) -> Path:
-    """Path of a world given as a file, or as the name of a shipped one; a file goes first.
+    """Path of a world given as a file, by the name of one in ``worlds/``, or of a shipped one.
+
+    A file goes first, then ``worlds/NAME.yaml`` of the working directory.
 
     Raises WorldError when there is neither, with the nearest names: of world files here, else of
     shipped ones.
@@ -45,8 +53,11 @@ def find_world(given: str | os.PathLike[str]) -> Path:
     path, given = Path(given), str(given)
     plain = given.isprintable() and len(path.parts) == 1 and path.suffix not in SUFFIXES
     shipped = [file.stem for file in sorted(shipped_folder().glob("*.yaml"))]
-    if plain and given in shipped and (path.is_dir() or not path.exists()):
-        return shipped_folder() / f"{given}.yaml"  # a folder of that name may hold its runs
+    if plain and (path.is_dir() or not path.exists()):  # a folder of that name may hold its runs
+        if (own := Path("worlds", f"{given}.yaml")).is_file():
+            return own
+        if given in shipped:
+            return shipped_folder() / f"{given}.yaml"
     if not plain or path.exists():
         return path  # reading says what is wrong with it
     message = f'{given}: no such file, and no shipped world is called "{given}"'
@@ -59,9 +70,11 @@ def find_world(given: str | os.PathLike[str]) -> Path:
 def stem_of(file: str | os.PathLike[str]) -> str:
     """What is named after a world file: its name without ending, in one line.
 
-    ``world`` where that is dots alone, which name no file or folder of their own.
+    Of a record.h5 that of its folder. ``world`` where it is dots alone, which name no file or
+    folder of their own.
     """
-    stem = escaped(Path(file).stem)
+    path = Path(file)
+    stem = escaped(path.absolute().parent.name if path.name == RECORD else path.stem)
     return stem if stem.strip(".") else "world"
 
 
@@ -80,11 +93,43 @@ def _near(folder: Path, given: str) -> list[str]:
 MOST_LISTED = 5
 OTHER_KINDS = MappingProxyType(
     {
-        **dict.fromkeys((".h5", ".hdf5"), "a record is shown by physim summary, video and page"),
+        **dict.fromkeys((".h5", ".hdf5"), "nor is it a record, which begins as HDF5 files do"),
         **dict.fromkeys((".svg", ".csv", ".wkt", ".geojson"), "physim import makes one of it"),
     }
 )
 """What is done with files that are no worlds, by ending."""
+
+
+def world_document(given: str | os.PathLike[str]) -> Document:
+    """Document of a world, given as for `find_world`: of its file, or of the record of a run.
+
+    The world of a record is the effective one, with the changes and the seed of its run. Raises
+    WorldError where it cannot be read.
+    """
+    path = find_world(given)
+    if not is_record(path):
+        return read_document(file_text(path), str(path))
+    import h5py
+
+    try:
+        with h5py.File(path, "r") as file:
+            text, parts = str(file.attrs["world"]), parse_json(str(file.attrs["given"]))
+        from_python = tuple((str(kind), str(name)) for kind, name in parts)
+    except Exception as error:  # the library raises many kinds for damaged files
+        reason = " ".join(str(error).split())[:100]
+        raise _unreadable(str(path), f"is not the record of a run, or damaged: {reason}") from None
+    return replace(read_document(text, f"world of {path}"), from_python=from_python)
+
+
+def is_record(path: Path) -> bool:
+    """Whether a file is a record rather than the text of a world, by how it begins."""
+    if not path.is_file():
+        return False
+    try:
+        with path.open("rb") as file:
+            return file.read(4) == b"\x89HDF"
+    except OSError:
+        return False  # reading it says why
 
 
 def file_text(path: Path) -> str:

@@ -17,6 +17,7 @@ from physim.parts.registry import (
     CONTROLLER,
     STAGES,
     Kind,
+    advice,
     checked_settings,
     find_part,
     made_part,
@@ -25,7 +26,7 @@ from physim.parts.world_checks import HOOKS, robot_faults, world_doubts, world_f
 from physim.world import ControllerChoice, Robot, RobotGroup, World
 from physim.world.faults import KeyFault, describe
 from physim.world.file.controller_given import check_one_controller, of_another_controller
-from physim.world.file.files import file_text, find_world
+from physim.world.file.files import world_document
 from physim.world.file.nodes import (
     Document,
     Member,
@@ -120,7 +121,7 @@ def load_world(
     overrides: Sequence[str] = (),
     controller: str | None = None,
 ) -> World:
-    """Read a world file, or a shipped world by its name (`straight`).
+    """Read a world file, a shipped world by its name (`straight`), or that inside a ``record.h5``.
 
     ``overrides`` (``["time.step=0.02"]``, or one alone as a text) and ``controller`` are as the
     command line gives them.
@@ -139,11 +140,16 @@ def read_world(
     *,
     overrides: Sequence[str] = (),
     controller: str | None = None,
+    check_controller: bool = True,
 ) -> tuple[World, Document]:
-    """As `load_world`, with the document, by which later faults find their place (`located`)."""
-    found = find_world(path)
-    document = read_document(file_text(found), str(found))
-    return world_of(document, overrides=overrides, controller=controller)
+    """As `load_world`, with the document, by which later faults find their place (`located`).
+
+    ``check_controller`` is that of `parse_world`.
+    """
+    return world_of(
+        world_document(path), overrides=overrides, controller=controller,
+        check_controller=check_controller,
+    )  # fmt: skip
 
 
 def parse_world(
@@ -245,9 +251,18 @@ def validate(
         chosen, of_parts, warnings = check_parts(values, controller is not None, robots, sound)
         if world is not None:
             of_parts, warnings = world.as_written(of_parts), tuple(world.as_written(warnings))
-        faults += of_parts
+        faults += [*of_parts, *_missing_parts(document, controller)]
     world = None if faults or document.faults else world
     return Validated(document, values, faults, world, chosen, warnings)
+
+
+def _missing_parts(document: Document, controller: str | None) -> Iterator[Fault]:
+    """Faults of the parts that the run of a record had from Python: without them it is another."""
+    for kind, name in document.from_python:
+        if kind != CONTROLLER.word:
+            yield Fault((), f"its {kind} {name} came from Python, which no command can give")
+        elif controller is None:
+            yield Fault(CONTROLLER.key, f"was the class {name}, {advice(CONTROLLER, name)}")
 
 
 def located(faults: Iterable[Fault], document: Document | None) -> WorldError:
@@ -307,8 +322,8 @@ def _with_controller(document: Document, name: str) -> Document:
     left = [] if chosen == name else [str(key) for key in settings if key != "type"]
     warnings = document.warnings
     if left:
-        advice = " (--set controller.KEY=VALUE gives it its own)"
-        text = unused_settings(left, chosen, name) + advice
+        own = " (--set controller.KEY=VALUE gives it its own)"
+        text = unused_settings(left, chosen, name) + own
         warnings = (*warnings, Fault(("controller",), text))
     kept = {key: member for key, member in settings.items() if key not in left}
     kept["type"] = Member(1, 1, Node(1, 1, name, override="--controller"))

@@ -94,7 +94,8 @@ class Document:
     """A world file as read: its tree, and what is already wrong with it.
 
     ``faults`` have their places. ``unreadable`` holds the locations of values that could not be
-    read; they stand in the tree as `UNREADABLE`. ``warnings`` are about its text.
+    read; they stand in the tree as `UNREADABLE`. ``warnings`` are about its text. ``from_python``
+    are kind and name of the parts that the run of a record had from Python.
     """
 
     source: str
@@ -102,6 +103,7 @@ class Document:
     faults: tuple[tuple[Fault, Position], ...] = ()
     unreadable: frozenset[Location] = frozenset()
     warnings: tuple[Fault, ...] = ()
+    from_python: tuple[tuple[str, str], ...] = ()
 
     def values(self) -> Any:
         """Return the world as dicts, lists, numbers and texts."""

@@ -157,6 +157,7 @@ def _without(
     unreadable = {where for where in document.unreadable if where[:depth] != location}
     unreadable |= {(*location, *where) for where in changed.unreadable}
     warnings = [fault for fault in document.warnings if fault.location[:depth] != location]
-    return Document(
-        document.source, changed.root, (*kept, *new), frozenset(unreadable), tuple(warnings)
-    )
+    return replace(
+        document, root=changed.root, faults=(*kept, *new), unreadable=frozenset(unreadable),
+        warnings=tuple(warnings),
+    )  # fmt: skip

@@ -115,11 +115,41 @@ def _stop_stations(paths: Polylines, formation: FormationPlan) -> FloatArray:
     return np.asarray(np.maximum(ends - (formation.lead.max() - formation.lead), 0.0))
 
 
+TO_DRAW = (
+    "to let the seed draw something, write random for the heading of a robot, as in pose: [2.0, "
+    "0.0, random], or start: {region: [corners]} in place of its pose"
+)
+"""What to do about a world in which nothing is random"""
+
+
 def is_random(world: World) -> bool:
     """Whether anything in the scene of the world is drawn by the seed."""
-    return world.is_road_random or any(
-        robot.pose is None or robot.pose[2] == "random" for robot in world.robots
-    )
+    return bool(_drawn(world))
+
+
+def seeds_draw(world: World) -> str:
+    """What rates over seeds are drawn over: ``the starts and headings``, "" where nothing is.
+
+    Of stages it is taken that they draw; of a controller of one's own it is not known.
+    """
+    stages = (*world.sensing.stages, *world.filters, *world.disturbances)
+    words = [*_drawn(world), *dict.fromkeys(f"noise of {stage.type}" for stage in stages)]
+    return "the " + " and ".join(filter(None, (", ".join(words[:-1]), words[-1]))) if words else ""
+
+
+def _drawn(world: World) -> list[str]:
+    """What of the scene the seed draws."""
+    starts = [world.start_of(i) for i in range(len(world.robots))]
+    poses = (robot.pose for robot in world.robots if robot.pose is not None)
+    groups = (entry for entry in world.entries if isinstance(entry, RobotGroup))
+    found = {
+        "road": world.is_road_random,
+        "footprints": any(group.is_drawn for group in groups),
+        "starts": any(starts),
+        "headings": any(one.heading == "random" for one in starts if one is not None)
+        or any(pose[2] == "random" for pose in poses),
+    }
+    return [word for word, is_drawn in found.items() if is_drawn]
 
 
 def may_vary(world: World) -> bool:

@@ -13,10 +13,10 @@ from dataclasses import replace
 from pathlib import Path
 
 from physim.cli import main as physim
-from physim.reproduction.page import markdown
-from physim.reproduction.report import Report
-from physim.reproduction.reproduce import JSON
-from physim.reproduction.study import Outcome
+from tests.helpers import inside
+
+markdown, Report, JSON = inside("physim.reproduction", "markdown", "Report", "JSON")
+Outcome = inside("physim.reproduction", "Outcome")
 
 DOCS = Path(__file__).parents[1] / "docs"
 PAGE = DOCS / "REPRODUCTION.md"

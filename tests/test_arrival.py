@@ -14,11 +14,13 @@ import physim
 from physim import Decision
 from physim.analysis.metrics import absent
 from physim.analysis.validation import validate
-from physim.geometry.shapes import pack_parts, pack_polylines
-from physim.geometry.tracking import Tracking
-from physim.simulation.arrival import Arrivals, later_since
 from tests.forgeries.tools import cells
+from tests.helpers import inside
 from tests.validation.test_tampered import tampered
+
+pack_parts, pack_polylines = inside("physim.geometry", "pack_parts", "pack_polylines")
+Tracking = inside("physim.geometry", "Tracking")
+Arrivals, later_since = inside("physim.simulation", "Arrivals", "later_since")
 
 END, TOLERANCE = 20.0, 0.1
 

@@ -5,10 +5,12 @@ from __future__ import annotations
 import pytest
 
 from benchmarks import avoidance
+from physim import simulate
 from physim.record import Record
-from physim.simulation.run import simulate
 from physim.world.file import load_world
-from physim.world.file.files import shipped_worlds
+from tests.helpers import inside
+
+shipped_worlds = inside("physim.world.file", "shipped_worlds")
 
 LONG_ENOUGH = {
     "ten_robots": 70.0,

@@ -8,13 +8,13 @@ import re
 import numpy as np
 import pytest
 
+from physim import Decisions, Mode, Simulation
 from physim.errors import ControllerError
-from physim.parts.controller import Decisions
-from physim.parts.declarations import Mode
-from physim.parts.registry import CONTROLLER, find_part
-from physim.simulation.loop import Simulation
 from physim.world.file import load_world
 from tests.cli.commands import physim
+from tests.helpers import inside
+
+CONTROLLER, find_part = inside("physim.parts", "CONTROLLER", "find_part")
 
 
 class NoModel:

@@ -22,7 +22,9 @@ from numba.core.caching import CacheImpl, IndexDataCacheFile, UserProvidedCacheL
 import physim
 from physim import compiled as compiled_module
 from physim.compiled import compiled, is_cached
-from physim.geometry.shapes import FloatArray, IntArray
+from tests.helpers import inside
+
+FloatArray, IntArray = inside("physim.geometry", "FloatArray", "IntArray")
 
 
 @compiled

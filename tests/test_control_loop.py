@@ -10,9 +10,10 @@ import pytest
 import physim
 from physim import Column, Decision, Mode, Rule
 from physim.errors import ControllerError
-from physim.parts.declarations import STANDARD_COLUMNS, Declared
-from tests.facts import facts
+from tests.helpers import facts, inside
 from tests.validation.runs import LANE
+
+STANDARD_COLUMNS, Declared = inside("physim.parts", "STANDARD_COLUMNS", "Declared")
 
 
 class Telling:

@@ -14,29 +14,31 @@ import numpy as np
 import pytest
 import shapely
 
-from physim.controllers.mode_switching import ModeSwitching
-from physim.geometry.shapes import Shapes, pack_parts, read_only
-from physim.geometry.wall_grid import build_wall_grid
-from physim.parts.controller import (
-    BatchCapable,
+from physim import (
     Controller,
     Decision,
     Decisions,
     Observation,
+    Scene,
     Sensed,
+    Simulation,
     Snapshot,
+    build_scene,
 )
-from physim.parts.declarations import Declared
-from physim.parts.registry import CONTROLLER, controller_names, make_part
-from physim.parts.stages import everybody, shared
-from physim.simulation.decisions import PerRobotAdapter
-from physim.simulation.loop import Simulation
+from physim.geometry import Shapes
 from physim.testing import check_controller
 from physim.world import World
 from physim.world.file import load_world, parse_world
-from physim.world.file.files import find_world, shipped_worlds
-from physim.world.layout.scene_builder import build_scene
-from physim.world.scene import Scene
+from tests.helpers import inside
+
+ModeSwitching = inside("physim.controllers", "ModeSwitching")
+pack_parts, read_only = inside("physim.geometry", "pack_parts", "read_only")
+build_wall_grid = inside("physim.geometry", "build_wall_grid")
+BatchCapable, Declared = inside("physim.parts", "BatchCapable", "Declared")
+CONTROLLER, controller_names = inside("physim.parts", "CONTROLLER", "controller_names")
+make_part, everybody, shared = inside("physim.parts", "make_part", "everybody", "shared")
+PerRobotAdapter = inside("physim.simulation", "PerRobotAdapter")
+find_world, shipped_worlds = inside("physim.world.file", "find_world", "shipped_worlds")
 
 WORLDS = tuple(shipped_worlds())
 CONTROLLERS = tuple(controller_names())

@@ -7,12 +7,13 @@ import math
 import numpy as np
 import pytest
 
+from physim import Column, Decisions, Mode, Rule, build_scene
 from physim.errors import ControllerError
-from physim.parts.controller import Decisions
-from physim.parts.declarations import Column, Declared, Mode, Rule
-from physim.simulation.decision_checks import check_commands, checked, outside, plainly_fine
-from physim.world.layout.scene_builder import build_scene
-from tests.roads import road
+from tests.helpers import inside, road
+
+Declared = inside("physim.parts", "Declared")
+check_commands, checked = inside("physim.simulation", "check_commands", "checked")
+outside, plainly_fine = inside("physim.simulation", "outside", "plainly_fine")
 
 SCENE = build_scene(road([[2.0, y, 0.0] for y in (-2.0, 0.0, 2.0)]))
 DECLARED = Declared(

@@ -10,12 +10,13 @@ import numpy as np
 import pytest
 
 import physim
-from physim.drawing.page.document import Page
-from physim.drawing.plots.style import save_figure
-from physim.drawing.video.animation import save_still
-from physim.drawing.video.movie import VideoFile
+from physim.drawing.page import Page
 from physim.errors import PhysimError, RecordError
-from tests.records import make_record
+from tests.helpers import inside
+from tests.helpers.records import make_record
+
+save_figure = inside("physim.drawing.plots", "save_figure")
+save_still, VideoFile = inside("physim.drawing.video", "save_still", "VideoFile")
 
 
 def _simulated(path: str | Path) -> None:

@@ -10,25 +10,17 @@ import numpy as np
 import pytest
 from pydantic import BaseModel, model_validator
 
+from physim import Decision, Decisions, Simulation, simulate
 from physim.errors import ControllerError
-from physim.parts.controller import Decision, Decisions
-from physim.parts.declarations import Declared
-from physim.parts.given import given_settings
-from physim.parts.registry import (
-    CONTROLLER,
-    checked_settings,
-    find_part,
-    make_part,
-    settings_model,
-)
 from physim.record import Record
-from physim.simulation.decisions import decision_row
-from physim.simulation.loop import Simulation
-from physim.simulation.run import simulate
 from physim.testing import check_controller
-from tests.facts import facts
-from tests.roads import road
-from tests.says import THREE, Says
+from tests.helpers import THREE, Says, facts, inside, road
+
+Declared, given_settings = inside("physim.parts", "Declared", "given_settings")
+CONTROLLER, checked_settings = inside("physim.parts", "CONTROLLER", "checked_settings")
+find_part, make_part = inside("physim.parts", "find_part", "make_part")
+settings_model = inside("physim.parts", "settings_model")
+decision_row = inside("physim.simulation", "decision_row")
 
 
 class OddError(BaseException):

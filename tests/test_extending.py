@@ -17,9 +17,11 @@ import pytest
 
 import physim
 from physim import Record
-from physim.parts.registry import KINDS, METRIC, PLOT
-from physim.world.file.files import find_world
-from tests.extending import blocks, entry_points, install, of
+from tests.helpers import inside
+from tests.helpers.extending import blocks, entry_points, install, of
+
+KINDS, METRIC, PLOT = inside("physim.parts", "KINDS", "METRIC", "PLOT")
+find_world = inside("physim.world.file", "find_world")
 
 BIN = Path(sys.executable).parent
 EVERY_KIND = (*KINDS, METRIC, PLOT)

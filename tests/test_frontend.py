@@ -15,7 +15,9 @@ from numba.core.target_extension import cpu_target, jit_registry
 
 from physim.compiled import Kernel
 from physim.frontend import SteadyFlags, without_collector
-from physim.geometry.shapes import FloatArray, IntArray
+from tests.helpers import inside
+
+FloatArray, IntArray = inside("physim.geometry", "FloatArray", "IntArray")
 
 
 def spread(values: FloatArray) -> FloatArray:

@@ -13,14 +13,14 @@ import pytest
 from pydantic import BaseModel
 
 import physim
-from physim.analysis.summary import summarise
-from physim.analysis.summary.table import table_rows
-from physim.controllers.mode_switching import ModeSwitching
-from physim.controllers.settings import ModeSwitchingSettings
+from physim import simulate
+from physim.analysis.summary import summarise, table_rows
 from physim.errors import RecordError
-from physim.parts.given import given_settings
-from physim.simulation.run import simulate
-from tests.roads import road
+from tests.helpers import inside, road
+
+ModeSwitching = inside("physim.controllers", "ModeSwitching")
+ModeSwitchingSettings = inside("physim.controllers", "ModeSwitchingSettings")
+given_settings = inside("physim.parts", "given_settings")
 
 HOLD = physim.Decision(0.0, 0.0, 0.1)
 

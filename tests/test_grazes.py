@@ -8,18 +8,13 @@ import math
 import numpy as np
 import pytest
 
+from physim import Decision, Scene, Simulation, Step, build_scene, simulate
 from physim.contacts import Kind, Phase
-from physim.geometry.shapes import FloatArray, locked
-from physim.parts.controller import Decision
-from physim.parts.stages import Step
-from physim.simulation.loop import Simulation
-from physim.simulation.run import simulate
-from physim.simulation.swept_contacts import ROOM, SweptContactFinder
 from physim.world.file import parse_world
-from physim.world.layout.scene_builder import build_scene
-from physim.world.scene import Scene
-from tests.roads import road
-from tests.says import Says
+from tests.helpers import Says, inside, road
+
+FloatArray, locked = inside("physim.geometry", "FloatArray", "locked")
+ROOM, SweptContactFinder = inside("physim.simulation", "ROOM", "SweptContactFinder")
 
 DEPTH = 4e-4
 SPEED = 1.4

@@ -13,13 +13,15 @@ from hypothesis import strategies as st
 
 import physim.world.checks.room as room
 import physim.world.layout.robots as robots_of
-from physim.geometry.area import Area, accessible_area
-from physim.geometry.corridor import corridor_boundaries
+from physim import build_scene
 from physim.world import World
 from physim.world.checks.formation import _error_sums
-from physim.world.checks.way import Way
-from physim.world.layout.layout import partial_layout
-from physim.world.layout.scene_builder import build_scene
+from tests.helpers import inside
+
+Area, accessible_area = inside("physim.geometry", "Area", "accessible_area")
+corridor_boundaries = inside("physim.geometry", "corridor_boundaries")
+Way = inside("physim.world.checks", "Way")
+partial_layout = inside("physim.world.layout", "partial_layout")
 
 BOX = {"length": 0.5, "width": 0.3}
 TRIANGLE = [[0.3, 0.0], [-0.2, 0.2], [-0.2, -0.2]]

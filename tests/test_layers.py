@@ -16,8 +16,10 @@ from importlib.metadata import entry_points
 from pathlib import Path
 
 from physim.compiled import ROOMS_WITHOUT_KERNELS
-from physim.parts.registry import CONTROLLER, controller_names
-from physim.world.file.files import shipped_folder, shipped_worlds
+from tests.helpers import inside
+
+CONTROLLER, controller_names = inside("physim.parts", "CONTROLLER", "controller_names")
+shipped_folder, shipped_worlds = inside("physim.world.file", "shipped_folder", "shipped_worlds")
 
 ROOT = Path(__file__).parents[1]
 
@@ -369,3 +371,19 @@ def test_rooms_left_out_of_the_stamp_hold_nothing_that_kernels_need() -> None:
         elif decorators & {"compiled", "callback"}:
             wrong = [name for _, name in imports(module) if name.startswith(left_out)]
             assert wrong == []
+
+
+def test_tests_import_packages() -> None:
+    """So that code may move within a package; `tests.helpers.inside` finds what they hold."""
+    deep = {module for module, file in MODULES.items() if file.name != "__init__.py"}
+    deep = {module for module in deep if module.count(".") > 1}
+    wrong = []
+    for file in sorted((ROOT / "tests").rglob("*.py")):
+        for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
+            names = []
+            if isinstance(node, ast.ImportFrom) and not node.level:
+                names = [f"{node.module}", *(f"{node.module}.{one.name}" for one in node.names)]
+            elif isinstance(node, ast.Import):
+                names = [one.name for one in node.names]
+            wrong += [f"{file.name}:{node.lineno} {name}" for name in names if name in deep]
+    assert wrong == []

@@ -11,20 +11,16 @@ from typing import Any, cast
 import numpy as np
 import pytest
 
+from physim import Decision, Observation, Sensed, Simulation, for_each
 from physim.errors import PhysimError
-from physim.geometry.in_range import rows_in_range, sorted_places, window_along
-from physim.geometry.shapes import FloatArray
-from physim.parts.controller import Decision, Observation, Sensed
-from physim.parts.stages import for_each
-from physim.simulation.loop import Simulation
-from physim.simulation.observation import Sight, Views
-from physim.testing.contents import contents, difference
-from physim.testing.trial import own
-from physim.world.faults import describe
-from tests.facts import facts
+from tests.helpers import Says, facts, inside, road
 from tests.oracles.observation import observe as observed_at_once
-from tests.roads import road
-from tests.says import Says
+
+rows_in_range, sorted_places = inside("physim.geometry", "rows_in_range", "sorted_places")
+window_along, FloatArray = inside("physim.geometry", "window_along", "FloatArray")
+Sight, Views = inside("physim.simulation", "Sight", "Views")
+contents, difference, own = inside("physim.testing", "contents", "difference", "own")
+describe = inside("physim.world", "describe")
 
 REACH = 10.0
 

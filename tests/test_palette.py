@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from physim import PAPER_MODES
 from physim.drawing import palette
-from physim.parts.declarations import PAPER_MODES
 from tests.test_layers import SOURCES
 
 # Machado, Oliveira and Fernandes (2009), severity 1, for linear RGB

@@ -10,15 +10,11 @@ import pytest
 import shapely
 from numpy.typing import ArrayLike
 
-from physim.geometry.shapes import FloatArray
-from physim.parts.controller import Decision
-from physim.simulation.loop import Simulation
-from physim.simulation.run import simulate
+from physim import Decision, Scene, Simulation, build_scene, simulate
 from physim.world import World
-from physim.world.layout.scene_builder import build_scene
-from physim.world.scene import Scene
-from tests.roads import road
-from tests.says import Says
+from tests.helpers import Says, inside, road
+
+FloatArray = inside("physim.geometry", "FloatArray")
 
 STAND = Says(lambda o: Decision(0.0, 0.0, hold=0.1))
 PLACES = [[20.0, -6.0, 0.0], [23.0, 0.0, 0.0], [29.0, 6.0, 0.0]]

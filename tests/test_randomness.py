@@ -10,9 +10,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy import stats
 
+from physim import build_scene
 from physim.randomness import normal, philox, stream, uniform
-from physim.world.layout.scene_builder import build_scene
-from tests.roads import road
+from tests.helpers import road
 
 
 def test_headings_depend_on_seed_purpose_and_robot_alone() -> None:

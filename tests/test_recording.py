@@ -13,21 +13,16 @@ import numpy as np
 import pytest
 import shapely
 
+from physim import PAPER_MODES, Decision, Observation, SaveAt, Simulation, build_scene, simulate
 from physim.analysis.metrics import contact_episodes
 from physim.contacts import FALSE_CONTACT_ROW
 from physim.errors import ControllerError
-from physim.parts.controller import Decision, Observation
-from physim.parts.declarations import PAPER_MODES
 from physim.record import Record, RecordWriter
-from physim.simulation.loop import Simulation
-from physim.simulation.recorder import Recorder, SaveAt
-from physim.simulation.run import LateError, record_run, simulate
 from physim.world.file import load_world
-from physim.world.file.files import find_world
-from physim.world.layout.scene_builder import build_scene
-from tests.facts import facts
-from tests.roads import road
-from tests.says import THREE, Says
+from tests.helpers import THREE, Says, facts, inside, road
+
+Recorder, LateError, record_run = inside("physim.simulation", "Recorder", "LateError", "record_run")
+find_world = inside("physim.world.file", "find_world")
 
 
 @pytest.fixture(scope="module")

@@ -7,13 +7,15 @@ from typing import Any
 import numpy as np
 import pytest
 
-from physim.controllers.formation import formation_neighbours
+from physim import build_scene
 from physim.errors import WorldError
-from physim.geometry.wall_grid import parts_in_range, parts_near
 from physim.world import World
-from physim.world.layout.scene_builder import DENSITY, build_scene, is_random
-from tests.facts import facts
-from tests.roads import BOX, road
+from physim.world.layout.scene_builder import DENSITY
+from tests.helpers import BOX, facts, inside, road
+
+formation_neighbours = inside("physim.controllers", "formation_neighbours")
+parts_in_range, parts_near = inside("physim.geometry", "parts_in_range", "parts_near")
+is_random = inside("physim.world.layout", "is_random")
 
 PLACES = [[20.0, -10.0, 0.3], [30.0, 0.0, -2.0], [40.0, 10.0, 0.0]]
 

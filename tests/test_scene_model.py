@@ -8,20 +8,22 @@ import shapely
 from hypothesis import given
 from hypothesis import strategies as st
 
+from physim import PAPER_MODES, Mode, build_scene
 from physim.drawing import palette
-from physim.drawing.scene_model import SceneModel, outline, region
-from physim.drawing.split_line import split_at
-from physim.geometry.shapes import FloatArray
-from physim.parts.declarations import NO_NUMBER, PAPER_MODES, Mode
 from physim.record import RecordWriter
 from physim.world import World
 from physim.world.file import load_world, parse_world
-from physim.world.file.files import shipped_worlds
-from physim.world.layout.layout import lay_out
-from physim.world.layout.scene_builder import build_scene
+from tests.helpers import inside
+from tests.helpers.records import DECLARED, ELL, make_record
 from tests.metrics.histories import history
 from tests.preview.worlds import NARROW
-from tests.records import DECLARED, ELL, make_record
+
+SceneModel, outline, region = inside("physim.drawing", "SceneModel", "outline", "region")
+split_at = inside("physim.drawing", "split_at")
+FloatArray = inside("physim.geometry", "FloatArray")
+NO_NUMBER = inside("physim.parts", "NO_NUMBER")
+shipped_worlds = inside("physim.world.file", "shipped_worlds")
+lay_out = inside("physim.world.layout", "lay_out")
 
 L = 0.8
 

@@ -10,19 +10,17 @@ from typing import Any
 import numpy as np
 import pytest
 
-from physim.controllers.formation import formation_energy, formation_energy_rate
+from physim import Decision, Observation, Simulation, build_scene, simulate
 from physim.errors import ControllerError, Notice
-from physim.geometry.motion import arcs
-from physim.parts.controller import Decision, Observation
 from physim.record import Record
-from physim.simulation.loop import Simulation
-from physim.simulation.run import record_run, simulate
 from physim.world.file import load_world, parse_world
-from physim.world.file.files import find_world
-from physim.world.layout.scene_builder import build_scene
-from tests.facts import facts
-from tests.roads import road
-from tests.says import THREE, Says
+from tests.helpers import THREE, Says, facts, inside, road
+
+formation_energy = inside("physim.controllers", "formation_energy")
+formation_energy_rate = inside("physim.controllers", "formation_energy_rate")
+arcs = inside("physim.geometry", "arcs")
+record_run = inside("physim.simulation", "record_run")
+find_world = inside("physim.world.file", "find_world")
 
 # Motion
 
@@ -271,7 +269,7 @@ def test_filters_stand_between_nominal_and_applied_and_all_is_recorded() -> None
     assert record.commands["step"].tolist() == list(range(20))
     assert set(record.commands["filtered_v"]) == set(record.commands["applied_v"]) == {0.5}
     assert record.given == (
-        ("controller", "tests.says:Says"),
+        ("controller", "tests.helpers.worlds:Says"),
         *[("filter", "tests.test_simulation:Scale")] * 2,
     )
     assert held == [0.0, 1.0, 1.0, 1.0]

@@ -11,14 +11,12 @@ from typing import Any
 
 import pytest
 
+from physim import Decision, build_scene, simulate
 from physim.errors import RecordError
-from physim.parts.controller import Decision
-from physim.simulation.run import simulate
-from physim.simulation.size import LARGE_BYTES, check_room, size_of
-from physim.world.layout.scene_builder import build_scene
-from tests.facts import facts
-from tests.roads import road
-from tests.says import THREE, Says
+from tests.helpers import THREE, Says, facts, inside, road
+
+LARGE_BYTES, check_room = inside("physim.simulation", "LARGE_BYTES", "check_room")
+size_of = inside("physim.simulation", "size_of")
 
 
 def scene_of(**changes: Any) -> Any:

@@ -9,15 +9,15 @@ from typing import Any
 import numpy as np
 import pytest
 
+from physim import Decision, Sensed, Simulation, simulate
 from physim.errors import ControllerError, Fault, WorldError
-from physim.parts.controller import Decision, Sensed
-from physim.parts.user_code import broken_by
 from physim.record import Record
-from physim.simulation.loop import Simulation
-from physim.simulation.run import record_run, simulate
 from physim.world import World
 from physim.world.file import load_world
-from tests.facts import facts
+from tests.helpers import facts, inside
+
+broken_by = inside("physim.parts", "broken_by")
+record_run = inside("physim.simulation", "record_run")
 
 
 def world(*overrides: str) -> World:

@@ -15,16 +15,15 @@ from typing import Any
 import numpy as np
 import pytest
 
+from physim import Sensed, Simulation, for_each, observer_of_row, simulate, with_poses
 from physim.errors import ControllerError
-from physim.parts.controller import BatchCapable, Sensed
-from physim.parts.registry import CONTROLLER, make_part
-from physim.parts.stages import for_each, observer_of_row, with_poses
-from physim.simulation.loop import Simulation
-from physim.simulation.run import simulate
 from physim.world import World
 from physim.world.file import load_world
-from tests.extending import entry_points, install
-from tests.facts import facts
+from tests.helpers import facts, inside
+from tests.helpers.extending import entry_points, install
+
+BatchCapable, CONTROLLER = inside("physim.parts", "BatchCapable", "CONTROLLER")
+make_part = inside("physim.parts", "make_part")
 
 HAZE = "sensing.stages=[{type: haze, sd: 0.2}]"
 RAMP = "filters=[{type: ramp, acceleration: 1.0}]"

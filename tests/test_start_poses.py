@@ -13,18 +13,18 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from shapely import affinity
 
+from physim import build_scene, simulate
 from physim.errors import WorldError
 from physim.geometry import polyline, signed_distance
 from physim.record import Record
-from physim.simulation.run import simulate
 from physim.world import World
 from physim.world.file import parse_world
 from physim.world.layout import start_poses
-from physim.world.layout.places import Candidates, Occupancy, PathFrame
-from physim.world.layout.scene_builder import build_scene, is_random
 from tests.cli.commands import physim, tree
-from tests.facts import facts
-from tests.says import check_error
+from tests.helpers import check_error, facts, inside
+
+Candidates, Occupancy = inside("physim.world.layout", "Candidates", "Occupancy")
+PathFrame, is_random = inside("physim.world.layout", "PathFrame", "is_random")
 
 BOX = {"length": 1.8, "width": 1.0}
 ELL = [[-0.9, -0.6], [0.9, -0.6], [0.9, 0.0], [-0.2, 0.0], [-0.2, 0.6], [-0.9, 0.6]]

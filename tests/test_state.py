@@ -15,17 +15,14 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from physim.controllers.mode_switching import ModeSwitching
-from physim.controllers.settings import ModeSwitchingSettings
+from physim import Decision, Observation, Simulation, build_scene, simulate
 from physim.errors import PhysimError
-from physim.parts.controller import Decision, Observation
-from physim.simulation.loop import Simulation
-from physim.simulation.run import simulate
 from physim.world.file import load_world, parse_world
-from physim.world.file.files import find_world, shipped_worlds
-from physim.world.layout.scene_builder import build_scene
-from tests.facts import facts
-from tests.roads import road
+from tests.helpers import facts, inside, road
+
+ModeSwitching = inside("physim.controllers", "ModeSwitching")
+ModeSwitchingSettings = inside("physim.controllers", "ModeSwitchingSettings")
+find_world, shipped_worlds = inside("physim.world.file", "find_world", "shipped_worlds")
 
 AHEAD = 150
 """Steps that a restored run goes on beside the one that went through."""
@@ -279,7 +276,7 @@ def test_values_handed_out_never_change() -> None:
 
 
 def test_a_record_of_a_run_that_was_reset_is_that_of_a_new_run() -> None:
-    from physim.simulation.run import record_run
+    record_run = inside("physim.simulation", "record_run")
 
     world = load_world("straight")
     simulation = Simulation(world)

@@ -10,17 +10,19 @@ import numpy as np
 import pytest
 import yaml
 
-from physim.analysis.expectations import Held, expectations
+from physim import Mode
 from physim.analysis.summary import summarise, table, table_rows
-from physim.analysis.summary.table import SHOWN_CONTACTS
 from physim.contacts import Kind
 from physim.errors import RecordError, decimal_text
-from physim.parts.declarations import Declared, Mode
 from physim.record import Record
-from physim.record.setup import setup_of
-from tests.facts import facts
+from tests.helpers import facts, inside
+from tests.helpers.records import make_record
 from tests.metrics.histories import history
-from tests.records import make_record
+
+Held, expectations = inside("physim.analysis", "Held", "expectations")
+SHOWN_CONTACTS = inside("physim.analysis.summary", "SHOWN_CONTACTS")
+Declared = inside("physim.parts", "Declared")
+setup_of = inside("physim.record", "setup_of")
 
 
 def test_figures_and_names() -> None:

@@ -8,15 +8,16 @@ import numpy as np
 import pytest
 
 import physim
-from physim.analysis.summary.table import table
-from physim.analysis.validation import validate
-from physim.analysis.validation.report import report
-from physim.analysis.validation.seeds import SeedResult, seed_line
+from physim import build_scene
+from physim.analysis.summary import table
+from physim.analysis.validation import report, validate
 from physim.world.checks import check_world
-from physim.world.layout.scene_builder import build_scene
-from physim.world.walls import nearest_stretch, stretch_text
 from tests.checking.test_robots import DRAWN, changed
+from tests.helpers import inside
 from tests.validation.runs import Drivers, edited
+
+SeedResult, seed_line = inside("physim.analysis.validation", "SeedResult", "seed_line")
+nearest_stretch, stretch_text = inside("physim.world", "nearest_stretch", "stretch_text")
 
 RING = """\
 name: ring

@@ -11,14 +11,17 @@ from hypothesis import given, settings
 from jsonschema import Draft7Validator
 
 from physim.errors import WorldError
-from physim.parts.registry import CONTROLLER, find_part, settings_model, shipped_parts
 from physim.world import World
 from physim.world.file import parse_world
-from physim.world.file.files import shipped_folder, shipped_worlds
-from physim.world.file.schema import FILE, shipped_schema_text, world_schema
 from tests.cli.commands import physim
-from tests.says import check_error
+from tests.helpers import check_error, inside
 from tests.world.strategies import worlds
+
+CONTROLLER, find_part = inside("physim.parts", "CONTROLLER", "find_part")
+settings_model, shipped_parts = inside("physim.parts", "settings_model", "shipped_parts")
+shipped_folder, shipped_worlds = inside("physim.world.file", "shipped_folder", "shipped_worlds")
+FILE, shipped_schema_text = inside("physim.world.file", "FILE", "shipped_schema_text")
+world_schema = inside("physim.world.file", "world_schema")
 
 SHIPPED = json.loads((shipped_folder() / FILE).read_text(encoding="utf-8"))
 VALIDATOR = Draft7Validator(SHIPPED)

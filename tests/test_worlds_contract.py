@@ -9,15 +9,15 @@ import numpy as np
 import pytest
 import shapely
 
+from physim import Scene, build_scene, simulate
 from physim.analysis.metrics import finished
 from physim.analysis.summary import summarise
 from physim.analysis.validation import validate
-from physim.geometry.polygon import signed_area
-from physim.simulation.run import simulate
 from physim.world.file import load_world, parse_world
-from physim.world.file.files import find_world, shipped_worlds
-from physim.world.layout.scene_builder import build_scene
-from physim.world.scene import Scene
+from tests.helpers import inside
+
+signed_area = inside("physim.geometry", "signed_area")
+find_world, shipped_worlds = inside("physim.world.file", "find_world", "shipped_worlds")
 
 NAMES = tuple(shipped_worlds())
 MANY = 100

@@ -9,9 +9,11 @@ import pytest
 
 from physim.world.checks import check_world
 from physim.world.file import load_world
-from physim.world.file.files import shipped_worlds
+from tests.helpers import inside
 
 from .worlds_readme import key_tables
+
+shipped_worlds = inside("physim.world.file", "shipped_worlds")
 
 README = Path(__file__).parents[1] / "worlds" / "README.md"
 

@@ -10,7 +10,7 @@ import pytest
 
 import physim
 from physim import metrics, plots, video
-from tests.facts import facts
+from tests.helpers import facts
 
 TAKE_A_RECORD: tuple[Callable[[Any], object], ...] = (
     physim.validate,

@@ -7,7 +7,6 @@ from typing import Any
 
 from pydantic import BaseModel
 
-from physim.controllers.settings import ModeSwitchingSettings
 from physim.world import (
     Arrival,
     Box,
@@ -25,6 +24,9 @@ from physim.world import (
     Time,
     World,
 )
+from tests.helpers import inside
+
+ModeSwitchingSettings = inside("physim.controllers", "ModeSwitchingSettings")
 
 SECTIONS: list[tuple[str, str, type[BaseModel]]] = [
     ("The world", "", World),

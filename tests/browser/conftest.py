@@ -10,7 +10,7 @@ import physim
 from physim.drawing.page import write_page
 from physim.record import Record
 from tests.browser import driver
-from tests.records import make_record
+from tests.helpers.records import make_record
 
 
 @pytest.fixture(scope="session")

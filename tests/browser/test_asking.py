@@ -13,18 +13,18 @@ import shapely
 
 import physim
 from physim import Column, Decision
-from physim.analysis.validation.analytic_contacts import analytic_contacts
-from physim.analysis.validation.contact_report import contact_reports
-from physim.analysis.validation.contact_text import paragraph
-from physim.analysis.validation.decisions import DecisionTable
-from physim.analysis.validation.near_misses import NearMiss
-from physim.analysis.validation.prediction import Predictor
-from physim.drawing.labels import decimal, metres
 from physim.drawing.page import curves, write_page
-from physim.drawing.scene_model import outline, placed
 from physim.record import Record
 from tests.browser.driver import Seen
+from tests.helpers import inside
 from tests.validation.runs import LANE, REAR_END, Drivers, lane
+
+analytic_contacts = inside("physim.analysis.validation", "analytic_contacts")
+contact_reports, paragraph = inside("physim.analysis.validation", "contact_reports", "paragraph")
+DecisionTable, NearMiss = inside("physim.analysis.validation", "DecisionTable", "NearMiss")
+Predictor = inside("physim.analysis.validation", "Predictor")
+decimal, metres, outline = inside("physim.drawing", "decimal", "metres", "outline")
+placed = inside("physim.drawing", "placed")
 
 Opened = Callable[..., Seen]
 

@@ -13,7 +13,7 @@ import physim
 from physim.drawing.page import page, write_page
 from physim.record import Record
 from tests.browser.driver import Seen
-from tests.records import make_record
+from tests.helpers.records import make_record
 
 Opened = Callable[..., Seen]
 HACK = "window.hacked = 1"

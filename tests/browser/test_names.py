@@ -10,9 +10,11 @@ import numpy as np
 import pytest
 import shapely
 
-from physim.drawing.scene_model import SceneModel, placed
 from physim.record import Record
 from tests.browser.driver import Seen
+from tests.helpers import inside
+
+SceneModel, placed = inside("physim.drawing", "SceneModel", "placed")
 
 WRITTEN = """(zoom) => {
   const { view, player } = physim, { prototype } = CanvasRenderingContext2D;

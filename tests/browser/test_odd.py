@@ -17,8 +17,8 @@ from physim import Column, Decision
 from physim.drawing.page import write_page
 from tests.browser.__main__ import look
 from tests.browser.driver import Seen
+from tests.helpers.records import make_record
 from tests.page.test_data import moved
-from tests.records import make_record
 
 Opened = Callable[..., Seen]
 PLAYED = 0.5

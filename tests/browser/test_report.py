@@ -7,11 +7,13 @@ from typing import Any
 
 import pytest
 
-from physim.campaigns.outcomes import Outcomes
-from physim.campaigns.report.contents import report_of
-from physim.campaigns.report.page import Shown, report_page
 from tests.browser.driver import DESKTOP, PHONE
 from tests.campaigns.tables import failed, hit, row, table
+from tests.helpers import inside
+
+Outcomes = inside("physim.campaigns", "Outcomes")
+report_of, Shown = inside("physim.campaigns.report", "report_of", "Shown")
+report_page = inside("physim.campaigns.report", "report_page")
 
 TORN = """[...document.querySelectorAll('td small')].flatMap(small =>
   [...small.childNodes].filter(one => one.nodeType === 3 && one.data.startsWith('[')

@@ -15,13 +15,15 @@ from PIL import Image
 import physim
 from physim.drawing import palette
 from physim.drawing.page import write_page
-from physim.drawing.page.data import TOLERANCE
-from physim.drawing.scene_model import SceneModel, placed
 from physim.record import Record
 from physim.world.file import parse_world
 from tests.browser.driver import PHONE, Seen
 from tests.campaigns.real import WORLD
-from tests.records import make_record
+from tests.helpers import inside
+from tests.helpers.records import make_record
+
+TOLERANCE = inside("physim.drawing.page", "TOLERANCE")
+SceneModel, placed = inside("physim.drawing", "SceneModel", "placed")
 
 PIXEL = 1.0
 """by which a robot may be drawn beside its place: edges are smoothed over one"""

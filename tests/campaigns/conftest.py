@@ -8,9 +8,11 @@ from pathlib import Path
 
 import pytest
 
-from physim.campaigns.processes import Processes
-from physim.campaigns.sources import Carried
+from physim.campaigns import Processes
 from tests.campaigns.samples import write
+from tests.helpers import inside
+
+Carried = inside("physim.campaigns", "Carried")
 
 
 @pytest.fixture(scope="module")

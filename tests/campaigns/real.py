@@ -5,10 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from pathlib import Path
 
-from physim.campaigns.columns import Row
-from physim.campaigns.folder import Folder
-from physim.campaigns.one_run import run_one
-from physim.campaigns.spec import spec_of
+from physim.campaigns import Folder, Row, run_one, spec_of
 from physim.world.file import parse_world
 
 WORLD = """\

@@ -12,9 +12,11 @@ import threading
 import time
 from contextlib import suppress
 
-from physim.campaigns.processes import Processes
-from physim.campaigns.worker import Stop, limited
+from physim.campaigns import Processes
 from physim.errors import PhysimError
+from tests.helpers import inside
+
+Stop, limited = inside("physim.campaigns", "Stop", "limited")
 
 
 def echo(value: int, stop: Stop) -> int:

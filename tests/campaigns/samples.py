@@ -9,11 +9,11 @@ from typing import Any
 
 import pyarrow as pa
 
-from physim.campaigns.columns import TIMES, Row, rows_of
-from physim.campaigns.folder import Folder
-from physim.campaigns.reading import read_rows
-from physim.campaigns.spec import RunSpec, spec_of
+from physim.campaigns import Folder, Row, RunSpec, spec_of
 from physim.world.file import parse_world
+from tests.helpers import inside
+
+TIMES, rows_of, read_rows = inside("physim.campaigns", "TIMES", "rows_of", "read_rows")
 
 WORLD = """\
 name: small

@@ -11,13 +11,13 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from physim.campaigns.asked import as_stored, merged, missing, ranges_of
-from physim.campaigns.outcomes import Outcomes
 from physim.cli import main
 from tests.campaigns.tables import row, table
 from tests.cli.commands import physim, tree
-from tests.facts import facts
-from tests.says import check_error
+from tests.helpers import check_error, facts, inside
+
+as_stored, merged, missing = inside("physim.campaigns", "as_stored", "merged", "missing")
+ranges_of, Outcomes = inside("physim.campaigns", "ranges_of", "Outcomes")
 
 RANGES = st.lists(st.builds(range, st.integers(0, 40), st.integers(0, 40)), max_size=6)
 YARD = ("yard", "", "mode_switching")

@@ -17,8 +17,7 @@ import pytest
 from physim.campaigns import read
 from tests.campaigns.samples import WORLD, lines_on_disk, rows_in, without_times
 from tests.cli.commands import Done, physim, shell, started, tree
-from tests.facts import facts
-from tests.says import check_error
+from tests.helpers import check_error, facts
 
 
 def begun(folder: Path, process: subprocess.Popen[str], rows: int) -> None:

@@ -10,16 +10,19 @@ from typing import Any
 import numpy as np
 import pytest
 
-from physim.campaigns.compare import ALPHA, FEWEST_PAIRS, Comparison, between, by, compare
-from physim.campaigns.outcomes import Outcomes
-from physim.campaigns.report.comparison_page import comparison_page
-from physim.campaigns.report.comparison_text import comparison_text, comparison_values, verdict
-from physim.campaigns.report.plots import paired_plot, shift_plot
 from physim.errors import PhysimError
-from physim.statistics.paired import mcnemar, median_difference, sign_test
 from tests.campaigns.tables import failed, hit, row, table
 from tests.campaigns.test_report import HOSTILE, Elements
-from tests.facts import facts
+from tests.helpers import facts, inside
+
+ALPHA, FEWEST_PAIRS, Comparison = inside("physim.campaigns", "ALPHA", "FEWEST_PAIRS", "Comparison")
+between, by, compare, Outcomes = inside("physim.campaigns", "between", "by", "compare", "Outcomes")
+comparison_page = inside("physim.campaigns.report", "comparison_page")
+comparison_text = inside("physim.campaigns.report", "comparison_text")
+comparison_values, verdict = inside("physim.campaigns.report", "comparison_values", "verdict")
+paired_plot, shift_plot = inside("physim.campaigns.report", "paired_plot", "shift_plot")
+mcnemar, median_difference = inside("physim.statistics", "mcnemar", "median_difference")
+sign_test = inside("physim.statistics", "sign_test")
 
 
 def campaign(shift: float = 0.0, seeds: int = 60, hits: int = 0, **other: Any) -> Outcomes:

@@ -11,10 +11,12 @@ import pandas as pd
 import pyarrow.parquet as parquet
 import pytest
 
-from physim.campaigns.columns import COLUMNS
-from physim.campaigns.reading import read
+from physim.campaigns import read
 from tests.campaigns.samples import rows_in
 from tests.campaigns.tables import failed, hit, row, table
+from tests.helpers import inside
+
+COLUMNS = inside("physim.campaigns", "COLUMNS")
 
 TEXT = (Path(__file__).parents[2] / "docs/CAMPAIGNS.md").read_text(encoding="utf-8")
 

@@ -9,7 +9,7 @@ import pytest
 
 from tests.campaigns.samples import FIXED, rows_in
 from tests.cli.commands import physim
-from tests.packages import install
+from tests.helpers.packages import install
 
 TEXT = '''
 from physim.randomness import stream

@@ -11,16 +11,14 @@ from pathlib import Path
 
 import pytest
 
-from physim.campaigns.columns import FINISHED, Row
-from physim.campaigns.folder import CAMPAIGN, Folder
-from physim.campaigns.one_run import row_without_run
-from physim.campaigns.reading import read
-from physim.campaigns.sweep import sweep
+from physim.campaigns import Folder, Row, read, sweep
 from physim.errors import PhysimError
 from tests.campaigns.samples import FIXED, specs
 from tests.cli.commands import physim
-from tests.facts import facts
-from tests.says import check_error
+from tests.helpers import check_error, facts, inside
+
+FINISHED, CAMPAIGN = inside("physim.campaigns", "FINISHED", "CAMPAIGN")
+row_without_run = inside("physim.campaigns", "row_without_run")
 
 WORLD, SEED = "other", 7
 

@@ -9,10 +9,12 @@ from pathlib import Path
 
 import pytest
 
-from physim.campaigns.grid import TOGETHER, Shard, make_grid, settings_of
-from physim.campaigns.one_run import simulation_of
+from physim.campaigns.grid import TOGETHER
 from physim.errors import PhysimError, WorldError
-from tests.facts import facts
+from tests.helpers import facts, inside
+
+Shard, make_grid, settings_of = inside("physim.campaigns", "Shard", "make_grid", "settings_of")
+simulation_of = inside("physim.campaigns", "simulation_of")
 
 
 @pytest.mark.parametrize(

@@ -8,16 +8,14 @@ from pathlib import Path
 
 import pytest
 
-from physim.campaigns.columns import Row
-from physim.campaigns.folder import Folder
-from physim.campaigns.one_run import run_one
-from physim.campaigns.outcomes import Outcomes
-from physim.campaigns.reading import read
-from physim.campaigns.report.contents import report_of
-from physim.campaigns.spec import spec_of
-from physim.campaigns.until import Decided, Until
-from physim.statistics.goal import read_goal
+from physim.campaigns import Folder, Row, read, run_one, spec_of
+from physim.campaigns.until import Decided
 from physim.world.file import parse_world
+from tests.helpers import inside
+
+Outcomes, Until = inside("physim.campaigns", "Outcomes", "Until")
+report_of = inside("physim.campaigns.report", "report_of")
+read_goal = inside("physim.statistics", "read_goal")
 
 RATE = 0.8
 """Share of runs that go well: of start headings, which are uniform on the circle"""

@@ -6,8 +6,10 @@ import numpy as np
 import pyarrow as pa
 import pytest
 
-from physim.campaigns.outcomes import Outcomes
 from tests.campaigns.tables import failed, hit, many, row, table
+from tests.helpers import inside
+
+Outcomes = inside("physim.campaigns", "Outcomes")
 
 
 def test_cells_are_sorted_and_have_their_rows_by_seed() -> None:

@@ -14,27 +14,23 @@ import numpy as np
 import pyarrow.parquet as parquet
 import pytest
 
-from physim.analysis.metrics.registered import Registered
-from physim.campaigns import own_metrics
-from physim.campaigns.columns import FINISHED
-from physim.campaigns.compare import by, compare
-from physim.campaigns.folder import Folder
-from physim.campaigns.one_run import row_without_run, run_one
-from physim.campaigns.outcomes import Outcomes
-from physim.campaigns.own_metrics import MOST, with_columns
-from physim.campaigns.reading import read
-from physim.campaigns.report.comparison_page import comparison_page
-from physim.campaigns.report.contents import report_of
-from physim.campaigns.report.page import report_page
-from physim.campaigns.report.pictures import Shown
-from physim.campaigns.report.text import report_text
-from physim.cli.compare import measures
+from physim.campaigns import Folder, own_metrics, read, run_one
+from physim.campaigns.own_metrics import MOST
 from physim.errors import PhysimError
 from tests.campaigns.samples import specs, write
 from tests.campaigns.tables import row, table
 from tests.cli.commands import shell
-from tests.packages import install
-from tests.says import check_error
+from tests.helpers import check_error, inside
+from tests.helpers.packages import install
+
+Registered = inside("physim.analysis.metrics", "Registered")
+FINISHED, by, compare = inside("physim.campaigns", "FINISHED", "by", "compare")
+row_without_run, Outcomes = inside("physim.campaigns", "row_without_run", "Outcomes")
+with_columns = inside("physim.campaigns", "with_columns")
+comparison_page, report_of = inside("physim.campaigns.report", "comparison_page", "report_of")
+report_page, Shown = inside("physim.campaigns.report", "report_page", "Shown")
+report_text = inside("physim.campaigns.report", "report_text")
+measures = inside("physim.cli", "measures")
 
 TEXT = '''
 class Seed:

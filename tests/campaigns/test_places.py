@@ -9,12 +9,13 @@ from pathlib import Path
 
 import pytest
 
-from physim.campaigns.columns import Row
-from physim.campaigns.folder import CAMPAIGN, Folder
-from physim.campaigns.rows import FOLDER, Shards
-from physim.campaigns.until import UNTIL, read_until
+from physim.campaigns import Folder, Row
 from physim.errors import PhysimError
 from tests.campaigns.samples import read
+from tests.helpers import inside
+
+CAMPAIGN, FOLDER, Shards = inside("physim.campaigns", "CAMPAIGN", "FOLDER", "Shards")
+UNTIL, read_until = inside("physim.campaigns", "UNTIL", "read_until")
 
 
 @pytest.fixture

@@ -17,11 +17,12 @@ from typing import Any
 
 import pytest
 
-from physim.campaigns import processes
-from physim.campaigns.processes import Processes
-from physim.campaigns.sweep import sweep
-from physim.campaigns.worker import Job, LostError, OverdueError, StartError
+from physim.campaigns import Processes, processes, sweep
 from tests.campaigns import sample_jobs as sample
+from tests.helpers import inside
+
+Job, LostError, OverdueError = inside("physim.campaigns", "Job", "LostError", "OverdueError")
+StartError = inside("physim.campaigns", "StartError")
 
 LONGEST = 120.0
 """[s] for a job that takes none"""

@@ -8,13 +8,14 @@ from pathlib import Path
 
 import pytest
 
-from physim.campaigns import reading
-from physim.campaigns.columns import COLUMNS, FAILED, Row, row_of
-from physim.campaigns.rows import Shards
+from physim.campaigns import Row, reading
 from physim.errors import PhysimError
 from tests.campaigns.samples import read
 from tests.campaigns.tables import many
-from tests.facts import facts
+from tests.helpers import facts, inside
+
+COLUMNS, FAILED, row_of = inside("physim.campaigns", "COLUMNS", "FAILED", "row_of")
+Shards = inside("physim.campaigns", "Shards")
 
 
 def rows(count: int) -> list[Row]:

@@ -9,12 +9,14 @@ from pathlib import Path
 
 import pytest
 
-from physim.campaigns.one_run import simulation_of
-from physim.campaigns.spec import RunSpec
+from physim.campaigns import RunSpec
 from physim.record import Record
-from physim.simulation.run import record_run
 from tests.campaigns.samples import rows_in
 from tests.cli.commands import physim
+from tests.helpers import inside
+
+simulation_of = inside("physim.campaigns", "simulation_of")
+record_run = inside("physim.simulation", "record_run")
 
 SWEEP = (
     "sweep", "small.yaml", "--seeds", "0:2", "--controller", "awkward:Awkward", "--workers", "1",

@@ -14,25 +14,25 @@ import numpy as np
 import pytest
 
 import physim
-from physim.campaigns.one_run import figures
-from physim.campaigns.outcomes import Outcomes
-from physim.campaigns.report.contents import Report, report_of
-from physim.campaigns.report.page import Shown, report_page
 from physim.campaigns.report.pictures import _draw_view
-from physim.campaigns.report.plots import distribution, paired_plot, shift_plot, spread_axis
-from physim.campaigns.report.text import report_text, report_values
-from physim.campaigns.report.wording import amount, interval, percent
-from physim.drawing.labels import metres
 from physim.drawing.video import frame_at, view
-from physim.drawing.video.text import sprite
-from physim.statistics.goal import read_goal
-from physim.statistics.proportion import clopper_pearson
-from physim.statistics.sequence import running
 from physim.world.file import parse_world
 from tests.campaigns.real import WORLD as REAL
 from tests.campaigns.samples import WORLD
 from tests.campaigns.tables import failed, hit, many, row, table
-from tests.facts import facts
+from tests.helpers import facts, inside
+
+figures, Outcomes = inside("physim.campaigns", "figures", "Outcomes")
+Report, report_of, Shown = inside("physim.campaigns.report", "Report", "report_of", "Shown")
+report_page, distribution = inside("physim.campaigns.report", "report_page", "distribution")
+paired_plot, shift_plot = inside("physim.campaigns.report", "paired_plot", "shift_plot")
+spread_axis, report_text = inside("physim.campaigns.report", "spread_axis", "report_text")
+report_values, amount = inside("physim.campaigns.report", "report_values", "amount")
+interval, percent = inside("physim.campaigns.report", "interval", "percent")
+metres = inside("physim.drawing", "metres")
+sprite = inside("physim.drawing.video", "sprite")
+read_goal, clopper_pearson = inside("physim.statistics", "read_goal", "clopper_pearson")
+running = inside("physim.statistics", "running")
 
 HOSTILE = '<script>alert("1")</script>\x1b[31m\u202e&\'">'
 

@@ -14,17 +14,17 @@ import pyarrow as pa
 import pyarrow.parquet as parquet
 import pytest
 
+from physim.campaigns import Folder, Row, shard
 from physim.campaigns import rows as module
-from physim.campaigns import shard
-from physim.campaigns.columns import COLUMNS, Row, rows_of, schema
-from physim.campaigns.folder import Folder
-from physim.campaigns.one_run import row_without_run
-from physim.campaigns.reading import write_results
-from physim.campaigns.rows import TOGETHER, Shards
+from physim.campaigns.rows import TOGETHER
 from physim.campaigns.shard import Part
 from physim.errors import Notice, PhysimError
 from tests.campaigns.samples import read, rows_in, specs
-from tests.facts import facts
+from tests.helpers import facts, inside
+
+COLUMNS, rows_of, schema = inside("physim.campaigns", "COLUMNS", "rows_of", "schema")
+row_without_run, write_results = inside("physim.campaigns", "row_without_run", "write_results")
+Shards = inside("physim.campaigns", "Shards")
 
 
 def row(number: int, ended: str = "finished", **more: object) -> Row:

@@ -8,9 +8,11 @@ from typing import Any
 
 import pytest
 
-from physim.campaigns.runner import Job, do_all
 from physim.errors import PhysimError
 from tests.campaigns import sample_jobs as sample
+from tests.helpers import inside
+
+Job, do_all = inside("physim.campaigns", "Job", "do_all")
 
 
 def echo(value: int) -> Job:

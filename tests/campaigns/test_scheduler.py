@@ -14,8 +14,7 @@ import pytest
 from physim.campaigns import executors
 from physim.errors import PhysimError
 from tests.cli.commands import shell, tree
-from tests.facts import facts
-from tests.says import check_error
+from tests.helpers import check_error, facts
 
 
 @pytest.fixture

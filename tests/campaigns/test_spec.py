@@ -14,16 +14,16 @@ import numpy as np
 import pytest
 
 import physim
-from physim.campaigns.columns import COLUMNS
-from physim.campaigns.grid import make_grid
-from physim.campaigns.one_run import run_one, simulation_of
-from physim.campaigns.sources import sources_of
-from physim.campaigns.spec import RunSpec, spec_of
+from physim.campaigns import RunSpec, run_one, spec_of
 from physim.errors import PhysimError
-from physim.parts.registry import CONTROLLER
-from physim.simulation.run import record_run
 from physim.world.file import parse_world
 from tests.campaigns.samples import WORLD, specs, without_times
+from tests.helpers import inside
+
+COLUMNS, make_grid = inside("physim.campaigns", "COLUMNS", "make_grid")
+simulation_of, sources_of = inside("physim.campaigns", "simulation_of", "sources_of")
+CONTROLLER = inside("physim.parts", "CONTROLLER")
+record_run = inside("physim.simulation", "record_run")
 
 
 def test_what_makes_another_run(here: Path, monkeypatch: pytest.MonkeyPatch) -> None:

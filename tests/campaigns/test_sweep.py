@@ -16,19 +16,16 @@ from typing import Any
 
 import pytest
 
+from physim.campaigns import Processes, Row, run_one, runs, spec_of, sweep
 from physim.campaigns import rows as rows_module
-from physim.campaigns.columns import Row
-from physim.campaigns.grid import make_grid
-from physim.campaigns.one_run import run_one
-from physim.campaigns.processes import Processes
-from physim.campaigns.rows import Shards
-from physim.campaigns.spec import spec_of
-from physim.campaigns.sweep import Tally, runs, sweep
 from physim.errors import PhysimError
 from physim.record import Record
 from physim.world.file import parse_world
 from tests.campaigns import sample_jobs as sample
 from tests.campaigns.samples import WORLD, lines_on_disk, rows_in, specs, without_times
+from tests.helpers import inside
+
+make_grid, Shards, Tally = inside("physim.campaigns", "make_grid", "Shards", "Tally")
 
 
 def test_rows_are_those_of_the_runs(two: Processes, tmp_path: Path) -> None:

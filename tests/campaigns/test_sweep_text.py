@@ -6,11 +6,11 @@ import json
 import re
 from pathlib import Path
 
-from physim.campaigns.outcomes import Outcomes
-from physim.campaigns.report.sweep_text import sweep_text, sweep_values
-from physim.campaigns.sweep import Tally
 from tests.campaigns.tables import failed, hit, row, table
-from tests.facts import facts
+from tests.helpers import facts, inside
+
+Outcomes, Tally = inside("physim.campaigns", "Outcomes", "Tally")
+sweep_text, sweep_values = inside("physim.campaigns.report", "sweep_text", "sweep_values")
 
 GOOD = ("yard", "", "good")
 

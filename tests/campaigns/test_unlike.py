@@ -8,19 +8,18 @@ from unittest.mock import Mock
 
 import pytest
 
-from physim.campaigns import read
-from physim.campaigns.compare import between, compare
-from physim.campaigns.folder import Folder
-from physim.campaigns.one_run import run_one
-from physim.campaigns.outcomes import Cell, Outcomes
-from physim.campaigns.report.pictures import remake
-from physim.campaigns.spec import spec_of
-from physim.campaigns.unlike import _Side, _unlike, with_unlike
+from physim.campaigns import Folder, read, run_one, spec_of
+from physim.campaigns.unlike import _Side, _unlike
 from physim.errors import PhysimError
 from physim.world import World
 from physim.world.file import parse_world
 from tests.campaigns.samples import WORLD
 from tests.cli.commands import physim
+from tests.helpers import inside
+
+between, compare, Cell = inside("physim.campaigns", "between", "compare", "Cell")
+Outcomes, with_unlike = inside("physim.campaigns", "Outcomes", "with_unlike")
+remake = inside("physim.campaigns.report", "remake")
 
 Capture = pytest.CaptureFixture[str]
 

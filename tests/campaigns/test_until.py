@@ -7,12 +7,15 @@ from pathlib import Path
 
 import pytest
 
-from physim.campaigns.columns import Row
-from physim.campaigns.until import UNTIL, Decided, Until, read_until, succeeded, write_until
+from physim.campaigns import Row
+from physim.campaigns.until import Decided
 from physim.errors import PhysimError
-from physim.statistics.goal import decide, read_goal
-from tests.facts import facts
+from tests.helpers import facts, inside
 from tests.statistics.coverage import draws
+
+UNTIL, Until, read_until = inside("physim.campaigns", "UNTIL", "Until", "read_until")
+succeeded, write_until = inside("physim.campaigns", "succeeded", "write_until")
+decide, read_goal = inside("physim.statistics", "decide", "read_goal")
 
 GOOD, BAD = ("yard", "", "good"), ("yard", "", "bad")
 

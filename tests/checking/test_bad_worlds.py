@@ -17,7 +17,7 @@ import pytest
 
 from physim.world.checks import Findings, check_world
 from tests.checking.worlds import CORRIDOR, DRAWN, changed, with_facts
-from tests.facts import facts
+from tests.helpers import facts
 
 CASES = Path(__file__).parents[2].parent / "shared" / "cases" / "bad_worlds"
 needs_cases = pytest.mark.skipif(not CASES.exists(), reason="the shared cases are not here")

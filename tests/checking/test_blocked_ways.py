@@ -9,9 +9,11 @@ import pytest
 import shapely
 
 from physim import simulate
-from physim.world.checks.blocked_ways import blocked_ways
 from physim.world.file import parse_world
 from tests.checking.worlds import check, check_finding, lines
+from tests.helpers import inside
+
+blocked_ways = inside("physim.world.checks", "blocked_ways")
 
 
 def junction(first: float, extra: str = "") -> str:

@@ -18,9 +18,10 @@ import pytest
 from physim import load_world
 from physim.cli import main
 from physim.world.checks import check_world
-from physim.world.file.files import find_world
 from tests.checking.worlds import CORRIDOR, DRAWN, REGION, changed, check_finding
-from tests.facts import facts
+from tests.helpers import facts, inside
+
+find_world = inside("physim.world.file", "find_world")
 
 
 def run(capsys, *arguments: object) -> tuple[int, str, str]:

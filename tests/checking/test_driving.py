@@ -5,14 +5,14 @@ from __future__ import annotations
 import pytest
 from pydantic import BaseModel
 
-from physim import Simulation, parse_world
+from physim import Decision, Simulation, parse_world
 from physim.errors import ControllerError, Fault, WorldError
-from physim.parts.controller import Decision
-from physim.parts.world_checks import robot_faults
 from physim.world.checks import check_world
 from physim.world.file import load_world
 from tests.checking.worlds import CORRIDOR, changed, check, check_finding, lines
-from tests.facts import facts
+from tests.helpers import facts, inside
+
+robot_faults = inside("physim.parts", "robot_faults")
 
 SLOW = changed(CORRIDOR, ("path: {offset: -1.0}", "path: {offset: -1.0}\n    limits: {omega: 0.1}"))
 

@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 import physim
+from physim import build_scene
 from physim.analysis.summary import summarise, table
 from physim.errors import WorldError
-from physim.world.layout.scene_builder import build_scene
 from tests.checking.worlds import CORRIDOR, DRAWN, changed, check, lines
-from tests.facts import facts
+from tests.helpers import facts
 
 SIDES = "  - [[-3, -4], [33, -4], [33, 4]]\n  - [[33, 4], [-3, 4], [-3, -4]]\n"
 FINE = 9_000

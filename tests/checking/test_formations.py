@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 
 from physim import simulate
-from physim.geometry.shapes import FloatArray
 from physim.world.file import parse_world
 from tests.checking.worlds import (
     CORRIDOR,
@@ -20,6 +19,9 @@ from tests.checking.worlds import (
     only_warning,
     with_facts,
 )
+from tests.helpers import inside
+
+FloatArray = inside("physim.geometry", "FloatArray")
 
 
 @pytest.mark.parametrize(

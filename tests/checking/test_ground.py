@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from physim.world.checks import boundaries
-from physim.world.layout.self_overlap import self_overlap
 from tests.checking.worlds import (
     CORRIDOR,
     DRAWN,
@@ -16,6 +15,9 @@ from tests.checking.worlds import (
     lines,
     with_facts,
 )
+from tests.helpers import inside
+
+self_overlap = inside("physim.world.layout", "self_overlap")
 
 SECOND = "  - [[33, 4], [-3, 4], [-3, -4]]\n"
 

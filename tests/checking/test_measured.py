@@ -9,13 +9,14 @@ import numpy as np
 import pytest
 import shapely
 
-from physim import simulate
-from physim.record.course import followed
-from physim.simulation.observation import formation_errors
+from physim import build_scene, simulate
 from physim.world.checks import measured as measuring
 from physim.world.file import parse_world
-from physim.world.layout.scene_builder import build_scene
 from tests.checking.worlds import check, lines, with_facts
+from tests.helpers import inside
+
+followed = inside("physim.record", "followed")
+formation_errors = inside("physim.simulation", "formation_errors")
 
 HAIRPIN = [[2, 3], [40, 3], [40, 6], [2, 6]]
 

@@ -8,9 +8,11 @@ import numpy as np
 import pytest
 
 from physim import Simulation
-from physim.geometry.shapes import FloatArray
 from physim.world.file import parse_world
 from tests.checking.worlds import check, lines, with_facts
+from tests.helpers import inside
+
+FloatArray = inside("physim.geometry", "FloatArray")
 
 WORLD = """\
 name: four

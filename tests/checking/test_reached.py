@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import pytest
 
-from physim.world.checks.room import ANY, NOT
 from tests.checking.worlds import DRAWN, changed, check, lines
-from tests.facts import facts
+from tests.helpers import facts, inside
+
+ANY, NOT = inside("physim.world.checks", "ANY", "NOT")
 
 UPPER = "[[33, 4], [-3, 4], [-3, -4]]"
 

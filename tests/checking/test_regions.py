@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from physim.world.layout.scene_builder import build_scene
+from physim import build_scene
 from tests.checking.worlds import CORRIDOR, REGION, changed, check, check_finding, lines, with_facts
 
 

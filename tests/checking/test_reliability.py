@@ -15,14 +15,14 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from physim import Simulation, build_scene
 from physim.errors import WorldError
-from physim.simulation.loop import Simulation
 from physim.world.checks import Findings, check_world
 from physim.world.file import load_world, parse_world
-from physim.world.file.files import shipped_folder, shipped_worlds
-from physim.world.layout.scene_builder import build_scene
 from tests.checking.worlds import CORRIDOR, DRAWN, check
-from tests.facts import facts
+from tests.helpers import facts, inside
+
+shipped_folder, shipped_worlds = inside("physim.world.file", "shipped_folder", "shipped_worlds")
 
 YARDS = 60
 """Processor time of a check, in that of a loop of plain Python beside it, some 0.05 s: machines

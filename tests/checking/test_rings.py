@@ -9,10 +9,12 @@ import numpy as np
 import pytest
 
 from physim import simulate
-from physim.world.checks.room import clearance_profiles
 from physim.world.file import parse_world
-from physim.world.layout.layout import partial_layout
 from tests.checking.worlds import check, check_finding, lines
+from tests.helpers import inside
+
+clearance_profiles = inside("physim.world.checks", "clearance_profiles")
+partial_layout = inside("physim.world.layout", "partial_layout")
 
 RADIUS = 10.0
 

@@ -9,9 +9,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from physim.world.checks.room import ALIGNED, ANY, NOT, verdict
+from physim import build_scene
 from physim.world.file import parse_world
-from physim.world.layout.scene_builder import build_scene
 from tests.checking.worlds import (
     CORRIDOR,
     DRAWN,
@@ -23,6 +22,9 @@ from tests.checking.worlds import (
     only_warning,
     with_facts,
 )
+from tests.helpers import inside
+
+ALIGNED, ANY, NOT, verdict = inside("physim.world.checks", "ALIGNED", "ANY", "NOT", "verdict")
 
 A = "    pose: [6.0, 1.0, 0.0]"
 BOX = "    footprint: {length: 1.8, width: 1.0}\n    pose: [6.0, 1.0, 0.0]"

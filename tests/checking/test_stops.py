@@ -9,9 +9,10 @@ import pytest
 
 from physim import simulate
 from physim.world.file import parse_world
-from physim.world.file.files import shipped_worlds
 from tests.checking.worlds import check, check_finding, lines
-from tests.roads_to_stops import dead_end
+from tests.helpers import dead_end, inside
+
+shipped_worlds = inside("physim.world.file", "shipped_worlds")
 
 TWO = """\
 name: two

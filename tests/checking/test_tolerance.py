@@ -9,7 +9,7 @@ import pytest
 
 from physim import check_world, load_world
 from physim.cli import main
-from tests.facts import facts
+from tests.helpers import facts
 
 SMALL = """\
 name: small

@@ -6,8 +6,7 @@ import re
 from pathlib import Path
 
 from physim.world.checks import Findings, check_world
-from tests.facts import facts
-from tests.says import check_error
+from tests.helpers import check_error, facts
 
 CORRIDOR = """\
 name: corridor

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import pytest
 
-from physim.simulation.run import warm_up
+from physim import build_scene
 from physim.world.file import parse_world
-from physim.world.layout.scene_builder import build_scene
 from tests.cli.commands import SMALL
+from tests.helpers import inside
+
+warm_up = inside("physim.simulation", "warm_up")
 
 
 @pytest.fixture(scope="session", autouse=True)

@@ -11,10 +11,11 @@ from pathlib import Path
 
 import pytest
 
-from physim.parts.registry import controller_names
 from tests.cli.commands import SMALL, Done, physim, shell, tree
-from tests.records import make_record
-from tests.says import check_error
+from tests.helpers import check_error, inside
+from tests.helpers.records import make_record
+
+controller_names = inside("physim.parts", "controller_names")
 
 
 def changed(old: str, new: str) -> str:

@@ -7,11 +7,11 @@ import re
 
 import pytest
 
-from physim.cli.progress import Bar
 from physim.testing import situations
 from tests.cli.commands import physim
-from tests.facts import facts
-from tests.says import check_error
+from tests.helpers import check_error, facts, inside
+
+Bar = inside("physim.cli", "Bar")
 
 BROKEN = "tests.testing.broken"
 STRAIGHT = ("--world", "straight", "--seconds", 0.3)

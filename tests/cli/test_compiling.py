@@ -9,9 +9,10 @@ import pytest
 
 from physim.analysis.crashtest import crash_test
 from physim.cli.reproduce import _warm_up
-from physim.reproduction.plan import make_plan
 from tests.cli.commands import SMALL, physim
-from tests.facts import facts
+from tests.helpers import facts, inside
+
+make_plan = inside("physim.reproduction", "make_plan")
 
 LINE = r"compiling (.+) \(.*\babout \d+ s\) \.\.\."
 

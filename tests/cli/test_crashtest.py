@@ -13,9 +13,8 @@ from physim.drawing.plots import NAMES
 from physim.record import Record
 from tests.cli.commands import physim, shell, tree
 from tests.crashtest.sabotage import two_steps_late
-from tests.facts import facts
-from tests.records import make_record
-from tests.says import check_error
+from tests.helpers import check_error, facts
+from tests.helpers.records import make_record
 
 
 @pytest.fixture(scope="module", autouse=True)

@@ -8,10 +8,12 @@ from pathlib import Path
 import pytest
 import yaml
 
-from physim.cli.new import TEMPLATES
+from physim import build_scene
 from physim.world.file import parse_world
-from physim.world.layout.scene_builder import build_scene
 from tests.cli.commands import SMALL, physim
+from tests.helpers import inside
+
+TEMPLATES = inside("physim.cli", "TEMPLATES")
 
 
 @pytest.mark.parametrize("template", TEMPLATES)

@@ -7,7 +7,9 @@ from pathlib import Path
 import pytest
 
 from physim.cli import FAULT, main
-from physim.cli.listing import listing
+from tests.helpers import inside
+
+listing = inside("physim.cli", "listing")
 
 
 class OddError(BaseException):

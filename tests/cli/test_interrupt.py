@@ -23,8 +23,8 @@ from physim.errors import RecordError
 from physim.record import Record
 from physim.simulation.engine import Physics
 from tests.cli.commands import LONG, SMALL, frames, physim, started, tree
-from tests.facts import facts
-from tests.records import make_record
+from tests.helpers import facts
+from tests.helpers.records import make_record
 
 
 @pytest.fixture

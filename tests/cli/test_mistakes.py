@@ -7,11 +7,12 @@ import re
 import click
 import pytest
 
-from physim.cli.parser import COMMANDS, GROUPS, commands
 from physim.drawing.plots import NAMES
 from physim.reproduction.studies import studies
 from tests.cli.commands import physim
-from tests.says import check_error
+from tests.helpers import check_error, inside
+
+COMMANDS, GROUPS, commands = inside("physim.cli", "COMMANDS", "GROUPS", "commands")
 
 TEMPLATES = "corridor, bend, doorway, s_bend, roundabout, warehouse, random"
 THERE_ARE = ", ".join(COMMANDS)

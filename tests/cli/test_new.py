@@ -10,9 +10,10 @@ import pytest
 
 from physim.record import Record
 from physim.world.file import load_world
-from physim.world.file.schema import schema_text
 from tests.cli.commands import physim, shell, tree
-from tests.facts import facts
+from tests.helpers import facts, inside
+
+schema_text = inside("physim.world.file", "schema_text")
 
 
 @pytest.fixture(autouse=True)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from tests.cli.commands import physim
-from tests.says import check_error
+from tests.helpers import check_error
 
 OF_NO_EFFECT = {
     ("validate", "x", "--workers", "3"): ("--workers", "--seeds"),

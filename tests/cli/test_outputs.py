@@ -12,13 +12,13 @@ import pytest
 
 from physim import parse_world, simulate
 from physim.analysis.crashtest import crash_test
-from physim.cli.output import write_text
 from physim.drafts import check_regular
 from physim.errors import PhysimError
 from tests.cli.commands import SMALL, command, environment, physim, tree
-from tests.facts import facts
-from tests.records import make_record
-from tests.says import check_error
+from tests.helpers import check_error, facts, inside
+from tests.helpers.records import make_record
+
+write_text = inside("physim.cli", "write_text")
 
 TRACK = "x_m,y_m,w_tr_right_m,w_tr_left_m\n0,0,4,4\n20,0,4,4\n40,0,4,4\n"
 

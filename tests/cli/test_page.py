@@ -7,8 +7,8 @@ from pathlib import Path
 import pytest
 
 from tests.cli.commands import physim
-from tests.records import make_record
-from tests.says import check_error
+from tests.helpers import check_error
+from tests.helpers.records import make_record
 
 
 @pytest.fixture

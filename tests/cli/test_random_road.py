@@ -9,12 +9,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from physim import simulate
 from physim.record import Record
-from physim.simulation.run import simulate
 from physim.world.file import load_world
-from physim.world.layout.layout import lay_out
 from tests.cli.commands import physim, tree
-from tests.facts import facts
+from tests.helpers import facts, inside
+
+lay_out = inside("physim.world.layout", "lay_out")
 
 WORLD = """\
 name: drawn

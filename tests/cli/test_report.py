@@ -9,14 +9,15 @@ from typing import Any
 
 import pytest
 
-from physim.campaigns.reading import read
-from physim.campaigns.until import Until, write_until
+from physim.campaigns import read
 from physim.record import Record
-from physim.statistics.goal import read_goal
 from tests.campaigns.real import WORLD, campaign
 from tests.campaigns.test_report import Elements
 from tests.cli.commands import physim
-from tests.says import check_error
+from tests.helpers import check_error, inside
+
+Until, write_until = inside("physim.campaigns", "Until", "write_until")
+read_goal = inside("physim.statistics", "read_goal")
 
 CONTROLLERS = ("mode_switching", "path_following")
 
@@ -93,7 +94,7 @@ def test_a_page_is_not_written_over_what_is_none(
 def test_the_worst_lead_to_pages_at_their_moments(
     made: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    from physim.campaigns.reading import read
+    from physim.campaigns import read
     from physim.campaigns.report import pictures
 
     assert physim("report", made, "--pages", "--quiet", capture=capsys).code == 0
@@ -155,7 +156,7 @@ def test_a_file_that_is_no_still_is_not_read_into_the_page(
 
 
 def _made(folder: Path, row: dict[str, Any]) -> Record:
-    from physim.campaigns.report.pictures import remake
+    remake = inside("physim.campaigns.report", "remake")
 
     return remake(folder, row)
 
@@ -166,9 +167,10 @@ def test_a_kept_record_of_another_run_is_not_shown(
     """Records that were exchanged after the runs: neither may stand beside the other's row."""
     from dataclasses import replace
 
-    from physim.campaigns.folder import Folder
-    from physim.campaigns.one_run import take
-    from physim.campaigns.spec import spec_of
+    from physim.campaigns import Folder
+
+    take = inside("physim.campaigns", "take")
+    from physim.campaigns import spec_of
     from physim.world.file import parse_world
 
     place, cell = Folder(tmp_path / "kept"), spec_of(parse_world(WORLD), 1, name="small")

@@ -8,11 +8,11 @@ from pathlib import Path
 
 import pytest
 
-from physim.cli.reproduce import NEW, PARTIAL
-from physim.reproduction.report import Report
-from physim.reproduction.reproduce import warm_up
 from tests.cli.commands import physim, started
-from tests.says import check_error
+from tests.helpers import check_error, inside
+
+NEW, PARTIAL = inside("physim.cli", "NEW", "PARTIAL")
+Report, warm_up = inside("physim.reproduction", "Report", "warm_up")
 
 QUICK = ("reproduce", "--quick", "--no-video")
 PAGES = ("REPRODUCTION.md", "reproduction.html", "reproduction.json")
@@ -132,7 +132,7 @@ def test_earlier_results_stay_until_there_are_new_ones(
 
 def test_only_pictures_of_a_reproduction_are_taken_for_them() -> None:
     """All images in its folder were deleted by force, whoever drew them."""
-    from physim.cli.reproduce import PICTURE
+    PICTURE = inside("physim.cli", "PICTURE")
 
     root = Path(__file__).parents[2]
     drawn = [file.name for file in (root / "docs/reproduction").glob("*.png")]

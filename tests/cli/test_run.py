@@ -15,13 +15,13 @@ import pytest
 
 from physim.cli import main
 from physim.cli import run as run_command
-from physim.parts.registry import controller_names
 from physim.record import Record
 from physim.world.file import load_world
-from physim.world.file.files import shipped_worlds
 from tests.cli.commands import SMALL, environment, frames, physim, shell, tree
-from tests.facts import facts
-from tests.says import check_error
+from tests.helpers import check_error, facts, inside
+
+controller_names = inside("physim.parts", "controller_names")
+shipped_worlds = inside("physim.world.file", "shipped_worlds")
 
 FILES = {"record.h5", "video.mp4", "summary.json"}
 

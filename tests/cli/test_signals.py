@@ -11,9 +11,10 @@ from collections.abc import Iterator
 
 import pytest
 
-from physim.cli import main
-from physim.cli.progress import interrupts
-from physim.cli.signals import Break, breaks
+from physim.cli import Break, breaks, main
+from tests.helpers import inside
+
+interrupts = inside("physim.cli", "interrupts")
 
 SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 

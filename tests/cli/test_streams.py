@@ -16,8 +16,8 @@ import pytest
 
 from physim.cli import FAULT, INTERRUPTED, main
 from tests.cli.commands import command, environment, shell
-from tests.records import make_record
-from tests.says import check_error
+from tests.helpers import check_error
+from tests.helpers.records import make_record
 
 FULL = Path("/dev/full")
 

@@ -10,7 +10,7 @@ import pytest
 from physim.analysis.metrics import DEFINITIONS, measure
 from physim.record import Record
 from tests.cli.commands import physim
-from tests.records import make_record
+from tests.helpers.records import make_record
 
 
 def test_definitions_tell_every_metric(capsys: pytest.CaptureFixture[str]) -> None:

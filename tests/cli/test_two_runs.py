@@ -10,11 +10,12 @@ from pathlib import Path
 
 import pytest
 
-from physim.cli.output import remove_earlier
 from physim.errors import RecordError
 from physim.record import Record
 from tests.cli.commands import LONG, SMALL, physim, started
-from tests.facts import facts
+from tests.helpers import facts, inside
+
+remove_earlier = inside("physim.cli", "remove_earlier")
 
 
 @pytest.mark.parametrize("trial", range(2))

@@ -7,10 +7,10 @@ from pathlib import Path
 
 import pytest
 
-from physim.campaigns.reading import read
+from physim.campaigns import read
 from tests.campaigns.real import WORLD
 from tests.cli.commands import physim
-from tests.says import check_error
+from tests.helpers import check_error
 
 
 def test_the_decision_is_the_same_with_any_number_of_workers(

@@ -9,9 +9,12 @@ from pathlib import Path
 
 import pytest
 
-from physim.campaigns.kinship import WARMING
 from physim.cli import warming
-from physim.cli.warming import SecondProcess, finish, second_process
+from tests.helpers import inside
+
+WARMING = inside("physim.campaigns", "WARMING")
+SecondProcess, finish = inside("physim.cli", "SecondProcess", "finish")
+second_process = inside("physim.cli", "second_process")
 
 NEEDED = """
 from numba.core.caching import Cache

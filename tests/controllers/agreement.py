@@ -8,15 +8,17 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from physim.controllers.mode_switching import ModeSwitching
-from physim.controllers.settings import ModeSwitchingSettings
-from physim.parts.controller import Decisions
+from physim import Decisions
 from tests.controllers.scenes import History, decisions
+from tests.helpers import inside
 from tests.oracles import decision as oracle
 from tests.oracles import paths, safe_area, switching, timing
 from tests.oracles.decision import Expected, Memory, UnsureError
 from tests.oracles.tolerances import ROUNDING, TIME
 from tests.oracles.view import View, view
+
+ModeSwitching = inside("physim.controllers", "ModeSwitching")
+ModeSwitchingSettings = inside("physim.controllers", "ModeSwitchingSettings")
 
 Case = tuple[History, ModeSwitchingSettings]
 FORMS = ("batch", "plain")

@@ -6,9 +6,11 @@ import dataclasses
 
 import numpy as np
 
-from physim.controllers.settings import ModeSwitchingSettings
 from tests.controllers.random_scenes import convex_part
 from tests.controllers.scenes import History, single_robot
+from tests.helpers import inside
+
+ModeSwitchingSettings = inside("physim.controllers", "ModeSwitchingSettings")
 
 
 def equal_case(rng: np.random.Generator) -> tuple[History, ModeSwitchingSettings]:

@@ -8,11 +8,14 @@ from typing import Any
 import numpy as np
 import shapely
 
-from physim.controllers.settings import AVOIDANCE, ModeSwitchingSettings
 from tests.controllers.scenes import History
+from tests.helpers import inside
 from tests.oracles import paths
 from tests.oracles.motion import arc, placed
 from tests.oracles.view import Body, Cluster, shape
+
+AVOIDANCE = inside("physim.controllers", "AVOIDANCE")
+ModeSwitchingSettings = inside("physim.controllers", "ModeSwitchingSettings")
 
 BOX = [np.array([[-0.9, -0.5], [0.9, -0.5], [0.9, 0.5], [-0.9, 0.5]])]
 ELL = [

@@ -13,25 +13,22 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from physim.controllers.mode_switching import ModeSwitching
-from physim.controllers.near_field import COLUMNS, NearField, look_about
-from physim.controllers.priority import Bodies
-from physim.controllers.settings import ModeSwitchingSettings
-from physim.geometry.shapes import Shapes, pack_parts, pack_polylines, read_only
-from physim.geometry.wall_grid import build_wall_grid
-from physim.geometry.wall_tree import Sight, build_wall_tree
-from physim.parts.controller import Decisions, Observation, Sensed
-from physim.parts.declarations import Declared
-from physim.parts.stages import shared
-from physim.simulation.decisions import PerRobotAdapter
-from physim.simulation.observation import observe
+from physim import Decisions, Observation, Scene, Sensed, build_scene
+from physim.geometry import Shapes
 from physim.world.file import parse_world
-from physim.world.layout.scene_builder import build_scene
-from physim.world.scene import Body as SceneBody
-from physim.world.scene import FormationPlan, Scene
+from tests.helpers import STRAIGHT, inside
 from tests.oracles.paths import lengths, point_at
 from tests.oracles.view import Body, Cluster
-from tests.worlds_by_hand import STRAIGHT
+
+ModeSwitching, COLUMNS = inside("physim.controllers", "ModeSwitching", "COLUMNS")
+NearField, look_about, Bodies = inside("physim.controllers", "NearField", "look_about", "Bodies")
+ModeSwitchingSettings = inside("physim.controllers", "ModeSwitchingSettings")
+pack_parts, pack_polylines = inside("physim.geometry", "pack_parts", "pack_polylines")
+read_only, build_wall_grid = inside("physim.geometry", "read_only", "build_wall_grid")
+Sight, build_wall_tree = inside("physim.geometry", "Sight", "build_wall_tree")
+Declared, shared = inside("physim.parts", "Declared", "shared")
+PerRobotAdapter, observe = inside("physim.simulation", "PerRobotAdapter", "observe")
+SceneBody, FormationPlan = inside("physim.world", "Body", "FormationPlan")
 
 
 @dataclass(frozen=True)

@@ -9,19 +9,19 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from physim.controllers.avoidance import smallest_distance, smallest_time
-from physim.controllers.near_field import NearField
-from physim.controllers.priority import Bodies
-from physim.controllers.settings import ModeSwitchingSettings
-from physim.geometry.motion import facings
-from physim.geometry.shapes import pack_parts
 from tests.controllers.agreement import hold_against_oracle
 from tests.controllers.random_scenes import convex_part, footprint, random_command, random_history
 from tests.controllers.scenes import near_field
+from tests.helpers import inside
 from tests.oracles.collision_times import Question, collision_times
 from tests.oracles.distances import smallest_distances
 from tests.oracles.motion import placed
 from tests.oracles.tolerances import ROUNDING, TIME, TOUCH
+
+smallest_distance = inside("physim.controllers", "smallest_distance")
+smallest_time, NearField = inside("physim.controllers", "smallest_time", "NearField")
+Bodies, ModeSwitchingSettings = inside("physim.controllers", "Bodies", "ModeSwitchingSettings")
+facings, pack_parts = inside("physim.geometry", "facings", "pack_parts")
 
 BY_DISTANCE = {
     "distance_low": 50.0, "distance_high": 50.0, "time_low": 0.0, "time_high": 0.0,

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from physim.controllers.constant import Constant, ConstantSettings
 from physim.world import Robot
 from tests.controllers.random_scenes import random_history
 from tests.controllers.scenes import observations
+from tests.helpers import inside
+
+Constant, ConstantSettings = inside("physim.controllers", "Constant", "ConstantSettings")
 
 COMMANDS = ((1.5, -0.3), (-0.2, 1.6))
 

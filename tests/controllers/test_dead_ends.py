@@ -8,11 +8,12 @@ import numpy as np
 import pytest
 
 import physim
-from physim.controllers.settings import ModeSwitchingSettings
 from physim.world.file import parse_world
 from tests.controllers.agreement import hold_against_oracle
 from tests.controllers.scenes import single_robot
-from tests.roads_to_stops import dead_end
+from tests.helpers import dead_end, inside
+
+ModeSwitchingSettings = inside("physim.controllers", "ModeSwitchingSettings")
 
 SLANTED = """
 name: slanted

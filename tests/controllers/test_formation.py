@@ -10,19 +10,17 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from physim import parse_world, simulate
-from physim.controllers.formation import (
-    formation_energy,
-    formation_energy_rate,
-    formation_speed,
-    formation_sum,
-    is_neighbour,
-)
-from physim.simulation.observation import formation_errors, observe
 from tests.controllers.scenes import scene_of, sensed_at, single_robot
+from tests.helpers import STRAIGHT, inside
 from tests.oracles import formation as oracle
 from tests.oracles.tolerances import ROUNDING
 from tests.oracles.view import neighbours
-from tests.worlds_by_hand import STRAIGHT
+
+formation_energy = inside("physim.controllers", "formation_energy")
+formation_energy_rate = inside("physim.controllers", "formation_energy_rate")
+formation_speed, formation_sum = inside("physim.controllers", "formation_speed", "formation_sum")
+is_neighbour = inside("physim.controllers", "is_neighbour")
+formation_errors, observe = inside("physim.simulation", "formation_errors", "observe")
 
 FAR = float("inf")
 EVERY_ONE = np.zeros((0, 0), dtype=np.int64)

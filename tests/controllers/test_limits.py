@@ -6,8 +6,10 @@ from collections.abc import Sequence
 
 import pytest
 
-from physim.controllers.world_checks import omega_faults
 from physim.world import Robot
+from tests.helpers import inside
+
+omega_faults = inside("physim.controllers", "omega_faults")
 
 
 def robot(omega: float, own: tuple[float, ...] | None = None) -> Robot:

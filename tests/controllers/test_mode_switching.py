@@ -7,11 +7,13 @@ import dataclasses
 import numpy as np
 import pytest
 
-from physim.controllers.settings import ModeSwitchingSettings
 from tests.controllers.agreement import Tally, hold_against_oracle
 from tests.controllers.equal_scenes import equal_case
 from tests.controllers.random_scenes import random_history, random_settings
 from tests.controllers.scenes import decisions, single_robot
+from tests.helpers import inside
+
+ModeSwitchingSettings = inside("physim.controllers", "ModeSwitchingSettings")
 
 SCENES = 220
 LEAST = {

@@ -7,20 +7,16 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 
-from physim.controllers.avoidance import (
-    longest_pair,
-    smallest_distance,
-    smallest_time,
-    widest_pair,
-)
-from physim.controllers.near_field import NearField
-from physim.controllers.path_following import speed_pairs
-from physim.controllers.priority import Bodies
-from physim.geometry.motion import facings
-from physim.geometry.shapes import IntArray, Shapes, pack_parts
+from physim.geometry import Shapes
 from tests.controllers.random_scenes import BOX, convex_part, footprint
 from tests.controllers.scenes import near_field
+from tests.helpers import inside
 from tests.oracles import avoidance as plain
+
+longest_pair, smallest_distance = inside("physim.controllers", "longest_pair", "smallest_distance")
+smallest_time, widest_pair = inside("physim.controllers", "smallest_time", "widest_pair")
+NearField, speed_pairs, Bodies = inside("physim.controllers", "NearField", "speed_pairs", "Bodies")
+facings, IntArray, pack_parts = inside("physim.geometry", "facings", "IntArray", "pack_parts")
 
 PERIOD, AHEAD = 0.1, 0.5
 OMEGAS = np.array([-np.pi / 2.0, -np.pi / 4.0, 0.0, np.pi / 4.0, np.pi / 2.0])

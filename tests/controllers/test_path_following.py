@@ -7,21 +7,18 @@ import dataclasses
 import numpy as np
 import pytest
 
-from physim.controllers.path_following import (
-    best_plan,
-    judging_time,
-    speed_pairs,
-    target_energy,
-    target_on_path,
-)
-from physim.geometry.shapes import pack_polylines
-from physim.geometry.tracking import Tracking
-from physim.world.scene import Scene
+from physim import Scene
 from tests.controllers.random_scenes import offset_line
 from tests.controllers.scenes import scene_of, single_robot
+from tests.helpers import inside
 from tests.oracles import path_following, paths
 from tests.oracles.choice import smallest
 from tests.oracles.tolerances import ROUNDING
+
+best_plan, judging_time = inside("physim.controllers", "best_plan", "judging_time")
+speed_pairs, target_energy = inside("physim.controllers", "speed_pairs", "target_energy")
+target_on_path = inside("physim.controllers", "target_on_path")
+pack_polylines, Tracking = inside("physim.geometry", "pack_polylines", "Tracking")
 
 OMEGAS = [[-0.7, 0.0, 0.7], [0.0, 1.5, -0.8], [-1.5, -0.75, 0.0, 0.75, 1.5]]
 

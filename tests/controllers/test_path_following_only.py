@@ -6,13 +6,15 @@ import dataclasses
 
 import numpy as np
 
-from physim.controllers.path_following_only import PathFollowing
-from physim.parts.declarations import AT_STOP, SAFE
 from tests.controllers.random_scenes import random_history
 from tests.controllers.scenes import observations, single_robot
+from tests.helpers import inside
 from tests.oracles import path_following, paths
 from tests.oracles.choice import smallest
 from tests.oracles.tolerances import ROUNDING
+
+PathFollowing = inside("physim.controllers", "PathFollowing")
+AT_STOP, SAFE = inside("physim.parts", "AT_STOP", "SAFE")
 
 LOOK_AHEAD, PERIOD, JUDGE_AHEAD, ARRIVAL = 2.0, 0.1, 0.5, 0.06
 OMEGAS = [-np.pi / 2, -np.pi / 4, 0.0, np.pi / 4, np.pi / 2]

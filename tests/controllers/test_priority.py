@@ -6,16 +6,13 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from physim.controllers.formation import is_neighbour
-from physim.controllers.priority import (
-    considered,
-    considered_by_rank,
-    has_priority,
-    rank,
-    ranking_of,
-    within_by_rank,
-)
+from tests.helpers import inside
 from tests.oracles import priority as oracle
+
+is_neighbour, considered = inside("physim.controllers", "is_neighbour", "considered")
+considered_by_rank = inside("physim.controllers", "considered_by_rank")
+has_priority, rank, ranking_of = inside("physim.controllers", "has_priority", "rank", "ranking_of")
+within_by_rank = inside("physim.controllers", "within_by_rank")
 
 station = st.floats(-10.0, 10.0)
 

@@ -7,15 +7,16 @@ import math
 import numpy as np
 import shapely
 
-from physim.controllers.safe_area import is_outside, safe_target
-from physim.geometry.safe_point import nearest_safe_point
-from physim.geometry.shapes import pack_parts
-from physim.geometry.wall_tree import Sight, build_wall_tree
 from tests.controllers.random_scenes import random_road, random_walls, stretches_outside
+from tests.helpers import inside
 from tests.oracles import paths, safe_area
 from tests.oracles.safe_area import Place
 from tests.oracles.tolerances import ROUNDING
 from tests.oracles.view import shape
+
+is_outside, safe_target = inside("physim.controllers", "is_outside", "safe_target")
+nearest_safe_point, pack_parts = inside("physim.geometry", "nearest_safe_point", "pack_parts")
+Sight, build_wall_tree = inside("physim.geometry", "Sight", "build_wall_tree")
 
 QUARTER = 32
 """edges in place of a quarter of a circle about a corner"""

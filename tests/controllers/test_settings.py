@@ -6,15 +6,12 @@ import numpy as np
 import pytest
 from pydantic import ValidationError
 
-from physim.controllers.settings import (
-    AVOIDANCE,
-    DISTANCE_ALONE,
-    DISTANCE_FIRST,
-    NO_AVOIDANCE,
-    TIME_ALONE,
-    TIME_FIRST,
-    ModeSwitchingSettings,
-)
+from tests.helpers import inside
+
+AVOIDANCE, DISTANCE_ALONE = inside("physim.controllers", "AVOIDANCE", "DISTANCE_ALONE")
+DISTANCE_FIRST, NO_AVOIDANCE = inside("physim.controllers", "DISTANCE_FIRST", "NO_AVOIDANCE")
+TIME_ALONE, TIME_FIRST = inside("physim.controllers", "TIME_ALONE", "TIME_FIRST")
+ModeSwitchingSettings = inside("physim.controllers", "ModeSwitchingSettings")
 
 
 @pytest.mark.parametrize(

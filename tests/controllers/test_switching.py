@@ -6,9 +6,12 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from physim.controllers.settings import AVOIDANCE, ModeSwitchingSettings
-from physim.controllers.switching import DISTANCE, SAFE, TIME, next_mode
+from tests.helpers import inside
 from tests.oracles import switching as oracle
+
+AVOIDANCE = inside("physim.controllers", "AVOIDANCE")
+ModeSwitchingSettings, DISTANCE = inside("physim.controllers", "ModeSwitchingSettings", "DISTANCE")
+SAFE, TIME, next_mode = inside("physim.controllers", "SAFE", "TIME", "next_mode")
 
 RULES = ModeSwitchingSettings(time_low=0.5, time_high=1.0, avoidance="time_first").rules()
 FAR = float("inf")

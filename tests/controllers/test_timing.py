@@ -8,12 +8,14 @@ import numpy as np
 import pytest
 
 from physim import parse_world, simulate
-from physim.controllers.settings import ModeSwitchingSettings
-from physim.controllers.switching import update_interval
-from physim.geometry.shapes import IntArray
 from tests.controllers.agreement import hold_against_oracle
 from tests.controllers.scenes import single_robot
+from tests.helpers import inside
 from tests.oracles import timing as oracle
+
+ModeSwitchingSettings = inside("physim.controllers", "ModeSwitchingSettings")
+update_interval = inside("physim.controllers", "update_interval")
+IntArray = inside("physim.geometry", "IntArray")
 
 FACING_A_WALL = """
 name: facing a wall

@@ -6,12 +6,14 @@ import numpy as np
 import pytest
 
 import physim
+from physim import Simulation
 from physim.errors import WorldError
-from physim.parts.registry import CONTROLLER, make_part
-from physim.simulation.loop import Simulation
 from physim.world.checks import Findings, check_world
 from physim.world.file import parse_world
-from physim.world.file.files import shipped_worlds
+from tests.helpers import inside
+
+CONTROLLER, make_part = inside("physim.parts", "CONTROLLER", "make_part")
+shipped_worlds = inside("physim.world.file", "shipped_worlds")
 
 ALONE = """\
 name: alone

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from physim.analysis.crashtest.drawing import Batch
-from physim.analysis.crashtest.prediction import Prediction, predict
+from tests.helpers import inside
+
+Batch, Prediction, predict = inside("physim.analysis.crashtest", "Batch", "Prediction", "predict")
 
 
 def without_rotation(batch: Batch) -> Prediction:

@@ -10,14 +10,17 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from physim import simulate
 from physim.analysis.crashtest import CrashReport, crash_test
-from physim.analysis.crashtest.case import THINNEST, build_store
-from physim.analysis.crashtest.drawing import CLEAR, KINDS, SPACING, TIME_STEPS, draw_case, place_of
-from physim.analysis.crashtest.report import Verdict, text
 from physim.simulation.engine import Physics
-from physim.simulation.run import simulate
 from physim.world.file import load_world
 from tests.crashtest import sabotage
+from tests.helpers import inside
+
+THINNEST, build_store = inside("physim.analysis.crashtest", "THINNEST", "build_store")
+CLEAR, KINDS, SPACING = inside("physim.analysis.crashtest", "CLEAR", "KINDS", "SPACING")
+TIME_STEPS, draw_case = inside("physim.analysis.crashtest", "TIME_STEPS", "draw_case")
+place_of, Verdict, text = inside("physim.analysis.crashtest", "place_of", "Verdict", "text")
 
 CASES = 550
 """Ten of each kind at each time step."""
@@ -159,8 +162,8 @@ def test_no_world_is_written_where_all_is_explained(tmp_path: Path) -> None:
 
 
 def test_cases_are_clear_at_the_start_and_keep_the_tunnelling_rule() -> None:
-    from physim.analysis.crashtest.drawing import case_world
-    from physim.world.layout.scene_builder import build_scene
+    case_world = inside("physim.analysis.crashtest", "case_world")
+    from physim import build_scene
 
     store = build_store(9)
     for number in range(110):

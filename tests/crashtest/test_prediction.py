@@ -5,8 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from physim.analysis.crashtest.prediction import point_speed
-from physim.geometry.motion import arc
+from tests.helpers import inside
+
+point_speed = inside("physim.analysis.crashtest", "point_speed")
+arc = inside("physim.geometry", "arc")
 
 STEP = 1e-5
 """[s] Central differences over it are good to 1e-9 m/s here: omega^3 times the arm times STEP^2."""

@@ -5,8 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from physim.analysis.crashtest.report import NEVER, Verdict, classify, first_sample
-from physim.geometry.shapes import FloatArray
+from tests.helpers import inside
+
+NEVER, Verdict, classify = inside("physim.analysis.crashtest", "NEVER", "Verdict", "classify")
+first_sample = inside("physim.analysis.crashtest", "first_sample")
+FloatArray = inside("physim.geometry", "FloatArray")
 
 STEP = 0.1
 INF, NAN = float("inf"), float("nan")

@@ -8,7 +8,7 @@ from pathlib import Path
 import h5py
 
 from tests.edges.shell import Shell
-from tests.records import make_record
+from tests.helpers.records import make_record
 
 
 def damaged(shell: Shell, change: Callable[[h5py.File], object]) -> Path:

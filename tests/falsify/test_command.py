@@ -12,14 +12,15 @@ from typing import Any
 
 import pytest
 
-from physim.campaigns.falsify.evaluate import in_this_process
-from physim.campaigns.falsify.robustness import Judged
 from physim.record import Record
-from physim.record.lock import WriteLock
 from physim.world import World
 from physim.world.file import load_world
 from tests.cli.commands import SMALL, frames, physim, shell
 from tests.falsify.worlds import five_robots, judge
+from tests.helpers import inside
+
+in_this_process, Judged = inside("physim.campaigns.falsify", "in_this_process", "Judged")
+WriteLock = inside("physim.record", "WriteLock")
 
 QUIET_SMALL = SMALL.replace("duration: 2.0", "duration: 0.4")
 
@@ -279,7 +280,14 @@ def test_a_search_that_cannot_begin_keeps_the_earlier_one(
 ) -> None:
     """Of one whose controller cannot be made the earlier worst world was gone."""
     (tmp_path / "worst.yaml").write_text("mine")
-    arguments = ("three_robots", "--budget", "2", "--controller", "tests.says:Says", "--no-video")
+    arguments = (
+        "three_robots",
+        "--budget",
+        "2",
+        "--controller",
+        "tests.helpers.worlds:Says",
+        "--no-video",
+    )
     done = physim("falsify", *arguments, "-o", tmp_path, "--force", capture=capsys)
     assert done.code == 2
     assert (tmp_path / "worst.yaml").read_text() == "mine"

@@ -9,11 +9,12 @@ import numpy as np
 import pytest
 
 from benchmarks.planted import MIDDLE, Planted, Twin, planted_world
-from physim.campaigns.executors import executor
-from physim.campaigns.falsify.evaluate import accepted, by_executor, in_this_process, judge_world
-from physim.campaigns.falsify.robustness import ROBOTS
-from physim.campaigns.falsify.search import hunt
-from physim.campaigns.falsify.space import Space
+from tests.helpers import inside
+
+executor = inside("physim.campaigns", "executor")
+accepted, by_executor = inside("physim.campaigns.falsify", "accepted", "by_executor")
+in_this_process, judge_world = inside("physim.campaigns.falsify", "in_this_process", "judge_world")
+ROBOTS, hunt, Space = inside("physim.campaigns.falsify", "ROBOTS", "hunt", "Space")
 
 NAME, SOUND = "benchmarks.planted:Planted", "benchmarks.planted:Sound"
 MOST = 5000

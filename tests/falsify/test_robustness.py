@@ -5,11 +5,13 @@ from __future__ import annotations
 import pytest
 
 import physim
+from physim import SaveAt
 from physim.analysis.metrics import contact_episodes, grazes
-from physim.campaigns.falsify.robustness import ROBOTS, WALL, judged
-from physim.simulation.recorder import SaveAt
 from physim.world import World
 from tests.falsify.worlds import five_robots, into_the_wall, judge, past_a_corner
+from tests.helpers import inside
+
+ROBOTS, WALL, judged = inside("physim.campaigns.falsify", "ROBOTS", "WALL", "judged")
 
 FREE = {"step": 0.05, "duration": 3.0}
 

@@ -5,11 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from physim.campaigns.falsify.optimisers import Evolution, RandomSearch, Search
-from physim.campaigns.falsify.robustness import ROBOTS, Judged, Touched
-from physim.campaigns.falsify.search import hunt
-from physim.campaigns.falsify.space import Space
 from tests.falsify.worlds import EVALUATE, five_robots
+from tests.helpers import inside
+
+Evolution, RandomSearch = inside("physim.campaigns.falsify", "Evolution", "RandomSearch")
+Search, ROBOTS, Judged = inside("physim.campaigns.falsify", "Search", "ROBOTS", "Judged")
+Touched, hunt, Space = inside("physim.campaigns.falsify", "Touched", "hunt", "Space")
 
 
 def least(search: Search, runs: int, target: np.ndarray) -> float:

@@ -13,24 +13,10 @@ import pytest
 
 import physim
 from benchmarks.planted import MIDDLE, planted_world
-from physim import Decision, Observation
+from physim import Decision, Observation, Simulation
 from physim.analysis.validation import validate
-from physim.campaigns.falsify.evaluate import accepted, controller_of
-from physim.campaigns.falsify.later import later, starts_of
-from physim.campaigns.falsify.passes import (
-    fewer_things,
-    rounder,
-    straighter,
-    tree_of,
-    with_robots,
-)
-from physim.campaigns.falsify.robustness import ROBOTS, WALL, Judged, Moment, Touched
-from physim.campaigns.falsify.shrink import Shrunk, shrink, size_of
-from physim.simulation.loop import Simulation
-from physim.simulation.run import record_run
 from physim.world import World
 from physim.world.file import load_world
-from physim.world.file.files import shipped_worlds
 from tests.falsify.worlds import (
     ACCEPTS,
     EVALUATE,
@@ -40,6 +26,17 @@ from tests.falsify.worlds import (
     past_a_corner,
     robot,
 )
+from tests.helpers import inside
+
+accepted, controller_of = inside("physim.campaigns.falsify", "accepted", "controller_of")
+later, starts_of = inside("physim.campaigns.falsify", "later", "starts_of")
+fewer_things, rounder = inside("physim.campaigns.falsify", "fewer_things", "rounder")
+straighter, tree_of = inside("physim.campaigns.falsify", "straighter", "tree_of")
+with_robots, ROBOTS, WALL = inside("physim.campaigns.falsify", "with_robots", "ROBOTS", "WALL")
+Judged, Moment, Touched = inside("physim.campaigns.falsify", "Judged", "Moment", "Touched")
+Shrunk, shrink, size_of = inside("physim.campaigns.falsify", "Shrunk", "shrink", "size_of")
+record_run = inside("physim.simulation", "record_run")
+shipped_worlds = inside("physim.world.file", "shipped_worlds")
 
 
 def in_band() -> World:

@@ -10,17 +10,18 @@ import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from physim.campaigns.falsify.space import FACTOR, KINDS, REACH, Settings, Space
-from physim.campaigns.falsify.starts import GAP, pinned
+from physim import Simulation, build_scene
 from physim.errors import PhysimError
-from physim.parts.registry import CONTROLLER, make_part
-from physim.simulation.loop import Simulation
 from physim.world import World
 from physim.world.file import load_world
-from physim.world.layout.layout import lay_out
-from physim.world.layout.scene_builder import build_scene
-from physim.world.layout.shape_checks import placed_outline
 from tests.falsify.worlds import BOX, five_robots, robot
+from tests.helpers import inside
+
+FACTOR, KINDS, REACH = inside("physim.campaigns.falsify", "FACTOR", "KINDS", "REACH")
+Settings, Space, GAP = inside("physim.campaigns.falsify", "Settings", "Space", "GAP")
+pinned = inside("physim.campaigns.falsify", "pinned")
+CONTROLLER, make_part = inside("physim.parts", "CONTROLLER", "make_part")
+lay_out, placed_outline = inside("physim.world.layout", "lay_out", "placed_outline")
 
 
 def in_region(**changes: Any) -> World:

@@ -6,7 +6,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from physim.record.layout import MAJOR
 from tests.forgeries.tools import (
     Change,
     attribute,
@@ -20,6 +19,9 @@ from tests.forgeries.tools import (
     together,
     world,
 )
+from tests.helpers import inside
+
+MAJOR = inside("physim.record", "MAJOR")
 
 UP = "/updates"
 

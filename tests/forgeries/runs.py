@@ -9,7 +9,7 @@ import h5py
 import numpy as np
 
 import physim
-from physim.simulation.recorder import SaveAt
+from physim import SaveAt
 from tests.forgeries.parts import Heard, Ramp, Slip
 
 LANE = """\

@@ -8,7 +8,9 @@ from typing import Any
 import h5py
 import numpy as np
 
-from physim.record.layout import CONSIDERED, CONSIDERING
+from tests.helpers import inside
+
+CONSIDERED, CONSIDERING = inside("physim.record", "CONSIDERED", "CONSIDERING")
 
 Change = Callable[[h5py.File], None]
 

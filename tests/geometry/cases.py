@@ -9,8 +9,9 @@ import numpy as np
 import pytest
 import shapely
 
-from physim.geometry.corridor import width_feet
-from physim.geometry.shapes import pack_parts
+from tests.helpers import inside
+
+width_feet, pack_parts = inside("physim.geometry", "width_feet", "pack_parts")
 
 CASES = Path(__file__).parents[3] / "shared" / "cases"
 

@@ -6,10 +6,12 @@ import numpy as np
 import pytest
 import shapely
 
-from physim.geometry.area import accessible_area
-from physim.geometry.corridor import corridor_boundaries, offset_polyline
-from physim.geometry.shapes import FloatArray
 from tests.geometry.cases import side_distances
+from tests.helpers import inside
+
+accessible_area = inside("physim.geometry", "accessible_area")
+corridor_boundaries = inside("physim.geometry", "corridor_boundaries")
+offset_polyline, FloatArray = inside("physim.geometry", "offset_polyline", "FloatArray")
 
 STRAIGHT = np.array([[0.0, 0.0], [20.0, 0.0]])
 

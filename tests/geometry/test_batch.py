@@ -14,12 +14,14 @@ from physim.geometry import (
     pack_shapes,
     shortest_distances,
 )
-from physim.geometry.queries import fill_distances, fill_times, parts_of
-from physim.geometry.separation import body_distance
-from physim.geometry.shapes import locked, pack_parts
 from tests.geometry.cases import BOX, published, random_scene
 from tests.geometry.test_collision_time import OMEGAS
 from tests.geometry.test_separation import shape_of
+from tests.helpers import inside
+
+fill_distances, fill_times = inside("physim.geometry", "fill_distances", "fill_times")
+parts_of, body_distance, locked = inside("physim.geometry", "parts_of", "body_distance", "locked")
+pack_parts = inside("physim.geometry", "pack_parts")
 
 
 def scene(seed=3, count=40):

@@ -6,13 +6,14 @@ import numpy as np
 import pytest
 
 from physim.geometry import separation as kernels
-from physim.geometry.clearance import ClearanceFinder, clearances
-from physim.geometry.nearest_wall import LIST_SIZE
-from physim.geometry.robot_frames import bounding_discs
-from physim.geometry.shapes import pack_parts
-from physim.geometry.wall_grid import build_wall_grid, parts_in_range, parts_near
 from tests.geometry.cases import BOX, corridor_walls, random_body
+from tests.helpers import inside
 from tests.oracles.clearances import clearances as plain_clearances
+
+ClearanceFinder, clearances = inside("physim.geometry", "ClearanceFinder", "clearances")
+LIST_SIZE, bounding_discs = inside("physim.geometry", "LIST_SIZE", "bounding_discs")
+pack_parts, build_wall_grid = inside("physim.geometry", "pack_parts", "build_wall_grid")
+parts_in_range, parts_near = inside("physim.geometry", "parts_in_range", "parts_near")
 
 
 def random_run(rng, robots, samples):

@@ -16,14 +16,16 @@ from hypothesis import strategies as st
 from physim.errors import PhysimError
 from physim.geometry import collision as kernels
 from physim.geometry import collision_time
-from physim.geometry.advancement import advancement_time
-from physim.geometry.gap_bounds import travel, turning_reach
-from physim.geometry.motion import Course, along_course, arc_course, still_course
-from physim.geometry.shapes import pack_parts
-from physim.geometry.translation import clip_normals, translation_time
 from physim.tolerances import CLOSING_SPEED, CONTACT, TIME
 from tests.geometry.cases import BOX, corridor_walls, placed, published, random_convex, random_scene
+from tests.helpers import inside
 from tests.oracles.collision_time import distance_at, marched_time
+
+advancement_time, travel = inside("physim.geometry", "advancement_time", "travel")
+turning_reach, Course = inside("physim.geometry", "turning_reach", "Course")
+along_course, arc_course = inside("physim.geometry", "along_course", "arc_course")
+still_course, pack_parts = inside("physim.geometry", "still_course", "pack_parts")
+clip_normals, translation_time = inside("physim.geometry", "clip_normals", "translation_time")
 
 HORIZON = 10.0
 BOX_REACH = max(x for x, _ in BOX)

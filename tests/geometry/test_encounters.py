@@ -16,12 +16,13 @@ from physim.geometry import (
     contact_intervals,
     polyline,
 )
-from physim.geometry.encounters import next_encounter
-from physim.geometry.motion import arc_course
 from physim.tolerances import CONTACT, TIME
 from tests.geometry.cases import BOX, placed, published, random_scene
 from tests.geometry.test_collision_time import disc, engine_shape, random_twist
+from tests.helpers import inside
 from tests.oracles.collision_time import distance_at, marched_time
+
+next_encounter, arc_course = inside("physim.geometry", "next_encounter", "arc_course")
 
 HORIZON = 10.0
 STILL = ((0.0, 0.0, 0.0), (0.0, 0.0))

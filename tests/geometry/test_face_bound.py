@@ -9,11 +9,14 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from physim.geometry.advancement import fall_time, look_at
-from physim.geometry.gap_bounds import above, bend, face_step, lasting, turned
-from physim.geometry.motion import along_course, arc_course, still_course, straight_course
 from physim.tolerances import CONTACT
 from tests.geometry.cases import random_convex
+from tests.helpers import inside
+
+fall_time, look_at, above, bend = inside("physim.geometry", "fall_time", "look_at", "above", "bend")
+face_step, lasting, turned = inside("physim.geometry", "face_step", "lasting", "turned")
+along_course, arc_course = inside("physim.geometry", "along_course", "arc_course")
+still_course, straight_course = inside("physim.geometry", "still_course", "straight_course")
 
 seeds = st.integers(0, 2**32 - 1)
 

@@ -7,9 +7,12 @@ import math
 import numpy as np
 import pytest
 
-from physim.geometry.shapes import FloatArray, pack_parts
-from physim.geometry.swept_contacts import find_swept_contacts, wear_off
+from physim.geometry.swept_contacts import wear_off
 from tests.geometry.cases import BOX
+from tests.helpers import inside
+
+FloatArray, pack_parts = inside("physim.geometry", "FloatArray", "pack_parts")
+find_swept_contacts = inside("physim.geometry", "find_swept_contacts")
 
 DT = 0.1
 SHAPES = pack_parts([[BOX], [BOX]])

@@ -8,9 +8,10 @@ import shapely
 from hypothesis import given
 from hypothesis import strategies as st
 
-from physim.geometry.area import accessible_area
-from physim.geometry.joints import REACH, joined
-from physim.geometry.shapes import FloatArray
+from tests.helpers import inside
+
+accessible_area, REACH, joined = inside("physim.geometry", "accessible_area", "REACH", "joined")
+FloatArray = inside("physim.geometry", "FloatArray")
 
 WALLS = [
     np.array([[-5.0, 4.0], [55.0, 4.0]]),

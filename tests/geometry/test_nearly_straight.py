@@ -8,9 +8,11 @@ import numpy as np
 import pytest
 
 from physim.geometry import collision_time
-from physim.geometry.collision import LARGEST_CIRCLE, clear_of_part, never_meet, stays
-from physim.geometry.motion import arc_course
 from tests.geometry.cases import BOX
+from tests.helpers import inside
+
+LARGEST_CIRCLE, clear_of_part = inside("physim.geometry", "LARGEST_CIRCLE", "clear_of_part")
+never_meet, stays, arc_course = inside("physim.geometry", "never_meet", "stays", "arc_course")
 
 SLOW = [sign * 10.0**power for power in (-300, -17, -16, -14, -12, -10, -8) for sign in (1, -1)]
 

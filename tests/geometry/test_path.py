@@ -8,9 +8,10 @@ import shapely
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from physim.geometry.path import Path, project, track
-from physim.geometry.shapes import pack_polylines
-from physim.geometry.tracking import Tracking
+from tests.helpers import inside
+
+Path, project, track = inside("physim.geometry", "Path", "project", "track")
+pack_polylines, Tracking = inside("physim.geometry", "pack_polylines", "Tracking")
 
 coordinate = st.floats(-50.0, 50.0).map(lambda value: round(value, 3))
 points = st.lists(st.tuples(coordinate, coordinate), min_size=2, max_size=8)

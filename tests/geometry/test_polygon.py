@@ -9,17 +9,13 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from physim.errors import PhysimError
-from physim.geometry.polygon import (
-    circumscribed_radius,
-    convex_hull,
-    convex_parts,
-    counter_clockwise,
-    is_convex_part,
-    is_simple,
-    least_width,
-    signed_area,
-    smallest_width,
-)
+from tests.helpers import inside
+
+circumscribed_radius, convex_hull = inside("physim.geometry", "circumscribed_radius", "convex_hull")
+convex_parts, counter_clockwise = inside("physim.geometry", "convex_parts", "counter_clockwise")
+is_convex_part, is_simple = inside("physim.geometry", "is_convex_part", "is_simple")
+least_width, signed_area = inside("physim.geometry", "least_width", "signed_area")
+smallest_width = inside("physim.geometry", "smallest_width")
 
 L = [(0, 0), (2, 0), (2, 1), (1, 1), (1, 2), (0, 2)]
 U = [(0, 0), (3, 0), (3, 2), (2, 2), (2, 1), (1, 1), (1, 2), (0, 2)]

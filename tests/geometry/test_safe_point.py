@@ -7,13 +7,12 @@ import pytest
 import shapely
 from shapely.ops import nearest_points
 
-from physim.geometry import safe_point
-from physim.geometry.safe_point import (
-    nearest_safe_point,
-    point_clearance,
-    roomiest_point,
-)
-from physim.geometry.shapes import FloatArray, IntArray, Shapes, pack_parts
+from physim.geometry import Shapes, safe_point
+from tests.helpers import inside
+
+nearest_safe_point = inside("physim.geometry", "nearest_safe_point")
+point_clearance, roomiest_point = inside("physim.geometry", "point_clearance", "roomiest_point")
+FloatArray, IntArray, pack_parts = inside("physim.geometry", "FloatArray", "IntArray", "pack_parts")
 
 L = 1.0
 CHORD = L * (1.0 - np.cos(np.pi / 4 / 256))

@@ -16,9 +16,6 @@ from physim.geometry import (
     signed_distance,
 )
 from physim.geometry import separation as kernels
-from physim.geometry.convex import face_gap, part_gap, vertex_gap
-from physim.geometry.shapes import pack_parts
-from physim.geometry.witness import part_witness
 from tests.geometry.cases import (
     BOX,
     corridor_walls,
@@ -30,6 +27,10 @@ from tests.geometry.cases import (
     random_scene,
     whole,
 )
+from tests.helpers import inside
+
+face_gap, part_gap, vertex_gap = inside("physim.geometry", "face_gap", "part_gap", "vertex_gap")
+pack_parts, part_witness = inside("physim.geometry", "pack_parts", "part_witness")
 
 ROUNDING = 1e-14  # shapes of metres at the origin
 

@@ -9,15 +9,7 @@ import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
-from physim.geometry.separation import body_distance, nearest_wall
-from physim.geometry.shapes import pack_parts
-from physim.geometry.swept import (
-    SLACK,
-    least_gap_pair,
-    least_gap_walls,
-    swept_pair,
-    swept_walls,
-)
+from physim.geometry.swept import SLACK
 from physim.tolerances import CONTACT
 from tests.geometry.cases import (
     BOX,
@@ -28,7 +20,13 @@ from tests.geometry.cases import (
     random_convex,
     random_scene,
 )
+from tests.helpers import inside
 from tests.oracles.collision_time import distance_at, marched_time
+
+body_distance, nearest_wall = inside("physim.geometry", "body_distance", "nearest_wall")
+pack_parts, least_gap_pair = inside("physim.geometry", "pack_parts", "least_gap_pair")
+least_gap_walls, swept_pair = inside("physim.geometry", "least_gap_walls", "swept_pair")
+swept_walls = inside("physim.geometry", "swept_walls")
 
 DT = 0.1
 STILL = np.zeros(3)

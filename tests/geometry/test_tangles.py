@@ -11,7 +11,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from physim.geometry import tangles
-from physim.geometry.tangles import meet_more_often, segments_of
+from tests.helpers import inside
+
+meet_more_often, segments_of = inside("physim.geometry", "meet_more_often", "segments_of")
 
 corners = st.tuples(st.integers(0, 4), st.integers(0, 4)).map(lambda xy: np.array(xy, float))
 lines = st.lists(

@@ -10,10 +10,13 @@ import numpy as np
 import pytest
 import shapely
 
-from physim.geometry.area import SIMPLER, SMALL, accessible_area, shrunk
-from physim.geometry.shapes import FloatArray
-from physim.geometry.thinning import LONGEST_RUN, MANY, simplified, thinned
+from physim.geometry.thinning import MANY
 from physim.tolerances import LENGTH
+from tests.helpers import inside
+
+SIMPLER, SMALL, accessible_area = inside("physim.geometry", "SIMPLER", "SMALL", "accessible_area")
+shrunk, FloatArray, LONGEST_RUN = inside("physim.geometry", "shrunk", "FloatArray", "LONGEST_RUN")
+simplified, thinned = inside("physim.geometry", "simplified", "thinned")
 
 ROOT = Path(__file__).parents[2]
 ROOM = np.array([[-3.0, -3.0], [33.0, -3.0], [33.0, 3.0], [-3.0, 3.0], [-3.0, -3.0]])

@@ -5,11 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from physim.geometry.collision import bodies_time
-from physim.geometry.motion import arc_course
-from physim.geometry.shapes import pack_parts
-from physim.geometry.time_bounds import discs_meet, overlap_at, overlap_time
 from tests.controllers.random_scenes import BOX, footprint
+from tests.helpers import inside
+
+bodies_time, arc_course = inside("physim.geometry", "bodies_time", "arc_course")
+pack_parts, discs_meet = inside("physim.geometry", "pack_parts", "discs_meet")
+overlap_at, overlap_time = inside("physim.geometry", "overlap_at", "overlap_time")
 
 HORIZON = 10.0
 

@@ -5,10 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from physim.geometry.corridor import offset_polyline
-from physim.geometry.path import SHORTEST_WINDOW, Path, track
-from physim.geometry.shapes import pack_polylines
-from physim.geometry.tracking import Tracking
+from tests.helpers import inside
+
+offset_polyline, SHORTEST_WINDOW = inside("physim.geometry", "offset_polyline", "SHORTEST_WINDOW")
+Path, track, pack_polylines = inside("physim.geometry", "Path", "track", "pack_polylines")
+Tracking = inside("physim.geometry", "Tracking")
 
 OWN = [[[0.0, 2.0], [60.0, 2.0]], [[10.0, -3.0], [10.0, 40.0]]]
 REFERENCE = [[-5.0, 0.0], [60.0, 0.0]]

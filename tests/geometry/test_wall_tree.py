@@ -5,23 +5,17 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from physim.geometry.collision import walls_time
-from physim.geometry.motion import arc_course
-from physim.geometry.safe_point import point_clearance
-from physim.geometry.separation import wall_distance
-from physim.geometry.shapes import IntArray, Shapes, pack_parts
-from physim.geometry.wall_grid import parts_in_range
-from physim.geometry.wall_tree import (
-    Sight,
-    all_seen,
-    build_wall_tree,
-    comes_near,
-    parts_seen,
-    put_in_order,
-    seen_distance,
-    seen_time,
-)
+from physim.geometry import Shapes
 from tests.controllers.random_scenes import footprint, random_road, random_walls
+from tests.helpers import inside
+
+walls_time, arc_course = inside("physim.geometry", "walls_time", "arc_course")
+point_clearance, wall_distance = inside("physim.geometry", "point_clearance", "wall_distance")
+IntArray, pack_parts = inside("physim.geometry", "IntArray", "pack_parts")
+parts_in_range, Sight, all_seen = inside("physim.geometry", "parts_in_range", "Sight", "all_seen")
+build_wall_tree, comes_near = inside("physim.geometry", "build_wall_tree", "comes_near")
+parts_seen, put_in_order = inside("physim.geometry", "parts_seen", "put_in_order")
+seen_distance, seen_time = inside("physim.geometry", "seen_distance", "seen_time")
 
 CASES = 400
 

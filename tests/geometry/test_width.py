@@ -8,15 +8,12 @@ import shapely
 from hypothesis import given
 from hypothesis import strategies as st
 
-from physim.geometry.corridor import (
-    corridor_boundaries,
-    offset_polyline,
-    opposite,
-    side_feet,
-    width_feet,
-    widths_at,
-)
 from tests.geometry.cases import side_distances
+from tests.helpers import inside
+
+corridor_boundaries = inside("physim.geometry", "corridor_boundaries")
+offset_polyline, opposite = inside("physim.geometry", "offset_polyline", "opposite")
+side_feet, width_feet, widths_at = inside("physim.geometry", "side_feet", "width_feet", "widths_at")
 
 place = st.tuples(*[st.integers(-20, 20)] * 2)
 

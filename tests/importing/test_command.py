@@ -13,11 +13,11 @@ import pytest
 from physim.analysis import trial
 from physim.authoring.importing import FORMATS, Options, import_world
 from physim.world.file import load_world
-from physim.world.file.schema import schema_text
 from tests.cli.commands import physim
-from tests.facts import facts
+from tests.helpers import check_error, facts, inside
 from tests.importing.plans import SAMPLES, svg
-from tests.says import check_error
+
+schema_text = inside("physim.world.file", "schema_text")
 
 GIVEN = tuple(sorted(p.name for p in SAMPLES.iterdir() if p.suffix != ".png"))
 
@@ -184,7 +184,7 @@ def test_lanes_that_come_close_in_a_sharp_bend_are_told(
 
 
 def test_formats_of_the_command_line_are_those_of_the_import() -> None:
-    from physim.cli.importing import FORMATS as OFFERED
+    OFFERED = inside("physim.cli", "FORMATS")
 
     assert OFFERED == FORMATS
 

@@ -10,11 +10,13 @@ import shapely
 import shapely.affinity
 
 from physim.authoring.importing import Options, import_world
-from physim.geometry.corridor import offset_polyline
+from tests.helpers import inside
 from tests.importing.drawn import HALL, LOOP, WAY, box, paths_of
 from tests.importing.plans import check_says, only, svg
 from tests.importing.test_joining import geojson
 from tests.importing.test_places import free_area, refusal
+
+offset_polyline = inside("physim.geometry", "offset_polyline")
 
 
 @pytest.mark.parametrize(("x", "y", "offset"), [(4, 7, 0.0), (4, 9, 2.0), (20.5, 6, -1.0)])

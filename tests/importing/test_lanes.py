@@ -10,12 +10,14 @@ import pytest
 import shapely
 
 from physim.authoring.importing import Options, import_world
-from physim.authoring.importing.lines import without_loops
 from physim.world.checks import check_world
+from tests.helpers import inside
 from tests.importing.drawn import LOOP, box, paths_of, ways_of
 from tests.importing.plans import check_says, only
 from tests.importing.test_joining import geojson
 from tests.importing.test_places import free_area, refusal
+
+without_loops = inside("physim.authoring.importing", "without_loops")
 
 
 @pytest.mark.parametrize("corners", [

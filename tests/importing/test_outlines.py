@@ -11,14 +11,11 @@ import shapely
 from hypothesis import given
 from hypothesis import strategies as st
 
-from physim.authoring.importing.outlines import (
-    DENT,
-    footprint_of,
-    rectangle_of,
-    without_dents,
-)
-from physim.geometry.polygon import convex_parts
-from physim.geometry.shapes import FloatArray
+from tests.helpers import inside
+
+DENT, footprint_of = inside("physim.authoring.importing", "DENT", "footprint_of")
+rectangle_of, without_dents = inside("physim.authoring.importing", "rectangle_of", "without_dents")
+convex_parts, FloatArray = inside("physim.geometry", "convex_parts", "FloatArray")
 
 AHEAD = np.array([1.0, 0.0])
 

@@ -11,11 +11,13 @@ import shapely
 import shapely.affinity
 
 from physim.authoring.importing import Imported, ImportSourceError, Options, import_world
-from physim.authoring.importing.roles import role_named
-from physim.geometry.area import accessible_area
 from physim.world.checks import check_world
+from tests.helpers import inside
 from tests.importing.plans import check_says, only, svg, svg_path
 from tests.importing.test_joining import geojson
+
+role_named = inside("physim.authoring.importing", "role_named")
+accessible_area = inside("physim.geometry", "accessible_area")
 
 METRES = Options(scale=1.0)
 LINE = 'fill="none" stroke="black"'

@@ -11,9 +11,10 @@ import pytest
 import shapely
 
 from physim.authoring.importing import Options, import_world
-from physim.authoring.importing.lines import Outline
-from physim.authoring.importing.route import smooth
+from tests.helpers import inside
 from tests.importing.plans import check_says, only
+
+Outline, smooth = inside("physim.authoring.importing", "Outline", "smooth")
 
 
 def test_a_geometry_goes_over_lines_until_its_brackets_are_closed(tmp_path: Path) -> None:

@@ -19,10 +19,11 @@ from hypothesis import strategies as st
 
 from physim.authoring.importing import ImportSourceError, Options, import_world, importing
 from physim.errors import PhysimError, WorldError
-from physim.world.file.files import shipped_folder
-from tests.facts import facts
+from tests.helpers import facts, inside
 from tests.importing.plans import SAMPLES, check_says, map_yaml, pgm, svg
 from tests.importing.test_joining import geojson
+
+shipped_folder = inside("physim.world.file", "shipped_folder")
 
 HEADER = "# x_m,y_m,w_tr_right_m,w_tr_left_m\n"
 ROUND = np.linspace(0.0, 6.28, 200)

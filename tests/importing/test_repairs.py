@@ -25,7 +25,7 @@ from physim.authoring.importing import (
 from physim.authoring.importing import (
     robots as group,
 )
-from physim.authoring.importing.lines import CrossingError, without_loops
+from tests.helpers import inside
 from tests.importing.plans import (
     CELL,
     SAMPLES,
@@ -39,6 +39,9 @@ from tests.importing.plans import (
     write_map,
 )
 from tests.importing.test_joining import geojson
+
+CrossingError = inside("physim.authoring.importing", "CrossingError")
+without_loops = inside("physim.authoring.importing", "without_loops")
 
 ONE = Options(scale=1.0)
 ROOM = '<path id="boundary" d="M 0,0 24,0 24,14 0,14 Z"/>'

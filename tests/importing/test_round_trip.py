@@ -16,6 +16,7 @@ import shapely
 
 from physim.authoring.importing import Options, import_world, ros_map
 from physim.world.file import load_world
+from tests.helpers import inside
 from tests.importing.plans import (
     CELL,
     free_cells,
@@ -85,7 +86,7 @@ def test_shipped_corridor_comes_back_from_csv(tmp_path: Path) -> None:
     imported = import_world(path, Options(robots=6, lanes=2))
     assert not any("the area at" in change for change in imported.changes)  # it ends on its edge
     world = imported.world
-    from physim.geometry.corridor import offset_polyline
+    offset_polyline = inside("physim.geometry", "offset_polyline")
 
     assert world.boundaries is not None
     for wall, side in zip(world.boundaries, (0.5, -0.5), strict=False):

@@ -11,15 +11,15 @@ import numpy as np
 import pytest
 import shapely
 
-from physim import simulate
+from physim import Simulation, build_scene, simulate
 from physim.authoring.importing import Imported, Options, import_world
-from physim.parts.registry import CONTROLLER, make_part
 from physim.record import Record
-from physim.simulation.loop import Simulation
-from physim.simulation.run import record_run
-from physim.world.layout.scene_builder import build_scene
+from tests.helpers import inside
 from tests.importing.plans import SAMPLES, svg
 from tests.importing.test_joining import geojson
+
+CONTROLLER, make_part = inside("physim.parts", "CONTROLLER", "make_part")
+record_run = inside("physim.simulation", "record_run")
 
 MAPS = Path(__file__).parents[2].parent / "shared" / "cases" / "maps"
 MAP_NAMES = (

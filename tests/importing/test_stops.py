@@ -9,14 +9,15 @@ import numpy as np
 import pytest
 import shapely
 
+from physim import Simulation, build_scene
 from physim.authoring.importing import Imported, Options, import_world, lanes, robots
-from physim.authoring.importing.placed import Placed
-from physim.authoring.importing.stops import least_stop_gap, stop_stations
-from physim.parts.registry import CONTROLLER, make_part
-from physim.simulation.loop import Simulation
-from physim.world.layout.scene_builder import build_scene
+from tests.helpers import inside
 from tests.importing.plans import check_says, svg
 from tests.importing.test_joining import geojson
+
+Placed, least_stop_gap = inside("physim.authoring.importing", "Placed", "least_stop_gap")
+stop_stations = inside("physim.authoring.importing", "stop_stations")
+CONTROLLER, make_part = inside("physim.parts", "CONTROLLER", "make_part")
 
 BOX = (1.8, 1.0)
 CORNER = np.array([(0.0, 0.0), (30.0, 0.0), (30.0, 10.0)])

@@ -10,10 +10,11 @@ from pathlib import Path
 import pytest
 
 from physim.authoring.importing import ImportSourceError, Options, import_world
-from physim.authoring.importing.svg_css import DEEPEST
-from physim.authoring.importing.svg_sheets import MOST_SELECTORS
+from tests.helpers import inside
 from tests.importing.plans import check_says
 from tests.importing.test_as_meant import PATH, PILLAR, WALLS, svg
+
+DEEPEST, MOST_SELECTORS = inside("physim.authoring.importing", "DEEPEST", "MOST_SELECTORS")
 
 SEEN = {
     "an id before a class": ("#w {display:inline} .k {display:none}", 'id="w" class="k"', ""),

@@ -11,6 +11,8 @@ import pytest
 import svgelements
 
 from physim.authoring.importing import (
+    ImportSourceError,
+    Options,
     enclosure,
     parts,
     ros_map,
@@ -19,14 +21,12 @@ from physim.authoring.importing import (
     track_file,
     work,
 )
-from physim.authoring.importing.drawing import Drawing, ImportSourceError
-from physim.authoring.importing.geojson import read_geojson
-from physim.authoring.importing.options import Options
-from physim.authoring.importing.polygons import read_wkt
-from physim.authoring.importing.svg_curves import subpaths
-from physim.authoring.importing.svg_guard import look_at
-from physim.authoring.importing.track_file import read_track_file
+from tests.helpers import inside
 from tests.importing.plans import check_says
+
+Drawing, read_geojson = inside("physim.authoring.importing", "Drawing", "read_geojson")
+read_wkt, subpaths = inside("physim.authoring.importing", "read_wkt", "subpaths")
+look_at, read_track_file = inside("physim.authoring.importing", "look_at", "read_track_file")
 
 PLACE = Path("plan")
 RING = np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]])

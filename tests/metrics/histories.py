@@ -8,11 +8,14 @@ from typing import Any
 import numpy as np
 
 from physim.contacts import CONTACT_ROW
-from physim.geometry.shapes import FloatArray, IntArray
-from physim.parts.declarations import NO_NUMBER, Declared
 from physim.record import Record, RecordWriter
-from physim.record.layout import COMMAND, EXTREME, FARTHEST, OPTIONAL, update_type
-from tests.records import DECLARED, make_scene
+from tests.helpers import inside
+from tests.helpers.records import DECLARED, make_scene
+
+FloatArray, IntArray = inside("physim.geometry", "FloatArray", "IntArray")
+NO_NUMBER, Declared = inside("physim.parts", "NO_NUMBER", "Declared")
+COMMAND, EXTREME, FARTHEST = inside("physim.record", "COMMAND", "EXTREME", "FARTHEST")
+OPTIONAL, update_type = inside("physim.record", "OPTIONAL", "update_type")
 
 
 def beside_paths(deviations: FloatArray) -> FloatArray:

@@ -6,10 +6,11 @@ import numpy as np
 import pytest
 
 import physim
-from physim.analysis.metrics import absent
-from physim.analysis.metrics.progress import Absent
-from physim.simulation.arrival import STILL_DISTANCE
+from physim.analysis.metrics import Absent, absent
+from tests.helpers import inside
 from tests.validation.runs import LANE, Drivers
+
+STILL_DISTANCE = inside("physim.simulation", "STILL_DISTANCE")
 
 
 def test_how_far_off_and_how_turned_are_those_of_the_last_pose():

@@ -9,23 +9,25 @@ import pytest
 import shapely
 
 import physim
-from physim import Decision
+from physim import Decision, build_scene
 from physim.analysis import metrics
-from physim.analysis.metrics.distances import sides_of, width_extreme
 from physim.analysis.metrics.held import Held
-from physim.analysis.metrics.progress import MOST_MOMENTS, grid, spacing
-from physim.drawing.preview.contents import contents
 from physim.errors import PhysimError
-from physim.geometry.corridor import MOST_PLACES, offset_polyline, sampled_widths
-from physim.geometry.shapes import FloatArray, pack_parts, pack_polylines
 from physim.record import Record, RecordWriter
 from physim.world.file import load_world
-from physim.world.layout.layout import lay_out
-from physim.world.layout.scene_builder import build_scene
-from physim.world.scene import Body
+from tests.helpers import inside
+from tests.helpers.records import CENTRELINE, WIDTH, make_record, make_scene
 from tests.metrics.histories import THERE, beside_paths, history, mean_squares
-from tests.records import CENTRELINE, WIDTH, make_record, make_scene
 from tests.validation.runs import LANE, Drivers
+
+sides_of, width_extreme = inside("physim.analysis.metrics", "sides_of", "width_extreme")
+MOST_MOMENTS, grid, spacing = inside("physim.analysis.metrics", "MOST_MOMENTS", "grid", "spacing")
+contents = inside("physim.drawing.preview", "contents")
+MOST_PLACES, offset_polyline = inside("physim.geometry", "MOST_PLACES", "offset_polyline")
+sampled_widths, FloatArray = inside("physim.geometry", "sampled_widths", "FloatArray")
+pack_parts, pack_polylines = inside("physim.geometry", "pack_parts", "pack_polylines")
+lay_out = inside("physim.world.layout", "lay_out")
+Body = inside("physim.world", "Body")
 
 
 def arcs(v: FloatArray, omega: FloatArray, samples: int, dt: float = 0.01) -> FloatArray:

@@ -9,15 +9,18 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from physim import Mode
 from physim.analysis import metrics
 from physim.analysis.metrics import DangerShare, Moment
 from physim.analysis.summary import summarise, table_rows
 from physim.errors import RecordError
-from physim.geometry.shapes import FloatArray, pack_polylines
-from physim.parts.declarations import Declared, Mode
 from physim.record import RecordWriter
+from tests.helpers import inside
+from tests.helpers.records import DECLARED, UPDATE, make_record, make_scene
 from tests.metrics.histories import THERE, along_reference, history
-from tests.records import DECLARED, UPDATE, make_record, make_scene
+
+FloatArray, pack_polylines = inside("physim.geometry", "FloatArray", "pack_polylines")
+Declared = inside("physim.parts", "Declared")
 
 BEGAN, STAYS, ENDED = 0, 1, 2
 

@@ -6,11 +6,13 @@ import numpy as np
 import pytest
 
 from physim.analysis import metrics
-from physim.controllers.formation import formation_energy
-from physim.geometry.shapes import FloatArray
 from physim.record import Record
+from tests.helpers import inside
 from tests.metrics.histories import along_reference, history, mean_squares
 from tests.oracles import formation as oracle
+
+formation_energy = inside("physim.controllers", "formation_energy")
+FloatArray = inside("physim.geometry", "FloatArray")
 
 LEAD = np.array([0.0, -4.0, -9.0, -30.0])
 STATIONS = np.array([[40.0, 35.0, 31.0, 11.0], [50.0, 46.0, 42.0, 18.0], [61.0, 57.0, 52.0, 30.5]])

@@ -12,12 +12,14 @@ import pytest
 import physim
 from physim import Decision
 from physim.analysis import metrics
-from physim.drawing.timeline import Timeline
 from physim.errors import PhysimError
-from physim.geometry.shapes import FloatArray
 from physim.record import Record
+from tests.helpers import inside
+from tests.helpers.records import make_record
 from tests.metrics.histories import mean_squares
-from tests.records import make_record
+
+Timeline = inside("physim.drawing", "Timeline")
+FloatArray = inside("physim.geometry", "FloatArray")
 
 WORLD = """
 name: bend

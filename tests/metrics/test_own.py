@@ -14,9 +14,9 @@ from physim.analysis.summary import summarise, table
 from physim.errors import PhysimError
 from physim.record import Record
 from tests.cli.commands import physim
-from tests.facts import facts
-from tests.packages import install
-from tests.records import make_record
+from tests.helpers import facts
+from tests.helpers.packages import install
+from tests.helpers.records import make_record
 
 TEXT = '''
 import numpy as np

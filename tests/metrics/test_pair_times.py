@@ -5,9 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from physim.analysis.metrics.distances import pair_collision_times, shortest_pair_collision_time
 from physim.record import Record
+from tests.helpers import inside
 from tests.metrics.histories import history
+
+pair_collision_times = inside("physim.analysis.metrics", "pair_collision_times")
+shortest_pair_collision_time = inside("physim.analysis.metrics", "shortest_pair_collision_time")
 
 LENGTH = 1.8
 """[m] of a robot"""

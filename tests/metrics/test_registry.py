@@ -10,9 +10,9 @@ import pytest
 from physim.analysis.metrics import DEFINITIONS, measure
 from physim.analysis.summary import summarise
 from physim.errors import PhysimError
-from tests.facts import facts
+from tests.helpers import facts
+from tests.helpers.records import make_record
 from tests.metrics.histories import history
-from tests.records import make_record
 
 UNITS = {"-", "m", "s", "1/s", "1/min", "m/s", "rad/s", "m^2", "J", "N s"}
 OF_SEVERAL = {"shortest_distance", "farthest_distance", "contacts_between_robots"}

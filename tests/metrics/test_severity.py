@@ -11,7 +11,7 @@ from numpy import array, sinc
 import physim
 from physim import Decision
 from physim.analysis.metrics import contact_episodes, masses, severity
-from tests.records import make_record
+from tests.helpers.records import make_record
 
 ROOM = """\
 name: room

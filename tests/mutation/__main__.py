@@ -24,6 +24,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+from tests.helpers import inside
 from tests.mutation.children import first_red, first_red_with, forked, uncompiled, watched
 from tests.mutation.mutants import Mutant, drawn, mutants_of
 from tests.mutation.rooms import EQUIVALENT, ROOMS, ROOT, sources_of, tests_of
@@ -177,7 +178,7 @@ def judge_rules(room: str, tests: Known, in_forks: Callable[..., Any]) -> int:
 
 def tell(what: str, trials: int, survivors: int) -> None:
     """Say how many were noticed."""
-    from physim.statistics.proportion import clopper_pearson
+    clopper_pearson = inside("physim.statistics", "clopper_pearson")
 
     noticed = trials - survivors
     low, high = clopper_pearson(noticed, trials)

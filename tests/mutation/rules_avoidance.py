@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from tests.helpers import inside
 from tests.mutation.rules import called, found, given, instead, rule
 
 AVOIDANCE = "physim.controllers.avoidance:"
@@ -94,7 +95,7 @@ def robots_do_not_count_in_12() -> None:
 @rule("controllers")
 def distance_at_the_start_in_12() -> None:
     """(12) counts the distance that there is now as well, so nothing seems to widen it."""
-    from physim.controllers.avoidance import smallest_distance
+    smallest_distance = inside("physim.controllers", "smallest_distance")
 
     found(
         AVOIDANCE + "distance_after",
@@ -105,8 +106,8 @@ def distance_at_the_start_in_12() -> None:
 @rule("controllers")
 def reference_point_decides_at_the_boundary() -> None:
     """The boundary distance is that of the reference point, not of the footprint."""
-    from physim.geometry.safe_point import point_clearance
-    from physim.geometry.wall_tree import all_seen
+    point_clearance = inside("physim.geometry", "point_clearance")
+    all_seen = inside("physim.geometry", "all_seen")
 
     instead(
         MODES + "seen_distance",
@@ -253,7 +254,7 @@ def who_is_at_its_stop_avoids() -> None:
 @rule("controllers")
 def arrival_by_the_way_left_straight() -> None:
     """A robot stands once it is near its stop by the straight way, round a bend before it."""
-    from physim.geometry.path import point_at
+    point_at = inside("physim.geometry", "point_at")
 
     def near(a: Any) -> Any:
         x, y = point_at(a.paths, a.own.path, a.own.stop_station)[:2]

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from tests.helpers import inside
 from tests.mutation.rules import called, found, given, instead, rule
 
 ADVANCE = "physim.geometry.advancement:"
@@ -104,7 +105,7 @@ def only_the_first_part_counts() -> None:
 @rule("geometry")
 def footprint_is_its_hull() -> None:
     """A nonconvex outline is filled in."""
-    from physim.geometry.polygon import convex_hull
+    convex_hull = inside("physim.geometry", "convex_hull")
 
     instead("physim.geometry.polygon:convex_parts", lambda a: [convex_hull(a.polygon)])
 
@@ -143,7 +144,7 @@ def collision_time_is_early() -> None:
 @rule("geometry")
 def collision_time_is_that_of_discs() -> None:
     """Two bodies meet when the discs about them do."""
-    from physim.geometry.time_bounds import discs_meet
+    discs_meet = inside("physim.geometry", "discs_meet")
 
     instead(COLLISION + "bodies_time", lambda a: discs_meet(a.a, a.b, 0.0, a.horizon))
 
@@ -190,7 +191,7 @@ def steps_are_not_certified() -> None:
 @rule("geometry")
 def swept_check_looks_at_the_middle() -> None:
     """A contact between two samples is one only where the middle of the step touches."""
-    from physim.geometry.separation import body_distance
+    body_distance = inside("physim.geometry", "body_distance")
 
     def middle(a: Any) -> float:
         one, other = 0.5 * (a.start_i + a.end_i), 0.5 * (a.start_j + a.end_j)

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from tests.helpers import inside
 from tests.mutation.rules import called, found, given, instead, replaced, rule
 
 ARRIVAL = "physim.simulation.arrival:"
@@ -68,7 +69,7 @@ def knowing(a: Any, sensed: Any, old: Any) -> Any:
 
 
 def truth_of(a: Any) -> Any:
-    from physim.parts.stages import everybody
+    everybody = inside("physim.parts", "everybody")
 
     return everybody(a.self.now, a.self._shared)
 
@@ -365,7 +366,7 @@ def first_to_arrive_finishes() -> None:
 @rule("metrics")
 def messages_are_decisions() -> None:
     """A decision is one message, however many robots it considers (14)."""
-    from physim.analysis.metrics.modes import decisions
+    from physim.analysis.metrics import decisions
 
     instead("physim.analysis.metrics.modes:messages", lambda a: decisions(a.record))
 
@@ -396,7 +397,7 @@ def nearest_pair_is_nearest_at_the_end() -> None:
     """The shortest distance is that of the last sample."""
     from dataclasses import replace
 
-    from physim.analysis.metrics.metric import Moment
+    from physim.analysis.metrics import Moment
 
     def last(value: Any, a: Any) -> Any:
         if not isinstance(value, Moment) or not a.record.samples:

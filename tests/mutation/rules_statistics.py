@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from tests.helpers import inside
 from tests.mutation.rules import found, given, instead, rule
 
 PAIRED = "physim.statistics.paired:"
@@ -96,7 +97,7 @@ def runs_by_the_rule_of_three() -> None:
 @rule("statistics")
 def every_look_is_the_only_one() -> None:
     """A campaign that looks after every run takes the interval of a number fixed beforehand."""
-    from physim.statistics.proportion import clopper_pearson_each
+    clopper_pearson_each = inside("physim.statistics", "clopper_pearson_each")
 
     instead(
         SEQUENCE + "at_each_look",
@@ -107,7 +108,7 @@ def every_look_is_the_only_one() -> None:
 @rule("statistics")
 def looks_share_the_error() -> None:
     """The n-th look is given the share 1/2^n of the error: it holds, but never decides."""
-    from physim.statistics.proportion import clopper_pearson_each
+    clopper_pearson_each = inside("physim.statistics", "clopper_pearson_each")
 
     def shared(a: Any) -> Any:
         s, f = np.broadcast_arrays(np.asarray(a.successes, float), np.asarray(a.failures, float))
@@ -138,7 +139,7 @@ def evidence_is_the_best_likelihood() -> None:
 @rule("statistics")
 def looks_as_for_a_fixed_number() -> None:
     """It takes as many runs to show a rate at any look as at one look alone."""
-    from physim.statistics.proportion import runs_needed
+    runs_needed = inside("physim.statistics", "runs_needed")
 
     instead(SEQUENCE + "looks_needed", lambda a: runs_needed(a.rate, a.confidence))
 
@@ -148,7 +149,7 @@ def all_runs_have_a_say() -> None:
     """A goal is held against the interval after the last run, not after the first that decides."""
     from types import SimpleNamespace
 
-    from physim.statistics.sequence import running
+    running = inside("physim.statistics", "running")
 
     def last_look(outcomes: Any, confidence: float) -> Any:
         looks = running(outcomes, confidence)
@@ -236,7 +237,7 @@ def findings_by_bonferroni() -> None:
 @rule("statistics")
 def no_difference_counts_for_both() -> None:
     """In the sign test a difference of 0 counts half for either side."""
-    from physim.statistics.paired import mcnemar
+    mcnemar = inside("physim.statistics", "mcnemar")
 
     def halves(p: float, a: Any) -> float:
         d = np.asarray(a.differences, float)
@@ -264,7 +265,7 @@ def wilcoxon_is_normal() -> None:
 @rule("statistics")
 def wilcoxon_ranks_by_size_of_value() -> None:
     """Differences are ranked by value, not by size."""
-    from physim.statistics.paired import sign_test
+    sign_test = inside("physim.statistics", "sign_test")
 
     found(PAIRED + "wilcoxon", lambda p, a: sign_test(a.differences))
 

@@ -10,11 +10,13 @@ import math
 
 import numpy as np
 
-from physim.controllers.path_following import comes_first, judge
-from physim.geometry.collision import collision_time_pair, collision_time_walls
-from physim.geometry.motion import arc
-from physim.geometry.separation import body_distance, wall_distance
 from physim.tolerances import TIE
+from tests.helpers import inside
+
+comes_first, judge = inside("physim.controllers", "comes_first", "judge")
+collision_time_pair = inside("physim.geometry", "collision_time_pair")
+collision_time_walls, arc = inside("physim.geometry", "collision_time_walls", "arc")
+body_distance, wall_distance = inside("physim.geometry", "body_distance", "wall_distance")
 
 
 def smallest_distance(bodies, me, pose, rows, poses):

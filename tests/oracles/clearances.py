@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from physim.geometry.clearance import Clearances
-from physim.geometry.robot_frames import bounding_discs, pair_distance, set_frames
-from physim.geometry.separation import wall_distance
-from physim.geometry.shapes import FloatArray, Shapes
+from physim.geometry import Shapes
+from tests.helpers import inside
+
+Clearances, bounding_discs = inside("physim.geometry", "Clearances", "bounding_discs")
+pair_distance, set_frames = inside("physim.geometry", "pair_distance", "set_frames")
+wall_distance, FloatArray = inside("physim.geometry", "wall_distance", "FloatArray")
 
 
 def clearances(poses: FloatArray, shapes: Shapes, walls: Shapes) -> Clearances:

@@ -5,8 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from physim.contacts import CONTACT_ROW, Kind, Phase
-from physim.geometry.separation import describe_pairs
-from physim.simulation.engine.pairs import Pairs, split
+from tests.helpers import inside
+
+describe_pairs = inside("physim.geometry", "describe_pairs")
+Pairs, split = inside("physim.simulation.engine", "Pairs", "split")
 
 
 def gather(body, impulse, bodies):

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from physim.geometry.path import Path
-from physim.geometry.safe_point import point_part
-from physim.geometry.shapes import FloatArray, IntArray, Shapes
-from physim.parts.controller import FormationView, Neighbour, Observation, ObservedRobot, Sensed
-from physim.world.scene import Scene
+from physim import FormationView, Neighbour, Observation, ObservedRobot, Scene, Sensed
+from physim.geometry import Shapes
+from tests.helpers import inside
+
+Path, point_part, FloatArray = inside("physim.geometry", "Path", "point_part", "FloatArray")
+IntArray = inside("physim.geometry", "IntArray")
 
 
 def observe(scene: Scene, sensed: Sensed, i: int) -> Observation:

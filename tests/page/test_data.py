@@ -12,18 +12,17 @@ from hypothesis import strategies as st
 
 import physim
 from physim.analysis.summary import summarise
-from physim.drawing.crowd import MOST_LINES
 from physim.drawing.page import curves
-from physim.drawing.page.data import run_data
 from physim.drawing.page.decisions import _on_its_side, _quantum
-from physim.drawing.page.knots import between, find_knots
-from physim.drawing.page.packing import LARGEST, Pack
-from physim.drawing.page.why import explanations
-from physim.drawing.timeline import Timeline
 from physim.errors import PhysimError
-from physim.geometry.motion import arcs
+from tests.helpers import inside
+from tests.helpers.records import make_record
 from tests.page.unpacking import unpack
-from tests.records import make_record
+
+MOST_LINES, Timeline = inside("physim.drawing", "MOST_LINES", "Timeline")
+run_data, between, find_knots = inside("physim.drawing.page", "run_data", "between", "find_knots")
+LARGEST, Pack, explanations = inside("physim.drawing.page", "LARGEST", "Pack", "explanations")
+arcs = inside("physim.geometry", "arcs")
 
 WHOLE = st.lists(st.integers(-LARGEST // 4 + 1, LARGEST // 4 - 1), max_size=60)
 REAL = st.lists(

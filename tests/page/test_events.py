@@ -7,7 +7,9 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from physim.drawing.page.events import LEAST, stands
+from tests.helpers import inside
+
+LEAST, stands = inside("physim.drawing.page", "LEAST", "stands")
 
 STILL = 0.02
 """[m/s] at which robots of a metre stand: 1 cm in half a second"""

@@ -9,10 +9,12 @@ import h5py
 import pytest
 
 import physim
-from physim.drawing.page.findings import findings_section
 from physim.errors import PhysimError
 from physim.record import Record
+from tests.helpers import inside
 from tests.validation.runs import APART, REAR_END, lane
+
+findings_section = inside("physim.drawing.page", "findings_section")
 
 NAME = "</pre></table><img src=x onerror='hacked()'>&\"#t=1"
 TAGS = {

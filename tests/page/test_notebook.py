@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 import physim
-from tests.records import make_record
+from tests.helpers.records import make_record
 
 NAME = "<img src=x onerror=alert(1)>"
 

@@ -12,13 +12,15 @@ import pytest
 import physim
 from physim.contacts import Phase
 from physim.drawing.page import MOST_RUNS, page, write_page
-from physim.drawing.page.bundle import ASSETS, order, script
-from physim.drawing.page.moments import moments
-from physim.drawing.timeline import Timeline
 from physim.errors import PhysimError
 from physim.record import Record
+from tests.helpers import inside
+from tests.helpers.records import make_record
 from tests.metrics.histories import history
-from tests.records import make_record
+
+ASSETS, order, script = inside("physim.drawing.page", "ASSETS", "order", "script")
+moments = inside("physim.drawing.page", "moments")
+Timeline = inside("physim.drawing", "Timeline")
 
 LONGEST_FILE = 350
 

@@ -7,14 +7,16 @@ from pathlib import Path
 
 import pytest
 
-from physim.campaigns.report.markup import page as sheet
 from physim.drawing import palette
 from physim.drawing.page import page
-from physim.drawing.page.bundle import ASSETS, asset
-from physim.drawing.page.colours import DARK, LIGHT, custom_properties
-from physim.drawing.palette import hexed
-from physim.reproduction.page import html
-from tests.records import make_record
+from tests.helpers import inside
+from tests.helpers.records import make_record
+
+sheet = inside("physim.campaigns.report", "page")
+ASSETS, asset, DARK, LIGHT = inside("physim.drawing.page", "ASSETS", "asset", "DARK", "LIGHT")
+custom_properties = inside("physim.drawing.page", "custom_properties")
+hexed = inside("physim.drawing", "hexed")
+html = inside("physim.reproduction", "html")
 
 USED = re.compile(r"var\(--([a-z]+)\)")
 OWN = {"mode"}

@@ -8,13 +8,15 @@ from typing import Any
 
 import pytest
 
+from physim import Rule
 from physim.drawing.page import write_page
-from physim.drawing.page.why import PROSE, explanations
-from physim.parts.declarations import Rule
-from physim.parts.registry import CONTROLLER, find_part, make_part
 from physim.record import Record
-from physim.record.setup import Part, Setup
-from tests.records import make_record
+from tests.helpers import inside
+from tests.helpers.records import make_record
+
+PROSE, explanations = inside("physim.drawing.page", "PROSE", "explanations")
+CONTROLLER, find_part, make_part = inside("physim.parts", "CONTROLLER", "find_part", "make_part")
+Part, Setup = inside("physim.record", "Part", "Setup")
 
 
 class Told:

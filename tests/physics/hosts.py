@@ -6,9 +6,11 @@ from itertools import pairwise
 
 import numpy as np
 
-from physim.geometry.separation import body_distance
-from physim.geometry.shapes import Shapes, pack_parts
+from physim.geometry import Shapes
 from physim.simulation.engine import Physics
+from tests.helpers import inside
+
+body_distance, pack_parts = inside("physim.geometry", "body_distance", "pack_parts")
 
 FAR = [[(-900.0, -900.0), (-900.0, -901.0)]]
 """a wall that nothing reaches"""

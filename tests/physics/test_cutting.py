@@ -7,11 +7,13 @@ import pytest
 from hosts import box, drive, host, segments
 
 from physim.contacts import Phase
-from physim.geometry.separation import body_distance
-from physim.geometry.shapes import joined_shapes, pack_parts
 from physim.simulation.engine import host as hosting
-from physim.simulation.engine.cutting import cut_short
 from physim.tolerances import DEEP, SETTLED_DEPTH
+from tests.helpers import inside
+
+body_distance, joined_shapes = inside("physim.geometry", "body_distance", "joined_shapes")
+pack_parts = inside("physim.geometry", "pack_parts")
+cut_short = inside("physim.simulation.engine", "cut_short")
 
 BOX = [box(1.8, 1.0)]
 FAST = 24.9

@@ -5,8 +5,10 @@ from __future__ import annotations
 import numpy as np
 from hosts import ELL, box, distances, host, pairs_in, segments
 
-from physim.geometry.shapes import pack_parts
 from physim.tolerances import CONTACT
+from tests.helpers import inside
+
+pack_parts = inside("physim.geometry", "pack_parts")
 
 RING = [(-6, -5), (0, -5), (6, -5), (6, 5), (0, 6), (-6, 5), (-6, -5)]
 ROBOTS = [ELL if k % 3 == 0 else [box(0.6 + 0.02 * k, 0.4 + 0.01 * k)] for k in range(20)]

@@ -10,11 +10,12 @@ from typing import Any
 import numpy as np
 import pytest
 
-from physim.geometry.shapes import pack_parts
-from physim.simulation.engine import guard, host
-from physim.simulation.engine.guard import PlainGuard
-from physim.simulation.engine.host import Physics
-from physim.simulation.engine.meeting import is_misled, meeting
+from physim.simulation.engine import Physics, guard, host
+from tests.helpers import inside
+
+pack_parts = inside("physim.geometry", "pack_parts")
+PlainGuard, is_misled = inside("physim.simulation.engine", "PlainGuard", "is_misled")
+meeting = inside("physim.simulation.engine", "meeting")
 
 NO_WALLS = pack_parts([])
 

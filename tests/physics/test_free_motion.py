@@ -6,7 +6,9 @@ import numpy as np
 import pytest
 from hosts import host
 
-from physim.geometry.motion import arcs, chord_velocities
+from tests.helpers import inside
+
+arcs, chord_velocities = inside("physim.geometry", "arcs", "chord_velocities")
 
 
 @pytest.mark.parametrize("dt", [0.01, 0.05, 0.1])

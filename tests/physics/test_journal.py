@@ -13,7 +13,10 @@ from engine_memory import biases, set_biases
 
 from physim.errors import PhysimError
 from physim.simulation.engine import state as engine_state
-from physim.simulation.engine.state import ContactMemory, goes_on_from_impulses
+from tests.helpers import inside
+
+ContactMemory = inside("physim.simulation.engine", "ContactMemory")
+goes_on_from_impulses = inside("physim.simulation.engine", "goes_on_from_impulses")
 
 KINDS = ("wall_ends", "abreast", "apart", "jam")
 STEPS = 180

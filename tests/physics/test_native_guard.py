@@ -10,12 +10,14 @@ import pytest
 from crowds import KINDS, run
 from test_guard import FALSE_CONTACTS, side_by_side
 
-from physim.geometry.shapes import joined_shapes, pack_parts
 from physim.simulation.engine import Physics, choice, guard, native_guard, native_memory
-from physim.simulation.engine.choice import judges_natively
-from physim.simulation.engine.guard import PlainGuard
-from physim.simulation.engine.native_guard import NativeGuard
-from physim.simulation.engine.verdict import ACTS, APART, LEFT, SIDE, deepest, deepest_point
+from tests.helpers import inside
+
+joined_shapes, pack_parts = inside("physim.geometry", "joined_shapes", "pack_parts")
+judges_natively, PlainGuard = inside("physim.simulation.engine", "judges_natively", "PlainGuard")
+NativeGuard, ACTS, APART = inside("physim.simulation.engine", "NativeGuard", "ACTS", "APART")
+LEFT, SIDE, deepest = inside("physim.simulation.engine", "LEFT", "SIDE", "deepest")
+deepest_point = inside("physim.simulation.engine", "deepest_point")
 
 SEEDS = (11, 17, 18)
 STEPS = 400

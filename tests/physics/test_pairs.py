@@ -9,9 +9,13 @@ import pytest
 from hosts import ELL, box, drive, host, segments
 
 from physim.contacts import CONTACT_ROW, Kind, Phase
-from physim.geometry.shapes import joined_shapes, pack_parts, part_bodies
-from physim.simulation.engine.pairs import Pairs, contact_rows, gather, hold_back, split
+from tests.helpers import inside
 from tests.oracles import contact_pairs as oracle
+
+joined_shapes, pack_parts = inside("physim.geometry", "joined_shapes", "pack_parts")
+part_bodies = inside("physim.geometry", "part_bodies")
+Pairs, contact_rows, gather = inside("physim.simulation.engine", "Pairs", "contact_rows", "gather")
+hold_back, split = inside("physim.simulation.engine", "hold_back", "split")
 
 B = 10
 NO_FACES = pack_parts([])

@@ -13,10 +13,13 @@ from hosts import ELL, box
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from physim.geometry.polygon import convex_parts, counter_clockwise, is_simple, moment, signed_area
-from physim.geometry.shapes import pack_parts, part_bodies
-from physim.simulation.engine.space import MOST_WALL_CELLS, cell_side
 from tests.geometry.test_polygon import star_polygons
+from tests.helpers import inside
+
+convex_parts, counter_clockwise = inside("physim.geometry", "convex_parts", "counter_clockwise")
+is_simple, moment, signed_area = inside("physim.geometry", "is_simple", "moment", "signed_area")
+pack_parts, part_bodies = inside("physim.geometry", "pack_parts", "part_bodies")
+MOST_WALL_CELLS, cell_side = inside("physim.simulation.engine", "MOST_WALL_CELLS", "cell_side")
 
 
 def test_moment_is_about_the_reference_point():

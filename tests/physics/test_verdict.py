@@ -10,9 +10,12 @@ from hosts import ELL, box, distances, drive, host, pairs_in, segments
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from physim.geometry.shapes import joined_shapes, pack_parts
-from physim.simulation.engine.verdict import ACTS, APART, LEFT, SIDE, classify, segment_links
 from physim.tolerances import CONTACT
+from tests.helpers import inside
+
+joined_shapes, pack_parts = inside("physim.geometry", "joined_shapes", "pack_parts")
+ACTS, APART, LEFT, SIDE = inside("physim.simulation.engine", "ACTS", "APART", "LEFT", "SIDE")
+classify, segment_links = inside("physim.simulation.engine", "classify", "segment_links")
 
 ROBOTS = [[box()], ELL, [box(0.4, 0.4)], [[(-0.3, -0.3), (0.6, 0.0), (-0.3, 0.3)]], [box()], ELL]
 RING = [(-1.5, -1.5), (0.0, -1.5), (1.5, -1.5), (1.5, 1.5), (0.2, 1.2), (-1.5, 1.5), (-1.5, -1.5)]

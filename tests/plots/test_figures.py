@@ -15,38 +15,29 @@ import shapely
 from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
 
+from physim import PAPER_MODES, Column, Mode
 from physim.analysis import metrics
-from physim.drawing.crowd import MOST_LINES, QUANTILES
-from physim.drawing.labels import decimal, signed, true_minus
 from physim.drawing.plots import NAMES, draw
-from physim.drawing.plots.collision_times import (
-    CLASSES,
-    MOST_SINGLE,
-    STRETCHES,
-    collision_times,
-    draw_rows,
-    least_of_stretches,
-)
-from physim.drawing.plots.curves import (
-    deviation,
-    formation,
-    sharp_turns,
-    speeds,
-)
-from physim.drawing.plots.distances import distances
-from physim.drawing.plots.frame import clear_marks, mark
-from physim.drawing.plots.maps import snapshot_interval, snapshot_rows, trajectories, width
-from physim.drawing.plots.modes import mode_counts, modes
-from physim.drawing.plots.pictures import PICTURES
-from physim.drawing.plots.style import DPI, styled
-from physim.drawing.timeline import Timeline
-from physim.parts.declarations import PAPER_MODES, Column, Declared, Mode
 from physim.record import Record, RecordWriter
-from physim.world.scene import Body
 from tests.cli.commands import physim
-from tests.facts import facts
+from tests.helpers import facts, inside
+from tests.helpers.records import DECLARED, make_record, make_scene, poses, update_rows
 from tests.metrics.histories import along_reference, beside_paths, history
-from tests.records import DECLARED, make_record, make_scene, poses, update_rows
+
+MOST_LINES, QUANTILES, decimal = inside("physim.drawing", "MOST_LINES", "QUANTILES", "decimal")
+signed, true_minus, Timeline = inside("physim.drawing", "signed", "true_minus", "Timeline")
+CLASSES, MOST_SINGLE = inside("physim.drawing.plots", "CLASSES", "MOST_SINGLE")
+STRETCHES, collision_times = inside("physim.drawing.plots", "STRETCHES", "collision_times")
+draw_rows, least_of_stretches = inside("physim.drawing.plots", "draw_rows", "least_of_stretches")
+deviation, formation = inside("physim.drawing.plots", "deviation", "formation")
+sharp_turns, speeds = inside("physim.drawing.plots", "sharp_turns", "speeds")
+distances, clear_marks, mark = inside("physim.drawing.plots", "distances", "clear_marks", "mark")
+snapshot_interval = inside("physim.drawing.plots", "snapshot_interval")
+snapshot_rows, trajectories = inside("physim.drawing.plots", "snapshot_rows", "trajectories")
+width, mode_counts, modes = inside("physim.drawing.plots", "width", "mode_counts", "modes")
+PICTURES, DPI, styled = inside("physim.drawing.plots", "PICTURES", "DPI", "styled")
+Declared = inside("physim.parts", "Declared")
+Body = inside("physim.world", "Body")
 
 
 @pytest.fixture(scope="module")

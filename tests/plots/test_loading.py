@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from physim.drawing.plots import draw
-from tests.records import make_record
+from tests.helpers.records import make_record
 
 HOST = """
 import matplotlib

@@ -12,9 +12,9 @@ from physim.drawing.plots import NAMES, draw, names
 from physim.errors import PhysimError
 from physim.record import Record
 from tests.cli.commands import physim
-from tests.facts import facts
-from tests.packages import install
-from tests.records import make_record
+from tests.helpers import facts
+from tests.helpers.packages import install
+from tests.helpers.records import make_record
 
 TEXT = '''
 from matplotlib.figure import Figure

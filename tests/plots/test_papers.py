@@ -16,20 +16,18 @@ from matplotlib.colors import to_hex
 from PIL import Image
 
 from physim.analysis import metrics
-from physim.drawing.labels import signed
 from physim.drawing.plots import NAMES, draw
-from physim.drawing.plots.curves import deviation, speeds
-from physim.drawing.plots.frame import in_rows
-from physim.drawing.plots.maps import trajectories
-from physim.drawing.plots.multiples import MOST_TOGETHER
-from physim.drawing.plots.paper import fitted
-from physim.drawing.plots.pictures import PICTURES
-from physim.drawing.plots.style import DATE, DPI, robot_colour, styled
-from physim.drawing.printed import LEAST
 from physim.errors import PhysimError
 from physim.record import Record
+from tests.helpers import inside
+from tests.helpers.records import make_record
 from tests.metrics.histories import history
-from tests.records import make_record
+
+signed, LEAST = inside("physim.drawing", "signed", "LEAST")
+deviation, speeds, in_rows = inside("physim.drawing.plots", "deviation", "speeds", "in_rows")
+trajectories, MOST_TOGETHER = inside("physim.drawing.plots", "trajectories", "MOST_TOGETHER")
+fitted, PICTURES, DATE, DPI = inside("physim.drawing.plots", "fitted", "PICTURES", "DATE", "DPI")
+robot_colour, styled = inside("physim.drawing.plots", "robot_colour", "styled")
 
 
 @pytest.fixture(scope="module")

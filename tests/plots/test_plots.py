@@ -11,14 +11,16 @@ from physim.analysis.metrics import contact_episodes
 from physim.contacts import Phase
 from physim.drawing.plots import FORMATS, NAMES, draw
 from physim.drawing.plots import distances as contacts
-from physim.drawing.plots.collision_times import MOST_NAMED, prediction, predictions
-from physim.drawing.plots.distances import distances, merged
-from physim.drawing.plots.frame import MOST_POINTS, thinned
-from physim.drawing.plots.style import CONTACT
 from physim.errors import PhysimError
 from physim.record import Record, RecordWriter
+from tests.helpers import inside
+from tests.helpers.records import make_record, make_scene
 from tests.metrics.histories import history
-from tests.records import make_record, make_scene
+
+MOST_NAMED, prediction = inside("physim.drawing.plots", "MOST_NAMED", "prediction")
+predictions, distances = inside("physim.drawing.plots", "predictions", "distances")
+merged, MOST_POINTS, thinned = inside("physim.drawing.plots", "merged", "MOST_POINTS", "thinned")
+CONTACT = inside("physim.drawing.plots", "CONTACT")
 
 
 @pytest.fixture

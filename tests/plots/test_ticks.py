@@ -7,9 +7,11 @@ import math
 import numpy as np
 import pytest
 
-from physim.drawing.plots.collision_times import collision_times
-from physim.drawing.plots.ticks import MOST_TICKS, log_ticks
+from tests.helpers import inside
 from tests.metrics.histories import history
+
+collision_times, MOST_TICKS = inside("physim.drawing.plots", "collision_times", "MOST_TICKS")
+log_ticks = inside("physim.drawing.plots", "log_ticks")
 
 
 @pytest.mark.parametrize(

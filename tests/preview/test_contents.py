@@ -6,16 +6,17 @@ import numpy as np
 import pytest
 import shapely
 
+from physim import build_scene, simulate
 from physim.analysis import metrics
-from physim.drawing.preview.contents import contents
-from physim.geometry.corridor import sampled_widths, widths_at
-from physim.simulation.run import simulate
 from physim.world.file import load_world, parse_world
-from physim.world.file.files import shipped_worlds
-from physim.world.layout.layout import lay_out
-from physim.world.layout.scene_builder import build_scene
 from tests.geometry.cases import side_distances
+from tests.helpers import inside
 from tests.preview.worlds import NARROW, ONE, shown, world
+
+contents = inside("physim.drawing.preview", "contents")
+sampled_widths, widths_at = inside("physim.geometry", "sampled_widths", "widths_at")
+shipped_worlds = inside("physim.world.file", "shipped_worlds")
+lay_out = inside("physim.world.layout", "lay_out")
 
 
 @pytest.mark.parametrize("name", ["three_robots", "nonconvex"])
@@ -81,7 +82,7 @@ def test_paths_are_parted_at_the_edge_of_the_safe_area() -> None:
     assert route.robots == (0, 1)
     line = shapely.LineString(seen.reference)
     near = shapely.MultiLineString(seen.scene.boundaries).buffer(seen.scene.safe_distance)
-    for pieces, inside in ((route.safe, False), (route.danger, True)):
+    for pieces, within in ((route.safe, False), (route.danger, True)):
         for piece in pieces:
             middle = shapely.LineString(piece).interpolate(0.5, normalized=True)
             obstacle = (

@@ -17,18 +17,10 @@ import pytest
 import shapely
 from matplotlib.colors import to_rgba
 
-from physim.drawing.labels import round_step, significant
-from physim.drawing.palette import BAND, DANGER_AREA, ROBOTS, hexed
-from physim.drawing.plots.style import styled
 from physim.drawing.preview import save_preview
-from physim.drawing.preview.contents import Contents
-from physim.drawing.preview.ground_plan import readable_scale
-from physim.drawing.preview.lettering import FEW_NAMED
-from physim.drawing.preview.picture import make_figure, preview_of
 from physim.errors import PhysimError
 from physim.world.file import load_world, parse_world
-from physim.world.file.files import shipped_worlds
-from physim.world.layout.layout import lay_out
+from tests.helpers import inside
 from tests.preview.worlds import (
     FAR_AND_TINY,
     HOSTILE,
@@ -41,6 +33,15 @@ from tests.preview.worlds import (
     shown,
     world,
 )
+
+round_step, significant, BAND = inside("physim.drawing", "round_step", "significant", "BAND")
+DANGER_AREA, ROBOTS, hexed = inside("physim.drawing", "DANGER_AREA", "ROBOTS", "hexed")
+styled = inside("physim.drawing.plots", "styled")
+Contents, readable_scale = inside("physim.drawing.preview", "Contents", "readable_scale")
+FEW_NAMED, make_figure = inside("physim.drawing.preview", "FEW_NAMED", "make_figure")
+preview_of = inside("physim.drawing.preview", "preview_of")
+shipped_worlds = inside("physim.world.file", "shipped_worlds")
+lay_out = inside("physim.world.layout", "lay_out")
 
 
 @pytest.fixture

@@ -20,8 +20,10 @@ import pytest
 
 from physim.contacts import CONTACT_ROW
 from physim.record import Record, RecordWriter, crash_safe, writer
-from physim.record.layout import CONSIDERING, OTHERS
-from tests.records import DECLARED, UPDATE, make_scene
+from tests.helpers import inside
+from tests.helpers.records import DECLARED, UPDATE, make_scene
+
+CONSIDERING, OTHERS = inside("physim.record", "CONSIDERING", "OTHERS")
 
 ROOT = Path(__file__).parents[2]
 
@@ -142,9 +144,9 @@ def test_file_is_complete_after_every_single_write(
 SCRIPT = """
     import sys
     from tests.record.test_crash_safe import append
-    from tests.records import make_scene
+    from tests.helpers.records import make_scene
     from physim.record import RecordWriter
-    from tests.records import DECLARED
+    from tests.helpers.records import DECLARED
 
     out = RecordWriter(
         sys.argv[1], make_scene(), "name: x", name="x", declared=DECLARED, flush_every_s=0.02

@@ -11,8 +11,8 @@ import pytest
 
 from physim.errors import RecordError
 from physim.record import Record, RecordWriter, crash_safe
+from tests.helpers.records import DECLARED, make_scene
 from tests.record.test_crash_safe import append, check
-from tests.records import DECLARED, make_scene
 
 
 @pytest.mark.parametrize("room", [0, 3_000, 50_000, *range(60_000, 400_000, 17_000)])

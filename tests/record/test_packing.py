@@ -14,10 +14,11 @@ import pytest
 
 from physim.errors import RecordError
 from physim.record import Record
-from physim.record.checks import LITTLE
-from physim.record.heaps import REFERENCE
+from tests.helpers import inside
+from tests.helpers.records import make_record
 from tests.record.test_values import in_order
-from tests.records import make_record
+
+LITTLE, REFERENCE = inside("physim.record", "LITTLE", "REFERENCE")
 
 POSE = "/steps/pose"
 

@@ -21,10 +21,8 @@ import physim
 from physim.contacts import CONTACT_ROW
 from physim.errors import PhysimError, RecordError
 from physim.record import Record, RecordWriter
-from physim.record.layout import ARRIVED, DATASETS, EXTREMES
-from physim.record.writer import Extremes
-from tests.facts import facts
-from tests.records import (
+from tests.helpers import facts, inside
+from tests.helpers.records import (
     DECLARED,
     UPDATE,
     considered_rows,
@@ -34,6 +32,9 @@ from tests.records import (
     poses,
     update_rows,
 )
+
+ARRIVED, DATASETS, EXTREMES = inside("physim.record", "ARRIVED", "DATASETS", "EXTREMES")
+Extremes = inside("physim.record", "Extremes")
 
 
 @pytest.fixture(scope="module")

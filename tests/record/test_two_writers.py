@@ -13,10 +13,11 @@ import pytest
 
 from physim.errors import RecordError
 from physim.record import Record, RecordWriter
-from physim.record.lock import WriteLock, check_unwritten
-from tests.facts import facts
+from tests.helpers import facts, inside
+from tests.helpers.records import DECLARED, make_record, make_scene
 from tests.record.test_crash_safe import SCRIPT, append, check
-from tests.records import DECLARED, make_record, make_scene
+
+WriteLock, check_unwritten = inside("physim.record", "WriteLock", "check_unwritten")
 
 ROOT = Path(__file__).parents[2]
 AT_IT = facts("r.h5: ", "another", "writing")

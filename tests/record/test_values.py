@@ -16,9 +16,11 @@ import pytest
 from physim.cli import main
 from physim.errors import RecordError
 from physim.record import Record
-from physim.record.checks import LITTLE_PLACE
 from tests.cli.commands import SMALL
-from tests.records import make_record
+from tests.helpers import inside
+from tests.helpers.records import make_record
+
+LITTLE_PLACE = inside("physim.record", "LITTLE_PLACE")
 
 
 @pytest.fixture(scope="module")

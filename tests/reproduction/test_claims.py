@@ -9,23 +9,18 @@ from typing import Any
 import numpy as np
 import pytest
 
-from physim.analysis.metrics.distances import pair_collision_times, shortest_pair_collision_time
 from physim.errors import PhysimError
 from physim.reproduction.claims import measures, parts
-from physim.reproduction.plan import QUICK_SEEDS, SEEDS, make_plan
 from physim.reproduction.studies import studies
-from physim.reproduction.study import (
-    Arm,
-    Claim,
-    Measures,
-    Outcome,
-    Part,
-    Quantity,
-    holds,
-    near,
-    steps,
-)
+from tests.helpers import inside
 from tests.metrics.histories import history
+
+pair_collision_times = inside("physim.analysis.metrics", "pair_collision_times")
+shortest_pair_collision_time = inside("physim.analysis.metrics", "shortest_pair_collision_time")
+QUICK_SEEDS, SEEDS, make_plan = inside("physim.reproduction", "QUICK_SEEDS", "SEEDS", "make_plan")
+Arm, Claim, Measures, Outcome = inside("physim.reproduction", "Arm", "Claim", "Measures", "Outcome")
+Part, Quantity, holds, near = inside("physim.reproduction", "Part", "Quantity", "holds", "near")
+steps = inside("physim.reproduction", "steps")
 
 AS_REPORTED: dict[str, float] = {
     "deviation_rms": 0.1, "finished": 1.0, "deviation_at_turns": 0.6, "deviation_elsewhere": 0.2,

@@ -14,14 +14,16 @@ from dataclasses import replace
 
 import pytest
 
+from physim import simulate
 from physim.reproduction.claims import measures, parts
-from physim.reproduction.claims.tolerances import ORDER
-from physim.reproduction.report import Report
 from physim.reproduction.studies import studies
-from physim.reproduction.study import Claim, Measures, Outcome, Part, Verdict
-from physim.simulation.run import simulate
 from physim.world.file import load_world
 from tests import reproduction_docs as docs
+from tests.helpers import inside
+
+ORDER = inside("physim.reproduction.claims", "ORDER")
+Report, Claim, Measures = inside("physim.reproduction", "Report", "Claim", "Measures")
+Outcome, Part, Verdict = inside("physim.reproduction", "Outcome", "Part", "Verdict")
 
 STEADY = 0.1
 """[-] relative difference of figures over a whole run"""

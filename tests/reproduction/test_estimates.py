@@ -7,7 +7,10 @@ import math
 import numpy as np
 import pytest
 
-from physim.reproduction.estimates import count, estimate, share_text, time_constant
+from tests.helpers import inside
+
+count, estimate, share_text = inside("physim.reproduction", "count", "estimate", "share_text")
+time_constant = inside("physim.reproduction", "time_constant")
 
 
 def test_interval_of_twenty_runs_from_the_sixth_to_the_fifteenth() -> None:

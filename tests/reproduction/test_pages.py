@@ -11,10 +11,11 @@ import pytest
 from markdown_it import MarkdownIt
 
 from physim.errors import PhysimError
-from physim.reproduction.page import anchor_of, html, markdown
-from physim.reproduction.plan import SEEDS
-from physim.reproduction.report import Report, Section
-from physim.reproduction.study import Outcome, Verdict
+from tests.helpers import inside
+
+anchor_of, html, markdown = inside("physim.reproduction", "anchor_of", "html", "markdown")
+SEEDS, Report, Section = inside("physim.reproduction", "SEEDS", "Report", "Section")
+Outcome, Verdict = inside("physim.reproduction", "Outcome", "Verdict")
 
 PNG = base64.b64decode(
     "iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAYAAAAfFcSJAAAADUlEQVR42mNk+M9QDwADhgGAWjR9awAAAABJRU5ErkJggg=="

@@ -12,22 +12,27 @@ import numpy as np
 import pytest
 
 from physim import simulate
-from physim.drawing.plots.style import styled
-from physim.reproduction.plan import make_plan
-from physim.reproduction.studies import studies
-from physim.reproduction.studies.bends import BENDS, ROUTES, STATIONS, corners, extra_length
-from physim.reproduction.studies.danger_mode import (
+from physim.reproduction.studies import (
+    ALPHA,
     AVOIDANCE,
+    BENDS,
+    ENERGY,
     HYSTERESIS,
+    OPERATION,
+    ROUTES,
     SWITCHING,
     THRESHOLDS,
-    TIMES,
-    WORLDS,
+    UPDATES,
+    studies,
 )
-from physim.reproduction.studies.efficiency import OPERATION, UPDATES
-from physim.reproduction.studies.energy import ALPHA, ENERGY
-from physim.reproduction.studies.straight_road import world_text
-from physim.reproduction.study import Arm, Measures, Outcome, Study
+from tests.helpers import inside
+
+styled = inside("physim.drawing.plots", "styled")
+make_plan, Arm, Measures = inside("physim.reproduction", "make_plan", "Arm", "Measures")
+Outcome, Study = inside("physim.reproduction", "Outcome", "Study")
+STATIONS, corners = inside("physim.reproduction.studies", "STATIONS", "corners")
+extra_length, TIMES = inside("physim.reproduction.studies", "extra_length", "TIMES")
+WORLDS, world_text = inside("physim.reproduction.studies", "WORLDS", "world_text")
 
 MET, PARTLY, NOT_MET = Outcome.MET, Outcome.PARTLY, Outcome.NOT_MET
 STUDIES = {study.name: study for study in studies()}

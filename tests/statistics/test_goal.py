@@ -7,9 +7,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from physim.statistics.goal import RATES, Goal, Watch, decide, read_goal
-from physim.statistics.sequence import running
+from tests.helpers import inside
 from tests.statistics.coverage import LEAST, REPETITIONS, draws, share
+
+RATES, Goal, Watch, decide = inside("physim.statistics", "RATES", "Goal", "Watch", "decide")
+read_goal, running = inside("physim.statistics", "read_goal", "running")
 
 
 @pytest.mark.parametrize(

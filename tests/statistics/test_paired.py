@@ -9,16 +9,13 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from physim.statistics.paired import (
-    holm,
-    mcnemar,
-    median_difference,
-    rank_beyond,
-    rate_difference,
-    rate_differences,
-    sign_test,
-)
+from tests.helpers import inside
 from tests.statistics.coverage import LEAST, MONTE_CARLO, REPETITIONS, draws, share
+
+holm, mcnemar = inside("physim.statistics", "holm", "mcnemar")
+median_difference, rank_beyond = inside("physim.statistics", "median_difference", "rank_beyond")
+rate_difference = inside("physim.statistics", "rate_difference")
+rate_differences, sign_test = inside("physim.statistics", "rate_differences", "sign_test")
 
 
 @pytest.mark.parametrize(("a", "b"), [(0, 0), (1, 0), (5, 0), (3, 9), (10, 10), (2, 40)])

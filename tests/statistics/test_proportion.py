@@ -7,13 +7,12 @@ from math import comb
 import numpy as np
 import pytest
 
-from physim.statistics.proportion import (
-    clopper_pearson,
-    clopper_pearson_each,
-    failure_bound,
-    runs_needed,
-)
+from tests.helpers import inside
 from tests.statistics.coverage import LEAST, REPETITIONS, draws, share
+
+clopper_pearson = inside("physim.statistics", "clopper_pearson")
+clopper_pearson_each = inside("physim.statistics", "clopper_pearson_each")
+failure_bound, runs_needed = inside("physim.statistics", "failure_bound", "runs_needed")
 
 
 def at_least(k: int, n: int, p: float) -> float:

@@ -10,9 +10,12 @@ import pytest
 from numpy.typing import NDArray
 from scipy.integrate import quad
 
-from physim.statistics.proportion import clopper_pearson_each
-from physim.statistics.sequence import at_each_look, log_evidence, looks_needed, running
+from tests.helpers import inside
 from tests.statistics.coverage import LEAST, REPETITIONS, draws, share
+
+clopper_pearson_each = inside("physim.statistics", "clopper_pearson_each")
+at_each_look, log_evidence = inside("physim.statistics", "at_each_look", "log_evidence")
+looks_needed, running = inside("physim.statistics", "looks_needed", "running")
 
 LOOKS = 1000
 RATES = [0.1, 0.5, 0.9, 0.99, 0.999]

@@ -10,17 +10,18 @@ import shapely
 import yaml
 from jsonschema import Draft7Validator
 
+from physim import build_scene, simulate
 from physim.analysis.summary import summarise
 from physim.authoring.templates import ROADS, fitted, lanes_of, most_robots, world_text
-from physim.authoring.templates.text import LANE
-from physim.cli.new import TEMPLATES
-from physim.controllers.settings import ModeSwitchingSettings
-from physim.simulation.run import simulate
 from physim.world import Formation, World
 from physim.world.file import parse_world
-from physim.world.file.schema import world_schema
-from physim.world.layout.layout import lay_out
-from physim.world.layout.scene_builder import build_scene
+from tests.helpers import inside
+
+LANE = inside("physim.authoring.templates", "LANE")
+TEMPLATES = inside("physim.cli", "TEMPLATES")
+ModeSwitchingSettings = inside("physim.controllers", "ModeSwitchingSettings")
+world_schema = inside("physim.world.file", "world_schema")
+lay_out = inside("physim.world.layout", "lay_out")
 
 every_template = pytest.mark.parametrize("template", ROADS)
 

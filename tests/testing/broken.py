@@ -14,10 +14,11 @@ import numba
 import numpy as np
 from pydantic import BaseModel
 
-from physim.geometry.shapes import IntArray
-from physim.parts.controller import Decision, Decisions, Observation, Sensed
-from physim.parts.declarations import NO_NUMBER, Column, Mode
-from physim.world.scene import Scene
+from physim import Column, Decision, Decisions, Mode, Observation, Scene, Sensed
+from tests.helpers import inside
+
+IntArray = inside("physim.geometry", "IntArray")
+NO_NUMBER = inside("physim.parts", "NO_NUMBER")
 
 HOLD = 0.1
 """[s]"""

@@ -9,14 +9,13 @@ from typing import Any
 import pytest
 
 import physim
-from physim import ControllerError, PhysimError, WorldError, load_world
-from physim.controllers.mode_switching import ModeSwitching
-from physim.parts.controller import Decision, Observation
+from physim import ControllerError, Decision, Observation, PhysimError, WorldError, load_world
 from physim.testing import Finding, Rule, check_controller, situations
-from physim.testing.check import candidate, check_worlds
-from tests.facts import facts
-from tests.says import check_error
+from tests.helpers import check_error, facts, inside
 from tests.testing import broken
+
+ModeSwitching = inside("physim.controllers", "ModeSwitching")
+candidate, check_worlds = inside("physim.testing", "candidate", "check_worlds")
 
 SHORT = 0.5
 """[s]"""

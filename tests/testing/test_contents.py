@@ -14,7 +14,9 @@ import pytest
 from pydantic import BaseModel
 
 from physim.contacts import Phase
-from physim.testing.contents import contents, difference
+from tests.helpers import inside
+
+contents, difference = inside("physim.testing", "contents", "difference")
 
 
 class Pair(NamedTuple):

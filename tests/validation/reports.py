@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 
-from tests.facts import facts
+from tests.helpers import facts
 
 
 def states(text: str, first: str, *parts: str, within: int = 120) -> bool:

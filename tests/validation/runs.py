@@ -8,10 +8,11 @@ import h5py
 import numpy as np
 
 import physim
-from physim import Decision
+from physim import Decision, Simulation
 from physim.simulation.engine import Physics
-from physim.simulation.loop import Simulation
-from physim.simulation.run import record_run
+from tests.helpers import inside
+
+record_run = inside("physim.simulation", "record_run")
 
 LANE = """\
 name: lane

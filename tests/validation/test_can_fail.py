@@ -10,10 +10,11 @@ import pytest
 from physim.analysis.validation import analytic_contacts as ledger
 from physim.analysis.validation import prediction, report, validate
 from physim.contacts import Phase
-from physim.geometry.collision import collision_time_pair
-from physim.geometry.shapes import pack_parts
+from tests.helpers import inside
 from tests.validation.reports import states
 from tests.validation.runs import edited, side_by_side
+
+collision_time_pair, pack_parts = inside("physim.geometry", "collision_time_pair", "pack_parts")
 
 FALSE_CONTACTS = (1073, 1258, 1343)
 """seeds at which the engine without its guard reports contacts of robots that are 0.2 m apart"""

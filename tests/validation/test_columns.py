@@ -10,14 +10,16 @@ import pytest
 import physim
 from physim import Decision
 from physim.analysis.validation import report, validate
-from physim.analysis.validation.columns import wrongly_considered
 from physim.geometry import signed_distance
-from physim.parts.declarations import STANDARD_COLUMNS
+from tests.helpers import inside
+from tests.helpers.packages import install
 from tests.oracles.collision_time import geometry_at, marched_time
 from tests.oracles.priority import considered
-from tests.packages import install
 from tests.validation.reports import states
 from tests.validation.runs import LANE, REAR_END
+
+wrongly_considered = inside("physim.analysis.validation", "wrongly_considered")
+STANDARD_COLUMNS = inside("physim.parts", "STANDARD_COLUMNS")
 
 HORIZON = 2.0
 STILL = (0.0, 0.0)

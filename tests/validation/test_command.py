@@ -10,13 +10,14 @@ import pytest
 
 import physim
 from physim.analysis.validation import validate
-from physim.analysis.validation.rerun import rerun
-from physim.analysis.validation.seeds import Rate
 from physim.cli import main
 from tests.cli.commands import started
 from tests.forgeries.parts import Ramp
+from tests.helpers import inside
 from tests.validation.reports import states
 from tests.validation.runs import APART, LANE, REAR_END, edited, lane
+
+rerun, Rate = inside("physim.analysis.validation", "rerun", "Rate")
 
 CARELESS = "tests.validation.runs:Careless"
 IDLE = "tests.validation.runs:Idle"

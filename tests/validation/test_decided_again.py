@@ -8,13 +8,15 @@ import pytest
 
 import physim
 from physim.analysis.validation import report, validate
-from physim.analysis.validation.seeds import json_of_validation
 from tests.forgeries.parts import Heard, Ramp, Slip
 from tests.forgeries.runs import LANE
 from tests.forgeries.tools import column, decided, dropped, together, world
+from tests.helpers import inside
 from tests.validation.reports import states
 from tests.validation.runs import REAR_END, lane
 from tests.validation.test_tampered import tampered
+
+json_of_validation = inside("physim.analysis.validation", "json_of_validation")
 
 
 @pytest.fixture(scope="module")
@@ -108,7 +110,7 @@ def test_what_was_sensed_is_not_in_the_record():
 
 
 def test_no_kernel_is_compiled_twice(free):
-    from physim.controllers.batch import decide_all
+    decide_all = inside("physim.controllers", "decide_all")
 
     known = len(decide_all.whole.signatures)  # that of the run among them
     validate(free)

@@ -10,13 +10,15 @@ import h5py
 import pytest
 import yaml
 
-from physim.analysis.validation.analytic_contacts import pose_blocks
 from physim.errors import RecordError
 from physim.record import Record
 from tests.forgeries.edits import Forgery
 from tests.forgeries.runs import free
 from tests.forgeries.tools import cells
 from tests.forgeries.trial import tried
+from tests.helpers import inside
+
+pose_blocks = inside("physim.analysis.validation", "pose_blocks")
 
 
 @pytest.fixture(scope="module")

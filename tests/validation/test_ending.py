@@ -7,16 +7,16 @@ import pytest
 
 import physim
 from physim.analysis.validation import validate
-from physim.analysis.validation.consistency import ArrivalCheck
-from physim.analysis.validation.decisions import sample_blocks
-from physim.analysis.validation.origin import world_inside
 from physim.errors import RecordError
-from tests.facts import facts
 from tests.forgeries.edits import commanded_from_outside
 from tests.forgeries.runs import LANE, killed
 from tests.forgeries.tools import attribute, cells, cut
+from tests.helpers import facts, inside
 from tests.validation.reports import states
 from tests.validation.test_tampered import tampered
+
+ArrivalCheck, sample_blocks = inside("physim.analysis.validation", "ArrivalCheck", "sample_blocks")
+world_inside = inside("physim.analysis.validation", "world_inside")
 
 
 @pytest.fixture(scope="module")

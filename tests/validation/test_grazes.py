@@ -11,20 +11,21 @@ import pytest
 
 import physim
 from physim import Decision
-from physim.analysis.expectations import expectations
 from physim.analysis.metrics import contact_episodes, grazes
 from physim.analysis.summary import table
 from physim.analysis.validation import report, validate
-from physim.analysis.validation.analytic_contacts import analytic_contacts
-from physim.analysis.validation.decisions import DecisionTable
-from physim.analysis.validation.disagreements import GRAZE, REJECTED
-from physim.analysis.validation.prediction import AGREES, TOUCHED_BEFORE, Predictor
 from physim.contacts import FALSE_CONTACT_ROW, Kind, Phase
-from physim.drawing.timeline import Timeline, episodes
-from physim.drawing.video.ground import ground
-from physim.drawing.video.legend import SWEPT, signs
+from tests.helpers import inside
 from tests.validation.reports import states
 from tests.validation.runs import edited, lane, side_by_side
+
+expectations = inside("physim.analysis", "expectations")
+analytic_contacts = inside("physim.analysis.validation", "analytic_contacts")
+DecisionTable, GRAZE = inside("physim.analysis.validation", "DecisionTable", "GRAZE")
+REJECTED, AGREES = inside("physim.analysis.validation", "REJECTED", "AGREES")
+TOUCHED_BEFORE, Predictor = inside("physim.analysis.validation", "TOUCHED_BEFORE", "Predictor")
+Timeline, episodes = inside("physim.drawing", "Timeline", "episodes")
+ground, SWEPT, signs = inside("physim.drawing.video", "ground", "SWEPT", "signs")
 
 DEPTH = 4e-4
 

@@ -9,14 +9,16 @@ import numpy as np
 import pytest
 
 from physim import simulate
-from physim.analysis.validation.rerun import compare_runs, run_again, simulation_again
 from physim.errors import RecordError
-from physim.record import Record
-from physim.record.writer import RecordWriter
+from physim.record import Record, RecordWriter
 from physim.world import World
-from physim.world.file.files import shipped_folder
-from physim.world.file.loading import load_world
+from physim.world.file import load_world
+from tests.helpers import inside
 from tests.record.test_crash_safe import Journal
+
+compare_runs, run_again = inside("physim.analysis.validation", "compare_runs", "run_again")
+simulation_again = inside("physim.analysis.validation", "simulation_again")
+shipped_folder = inside("physim.world.file", "shipped_folder")
 
 DURATION = 1.0
 """[s] of the runs"""

@@ -7,8 +7,10 @@ import pytest
 import physim
 from physim import Decision
 from physim.analysis.validation import responsibility, validate
-from physim.analysis.validation.near_misses import TOGETHER
+from tests.helpers import inside
 from tests.validation.runs import APART, DRIVERS, LANE, lane
+
+TOGETHER = inside("physim.analysis.validation", "TOGETHER")
 
 
 def test_an_approach_that_ends_in_contact_is_none(rear_end, into_wall):

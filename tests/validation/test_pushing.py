@@ -10,13 +10,15 @@ import pytest
 
 import physim
 from physim.analysis.validation import report, responsibility, validate
-from physim.analysis.validation.contact_report import describe_cause
-from physim.analysis.validation.decisions import DecisionTable
-from physim.analysis.validation.responsibility import Touch, pushed_by
-from physim.analysis.validation.seeds import json_of_validation
 from physim.contacts import Phase
+from tests.helpers import inside
 from tests.validation.reports import states
 from tests.validation.runs import DRIVERS, LANE, Drivers, edited
+
+describe_cause = inside("physim.analysis.validation", "describe_cause")
+DecisionTable, Touch = inside("physim.analysis.validation", "DecisionTable", "Touch")
+pushed_by = inside("physim.analysis.validation", "pushed_by")
+json_of_validation = inside("physim.analysis.validation", "json_of_validation")
 
 BOX = "footprint: {length: 1.8, width: 1.0}"
 STAND, DRIVE = (0.0, 0.0), (0.8, 0.0)

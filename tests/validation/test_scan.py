@@ -9,14 +9,12 @@ import shapely
 from shapely import affinity
 
 import physim
-from physim.analysis.validation.analytic_contacts import (
-    Room,
-    analytic_contacts,
-    near_rows,
-    scan_walls,
-)
-from physim.geometry.shapes import pack_parts
+from tests.helpers import inside
 from tests.validation.runs import APART, lane
+
+Room, analytic_contacts = inside("physim.analysis.validation", "Room", "analytic_contacts")
+near_rows, scan_walls = inside("physim.analysis.validation", "near_rows", "scan_walls")
+pack_parts = inside("physim.geometry", "pack_parts")
 
 BOX = np.array([[0.9, 0.5], [-0.9, 0.5], [-0.9, -0.5], [0.9, -0.5]])
 CORNER = [[(0.0, -5.0), (0.0, 5.0)], [(0.0, 5.0), (8.0, 5.0)], [(8.0, 5.0), (8.0, -5.0)]]

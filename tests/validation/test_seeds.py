@@ -4,8 +4,11 @@ from __future__ import annotations
 
 import pytest
 
-from physim.analysis.validation.seeds import SeedResult, SeedStudy, seeds_text
+from tests.helpers import inside
 from tests.validation.reports import states
+
+SeedResult, SeedStudy = inside("physim.analysis.validation", "SeedResult", "SeedStudy")
+seeds_text = inside("physim.analysis.validation", "seeds_text")
 
 
 @pytest.mark.parametrize(

@@ -16,12 +16,14 @@ import physim
 from physim import tolerances
 from physim.analysis import metrics
 from physim.analysis.validation import prediction, validate
-from physim.analysis.validation.decisions import DecisionTable
-from physim.analysis.validation.disagreements import TOLERANCE, UNEXPLAINED
 from physim.contacts import CONTACT_ROW, Kind, Phase
+from tests.helpers import inside
 from tests.validation.reports import states
 from tests.validation.runs import edited, lane
 from tests.validation.test_grazes import pass_by
+
+DecisionTable, TOLERANCE = inside("physim.analysis.validation", "DecisionTable", "TOLERANCE")
+UNEXPLAINED = inside("physim.analysis.validation", "UNEXPLAINED")
 
 
 def changed(record, path, change):

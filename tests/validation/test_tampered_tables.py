@@ -9,10 +9,12 @@ import physim
 from physim.analysis.validation import report, validate
 from physim.cli import main
 from physim.contacts import Phase
-from physim.parts.registry import CONTROLLER, make_part
+from tests.helpers import inside
 from tests.validation.reports import states
 from tests.validation.runs import LANE, Drivers
 from tests.validation.test_tampered import tampered
+
+CONTROLLER, make_part = inside("physim.parts", "CONTROLLER", "make_part")
 
 
 def column(path, name, change):

@@ -11,15 +11,15 @@ import pytest
 
 import physim
 from physim.analysis.validation import report, responsibility, validate
-from physim.analysis.validation.disagreements import GRAZE
-from physim.analysis.validation.prediction import AGREES
-from physim.analysis.validation.seeds import json_of_validation
 from physim.contacts import Phase
 from physim.errors import RecordError
-from physim.record.setup import Part
-from tests.facts import facts
+from tests.helpers import facts, inside
 from tests.validation.reports import states
 from tests.validation.runs import DRIVERS, LANE, lane
+
+GRAZE, AGREES = inside("physim.analysis.validation", "GRAZE", "AGREES")
+json_of_validation = inside("physim.analysis.validation", "json_of_validation")
+Part = inside("physim.record", "Part")
 
 
 def test_contact_free(apart):

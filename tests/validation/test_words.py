@@ -8,13 +8,16 @@ from math import inf
 import pytest
 
 import physim
-from physim import Decision
+from physim import PAPER_MODES, Decision
 from physim.analysis.validation import report, validate
-from physim.analysis.validation.contact_report import describe_cause, describe_responsibility
-from physim.analysis.validation.wording import length, short
-from physim.parts.declarations import AT_STOP, PAPER_MODES, SAFE, STANDARD_COLUMNS
+from tests.helpers import inside
 from tests.validation.reports import states
 from tests.validation.runs import LANE, REAR_END
+
+describe_cause = inside("physim.analysis.validation", "describe_cause")
+describe_responsibility = inside("physim.analysis.validation", "describe_responsibility")
+length, short = inside("physim.analysis.validation", "length", "short")
+AT_STOP, SAFE, STANDARD_COLUMNS = inside("physim.parts", "AT_STOP", "SAFE", "STANDARD_COLUMNS")
 
 
 class Saying:

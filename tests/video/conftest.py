@@ -9,8 +9,10 @@ import numpy as np
 import pytest
 import yaml
 
-from physim.record.course import followed
-from tests.records import make_record
+from tests.helpers import inside
+from tests.helpers.records import make_record
+
+followed = inside("physim.record", "followed")
 
 FIELDS = (
     "time dt steps pose samples clearance boundary_clearance updates contacts bodies names "

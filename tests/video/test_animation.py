@@ -13,10 +13,11 @@ from PIL import Image
 
 from physim.drawing import palette
 from physim.drawing.video import frame_at, render, still
-from physim.drawing.video.animation import resized
-from physim.drawing.video.indexed import MOST, Indexer, chosen_colours
 from physim.errors import PhysimError
-from tests.facts import facts
+from tests.helpers import facts, inside
+
+resized, MOST, Indexer = inside("physim.drawing.video", "resized", "MOST", "Indexer")
+chosen_colours = inside("physim.drawing.video", "chosen_colours")
 
 
 def decoded(path: Path) -> tuple[list[Any], list[int]]:

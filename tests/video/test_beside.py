@@ -11,27 +11,20 @@ import pytest
 import physim
 from physim import Decision, Mode
 from physim.drawing import palette
-from physim.drawing.timeline import Timeline
 from physim.drawing.video import frame_at, layout, render
-from physim.drawing.video.frames import (
-    BARS,
-    FOOTER,
-    HEADER,
-    PAD,
-    Beside,
-    differences,
-    file_names,
-    one_legend,
-    titles,
-)
-from physim.drawing.video.ground import ground
-from physim.drawing.video.layout import Box, Image
-from physim.drawing.video.view import View
+from physim.drawing.video.frames import PAD, differences
 from physim.record import Record
 from physim.world.file import parse_world
 from tests.cli.commands import SMALL
 from tests.cli.commands import physim as command
+from tests.helpers import inside
 from tests.video.test_frames import pixels
+
+Timeline = inside("physim.drawing", "Timeline")
+BARS, FOOTER, HEADER, Beside = inside("physim.drawing.video", "BARS", "FOOTER", "HEADER", "Beside")
+file_names, one_legend = inside("physim.drawing.video", "file_names", "one_legend")
+titles, ground, Box, Image = inside("physim.drawing.video", "titles", "ground", "Box", "Image")
+View = inside("physim.drawing.video", "View")
 
 LEFT = (slice(0, HEADER), slice(0, layout.WIDTH // 2 - 2))
 RIGHT = (slice(0, HEADER), slice(layout.WIDTH // 2 + 2, layout.WIDTH))

@@ -11,14 +11,15 @@ import numpy as np
 import pytest
 
 import physim
-from physim.cli.page import make_page
 from physim.drawing.page import page
-from physim.drawing.timeline import Timeline
-from physim.drawing.video.frames import SAMPLE, Beside, Painter
-from physim.drawing.video.marks import mark_lasts
 from physim.record import Record
 from tests.cli.commands import physim as physim_command
-from tests.facts import facts
+from tests.helpers import facts, inside
+
+make_page = inside("physim.cli", "make_page")
+Timeline = inside("physim.drawing", "Timeline")
+SAMPLE, Beside, Painter = inside("physim.drawing.video", "SAMPLE", "Beside", "Painter")
+mark_lasts = inside("physim.drawing.video", "mark_lasts")
 
 EVERY = 40
 

@@ -10,18 +10,17 @@ import av
 import numpy as np
 import pytest
 
+from physim import PAPER_MODES
 from physim.drawing import palette
-from physim.drawing.crowd import MOST_LINES, NAMED, QUANTILES, quantiles
-from physim.drawing.palette import rgb
-from physim.drawing.timeline import Timeline
 from physim.drawing.video import layout, panel, view
-from physim.drawing.video.frames import Painter
-from physim.drawing.video.ground import PATH_TINT, ground
-from physim.drawing.video.legend import signs
-from physim.drawing.video.movie import VideoFile
-from physim.parts.declarations import PAPER_MODES
-from tests.records import make_record
+from tests.helpers import inside
+from tests.helpers.records import make_record
 from tests.video.test_frames import BELOW, pixels
+
+MOST_LINES, NAMED, QUANTILES = inside("physim.drawing", "MOST_LINES", "NAMED", "QUANTILES")
+quantiles, rgb, Timeline = inside("physim.drawing", "quantiles", "rgb", "Timeline")
+Painter, PATH_TINT, ground = inside("physim.drawing.video", "Painter", "PATH_TINT", "ground")
+signs, VideoFile = inside("physim.drawing.video", "signs", "VideoFile")
 
 DANGER = next(k for k, mode in enumerate(PAPER_MODES) if mode.danger)
 

@@ -12,21 +12,22 @@ import pytest
 import physim
 from physim.contacts import Phase
 from physim.drawing import palette
-from physim.drawing.timeline import Timeline
 from physim.drawing.video import frame_at, panel
-from physim.drawing.video.closing import Closing, write_corner
-from physim.drawing.video.ending import ACROSS, MOST_NOTES, across, notes, why
-from physim.drawing.video.frames import Painter
-from physim.drawing.video.ground import Overview, ground
-from physim.drawing.video.layout import PANEL_WIDTH, TEXT, Box
-from physim.drawing.video.legend import DEEP, NO_MODES, PAD, signs
-from physim.drawing.video.marks import draw_contacts
-from physim.drawing.video.text import BOLD, width
-from physim.geometry.shapes import FloatArray
-from physim.parts.declarations import NO_NUMBER
+from physim.drawing.video.legend import PAD
 from physim.tolerances import DEEP as DEPTH
+from tests.helpers import inside
 from tests.validation.runs import Drivers
 from tests.video.test_frames import pixels
+
+Timeline = inside("physim.drawing", "Timeline")
+Closing, write_corner, ACROSS = inside("physim.drawing.video", "Closing", "write_corner", "ACROSS")
+MOST_NOTES, across, notes = inside("physim.drawing.video", "MOST_NOTES", "across", "notes")
+why, Painter, Overview = inside("physim.drawing.video", "why", "Painter", "Overview")
+ground, PANEL_WIDTH, TEXT = inside("physim.drawing.video", "ground", "PANEL_WIDTH", "TEXT")
+Box, DEEP, NO_MODES, signs = inside("physim.drawing.video", "Box", "DEEP", "NO_MODES", "signs")
+draw_contacts, BOLD, width = inside("physim.drawing.video", "draw_contacts", "BOLD", "width")
+FloatArray = inside("physim.geometry", "FloatArray")
+NO_NUMBER = inside("physim.parts", "NO_NUMBER")
 
 
 def deepened(record: Any, changed: Callable[..., Any], depth: float) -> Any:

@@ -6,8 +6,10 @@ from pathlib import Path
 
 import pytest
 
-from physim.drawing.video.files import check_still, kind_of, named
 from physim.errors import RecordError
+from tests.helpers import inside
+
+check_still, kind_of, named = inside("physim.drawing.video", "check_still", "kind_of", "named")
 
 
 @pytest.mark.parametrize("given", ["", ".", "..", "/", "a/..", "run", "run.avi"])

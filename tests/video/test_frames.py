@@ -9,18 +9,19 @@ from typing import Any
 import numpy as np
 import pytest
 
+from physim import PAPER_MODES, Mode
 from physim.analysis import metrics
 from physim.contacts import Phase
 from physim.drawing import palette
-from physim.drawing.palette import rgb
-from physim.drawing.timeline import Timeline
 from physim.drawing.video import frame_at, layout, panel
-from physim.drawing.video.closest import Closest
-from physim.drawing.video.frames import Painter
 from physim.errors import PhysimError
-from physim.parts.declarations import PAPER_MODES, SAFE, Mode
-from physim.record.setup import Part
-from tests.records import make_record
+from tests.helpers import inside
+from tests.helpers.records import make_record
+
+rgb, Timeline = inside("physim.drawing", "rgb", "Timeline")
+Closest, Painter = inside("physim.drawing.video", "Closest", "Painter")
+SAFE = inside("physim.parts", "SAFE")
+Part = inside("physim.record", "Part")
 
 VIEW = (slice(0, layout.HEIGHT - layout.STRIP_HEIGHT), slice(0, layout.WIDTH - layout.PANEL_WIDTH))
 

@@ -10,31 +10,23 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 from physim.drawing import palette
-from physim.drawing.labels import (
-    Label,
-    clean,
-    leader,
-    metres,
-    number,
-    plain,
-    shortened,
-    significant,
-    spread,
-    ticks,
-)
-from physim.drawing.timeline import Timeline
 from physim.drawing.video import frame_at, scale
-from physim.drawing.video.closest import Closest, pairs_within
-from physim.drawing.video.ground import Background, Ground, Stroke, draw_ground, ground
-from physim.drawing.video.layout import ONE, SMALL, arrange
-from physim.drawing.video.legend import signs
-from physim.drawing.video.marks import Fleet, draw_reference_point
-from physim.drawing.video.names import Labels
-from physim.drawing.video.scale import LONGEST, draw_scale
-from physim.drawing.video.text import shorten, sprite, stamp, width, wrapped
-from physim.drawing.video.view import Camera, Lens
-from physim.geometry.shapes import FloatArray
-from tests.records import BOX, ELL
+from tests.helpers import inside
+from tests.helpers.records import BOX, ELL
+
+Label, clean, leader, metres = inside("physim.drawing", "Label", "clean", "leader", "metres")
+number, plain, shortened = inside("physim.drawing", "number", "plain", "shortened")
+significant, spread, ticks = inside("physim.drawing", "significant", "spread", "ticks")
+Timeline = inside("physim.drawing", "Timeline")
+Closest, pairs_within = inside("physim.drawing.video", "Closest", "pairs_within")
+Background, Ground, Stroke = inside("physim.drawing.video", "Background", "Ground", "Stroke")
+draw_ground, ground, ONE = inside("physim.drawing.video", "draw_ground", "ground", "ONE")
+SMALL, arrange, signs, Fleet = inside("physim.drawing.video", "SMALL", "arrange", "signs", "Fleet")
+draw_reference_point, Labels = inside("physim.drawing.video", "draw_reference_point", "Labels")
+LONGEST, draw_scale, shorten = inside("physim.drawing.video", "LONGEST", "draw_scale", "shorten")
+sprite, stamp, width = inside("physim.drawing.video", "sprite", "stamp", "width")
+wrapped, Camera, Lens = inside("physim.drawing.video", "wrapped", "Camera", "Lens")
+FloatArray = inside("physim.geometry", "FloatArray")
 
 numbers = st.floats(-300.0, 300.0, allow_nan=False)
 

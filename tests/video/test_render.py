@@ -10,14 +10,14 @@ import numpy as np
 import pytest
 
 from physim.drawing import palette
-from physim.drawing.palette import rgb
-from physim.drawing.timeline import Timeline
 from physim.drawing.video import frame_at, render
-from physim.drawing.video.frames import Painter
-from physim.drawing.video.render import frame_times, playback_speed
 from physim.errors import PhysimError
-from physim.parts.declarations import AT_STOP
-from tests.facts import facts
+from tests.helpers import facts, inside
+
+rgb, Timeline = inside("physim.drawing", "rgb", "Timeline")
+Painter, frame_times = inside("physim.drawing.video", "Painter", "frame_times")
+playback_speed = inside("physim.drawing.video", "playback_speed")
+AT_STOP = inside("physim.parts", "AT_STOP")
 
 
 def decoded(path: Path) -> list[Any]:

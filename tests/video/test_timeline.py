@@ -6,10 +6,12 @@ from typing import Any
 import numpy as np
 import pytest
 
+from physim import PAPER_MODES, Mode
 from physim.contacts import CONTACT_ROW, Kind, Phase
-from physim.drawing.timeline import Timeline, episodes
-from physim.drawing.video.render import frame_times
-from physim.parts.declarations import PAPER_MODES, Mode
+from tests.helpers import inside
+
+Timeline, episodes = inside("physim.drawing", "Timeline", "episodes")
+frame_times = inside("physim.drawing.video", "frame_times")
 
 
 def test_the_nearest_sample_is_shown(made: Callable[..., Any], changed: Callable[..., Any]) -> None:

@@ -6,7 +6,9 @@ import yaml
 from hypothesis import given
 from hypothesis import strategies as st
 
-from physim.world.differences import differences
+from tests.helpers import inside
+
+differences = inside("physim.world", "differences")
 
 
 class Given:

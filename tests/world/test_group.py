@@ -8,14 +8,16 @@ from typing import Any
 import numpy as np
 import pytest
 
+from physim import build_scene
 from physim.errors import WorldError
 from physim.randomness import stream
 from physim.world import Box, Offset, Robot, RobotGroup, World
 from physim.world.checks import check_world
 from physim.world.file import load_world, parse_world
-from physim.world.kinds import MOST_ROBOTS
-from physim.world.layout.scene_builder import build_scene, is_random, reseeded
-from tests.facts import facts
+from tests.helpers import facts, inside
+
+MOST_ROBOTS = inside("physim.world", "MOST_ROBOTS")
+is_random, reseeded = inside("physim.world.layout", "is_random", "reseeded")
 
 TEXT = """\
 name: fleet

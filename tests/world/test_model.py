@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 
 from physim.errors import WorldError
 from physim.world import Box, ControllerChoice, FrozenMapping, Limits, Robot, Start, World
-from tests.facts import facts
+from tests.helpers import facts
 from tests.world.strategies import worlds
 
 ROBOT = {

@@ -15,19 +15,19 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
+from physim import build_scene, simulate
 from physim.errors import WorldError
-from physim.simulation.run import simulate
-from physim.world import World
+from physim.world import RandomRoad, World
 from physim.world.checks import check_world
 from physim.world.file import load_world, parse_world
-from physim.world.layout.layout import lay_out
-from physim.world.layout.road import DrawnRoad, draw_road, plain_world
-from physim.world.layout.road_line import draw_way, lanes_advance
-from physim.world.layout.scene_builder import build_scene, is_random, reseeded
-from physim.world.road import RandomRoad
-from physim.world.scene import Layout
-from tests.facts import facts
+from tests.helpers import facts, inside
 from tests.test_worlds_contract import differences
+
+lay_out, DrawnRoad, draw_road = inside("physim.world.layout", "lay_out", "DrawnRoad", "draw_road")
+plain_world, draw_way = inside("physim.world.layout", "plain_world", "draw_way")
+lanes_advance, is_random = inside("physim.world.layout", "lanes_advance", "is_random")
+reseeded = inside("physim.world.layout", "reseeded")
+Layout = inside("physim.world", "Layout")
 
 Array = NDArray[np.float64]
 

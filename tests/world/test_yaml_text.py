@@ -8,10 +8,8 @@ from hypothesis import given, settings
 
 from physim.errors import PhysimError
 from physim.world import World
-from physim.world.file import parse_world
-from physim.world.file.nodes import Document
-from physim.world.file.reading import read_document
-from tests.facts import facts
+from physim.world.file import Document, parse_world, read_document
+from tests.helpers import facts
 from tests.world.strategies import worlds
 from tests.world.test_model import values
 

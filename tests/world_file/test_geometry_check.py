@@ -11,9 +11,9 @@ import pytest
 from physim.errors import Fault
 from physim.world import World
 from physim.world.file import parse_world
-from physim.world.layout.layout import partial_layout
-from tests.facts import facts
-from tests.worlds_by_hand import STRAIGHT
+from tests.helpers import STRAIGHT, facts, inside
+
+partial_layout = inside("physim.world.layout", "partial_layout")
 
 EDGE = [[-3.0, -4.0], [33.0, -4.0], [33.0, 4.0], [-3.0, 4.0], [-3.0, -4.0]]
 

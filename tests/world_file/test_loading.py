@@ -9,10 +9,9 @@ import pytest
 
 from physim.errors import Fault, WorldError
 from physim.world.file import load_world, located, parse_world, read_world
-from physim.world.file.files import find_world
-from tests.facts import facts
-from tests.says import check_error
-from tests.worlds_by_hand import STRAIGHT
+from tests.helpers import STRAIGHT, check_error, facts, inside
+
+find_world = inside("physim.world.file", "find_world")
 
 
 def refusal(path, **options) -> str:

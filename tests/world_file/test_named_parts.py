@@ -11,14 +11,15 @@ from jsonschema import Draft7Validator
 
 from physim.errors import ControllerError, WorldError
 from physim.parts import registry
-from physim.parts.registry import CONTROLLER, FILTER, find_part, part_names
 from physim.world import Choice
 from physim.world.checks import check_world
 from physim.world.file import parse_world
-from physim.world.file.schema import shipped_schema_text, world_schema
-from tests.facts import facts
-from tests.says import check_error
-from tests.worlds_by_hand import STRAIGHT
+from tests.helpers import STRAIGHT, check_error, facts, inside
+
+CONTROLLER, FILTER, find_part = inside("physim.parts", "CONTROLLER", "FILTER", "find_part")
+part_names = inside("physim.parts", "part_names")
+shipped_schema_text = inside("physim.world.file", "shipped_schema_text")
+world_schema = inside("physim.world.file", "world_schema")
 
 LINES = len(STRAIGHT.splitlines())
 STAGES = """\

@@ -5,8 +5,7 @@ import pytest
 from physim.errors import WorldError
 from physim.world import Limits
 from physim.world.file import apply_overrides, parse_world, read_document
-from tests.says import check_error
-from tests.worlds_by_hand import STRAIGHT
+from tests.helpers import STRAIGHT, check_error
 
 
 def message(*overrides: str) -> str:

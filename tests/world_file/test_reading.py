@@ -12,10 +12,9 @@ from hypothesis import strategies as st
 
 from physim.errors import WorldError
 from physim.world.file import parse_world, read_document, reading
-from physim.world.file.pitfalls import RefusedScalarError, scalar
-from tests.facts import facts
-from tests.says import check_error
-from tests.worlds_by_hand import STRAIGHT
+from tests.helpers import STRAIGHT, check_error, facts, inside
+
+RefusedScalarError, scalar = inside("physim.world.file", "RefusedScalarError", "scalar")
 
 SUITE = Path(__file__).parents[2] / ".." / "shared" / "cases" / "bad_worlds"
 

@@ -9,17 +9,12 @@ from pathlib import Path
 import pytest
 
 from physim.errors import ControllerError, PhysimError
-from physim.parts.registry import (
-    FILTER,
-    OBSERVER,
-    PLOT,
-    Kind,
-    find_part,
-    make_by_defaults,
-    make_part,
-)
-from tests.facts import facts
-from tests.packages import install
+from tests.helpers import facts, inside
+from tests.helpers.packages import install
+
+FILTER, OBSERVER, PLOT, Kind = inside("physim.parts", "FILTER", "OBSERVER", "PLOT", "Kind")
+find_part, make_by_defaults = inside("physim.parts", "find_part", "make_by_defaults")
+make_part = inside("physim.parts", "make_part")
 
 TEXT = """
 from pydantic import BaseModel

@@ -9,10 +9,12 @@ from pathlib import Path
 import pytest
 
 from physim.errors import ControllerError, WorldError
-from physim.parts.registry import CONTROLLER, controller_names, find_part, make_part
 from tests.cli.commands import environment
-from tests.facts import facts
+from tests.helpers import facts, inside
 from tests.world_file import parts_for_tests as fakes
+
+CONTROLLER, controller_names = inside("physim.parts", "CONTROLLER", "controller_names")
+find_part, make_part = inside("physim.parts", "find_part", "make_part")
 
 HERE = "tests.world_file.parts_for_tests"
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from tests.edges.shell import Shell
-from tests.roads_to_stops import dead_end
+from tests.helpers import dead_end
 
 NUMBER = "2"
 

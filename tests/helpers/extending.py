@@ -7,7 +7,7 @@ import tomllib
 from pathlib import Path
 from typing import NamedTuple
 
-PAGE = Path(__file__).parents[1] / "docs" / "EXTENDING.md"
+PAGE = Path(__file__).parents[2] / "docs" / "EXTENDING.md"
 
 
 class Block(NamedTuple):

@@ -6,7 +6,7 @@ import re
 
 import pytest
 
-from tests.facts import facts
+from tests.helpers import facts
 
 
 @pytest.mark.parametrize(

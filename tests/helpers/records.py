@@ -11,12 +11,17 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from physim import PAPER_MODES, Rule
 from physim.contacts import CONTACT_ROW, FALSE_CONTACT_ROW, Phase
-from physim.geometry.shapes import FloatArray, Polylines, pack_parts, pack_polylines
-from physim.parts.declarations import PAPER_MODES, STANDARD_COLUMNS, Declared, Rule
 from physim.record import Record, RecordWriter
-from physim.record.layout import CONSIDERED, CONSIDERING, update_type
-from physim.world.scene import Body
+from tests.helpers import inside
+
+FloatArray, Polylines = inside("physim.geometry", "FloatArray", "Polylines")
+pack_parts, pack_polylines = inside("physim.geometry", "pack_parts", "pack_polylines")
+STANDARD_COLUMNS, Declared = inside("physim.parts", "STANDARD_COLUMNS", "Declared")
+CONSIDERED, CONSIDERING = inside("physim.record", "CONSIDERED", "CONSIDERING")
+update_type = inside("physim.record", "update_type")
+Body = inside("physim.world", "Body")
 
 CENTRELINE = np.array([[0.0, 0.0], [15.0, 0.0], [27.0, 9.0], [60.0, 9.0]])
 WIDTH = 8.0

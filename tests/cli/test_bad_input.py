@@ -195,7 +195,7 @@ ARGUMENTS = {
     "unknown controller": (
         ["small.yaml", "--controller", "nobody"], "--controller:", '"nobody"', REGISTERED,
     ),
-    "a file": (["small.yaml", "--controller", "own/ctl.py"], "--controller:", "ctl:CLASS"),
+    "a file": (["small.yaml", "--controller", "own/ctl.py"], "--controller:", "own.ctl:CLASS"),
     "a module with a class": (
         ["small.yaml", "--controller", "ctl.Ttc"], "--controller:", "MODULE:CLASS", "ctl:Ttc",
     ),
@@ -256,9 +256,7 @@ def test_faulty_command(
 
 
 @pytest.mark.parametrize("command", ["summary", "video"])
-@pytest.mark.parametrize(
-    "record", ["none.h5", "file", "small.yaml", "earlier", "earlier/record.h5"]
-)
+@pytest.mark.parametrize("record", ["none.h5", "file", "small.yaml", "earlier/record.h5"])
 def test_faulty_record(
     command: str, record: str, here: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

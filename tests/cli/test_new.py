@@ -87,7 +87,7 @@ def test_names_are_safe_in_files_and_whole_in_worlds(tmp_path, capsys, name, fil
         (["x" * 101], ("at most 100", "given 101")),
         ([], ("physim new:", "NAME", "missing", "physim new my_corridor")),
         (["a", "--robots", "0"], ("--robots 0:", "corridor", "1 to 22")),
-        (["a", "--robots", "11", "--template", "doorway"], ("--robots 11:", "doorway", "1 to 10")),
+        (["a", "--robots", "11", "--template", "doorway"], ("--robots 11:", "doorway", "1 to 9")),
         (["a", "--template", "bent"], ("--template bent:", "corridor", "doorway", '"bend"')),
         (["a", "-o", "no/a.yaml"], ("no/a.yaml:", "no folder no")),
         (["a", "-o", "."], ("is a folder", "-o")),

@@ -47,7 +47,7 @@ BAD = {
     ("half.h5",): ("half.h5:",),
     ("text.h5",): ("text.h5:",),
     ("a/record.h5", "half.h5"): ("half.h5:",),
-    ("a",): ("a:",),
+    (".",): ("record.h5:", "no such file"),
     ("a/record.h5", "-o", "a/record.h5"): ("a/record.h5:", ".html"),
     ("a/record.h5", "-o", "run.pdf"): ("run.pdf:", ".html"),
     ("a/record.h5", "-o", "no/run.html"): ("no/run.html:", "folder no"),

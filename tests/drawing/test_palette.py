@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import itertools
-import re
 
 import numpy as np
 import pytest
@@ -11,7 +10,6 @@ from numpy.typing import NDArray
 
 from physim import PAPER_MODES
 from physim.drawing import palette
-from tests.test_layers import SOURCES
 
 # Machado, Oliveira and Fernandes (2009), severity 1, for linear RGB
 SEEN_BY = {
@@ -80,13 +78,3 @@ def test_colours_are_written_and_read_alike() -> None:
     for colour in palette.ROBOTS:
         assert palette.rgb(palette.hexed(colour)) == colour
     assert palette.hexed(palette.CONTACT) == "#d55e00"
-
-
-def test_no_other_room_has_colours_of_its_own() -> None:
-    """Shades of a scale (collision times) are no colours of things."""
-    rooms = ("plots", "preview", "video", "reproduction")
-    for file in SOURCES:
-        if file.parent.name in rooms or file.parent.parent.name in rooms:
-            if file.name in ("collision_rows.py", "collision_times.py", "page.py"):
-                continue
-            assert not re.search(r"#[0-9a-fA-F]{6}\b", file.read_text(encoding="utf-8")), file

@@ -20,13 +20,6 @@ FOCUS = """
       one.id || one.getAttribute("aria-label") || one.innerText || one.labels?.[0].innerText,
       getComputedStyle(one).outlineStyle,
     ])(document)"""
-RADII = """
-    window.radii = [];
-    const arc = CanvasRenderingContext2D.prototype.arc;
-    CanvasRenderingContext2D.prototype.arc = function (x, y, radius, ...more) {
-      if (radius > 8) window.radii.push(radius);
-      arc.call(this, x, y, radius, ...more);
-    };"""
 
 
 def test_all_that_acts_has_a_name_and_all_tables_say_what_they_are(opened: Opened) -> None:
@@ -52,17 +45,3 @@ def test_all_is_reached_by_the_tab_key_and_the_focus_is_seen(opened: Opened) -> 
     assert {"scrub", "play", "to the start", "speed", "what to follow"} <= reached
     assert "robot to ask why" in reached
     assert any("shortest distance" in one for one in reached)
-
-
-def test_a_reader_who_wants_no_motion_sees_rings_that_stand(opened: Opened) -> None:
-    def rings(motion: str) -> int:
-        seen = opened(script=RADII, motion=motion)
-        found = set()
-        for time in (1.81, 1.9, 2.0):
-            seen.ask("window.radii.length = 0")
-            seen.drawn_at(time)
-            found |= set(seen.ask("window.radii"))
-        return len(found)
-
-    assert rings("no-preference") == 3
-    assert rings("reduce") == 1

@@ -9,7 +9,6 @@ from urllib.parse import quote
 import h5py
 import pytest
 
-import physim
 from physim.drawing.page import page, write_page
 from physim.record import Record
 from tests.drawing.browser.driver import Seen
@@ -68,31 +67,6 @@ def test_a_frame_in_a_notebook_is_shut_in(opened: Opened, hostile: Path, tmp_pat
     assert seen.page.frame_locator("iframe").locator("#clock").inner_text() == "0.00 s"
 
 
-def test_a_notebook_holds_many_outputs_that_do_not_touch_each_other(
-    opened: Opened, tmp_path: Path
-) -> None:
-    """Two pages of runs, and a world, record and summary as tables, in one host."""
-    record, other = make_record(None, 2, 1.0, name="first"), make_record(None, 3, 2.0, name="other")
-    straight = physim.load_world("straight")
-    shown = (record, physim.summarise(record), straight, page(record), page(other), other)
-    cells = "".join(f"<div class=cell>{one._repr_html_()}</div>" for one in shown)
-    file = tmp_path / "notebook.html"
-    file.write_text(f"<script>window.physim = 'mine'</script>{cells}", encoding="utf-8")
-    seen = opened(file, hash="#t=0.5")
-    assert seen.page.locator("[id]").count() == 0
-    assert seen.page.locator("style, link").count() == 0
-    frames = [seen.page.frame_locator("iframe").nth(k) for k in (0, 1)]
-    for frame, name in zip(frames, ("first", "other"), strict=True):
-        assert frame.locator("h1").inner_text() == name
-    frames[0].get_by_role("button", name="0.1 s on").click()
-    frames[1].locator("#why select").select_option(label="r3")
-    assert [frame.locator("#clock").inner_text() for frame in frames] == ["0.10 s", "0.00 s"]
-    assert frames[0].locator("#why h2").count() == 0
-    assert frames[1].locator("#why h2").inner_text().startswith("r3")
-    assert seen.ask("window.physim") == "mine"
-    assert seen.ask("location.hash") == "#t=0.5"
-
-
 def test_a_script_that_was_put_in_does_not_run(opened: Opened, page: Path, tmp_path: Path) -> None:
     """The policy of the page allows its own script alone."""
     text = page.read_text(encoding="utf-8")
@@ -122,14 +96,3 @@ def test_data_that_are_broken_are_told(
     assert "cannot be shown" in told
     assert not seen.page.locator("#app").is_visible()
     assert "shortest distance" in seen.text(".tables")
-
-
-@pytest.mark.parametrize(
-    ("script", "said"),
-    [
-        ("HTMLCanvasElement.prototype.getContext = () => null", "canvas"),
-        ("delete window.DecompressionStream", "DecompressionStream"),
-    ],
-)
-def test_a_browser_that_cannot_is_told_so(opened: Opened, script: str, said: str) -> None:
-    assert said in opened(script=script).text("#state")

@@ -12,18 +12,14 @@ import numpy as np
 import pytest
 from PIL import Image
 
-import physim
-from physim.drawing import palette
 from physim.drawing.page import write_page
 from physim.record import Record
-from physim.world.file import parse_world
-from tests.campaigns.real import WORLD
 from tests.drawing.browser.driver import PHONE, Seen
 from tests.helpers import inside
 from tests.helpers.records import make_record
 
-TOLERANCE = inside("physim.drawing.page", "TOLERANCE")
 SceneModel, placed = inside("physim.drawing", "SceneModel", "placed")
+TOLERANCE = inside("physim.drawing.page", "TOLERANCE")
 
 PIXEL = 1.0
 """by which a robot may be drawn beside its place: edges are smoothed over one"""
@@ -114,160 +110,6 @@ def test_two_runs_go_in_step_beside_each_other_or_in_one_view(
     assert "the other" in seen.text(".figures")
 
 
-@pytest.mark.parametrize(
-    ("keys", "same"),
-    [
-        ({"seed": 5}, True),
-        ({"corridor": {"centreline": [[0, 0], [20, 0]], "width": 8.01}}, False),
-        ({"obstacles": [[[12, -1], [13, -1], [13, 0], [12, 0]]]}, False),
-    ],
-)
-def test_runs_with_other_walls_are_not_shown_in_one_view(
-    opened: Opened, tmp_path: Path, keys: dict[str, Any], same: bool
-) -> None:
-    world = parse_world(WORLD)
-    runs = [physim.simulate(one) for one in (world, world.changed(**keys))]
-    seen = opened(write_page(runs, tmp_path / "both.html"))
-    box = seen.page.locator("#ghosts")
-    assert box.is_enabled() == same
-    told = seen.text("label:has(#ghosts)")
-    assert ("their walls differ" in told) != same
-    assert seen.page.locator(".view:visible canvas").count() == 2
-
-
-def test_runs_side_by_side_have_one_scale(opened: Opened, record: Record, tmp_path: Path) -> None:
-    with make_record(tmp_path / "other.h5", 2, 4.0, name="the other") as other:
-        seen = opened(write_page([record, other], tmp_path / "both.html"))
-    for follow in ("'whole'", "'robots'"):
-        seen.ask(f"physim.look({follow})")
-        seen.drawn_at(2.0)
-        scales = seen.ask("physim.views.map((view) => view.drawn.lens.scale)")
-        assert scales[0] == pytest.approx(scales[1])
-
-
-BAR = """(scale) => {
-  const { view, player } = physim, { camera } = view, bars = [], { prototype } =
-    CanvasRenderingContext2D, write = prototype.fillText, Path = Path2D;
-  camera.zoom *= scale / camera.lens(player.time).scale;
-  let words = "", end = 0;
-  window.Path2D = class extends Path {
-    constructor(drawn) {
-      super(drawn);
-      end = Number(/^M14 .*H([\\d.e-]+)M/.exec(drawn)?.[1] ?? end);
-    }
-  };
-  prototype.fillText = function(text, x, y) {
-    if (Math.abs(x - end - 8) < 1e-6) words = text;
-    write.call(this, text, x, y);
-  };
-  physim.show(player.time);
-  window.Path2D = Path;
-  prototype.fillText = write;
-  return [words, (end - 14) / view.drawn.lens.scale, end - 14];
-}"""
-"""Words and length [m], [px] of the scale bar at about a scale [px/m]"""
-
-
-def test_the_words_of_the_scale_bar_are_its_length(opened: Opened) -> None:
-    seen = opened()
-    for scale in (0.01, 0.3, 7.0, 51.0, 52.0, 480.0, 4_800.0, 9e4, 2.3e7, 4e8):
-        words, length, pixels = seen.page.evaluate(BAR, scale)
-        number, unit = words.split()
-        assert unit == "m"
-        assert "e" not in number
-        assert len(number.strip("0.")) == 1
-        assert float(number) == pytest.approx(length, rel=1e-6)
-        assert 0.35 * 130.0 <= pixels <= 130.0 + 1e-6
-
-
-SMALL_ROBOTS = """\
-name: small robots
-time: {{step: {step}, duration: 2.0}}
-corridor: {{centreline: [[0, 0], [{far}, 0]], width: {wide}}}
-robots:
-  - name: a
-    footprint: {{length: {long}, width: {long}}}
-    pose: [{long}, 0, 0]
-    path: {{offset: 0}}
-controller: {{type: constant, commands: [[0.02, 0.0]]}}
-"""
-
-
-@pytest.mark.parametrize("long", [0.04, 1.6])
-def test_robots_of_any_size_are_seen_as_large(opened: Opened, tmp_path: Path, long: float) -> None:
-    """Of centimetres they had been dots in a view of 16 m."""
-    step = min(0.002 * long / 0.04, 0.02)
-    text = SMALL_ROBOTS.format(step=step, long=long, far=100.0 * long, wide=8.0 * long)
-    record = physim.simulate(parse_world(text))
-    seen = opened(write_page([record], tmp_path / "small.html"))
-    seen.ask("physim.look('robots')")
-    assert seen.drawn_at(1.0)["lens"]["scale"] * long > 30.0
-    seen.ask("physim.look(0)")
-    whole = seen.ask("physim.view.camera.wholeScale")
-    assert seen.drawn_at(1.0)["lens"]["scale"] > 1.5 * whole
-
-
-OVERVIEW = """([x, y]) => {
-  const { view, player } = physim, { camera } = view;
-  camera.zoom = 3;
-  physim.show(player.time);
-  const { lens, pose, size } = view.drawn;
-  const wanted = x < 0 ? [size[0] + x, y] : [x, size[1] - y];
-  camera.pan(wanted[0] - (pose[0] * lens.scale + lens.x),
-             wanted[1] - (lens.y - pose[1] * lens.scale), player.time);
-  const seen = [], { prototype } = CanvasRenderingContext2D;
-  const alpha = Object.getOwnPropertyDescriptor(prototype, "globalAlpha");
-  Object.defineProperty(prototype, "globalAlpha", {
-    ...alpha, set(value) { seen.push(value); alpha.set.call(this, value); },
-  });
-  physim.show(player.time);
-  Object.defineProperty(prototype, "globalAlpha", alpha);
-  return seen.includes(0.3);
-}"""
-"""Puts the first robot at a place [px], from the right where x is negative; whether it is pale"""
-
-
-def test_the_overview_is_pale_over_robots(opened: Opened) -> None:
-    seen = opened()
-    seen.drawn_at(2.0)
-    assert seen.page.evaluate(OVERVIEW, [-40, 40])
-    assert not seen.page.evaluate(OVERVIEW, [120, 60])
-
-
-SPIED = """() => {
-  window.dashes = [];
-  const line = CanvasRenderingContext2D.prototype, set = line.setLineDash;
-  line.setLineDash = function(dash) {
-    window.dashes.push(String(dash));
-    set.call(this, dash);
-  };
-}"""
-"""Notes each pattern of dashes that a line is drawn with"""
-AVOIDING = """() => {
-  const thresholds = [{ column: "distance", enter: 0.5, leave: 0.8 }];
-  for (const run of physim.runs) Object.assign(run.header.why, { avoids: true, thresholds });
-}"""
-"""Gives all runs a threshold"""
-
-
-def test_dashes_are_those_of_thresholds_or_tell_runs_apart(
-    opened: Opened, record: Record, tmp_path: Path
-) -> None:
-    drawn = {}
-    for count in (1, 2):
-        seen = opened(write_page([record] * count, tmp_path / f"{count}.html"))
-        seen.page.evaluate(SPIED)
-        seen.page.evaluate(AVOIDING)
-        seen.page.set_viewport_size({"width": 1100, "height": 800})  # all is drawn anew
-        seen.settle()
-        seen.drawn_at(2.0)
-        drawn[count] = set(seen.page.evaluate("window.dashes"))
-    of_thresholds = drawn[1] - {""}
-    assert of_thresholds
-    assert not of_thresholds & drawn[2]
-    assert drawn[2] - {""}
-
-
 def test_on_a_phone_all_is_reached_by_a_finger(opened: Opened) -> None:
     seen = opened(size=PHONE, touch=True)
     assert seen.ask("document.documentElement.scrollWidth") <= PHONE[0]
@@ -281,15 +123,6 @@ def test_on_a_phone_all_is_reached_by_a_finger(opened: Opened) -> None:
     )
     seen.settle()
     assert "r1" in seen.text("#why h2")
-
-
-def test_dark_pages_keep_the_colours_of_modes(opened: Opened) -> None:
-    light, dark = opened(), opened(scheme="dark")
-    ground = "getComputedStyle(document.body).backgroundColor"
-    assert light.ask(ground) != dark.ask(ground)
-    colours = "physim.view.run.modes.map((mode) => mode.colour)"
-    assert light.ask(colours) == dark.ask(colours)
-    assert light.ask("physim.colours.contact") == dark.ask("physim.colours.contact")
 
 
 def test_keys_do_what_the_page_says(opened: Opened) -> None:
@@ -311,23 +144,3 @@ def test_keys_do_what_the_page_says(opened: Opened) -> None:
     assert seen.ask("physim.robot") == -1
     seen.page.keyboard.press(" ")
     assert seen.ask("physim.player.playing")
-
-
-def test_keys_go_on_after_a_click_on_a_check_box(opened: Opened) -> None:
-    seen = opened()
-    seen.page.locator("#controls input[type=checkbox]").first.click()
-    seen.page.keyboard.press("ArrowRight")
-    assert seen.ask("physim.player.time") == pytest.approx(0.1)
-
-
-def test_the_legend_shows_an_obstacle_in_the_colour_it_is_drawn_in(
-    opened: Opened, tmp_path: Path
-) -> None:
-    """It had the colour of the first robot."""
-    world = parse_world(WORLD).changed(obstacles=[[[12, -1], [13, -1], [13, 0], [12, 0]]])
-    seen = opened(write_page([physim.simulate(world)], tmp_path / "r.html"))
-    sign = "#legend li:has(span:text-is('obstacle')) canvas"
-    pixel = seen.page.locator(sign).evaluate(
-        "one => [...one.getContext('2d').getImageData(30, 20, 1, 1).data.slice(0, 3)]"
-    )
-    assert tuple(pixel) == palette.OBSTACLE

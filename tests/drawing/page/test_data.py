@@ -12,7 +12,6 @@ from hypothesis import strategies as st
 
 import physim
 from physim.analysis.summary import summarise
-from physim.drawing.page import curves
 from physim.errors import PhysimError
 from tests.helpers import examples, inside
 from tests.helpers.records import make_record
@@ -101,14 +100,6 @@ def test_knots_keep_every_sample_within_the_tolerance(
     assert knots.counts.tolist() == [len(row)]
 
 
-def test_one_command_needs_two_knots() -> None:
-    pose = arcs(np.zeros((50, 3)), np.tile([1.0, 0.5], (50, 1)), 0.0)
-    for k in range(50):
-        pose[k] = arcs(np.zeros((1, 3)), np.array([[1.0, 0.5]]), 0.02 * k)[0]
-    knots = find_knots(pose[:, None], 0.02 * np.arange(50), np.full(3, 1e-4), 1e-3, np.ones(1))
-    assert len(knots.row) == 2
-
-
 def test_decisions_and_contacts_come_back(tmp_path: Path) -> None:
     with make_record(tmp_path / "r.h5", 3, 2.5) as record:
         header, arrays = unpack(run_data(record, summarise(record)))
@@ -147,29 +138,6 @@ def test_errors_are_those_of_samples_whoever_decided(tmp_path: Path, robots: int
         drawn = arrays["error"].reshape(robots, -1).T
         assert np.allclose(drawn, course.values[shown], rtol=0.0, atol=5.1e-4)
         assert ("bands" in arrays) == told["bands"]
-
-
-def test_distances_of_now_are_not_those_of_a_stretch(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """Plots keep the least of each bin; what is told beside the picture is of that moment."""
-    monkeypatch.setattr(curves, "BINS", 7)
-    with make_record(tmp_path / "r.h5", 4, 5.0) as record:
-        _, arrays = unpack(run_data(record, summarise(record)))
-        assert len(arrays["pair"]) == 7
-        assert arrays["now"].tolist() == record.steps.tolist()
-        least = record.clearance.min(axis=1)
-        assert np.allclose(arrays["now_pair"], least, rtol=0, atol=5.1e-5)
-        walls = record.boundary_clearance.min(axis=1)
-        assert np.allclose(arrays["now_wall"], walls, rtol=0, atol=5.1e-5)
-        for name in ("now_a", "now_b"):
-            mine = record.clearance[np.arange(len(least)), arrays[name].astype(int)]
-            assert np.allclose(mine, least, rtol=0, atol=1e-9)
-        assert (arrays["now_a"] < arrays["now_b"]).all()
-        monkeypatch.setattr(curves, "MOST_NOW", 11)
-        few = unpack(run_data(record, summarise(record)))[1]
-        assert len(few["now"]) == 11
-        assert few["now"][[0, -1]].tolist() == record.steps[[0, -1]].tolist()
 
 
 def test_distances_of_now_of_few_samples_are_those_of_the_poses() -> None:
@@ -249,34 +217,6 @@ def test_robots_too_far_apart_are_refused_in_a_line(
         pytest.raises(PhysimError, match=rf"r\.h5: {told}"),
     ):
         physim.page(record)
-
-
-@pytest.mark.deep
-def test_ten_robots_over_their_run_fit_into_the_bound(tmp_path: Path) -> None:
-    """Made up, with a decision every 0.1 s: as many as the shipped world has, twice over."""
-    with make_record(tmp_path / "r.h5", 10, 250.0, contacts=False) as record:
-        assert len(physim.page(record).html.encode()) < 1.5e6
-
-
-LATE = """\
-name: late
-time: {step: 0.01, duration: 6.0}
-corridor: {centreline: [[0, 0], [14, 0]], width: 6.0}
-robots:
-  - {name: a, footprint: {length: 1.8, width: 1.0}, pose: [9, 1.2, 0], path: [[0, 1.2], [12, 1.2]]}
-  - {name: b, footprint: {length: 1.8, width: 1.0}, pose: [1, -1.2, 0], path: {offset: -1.2}}
-controller: {type: path_following}
-"""
-
-
-def test_robots_arrive_at_the_same_step_however_often_poses_are_recorded() -> None:
-    world = physim.parse_world(LATE)
-    found = []
-    for one in (1, 7):
-        made = physim.simulate(world.changed(time={"record_every": one}))
-        found.append(unpack(run_data(made, summarise(made)))[1]["arrived"].tolist())
-    assert found[0] == found[1]
-    assert 300 < found[0][0] < 600
 
 
 TINY = """\

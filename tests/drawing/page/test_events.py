@@ -51,11 +51,6 @@ def test_what_counts_as_standing(
     assert len(stands(made)) == count
 
 
-def test_who_arrived_between_two_samples_stood_until_the_next() -> None:
-    made = record([(1.0, 1.0), (5.0, 0.0)], 3 * 30 - 1, every=3)
-    assert stands(made).tolist() == [[0, 30, 90]]
-
-
 def test_a_stop_is_told_to_the_sample_and_by_the_size_of_the_robot() -> None:
     for every in (1, 5):
         found = stands(record([(2.0, 1.0), (1.5, 0.0), (1.0, 0.5)], every=every))

@@ -19,12 +19,9 @@ from tests.helpers import inside
 from tests.helpers.records import make_record
 from tests.metrics.histories import history
 
-sheet = inside("physim.campaigns.report", "page")
 Timeline = inside("physim.drawing", "Timeline")
-ASSETS, LIGHT, asset = inside("physim.drawing.page", "ASSETS", "LIGHT", "asset")
-custom_properties, moments = inside("physim.drawing.page", "custom_properties", "moments")
-order, script = inside("physim.drawing.page", "order", "script")
-html = inside("physim.reproduction", "html")
+ASSETS, moments, order = inside("physim.drawing.page", "ASSETS", "moments", "order")
+script = inside("physim.drawing.page", "script")
 
 
 @pytest.fixture(scope="module")
@@ -139,17 +136,6 @@ def test_a_notebook_shows_a_small_table(kind: str, tmp_path: Path) -> None:
         assert f'contacts</th><td align="left">{contacts.sum()}<' in text
 
 
-def test_of_two_robots_the_one_behind_is_asked_why(record: Record) -> None:
-    """In these records the last robot is the last in the row."""
-    found = {one["label"]: one for one in moments(Timeline(record), physim.summarise(record))}
-    nearest = found["shortest distance"]
-    least = record.extremes[np.argmin(record.extremes["clearance"])]
-    pair = {int(np.argmin(record.extremes["clearance"])), int(least["clearance_other"])}
-    assert nearest["robot"] == max(pair)
-    assert nearest["time"] == pytest.approx(least["clearance_step"] * record.dt)
-    assert found["first contact"]["contact"] == 0
-
-
 def test_the_deepest_contact_is_looked_at_where_it_is_deepest() -> None:
     """Not where it began."""
     rows = [{"robot": 0}, {"robot": 1}]
@@ -167,26 +153,3 @@ def test_the_deepest_contact_is_looked_at_where_it_is_deepest() -> None:
     assert deepest["time"] == pytest.approx(41 * record.dt)
     assert deepest["contact"] == 1
     assert "5 mm" in deepest["words"] or "0.005 m" in deepest["words"]
-
-
-USED = re.compile(r"var\(--([a-z]+)\)")
-OWN = {"mode"}
-"""set by scripts"""
-
-
-def made(kind: str, folder: Path) -> str:
-    if kind == "campaign":
-        return sheet("title", "<p>text</p>")
-    if kind == "reproduction":
-        return html("# title", "title", folder)
-    with make_record(None, 2, 1.0) as record:
-        return page(record).html
-
-
-@pytest.mark.parametrize("kind", ["campaign", "reproduction", "run"])
-def test_all_pages_begin_with_the_same_styles(kind: str, tmp_path: Path) -> None:
-    text = made(kind, tmp_path)
-    (css,) = re.findall("<style>(.*?)</style>", text, re.DOTALL)
-    assert css.startswith(custom_properties() + asset("common.css"))
-    assert css.count("prefers-color-scheme") == 1
-    assert set(USED.findall(css)) <= set(LIGHT) | OWN

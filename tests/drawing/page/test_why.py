@@ -47,17 +47,6 @@ def test_every_rule_of_a_shipped_controller_has_prose(name: str) -> None:
         assert not re.search(r"[{}]", told["prose"])
 
 
-def test_the_forward_speed_comes_from_a_formation_where_there_is_one() -> None:
-    def said(**world: Any) -> str:
-        rules = of("mode_switching", **world)["rules"]
-        return next(str(one["prose"]) for one in rules if one["name"] == "path_following")
-
-    assert "fallen behind" in said(formation={"gain": 0.05})
-    assert "fallen behind" not in said()
-    assert "settings" in said()
-    assert "settings" not in said(formation={"gain": 0.05})
-
-
 def test_thresholds_are_the_settings_in_force() -> None:
     """Those of the world, and the controller's defaults for the others."""
     given = {"time_low": 1.5, "time_high": 3.0, "horizon": 4.5}

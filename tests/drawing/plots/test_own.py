@@ -94,19 +94,3 @@ def test_what_fails_is_one_line_and_leaves_no_file(
     assert (done.code, done.err.count("\n")) == (2, 1)
     assert done.err.startswith(f'plot "{name}" ')
     assert re.search(said, done.err)
-
-
-def test_one_of_a_shipped_name_is_told_in_the_list_and_on_use(
-    record: Record, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    place = 'plot "modes": '
-    done = physim("list", capture=capsys)
-    (listed,) = [line for line in done.out.splitlines() if place in line]
-    told = listed.split(maxsplit=1)[1]
-    assert told.startswith(place)
-    assert re.search(facts("physim", "name"), told)
-    done = physim("plot", record.path, "--only", "modes", capture=capsys)
-    assert (done.code, done.out) == (0, f"{tmp_path / 'modes.png'}\n")
-    assert done.err == f"WARNING  {told}\n"
-    done = physim("plot", record.path, "--only", "speeds", capture=capsys)
-    assert (done.code, done.err) == (0, "")

@@ -11,17 +11,15 @@ import pytest
 from physim.analysis.metrics import contact_episodes
 from physim.contacts import Phase
 from physim.drawing.plots import FORMATS, NAMES, draw
-from physim.drawing.plots import distances as contacts
 from physim.errors import PhysimError
 from physim.record import Record, RecordWriter
 from tests.helpers import facts, inside, said
 from tests.helpers.records import make_record, make_scene
 from tests.metrics.histories import history
 
-CONTACT, MOST_NAMED = inside("physim.drawing.plots", "CONTACT", "MOST_NAMED")
-MOST_POINTS, distances = inside("physim.drawing.plots", "MOST_POINTS", "distances")
-merged, prediction = inside("physim.drawing.plots", "merged", "prediction")
-predictions, thinned = inside("physim.drawing.plots", "predictions", "thinned")
+CONTACT, MOST_POINTS = inside("physim.drawing.plots", "CONTACT", "MOST_POINTS")
+distances, predictions = inside("physim.drawing.plots", "distances", "predictions")
+thinned = inside("physim.drawing.plots", "thinned")
 
 
 @pytest.fixture
@@ -81,24 +79,6 @@ def test_distances_show_the_least_values_and_every_contact(record: Record) -> No
         assert began == [episode.time for episode in contact_episodes(record)]
 
 
-def test_many_contacts_fill_a_strip_above_the_curves(
-    record: Record, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(contacts, "MOST_BANDS", 0)
-    spans = [(e.time, e.time + (e.samples - 1) * record.dt) for e in contact_episodes(record)]
-    for axis in distances(record).axes:
-        strip = next(c for c in axis.collections if c.get_gid() == "contacts")
-        drawn = [path.vertices for path in strip.get_paths()]
-        assert min(corners[:, 1].min() for corners in drawn) >= 1.0
-        found = [(corners[:, 0].min(), corners[:, 0].max()) for corners in drawn]
-        assert all(any(a <= begin and end <= b for a, b in found) for begin, end in spans)
-
-
-def test_spans_of_contacts_are_joined_across_narrow_gaps() -> None:
-    assert merged([(5.0, 5.0), (0.0, 1.0), (1.5, 2.0), (0.2, 0.4)], 1.0) == [(0.0, 2.5), (5.0, 6.0)]
-    assert merged([], 1.0) == []
-
-
 def test_no_dip_is_lost_where_a_curve_is_thinned() -> None:
     values = np.ones(100_000)
     values[77_777] = -1.0
@@ -154,25 +134,6 @@ def test_a_command_that_a_stage_changed_was_not_held() -> None:
     slowed = [(step, 0, 1.0, 0.0, 1.0, 0.0, 0.5, 0.0) for step in (5, 30)]
     assert predictions(history(rows, touch)).kept.tolist() == [1, 1]
     assert predictions(history(rows, touch, commands=slowed)).kept.tolist() == [0, 1]
-
-
-@pytest.mark.parametrize("robots", [MOST_NAMED, MOST_NAMED + 1])
-def test_predictions_of_many_robots_are_marked_alike(robots: int) -> None:
-    decisions = [
-        {"step": 10, "robot": i, "collision_time": 0.3, "next_step": 60 - i} for i in range(robots)
-    ]
-    contacts = [(50, i, robots, Phase.BEGAN, 1e-3) for i in range(robots)]
-    figure = prediction(history(decisions, contacts, robots=robots))
-    axis = figure.axes[0]
-    marks = [line for line in axis.lines if line.get_marker() not in ("None", "", None)]
-    drawn = [line for line in marks if len(line.get_xdata())]
-    assert sum(len(line.get_xdata()) for line in drawn) == robots
-    words = [text.get_text() for text in figure.legends[0].get_texts()]
-    assert len({(line.get_color(), line.get_marker()) for line in drawn}) == (
-        robots if robots <= MOST_NAMED else 1
-    )
-    assert (f"{robots} robots" in words) == (robots > MOST_NAMED)
-    assert ("r1" in words) == (robots <= MOST_NAMED)
 
 
 def test_of_a_record_whose_world_is_no_yaml_nothing_is_drawn(tmp_path: Path) -> None:

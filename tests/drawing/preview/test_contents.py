@@ -10,10 +10,6 @@ from physim import build_scene, simulate
 from physim.analysis import metrics
 from physim.world.file import load_world, parse_world
 from tests.drawing.preview.worlds import NARROW, shown, world
-from tests.geometry.cases import side_distances
-from tests.helpers import inside
-
-sampled_widths, widths_at = inside("physim.geometry", "sampled_widths", "widths_at")
 
 
 @pytest.mark.parametrize("name", ["three_robots", "nonconvex"])
@@ -42,35 +38,6 @@ def test_the_safe_area_is_that_of_the_run(name: str) -> None:
     assert gap == pytest.approx(seen.safe_distance, rel=0.01)
     rings = [shapely.LinearRing(ring) for ring in scene.area.safe_rings(seen.safe_distance)]
     assert shapely.hausdorff_distance(shapely.MultiLineString(rings), edge) < 1e-9
-
-
-def test_widths_agree_with_the_slow_form() -> None:
-    random = np.random.default_rng(4)
-    path = np.cumsum(random.uniform(-1.0, 2.0, (12, 2)), axis=0)
-    segments = random.uniform(-10.0, 20.0, (40, 4))
-    stations = np.linspace(0.0, shapely.LineString(path).length * 0.999, 57)
-    widths = widths_at(path, stations, segments)
-    legs = np.diff(path, axis=0)
-    ends = np.cumsum(np.hypot(*legs.T))
-    leg = np.searchsorted(ends, stations, side="right")
-    tangent = (legs / np.hypot(*legs.T)[:, None])[leg]
-    left, right = side_distances(widths.point, tangent, segments)
-    assert np.allclose(widths.left, left, rtol=0.0, atol=1e-9)
-    assert np.allclose(widths.right, right, rtol=0.0, atol=1e-9)
-    feet = np.hypot(*(widths.left_foot - widths.point).T)
-    assert np.allclose(feet[np.isfinite(left)], left[np.isfinite(left)], rtol=0.0, atol=1e-12)
-
-
-def test_the_narrowest_place_is_found_between_samples_and_not_at_an_end_wall() -> None:
-    # two teeth 0.35 m apart at x = 7.3, and a wall across the end 0.1 m behind the path
-    teeth = [(7.3, 0.15, 7.3, 5.0), (7.3, -0.2, 7.3, -5.0)]
-    walls = [(-0.1, 5.0, 20.0, 5.0), (-0.1, -5.0, 20.0, -5.0), (-0.1, -5.0, -0.1, 5.0)]
-    widths = sampled_widths(np.array([[0.0, 0.0], [20.0, 0.0]]), np.array(teeth + walls), 30)
-    k = widths.narrowest
-    assert k is not None
-    assert widths.width.min() < 0.3  # up to the end wall
-    assert widths.station[k] == pytest.approx(7.3, abs=0.01)
-    assert widths.width[k] == pytest.approx(0.35, abs=1e-3)
 
 
 def test_paths_are_parted_at_the_edge_of_the_safe_area() -> None:

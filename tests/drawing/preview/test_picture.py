@@ -21,7 +21,6 @@ from physim.drawing.preview import save_preview
 from physim.errors import PhysimError
 from physim.world.file import load_world, parse_world
 from tests.drawing.preview.worlds import (
-    FAR_AND_TINY,
     HOSTILE,
     HOSTILE_NAMES,
     HUNDRED,
@@ -119,14 +118,6 @@ def test_names_that_the_font_lacks_are_numbers_and_long_ones_are_cut(style: None
     assert HOSTILE_NAMES[2] in texts
     assert "x" * 23 + "…" in texts
     assert figure.texts[1].get_text().endswith("…")
-
-
-def test_far_from_the_origin_numbers_stay_short(style: None) -> None:
-    figure = make_figure(shown(FAR_AND_TINY))
-    plan = figure.axes[0]
-    assert plan.get_xlabel() == "x \N{MINUS SIGN} 1,000,000 [m]"
-    figure.canvas.draw()
-    assert max(len(label.get_text()) for label in plan.get_xticklabels()) <= 7
 
 
 def test_a_crowd_has_one_colour_few_names_and_a_key_that_says_so(style: None) -> None:

@@ -22,26 +22,14 @@ from tests.drawing.video.looking import HEIGHT, WIDTH, pixels
 from tests.helpers import facts, inside, said
 
 Timeline, rgb = inside("physim.drawing", "Timeline", "rgb")
-BARS, FOOTER, HEADER, View = inside("physim.drawing.video", "BARS", "FOOTER", "HEADER", "View")
-file_names, one_legend = inside("physim.drawing.video", "file_names", "one_legend")
-titles, ground, Box = inside("physim.drawing.video", "titles", "ground", "Box")
+BARS, Box, FOOTER, HEADER = inside("physim.drawing.video", "BARS", "Box", "FOOTER", "HEADER")
+View, ground, one_legend = inside("physim.drawing.video", "View", "ground", "one_legend")
+titles = inside("physim.drawing.video", "titles")
 SAFE = inside("physim.parts", "SAFE")
 
 LEFT = (slice(0, HEADER), slice(0, WIDTH // 2 - 2))
 RIGHT = (slice(0, HEADER), slice(WIDTH // 2 + 2, WIDTH))
 VIEWS = slice(HEADER, HEIGHT - BARS - FOOTER)
-TINY = """\
-name: tiny
-time: {step: 0.005, duration: 2.0}  # [s]
-corridor: {centreline: [[0, 0], [1.0, 0]], width: 0.4}  # [m]
-robots:
-  - name: a
-    footprint: {length: 0.09, width: 0.05}  # [m]
-    pose: [0.3, 0.0, 0.0]
-    path: {offset: 0.0}
-controller: {type: constant, commands: [[0.05, 0.0]]}
-"""
-"""Robots of some centimetres."""
 BLOCKED = SMALL + "obstacles: [[[8.0, 0.0], [8.5, 0.0], [8.5, 2.0], [8.0, 2.0]]]\n"
 CONTROLLED = SMALL + "controller: {type: mode_switching, beta: 0.2}\n"
 EVERY = 40
@@ -110,14 +98,11 @@ def test_the_film_lasts_as_long_as_the_longer_run(
 def test_both_views_have_one_scale_where_robots_stay_large_enough(free: Record) -> None:
     wide = {"centreline": [[0.0, 0.0], [40.0, 0.0]], "width": 16.0}
     large = physim.simulate(parse_world(SMALL).changed(corridor=wide))
-    tiny = physim.simulate(parse_world(TINY))
-    right, safe = (VIEWS, RIGHT[1]), rgb(SAFE.colour)
+    safe = rgb(SAFE.colour)
     image = frame_at(free, 0.1, beside=large, speed=1.0)
     one, other = (pixels(image, safe, (VIEWS, half[1])) for half in (LEFT, RIGHT))
     assert one == pytest.approx(other, rel=0.05)
     assert one > 300
-    image = frame_at(free, 0.1, beside=tiny, speed=1.0)
-    assert pixels(image, palette.robot_colour(0), right) > 300
 
 
 @pytest.mark.parametrize(
@@ -156,12 +141,6 @@ def test_runs_share_a_legend_where_a_colour_says_the_same_in_both(
 ) -> None:
     assert [one.name for one in one_legend(left, right)] == [one.name for one in shared]
     assert len(one_legend(right, left)) == len(shared)
-
-
-def test_the_files_are_told_apart_by_their_names() -> None:
-    assert file_names(Path("with/record.h5"), Path("runs/a-1/record.h5")) == ("with", "a-1")
-    assert file_names(Path("a/with/record.h5"), Path("b/with/record.h5")) == ("", "")
-    assert file_names(Path("one.h5"), None) == ("one", "")
 
 
 def test_the_command_writes_beside_the_first_record(

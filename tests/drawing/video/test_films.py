@@ -17,10 +17,9 @@ from physim.drawing.video import frame_at, render, still
 from physim.errors import PhysimError
 from tests.helpers import facts, inside
 
-resized, MOST, Indexer = inside("physim.drawing.video", "resized", "MOST", "Indexer")
-chosen_colours, frame_times = inside("physim.drawing.video", "chosen_colours", "frame_times")
-check_still, kind_of = inside("physim.drawing.video", "check_still", "kind_of")
-playback_speed = inside("physim.drawing.video", "playback_speed")
+check_still, frame_times = inside("physim.drawing.video", "check_still", "frame_times")
+kind_of, playback_speed = inside("physim.drawing.video", "kind_of", "playback_speed")
+resized = inside("physim.drawing.video", "resized")
 
 Made = Callable[..., Any]
 
@@ -128,22 +127,6 @@ def test_the_same_record_gives_the_same_film(made: Made, tmp_path: Path, kind: s
     for name in ("a", "b"):
         render(made(3), tmp_path / f"{name}.{kind}", fps=5.0, speed=4.0, width=320)
     assert (tmp_path / f"a.{kind}").read_bytes() == (tmp_path / f"b.{kind}").read_bytes()
-
-
-def test_rare_colours_are_kept_and_every_pixel_has_the_nearest() -> None:
-    image = np.random.default_rng(1).integers(0, 256, (300, 300, 3)).astype(np.uint8)
-    image[:150] = palette.WHITE
-    image[150, 3] = palette.CONTACT
-    colours = chosen_colours([image], [palette.CONTACT])
-    assert len(colours) == MOST == len(np.unique(colours, axis=0))
-    shown = colours[Indexer(colours)(image)].astype(int)
-    assert tuple(shown[150, 3]) == palette.CONTACT
-    assert (shown[:150] == 255).all()
-    assert np.abs(shown - image).mean() < 16.0
-    three = np.array([[0, 0, 0], [200, 0, 0], [0, 0, 255]], np.uint8)
-    few = np.array([[[90, 0, 0], [110, 0, 0], [0, 0, 140], [0, 0, 0]]], np.uint8)
-    assert Indexer(three)(few).tolist() == [[0, 1, 2, 0]]
-    assert len(chosen_colours([image[:150]], [palette.CONTACT])) == 2
 
 
 @pytest.mark.parametrize("name", ["film.gif", "film.webp", "film.mp4"])

@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 import pytest
 
-import physim
 from physim import PAPER_MODES, Mode
 from physim.analysis import metrics
 from physim.contacts import Phase
@@ -18,15 +17,13 @@ from physim.drawing import palette
 from physim.drawing.video import frame_at
 from physim.errors import PhysimError
 from physim.tolerances import DEEP as DEPTH
-from tests.drawing.video.looking import STRIP, VIEW, around, pixels
+from tests.drawing.video.looking import STRIP, around, pixels
 from tests.helpers import inside
-from tests.validation.runs import Drivers
 
-rgb, Timeline = inside("physim.drawing", "rgb", "Timeline")
-Closest, across, notes = inside("physim.drawing.video", "Closest", "across", "notes")
-why, ground, MOST_NOTES = inside("physim.drawing.video", "why", "ground", "MOST_NOTES")
-DEEP, NO_MODES, signs = inside("physim.drawing.video", "DEEP", "NO_MODES", "signs")
-NO_NUMBER, SAFE = inside("physim.parts", "NO_NUMBER", "SAFE")
+Timeline, rgb = inside("physim.drawing", "Timeline", "rgb")
+Closest, DEEP, NO_MODES = inside("physim.drawing.video", "Closest", "DEEP", "NO_MODES")
+ground, signs = inside("physim.drawing.video", "ground", "signs")
+NO_NUMBER = inside("physim.parts", "NO_NUMBER")
 Part = inside("physim.record", "Part")
 
 Made = Changed = Callable[..., Any]
@@ -50,23 +47,6 @@ def test_a_contact_shows_when_it_begins_and_half_a_second_of_video_after(made: M
     assert counts[2] > 30, "the mark stays for a second"
     assert counts[3] == 0
     assert pixels(frame_at(record, began + 1.1, speed=4.0), palette.CONTACT) > 30
-
-
-def test_a_pair_that_rattles_has_one_mark_and_flashes_once(made: Made, changed: Changed) -> None:
-    record = made(3)
-    began, stays, ended = Phase.BEGAN, Phase.STAYS, Phase.ENDED
-    held = [(step, stays) for step in range(21, 60)]
-    shaken = [(20 + k, (began, stays, ended)[k % 3]) for k in range(39)]
-
-    def frame(rows: list[tuple[int, Phase]], time: float) -> Any:
-        contacts = np.zeros(len(rows), record.contacts.dtype)
-        contacts["step"], contacts["phase"] = np.array(rows).T
-        contacts["b"], contacts["x"], contacts["y"] = 1, 8.0, 2.5
-        return frame_at(changed(record, contacts=contacts), time, speed=1.0)[VIEW]
-
-    whole = frame([(20, began), *held, (60, ended)], 0.96)
-    assert pixels(whole, palette.CONTACT) > 150
-    assert np.array_equal(whole, frame(shaken, 0.96))
 
 
 def test_a_contact_that_lasts_has_a_mark_at_its_place_all_the_time(
@@ -181,34 +161,6 @@ def test_the_panel_tells_settings_and_contacts_of_now_and_so_far(
         assert values["touching now"] == touching
 
 
-QUEUE = """\
-name: queue
-time: {step: 0.01, duration: 3.0}
-corridor: {centreline: [[0, 0], [30, 0]], width: 8.0}
-robots:
-  - {name: a, footprint: {length: 1.8, width: 1.0}, pose: [8.0, 0.0, 0.0], path: {offset: 0.0}}
-  - {name: b, footprint: {length: 1.8, width: 1.0}, pose: [6.0, 0.1, 0.0], path: {offset: 0.0}}
-  - {name: c, footprint: {length: 1.8, width: 1.0}, pose: [3.5, 0.0, 0.0], path: {offset: 0.0}}
-"""
-
-
-def test_of_several_that_touch_the_deepest_two_are_named(written: list[str]) -> None:
-    drivers = Drivers((0.0, 0.0), (0.5, 0.0), (1.4, 0.0))
-    record = physim.simulate(physim.parse_world(QUEUE), controller=drivers)
-    shallower = 0
-    for step in range(0, record.steps_run, 20):
-        rows = record.contacts[(record.contacts["step"] == step) & (record.contacts["phase"] < 2)]
-        if len(rows) < 2:
-            continue
-        deepest = rows[np.argmax(rows["depth"])]
-        names = [record.bodies[deepest[side]].name for side in "ab"]
-        written.clear()
-        frame_at(record, step * record.dt + 1e-4, speed=1.0)
-        assert f"closest now: {names[0]} – {names[1]}" in written
-        shallower += names == ["b", "c"]
-    assert shallower  # of equal ones the first would be a and b
-
-
 @pytest.mark.parametrize("share", [0.9, 10.0])
 def test_contacts_too_deep_are_told_from_when_they_are(
     made: Made, changed: Changed, written: list[str], share: float
@@ -225,45 +177,6 @@ def test_contacts_too_deep_are_told_from_when_they_are(
     assert (DEEP in signs(timeline, ground(timeline))) == is_deep
     frame_at(record, began + dt, speed=1.0)
     assert ("of them not physical" in written) == is_deep
-
-
-def test_who_stands_across_its_path_is_told(made: Made, changed: Changed) -> None:
-    there = changed(made(3), arrived=np.full(3, len(made(3).pose) - 1))
-    assert np.allclose(across(Timeline(there)), 0.0), "they stand along their paths"
-    pose = np.array(there.pose)
-    pose[-1, 1, 2] += np.radians(40.0)
-    odd = Timeline(changed(there, pose=pose))
-    assert np.allclose(across(odd), [0.0, 40.0, 0.0])
-    (line,) = notes(odd)
-    assert line.startswith("r2 ")
-    assert "across its path" in line
-
-
-def test_reasons_are_contacts_then_danger_then_what_arriving_asks_for(
-    made: Made, changed: Changed
-) -> None:
-    record = made(3)
-    touching = record.contacts[:1].copy()
-    touching["step"], touching["phase"] = record.steps[-1], Phase.BEGAN
-    timeline = Timeline(changed(record, contacts=touching))
-    other = record.bodies[int(touching["b"][0])].name
-    assert f"in contact with {other} since" in why(timeline, int(touching["a"][0]), True)
-    quiet, updates = changed(record, contacts=record.contacts[:0]), record.updates.copy()
-    updates["mode"] = 0
-    safe = Timeline(changed(quiet, updates=updates))
-    assert "station" in why(safe, 0, True)
-    assert why(safe, 0, False) == "no contact"
-    updates["mode"] = 1
-    assert "danger, by distance" in why(Timeline(changed(quiet, updates=updates)), 0, True)
-
-
-def test_robots_that_have_not_arrived_are_told_up_to_a_number(made: Made) -> None:
-    few = notes(Timeline(made(3)))
-    assert len(few) == 3
-    assert all("short of its stop station" in line for line in few)
-    many = notes(Timeline(made(61)))
-    assert len(many) == MOST_NOTES
-    assert str(61 - MOST_NOTES + 1) in many[-1]
 
 
 NAMES = ("r", "日本語 — é ß 🤖", "a/\"b'\n\t\x00%s", "x" * 200, "", "\ud800")
@@ -292,25 +205,6 @@ def odd_records(record: Any, changed: Changed) -> list[Any]:
 def test_odd_records_are_drawn(made: Made, changed: Changed) -> None:
     for odd in odd_records(made(3), changed):
         assert frame_at(odd, 1.3).shape == (720, 1280, 3)
-
-
-def test_places_far_from_the_origin(made: Made, changed: Changed) -> None:
-    """10 km from the origin the view is the same, up to rounding of the camera's place."""
-    record, away = made(1), np.array([10_000.0, -10_000.0])
-    updates = record.updates.copy()
-    updates["target_x"] += away[0]
-    updates["target_y"] += away[1]
-    moved = changed(
-        record, updates=updates, pose=record.pose + np.array([*away, 0.0]),
-        walls=record.walls._replace(vertices=record.walls.vertices + away),
-        accessible=[ring + away for ring in record.accessible],
-        safe=[ring + away for ring in record.safe],
-        paths=record.paths._replace(points=record.paths.points + away),
-        reference=record.reference._replace(points=record.reference.points + away),
-    )  # fmt: skip
-    here, there = frame_at(record, 2.0), frame_at(moved, 2.0)
-    for colour in (palette.SAFE_AREA, palette.DANGER_AREA, rgb(SAFE.colour)):
-        assert pixels(there, colour) == pytest.approx(pixels(here, colour), rel=0.05)
 
 
 def test_without_safe_areas_nothing_is_drawn_as_danger(made: Made, changed: Changed) -> None:

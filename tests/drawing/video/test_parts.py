@@ -15,19 +15,16 @@ from physim.drawing import palette
 from tests.helpers import examples, inside
 from tests.helpers.records import BOX, ELL
 
-Timeline, shortened, spread = inside("physim.drawing", "Timeline", "shortened", "spread")
-ticks = inside("physim.drawing", "ticks")
+Label, Labels, Timeline, clean = inside("physim.drawing", "Label", "Labels", "Timeline", "clean")
+metres, number, plain = inside("physim.drawing", "metres", "number", "plain")
+significant, spread, ticks = inside("physim.drawing", "significant", "spread", "ticks")
 Background, Camera, Closest = inside("physim.drawing.video", "Background", "Camera", "Closest")
-Fleet, Ground, Lens, ONE = inside("physim.drawing.video", "Fleet", "Ground", "Lens", "ONE")
-SMALL, Stroke, arrange = inside("physim.drawing.video", "SMALL", "Stroke", "arrange")
-draw_ground, ground, sprite = inside("physim.drawing.video", "draw_ground", "ground", "sprite")
-width, wrapped = inside("physim.drawing.video", "width", "wrapped")
+Fleet, Ground, LONGEST, Lens = inside("physim.drawing.video", "Fleet", "Ground", "LONGEST", "Lens")
+ONE, SMALL, Stroke, arrange = inside("physim.drawing.video", "ONE", "SMALL", "Stroke", "arrange")
+draw_ground, draw_scale = inside("physim.drawing.video", "draw_ground", "draw_scale")
+ground, shorten, signs = inside("physim.drawing.video", "ground", "shorten", "signs")
+sprite, width, wrapped = inside("physim.drawing.video", "sprite", "width", "wrapped")
 FloatArray = inside("physim.geometry", "FloatArray")
-Label, Labels, clean = inside("physim.drawing", "Label", "Labels", "clean")
-leader, metres, number = inside("physim.drawing", "leader", "metres", "number")
-plain, significant = inside("physim.drawing", "plain", "significant")
-LONGEST, draw_scale, shorten = inside("physim.drawing.video", "LONGEST", "draw_scale", "shorten")
-signs = inside("physim.drawing.video", "signs")
 
 numbers = st.floats(-300.0, 300.0, allow_nan=False)
 
@@ -39,11 +36,6 @@ def test_names_are_spread_within_the_plot(values: list[float]) -> None:
     assert len(places) == len(values)
     assert (np.diff(places) >= 13.0 - 1e-9).all()
     assert ((places >= 20.0 - 1e-9) & (places <= 140.0 + 1e-9)).all()
-
-
-def test_names_are_moved_no_farther_than_they_must() -> None:
-    assert spread(np.array([30.0, 50.0, 90.0]), 13.0, 0.0, 100.0).tolist() == [30.0, 50.0, 90.0]
-    assert spread(np.array([50.0, 50.0]), 10.0, 0.0, 100.0).tolist() == [45.0, 55.0]
 
 
 @examples(25, deep=200)
@@ -144,28 +136,6 @@ poses = st.lists(
 )
 
 
-@examples(25, deep=200)
-@given(poses)
-@example([(0.0, 0.0, 0.0), (0.0, 1.7, 0.0), (2.45, 0.0, 0.0)])
-def test_the_closest_pair_is_the_closest(rows: list[tuple[float, float, float]]) -> None:
-    pose = np.array(rows)
-    footprints: list[tuple[FloatArray, ...]] = [
-        ELL if i % 4 == 3 else (BOX,) for i in range(len(pose))
-    ]
-    reach = np.array([np.hypot(*np.concatenate(parts).T).max() for parts in footprints])
-    pair = Closest(footprints, reach).pair(pose)
-    assert pair is not None
-    shapes = [
-        shapely.union_all([turned(part, row) for part in parts])
-        for parts, row in zip(footprints, pose, strict=True)
-    ]
-    a, b = np.triu_indices(len(pose), 1)
-    least = min(shapes[i].distance(shapes[j]) for i, j in zip(a, b, strict=True))
-    assert pair.distance == pytest.approx(least, abs=1e-9)
-    assert shapes[pair.a].distance(shapes[pair.b]) == pytest.approx(least, abs=1e-9)
-    assert np.hypot(*(pair.points[1] - pair.points[0])) == pytest.approx(least, abs=1e-9)
-
-
 def test_of_a_crowd_the_closest_pair_is_the_closest() -> None:
     """Against every pair; some robots overlap, some stand at one place, some are far away."""
     random = np.random.default_rng(5)
@@ -207,23 +177,6 @@ def test_robots_are_drawn_at_their_poses(rows: list[tuple[float, float, float]])
                               strict=True):  # fmt: skip
             expected = lens.pixels(shapely.get_coordinates(turned(own, row))[:-1])
             assert np.abs(drawn / ONE - expected).max() <= 0.5 / ONE + 1e-6
-
-
-@pytest.mark.parametrize(
-    ("text", "fits", "expected"),
-    [
-        ("boat_12", 7, "boat_12"),
-        ("boat_12", 6, "boa…12"),
-        ("boat_12", 3, "…12"),
-        ("boat_12", 2, "b…"),
-        ("boat-7", 4, "bo…7"),
-        ("starboard", 5, "star…"),
-        ("speed=1.25, strength=12", 9, "speed=1.…"),
-        ("20261123", 4, "202…"),
-    ],
-)
-def test_a_name_that_is_cut_keeps_its_number_and_a_sentence_does_not(text, fits, expected):
-    assert shortened(text, fits) == expected
 
 
 def test_a_dashed_line_beyond_the_picture_takes_no_more_dashes_than_are_seen():
@@ -289,22 +242,3 @@ def test_labels_overlap_no_other_and_no_robot_and_stay_in_the_view(
     rects = [shapely.box(*box) for box in (*corners, *bodies)]
     for k, one in enumerate(rects[: len(cells)]):
         assert all(one.intersection(b).area < 1.0 for j, b in enumerate(rects) if j != k)
-
-
-def test_a_label_is_near_its_own_robot_and_on_no_wall() -> None:
-    shape = np.array([[-30.0, -12.0], [30.0, -12.0], [30.0, 12.0], [-30.0, 12.0]])
-    robot = {0: Label((300.0, 200.0), 30.0, (40.0, 20.0), shape)}
-    boxes = np.array([[270.0, 188.0, 330.0, 212.0], [280.0, 130.0, 320.0, 165.0]])
-    (x, y) = Labels().place(robot, boxes, (600, 400))[0]
-    own, other = (
-        shapely.box(x - 20, y - 10, x + 20, y + 10).distance(shapely.box(*box)) for box in boxes
-    )
-    assert own < 15.0
-    assert other > own + 5.0
-    wall = np.array([[[0.0, 176.0], [600.0, 176.0]]])
-    (x, y) = Labels().place(robot, boxes[:1], (600, 400), None, wall)[0]
-    assert not shapely.box(x - 20, y - 10, x + 20, y + 10).intersects(shapely.LineString(wall[0]))
-    assert leader(robot[0], np.array([300.0, 176.0]), 20.0) is None
-    line = leader(robot[0], np.array([300.0, 100.0]), 20.0)
-    assert line is not None
-    assert line.tolist() == [[300.0, 188.0], [300.0, 110.0]], "far off it has a line to its robot"

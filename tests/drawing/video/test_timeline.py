@@ -6,7 +6,6 @@ from typing import Any
 import numpy as np
 import pytest
 
-from physim import PAPER_MODES, Mode
 from physim.contacts import CONTACT_ROW, Kind, Phase
 from tests.helpers import inside
 
@@ -62,22 +61,6 @@ def test_episodes_by_pair_and_time(made: Callable[..., Any], changed: Callable[.
     assert found.apart.tolist() == pytest.approx([np.inf, np.inf, 0.8, np.inf])
     assert found.latest(np.arange(4)).tolist() == [1, 2, 3], "of 0 and 1 the second time alone"
     assert found.latest(np.arange(0)).tolist() == []
-
-
-def test_the_modes_that_the_controller_declares_are_explained(
-    made: Callable[..., Any], changed: Callable[..., Any]
-) -> None:
-    record, updates = made(2), made(2).updates.copy()
-    assert Timeline(record).explained_modes == list(range(len(PAPER_MODES)))
-    many = tuple(Mode(f"m{k}", "#123456") for k in range(40))
-    for given, modes, shown in (
-        (0, many[:5], [0, 1, 2, 3, 4]),
-        (-1, many[:5], []),
-        (31, many, [31]),
-        (-1, (), []),
-    ):
-        updates["mode"] = given
-        assert Timeline(changed(record, updates=updates, modes=modes)).explained_modes == shown
 
 
 def test_who_has_arrived_is_told_by_the_motion(

@@ -9,7 +9,7 @@ import pytest
 from numpy.typing import NDArray
 
 from physim import PAPER_MODES
-from physim.drawing import palette
+from tests.drawing import palette
 
 # Machado, Oliveira and Fernandes (2009), severity 1, for linear RGB
 SEEN_BY = {

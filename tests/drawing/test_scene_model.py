@@ -9,14 +9,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from physim import PAPER_MODES, Mode, build_scene
-from physim.drawing import palette
 from physim.record import RecordWriter
 from physim.world import World
 from physim.world.file import load_world, parse_world
+from tests.drawing import palette
 from tests.drawing.preview.worlds import NARROW
 from tests.helpers import examples, inside
 from tests.helpers.records import DECLARED, ELL, make_record
-from tests.metrics.histories import history
 
 SceneModel, outline, region = inside("physim.drawing", "SceneModel", "outline", "region")
 split_at = inside("physim.drawing", "split_at")
@@ -131,9 +130,3 @@ def test_a_line_is_cut_as_shapely_cuts_it_as_a_whole(seed: int) -> None:
         assert shapely.MultiLineString(found).length == pytest.approx(expected.length)
         assert shapely.hausdorff_distance(shapely.MultiLineString(found), expected) < 1e-9
         assert all(np.diff(piece[:, 0]).min() > 0.0 for piece in found)  # as the line goes
-
-
-def test_a_record_without_samples_has_a_place_but_no_start() -> None:
-    model = SceneModel.of_record(history())
-    assert np.isnan(model.start).all()
-    assert np.isfinite(model.extent).all()

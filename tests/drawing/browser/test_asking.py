@@ -139,11 +139,3 @@ def test_what_happened_to_a_robot_is_found_without_the_view(opened: Opened, reco
     assert seen.ask("physim.player.time") == near["clearance_step"] * record.dt
     seen.page.click("#why .story button:has-text('contact with r1')")
     seen.until("physim.contact === 0")
-
-
-def test_plots_can_be_dragged(opened: Opened) -> None:
-    seen = opened()
-    box = seen.page.locator("#plots").bounding_box()
-    assert box is not None
-    seen.page.mouse.click(box["x"] + 52 + (box["width"] - 64) / 2, box["y"] + 30)
-    assert abs(seen.ask("physim.player.time") - 3.0) < 0.02

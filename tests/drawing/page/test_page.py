@@ -20,8 +20,7 @@ from tests.helpers.records import make_record
 from tests.metrics.histories import history
 
 Timeline = inside("physim.drawing", "Timeline")
-ASSETS, moments, order = inside("physim.drawing.page", "ASSETS", "moments", "order")
-script = inside("physim.drawing.page", "script")
+moments, script = inside("physim.drawing.page", "moments", "script")
 
 
 @pytest.fixture(scope="module")
@@ -71,11 +70,6 @@ def test_the_same_record_makes_the_same_page_and_a_notebook_shuts_it_in(record: 
     assert frame.startswith("<iframe srcdoc=")
     assert 'sandbox="allow-scripts"' in frame
     assert "<script" not in frame
-
-
-def test_every_script_is_part_of_the_page() -> None:
-    assert set(order()) == {file.stem for file in ASSETS.glob("*.js")}
-    assert order()[-1] == "main"
 
 
 def test_several_runs_are_told_apart(record: Record, tmp_path: Path) -> None:

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from physim.drawing import palette
+from tests.drawing import palette
 from tests.helpers import inside
 
 HEIGHT, WIDTH, PANEL_WIDTH = inside("physim.drawing.video", "HEIGHT", "WIDTH", "PANEL_WIDTH")

@@ -12,19 +12,19 @@ import pytest
 
 import physim
 from physim import Mode
-from physim.drawing import palette
 from physim.drawing.page import page
-from physim.drawing.video import frame_at, render
+from physim.drawing.video import frame_at
 from physim.record import Record
 from physim.world.file import parse_world
 from tests.cli.commands import SMALL
+from tests.drawing import palette
 from tests.drawing.video.looking import HEIGHT, WIDTH, pixels
 from tests.helpers import facts, inside, said
 
 Timeline, rgb = inside("physim.drawing", "Timeline", "rgb")
 BARS, Box, FOOTER, HEADER = inside("physim.drawing.video", "BARS", "Box", "FOOTER", "HEADER")
 View, ground, one_legend = inside("physim.drawing.video", "View", "ground", "one_legend")
-titles = inside("physim.drawing.video", "titles")
+render, titles = inside("physim.drawing.video", "render", "titles")
 SAFE = inside("physim.parts", "SAFE")
 
 LEFT = (slice(0, HEADER), slice(0, WIDTH // 2 - 2))

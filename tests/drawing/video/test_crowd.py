@@ -9,15 +9,15 @@ from typing import Any
 import numpy as np
 import pytest
 
-from physim.drawing import palette
 from physim.drawing.video import frame_at
+from tests.drawing import palette
 from tests.drawing.video.looking import PANEL_WIDTH, STRIP, WIDTH, pixels
 from tests.helpers import inside
 from tests.helpers.records import make_record
 
 MOST_LINES, NAMED, QUANTILES = inside("physim.drawing", "MOST_LINES", "NAMED", "QUANTILES")
-quantiles, Timeline = inside("physim.drawing", "quantiles", "Timeline")
-Painter, PATH_TINT, ground = inside("physim.drawing.video", "Painter", "PATH_TINT", "ground")
+Timeline, quantiles = inside("physim.drawing", "Timeline", "quantiles")
+PATH_TINT, Painter, ground = inside("physim.drawing.video", "PATH_TINT", "Painter", "ground")
 signs = inside("physim.drawing.video", "signs")
 
 

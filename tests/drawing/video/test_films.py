@@ -12,14 +12,14 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from physim.drawing import palette
-from physim.drawing.video import frame_at, render, still
+from physim.drawing.video import frame_at, still
 from physim.errors import PhysimError
+from tests.drawing import palette
 from tests.helpers import facts, inside
 
 check_still, frame_times = inside("physim.drawing.video", "check_still", "frame_times")
 kind_of, playback_speed = inside("physim.drawing.video", "kind_of", "playback_speed")
-resized = inside("physim.drawing.video", "resized")
+render, resized = inside("physim.drawing.video", "render", "resized")
 
 Made = Callable[..., Any]
 

@@ -13,10 +13,10 @@ import pytest
 from physim import PAPER_MODES, Mode
 from physim.analysis import metrics
 from physim.contacts import Phase
-from physim.drawing import palette
 from physim.drawing.video import frame_at
 from physim.errors import PhysimError
 from physim.tolerances import DEEP as DEPTH
+from tests.drawing import palette
 from tests.drawing.video.looking import STRIP, around, pixels
 from tests.helpers import inside
 

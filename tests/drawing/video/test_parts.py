@@ -11,7 +11,7 @@ import shapely
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from physim.drawing import palette
+from tests.drawing import palette
 from tests.helpers import examples, inside
 from tests.helpers.records import BOX, ELL
 

@@ -18,7 +18,7 @@ from physim.drawing.page import write_page
 from physim.simulation.run import simulate
 from physim.world.file import load_world
 from physim.world.file.files import find_world
-from tests.browser.driver import Seen, chromium
+from tests.drawing.browser.driver import Seen, chromium
 
 WORLDS = {"ten_robots": 1.5, "thousand_robots": 6.0}
 """[MB] that a page may take"""

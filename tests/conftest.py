@@ -18,8 +18,8 @@ import pytest
 from hypothesis import HealthCheck, settings
 
 ROOT = Path(__file__).parents[1]
-SCREENS = ("browser",)
-"""Rooms whose tests are deep as a whole"""
+SCREENS = {"browser"}
+"""Folders whose tests are deep as a whole"""
 
 settings.register_profile(
     "physim",
@@ -75,7 +75,7 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
         return
     tenth = config.getoption("--tenth")
     for item in items:
-        if room_of(item.nodeid) in SCREENS:
+        if SCREENS.intersection(item.path.parts):
             item.add_marker("deep")
     left_out = [
         item for item in items if item.get_closest_marker("deep") and tenth_of(item) != tenth

@@ -28,7 +28,7 @@ import physim
 from physim.cli import main
 from physim.drawing.plots import draw
 from physim.drawing.video import frame_at
-from tests.page.unpacking import unpack
+from tests.helpers.unpacking import unpack
 
 RUNS: dict[str, tuple[str, ...]] = {
     "straight": ("straight",),

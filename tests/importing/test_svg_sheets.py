@@ -1,6 +1,6 @@
 """Style sheets of a drawing: what a viewer shows is there, what it hides is left out and listed.
 
-A browser is asked in tests/browser/test_sheets.py.
+A browser is asked in tests/drawing/browser/test_sheets.py.
 """
 
 from __future__ import annotations

@@ -29,7 +29,7 @@ ROOMS = {
     "metrics": Room("physim/analysis/metrics", ("metrics",)),
     "statistics": Room("physim/statistics", ("statistics",)),
     "campaigns": Room("physim/campaigns", ("campaigns", "falsify")),
-    "drawing": Room("physim/drawing", ("drawing", "page", "plots", "preview", "video")),
+    "drawing": Room("physim/drawing", ("drawing",)),
     "authoring": Room("physim/authoring", ("authoring", "importing", "templates")),
 }
 

@@ -1,1 +1,0 @@
-"""Pages in a real browser: `python -m tests.browser PAGE --offline` looks at one."""

@@ -1,0 +1,244 @@
+"""Parts of a frame: texts in their room, labels apart, the camera, closest pairs, legends."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+import shapely
+from hypothesis import example, given
+from hypothesis import strategies as st
+
+from tests.drawing import palette
+from tests.helpers import examples, inside
+from tests.helpers.records import BOX, ELL
+
+Label, Labels, Timeline, clean = inside("physim.drawing", "Label", "Labels", "Timeline", "clean")
+metres, number, plain = inside("physim.drawing", "metres", "number", "plain")
+significant, spread, ticks = inside("physim.drawing", "significant", "spread", "ticks")
+Background, Camera, Closest = inside("physim.drawing.video", "Background", "Camera", "Closest")
+Fleet, Ground, LONGEST, Lens = inside("physim.drawing.video", "Fleet", "Ground", "LONGEST", "Lens")
+ONE, SMALL, Stroke, arrange = inside("physim.drawing.video", "ONE", "SMALL", "Stroke", "arrange")
+draw_ground, draw_scale = inside("physim.drawing.video", "draw_ground", "draw_scale")
+ground, shorten, signs = inside("physim.drawing.video", "ground", "shorten", "signs")
+sprite, width, wrapped = inside("physim.drawing.video", "sprite", "width", "wrapped")
+FloatArray = inside("physim.geometry", "FloatArray")
+
+numbers = st.floats(-300.0, 300.0, allow_nan=False)
+
+
+@examples(25, deep=200)
+@given(st.lists(numbers, max_size=9))
+def test_names_are_spread_within_the_plot(values: list[float]) -> None:
+    places = spread(np.sort(np.array(values, dtype=float)), 13.0, 20.0, 140.0)
+    assert len(places) == len(values)
+    assert (np.diff(places) >= 13.0 - 1e-9).all()
+    assert ((places >= 20.0 - 1e-9) & (places <= 140.0 + 1e-9)).all()
+
+
+@examples(25, deep=200)
+@given(st.floats(-1e6, 1e6), st.floats(1e-3, 1e6), st.integers(1, 10))
+def test_ticks_are_few_and_inside(low: float, span: float, most: int) -> None:
+    found = ticks(low, low + span, most)
+    assert len(found) <= most + 1
+    assert all(low - 1e-6 * span <= t <= low + span * (1 + 1e-6) for t, _ in found)
+
+
+def test_numbers_have_as_many_digits_as_a_reader_needs() -> None:
+    assert [number(v, 0.5) for v in (-0.0, 1.5, -2.0)] == ["0.0", "1.5", "−2.0"]
+    assert number(50.0, 50.0) == "50"
+    assert [metres(v) for v in (1.234, 0.0999, -0.0123, 0.0)] == [
+        "1.23 m", "0.10 m", "−0.012 m", "0.000 m",
+    ]  # fmt: skip
+    assert [plain(v) for v in (1.234e-5, -2e-7, 0.0, 0.5, 12.34, 1234.0)] == [
+        "0.0000123", "-0.0000002", "0", "0.5", "12.3", "1230",
+    ]  # fmt: skip
+    assert [significant(v) for v in (1e-5, 0.25, 2.0, 5.3, 13.4, 100.0, 3000.0)] == [
+        "0.00001", "0.25", "2.00", "5.30", "13.4", "100", "3,000",
+    ]  # fmt: skip
+
+
+def test_words_of_a_scale_bar_are_its_length(written: list[str]) -> None:
+    for pixels in (1e-5, 0.3, 50.0, 51.0, 480.0, 4_800.0, 1e5):
+        image = np.full((20, 200, 3), 255, np.uint8)
+        written.clear()
+        draw_scale(image, 10, 10, pixels)
+        row = (image[10, 9:] == palette.INK).all(axis=1)  # from where the bar begins
+        drawn = int(np.argmin(row)) - 3  # two ends of lines of 2 px
+        assert 0.4 * LONGEST - 1 <= drawn <= LONGEST
+        words, unit = written[0].split()
+        assert unit == "m"
+        assert float(words) * pixels == pytest.approx(drawn, abs=1.0)
+
+
+@examples(25, deep=200)
+@given(st.text(max_size=40), st.integers(10, 200))
+@example("M0", 19)
+@example("sweeper_17", 50)
+@example("17", 10)
+def test_text_is_cut_to_its_room(text: str, room: int) -> None:
+    whole, cut = clean(text), shorten(text, 14, room)
+    assert "\n" not in cut
+    if cut != whole:
+        start, end = cut.rsplit("…", 1)
+        assert whole.startswith(start)
+        assert whole.endswith(end)
+        assert not end or end.isdigit(), "only a name's number stays behind the ellipsis"
+    assert width(cut, 14) <= max(room, width("…", 14))
+
+
+def test_other_scripts_are_written_not_boxes() -> None:
+    pictures = [sprite(text, 14, palette.INK)[1] for text in ("日", "本", "é", "e", "Ж")]
+    shapes = {picture.tobytes() for picture in pictures}
+    assert len(shapes) == 5
+
+
+def test_tiles_show_no_seams(made: Callable[..., Any]) -> None:
+    world = ground(Timeline(made(3)))
+    lens = Lens(31.7, 40.0, 611.0)
+    cut = np.zeros((720, 1280, 3), np.uint8)
+    Background(world, lens.scale).paint(cut, lens)
+    whole = np.zeros((720 + 64, 1280 + 64, 3), np.uint8)
+    draw_ground(whole, world, Lens(lens.scale, lens.x + 32, lens.y + 32))
+    difference = np.abs(cut.astype(int) - whole[32:-32, 32:-32]).max(axis=2)
+    assert (difference > 40).sum() < 60, "long lines may differ by rounding only"
+    assert len(np.unique(cut.reshape(-1, 3), axis=0)) > 10
+
+
+def test_a_small_world_is_shown_whole_and_a_long_one_followed(made: Callable[..., Any]) -> None:
+    timeline, box = Timeline(made(3)), arrange()[0]
+    small = (np.array([-2.0, -5.0]), np.array([22.0, 8.0]))
+    assert Camera(timeline, small, box, 1.0).whole
+    large = (np.array([-2.0, -5.0]), np.array([200.0, 80.0]))
+    camera = Camera(timeline, large, box, 1.0)
+    assert not camera.whole
+    assert camera.scale * 1.8 >= 35.0
+    for time in (0.0, 1.3, 4.0):
+        places = camera.lens(time).pixels(timeline.pose(time)[:, :2])
+        assert (places > 20.0).all()
+        assert (places < np.array([box.width, box.height]) - 20.0).all()
+
+
+def test_one_camera_movement_however_asked(made: Callable[..., Any]) -> None:
+    timeline, box = Timeline(made(3)), arrange()[0]
+    large = (np.array([-2.0, -5.0]), np.array([200.0, 80.0]))
+    one, two = Camera(timeline, large, box, 1.0), Camera(timeline, large, box, 1.0)
+    one.lens(3.0)
+    assert one.lens(1.0) == two.lens(1.0)
+    steps = np.diff([two.centre(t) for t in np.arange(0.0, 4.0, 0.04)], axis=0)
+    assert np.hypot(*steps.T).max() < 0.1, "no jump: the robots go at 1 m/s"
+
+
+poses = st.lists(
+    st.tuples(st.floats(-3, 3), st.floats(-3, 3), st.floats(-4, 4)), min_size=2, max_size=6
+)
+
+
+def test_of_a_crowd_the_closest_pair_is_the_closest() -> None:
+    """Against every pair; some robots overlap, some stand at one place, some are far away."""
+    random = np.random.default_rng(5)
+    for count, span in ((65, 30.0), (150, 12.0), (200, 300.0), (70, 0.0)):
+        pose = np.column_stack(
+            (random.uniform(0.0, span, (count, 2)), random.uniform(-3, 3, count))
+        )
+        pose[-1, :2] += 1e4
+        footprints = [ELL if i % 4 == 3 else (BOX,) for i in range(count)]
+        reach = np.array([np.hypot(*np.concatenate(parts).T).max() for parts in footprints])
+        pair = Closest(footprints, reach).pair(pose)
+        assert pair is not None
+        shapes = np.array(
+            [
+                shapely.MultiPolygon([turned(part, row) for part in parts])
+                for parts, row in zip(footprints, pose, strict=True)
+            ]
+        )
+        a, b = np.triu_indices(count, 1)
+        distance = shapely.distance(shapes[a], shapes[b])
+        assert pair.distance == pytest.approx(distance.min(), abs=1e-9)
+        assert shapes[pair.a].distance(shapes[pair.b]) == pytest.approx(pair.distance, abs=1e-9)
+
+
+def turned(part: FloatArray, pose: FloatArray) -> shapely.Polygon:
+    c, s = np.cos(pose[2]), np.sin(pose[2])
+    return shapely.Polygon([(c * x - s * y + pose[0], s * x + c * y + pose[1]) for x, y in part])
+
+
+@examples(25, deep=200)
+@given(poses)
+def test_robots_are_drawn_at_their_poses(rows: list[tuple[float, float, float]]) -> None:
+    fleet, pose = Fleet([ELL if i % 2 else (BOX,) for i in range(len(rows))]), np.array(rows)
+    lens = Lens(100.0, 0.0, 0.0)
+    for figure, outline, row in zip(
+        fleet.figures, fleet.split(lens.fixed(fleet.placed(pose))), pose, strict=True
+    ):
+        for own, drawn in zip((*figure.rings, figure.mark), (*outline.rings, outline.mark),
+                              strict=True):  # fmt: skip
+            expected = lens.pixels(shapely.get_coordinates(turned(own, row))[:-1])
+            assert np.abs(drawn / ONE - expected).max() <= 0.5 / ONE + 1e-6
+
+
+def test_a_dashed_line_beyond_the_picture_takes_no_more_dashes_than_are_seen():
+    colour, corner = (10, 200, 30), np.zeros(2)
+    lines = np.array([[[-1.0e12, 40.0], [1.0e12, 40.0]], [[-9.0e11, 1.0e3], [9.0e11, 1.0e3]]])
+    image = np.zeros((80, 100, 3), np.uint8)
+    world = Ground((), (Stroke(lines, colour, 1, (5.0, 5.0)),), (corner, corner))
+    draw_ground(image, world, Lens(1.0, 0.0, 80.0))
+    drawn = (image[40] != palette.OUTSIDE).any(axis=1)
+    assert 50 <= drawn.sum() <= 80  # five of ten pixels, and their soft ends
+    assert drawn[:11].any()
+    assert drawn[-11:].any()
+
+
+def test_settings_go_on_in_further_lines_and_none_is_lost_while_there_is_room():
+    settings = "horizon 4, beta 0.3, time_low 1.2, time_high 2.5, look_ahead 2.5"
+    lines = wrapped(settings, SMALL, 200, 3)
+    assert " ".join(lines) == settings
+    assert 1 < len(lines) <= 3
+    assert max(width(line, SMALL) for line in lines) <= 200
+    assert wrapped(settings, SMALL, 200, 1)[0].endswith("…")
+    assert wrapped("", SMALL, 200, 3) == []
+
+
+def test_the_legend_lists_what_can_appear(
+    made: Callable[..., Any], changed: Callable[..., Any]
+) -> None:
+    def listed(**changes: Any) -> set[str]:
+        record = changed(made(3), **changes)
+        return set(signs(Timeline(record), ground(Timeline(record))))
+
+    low = np.array([[0.0, -4.0], [80.0, -4.0], [80.0, 3.0], [0.0, 3.0]])  # the path bends out of it
+    wide = 100.0 * np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
+    updates = made(3).updates.copy()
+    updates["target_x"] = np.nan
+    dashed, areas = "path, dashed in danger area", {"safe area", "danger area"}
+    common = {"contact", "a contact begins", "closest pair", "target", "trail, last 10 s",
+              "reference path", "boundary"}  # fmt: skip
+    assert listed(safe=[low]) == common | areas | {dashed}
+    assert listed(safe=[wide]) >= areas | {"path"}
+    assert listed(safe=()) == common | {dashed, "danger area"}
+    assert listed(safe_distance=0.0) == common | {"path", "accessible area"}
+    assert "target" not in listed(updates=updates)
+    assert "closest pair" not in signs(Timeline(made(1)), ground(Timeline(made(1))))
+
+
+@examples(25, deep=200)
+@given(
+    st.lists(st.tuples(st.integers(0, 11), st.integers(1, 7)), min_size=1, max_size=8, unique=True),
+    st.integers(20, 60),
+)
+def test_labels_overlap_no_other_and_no_robot_and_stay_in_the_view(
+    cells: list[tuple[int, int]], wide: int
+) -> None:
+    places = np.array(cells, dtype=float) * (50.0, 50.0) + (25.0, 0.0)
+    bodies = np.column_stack((places - (15.0, 8.0), places + (15.0, 8.0)))
+    labels = {k: Label(tuple(at), 17.0, (float(wide), 20.0)) for k, at in enumerate(places)}
+    middles = Labels().place(labels, bodies, (600, 400))
+    half = np.array([wide / 2.0, 10.0])
+    corners = np.column_stack((np.array(middles) - half, np.array(middles) + half))
+    assert (corners >= 0.0).all()
+    assert (corners[:, 2:] <= (600.0, 400.0)).all()
+    rects = [shapely.box(*box) for box in (*corners, *bodies)]
+    for k, one in enumerate(rects[: len(cells)]):
+        assert all(one.intersection(b).area < 1.0 for j, b in enumerate(rects) if j != k)

@@ -52,7 +52,7 @@ def main() -> int:
     subprocess.run([*pip, ROOT, *lowest()], check=True, cwd=folder)
     failed = 0
     for command in COMMANDS:
-        words = command.format(samples=ROOT / "tests/importing/samples").split()
+        words = command.format(samples=ROOT / "tests/authoring/importing/samples").split()
         done = subprocess.run(
             [made / "bin" / "physim", *words], cwd=folder, capture_output=True, text=True
         )

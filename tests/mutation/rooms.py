@@ -30,7 +30,7 @@ ROOMS = {
     "statistics": Room("physim/statistics", ("statistics",)),
     "campaigns": Room("physim/campaigns", ("campaigns", "falsify")),
     "drawing": Room("physim/drawing", ("drawing",)),
-    "authoring": Room("physim/authoring", ("authoring", "importing", "templates")),
+    "authoring": Room("physim/authoring", ("authoring",)),
 }
 
 EQUIVALENT: dict[tuple[str, str, str], str] = {}

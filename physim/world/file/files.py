@@ -123,9 +123,9 @@ def world_document(given: str | os.PathLike[str]) -> Document:
 
 def is_record(path: Path) -> bool:
     """Whether a file is a record rather than the text of a world, by how it begins."""
-    if not path.is_file():
-        return False
     try:
+        if not path.is_file():  # nor is a pipe opened, which could wait for ever
+            return False
         with path.open("rb") as file:
             return file.read(4) == b"\x89HDF"
     except OSError:

@@ -9,10 +9,10 @@ from pathlib import Path
 
 import pytest
 
+from tests.authoring.importing.plans import SAMPLES
 from tests.cli.commands import physim
-from tests.importing.plans import SAMPLES
 
-TEXT = (Path(__file__).parents[2] / "docs" / "IMPORTING.md").read_text(encoding="utf-8")
+TEXT = (Path(__file__).parents[3] / "docs" / "IMPORTING.md").read_text(encoding="utf-8")
 SHOWN = re.findall(r"```text\n\$ physim (.*)\n((?:.*\n)*?)```", TEXT)
 
 

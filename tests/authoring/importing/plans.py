@@ -1,6 +1,4 @@
-"""A made-up office, and the ways to write it down; ``python -m tests.importing.plans`` makes the
-samples.
-"""
+"""Made-up places, the ways to write them down, and what a test asks of a world made of one."""
 
 from __future__ import annotations
 
@@ -9,15 +7,25 @@ import re
 from pathlib import Path
 from typing import Any
 
-import cv2
 import numpy as np
+import pytest
 import shapely
 
-from physim.authoring.importing import Imported
+from physim.authoring.importing import Imported, ImportSourceError, Options, import_world
+from physim.world.checks import check_world
+from tests.helpers import inside
+
+accessible_area, offset_polyline = inside("physim.geometry", "accessible_area", "offset_polyline")
 
 SAMPLES = Path(__file__).parent / "samples"
-
 CELL = 0.1
+METRES = Options(scale=1.0)
+LINE = 'fill="none" stroke="black"'
+HALL = ("boundary", shapely.box(0, 0, 50, 20))
+WAY = ("path", shapely.LineString([(3, 5), (47, 5)]))
+LOOP = [(0, 0), (24, 0), (24, 14), (0, 14), (0, 0)]
+WALLS = '<path id="boundary" d="M 0,0 24,0 24,14 0,14 Z"/>'
+PATH = '<path id="path" d="M 2,7 L 20,7"/>'
 
 
 def office() -> Any:
@@ -92,32 +100,72 @@ def check_says(message: str, parts: str) -> None:
         at = found.end()
 
 
-def main() -> None:
-    plan = office()
-    free, corner = free_cells(plan)
-    free[40:42, 60:61] = False  # a speck of two cells
-    unknown = np.where(free, 254, 0)
-    unknown[:3, :] = 205
-    cv2.imwrite(str(SAMPLES / "office.png"), unknown.astype(np.uint8))
-    (SAMPLES / "office.yaml").write_text(map_yaml("office.png", CELL, corner, mode="trinary"))
-    plan = shapely.set_precision(plan, 0.001)
-    (SAMPLES / "office.wkt").write_text(f"# a made-up office [m]\n{plan.wkt}\n")
-    feature = {
-        "type": "Feature",
-        "properties": {"name": "office"},
-        "geometry": shapely.geometry.mapping(plan),
-    }
-    collection = {"type": "FeatureCollection", "features": [feature]}
-    (SAMPLES / "office.geojson").write_text(json.dumps(collection) + "\n")
-
-
-if __name__ == "__main__":
-    main()
-
-
 def only(imported: Imported, word: str) -> str:
     """The one change that speaks of something."""
     found = [change for change in imported.changes if word in change]
     assert len(found) == 1, imported.changes
     assert found[0] in imported.text.replace("\n#   ", " ")
     return found[0]
+
+
+def box(x: float, y: float, length: float = 1.8, width: float = 1.0) -> Any:
+    return shapely.box(x - length / 2, y - width / 2, x + length / 2, y + width / 2)
+
+
+def paths_of(made: Imported) -> list[Any]:
+    """Points of each robot's path, of the reference path where it is that."""
+    return [
+        np.asarray(
+            made.world.reference_path if not isinstance(one.path, tuple | list) else one.path
+        )
+        for one in made.world.robots
+    ]
+
+
+def ways_of(made: Imported) -> list[float]:
+    """[m] from each robot to the end of its path, at which the first of them stops."""
+    found = []
+    for one, path in zip(made.world.robots, paths_of(made), strict=True):
+        if not isinstance(one.path, tuple | list) and one.path is not None:
+            path = offset_polyline(path, np.full(len(path), one.path.offset))
+        line = shapely.LineString(path)
+        found.append(line.length - line.project(shapely.Point(one.pose[:2])))
+    return found
+
+
+def geojson(folder: Path, parts: list[tuple[str, Any]]) -> Path:
+    path = folder / "plan.geojson"
+    features = [
+        {
+            "type": "Feature",
+            "properties": {"role": role.split(" ")[0], "name": role.partition(" ")[2]},
+            "geometry": shapely.geometry.mapping(shape),
+        }
+        for role, shape in parts
+    ]
+    path.write_text(json.dumps({"type": "FeatureCollection", "features": features}))
+    return path
+
+
+def drawing(folder: Path, body: str, extent: float = 60.0) -> Path:
+    path = folder / "plan.svg"
+    path.write_text(svg(body, f'width="{extent:g}" height="{extent:g}"'))
+    return path
+
+
+def free_area(made: Imported, folder: Path) -> float:
+    """[m²] that the robots of a world may use; its check must find no error."""
+    world = folder / "made.yaml"
+    world.write_text(made.text)
+    assert not check_world(world).errors
+    boundaries = [np.asarray(line) for line in made.world.boundaries or ()]
+    obstacles = [np.asarray(getattr(one, "outline", one)) for one in made.world.obstacles or ()]
+    path = np.asarray(made.world.reference_path)
+    return float(accessible_area(boundaries, obstacles, path).polygon.area)
+
+
+def refusal(path: Path, options: Options = METRES) -> str:
+    with pytest.raises(ImportSourceError) as caught:
+        import_world(path, options)
+    assert "\n" not in str(caught.value)
+    return str(caught.value)

@@ -4,25 +4,24 @@ from __future__ import annotations
 
 import re
 
-import numpy as np
 import pytest
 import shapely
 import yaml
 from jsonschema import Draft7Validator
 
 from physim import build_scene, simulate
-from physim.analysis.summary import summarise
-from physim.authoring.templates import ROADS, fitted, lanes_of, most_robots, world_text
-from physim.world import Formation, World
+from physim.authoring.templates import ROADS, fitted, most_robots, world_text
+from physim.world import Formation
 from physim.world.file import parse_world
 from tests.helpers import inside
 
-LANE = inside("physim.authoring.templates", "LANE")
+summarise = inside("physim.analysis", "summarise")
 TEMPLATES = inside("physim.cli", "TEMPLATES")
 ModeSwitchingSettings = inside("physim.controllers", "ModeSwitchingSettings")
 world_schema = inside("physim.world.file", "world_schema")
 lay_out = inside("physim.world.layout", "lay_out")
 
+deep = pytest.mark.deep
 every_template = pytest.mark.parametrize("template", ROADS)
 
 
@@ -35,9 +34,11 @@ def test_the_command_offers_what_there_is() -> None:
 
 
 @every_template
-@pytest.mark.parametrize("robots", [1, 3, 8, "most"])
-def test_runs_contact_free_to_what_it_promises(template: str, robots: int | str) -> None:
-    count = most_robots(template) if robots == "most" else int(robots)
+@pytest.mark.parametrize(
+    "robots", [3, *(pytest.param(n, marks=pytest.mark.deep) for n in (1, 8, 99))]
+)
+def test_runs_contact_free_to_what_it_promises(template: str, robots: int) -> None:
+    count = min(robots, most_robots(template))
     world = parse_world(world_text("a new one", template, count))
     assert (world.name, len(world.robots)) == ("a new one", count)
     with simulate(world) as record:
@@ -50,9 +51,9 @@ def test_runs_contact_free_to_what_it_promises(template: str, robots: int | str)
 
 
 @every_template
-def test_every_number_of_robots_stands_apart_on_a_sound_road(template: str) -> None:
+def test_robots_stand_apart_on_a_sound_road(template: str) -> None:
     schema = Draft7Validator(world_schema())
-    for robots in range(1, most_robots(template) + 1):
+    for robots in (1, 4, most_robots(template)):
         text = world_text("w", template, robots)
         scene = build_scene(parse_world(text))
         assert list(schema.iter_errors(yaml.safe_load(text))) == []
@@ -66,14 +67,14 @@ def test_every_number_of_robots_stands_apart_on_a_sound_road(template: str) -> N
 def test_another_seed_draws_another_road_that_runs_as_well() -> None:
     text = world_text("w", "random", 4)
     roads = set()
-    for seed in range(1, 7):
+    for seed in (2, 3):
         world = parse_world(text.replace("seed: 1 ", f"seed: {seed} "))
         laid = lay_out(world)
         assert len(laid.obstacles) > 0
         roads.add(laid.reference.tobytes())
         with simulate(world) as record:
             assert [one for one in summarise(record).expectations if not one.held] == []
-    assert len(roads) == 6
+    assert len(roads) == 2
 
 
 @every_template
@@ -81,38 +82,6 @@ def test_one_more_than_fit_are_refused(template: str) -> None:
     most = most_robots(template)
     with pytest.raises(ValueError, match=f"{most} do"):
         fitted(template, most + 1)
-
-
-def test_lanes_are_as_many_as_the_width_has_room_for() -> None:
-    assert [lanes_of(width) for width in (1.5, 4.5, 4.6, 6.6, 8.0, 8.6)] == [1, 1, 2, 3, 3, 4]
-    for template in ROADS:
-        road, group = fitted(template, most_robots(template))
-        offsets = sorted({place.offset for place in group})
-        assert len(offsets) == lanes_of(road.narrowest)
-        assert np.diff(offsets) == pytest.approx([LANE] * (len(offsets) - 1))
-        assert max(offsets) == pytest.approx(-min(offsets))
-
-
-@every_template
-def test_text_explains_every_key_with_its_unit(template: str) -> None:
-    text = world_text("w", template, 4)
-    lines = text.splitlines()
-    assert lines[0] == "# yaml-language-server: $schema=world.schema.json"
-    assert max(map(len, lines)) <= 110
-    seen = set()
-    for line in lines:
-        key = re.match(r" *(?:- )?([a-z_]+):", line)
-        if key and key[1] not in seen:
-            seen.add(key[1])
-            explained = "# " in line or key[1] in ("time", "robots", "controller", "description")
-            assert explained or key[1] == "contacts", line
-    fields = World.model_fields.keys() | Formation.model_fields.keys()
-    for key in fields & seen - {"robots", "controller"}:
-        field = World.model_fields.get(key) or Formation.model_fields[key]
-        unit = re.match(r"\[[^\]]+\]", field.description or "")
-        if unit and key != "spacing":
-            line = next(line for line in lines if re.match(rf" *{key}:", line))
-            assert unit[0] in line, line
 
 
 @every_template

@@ -68,9 +68,3 @@ def test_differences_are_those_found_one_by_one(a, b):
     assert differences(Given(a), Given(b)) == slowly(a, b)
 
 
-def test_walls_of_very_different_length_are_compared_in_one_pass():
-    """Looked up one by one these take minutes."""
-    walls = [[[float(x), 0.0] for x in range(count)] for count in (8_000, 24_000)]
-    found = differences(*(Given({"boundaries": [wall]}) for wall in walls))
-    assert set(found.values()) >= {("none", "0.0"), ("none", "23999.0")}
-    assert len(found) == 2 * 16_000

@@ -1,0 +1,277 @@
+"""Damaged and hostile worlds: each gets a verdict or a clean refusal, soon and in little memory."""
+
+from __future__ import annotations
+
+import json
+import random
+import re
+import resource
+import subprocess
+import sys
+from itertools import pairwise
+from pathlib import Path
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from physim import Simulation, build_scene
+from physim.errors import WorldError
+from physim.world.checks import Findings, check_world
+from physim.world.file import load_world, parse_world
+from tests.helpers import inside
+from tests.world.worlds import CORRIDOR, DRAWN, check
+
+shipped_folder, shipped_worlds = inside("physim.world.file", "shipped_folder", "shipped_worlds")
+
+YARDS = 60
+"""Processor time of a check, in that of a loop of plain Python beside it, some 0.05 s: machines
+differ, and other load slows both."""
+BYTES = 500 * 1024**2
+
+
+def judged(folder: Path, data: bytes) -> Findings:
+    """Check bytes as a file; the findings must be whole, whatever they say."""
+    file = folder / "w.yaml"
+    file.write_bytes(data)
+    found = check_world(file)
+    for finding in (*found.errors, *found.warnings):
+        assert finding.line is None or finding.line >= 1
+        assert str(finding).isprintable()
+        assert len(str(finding)) < 1000
+    json.dumps(found.as_json(), allow_nan=False)
+    return found
+
+
+@pytest.mark.parametrize("text", [CORRIDOR, DRAWN])
+def test_a_world_cut_at_any_byte_gets_a_verdict(tmp_path, text):
+    data = text.encode()
+    verdicts = [judged(tmp_path, data[:end]).ok for end in range(len(data))]
+    assert verdicts.count(False) > 0.8 * len(data)
+    assert verdicts.count(True) > 3  # cut after the last key that a world needs
+
+
+def test_worlds_with_random_bytes_flipped_get_a_verdict(tmp_path):
+    source = random.Random(2026)
+    worlds = [CORRIDOR.encode(), DRAWN.encode()]
+    worlds += [(shipped_folder() / f"{n}.yaml").read_bytes() for n in ("straight", "nonconvex")]
+    verdicts = [judged(tmp_path, damaged(source.choice(worlds), source)).ok for _ in range(600)]
+    assert 30 < verdicts.count(True) < 300
+
+
+def damaged(data: bytes, source: random.Random) -> bytes:
+    """A copy with one or several bytes changed: a bit, any byte, a sign of YAML, or a digit."""
+    changed = bytearray(data)
+    digits = [k for k, byte in enumerate(data) if 48 <= byte < 58]
+    for _ in range(source.choice([1, 1, 1, 2, 4, 16])):
+        at = source.randrange(len(changed))
+        how = source.randrange(4)
+        if how == 0:
+            changed[at] ^= 1 << source.randrange(8)
+        elif how == 1:
+            changed[at] = source.randrange(256)
+        elif how == 2:
+            changed[at] = ord(source.choice("0123456789.-+e[]{},: \n\t#&*!|>%@`\"'"))
+        else:
+            changed[source.choice(digits)] = ord(source.choice("0123456789.-"))
+    return bytes(changed)
+
+
+@pytest.mark.parametrize("name", sorted(shipped_worlds()))
+def test_lines_of_shipped_worlds_left_out_get_a_verdict(tmp_path, name):
+    lines = (shipped_folder() / f"{name}.yaml").read_bytes().splitlines(keepends=True)
+    assert check_world(name).errors == ()
+    every = 16 if len(load_world(name).robots) > 100 else 4 if len(lines) >= 40 else 1
+    for k in range(0, len(lines), every):
+        judged(tmp_path, b"".join(lines[:k] + lines[k + 1 :]))
+
+
+SIZES = st.one_of(
+    st.sampled_from([0.0, 5.0e-324, 1.0e-20, 1.0e-9, 1.0e-7, 1.0e-3, 1.0, 29.0, 1.0e3]),
+    st.floats(-25.0, 3.0).map(lambda power: 10.0**power),
+)
+
+
+@settings(max_examples=60, deadline=None)
+@given(long=SIZES, wide=SIZES, is_box=st.booleans())
+def test_check_and_run_agree_on_footprints_of_any_size(tmp_path_factory, long, wide, is_box):
+    points = [[0.0, 0.0], [long, 0.0], [0.5 * long, wide]]
+    footprint = f"{{length: {long!r}, width: {wide!r}}}" if is_box else f"{points!r}"
+    text = CORRIDOR.replace("{length: 1.8, width: 1.0}", _in_yaml(footprint), 1)
+    found = check(tmp_path_factory.getbasetemp(), text)
+    try:
+        Simulation(parse_world(text))
+    except WorldError:
+        assert not found.ok, footprint
+    else:
+        assert found.ok, footprint
+
+
+def _in_yaml(text: str) -> str:
+    """Numbers as worlds may hold them: with a point before an exponent, and a sign in it."""
+    return re.sub(r"(?<![\d.])(\d+)e([-+]?\d+)", r"\1.0e\2", text)
+
+
+NUMBERS = st.one_of(
+    st.floats(-100.0, 100.0).map(lambda x: f"{x:.3f}"),
+    st.sampled_from(["0", "0.0", "-1", "1.0e+6", "-1.0e+6", "1.0e-9", "1.0e+300", "3", "30", "4"]),
+)
+
+
+@settings(max_examples=150, deadline=None)
+@given(data=st.data())
+def test_what_check_passes_is_built_and_what_is_not_built_check_refuses(tmp_path_factory, data):
+    """The other way round does not hold: check refuses a path through a wall, a run does not."""
+    text = data.draw(st.sampled_from([CORRIDOR, DRAWN]))
+    spots = numbers_of(text)
+    chosen = data.draw(st.lists(st.sampled_from(spots), max_size=3, unique=True))
+    for start, end in sorted(chosen, reverse=True):
+        text = text[:start] + data.draw(NUMBERS) + text[end:]
+    found = check(tmp_path_factory.getbasetemp(), text)
+    try:
+        scene = build_scene(parse_world(text))
+    except WorldError as error:
+        reported = " ".join(finding.message for finding in found.errors)
+        refused = [fault.message[:20] for fault in error.faults]
+        scene = None
+    else:
+        refused, reported = [], ""
+    is_unit_doubted = any("centimetres" in warning.message for warning in found.warnings)
+    left_out = [message for message in refused if message not in reported]
+    assert left_out == [] or (found.errors and is_unit_doubted)  # they follow from the wrong unit
+    assert scene is None or found.world == scene.world
+    assert found.ok <= (scene is not None)
+
+
+def numbers_of(text: str) -> list[tuple[int, int]]:
+    return [match.span() for match in re.finditer(r"-?[0-9]+\.?[0-9]*", text)]
+
+
+def nested(levels: int) -> str:
+    return "name: x\nrobots: " + "[" * levels + "]" * levels + "\n"
+
+
+HEAD = """\
+name: x
+time: {step: 0.01, duration: 1.0}
+corridor: {centreline: [[0, 0], [30, 0]], width: 8}
+"""
+ROBOT = "{name: r%d, footprint: {length: 0.5, width: 0.4}, pose: [%d, 0, 0], path: {offset: 0}}"
+
+WORST = {
+    "deep flow": nested(100_000),
+    "deep blocks": "".join(" " * k + "a:\n" for k in range(1500)),
+    "deep dashes": "robots:\n  " + "- " * 50_000 + "x\n",
+    "laughs": "a: &a [x, x, x, x, x, x, x, x, x]\n"
+    + "".join(f"{b}: &{b} [{', '.join([f'*{a}'] * 9)}]\n" for a, b in pairwise("abcdefghij")),
+    "quadratic": f"a: &a [{', '.join(['1'] * 5000)}]\nb: [{', '.join(['*a'] * 5000)}]\n",
+    "loop": "name: &a [*a]\n",
+    "loop of a mapping": "world: &w\n  next: *w\n",
+    "many digits": HEAD + "seed: " + "9" * 5000 + "\n",
+    "a long key": "? " + "k" * 1_000_000 + "\n: 1\n",
+    "a long name": "name: " + "n" * 4_000_000 + "\n",
+    "many keys": "".join(f"k{k}: 1\n" for k in range(200_000)),
+    "many anchors": "a: [" + ", ".join(f"&a{k} 1" for k in range(100_000)) + "]\n",
+    "a great many points": HEAD.replace(
+        "[[0, 0], [30, 0]]", "[" + ", ".join(f"[{k}, 0]" for k in range(100_001)) + "]"
+    ),
+    "points that are none": HEAD.replace("[[0, 0], [30, 0]]", "[" + "x, " * 99_000 + "x]"),
+    "a thousand robots": HEAD.replace("30", "1100")
+    + "robots: ["
+    + ", ".join(ROBOT % (k, k) for k in range(1000))
+    + "]\n",
+    "many robots in one place": HEAD
+    + "robots: ["
+    + ", ".join(ROBOT % (k, 3) for k in range(300))
+    + "]\n",
+    "many empty robots": HEAD + "robots: [" + ", ".join(["{}"] * 10_001) + "]\n",
+    "a long open quote": "name: \"" + "a" * 4_000_000,
+    "a long zigzag": HEAD.replace(
+        "[[0, 0], [30, 0]]", f"[{', '.join(f'[{k % 2}, {k // 2}.{k % 7}]' for k in range(3000))}]"
+    ),
+    "a long road": HEAD.replace("30", "999999")
+    + "robots: ["
+    + ", ".join(ROBOT % (k, k) for k in range(20))
+    + "]\n",
+    "a star of boundaries": HEAD.replace("corridor:", "was:")
+    + "boundaries:\n"
+    + "".join(f"  - [[{k}, -50], [{99 - k}, 50]]\n" for k in range(100))
+    + "reference_path: [[1, 0], [2, 0]]\nrobots: [" + ROBOT % (1, 1) + "]\n",
+    "a footprint like a comb": HEAD
+    + "robots: [{name: c, pose: [9, 0, 0], path: {offset: 0}, footprint: ["
+    + ", ".join(f"[{k / 500}, {1 if k % 2 else 0.1}]" for k in range(500))
+    + ", [1, -1], [0, -1]]}]\n",
+    "tabs": "\t" * 1_000_000 + "x",
+    "colons": ":" * 100_000,
+    "question marks": "? " * 20_000,
+    "ampersands": "&" * 1_000_000,
+}  # fmt: skip
+
+
+def limit() -> None:
+    resource.setrlimit(resource.RLIMIT_AS, (3 * BYTES, 3 * BYTES))  # libraries map more than used
+    resource.setrlimit(resource.RLIMIT_CPU, (60, 60))
+
+
+SCRIPT = """
+import json, sys, time
+from pathlib import Path
+from physim.world.checks import check_world
+
+def peak_bytes():  # getrusage would answer with the peak of the process that started this one
+    status = dict(line.split(":", 1) for line in Path("/proc/self/status").open())
+    return int(status["VmHWM"].split()[0]) * 1024
+
+def taken(work):
+    before = time.process_time()
+    found = work()
+    return time.process_time() - before, found
+
+def yard():
+    return sum(hash((k, str(k))) & 1 for k in range(300_000))
+
+check_world("good.yaml")
+most = int(sys.argv.pop(1))
+for name in sys.argv[1:]:
+    took = []
+    while not took or (min(took) > most and len(took) < 3):
+        one, found = taken(lambda: check_world(name))
+        took.append(one / taken(yard)[0])
+    peak = peak_bytes()
+    errors = [str(f) for f in found.errors][:3]
+    print(json.dumps([name, min(took), peak, found.ok, errors]), flush=True)
+"""
+
+
+@pytest.mark.skipif(not Path("/proc/self/status").exists(), reason="the peak is read from /proc")
+def test_the_worst_worlds_are_judged_in_time_and_little_memory(tmp_path):
+    """The only test that reads a clock, of the processor, and holds it against another reading."""
+    (tmp_path / "good.yaml").write_text(CORRIDOR)
+    for name, text in WORST.items():
+        (tmp_path / f"{name}.yaml").write_text(text)
+    files = [f"{name}.yaml" for name in WORST]
+    done = subprocess.run(
+        [sys.executable, "-c", SCRIPT, str(YARDS), *files], cwd=tmp_path, capture_output=True,
+        text=True, timeout=120, preexec_fn=limit,
+    )  # fmt: skip
+    rows = [json.loads(line) for line in done.stdout.splitlines()]
+    assert done.stderr == ""
+    assert [row[0] for row in rows] == files
+    assert {name: took for name, took, *_ in rows if took > YARDS} == {}
+    assert {name: peak for name, _, peak, *_ in rows if peak > BYTES} == {}
+    accepted = {name for name, _, _, ok, _ in rows if ok}
+    assert accepted == {"a long road.yaml", "a thousand robots.yaml"}
+    for name, _, _, ok, errors in rows:
+        assert ok or all(len(error) < 1000 for error in errors), name
+
+
+
+
+def test_python_tags_are_never_executed(tmp_path):
+    mark = tmp_path / "executed"
+    for tag in ("!!python/object/apply:os.system", "!!python/object/new:os.system"):
+        text = f"name: {tag} ['touch {mark}']\n" + CORRIDOR.partition("\n")[2]
+        found = check(tmp_path, text)
+        assert not mark.exists()
+        assert any("python/object" in finding.message for finding in found.errors)
+        assert any("is not allowed" in finding.message for finding in found.errors)

@@ -1,0 +1,223 @@
+from __future__ import annotations
+
+import gzip
+import os
+import re
+from pathlib import Path
+
+import pytest
+
+from physim.errors import Fault, WorldError
+from physim.world.file import load_world, located, parse_world, read_world
+from tests.helpers import STRAIGHT, check_error, facts, inside
+
+find_world = inside("physim.world.file", "find_world")
+
+
+def refusal(path, **options) -> str:
+    with pytest.raises(WorldError) as caught:
+        load_world(path, **options)
+    return str(caught.value)
+
+
+def changed(old: str, new: str) -> str:
+    assert old in STRAIGHT
+    return STRAIGHT.replace(old, new, 1)
+
+
+def message(text: str, **options) -> str:
+    with pytest.raises(WorldError) as caught:
+        parse_world(text, "w.yaml", **options)
+    return str(caught.value)
+
+
+def test_a_world_by_hand_loads(tmp_path):
+    path = tmp_path / "straight.yaml"
+    path.write_text(STRAIGHT)
+    world = load_world(path)
+    assert [robot.name for robot in world.robots] == ["r1", "r2"]
+    assert world.robots[1].pose == (3.0, -1.0, "random")
+    assert world.robots[1].path.offset == -1.0
+    assert world.controller.settings["look_ahead"] == 2.0
+    assert parse_world(world.to_yaml()) == world
+
+
+
+
+def test_files_that_cannot_be_read_say_why(tmp_path):
+    (tmp_path / "straight.yaml").write_text(STRAIGHT)
+    os.mkfifo(tmp_path / "pipe.yaml")
+    for name in ("plan.svg", "record.h5"):
+        (tmp_path / name).write_bytes(b"x")
+    for name, *parts in (
+        ("strait.yaml", "no such file", "straight.yaml"),
+        ("zzz", "no such file", "straight.yaml"),
+        ("no/w.yaml", "no folder"),
+        ("", "a folder"),
+        ("pipe.yaml", "regular file"),
+        ("plan.svg", "no world file", "physim import"),
+        ("record.h5", "no world file", "record"),
+    ):
+        check_error(f"{refusal(tmp_path / name)}\n", str(tmp_path / name), *parts)
+    assert "cannot be read" in refusal("a\0b")
+    assert "plan.svg" not in refusal(tmp_path / "plans.yaml"), "a drawing is no world"
+    with (tmp_path / "large.yaml").open("wb") as file:
+        file.truncate(100_000_000)
+    assert re.search(facts("large.yaml", "100.0 MB"), refusal(tmp_path / "large.yaml"))
+    latin = tmp_path / "latin.yaml"
+    latin.write_bytes(b"name: a\ndescription: caf\xe9\n")
+    check_error(f"{refusal(latin)}\n", f"{latin}:2:17:", "0xe9", "UTF-8")
+    assert "not UTF-8" in refusal(_written(tmp_path / "u16.yaml", STRAIGHT.encode("utf-16")))
+    packed = refusal(_written(tmp_path / "packed.yaml", gzip.compress(STRAIGHT.encode())))
+    check_error(f"{packed}\n", str(tmp_path / "packed.yaml"), "gzip", "unpack")
+
+
+def _written(path: Path, data: bytes) -> Path:
+    path.write_bytes(data)
+    return path
+
+
+def test_all_faults_come_at_once_in_the_order_of_the_file():
+    text = changed("seed: 3", "sead: 3").replace("duration: 30.0", "duration: 1e3")
+    text = text.replace("look_ahead", "look_ahed").replace("width: 8.0", 'width: "8"')
+    keys = (
+        "name, description, seed, time, corridor, boundaries, reference_path, start, robots, "
+        "formation, controller, sensing, filters, disturbances, arrival, obstacles, expect, physics"
+    )
+    expected = [
+        ("w.yaml:3:1: sead:", "unknown", f"allowed: {keys};", '"seed"'),
+        ("w.yaml:4:30: time.duration:", "1e3", "text", "1.0e+3", "1000"),
+        ("w.yaml:5:50: corridor.width:", "[m]", "one number", "one per point", '"8"', "quotes"),
+        ("w.yaml:16:36: controller.look_ahed:", "unknown", "look_ahead, omegas", '"look_ahead"'),
+    ]
+    for line, (place, *parts) in zip(message(text).splitlines(), expected, strict=True):
+        check_error(f"{line}\n", place, *parts)
+
+
+def test_missing_keys_are_told_where_they_should_stand():
+    without_step = message(changed("step: 0.01, ", ""))
+    check_error(f"{without_step}\n", "w.yaml:4:1: time.step:", "missing", "[s]")
+    nameless = message(changed("  - name: r1\n    footprint", "  - footprint"))
+    check_error(f"{nameless}\n", "w.yaml:7:5: robots[0].name:", "missing")
+
+
+def test_many_faults_are_counted():
+    junk = f"path: [{', '.join(['x'] * 60)}]"
+    text = changed("path: {offset: -1.0}", junk)
+    text = text.replace("path: [[0.0, 1.0], [30.0, 1.0]]", junk)
+    lines = message(text).splitlines()
+    assert len(lines) == 100
+    assert re.search(facts("more", "follow"), lines[-1])
+
+
+def test_controller_settings_are_those_of_the_controller():
+    setting = "controller.look_ahead:"
+    for old, new, place, *parts in (
+        ("2.0}", "far}", f"w.yaml:16:48: {setting}", "number", '"far"'),
+        ("2.0}", "-2.0}", f"w.yaml:16:48: {setting}", "greater than 0", "given -2.0"),
+        ("mode_switching", "mode_swiching", "w.yaml:16:20: controller.type:",
+         '"mode_swiching"', '"mode_switching"'),
+        ("mode_switching", "plain", f"w.yaml:16:27: {setting}", "unknown"),
+    ):  # fmt: skip
+        check_error(f"{message(changed(old, new))}\n", place, *parts)
+    assert parse_world(changed("look_ahead: 2.0", "omegas: [1, 2]")).controller.settings[
+        "omegas"
+    ] == (1, 2)
+
+
+def test_a_world_cannot_name_a_class():
+    text = changed("mode_switching", "os:system")
+    check_error(
+        f"{message(text)}\n", "w.yaml:16:20: controller.type:", '"os:system"', "--controller"
+    )
+
+
+def test_the_command_line_may_name_another_controller():
+    assert parse_world(STRAIGHT, controller="plain").controller.settings == {}
+    assert parse_world(STRAIGHT, controller="mode_switching") == parse_world(STRAIGHT)
+    name = "tests.world.file.parts_for_tests:Switching"
+    world = parse_world(STRAIGHT, controller=name, overrides=["controller.look_ahead=3.0"])
+    assert world.controller.type == name
+    assert world.controller.settings == {"look_ahead": 3.0}
+    assert "--controller: no controller" in message(STRAIGHT, controller="no")
+
+
+
+
+def test_settings_are_not_carried_to_another_controller_in_silence(tmp_path):
+    path = tmp_path / "w.yaml"
+    path.write_text(STRAIGHT)
+    with pytest.warns(UserWarning, match=facts("w.yaml:16:", "look_ahead", "mode_switching")):
+        world = load_world(path, controller="plain")
+    assert world.controller.settings == {}
+
+
+def test_settings_without_a_type_are_for_whatever_runs():
+    text = changed("type: mode_switching, ", "")
+    name = "tests.world.file.parts_for_tests:Switching"
+    world = parse_world(text, controller=name)
+    assert (world.controller.type, world.controller.settings) == (name, {"look_ahead": 2.0})
+    check_error(
+        f"{message(text, controller='plain')}\n", "w.yaml:16:", "controller.look_ahead", "Plain"
+    )
+
+
+def test_later_faults_find_their_place(tmp_path):
+    path = tmp_path / "w.yaml"
+    path.write_text(STRAIGHT)
+    _, document = read_world(path)
+    error = located([Fault(("robots", 1, "pose"), "is outside")], document)
+    assert str(error) == f"{path}:13:11: robots[1].pose: is outside"
+    assert str(located([Fault((), "is bad")], None)) == "is bad"
+
+
+
+
+@pytest.mark.parametrize("given", ["2e0", ".nan", "1_000", "010", "yes"])
+@pytest.mark.parametrize("key", ["look_ahead: {}", "omegas: [1.0, {}]"])
+def test_settings_that_cannot_be_read_are_told_once(given, key):
+    (line,) = message(changed("look_ahead: 2.0", key.format(given))).splitlines()
+    assert line.startswith("w.yaml:16:")
+    assert "settings cannot be read" not in line
+
+
+
+
+
+
+
+
+@pytest.mark.parametrize(
+    ("given", "suggested"),
+    [("tee", "tee.yaml"), ("hall", "hall.yml"), ("te", "tee.yaml"), ("strait", "straight")],
+)
+def test_a_name_without_its_ending_is_told_with_the_file_that_is_there(
+    tmp_path, monkeypatch, given, suggested
+):
+    monkeypatch.chdir(tmp_path)
+    for name in ("tee.yaml", "hall.yml", "hall.txt"):
+        (tmp_path / name).write_text("name: x\n")
+    with pytest.raises(WorldError, match=facts(f"{given}: no such file", suggested)) as caught:
+        find_world(given)
+    assert "hall.txt" not in str(caught.value)
+
+
+def test_the_order_of_settings_is_no_part_of_a_world() -> None:
+    """Two files with the same settings are one world, whose runs have one digest."""
+    some = {"time_low": 0.9, "horizon": 6.0, "distance_low": 0.4}
+    worlds = [
+        load_world("straight").changed(controller={"type": "mode_switching", **dict(pairs)})
+        for pairs in (some.items(), reversed(some.items()), sorted(some.items()))
+    ]
+    assert len({world.to_yaml() for world in worlds}) == 1
+
+
+def test_a_folder_does_not_hide_a_shipped_world(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """As the one that its runs were written to; a file of that name goes first."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "straight").mkdir()
+    assert load_world("straight").name == "straight"
+    (tmp_path / "merging").write_text("name: my own\n")
+    assert find_world("merging") == Path("merging")

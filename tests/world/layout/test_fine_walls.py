@@ -1,0 +1,103 @@
+"""Walls with a point every millimetre are the walls that they look like."""
+
+from __future__ import annotations
+
+import re
+
+import numpy as np
+import pytest
+
+import physim
+from physim import build_scene
+from physim.analysis.summary import summarise, table
+from physim.errors import WorldError
+from tests.helpers import facts
+from tests.world.worlds import DRAWN, changed, check, lines
+
+SIDES = "  - [[-3, -4], [33, -4], [33, 4]]\n  - [[33, 4], [-3, 4], [-3, -4]]\n"
+FINE = 9_000
+"""points a side"""
+
+
+def points(first: tuple[float, float], last: tuple[float, float], count: int = FINE) -> str:
+    """Points of a straight line as a world file has them."""
+    line = np.linspace(first, last, count)
+    return ", ".join(f"[{x:.9g}, {y:.9g}]" for x, y in line.tolist())
+
+
+def finely_drawn() -> str:
+    """The drawn world, its two long walls finely sampled, all of them one closed boundary."""
+    ring = f"  - [{points((-3, -4), (33, -4))}, {points((33, 4), (-3, 4))}, [-3, -4]]\n"
+    return changed(DRAWN, (SIDES, ring))
+
+
+def test_a_finely_drawn_road_is_the_same_road(tmp_path):
+    found = check(tmp_path, finely_drawn())
+    assert lines(found) == lines(check(tmp_path, DRAWN)) == ([], [])
+    fine, plain = (build_scene(physim.parse_world(text)) for text in (finely_drawn(), DRAWN))
+    assert len(fine.walls.part_start) == len(plain.walls.part_start) == 5
+    assert fine.area.polygon.equals(plain.area.polygon)
+    (ring,) = fine.area.safe_rings(1.0)
+    assert np.ptp(ring, axis=0) == pytest.approx((34.0, 6.0))
+
+
+
+
+
+
+@pytest.mark.parametrize("spokes", [100, 2_000])
+def test_walls_that_meet_in_one_place_again_and_again_are_refused_before_the_work(spokes, tmp_path):
+    """All pairs of 2,000 spokes take minutes and gigabytes, in `check` as in a run."""
+    ends = [(15.0 + 0.8 * np.cos(k), 3.0 + 0.8 * np.sin(k)) for k in range(spokes)]
+    star = ", ".join(f"[{x:.6f}, {y:.6f}], [15, 3]" for x, y in ends)
+    text = changed(DRAWN, (SIDES, f"{SIDES}  - [{star}]\n"))
+    errors, _ = lines(check(tmp_path, text))
+    told = any("100000 places" in line for line in errors)
+    assert told == (spokes == 2_000)
+    if told:
+        with pytest.raises(WorldError, match=r"boundaries.*100000 places"):
+            build_scene(physim.parse_world(text))
+
+
+def test_a_run_without_a_safe_area_says_so(tmp_path):
+    narrow = changed(
+        DRAWN,
+        ("time: {step: 0.01, duration: 60.0}", "time: {step: 0.01, duration: 0.1}"),
+        (SIDES, "  - [[-3, -1.4], [33, -1.4], [33, 1.4], [-3, 1.4], [-3, -1.4]]\n"),
+        ("[6.0, 1.0, 0.0]", "[6.0, 0.0, 0.0]"), ("[3.0, -1.0, 0.0]", "[3.0, 0.0, 0.0]"),
+        ("[[0, 1], [30, 1]]", "[[0, 0], [30, 0]]"), ("offset: -1.0", "offset: 0.0"),
+    )  # fmt: skip
+    for distance, is_told in ((1.5, True), (1.3, False)):
+        settings = f"controller: {{type: mode_switching, safe_distance: {distance}}}\n"
+        world = physim.parse_world(narrow + settings)
+        summary = summarise(physim.simulate(world))
+        assert summary.no_safe_area == (distance if is_told else None)
+        assert bool(re.search(facts("WARNING", "1.5 m", "safe area"), table(summary))) is is_told
+        assert len(summary.warnings) == is_told
+    plain = physim.simulate(physim.parse_world(narrow), controller="path_following")
+    assert summarise(plain).warnings == ()  # it keeps no distance
+
+
+@pytest.mark.parametrize("angle", [0.3, 0.7, 1.1])
+@pytest.mark.parametrize("count", [30, 600])
+def test_a_partition_from_point_to_point_of_fine_walls_stays_closed(angle, count, tmp_path):
+    """Whether the points along the walls are kept or not."""
+    c, s = np.cos(angle), np.sin(angle)
+
+    def line(first, last, count):
+        at = np.linspace(first, last, count) @ np.array([[c, s], [-s, c]])
+        return at.tolist()
+
+    ring = [*line((-3, -4), (33, -4), count), *line((33, 4), (-3, 4), count)]
+    k = 2 * count // 3
+    wall = [ring[k], ring[2 * count - 1 - k]]
+    begin, end, beyond = line((0, 0), (15, 0), 2) + line((30, 0), (30, 0), 1)
+    text = (
+        f"name: rooms\ntime: {{step: 0.01, duration: 40.0}}\n"
+        f"boundaries:\n  - {[*ring, ring[0]]}\n  - {wall}\nreference_path: {[begin, end]}\n"
+        f"robots:\n  - {{name: r1, footprint: {{length: 1.0, width: 0.6}}, pose: "
+        f"[{begin[0]}, {begin[1]}, {angle}], path: PATH}}\n"
+    )
+    assert lines(check(tmp_path, text.replace("PATH", str([begin, end]))))[0] == []
+    found = lines(check(tmp_path, text.replace("PATH", str([begin, beyond]))))[0]
+    assert any("leaves the accessible area" in line for line in found)

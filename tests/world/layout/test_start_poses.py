@@ -1,0 +1,307 @@
+"""Robots placed by the seed: apart from everything, inside their region, the same every time."""
+
+from __future__ import annotations
+
+import itertools
+import math
+import re
+
+import numpy as np
+import pytest
+import shapely
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from shapely import affinity
+
+from physim import build_scene, simulate
+from physim.errors import WorldError
+from physim.geometry import polyline, signed_distance
+from physim.record import Record
+from physim.world import World
+from physim.world.file import parse_world
+from physim.world.layout import start_poses
+from tests.cli.commands import physim, tree
+from tests.helpers import check_error, facts, inside
+
+Candidates, Occupancy = inside("physim.world.layout", "Candidates", "Occupancy")
+is_random = inside("physim.world.layout", "is_random")
+
+
+BOX = {"length": 1.8, "width": 1.0}
+ELL = [[-0.9, -0.6], [0.9, -0.6], [0.9, 0.0], [-0.2, 0.0], [-0.2, 0.6], [-0.9, 0.6]]
+ARROW = [[2.0, 0.0], [0.6, 0.5], [0.9, 0.0], [0.6, -0.5]]
+SHAPES = (BOX, ELL, ARROW)
+REGION = [[1.0, -3.5], [14.0, -3.5], [14.0, 3.5], [6.0, 3.5], [6.0, 0.0], [1.0, 0.0]]
+PILLAR = [[9.0, 0.5], [10.0, 0.5], [10.0, 2.0], [9.0, 2.0]]
+
+
+def road(n: int, start: dict | None, **more) -> World:
+    """A road 8 m wide, 0 to 40 m, with a pillar and n robots of three shapes without a pose."""
+    robots = [
+        {
+            "name": f"r{i + 1}",
+            "footprint": SHAPES[i % 3],
+            "path": {"offset": (1.5, 0.0, -1.5)[i % 3]},
+        }
+        for i in range(n)
+    ]
+    values = {
+        "name": "road",
+        "time": {"step": 0.01, "duration": 1.0},
+        "corridor": {"centreline": [[0, 0], [40, 0]], "width": 8.0},
+        "obstacles": [PILLAR],
+        "start": start,
+        "robots": robots,
+    }
+    return World(**{**values, **more})
+
+
+def placed(world: World, pose: np.ndarray, i: int) -> shapely.Polygon:
+    """Outline at a pose, by shapely's own transformations."""
+    shape = affinity.rotate(
+        shapely.Polygon(world.robots[i].outline), pose[2], origin=(0, 0), use_radians=True
+    )
+    return affinity.translate(shape, pose[0], pose[1])
+
+
+@settings(deadline=None, max_examples=40)
+@given(
+    seed=st.integers(0, 10**9),
+    n=st.integers(1, 7),
+    gap=st.sampled_from([0.0, 0.3, 0.55]),
+    heading=st.sampled_from(["random", "along", 0.7]),
+    abreast=st.sampled_from([None, 2]),
+)
+def test_all_are_in_the_region_and_min_gap_apart(seed, n, gap, heading, abreast) -> None:
+    start = {"region": REGION, "heading": heading, "min_gap": gap, "abreast": abreast}
+    world = road(n, start)
+    poses = build_scene(world, seed).start
+    shapes = [placed(world, pose, i) for i, pose in enumerate(poses)]
+    walls = [[[-3, 4], [43, 4]], [[-3, -4], [43, -4]], [[-3, 4], [-3, -4]], [[43, 4], [43, -4]]]
+    region = shapely.Polygon(REGION)
+    for a, b in itertools.combinations(shapes, 2):
+        assert a.distance(b) >= gap
+        assert not a.intersects(b)
+    for shape in shapes:
+        assert region.buffer(1e-12).covers(shape)
+        assert shape.distance(shapely.Polygon(PILLAR)) >= gap
+        assert not shape.intersects(shapely.Polygon(PILLAR))
+        assert all(shape.distance(shapely.LineString(wall)) >= gap for wall in walls)
+    corners = [shapely.get_coordinates(shape)[:-1] for shape in shapes]
+    for a, b in itertools.combinations(corners, 2):  # the kernels that judge the run agree
+        assert signed_distance(a, b) >= max(gap, 1e-9)
+    for a in corners:
+        assert signed_distance(a, PILLAR) >= max(gap, 1e-9)
+        assert all(signed_distance(a, polyline(wall)) >= max(gap, 1e-9) for wall in walls)
+
+
+def test_same_seed_same_start_and_another_seed_another() -> None:
+    world = road(5, {"region": REGION})
+    assert is_random(world)
+    first, again, other = (build_scene(world, seed).start for seed in (4, 4, 5))
+    assert np.array_equal(first, again)
+    assert (first != other).all()
+
+
+def test_places_fill_the_region_and_headings_the_circle() -> None:
+    square = [[2.0, -3.0], [8.0, -3.0], [8.0, 3.0], [2.0, 3.0]]
+    dot = {"name": "r1", "footprint": {"length": 0.02, "width": 0.02}, "path": {"offset": 0.0}}
+    world = road(1, {"region": square}, robots=[{**dot, "limits": {"v": 0.1, "omega": 0.1}}])
+    poses = np.array([build_scene(world, seed).start[0] for seed in range(300)])
+    assert abs(poses[:, :2].mean(axis=0) - [5.0, 0.0]).max() < 0.35  # 3.5 standard errors
+    assert abs(poses[:, :2].std(axis=0) - 6.0 / math.sqrt(12.0)).max() < 0.25
+    assert abs(np.exp(1j * poses[:, 2]).mean()) < 0.15
+
+
+def test_headings_are_those_that_a_pose_would_get() -> None:
+    """So a region in the place of poses changes places alone."""
+    world = road(3, {"region": REGION})
+    robots = [{**robot(world, i), "pose": [20.0 + 4 * i, 0.0, "random"]} for i in range(3)]
+    posed = world.changed(robots=robots, start=None)
+    assert np.array_equal(build_scene(world, 3).start[:, 2], build_scene(posed, 3).start[:, 2])
+
+
+def robot(world: World, i: int) -> dict:
+    chosen = world.robots[i]
+    return {"name": chosen.name, "footprint": chosen.footprint, "path": chosen.path}
+
+
+def test_along_is_the_direction_of_the_reference_path() -> None:
+    bent = {"centreline": [[0, 0], [10, 0], [10, 20]], "width": 6.0}
+    region = [[8.0, 8.0], [12.0, 8.0], [12.0, 18.0], [8.0, 18.0]]
+    world = road(2, {"region": region, "heading": "along"}, corridor=bent, obstacles=[])
+    assert build_scene(world).start[:, 2] == pytest.approx([math.pi / 2] * 2)
+    fixed = world.changed(start={"region": region, "heading": -1.0})
+    assert build_scene(fixed).start[:, 2].tolist() == [-1.0, -1.0]
+
+
+def test_rows_stand_in_the_order_of_the_robots_and_of_their_paths() -> None:
+    region = [[1.0, -3.5], [25.0, -3.5], [25.0, 3.5], [1.0, 3.5]]
+    world = road(8, {"region": region, "abreast": 3, "heading": "along"}, obstacles=[])
+    for seed in range(10):
+        x, y, _ = build_scene(world, seed).start.T
+        assert x[:3].min() > x[3:6].max() > x[3:6].min() > x[6:].max()
+        assert (y[[0, 3, 6]] > y[[1, 4, 7]]).all()  # offset 1.5 stands left of offset 0
+        assert (y[[1, 4]] > y[[2, 5]]).all()
+
+
+def test_robots_with_a_pose_stay_and_are_kept_clear_of() -> None:
+    world = road(4, {"region": REGION, "min_gap": 0.5})
+    robots = [{**robot(world, 0), "pose": [12.0, 2.0, 0.3]}]
+    robots += [{**robot(world, i)} for i in (1, 2)]
+    own = {"region": [[30.0, -3.0], [36.0, -3.0], [36.0, 3.0], [30.0, 3.0]], "heading": 3.0}
+    world = world.changed(robots=[*robots, {**robot(world, 3), "start": own}])
+    for seed in range(20):
+        start = build_scene(world, seed).start
+        shapes = [placed(world, pose, i) for i, pose in enumerate(start)]
+        assert start[0].tolist() == [12.0, 2.0, 0.3]
+        assert min(shapes[0].distance(shape) for shape in shapes[1:]) >= 0.5
+        assert shapely.Polygon(own["region"]).covers(shapes[3])
+        assert start[3, 2] == 3.0
+
+
+def fault(world: World) -> tuple:
+    with pytest.raises(WorldError) as caught:
+        build_scene(world, 1)
+    (only,) = caught.value.faults
+    return only.location, only.message
+
+
+def test_too_many_are_refused_with_figures_and_what_would_do() -> None:
+    small = [[1.0, -2.0], [6.0, -2.0], [6.0, 2.0], [1.0, 2.0]]
+    where, message = fault(road(12, {"region": small}))
+    assert where == ("start", "region")
+    assert re.search(facts("of 12 robots", "0.3 m", "20 m²", "min_gap", "fewer robots"), message)
+    assert re.search(r'"r\d+"', message)
+    (enough,) = re.findall(r"about ([\d.]+) m²", message)
+    side = math.sqrt(float(enough))
+    wide = {"centreline": [[0, 0], [40, 0]], "width": side + 1.0}
+    square = [[1.0, -side / 2], [1.0 + side, -side / 2], [1.0 + side, side / 2], [1.0, side / 2]]
+    for seed in range(5):  # what the message promises holds
+        build_scene(road(12, {"region": square}, corridor=wide, obstacles=[]), seed)
+
+
+def test_a_region_of_the_wrong_shape_or_place_is_refused() -> None:
+    strip = [[1.0, -3.0], [39.0, -3.0], [39.0, -2.5], [1.0, -2.5]]
+    where, message = fault(road(1, {"region": strip}))
+    assert where == ("start", "region")
+    figures = ('"r1"', "19 of its 19 m²", "0.3 m (min_gap)", "0.5 m wide", "1 m at its narrowest")
+    assert all(figure in message for figure in figures)
+    strip = [[1.0, -3.0], [7.0, -3.0], [7.0, -1.8], [1.0, -1.8]]
+    wide = {"region": strip, "min_gap": 0.0, "heading": math.pi / 2}
+    assert re.search(facts("7.2 m²", "1.8 m²", "shape", "wider region"), fault(road(1, wide))[1])
+    away = [[100.0, 0.0], [110.0, 0.0], [110.0, 5.0]]
+    where, message = fault(road(1, {"region": away}))
+    assert where == ("start", "region")
+    assert re.search(facts("none", "accessible area"), message)
+    bow = [[0.0, 0.0], [5.0, 2.0], [5.0, 0.0], [0.0, 2.0]]
+    where, message = fault(road(1, {"region": bow}))
+    assert where == ("start", "region")
+    assert "itself at (2.5, 1)" in message
+    world = road(2, None, robots=[{**robot(road(2, {"region": bow}), 0), "start": {"region": bow}}])
+    assert fault(world)[0] == ("robots", 0, "start", "region")
+
+
+
+
+
+
+def test_a_record_holds_what_makes_the_run_again(tmp_path) -> None:
+    world = road(4, {"region": REGION, "abreast": 2})
+    with simulate(world, seed=9, path=tmp_path / "record.h5"):
+        pass
+    with Record.load(tmp_path / "record.h5") as record:
+        inside = parse_world(record.world_text)
+        assert (record.seed, inside.seed, inside.robots) == (9, 9, world.robots)
+        with simulate(inside) as again:
+            assert again.digest() == record.digest()
+
+
+def test_run_tells_the_place_of_the_region_and_writes_nothing(tmp_path, capsys) -> None:
+    file = tmp_path / "w.yaml"
+    file.write_text(road(9, {"region": [[1, 0], [4, 0], [4, 2], [1, 2]]}).to_yaml())
+    line = 1 + file.read_text().splitlines().index(
+        "  region: [[1.0, 0.0], [4.0, 0.0], [4.0, 2.0], [1.0, 2.0]]  # [m]"
+    )
+    done = physim("run", file, "-o", tmp_path / "out", capture=capsys)
+    assert done.code == 2
+    check_error(done.err, f"{file}:{line}:11: start.region:", "of 9 robots")
+    assert list(tree(tmp_path)) == ["w.yaml"]
+
+
+@given(seed=st.integers(0, 10_000), gap=st.floats(0.0, 1.0))
+@settings(max_examples=40, deadline=None)
+def test_the_first_place_with_room_is_that_of_a_look_at_all_robots(seed: int, gap: float) -> None:
+    """Also the room itself, robots that left again, and robots as far away as places may be."""
+    rng = np.random.default_rng(seed)
+    footprints = [np.array(ELL), np.array(ARROW)] * 8
+    hall = shapely.box(-6.0, -6.0, 6.0, 6.0)
+    occupied = Occupancy(footprints, [hall.exterior, shapely.box(1.0, 1.0, 2.0, 3.0)])
+    poses = rng.uniform((-5.0, -5.0, -3.0), (5.0, 5.0, 3.0), (16, 3))
+    poses[14, :2] = 9e5
+    gaps = rng.uniform(0.0, 1.0, 16)
+    standing = [*range(1, 7), 14]
+    for i in [*range(1, 10), 14]:
+        occupied.stand(i, poses[i], float(gaps[i]))
+    occupied.leave([7, 8, 9])
+    tried = rng.uniform((-6.0, -6.0, -3.0), (6.0, 6.0, 3.0), (60, 3))
+    outlines = occupied.outlines(0, tried)
+    room = shapely.distance(occupied.walls, outlines) - gap
+    for i in standing:
+        wanted = max(gap, float(gaps[i]))
+        other = occupied.outlines(i, poses[i][None])[0]
+        room = np.minimum(room, shapely.distance(outlines, other) - wanted)
+    room[~shapely.covers(hall, outlines)] = -1.0
+    fits = np.flatnonzero(room >= 0.0)
+    found = occupied.room(0, tried, hall, gap)
+    assert (found >= 0.0).tolist() == (room >= 0.0).tolist()
+    assert found[fits].tolist() == room[fits].tolist()
+    assert occupied.first_fit(0, tried, hall, gap) == (int(fits[0]) if len(fits) else None)
+
+
+def crowded_field(n: int, length: float) -> World:
+    """Boxes at random headings, 1 m² each, in a region 6 m wide."""
+    region = [[1.0, -3.0], [1.0 + length, -3.0], [1.0 + length, 3.0], [1.0, 3.0]]
+    group = {"count": n, "footprint": {"length": 1.0, "width": 1.0}, "path": {"offset": 0.0}}
+    return World(
+        name="field",
+        time={"step": 0.01, "duration": 1.0},
+        corridor={"centreline": [[0, 0], [length + 5.0, 0]], "width": 8.0},
+        start={"region": region, "heading": "random", "min_gap": 0.01},
+        robots=[group],
+    )
+
+
+def test_a_crowd_that_does_not_fit_is_not_placed_anew_for_minutes(monkeypatch):
+    begun, draw = [], Candidates.draw
+
+    def counted(self, i, *rest):
+        if i == 0:
+            begun.append(self.drawn)
+        return draw(self, i, *rest)
+
+    monkeypatch.setattr(Candidates, "draw", counted)
+    monkeypatch.setattr(start_poses, "MOST_DRAWN", 30_000)
+    with pytest.raises(WorldError, match="of 110 robots could be placed"):
+        build_scene(crowded_field(110, 30.0))
+    assert 1 < len(begun) < start_poses.LOOSE_ROUNDS  # placed anew, and given up early
+    assert max(begun) <= 30_000
+
+
+
+
+def test_a_row_that_has_no_place_in_the_region_is_told() -> None:
+    """A region over both legs of a U-turn ended in an error of numpy."""
+    world = parse_world("""\
+name: both legs
+time: {step: 0.01, duration: 60.0}
+boundaries: [[[-5, -5], [60, -5], [60, 15], [-5, 15], [-5, -5]]]
+reference_path: [[0, 0], [50, 0], [50, 10], [0, 10]]
+start: {region: [[4, -3], [16, -3], [16, 13], [4, 13]], heading: along, abreast: 2}
+robots:
+  - {count: 8, footprint: {length: 0.8, width: 0.5}, path: {offset: 0.0}}
+""")
+    with pytest.raises(WorldError, match=facts("start", "along the reference path", "2 abreast")):
+        build_scene(world)
+
+

@@ -12,6 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from physim.escaping import escaped, escaped_lines, html_table, html_text
+from tests.helpers import examples
 
 ANY = st.text(st.characters(codec=None) | st.sampled_from("\x00\x1b\x7f\x85\x9b\u202e\u2066\ud800"))
 
@@ -33,6 +34,7 @@ def test_what_acts_is_escaped(given: str, shown: str) -> None:
     assert escaped(given) == shown
 
 
+@examples(25, deep=200)
 @given(ANY)
 def test_nothing_escaped_acts(text: str) -> None:
     shown = escaped(text)
@@ -41,6 +43,7 @@ def test_nothing_escaped_acts(text: str) -> None:
     assert escaped_lines(text).count("\n") == text.count("\n")
 
 
+@examples(25, deep=200)
 @given(ANY, st.sampled_from(["ascii", "latin-1", "cp1252", "shift_jis", "utf-8"]))
 def test_json_stays_the_same_in_any_encoding(text: str, encoding: str) -> None:
     shown = escaped_lines(json.dumps([text], ensure_ascii=False), encoding)
@@ -56,6 +59,7 @@ def test_an_unknown_encoding_gets_ascii() -> None:
     assert escaped_lines("é", "no-such-encoding").isascii()
 
 
+@examples(25, deep=200)
 @given(ANY)
 def test_in_html_a_text_is_only_text(text: str) -> None:
     shown = html_text(text)

@@ -40,8 +40,8 @@ assert sys.modules["matplotlib"].rcParams["lines.linewidth"] == 1.5
     ("numba", "matplotlib"),
     [
         (b"cache_dir: mine\ndump_bytecode: 1\n", b"lines.linewidth: 9\ntext.usetex: true\n"),
-        (b"[1]", b"\xff\xfe"),
-        (b"{x", b"backend: module://evil\n"),
+        pytest.param(b"[1]", b"\xff\xfe", marks=pytest.mark.deep),
+        pytest.param(b"{x", b"backend: module://evil\n", marks=pytest.mark.deep),
     ],
 )
 def test_no_file_of_the_working_folder_sets_anything(
@@ -60,6 +60,7 @@ def test_no_file_of_the_working_folder_sets_anything(
     assert not (tmp_path / "mine").exists()
 
 
+@pytest.mark.deep
 @pytest.mark.parametrize("given", [b"lines.linewidth: 9\n", b"\xff\xfe"])
 def test_what_a_search_is_done_with_reads_no_file_of_the_working_folder(
     tmp_path: Path, given: bytes

@@ -11,13 +11,7 @@ import physim
 from physim import build_scene
 from physim.analysis.summary import table
 from physim.analysis.validation import report, validate
-from physim.world.checks import check_world
-from tests.helpers import inside
 from tests.validation.runs import Drivers, edited
-from tests.world.worlds import DRAWN, changed
-
-SeedResult, seed_line = inside("physim.analysis.validation", "SeedResult", "seed_line")
-nearest_stretch, stretch_text = inside("physim.world", "nearest_stretch", "stretch_text")
 
 RING = """\
 name: ring
@@ -68,10 +62,6 @@ def test_a_contact_too_deep_to_be_true_says_where_along_the_wall(hit, tmp_path):
         assert deep["where"].endswith(STRETCH)
 
 
-def test_a_seed_of_a_study_says_where_along_the_wall_it_failed(hit):
-    assert STRETCH in seed_line(SeedResult.of(1, validate(hit)))
-
-
 SPIKE = "[25, 4], [11, 4], [TIP], [10.5, 4], [10, 4]"
 
 
@@ -115,22 +105,3 @@ def test_the_nearest_wall_says_where(near):
     found = validate(near)
     assert found.near_misses.smallest_boundary.along.endswith(STRETCH)
     assert STRETCH in " ".join(report(found).split())
-
-
-def test_a_check_says_where_along_the_wall_there_is_too_little_room(tmp_path):
-    dent = "[[33, 4], [17, 4], [15, 1.3], [13, 4], [-3, 4], [-3, -4]]"
-    file = tmp_path / "w.yaml"
-    file.write_text(changed(DRAWN, ("[[33, 4], [-3, 4], [-3, -4]]", dent)))
-    (warning,) = check_world(file).warnings
-    assert "at (15, 1.3), boundaries[1][1] to [2]" in warning.message
-
-
-def test_the_stretch_is_the_nearest_one_of_the_file():
-    line = [[0, 0], [2, 0], [2, 3]]
-    assert [nearest_stretch(line, p) for p in ([1, 1], [2, 2], [9, 1], [2, 0])] == [0, 1, 1, 0]
-    assert stretch_text([line], "boundary 1", [2, 2]) == "at (2, 2), boundaries[0][1] to [2]"
-    assert stretch_text([line], "boundaries[0]", np.array([1, 0])).endswith(
-        "boundaries[0][0] to [1]"
-    )
-    for boundaries, name in ((None, "left wall"), ([line], "obstacle 1"), ([line], "boundary 2")):
-        assert stretch_text(boundaries, name, [1, 1]) == "at (1, 1)"

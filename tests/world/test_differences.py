@@ -6,7 +6,7 @@ import yaml
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tests.helpers import inside
+from tests.helpers import examples, inside
 
 differences = inside("physim.world", "differences")
 
@@ -63,8 +63,7 @@ values = st.recursive(
 worlds = st.dictionaries(st.sampled_from(["seed", "controller", "filters"]), values, max_size=3)
 
 
+@examples(25, deep=200)
 @given(worlds, worlds)
 def test_differences_are_those_found_one_by_one(a, b):
     assert differences(Given(a), Given(b)) == slowly(a, b)
-
-

@@ -191,18 +191,6 @@ def test_groups_stand_for_no_more_robots_than_a_world_holds() -> None:
         fleet(robots=[{**group, "count": 10**15}])
 
 
-def test_rows_are_even_with_a_spread_of_nothing() -> None:
-    start = {**fleet().start.model_dump(), "spread": 0.0}
-    place = build_scene(fleet(start=start)).start[:20, :2].reshape(5, 4, 2)
-    assert np.diff(place[:, :, 0], axis=0) == pytest.approx(-19.0 / 5, abs=0.2)
-    assert np.diff(place[:, :, 1], axis=1) == pytest.approx(9.6 / 4, abs=0.2)
-    half = build_scene(fleet(start={**start, "spread": 0.5})).start[:20, :2].reshape(5, 4, 2)
-    assert np.abs(half - place).max() > 0.5
-    assert (np.abs(half - place) <= 0.25 * np.array([19.0 / 5, 9.6 / 4]) + 0.2).all()
-    with pytest.raises(WorldError, match=facts("start.spread", "abreast")):
-        fleet(start={**start, "abreast": None})
-
-
 def test_leads_and_neighbours_of_a_formation_count_and_name_the_robots_of_groups() -> None:
     leads = tuple(-0.5 * k for k in range(23))
     plan = {"spacing": leads, "neighbours": [["r1", "late 23"]]}
@@ -213,3 +201,15 @@ def test_leads_and_neighbours_of_a_formation_count_and_name_the_robots_of_groups
         fleet(formation={"spacing": [0.0, 1.0, 2.0]})
     with pytest.raises(WorldError, match=facts("formation.neighbours[0][0]", '"r99"')):
         fleet(formation={"neighbours": [["r99", "r1"]]})
+
+
+def test_rows_are_even_with_a_spread_of_nothing() -> None:
+    start = {**fleet().start.model_dump(), "spread": 0.0}
+    place = build_scene(fleet(start=start)).start[:20, :2].reshape(5, 4, 2)
+    assert np.diff(place[:, :, 0], axis=0) == pytest.approx(-19.0 / 5, abs=0.2)
+    assert np.diff(place[:, :, 1], axis=1) == pytest.approx(9.6 / 4, abs=0.2)
+    half = build_scene(fleet(start={**start, "spread": 0.5})).start[:20, :2].reshape(5, 4, 2)
+    assert np.abs(half - place).max() > 0.5
+    assert (np.abs(half - place) <= 0.25 * np.array([19.0 / 5, 9.6 / 4]) + 0.2).all()
+    with pytest.raises(WorldError, match=facts("start.spread", "abreast")):
+        fleet(start={**start, "abreast": None})

@@ -4,11 +4,12 @@ import os
 
 import pytest
 import yaml
-from hypothesis import given, settings
+from hypothesis import given
 
 from physim.errors import PhysimError
 from physim.world import World
 from physim.world.file import Document, parse_world, read_document
+from tests.helpers import examples
 from tests.world.strategies import worlds
 from tests.world.test_model import values
 
@@ -19,13 +20,13 @@ def read(text: str) -> World:
     return World(**document.values())
 
 
-@settings(max_examples=200)
+@examples(25, deep=200)
 @given(worlds())
 def test_text_reads_back_equal(world):
     assert read(world.to_yaml()) == world
 
 
-@settings(max_examples=100)
+@examples(25, deep=100)
 @given(worlds())
 def test_other_readers_take_the_text_alike(world):
     assert World(**yaml.safe_load(world.to_yaml())) == world
@@ -60,8 +61,6 @@ def test_save_is_whole_or_nothing(tmp_path):
     world.changed(seed=5).save(str(path))
     assert read(path.read_text()).seed == 5
     assert os.listdir(tmp_path) == ["a.yaml"]
-
-
 
 
 @pytest.mark.parametrize("before", [None, "old"])

@@ -19,7 +19,7 @@ from physim import load_world
 from physim.cli import main
 from physim.world.checks import check_world
 from tests.helpers import facts, inside
-from tests.world.worlds import CORRIDOR, DRAWN, REGION, changed, check_finding
+from tests.world.worlds import CORRIDOR, DRAWN, changed, check_finding
 
 find_world = inside("physim.world.file", "find_world")
 
@@ -35,8 +35,6 @@ def run(capsys, *arguments: object) -> tuple[int, str, str]:
 def here(tmp_path, monkeypatch) -> Path:
     monkeypatch.chdir(tmp_path)
     return tmp_path
-
-
 
 
 def test_errors_and_warnings_stand_apart_in_the_order_of_the_file(capsys, here):
@@ -86,10 +84,6 @@ def test_json(capsys, here):
     assert len(profile["station"]) == len(profile["clearance"]) > 100
 
 
-
-
-
-
 class Watching:
     """``physim check --watch`` as a process; its rounds arrive in a queue."""
 
@@ -130,6 +124,7 @@ def watching(here):
                 stream.close()
 
 
+@pytest.mark.deep
 def test_watch_checks_again_on_save_and_ends_in_one_line(watching, here):
     file = here / "w.yaml"
     watching.until("no errors")
@@ -150,10 +145,6 @@ def test_watch_checks_again_on_save_and_ends_in_one_line(watching, here):
     assert watching.process.stderr.read() == "interrupted\n"
 
 
-
-
-
-
 def test_seed_controller_and_values_are_those_of_a_run(capsys, here):
     """What `physim run` with the same options would refuse is an error, and nothing else."""
     (here / "w.yaml").write_text(CORRIDOR)
@@ -172,15 +163,6 @@ def test_seed_controller_and_values_are_those_of_a_run(capsys, here):
     code, out, _ = run(capsys, "w.yaml", "--set", "time.stp=1", "--json")
     (error,) = json.loads(out)["worlds"][0]["errors"]
     assert (error["file"], error["line"], error["key"]) == ("--set time.stp", None, "time.stp")
-
-
-def test_the_seed_places_the_robots_that_are_checked(here):
-    (here / "w.yaml").write_text(REGION)
-    found = [check_world("w.yaml", seed=seed) for seed in (1, 2, 2)]
-    assert [one.world.seed for one in found] == [1, 2, 2]
-    assert found[1].world == found[2].world
-    assert check_world("w.yaml").world.seed == 3
-    assert check_world("w.yaml", overrides=["seed=9"], seed=4).world.seed == 4
 
 
 def test_findings_show_themselves(tmp_path: Path) -> None:

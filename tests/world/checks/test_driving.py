@@ -40,10 +40,6 @@ def test_multiples_of_nu_beyond_one_are_refused_at_the_controllers_own_key(tmp_p
     check_finding(errors[0], "14:30 controller.speeds[2]", "at most 1", "given 2")
 
 
-
-
-
-
 def test_another_controller_of_the_command_line_checks_for_itself(tmp_path):
     file = tmp_path / "w.yaml"
     file.write_text(SLOW, encoding="utf-8")

@@ -49,8 +49,6 @@ def test_an_order_against_that_of_the_start_is_a_warning(tmp_path, pose, path, i
         check_finding(one, "13:23 formation.spacing[0]", '"a"', "3 m ahead", '"b"', "3 m behind")
 
 
-
-
 def test_the_reference_path_is_longer_than_the_formation(tmp_path):
     error = only_error(tmp_path, changed(CORRIDOR, ("-3.0]", "-31.0]")))
     check_finding(error, "3:24 corridor.centreline", "30 m", "formation 31 m")
@@ -65,8 +63,6 @@ def test_a_run_too_short_to_finish_is_a_warning(tmp_path):
     figures = ("24 m", "24 s at 1 m/s", "20 s", "expect.finished")
     check_finding(warning, "2:30 time.duration", "short", '"a"', *figures)
     assert lines(check(tmp_path, text.replace("finished: true", "contacts: 0"))) == ([], [])
-
-
 
 
 def test_a_steady_speed_outside_its_limits_is_a_warning(tmp_path):
@@ -110,8 +106,6 @@ def test_a_robot_slower_than_the_formation_cannot_keep_up(tmp_path):
     assert lines(check(tmp_path, changed(CORRIDOR, fast))) == ([], [])
 
 
-
-
 def beyond(end: float, formation: str) -> str:
     """Two robots one behind the other, whose path goes on beyond the reference path of 30 m."""
     path = f"path: [[0, 0], [{end}, 0]]"
@@ -131,31 +125,3 @@ def test_a_stop_beyond_the_reference_path_is_told_once(tmp_path: Path) -> None:
     check_finding(line, "7:74 robots[0].path", '"a"', "10 m beyond the end", "extend")
     assert lines(check(tmp_path, beyond(30.5, formation)))[1] == []
     assert not [one for one in lines(check(tmp_path, beyond(40.0, "")))[1] if "beyond" in one]
-
-
-SHORT_WAYS = """\
-name: short ways
-time: {step: 0.01, duration: 30.0}
-corridor: {centreline: [[0, 0], [100, 0]], width: 8.0}
-robots:
-  - {name: r1, footprint: {length: 1.0, width: 0.6}, pose: [40, 0, 0], path: [[37, 0], [43.9, 0]]}
-  - {name: r2, footprint: {length: 1.0, width: 0.6}, pose: [37.5, 0, 0], path: [[37, 0], [43.9, 0]]}
-formation: {spacing: [0, SPACING]}
-"""
-
-
-def test_a_formation_is_laid_out_where_the_paths_of_its_robots_are(tmp_path):
-    """A robot whose path is over stands at its end, where others come by: no formation there."""
-    assert lines(check(tmp_path, SHORT_WAYS.replace("SPACING", "-2.5"))) == ([], [])
-    (line,) = lines(check(tmp_path, SHORT_WAYS.replace("SPACING", "-0.8")))[0]
-    check_finding(line, "7:26 formation.spacing[1]", "r1", "r2", "overlap in formation")
-
-
-
-
-
-
-
-
-
-

@@ -53,13 +53,6 @@ def test_any_printable_name_is_a_label(tmp_path, name):
     assert "\\" not in stem
 
 
-@pytest.mark.parametrize("name", ["a ", " a", " ", "a\u00a0", "\u2003a"])
-def test_names_do_not_begin_or_end_with_spaces(tmp_path, name):
-    errors, _ = lines(check(tmp_path, changed(CORRIDOR, ("name: a", f"name: {quoted(name)}"))))
-    assert len(errors) == 1
-    assert "must not" in errors[0]
-
-
 @pytest.mark.parametrize("name", ["a\nb", "a\tb", "a\rb", "a\x1b[31mb", "a\u202eb", "a\u200bb", ""])
 def test_names_hold_no_control_characters(name):
     text = changed(CORRIDOR, ("name: a", f"name: {json.dumps(name)}"))
@@ -102,5 +95,3 @@ def test_a_run_of_such_names_stays_in_its_folder(tmp_path, monkeypatch, capsys):
     files = {str(p.relative_to(tmp_path / "work")) for p in tmp_path.rglob("*") if p.is_file()}
     made = {f"runs/{folder.name}/{n}" for n in ("record.h5", "video.mp4", "summary.json")}
     assert files == made | {world, "v.json"}
-
-

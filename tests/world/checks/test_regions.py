@@ -45,8 +45,6 @@ def test_other_faults_are_reported_beside_a_region(tmp_path):
     assert with_facts(warnings, "7:68 robots[0].path.offset", '"a"', "not fit", "0.25 m", "0.5 m")
 
 
-
-
 def test_a_formation_that_overlaps_as_the_seed_placed_it_points_to_the_start(tmp_path):
     text = changed(REGION, ("offset: -1.0", "offset: 1.0")) + "formation: {}\n"
     for seed in range(40):  # one that places them side by side
@@ -56,8 +54,6 @@ def test_a_formation_that_overlaps_as_the_seed_placed_it_points_to_the_start(tmp
     assert len(errors) == 1
     parts = ('"a"', '"b"', "overlap", "initial", "seed", "min_gap", "abreast", "formation.spacing")
     check_finding(errors[0], "9:12 formation", *parts)
-
-
 
 
 @pytest.mark.parametrize("length", [12, 28])
@@ -77,5 +73,3 @@ def test_robots_abreast_are_told_the_width_that_they_need(tmp_path, length):
     )
     check_finding(errors[0], "5:17 start.region", *parts)
     assert "are enough" not in errors[0]
-
-

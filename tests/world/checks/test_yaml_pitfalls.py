@@ -18,30 +18,10 @@ def only(folder: Path, data: bytes) -> str:
     return f"{found.line}:{found.column} {found.key} {found.message}".replace("  ", " ")
 
 
-
-
-
-
-
-
-
-
-
-
-
-
-
-
-
-
-
-
 def test_other_encodings(tmp_path):
     text = changed(CORRIDOR, ("name: corridor", "name: café"))
     check_finding(only(tmp_path, text.encode("latin-1")), "1:10", "0xe9", "UTF-8")
     check_finding(only(tmp_path, text.encode("utf-16")), "1:1", "0xff", "UTF-8")
-
-
 
 
 @pytest.mark.parametrize(
@@ -72,8 +52,6 @@ def test_yaml_mistakes_are_reported_where_they_lie(tmp_path, change, place, part
     check_finding(error, place, *syntax, *parts)
 
 
-
-
 def test_an_entry_of_a_list_without_its_dash(tmp_path):
     file = tmp_path / "w.yaml"
     file.write_text(changed(CORRIDOR, ("  - name: b", "    name: b")), encoding="utf-8")
@@ -81,8 +59,6 @@ def test_an_entry_of_a_list_without_its_dash(tmp_path):
     twice = [error for error in errors if " robots[0]." in error]
     assert len(twice) == 1  # the keys after it come twice for the same reason
     check_finding(twice[0], "9:5 robots[0].name", "twice", "line 5", "dash", '"- "')
-
-
 
 
 @pytest.mark.parametrize(

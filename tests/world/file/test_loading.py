@@ -42,8 +42,6 @@ def test_a_world_by_hand_loads(tmp_path):
     assert parse_world(world.to_yaml()) == world
 
 
-
-
 def test_files_that_cannot_be_read_say_why(tmp_path):
     (tmp_path / "straight.yaml").write_text(STRAIGHT)
     os.mkfifo(tmp_path / "pipe.yaml")
@@ -125,13 +123,6 @@ def test_controller_settings_are_those_of_the_controller():
     ] == (1, 2)
 
 
-def test_a_world_cannot_name_a_class():
-    text = changed("mode_switching", "os:system")
-    check_error(
-        f"{message(text)}\n", "w.yaml:16:20: controller.type:", '"os:system"', "--controller"
-    )
-
-
 def test_the_command_line_may_name_another_controller():
     assert parse_world(STRAIGHT, controller="plain").controller.settings == {}
     assert parse_world(STRAIGHT, controller="mode_switching") == parse_world(STRAIGHT)
@@ -140,8 +131,6 @@ def test_the_command_line_may_name_another_controller():
     assert world.controller.type == name
     assert world.controller.settings == {"look_ahead": 3.0}
     assert "--controller: no controller" in message(STRAIGHT, controller="no")
-
-
 
 
 def test_settings_are_not_carried_to_another_controller_in_silence(tmp_path):
@@ -169,47 +158,6 @@ def test_later_faults_find_their_place(tmp_path):
     error = located([Fault(("robots", 1, "pose"), "is outside")], document)
     assert str(error) == f"{path}:13:11: robots[1].pose: is outside"
     assert str(located([Fault((), "is bad")], None)) == "is bad"
-
-
-
-
-@pytest.mark.parametrize("given", ["2e0", ".nan", "1_000", "010", "yes"])
-@pytest.mark.parametrize("key", ["look_ahead: {}", "omegas: [1.0, {}]"])
-def test_settings_that_cannot_be_read_are_told_once(given, key):
-    (line,) = message(changed("look_ahead: 2.0", key.format(given))).splitlines()
-    assert line.startswith("w.yaml:16:")
-    assert "settings cannot be read" not in line
-
-
-
-
-
-
-
-
-@pytest.mark.parametrize(
-    ("given", "suggested"),
-    [("tee", "tee.yaml"), ("hall", "hall.yml"), ("te", "tee.yaml"), ("strait", "straight")],
-)
-def test_a_name_without_its_ending_is_told_with_the_file_that_is_there(
-    tmp_path, monkeypatch, given, suggested
-):
-    monkeypatch.chdir(tmp_path)
-    for name in ("tee.yaml", "hall.yml", "hall.txt"):
-        (tmp_path / name).write_text("name: x\n")
-    with pytest.raises(WorldError, match=facts(f"{given}: no such file", suggested)) as caught:
-        find_world(given)
-    assert "hall.txt" not in str(caught.value)
-
-
-def test_the_order_of_settings_is_no_part_of_a_world() -> None:
-    """Two files with the same settings are one world, whose runs have one digest."""
-    some = {"time_low": 0.9, "horizon": 6.0, "distance_low": 0.4}
-    worlds = [
-        load_world("straight").changed(controller={"type": "mode_switching", **dict(pairs)})
-        for pairs in (some.items(), reversed(some.items()), sorted(some.items()))
-    ]
-    assert len({world.to_yaml() for world in worlds}) == 1
 
 
 def test_a_folder_does_not_hide_a_shipped_world(

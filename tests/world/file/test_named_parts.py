@@ -15,9 +15,6 @@ from tests.helpers import STRAIGHT, check_error, facts, inside
 
 CONTROLLER, FILTER, find_part = inside("physim.parts", "CONTROLLER", "FILTER", "find_part")
 part_names = inside("physim.parts", "part_names")
-shipped_schema_text = inside("physim.world.file", "shipped_schema_text")
-world_schema = inside("physim.world.file", "world_schema")
-
 LINES = len(STRAIGHT.splitlines())
 STAGES = """\
 sensing:
@@ -84,17 +81,6 @@ def test_a_setting_of_a_few_words_names_those_alone(
     check_error(f"{line}\n", f"--set disturbances.0.{key}: disturbances[0].{key}", *parts)
 
 
-def test_a_filter_that_no_world_has_is_told_how_to_be_given() -> None:
-    for key, whole in (("filters", "filters"), ("sensing.stages", "sensing.stages")):
-        with pytest.raises(WorldError) as caught:
-            parse_world(STRAIGHT, "w", overrides=[f"{key}.0.margin=3"])
-        line = str(caught.value)
-        check_error(f"{line}\n", f"--set {key}.0.margin", f"no {whole}")
-        assert f"{whole}=[{{type: NAME" in line
-
-
-
-
 def test_an_unknown_name_says_how_one_is_registered_or_what_else_it_is() -> None:
     (line,) = faults("filters: [{type: xyz}]\n")
     assert '"physim.filters"' in line
@@ -130,10 +116,6 @@ def test_an_unknown_name_says_how_one_is_registered_or_what_else_it_is() -> None
 def test_each_mistake_is_one_clear_line(text: str, place: str, parts: tuple[str, ...]) -> None:
     (line,) = faults(text + "\n")
     check_error(f"{line}\n", place, *parts)
-
-
-
-
 
 
 def test_overrides_reach_into_stages_and_are_checked() -> None:
@@ -178,8 +160,6 @@ def test_check_tells_what_parts_doubt(tmp_path) -> None:
     assert told["disturbances[0].gains[1]"] == "3 is a lot"
     usual = check_world(tmp_path / "w.yaml")
     assert "disturbances[0].gains[1]" not in {finding.key for finding in usual.warnings}
-
-
 
 
 def test_a_name_that_two_packages_register_is_told_not_guessed(monkeypatch) -> None:

@@ -71,16 +71,6 @@ def test_null_leaves_a_key_out():
     assert again.formation.gain == 0.1
 
 
-
-
-def test_null_for_a_setting_that_the_world_does_not_give():
-    world = parse_world(STRAIGHT, overrides=["controller.omegas=null"])
-    assert world.controller.settings == {"look_ahead": 2.0}
-    again = world.changed(controller={"look_ahead": None, "omegas": None})
-    assert again.controller.settings == {}
-    assert parse_world(again.to_yaml()) == again
-
-
 @pytest.mark.parametrize(
     ("override", "place", "parts"),
     [
@@ -110,8 +100,6 @@ def test_null_for_a_setting_that_the_world_does_not_give():
 )  # fmt: skip
 def test_wrong_overrides_are_told_as_such(override, place, parts):
     check_error(f"{message(override)}\n", place, *parts)
-
-
 
 
 def test_keys_within_very_many_keys_are_refused():

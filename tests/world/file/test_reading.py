@@ -10,10 +10,9 @@ from hypothesis import strategies as st
 
 from physim.errors import WorldError
 from physim.world.file import parse_world, read_document, reading
-from tests.helpers import STRAIGHT, check_error, facts, inside
+from tests.helpers import STRAIGHT, check_error, examples, facts, inside
 
 RefusedScalarError, scalar = inside("physim.world.file", "RefusedScalarError", "scalar")
-
 
 
 def refusal(text: str) -> str:
@@ -59,8 +58,6 @@ def test_ambiguous_values_are_refused_with_their_place(given_text, parts):
     check_error(f"{refusal(with_seed(given_text))}\n", f"w.yaml:3:{column}: seed:", *parts)
 
 
-
-
 @pytest.mark.parametrize(
     ("text", "place", "parts"),
     [
@@ -100,24 +97,9 @@ def test_billion_laughs_are_refused_at_once():
     assert re.search(facts("500000", "values"), refusal("\n".join(lines)))
 
 
-def test_aliases_cannot_nest_deeper_than_brackets_may():
-    text = "a0: &a0 [[[[[[[[[[1]]]]]]]]]]\n"
-    for k in range(1, 6):
-        text += f"a{k}: &a{k} [[[[[[[[[[*a{k - 1}]]]]]]]]]]\n"
-    assert re.search(facts("nested", "50"), refusal(text))
-
-
 @pytest.mark.parametrize("text", ["[" * 100_000, "- " * 100_000, "a: " + "{a: " * 5_000])
 def test_nesting_is_told_as_such_however_far_ahead_the_parser_looks(text):
     check_error(f"{refusal(text)}\n", "w.yaml:1:", "nested", "50")
-
-
-def test_floods_of_keys_and_faults_end_early():
-    flood = "\n".join(f"k{i}: 1" for i in range(5000))
-    check_error(f"{refusal(flood)}\n", "w.yaml:1001:1:", "1000 keys")
-    with pytest.raises(WorldError) as caught:
-        parse_world("seed: [" + "yes, " * 5000 + "]")
-    assert len(caught.value.faults) == reading.MOST_FAULTS
 
 
 def test_merge_keys_are_refused():
@@ -137,14 +119,10 @@ def test_a_byte_order_mark_changes_nothing():
     assert parse_world("\ufeff" + STRAIGHT) == parse_world(STRAIGHT)
 
 
-
-
 def test_keys_that_could_break_a_message_are_not_repeated():
     message = refusal(STRAIGHT + '"a\\nb": 1\n')
     assert '"a\\u000ab" cannot be a key' in message
     assert '"' + "k" * 40 + "…" in refusal(STRAIGHT + "k" * 500 + ": 1\n")
-
-
 
 
 def verdict(text: str) -> str:
@@ -165,18 +143,14 @@ def test_every_cut_of_a_world_is_a_world_or_a_refusal(loader, monkeypatch):
     assert set(verdicts) == {"world", "refused"}
 
 
+@examples(30, deep=200)
 @given(st.binary(max_size=8), st.integers(0, len(STRAIGHT)), st.integers(0, 8))
 def test_damaged_worlds_are_worlds_or_refusals(junk, at, removed):
     text = STRAIGHT[:at] + junk.decode("latin-1") + STRAIGHT[at + removed :]
     assert verdict(text) in ("world", "refused")
 
 
-@given(st.text(max_size=60))
-def test_any_text_is_a_world_or_a_refusal(text):
-    with pytest.raises(WorldError):
-        parse_world(text)
-
-
+@examples(30, deep=200)
 @given(st.from_regex(r"[-+.0-9_eExXob:infaNIF]{1,9}", fullmatch=True))
 def test_a_number_that_is_read_is_what_python_reads(text):
     try:
@@ -189,20 +163,12 @@ def test_a_number_that_is_read_is_what_python_reads(text):
         assert isinstance(value, str)
 
 
-
-
 def test_positions_are_those_of_the_text():
     document = read_document("a: 1\nb:\n  - {c: [1, 2]}\n", "f")
     assert str(document.position(("b", 0, "c", 1))) == "f:3:13"
     assert str(document.position(("b", 0, "c"), key=True)) == "f:3:6"
     assert str(document.position(("b", 0, "missing"))) == "f:3:5"
     assert str(document.position(("missing",))) == "f:1:1"
-
-
-def test_a_quoted_key_with_a_colon_is_a_key() -> None:
-    document = read_document('controller: {type: odd, "A:0": 1.0}', "w.yaml")
-    assert not document.faults
-    assert document.values() == {"controller": {"type": "odd", "A:0": 1.0}}
 
 
 @pytest.mark.parametrize(
@@ -239,5 +205,16 @@ def test_a_dash_without_a_space_is_said(text: str, line: int, column: int) -> No
     assert [(place.line, place.column) for place in at] == [(line, column)]
 
 
+def test_aliases_cannot_nest_deeper_than_brackets_may():
+    text = "a0: &a0 [[[[[[[[[[1]]]]]]]]]]\n"
+    for k in range(1, 6):
+        text += f"a{k}: &a{k} [[[[[[[[[[*a{k - 1}]]]]]]]]]]\n"
+    assert re.search(facts("nested", "50"), refusal(text))
 
 
+def test_floods_of_keys_and_faults_end_early():
+    flood = "\n".join(f"k{i}: 1" for i in range(5000))
+    check_error(f"{refusal(flood)}\n", "w.yaml:1001:1:", "1000 keys")
+    with pytest.raises(WorldError) as caught:
+        parse_world("seed: [" + "yes, " * 5000 + "]")
+    assert len(caught.value.faults) == reading.MOST_FAULTS

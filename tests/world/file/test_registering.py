@@ -2,19 +2,16 @@
 
 from __future__ import annotations
 
-import importlib
 import re
 from pathlib import Path
 
 import pytest
 
-from physim.errors import ControllerError, PhysimError
+from physim.errors import ControllerError
 from tests.helpers import facts, inside
 from tests.helpers.packages import install
 
-FILTER, OBSERVER, PLOT, Kind = inside("physim.parts", "FILTER", "OBSERVER", "PLOT", "Kind")
-find_part, make_by_defaults = inside("physim.parts", "find_part", "make_by_defaults")
-make_part = inside("physim.parts", "make_part")
+FILTER, find_part, make_part = inside("physim.parts", "FILTER", "find_part", "make_part")
 
 TEXT = """
 from pydantic import BaseModel
@@ -81,15 +78,6 @@ def test_a_class_that_does_not_go_with_its_settings(
     assert str(caught.value).endswith(f"{module}.py:{line})")
 
 
-@pytest.mark.parametrize("kind", [OBSERVER, PLOT])
-def test_what_no_world_names_needs_a_default_for_every_setting(kind: Kind, module: str) -> None:
-    with pytest.raises(PhysimError) as caught:
-        make_by_defaults(kind, "told", trusted=True)
-    assert "every: needs a default" in str(caught.value)
-    assert "\n" not in str(caught.value)
-    assert make_by_defaults(kind, "usual").settings.every == 3.0
-
-
 @pytest.mark.parametrize(
     ("name", "told"), [("told", '"told" is an observer'), ("haze_of_none", '"physim.filters"')]
 )
@@ -103,15 +91,3 @@ def test_a_group_that_is_none_is_told(module: str) -> None:
         ControllerError, match=facts('"physim.filter"', "no group", '"physim.filters"')
     ):
         find_part(FILTER, "forgotten")
-
-
-def test_a_module_that_was_not_installed_names_its_package(
-    module: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    (tmp_path / f"{module}.py").unlink()
-    importlib.invalidate_caches()
-    with pytest.raises(ControllerError) as caught:
-        find_part(FILTER, "needs")
-    assert f'no module "{module[:30]}' in str(caught.value)
-    assert f"package {module}" in str(caught.value)
-    assert "py-modules" in str(caught.value)

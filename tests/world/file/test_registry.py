@@ -13,17 +13,10 @@ from tests.cli.commands import environment
 from tests.helpers import facts, inside
 from tests.world.file import parts_for_tests as fakes
 
-CONTROLLER, controller_names = inside("physim.parts", "CONTROLLER", "controller_names")
+CONTROLLER = inside("physim.parts", "CONTROLLER")
 find_part, make_part = inside("physim.parts", "find_part", "make_part")
 
 HERE = "tests.world.file.parts_for_tests"
-
-
-def test_names_have_a_line_each():
-    names = controller_names()
-    assert names["mode_switching"] == fakes.Switching.__doc__.splitlines()[0]
-    assert names["plain"] == fakes.Plain.__doc__
-    assert "no module" in names["broken"]
 
 
 def test_controllers_are_made_with_checked_settings():
@@ -69,20 +62,6 @@ def test_controllers_that_cannot_be_had_say_why(name, trusted, parts):
     assert "\n" not in str(caught.value)
 
 
-def test_a_class_in_the_current_folder_is_found(tmp_path, monkeypatch):
-    (tmp_path / "my_own_controller.py").write_text(
-        "class Mine:\n    def decide(self, observation, memory):\n        return None\n"
-    )
-    (tmp_path / "my_faulty_controller.py").write_text("\nx = 1 / 0\n")
-    monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr("sys.path", __import__("sys").path[:])
-    assert find_part(CONTROLLER, "my_own_controller:Mine", trusted=True).__name__ == "Mine"
-    with pytest.raises(
-        ControllerError, match=facts("ZeroDivisionError", "my_faulty_controller.py:2")
-    ):
-        find_part(CONTROLLER, "my_faulty_controller:Mine", trusted=True)
-
-
 def test_the_current_folder_comes_last(tmp_path, monkeypatch):
     """A file of the user must not be taken for a module that physim or a library imports later."""
     (tmp_path / "my_late_controller.py").write_text(
@@ -104,6 +83,7 @@ def test_the_current_folder_comes_last(tmp_path, monkeypatch):
         assert f"{top}.py" in str(caught.value) or f"{top}/__init__.py" in str(caught.value)
 
 
+@pytest.mark.deep
 def test_files_named_as_libraries_beside_a_controller(tmp_path):
     (tmp_path / "ctl.py").write_text(
         "from physim import Decision\n\nclass C:\n    def decide(self, observation, memory):\n"

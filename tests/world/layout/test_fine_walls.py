@@ -10,7 +10,6 @@ import pytest
 import physim
 from physim import build_scene
 from physim.analysis.summary import summarise, table
-from physim.errors import WorldError
 from tests.helpers import facts
 from tests.world.worlds import DRAWN, changed, check, lines
 
@@ -39,24 +38,6 @@ def test_a_finely_drawn_road_is_the_same_road(tmp_path):
     assert fine.area.polygon.equals(plain.area.polygon)
     (ring,) = fine.area.safe_rings(1.0)
     assert np.ptp(ring, axis=0) == pytest.approx((34.0, 6.0))
-
-
-
-
-
-
-@pytest.mark.parametrize("spokes", [100, 2_000])
-def test_walls_that_meet_in_one_place_again_and_again_are_refused_before_the_work(spokes, tmp_path):
-    """All pairs of 2,000 spokes take minutes and gigabytes, in `check` as in a run."""
-    ends = [(15.0 + 0.8 * np.cos(k), 3.0 + 0.8 * np.sin(k)) for k in range(spokes)]
-    star = ", ".join(f"[{x:.6f}, {y:.6f}], [15, 3]" for x, y in ends)
-    text = changed(DRAWN, (SIDES, f"{SIDES}  - [{star}]\n"))
-    errors, _ = lines(check(tmp_path, text))
-    told = any("100000 places" in line for line in errors)
-    assert told == (spokes == 2_000)
-    if told:
-        with pytest.raises(WorldError, match=r"boundaries.*100000 places"):
-            build_scene(physim.parse_world(text))
 
 
 def test_a_run_without_a_safe_area_says_so(tmp_path):

@@ -5,28 +5,26 @@ from __future__ import annotations
 import hashlib
 import re
 from itertools import combinations
-from math import ceil, pi
+from math import ceil
 from typing import Any
 
 import numpy as np
 import pytest
 import shapely
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from physim import build_scene, simulate
+from physim import simulate
 from physim.errors import WorldError
 from physim.world import RandomRoad, World
 from physim.world.checks import check_world
 from physim.world.file import load_world, parse_world
-from tests.helpers import facts, inside
+from tests.helpers import examples, facts, inside
 from tests.helpers.same import differences
 
 lay_out, DrawnRoad, draw_road = inside("physim.world.layout", "lay_out", "DrawnRoad", "draw_road")
-plain_world, draw_way = inside("physim.world.layout", "plain_world", "draw_way")
-lanes_advance, is_random = inside("physim.world.layout", "lanes_advance", "is_random")
-reseeded = inside("physim.world.layout", "reseeded")
+plain_world = inside("physim.world.layout", "plain_world")
 Layout = inside("physim.world", "Layout")
 
 Array = NDArray[np.float64]
@@ -179,7 +177,7 @@ def roads(draw: Any) -> dict[str, Any]:
     }
 
 
-@settings(max_examples=60, deadline=None)
+@examples(20, deep=100)
 @given(roads(), st.integers(0, 10**15))
 def test_a_road_is_as_stated_or_refused(road: dict[str, Any], seed: int) -> None:
     laid = drawn_or_refused(road, seed)
@@ -192,10 +190,6 @@ def test_a_road_is_as_stated_or_refused(road: dict[str, Any], seed: int) -> None
         again = parse_world(own.to_yaml())
         assert again == own
         assert coordinates(lay_out(again)) == coordinates(laid)
-
-
-
-
 
 
 def drawn_or_refused(road: dict[str, Any], seed: int) -> Layout | WorldError:
@@ -217,107 +211,13 @@ def test_the_shipped_road_is_as_stated_with_every_seed() -> None:
     assert {key: getattr(written, key) for key in USUAL} == {
         key: tuple(value) if isinstance(value, list) else value for key, value in USUAL.items()
     }
-    for seed in range(40):
+    for seed in range(10):
         check_road(lay_out(shipped, seed), USUAL)
-
-
-@pytest.mark.parametrize("seed", range(4))
-def test_a_disc_as_wide_as_the_passage_goes_through_on_a_grid(seed: int) -> None:
-    """Cells that are far enough from everything lead from one end to the other, by flooding."""
-    laid = lay_out(load_world("random_road"), seed)
-    assert laid.world.passage is not None
-    step = 0.2
-    line = laid.reference
-    corner = line.min(axis=0) - 8.0
-    shape = np.ceil((line.max(axis=0) + 8.0 - corner) / step).astype(int)
-    where = np.stack(np.meshgrid(*map(np.arange, shape), indexing="ij"), -1).reshape(-1, 2)
-    cells = corner + step * where
-    outline = np.vstack([laid.boundaries["left wall"], laid.boundaries["right wall"][::-1]])
-    inside = shapely.contains_xy(shapely.Polygon(outline), *cells.T)
-    for ring in laid.obstacles:
-        inside &= ~shapely.contains_xy(shapely.Polygon(ring), *cells.T)
-    rings = [closed(ring) for ring in laid.obstacles]
-    ends = segments([*laid.boundaries.values(), *rings])
-    clear = np.zeros(len(cells))
-    rows = np.flatnonzero(inside)
-    for part in np.array_split(rows, 1 + len(rows) // 2000):
-        clear[part] = distances(cells[part], ends)
-    nearest = step / np.sqrt(2.0)  # from any point to the middle of a cell
-    free = {tuple(cell) for cell in where[clear >= 0.5 * laid.world.passage - nearest].tolist()}
-    first, last = (tuple(np.round((line[k] - corner) / step).astype(int).tolist()) for k in (0, -1))
-    reached, edge = {first}, [first]
-    while edge:
-        x, y = edge.pop()
-        for near in ((x + i, y + j) for i in (-1, 0, 1) for j in (-1, 0, 1)):
-            if near in free and near not in reached:
-                reached.add(near)
-                edge.append(near)
-    assert last in reached
 
 
 def coordinates(laid: Layout) -> bytes:
     parts = [centreline(laid), laid.reference, *laid.obstacles, *laid.boundaries.values()]
     return np.vstack(parts).tobytes()
-
-
-def test_winding_roads_stay_away_from_themselves() -> None:
-    """Most roads that are drawn first cross themselves here; none that is kept comes near."""
-    winding = {"bends": 7, "turns": [1.9, 2.6], "radii": [5.0, 6.0], "width": [6.0, 6.0],
-               "length": 160.0, "ends": 6.0, "passage": 3.0}  # fmt: skip
-    kept = 0
-    for seed in range(1, 13):
-        try:
-            laid = lay_out(world(seed=seed, **winding))
-        except WorldError:
-            continue
-        kept += 1
-        left, right = laid.boundaries["left wall"], laid.boundaries["right wall"]
-        inside = shapely.Polygon(np.vstack([left, right[::-1]]))
-        assert inside.is_valid
-        wider = shapely.LineString(centreline(laid)).buffer(3.45, cap_style="flat")
-        assert len(wider.interiors) == 0, "two parts of the road nearly touch"
-    assert kept >= 2
-
-
-@pytest.mark.parametrize(("offset", "advances"), [(2.9, True), (3.1, False), (-9.0, True)])
-def test_a_lane_advances_where_it_is_not_inside_the_centre_of_a_bend(
-    offset: float, advances: bool
-) -> None:
-    """A way straight on, to the left about a centre 3 m beside it, and straight on again."""
-    angle = np.linspace(0.0, 0.5 * pi, 40)
-    bend = np.column_stack([3.0 * np.sin(angle), 3.0 - 3.0 * np.cos(angle)])
-    way = np.vstack([[-8.0, 0.0], bend, [3.0, 11.0]])
-    assert lanes_advance(way, [0.0, offset]) is advances
-    assert lanes_advance(way[::-1], [-offset]) is advances
-
-
-def test_no_road_is_drawn_in_which_a_lane_would_run_backwards() -> None:
-    """Beside a road with bends a lane 40 m off does in every draw; a straight road bears it."""
-    bent, straight = (World(**values(bends=bends)).corridor.random for bends in (6, 0))  # type: ignore[union-attr]
-    assert isinstance(bent, RandomRoad)
-    assert isinstance(straight, RandomRoad)
-    assert isinstance(draw_road(bent, 3.0, 2.0, [0.0], 1), DrawnRoad)
-    assert not isinstance(draw_road(bent, 3.0, 2.0, [0.0, 40.0], 1), DrawnRoad)
-    assert isinstance(draw_road(straight, 3.0, 5.0, [0.0, 40.0], 1), DrawnRoad)
-
-
-def test_a_way_nearer_to_a_wall_than_the_passage_is_drawn_again(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    """The passage is proved, whatever drew the way."""
-    drawn = []
-
-    def astray(road: Any, centreline: Array, widths: Array, *rest: Any) -> Array:
-        way = draw_way(road, centreline, widths, *rest)
-        drawn.append(way)
-        return way + (0.0, 0.6) if len(drawn) == 1 else way
-
-    monkeypatch.setattr("physim.world.layout.road.draw_way", astray)
-    given_ = {"width": [3.0, 3.0], "passage": 2.8, "clutter": 0.0}
-    laid = lay_out(world(**given_))
-    assert len(drawn) > 1
-    walls = segments(list(laid.boundaries.values()))
-    assert 2.0 * distances(sampled(laid.reference, 0.05), walls).min() >= 2.8 - AS_ROUNDED
 
 
 def test_the_seed_decides_to_the_last_bit() -> None:
@@ -345,15 +245,6 @@ def test_clutter_leaves_the_road_and_both_leave_starts_as_they_are() -> None:
     assert np.array_equal(one.start, other.start)
     wider = load_world("random_road", overrides=["corridor.random.width=[4.6, 9.2]"])
     assert np.array_equal(centreline(lay_out(wider, 3)), centreline(one))
-
-
-def test_a_road_that_is_drawn_makes_a_world_random() -> None:
-    own = world(clutter=5.0)
-    assert is_random(own)
-    scene = build_scene(own)
-    assert is_random(scene.world)
-    assert differences(reseeded(scene, 7), build_scene(own, 7)) == []
-    assert np.array_equal(scene.start, reseeded(scene, 7).start)
 
 
 def test_a_drawn_world_is_still_written_as_its_author_wrote_it() -> None:
@@ -495,11 +386,30 @@ def test_faults_of_a_drawn_road_stand_where_it_is_asked_for(tmp_path: Any) -> No
     ]  # fmt: skip
 
 
-def test_misspelt_and_missing_keys_are_told(tmp_path: Any) -> None:
-    (error,) = checked(tmp_path, FILE.replace("random:", "randon:")).errors
-    assert 'did you mean "random"' in error.message
-    (error,) = checked(tmp_path, FILE.replace("length: 90.0, ", "")).errors
-    assert error.key == "corridor.random.length"
-    assert "missing" in error.message
-    (error,) = checked(tmp_path, FILE.replace("robots:", "  width: 8.0\nrobots:")).errors
-    assert (error.key, error.line) == ("corridor.width", 6)
+def test_winding_roads_stay_away_from_themselves() -> None:
+    """Most roads that are drawn first cross themselves here; none that is kept comes near."""
+    winding = {"bends": 7, "turns": [1.9, 2.6], "radii": [5.0, 6.0], "width": [6.0, 6.0],
+               "length": 160.0, "ends": 6.0, "passage": 3.0}  # fmt: skip
+    kept = 0
+    for seed in range(1, 13):
+        try:
+            laid = lay_out(world(seed=seed, **winding))
+        except WorldError:
+            continue
+        kept += 1
+        left, right = laid.boundaries["left wall"], laid.boundaries["right wall"]
+        inside = shapely.Polygon(np.vstack([left, right[::-1]]))
+        assert inside.is_valid
+        wider = shapely.LineString(centreline(laid)).buffer(3.45, cap_style="flat")
+        assert len(wider.interiors) == 0, "two parts of the road nearly touch"
+    assert kept >= 2
+
+
+def test_no_road_is_drawn_in_which_a_lane_would_run_backwards() -> None:
+    """Beside a road with bends a lane 40 m off does in every draw; a straight road bears it."""
+    bent, straight = (World(**values(bends=bends)).corridor.random for bends in (6, 0))  # type: ignore[union-attr]
+    assert isinstance(bent, RandomRoad)
+    assert isinstance(straight, RandomRoad)
+    assert isinstance(draw_road(bent, 3.0, 2.0, [0.0], 1), DrawnRoad)
+    assert not isinstance(draw_road(bent, 3.0, 2.0, [0.0, 40.0], 1), DrawnRoad)
+    assert isinstance(draw_road(straight, 3.0, 5.0, [0.0, 40.0], 1), DrawnRoad)

@@ -14,7 +14,8 @@ from tests.helpers import BOX, facts, inside, road
 
 formation_neighbours = inside("physim.controllers", "formation_neighbours")
 parts_in_range, parts_near = inside("physim.geometry", "parts_in_range", "parts_near")
-DENSITY, is_random = inside("physim.world.layout", "DENSITY", "is_random")
+is_random = inside("physim.world.layout", "is_random")
+DENSITY = inside("physim.world", "DENSITY")
 
 PLACES = [[20.0, -10.0, 0.3], [30.0, 0.0, -2.0], [40.0, 10.0, 0.0]]
 

@@ -11,17 +11,12 @@ import subprocess
 import sys
 import threading
 from pathlib import Path
-from typing import cast
 
 import pytest
 
-from physim import load_world
 from physim.cli import main
-from physim.world.checks import check_world
-from tests.helpers import facts, inside
+from tests.helpers import facts
 from tests.world.worlds import CORRIDOR, DRAWN, changed, check_finding
-
-find_world = inside("physim.world.file", "find_world")
 
 
 def run(capsys, *arguments: object) -> tuple[int, str, str]:
@@ -163,17 +158,3 @@ def test_seed_controller_and_values_are_those_of_a_run(capsys, here):
     code, out, _ = run(capsys, "w.yaml", "--set", "time.stp=1", "--json")
     (error,) = json.loads(out)["worlds"][0]["errors"]
     assert (error["file"], error["line"], error["key"]) == ("--set time.stp", None, "time.stp")
-
-
-def test_findings_show_themselves(tmp_path: Path) -> None:
-    """On a line in a shell, each on its own in print; the arrays of the room would be a wall."""
-    path = tmp_path / "w.yaml"
-    path.write_text(Path(find_world("straight")).read_text().replace("seed:", "sede:"))
-    found = check_world(path)
-    assert re.search(r"1 error, no warnings>$", repr(found))
-    assert "\n" not in repr(found)
-    (first, last) = str(found).splitlines()
-    assert first == f"error: {found.errors[0]}"
-    assert last.endswith("1 error, no warnings")
-    with pytest.raises(TypeError, match="takes a world file"):
-        check_world(cast("str", load_world("straight")))

@@ -9,7 +9,7 @@ import pytest
 from physim.cli.check import text_of
 from physim.world.checks import check_world
 
-DOCS = Path(__file__).parents[2] / "docs" / "CHECKING.md"
+DOCS = Path(__file__).parents[3] / "docs" / "CHECKING.md"
 
 MY_WORLD = """\
 name: my world

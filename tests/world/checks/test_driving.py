@@ -34,19 +34,6 @@ def test_speeds_of_the_controller_are_refused_where_they_stand(tmp_path):
     check_finding(errors[1], "14:32 controller.omegas[2]", "2.5 rad/s", *limit)
 
 
-def test_multiples_of_nu_beyond_one_are_refused_at_the_controllers_own_key(tmp_path):
-    errors, _ = lines(check(tmp_path, CORRIDOR + "controller: {speeds: [-1, 0, 2]}\n"))
-    assert len(errors) == 1
-    check_finding(errors[0], "14:30 controller.speeds[2]", "at most 1", "given 2")
-
-
-def test_another_controller_of_the_command_line_checks_for_itself(tmp_path):
-    file = tmp_path / "w.yaml"
-    file.write_text(SLOW, encoding="utf-8")
-    found = check_world(file, controller="path_following")
-    assert [error.key for error in found.errors] == ["robots[1].limits.omega"]
-
-
 def test_constant_commands_stay_within_the_limits(tmp_path):
     text = CORRIDOR + "controller: {type: constant, commands: [[1, 0], [9, -9]]}\n"
     errors, _ = lines(check(tmp_path, text))
@@ -87,12 +74,3 @@ def test_a_controller_of_ones_own_may_refuse_robots(tmp_path):
 def test_a_check_that_answers_something_else_is_reported_in_one_line():
     with pytest.raises(ControllerError, match=facts("Picky.robot_faults", "an int", "Fault")):
         robot_faults(Picky(Picky.Settings(fault=False)), {})
-
-
-def test_path_following_keeps_the_limit_of_a_slow_robot():
-    world = parse_world(
-        changed(SLOW, ("{omega: 0.1}", "{v: 0.5}")) + "controller: {type: path_following}\n"
-    )
-    simulation = Simulation(world)
-    simulation.step()
-    assert simulation.command[:, 0].tolist() == [1.0, 0.5]

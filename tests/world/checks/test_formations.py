@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import pytest
 
 from tests.world.worlds import (
@@ -104,24 +102,3 @@ def test_a_robot_slower_than_the_formation_cannot_keep_up(tmp_path):
     check_finding(warnings[0], "13:17 robots[1].limits.v", '"b"', *figures)
     fast = (slow[0], slow[1].replace("0.5", "0.8"))
     assert lines(check(tmp_path, changed(CORRIDOR, fast))) == ([], [])
-
-
-def beyond(end: float, formation: str) -> str:
-    """Two robots one behind the other, whose path goes on beyond the reference path of 30 m."""
-    path = f"path: [[0, 0], [{end}, 0]]"
-    return (
-        "name: beyond\ntime: {step: 0.02, duration: 60}\n"
-        "boundaries: [[[-2, -4], [60, -4], [60, 4], [-2, 4], [-2, -4]]]\n"
-        f"reference_path: [[0, 0], [30, 0]]\n{formation}robots:\n"
-        f"  - {{name: a, footprint: {{length: 1, width: 0.6}}, pose: [8, 0, 0], {path}}}\n"
-        f"  - {{name: b, footprint: {{length: 1, width: 0.6}}, pose: [4, 0, 0], {path}}}\n"
-        "controller: {type: path_following}\n"
-    )
-
-
-def test_a_stop_beyond_the_reference_path_is_told_once(tmp_path: Path) -> None:
-    formation = "formation: {spacing: initial}\n"
-    (line,) = with_facts(lines(check(tmp_path, beyond(40.0, formation)))[1], "beyond the end")
-    check_finding(line, "7:74 robots[0].path", '"a"', "10 m beyond the end", "extend")
-    assert lines(check(tmp_path, beyond(30.5, formation)))[1] == []
-    assert not [one for one in lines(check(tmp_path, beyond(40.0, "")))[1] if "beyond" in one]

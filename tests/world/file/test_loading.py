@@ -7,11 +7,9 @@ from pathlib import Path
 
 import pytest
 
-from physim.errors import Fault, WorldError
-from physim.world.file import load_world, located, parse_world, read_world
-from tests.helpers import STRAIGHT, check_error, facts, inside
-
-find_world = inside("physim.world.file", "find_world")
+from physim.errors import WorldError
+from physim.world.file import load_world, parse_world
+from tests.helpers import STRAIGHT, check_error, facts
 
 
 def refusal(path, **options) -> str:
@@ -92,22 +90,6 @@ def test_all_faults_come_at_once_in_the_order_of_the_file():
         check_error(f"{line}\n", place, *parts)
 
 
-def test_missing_keys_are_told_where_they_should_stand():
-    without_step = message(changed("step: 0.01, ", ""))
-    check_error(f"{without_step}\n", "w.yaml:4:1: time.step:", "missing", "[s]")
-    nameless = message(changed("  - name: r1\n    footprint", "  - footprint"))
-    check_error(f"{nameless}\n", "w.yaml:7:5: robots[0].name:", "missing")
-
-
-def test_many_faults_are_counted():
-    junk = f"path: [{', '.join(['x'] * 60)}]"
-    text = changed("path: {offset: -1.0}", junk)
-    text = text.replace("path: [[0.0, 1.0], [30.0, 1.0]]", junk)
-    lines = message(text).splitlines()
-    assert len(lines) == 100
-    assert re.search(facts("more", "follow"), lines[-1])
-
-
 def test_controller_settings_are_those_of_the_controller():
     setting = "controller.look_ahead:"
     for old, new, place, *parts in (
@@ -149,23 +131,3 @@ def test_settings_without_a_type_are_for_whatever_runs():
     check_error(
         f"{message(text, controller='plain')}\n", "w.yaml:16:", "controller.look_ahead", "Plain"
     )
-
-
-def test_later_faults_find_their_place(tmp_path):
-    path = tmp_path / "w.yaml"
-    path.write_text(STRAIGHT)
-    _, document = read_world(path)
-    error = located([Fault(("robots", 1, "pose"), "is outside")], document)
-    assert str(error) == f"{path}:13:11: robots[1].pose: is outside"
-    assert str(located([Fault((), "is bad")], None)) == "is bad"
-
-
-def test_a_folder_does_not_hide_a_shipped_world(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """As the one that its runs were written to; a file of that name goes first."""
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "straight").mkdir()
-    assert load_world("straight").name == "straight"
-    (tmp_path / "merging").write_text("name: my own\n")
-    assert find_world("merging") == Path("merging")

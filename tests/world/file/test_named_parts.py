@@ -9,7 +9,6 @@ import pytest
 from physim.errors import ControllerError, WorldError
 from physim.parts import registry
 from physim.world import Choice
-from physim.world.checks import check_world
 from physim.world.file import parse_world
 from tests.helpers import STRAIGHT, check_error, facts, inside
 
@@ -64,30 +63,6 @@ def test_every_fault_of_every_part_comes_at_once_with_its_place() -> None:
     ]
     for line, (place, *parts) in zip(faults(text + "arrival: {gian: 1}\n"), expected, strict=True):
         check_error(f"{line}\n", place, *parts)
-
-
-@pytest.mark.parametrize(
-    ("key", "given", "parts"),
-    [
-        ("side", "up", ("left or right", '"up"')),
-        ("side", "rigth", ("left or right", '"rigth"', '"right"')),
-        ("gear", "3", ("1 or 2", "given 3")),
-    ],
-)
-def test_a_setting_of_a_few_words_names_those_alone(
-    key: str, given: str, parts: tuple[str, ...]
-) -> None:
-    (line,) = faults(STAGES, overrides=[f"disturbances.0.{key}={given}"])
-    check_error(f"{line}\n", f"--set disturbances.0.{key}: disturbances[0].{key}", *parts)
-
-
-def test_an_unknown_name_says_how_one_is_registered_or_what_else_it_is() -> None:
-    (line,) = faults("filters: [{type: xyz}]\n")
-    assert '"physim.filters"' in line
-    assert "pip install" in line
-    (line,) = faults("filters: [{type: haze}]\n")
-    assert '"haze" is a sensing stage' in line
-    assert "sensing.stages" in line
 
 
 @pytest.mark.parametrize(
@@ -150,16 +125,6 @@ def test_nothing_is_imported_for_a_world_that_is_only_to_be_read(monkeypatch) ->
     assert len(caught.value.faults) == 5
     odd = STAGES.replace("type: ", "type: evil:").replace("sd:", "ds:")
     assert parse_world(STRAIGHT + odd, check_controller=False).sensing.stages[0].settings["ds"]
-
-
-def test_check_tells_what_parts_doubt(tmp_path) -> None:
-    (tmp_path / "w.yaml").write_text(STRAIGHT + STAGES)
-    found = check_world(tmp_path / "w.yaml", overrides=["disturbances.0.gains=[1, 3]"])
-    assert found.ok
-    told = {finding.key: finding.message for finding in found.warnings}
-    assert told["disturbances[0].gains[1]"] == "3 is a lot"
-    usual = check_world(tmp_path / "w.yaml")
-    assert "disturbances[0].gains[1]" not in {finding.key for finding in usual.warnings}
 
 
 def test_a_name_that_two_packages_register_is_told_not_guessed(monkeypatch) -> None:

@@ -4,7 +4,7 @@ import pytest
 
 from physim.errors import WorldError
 from physim.world import Limits
-from physim.world.file import apply_overrides, parse_world, read_document
+from physim.world.file import parse_world
 from tests.helpers import STRAIGHT, check_error
 
 
@@ -36,13 +36,6 @@ def test_values_are_replaced_and_made():
     assert world.name == "a=b"
     assert (world.expect.contacts, world.expect.finished) == (None, True)
     assert (world.physics.friction, world.physics.elasticity) == (0.5, 0.25)
-
-
-def test_the_document_itself_stays():
-    document = read_document(STRAIGHT)
-    before = document.values()
-    apply_overrides(document, ["robots.0.pose.0=9", "seed=9"])
-    assert document.values() == before
 
 
 def test_one_alias_is_replaced_alone():
@@ -115,27 +108,3 @@ def test_one_controller_is_given(key: str) -> None:
         parse_world(STRAIGHT, "w.yaml", overrides=[key], controller="path_following")
     place = f"--set {key.partition('=')[0]}"
     check_error(f"{caught.value}\n", place, "--controller", "path_following", "one of them")
-
-
-ALONE = """\
-name: alone
-time: {{step: 0.01, duration: 5.0}}
-corridor: {{centreline: [[0, 0], [40, 0]], width: 8.0}}
-controller: {{{}: 2.2}}
-robots:
-  - {{name: a, footprint: {{length: 1.8, width: 1.0}}, pose: [5, 0, 0], path: {{offset: 0}}}}
-"""
-
-
-def test_a_setting_of_another_controller_says_what_to_do() -> None:
-    with pytest.raises(WorldError) as caught:
-        parse_world(ALONE.format("gap"), "w.yaml")
-    advice = ("controller.gap", "another controller", "--controller", "--set controller.gap=null")
-    check_error(f"{caught.value}\n", "w.yaml", *advice)
-    assert (
-        parse_world(ALONE.format("gap"), overrides=["controller.gap=null"]).controller.settings
-        == {}
-    )
-    with pytest.raises(WorldError) as caught:  # who misspells it is told so alone
-        parse_world(ALONE.format("look_ahed"), "w.yaml")
-    assert "another controller" not in str(caught.value)

@@ -115,10 +115,6 @@ def test_aliases_are_read_as_what_they_stand_for():
     assert parse_world(text) == parse_world(STRAIGHT)
 
 
-def test_a_byte_order_mark_changes_nothing():
-    assert parse_world("\ufeff" + STRAIGHT) == parse_world(STRAIGHT)
-
-
 def test_keys_that_could_break_a_message_are_not_repeated():
     message = refusal(STRAIGHT + '"a\\nb": 1\n')
     assert '"a\\u000ab" cannot be a key' in message
@@ -161,14 +157,6 @@ def test_a_number_that_is_read_is_what_python_reads(text):
         assert value == float(text)
     else:
         assert isinstance(value, str)
-
-
-def test_positions_are_those_of_the_text():
-    document = read_document("a: 1\nb:\n  - {c: [1, 2]}\n", "f")
-    assert str(document.position(("b", 0, "c", 1))) == "f:3:13"
-    assert str(document.position(("b", 0, "c"), key=True)) == "f:3:6"
-    assert str(document.position(("b", 0, "missing"))) == "f:3:5"
-    assert str(document.position(("missing",))) == "f:1:1"
 
 
 @pytest.mark.parametrize(

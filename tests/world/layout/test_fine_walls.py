@@ -57,28 +57,3 @@ def test_a_run_without_a_safe_area_says_so(tmp_path):
         assert len(summary.warnings) == is_told
     plain = physim.simulate(physim.parse_world(narrow), controller="path_following")
     assert summarise(plain).warnings == ()  # it keeps no distance
-
-
-@pytest.mark.parametrize("angle", [0.3, 0.7, 1.1])
-@pytest.mark.parametrize("count", [30, 600])
-def test_a_partition_from_point_to_point_of_fine_walls_stays_closed(angle, count, tmp_path):
-    """Whether the points along the walls are kept or not."""
-    c, s = np.cos(angle), np.sin(angle)
-
-    def line(first, last, count):
-        at = np.linspace(first, last, count) @ np.array([[c, s], [-s, c]])
-        return at.tolist()
-
-    ring = [*line((-3, -4), (33, -4), count), *line((33, 4), (-3, 4), count)]
-    k = 2 * count // 3
-    wall = [ring[k], ring[2 * count - 1 - k]]
-    begin, end, beyond = line((0, 0), (15, 0), 2) + line((30, 0), (30, 0), 1)
-    text = (
-        f"name: rooms\ntime: {{step: 0.01, duration: 40.0}}\n"
-        f"boundaries:\n  - {[*ring, ring[0]]}\n  - {wall}\nreference_path: {[begin, end]}\n"
-        f"robots:\n  - {{name: r1, footprint: {{length: 1.0, width: 0.6}}, pose: "
-        f"[{begin[0]}, {begin[1]}, {angle}], path: PATH}}\n"
-    )
-    assert lines(check(tmp_path, text.replace("PATH", str([begin, end]))))[0] == []
-    found = lines(check(tmp_path, text.replace("PATH", str([begin, beyond]))))[0]
-    assert any("leaves the accessible area" in line for line in found)

@@ -8,13 +8,11 @@ import numpy as np
 import pytest
 
 from physim import build_scene
-from physim.errors import WorldError
 from physim.world import World
-from tests.helpers import BOX, facts, inside, road
+from tests.helpers import BOX, inside, road
 
 formation_neighbours = inside("physim.controllers", "formation_neighbours")
 parts_in_range, parts_near = inside("physim.geometry", "parts_in_range", "parts_near")
-is_random = inside("physim.world.layout", "is_random")
 DENSITY = inside("physim.world", "DENSITY")
 
 PLACES = [[20.0, -10.0, 0.3], [30.0, 0.0, -2.0], [40.0, 10.0, 0.0]]
@@ -86,18 +84,3 @@ def test_every_wall_within_range_is_looked_up() -> None:
         for x, y in rng.uniform((0.0, -19.0), (200.0, 19.0), (200, 2)):
             near = parts_in_range(scene.walls, every, x, y, reach)
             assert set(near) <= set(parts_near(scene.wall_grid, x, y))
-
-
-def test_a_reference_path_that_leaves_the_area_is_refused() -> None:
-    out = [[0.0, 0.0], [50.0, 0.0], [50.0, 30.0], [60.0, 30.0], [60.0, 0.0], [200.0, 0.0]]
-    with pytest.raises(WorldError, match=facts("accessible area", "70.00 m", "100.00 m")):
-        build_scene(road(PLACES, reference_path=out))
-    build_scene(road(PLACES, reference_path=[[0.0, 0.0], [200.0, 0.0]]))
-
-
-def test_a_world_says_whether_anything_in_it_is_random() -> None:
-    assert not is_random(road(PLACES))
-    assert is_random(road([*PLACES, [60.0, 0.0, "random"]]))
-    start = {"region": [[1.0, -3.0], [14.0, -3.0], [14.0, 3.0]]}
-    robots = [{"name": "r1", "footprint": BOX, "path": {"offset": 0.0}}]
-    assert is_random(road(PLACES).changed(start=start, robots=robots))

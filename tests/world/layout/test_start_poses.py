@@ -19,10 +19,8 @@ from physim.geometry import polyline, signed_distance
 from physim.record import Record
 from physim.world import World
 from physim.world.file import parse_world
-from tests.cli.commands import physim, tree
-from tests.helpers import check_error, examples, facts, inside
+from tests.helpers import examples, facts, inside
 
-Occupancy = inside("physim.world.layout", "Occupancy")
 is_random = inside("physim.world.layout", "is_random")
 
 
@@ -170,27 +168,6 @@ def test_too_many_are_refused_with_figures_and_what_would_do() -> None:
         build_scene(road(12, {"region": square}, corridor=wide, obstacles=[]), seed)
 
 
-def test_a_region_of_the_wrong_shape_or_place_is_refused() -> None:
-    strip = [[1.0, -3.0], [39.0, -3.0], [39.0, -2.5], [1.0, -2.5]]
-    where, message = fault(road(1, {"region": strip}))
-    assert where == ("start", "region")
-    figures = ('"r1"', "19 of its 19 m²", "0.3 m (min_gap)", "0.5 m wide", "1 m at its narrowest")
-    assert all(figure in message for figure in figures)
-    strip = [[1.0, -3.0], [7.0, -3.0], [7.0, -1.8], [1.0, -1.8]]
-    wide = {"region": strip, "min_gap": 0.0, "heading": math.pi / 2}
-    assert re.search(facts("7.2 m²", "1.8 m²", "shape", "wider region"), fault(road(1, wide))[1])
-    away = [[100.0, 0.0], [110.0, 0.0], [110.0, 5.0]]
-    where, message = fault(road(1, {"region": away}))
-    assert where == ("start", "region")
-    assert re.search(facts("none", "accessible area"), message)
-    bow = [[0.0, 0.0], [5.0, 2.0], [5.0, 0.0], [0.0, 2.0]]
-    where, message = fault(road(1, {"region": bow}))
-    assert where == ("start", "region")
-    assert "itself at (2.5, 1)" in message
-    world = road(2, None, robots=[{**robot(road(2, {"region": bow}), 0), "start": {"region": bow}}])
-    assert fault(world)[0] == ("robots", 0, "start", "region")
-
-
 def test_a_record_holds_what_makes_the_run_again(tmp_path) -> None:
     world = road(4, {"region": REGION, "abreast": 2})
     with simulate(world, seed=9, path=tmp_path / "record.h5"):
@@ -200,48 +177,6 @@ def test_a_record_holds_what_makes_the_run_again(tmp_path) -> None:
         assert (record.seed, inside.seed, inside.robots) == (9, 9, world.robots)
         with simulate(inside) as again:
             assert again.digest() == record.digest()
-
-
-def test_run_tells_the_place_of_the_region_and_writes_nothing(tmp_path, capsys) -> None:
-    file = tmp_path / "w.yaml"
-    file.write_text(road(9, {"region": [[1, 0], [4, 0], [4, 2], [1, 2]]}).to_yaml())
-    line = 1 + file.read_text().splitlines().index(
-        "  region: [[1.0, 0.0], [4.0, 0.0], [4.0, 2.0], [1.0, 2.0]]  # [m]"
-    )
-    done = physim("run", file, "-o", tmp_path / "out", capture=capsys)
-    assert done.code == 2
-    check_error(done.err, f"{file}:{line}:11: start.region:", "of 9 robots")
-    assert list(tree(tmp_path)) == ["w.yaml"]
-
-
-@given(seed=st.integers(0, 10_000), gap=st.floats(0.0, 1.0))
-@examples(20, deep=100)
-def test_the_first_place_with_room_is_that_of_a_look_at_all_robots(seed: int, gap: float) -> None:
-    """Also the room itself, robots that left again, and robots as far away as places may be."""
-    rng = np.random.default_rng(seed)
-    footprints = [np.array(ELL), np.array(ARROW)] * 8
-    hall = shapely.box(-6.0, -6.0, 6.0, 6.0)
-    occupied = Occupancy(footprints, [hall.exterior, shapely.box(1.0, 1.0, 2.0, 3.0)])
-    poses = rng.uniform((-5.0, -5.0, -3.0), (5.0, 5.0, 3.0), (16, 3))
-    poses[14, :2] = 9e5
-    gaps = rng.uniform(0.0, 1.0, 16)
-    standing = [*range(1, 7), 14]
-    for i in [*range(1, 10), 14]:
-        occupied.stand(i, poses[i], float(gaps[i]))
-    occupied.leave([7, 8, 9])
-    tried = rng.uniform((-6.0, -6.0, -3.0), (6.0, 6.0, 3.0), (60, 3))
-    outlines = occupied.outlines(0, tried)
-    room = shapely.distance(occupied.walls, outlines) - gap
-    for i in standing:
-        wanted = max(gap, float(gaps[i]))
-        other = occupied.outlines(i, poses[i][None])[0]
-        room = np.minimum(room, shapely.distance(outlines, other) - wanted)
-    room[~shapely.covers(hall, outlines)] = -1.0
-    fits = np.flatnonzero(room >= 0.0)
-    found = occupied.room(0, tried, hall, gap)
-    assert (found >= 0.0).tolist() == (room >= 0.0).tolist()
-    assert found[fits].tolist() == room[fits].tolist()
-    assert occupied.first_fit(0, tried, hall, gap) == (int(fits[0]) if len(fits) else None)
 
 
 def test_places_fill_the_region_and_headings_the_circle() -> None:

@@ -6,9 +6,12 @@ import pytest
 
 import physim
 from physim import build_scene
-from physim.analysis.summary import table
-from physim.analysis.validation import report, validate
+from physim.analysis.validation import validate
+from tests.helpers import inside
 from tests.validation.runs import Drivers
+
+table = inside("physim.analysis.summary", "table")
+report = inside("physim.analysis.validation", "report")
 
 RING = """\
 name: ring

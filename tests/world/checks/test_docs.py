@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import importlib
 from pathlib import Path
 
 import pytest
 
-from physim.cli.check import text_of
 from physim.world.checks import check_world
 
+text_of = importlib.import_module("physim.cli.check").text_of
 DOCS = Path(__file__).parents[3] / "docs" / "CHECKING.md"
 
 MY_WORLD = """\

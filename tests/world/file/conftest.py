@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import sys
+
 import pytest
 
-from physim.parts import registry
+from tests.helpers import inside
 
+registry = sys.modules[inside("physim.parts", "find_part").__module__]
 MODULE = "tests.world.file.parts_for_tests"
 
 

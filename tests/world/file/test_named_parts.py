@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 import importlib
+import sys
 
 import pytest
 
 from physim.errors import ControllerError, WorldError
-from physim.parts import registry
 from physim.world import Choice
 from physim.world.file import parse_world
 from tests.helpers import STRAIGHT, check_error, facts, inside
 
 CONTROLLER, FILTER, find_part = inside("physim.parts", "CONTROLLER", "FILTER", "find_part")
 part_names = inside("physim.parts", "part_names")
+REGISTRY = sys.modules[find_part.__module__]
 LINES = len(STRAIGHT.splitlines())
 STAGES = """\
 sensing:
@@ -129,7 +130,7 @@ def test_nothing_is_imported_for_a_world_that_is_only_to_be_read(monkeypatch) ->
 
 def test_a_name_that_two_packages_register_is_told_not_guessed(monkeypatch) -> None:
     twice = {"slow": ("a_package:Slow", "b_package:Slow")}
-    monkeypatch.setattr(registry, "_entries", lambda kind: twice)
+    monkeypatch.setattr(REGISTRY, "_entries", lambda kind: twice)
     with pytest.raises(ControllerError, match=facts("slow", "a_package:Slow", "b_package:Slow")):
         find_part(FILTER, "slow")
     assert "several packages" in part_names(CONTROLLER)["slow"]

@@ -78,7 +78,6 @@ TOLD = {
     "two robots of one name": (named("a"),
         ("E", "9:11 robots[1].name", '"a"', "robots[0]")),
     "a path for a name": (named('"../../etc/x"'),),
-    "a formula for a name": (named('"=1+1,b"'),),
     "no for a name": (named("no"), ("E", "9:11 robots[1].name", "no", "false")),
     "an unknown neighbour": (formation("{spacing: [0.0, -3.0], neighbours: [[a, zed]]}"),
         ("E", "13:52 formation.neighbours[0][1]", '"zed"', "a, b")),

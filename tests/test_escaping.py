@@ -1,4 +1,4 @@
-"""Signs that would act on a terminal are escaped, all others stay."""
+"""Words of messages; signs that would act on a terminal are escaped, all others stay."""
 
 from __future__ import annotations
 
@@ -11,7 +11,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from physim.errors import amount_text, place_text, plural
 from physim.escaping import escaped, escaped_lines, html_table, html_text
+from tests.helpers import examples
 
 ANY = st.text(st.characters(codec=None) | st.sampled_from("\x00\x1b\x7f\x85\x9b\u202e\u2066\ud800"))
 
@@ -33,6 +35,7 @@ def test_what_acts_is_escaped(given: str, shown: str) -> None:
     assert escaped(given) == shown
 
 
+@examples(25, deep=200)
 @given(ANY)
 def test_nothing_escaped_acts(text: str) -> None:
     shown = escaped(text)
@@ -41,6 +44,7 @@ def test_nothing_escaped_acts(text: str) -> None:
     assert escaped_lines(text).count("\n") == text.count("\n")
 
 
+@examples(25, deep=200)
 @given(ANY, st.sampled_from(["ascii", "latin-1", "cp1252", "shift_jis", "utf-8"]))
 def test_json_stays_the_same_in_any_encoding(text: str, encoding: str) -> None:
     shown = escaped_lines(json.dumps([text], ensure_ascii=False), encoding)
@@ -56,6 +60,7 @@ def test_an_unknown_encoding_gets_ascii() -> None:
     assert escaped_lines("é", "no-such-encoding").isascii()
 
 
+@examples(25, deep=200)
 @given(ANY)
 def test_in_html_a_text_is_only_text(text: str) -> None:
     shown = html_text(text)
@@ -67,3 +72,37 @@ def test_in_a_table_labels_and_texts_are_only_texts() -> None:
     table = html_table([("<b>", "</td><script>1</script>"), ("a", "\u202eb")])
     assert re.findall(r"<(\w+)", table) == ["table", "tr", "th", "td", "tr", "th", "td"]
     assert r"\u202eb" in table
+
+
+@pytest.mark.parametrize(
+    ("given", "told"),
+    [
+        ((0, "robot"), "0 robots"),
+        ((1, "robot"), "1 robot"),
+        ((2, "robot"), "2 robots"),
+        ((1, "stretch", "stretches"), "1 stretch"),
+        ((2, "stretch", "stretches"), "2 stretches"),
+    ],
+)
+def test_plural(given, told) -> None:
+    assert plural(*given) == told
+
+
+@pytest.mark.parametrize(
+    ("given", "told"),
+    [
+        ((1.5, -4.0), "(1.5, -4)"),
+        ((0.12345678, 4321.0987), "(0.123457, 4321.1)"),
+        ((0.12345678, 4321.0987, 4), "(0.1235, 4321.1)"),
+        ((432100.5, 5812345.257), "(432100.5, 5812345.26)"),
+        ((-432070.0, 812398.996, 4), "(-432070, 812399)"),
+    ],
+)
+def test_places_are_told_to_the_centimetre_far_from_the_origin(given, told) -> None:
+    assert place_text(*given) == told
+
+
+def test_small_amounts_keep_two_digits_and_large_ones_have_commas() -> None:
+    """The impulses of a robot of 0.15 kg were all 0.0 N s."""
+    told = [amount_text(x, 1) for x in (0.00798, 0.39, 0.0, 12.34, -0.02, 12345.6)]
+    assert told == ["0.0080", "0.39", "0.0", "12.3", "-0.020", "12,345.6"]

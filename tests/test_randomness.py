@@ -12,7 +12,7 @@ from scipy import stats
 
 from physim import build_scene
 from physim.randomness import normal, philox, stream, uniform
-from tests.helpers import road
+from tests.helpers import examples, road
 
 
 def test_headings_depend_on_seed_purpose_and_robot_alone() -> None:
@@ -38,6 +38,7 @@ def test_streams_differ_by_each_part_of_their_key_and_stay_what_they_are() -> No
 GOLDEN = 0.11372706497649021
 
 
+@examples(25, deep=200)
 @given(st.lists(st.integers(0, 2**64 - 1), min_size=6, max_size=6))
 def test_philox_is_that_of_numpy(words: list[int]) -> None:
     """numpy's generator counts on before it draws; its counter is one number of 256 bits."""

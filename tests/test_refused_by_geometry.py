@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from typing import Any
 
 import numpy as np
@@ -11,7 +10,6 @@ import pytest
 from physim import Mode, Simulation
 from physim.errors import ControllerError
 from physim.geometry import collision_time
-from physim.testing import check_controller
 from physim.world import World
 from physim.world.file import load_world
 from tests.helpers import inside
@@ -88,9 +86,3 @@ def test_a_stage_is_named_with_its_line(key: str, word: str) -> None:
 def test_an_observer_is_named_with_its_line() -> None:
     with pytest.raises(ControllerError, match=rf"^observer Asks at 0\.01 s: .*{SAID}$"):
         record_run(Simulation(world()), observers=[Asks()])
-
-
-def test_check_controller_tells_the_line() -> None:
-    findings = check_controller(Asks, worlds=["straight"], seconds=0.5)
-    assert findings
-    assert all(re.search(SAID, str(finding)) for finding in findings)

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from physim.stray_settings import MATPLOTLIB, NUMBA, unseen
+from physim.stray_settings import MATPLOTLIB, NUMBA
 
 ASK = """\
 import sys
@@ -27,21 +27,13 @@ with styled():
 assert sys.argv[1] == __import__("os").getcwd()
 """
 
-SEARCH = """\
-import sys
-import numpy as np
-from physim.campaigns.falsify.optimisers import Evolution
-assert len(Evolution(np.full(2, 0.5), 1).ask()) > 1
-assert sys.modules["matplotlib"].rcParams["lines.linewidth"] == 1.5
-"""
-
 
 @pytest.mark.parametrize(
     ("numba", "matplotlib"),
     [
         (b"cache_dir: mine\ndump_bytecode: 1\n", b"lines.linewidth: 9\ntext.usetex: true\n"),
-        (b"[1]", b"\xff\xfe"),
-        (b"{x", b"backend: module://evil\n"),
+        pytest.param(b"[1]", b"\xff\xfe", marks=pytest.mark.deep),
+        pytest.param(b"{x", b"backend: module://evil\n", marks=pytest.mark.deep),
     ],
 )
 def test_no_file_of_the_working_folder_sets_anything(
@@ -58,27 +50,3 @@ def test_no_file_of_the_working_folder_sets_anything(
     assert done.returncode == 0, done.stderr
     assert done.stdout == ""
     assert not (tmp_path / "mine").exists()
-
-
-@pytest.mark.parametrize("given", [b"lines.linewidth: 9\n", b"\xff\xfe"])
-def test_what_a_search_is_done_with_reads_no_file_of_the_working_folder(
-    tmp_path: Path, given: bytes
-) -> None:
-    """cma imports matplotlib for plots of its own."""
-    (tmp_path / MATPLOTLIB).write_bytes(given)
-    done = subprocess.run(
-        [sys.executable, "-c", SEARCH],
-        cwd=tmp_path, env={**os.environ, "MPLBACKEND": "no such backend"},
-        capture_output=True, text=True, check=False, timeout=300,
-    )  # fmt: skip
-    assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
-
-
-def test_the_folder_is_the_same_afterwards(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    (tmp_path / NUMBA).touch()
-    monkeypatch.chdir(tmp_path)
-    with unseen(NUMBA):
-        assert not Path(NUMBA).exists()
-    assert Path.cwd() == tmp_path
-    with unseen(MATPLOTLIB):
-        assert Path.cwd() == tmp_path, "nothing lies in wait"

@@ -2,65 +2,38 @@
 
 from __future__ import annotations
 
-import dataclasses
+import functools
 from typing import Any
 
 import numpy as np
 import pytest
 import shapely
 
-from physim import Scene, build_scene, simulate
+from physim import Scene, World, build_scene, simulate
 from physim.analysis.metrics import finished
 from physim.analysis.summary import summarise
 from physim.analysis.validation import validate
 from physim.world.file import load_world, parse_world
 from tests.helpers import inside
+from tests.helpers.same import differences
 
 signed_area = inside("physim.geometry", "signed_area")
 find_world, shipped_worlds = inside("physim.world.file", "find_world", "shipped_worlds")
 
+MANY = 10
+"""Robots up to which the fast tier makes the whole run"""
+shipped = functools.cache(load_world)
+scene_of = functools.cache(lambda name: build_scene(shipped(name)))
 NAMES = tuple(shipped_worlds())
-MANY = 100
-"""Robots up to which a record is validated here: of a thousand that takes a minute"""
 every_world = pytest.mark.parametrize("name", NAMES)
-
-
-def short(name: str, robot_seconds: float = 500.0, most: float = 5.0) -> Any:
-    """A shipped world cut down to its first seconds, fewer where many robots make them long."""
-    world = load_world(find_world(name))
-    step = world.time.step
-    seconds = min(most, robot_seconds / len(world.robots))
-    time = type(world.time)(step=step, duration=round(seconds / step) * step)
-    return world.changed(time=time)
-
-
-def differences(a: Any, b: Any, place: str = "scene") -> list[str]:
-    """Places where two values, arrays within them included, are not equal to the last bit."""
-    if type(a) is not type(b):
-        return [place]
-    if isinstance(a, np.ndarray):
-        same = a.dtype == b.dtype and np.array_equal(a, b, equal_nan=a.dtype.kind == "f")
-        return [] if same else [place]
-    if isinstance(a, dict) and a.keys() == b.keys():
-        return [d for key in a for d in differences(a[key], b[key], f"{place}.{key}")]
-    if isinstance(a, tuple | list) and len(a) == len(b):
-        return [d for k in range(len(a)) for d in differences(a[k], b[k], f"{place}[{k}]")]
-    if dataclasses.is_dataclass(a):
-        return [
-            d
-            for field in dataclasses.fields(a)
-            for d in differences(
-                getattr(a, field.name), getattr(b, field.name), f"{place}.{field.name}"
-            )
-        ]
-    return [] if a == b else [place]
+LARGE = {name for name in NAMES if len(shipped(name).robots) > MANY}
 
 
 @every_world
 def test_file_explains_itself(name: str) -> None:
     path = find_world(name)
     text = path.read_text(encoding="utf-8")
-    world = load_world(path)
+    world = shipped(name)
     assert world.description == shipped_worlds()[name]
     assert world.description.strip()
     assert world.name.replace(" ", "_") == name == path.stem
@@ -76,28 +49,27 @@ def test_file_explains_itself(name: str) -> None:
 
 @every_world
 def test_file_and_saved_world_mean_the_same_scene(name: str) -> None:
-    world = load_world(find_world(name))
+    world = shipped(name)
     again = parse_world(world.to_yaml())
     assert again == world
     assert again.to_yaml() == world.to_yaml()
-    assert differences(build_scene(world), build_scene(again)) == []
+    assert differences(scene_of(name), build_scene(again)) == []
 
 
 @every_world
 def test_scene_of_another_seed_differs_where_something_is_random_and_there_alone(name: str) -> None:
-    world = load_world(find_world(name))
+    world = shipped(name)
     poses = [robot.pose for robot in world.robots]
     free = [i for i, pose in enumerate(poses) if pose is None or pose[2] == "random"]
     fixed = [i for i, pose in enumerate(poses) if pose is not None]
-    a, b = build_scene(world, 10), build_scene(world, 11)
-    changed = np.flatnonzero((a.start != b.start).any(axis=1))
-    assert changed.tolist() == free
+    a, b = scene_of(name), build_scene(world, world.seed + 1)
+    assert np.flatnonzero((a.start != b.start).any(axis=1)).tolist() == free
     assert np.array_equal(a.start[fixed, :2], b.start[fixed, :2])
 
 
 @every_world
 def test_scene_is_sound(name: str) -> None:
-    scene = build_scene(load_world(find_world(name)))
+    scene = scene_of(name)
     n = scene.robots
     assert [body.id for body in scene.bodies] == list(range(len(scene.bodies)))
     kinds = [body.kind for body in scene.bodies]
@@ -133,27 +105,32 @@ def _check_arrays(scene: Scene) -> None:
     assert len(scene.outside) == len(scene.speeds) == len(scene.omegas) == n
 
 
-@every_world
-def test_run_is_finite_and_repeats_bit_for_bit(name: str) -> None:
-    world = short(name)
-    first, second = simulate(world), simulate(world)
-    assert first.digest() == second.digest()
-    k = round(world.time.duration / first.dt) + 1
-    assert first.pose.shape == (k, len(world.robots), 3)
-    assert np.isfinite(first.pose).all()
-    assert np.isfinite(first.boundary_clearance).all()
-    assert not np.isnan(first.clearance).any()
-    assert np.abs(np.diff(first.pose, axis=0)).max() > 0.0
-    assert first.steps.tolist() == list(range(k))
-    assert first.world == world
+def first_seconds(world: World, most: float = 5.0) -> World:
+    """The same world for a short time, shorter where many robots make it long."""
+    step, seconds = world.time.step, min(most, 500.0 / len(world.robots))
+    return world.changed(time={"step": step, "duration": round(seconds / step) * step})
 
 
-@every_world
-def test_shipped_seed_holds_every_expectation(name: str) -> None:
+@pytest.mark.parametrize("name", sorted(LARGE))
+def test_the_first_seconds_of_a_large_world_repeat_bit_for_bit(name: str) -> None:
+    world = first_seconds(shipped(name), 1.0)
+    with simulate(world) as record, simulate(world) as again:
+        assert record.digest() == again.digest()
+        _check_run(record, world)
+
+
+@pytest.mark.parametrize(
+    "name", [pytest.param(n, marks=pytest.mark.deep) if n in LARGE else n for n in NAMES]
+)
+def test_a_run_repeats_and_holds_every_expectation(name: str) -> None:
     """The whole run, as the world's author promises: who arrives, and what touches how deeply."""
-    world = load_world(find_world(name))
+    world, short = shipped(name), first_seconds(shipped(name))
     assert world.expect is not None
-    with simulate(world) as record:
+    with simulate(world) as record, simulate(short) as again:
+        k = len(again.pose)
+        assert again.pose.tobytes() == record.pose[:k].tobytes()
+        assert again.clearance.tobytes() == record.clearance[:k].tobytes()
+        _check_run(record, world)
         assert [one for one in summarise(record).expectations if not one.held] == []
         assert finished(record) == (record.ended == "finished") == world.expect.finished
         if world.expect.finished:
@@ -161,11 +138,22 @@ def test_shipped_seed_holds_every_expectation(name: str) -> None:
             modes = np.unique(record.updates["mode"][::-1][last])
             assert {record.modes[mode].name for mode in modes} == {"arrived"}
             assert len(robots) == record.robots
-        if world.expect.contacts == 0 and record.robots <= MANY:
+        if world.expect.contacts == 0 and record.robots <= 100:
             judged = validate(record)
             assert (judged.verdict, judged.comparison.disagreements) == ("contact-free", ())
         elif world.expect.contacts != 0:  # pressed against walls, and never beyond one
-            area = build_scene(world).area.polygon
+            area = scene_of(name).area.polygon
             assert len(record.contacts)
             assert shapely.contains_xy(area, *np.moveaxis(record.pose[::100, :, :2], 2, 0)).all()
             assert shapely.contains_xy(area, *record.pose[-1, :, :2].T).all()
+
+
+def _check_run(record: Any, world: World) -> None:
+    steps = len(record.pose)
+    assert record.pose.shape == (steps, len(world.robots), 3)
+    assert np.isfinite(record.pose).all()
+    assert np.isfinite(record.boundary_clearance).all()
+    assert not np.isnan(record.clearance).any()
+    assert np.abs(np.diff(record.pose, axis=0)).max() > 0.0
+    assert record.steps.tolist() == list(range(steps))
+    assert record.world == world

@@ -23,7 +23,7 @@ ROOMS = {
     "engine": Room("physim/simulation/engine", ("engine", "physics")),
     "record": Room("physim/record", ("record",)),
     "parts": Room("physim/parts", ("parts",)),
-    "world": Room("physim/world", ("world", "world_file", "layout", "checking")),
+    "world": Room("physim/world", ("world",)),
     "validation": Room("physim/analysis/validation", ("validation",)),
     "crashtest": Room("physim/analysis/crashtest", ("crashtest",)),
     "metrics": Room("physim/analysis/metrics", ("metrics",)),

@@ -1,0 +1,100 @@
+"""``physim check`` runs a world once, and tells what that shows."""
+
+from __future__ import annotations
+
+import inspect
+import json
+import re
+from pathlib import Path
+
+import pytest
+
+from tests.cli.commands import physim
+from tests.helpers import inside
+
+TRIAL = inspect.getmodule(inside("physim.analysis", "try_world"))
+
+DOOR = """
+name: door
+time: {step: 0.01, duration: 60.0}
+boundaries:
+  - [[0, -3], [12, -3], [12, 3], [0, 3], [0, -3]]
+obstacles:
+  - [[6, 0.35], [6.2, 0.35], [6.2, 3], [6, 3]]
+  - [[6, -3], [6.2, -3], [6.2, -0.35], [6, -0.35]]
+robots:
+  - {name: a, footprint: {length: 1.7, width: 0.6}, pose: [2, 0, 0], path: [[1.5, 0], [10.5, 0]]}
+reference_path: [[1.5, 0], [10.5, 0]]
+"""
+LANE = """
+name: lane
+time: {step: 0.01, duration: 30.0}
+corridor: {centreline: [[0, 0], [30, 0]], width: 1.9}
+robots:
+  - {name: east, footprint: {length: 1.8, width: 1.0}, pose: [3, 0, 0], path: [[0, 0], [30, 0]]}
+  - {name: west, footprint: {length: 1.8, width: 1.0}, pose: [27, 0, 3.1416],
+     path: [[30, 0], [0, 0]]}
+"""
+
+
+@pytest.fixture
+def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "door.yaml").write_text(DOOR)
+    (tmp_path / "lane.yaml").write_text(LANE)
+    return tmp_path
+
+
+def test_a_robot_that_stands_at_a_door_is_told(
+    here: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    done = physim("check", "door.yaml", capture=capsys)
+    assert (done.code, done.err) == (0, "")
+    told = next(line for line in done.out.splitlines() if "robots[0].path" in line)
+    assert re.search(r'door\.yaml:10:\d+: .*"a" stands \d\.\d+ m short .*"obstacle 1"', told)
+    assert "1 warning" in done.out.splitlines()[-1]
+    left_out = physim("check", "door.yaml", "--no-run", capture=capsys)
+    assert "no warnings" in left_out.out.splitlines()[-1]
+
+
+def test_two_that_meet_head_on_are_told_under_any_controller(
+    here: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Path following looks at nobody: the two touch, and push each other for ever."""
+    done = physim("check", "lane.yaml", "--controller", "path_following", "--json", capture=capsys)
+    assert done.code == 0
+    (world,) = json.loads(done.out)["worlds"]
+    assert "2 of 2 robots do not arrive" in world["trial"]
+    first, *_ = facts = world["warnings"]
+    assert {one["robot"] for one in facts} == {"east", "west"}
+    assert (first["key"], first["touches"], first["line"]) == ("robots[0].path", "west", 6)
+    assert 10.0 < first["time"] < 13.0
+    assert first["place"] == pytest.approx([15.0, 0.0], abs=1.0)
+    assert first["short"] > 10.0
+
+
+def test_what_the_world_expects_is_not_told(here: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    given = ("--set", "expect={finished: false}")
+    assert "no warnings" in physim("check", "door.yaml", *given, capture=capsys).out
+
+
+def test_a_run_that_would_take_long_is_not_made(
+    here: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(TRIAL, "MOST_STEPS", 100)
+    done = physim("check", "door.yaml", capture=capsys)
+    assert re.search(r"^not tried: 6,000 steps of 1 robot", done.out, re.MULTILINE)
+    assert "no warnings" in done.out.splitlines()[-1]
+
+
+def test_a_controller_that_fails_in_the_run_is_told(
+    here: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (here / "late.py").write_text(
+        "class Late:\n    def decide(self, seen, memory):\n        raise RuntimeError('too late')\n"
+    )
+    monkeypatch.syspath_prepend(str(here))
+    done = physim("check", "door.yaml", "--controller", "late:Late", capture=capsys)
+    assert done.code == 0
+    assert re.search(r"controller: .*too late", done.out)
+    assert "1 warning" in done.out.splitlines()[-1]

@@ -1,0 +1,133 @@
+from __future__ import annotations
+
+import gzip
+import os
+import re
+from pathlib import Path
+
+import pytest
+
+from physim.errors import WorldError
+from physim.world.file import load_world, parse_world
+from tests.helpers import STRAIGHT, check_error, facts
+
+
+def refusal(path, **options) -> str:
+    with pytest.raises(WorldError) as caught:
+        load_world(path, **options)
+    return str(caught.value)
+
+
+def changed(old: str, new: str) -> str:
+    assert old in STRAIGHT
+    return STRAIGHT.replace(old, new, 1)
+
+
+def message(text: str, **options) -> str:
+    with pytest.raises(WorldError) as caught:
+        parse_world(text, "w.yaml", **options)
+    return str(caught.value)
+
+
+def test_a_world_by_hand_loads(tmp_path):
+    path = tmp_path / "straight.yaml"
+    path.write_text(STRAIGHT)
+    world = load_world(path)
+    assert [robot.name for robot in world.robots] == ["r1", "r2"]
+    assert world.robots[1].pose == (3.0, -1.0, "random")
+    assert world.robots[1].path.offset == -1.0
+    assert world.controller.settings["look_ahead"] == 2.0
+    assert parse_world(world.to_yaml()) == world
+
+
+def test_files_that_cannot_be_read_say_why(tmp_path):
+    (tmp_path / "straight.yaml").write_text(STRAIGHT)
+    os.mkfifo(tmp_path / "pipe.yaml")
+    for name in ("plan.svg", "record.h5"):
+        (tmp_path / name).write_bytes(b"x")
+    for name, *parts in (
+        ("strait.yaml", "no such file", "straight.yaml"),
+        ("zzz", "no such file", "straight.yaml"),
+        ("no/w.yaml", "no folder"),
+        ("", "a folder"),
+        ("pipe.yaml", "regular file"),
+        ("plan.svg", "no world file", "physim import"),
+        ("record.h5", "no world file", "record"),
+    ):
+        check_error(f"{refusal(tmp_path / name)}\n", str(tmp_path / name), *parts)
+    assert "cannot be read" in refusal("a\0b")
+    assert "plan.svg" not in refusal(tmp_path / "plans.yaml"), "a drawing is no world"
+    with (tmp_path / "large.yaml").open("wb") as file:
+        file.truncate(100_000_000)
+    assert re.search(facts("large.yaml", "100.0 MB"), refusal(tmp_path / "large.yaml"))
+    latin = tmp_path / "latin.yaml"
+    latin.write_bytes(b"name: a\ndescription: caf\xe9\n")
+    check_error(f"{refusal(latin)}\n", f"{latin}:2:17:", "0xe9", "UTF-8")
+    assert "not UTF-8" in refusal(_written(tmp_path / "u16.yaml", STRAIGHT.encode("utf-16")))
+    packed = refusal(_written(tmp_path / "packed.yaml", gzip.compress(STRAIGHT.encode())))
+    check_error(f"{packed}\n", str(tmp_path / "packed.yaml"), "gzip", "unpack")
+
+
+def _written(path: Path, data: bytes) -> Path:
+    path.write_bytes(data)
+    return path
+
+
+def test_all_faults_come_at_once_in_the_order_of_the_file():
+    text = changed("seed: 3", "sead: 3").replace("duration: 30.0", "duration: 1e3")
+    text = text.replace("look_ahead", "look_ahed").replace("width: 8.0", 'width: "8"')
+    keys = (
+        "name, description, seed, time, corridor, boundaries, reference_path, start, robots, "
+        "formation, controller, sensing, filters, disturbances, arrival, obstacles, expect, physics"
+    )
+    expected = [
+        ("w.yaml:3:1: sead:", "unknown", f"allowed: {keys};", '"seed"'),
+        ("w.yaml:4:30: time.duration:", "1e3", "text", "1.0e+3", "1000"),
+        ("w.yaml:5:50: corridor.width:", "[m]", "one number", "one per point", '"8"', "quotes"),
+        ("w.yaml:16:36: controller.look_ahed:", "unknown", "look_ahead, omegas", '"look_ahead"'),
+    ]
+    for line, (place, *parts) in zip(message(text).splitlines(), expected, strict=True):
+        check_error(f"{line}\n", place, *parts)
+
+
+def test_controller_settings_are_those_of_the_controller():
+    setting = "controller.look_ahead:"
+    for old, new, place, *parts in (
+        ("2.0}", "far}", f"w.yaml:16:48: {setting}", "number", '"far"'),
+        ("2.0}", "-2.0}", f"w.yaml:16:48: {setting}", "greater than 0", "given -2.0"),
+        ("mode_switching", "mode_swiching", "w.yaml:16:20: controller.type:",
+         '"mode_swiching"', '"mode_switching"'),
+        ("mode_switching", "plain", f"w.yaml:16:27: {setting}", "unknown"),
+    ):  # fmt: skip
+        check_error(f"{message(changed(old, new))}\n", place, *parts)
+    assert parse_world(changed("look_ahead: 2.0", "omegas: [1, 2]")).controller.settings[
+        "omegas"
+    ] == (1, 2)
+
+
+def test_the_command_line_may_name_another_controller():
+    assert parse_world(STRAIGHT, controller="plain").controller.settings == {}
+    assert parse_world(STRAIGHT, controller="mode_switching") == parse_world(STRAIGHT)
+    name = "tests.world.file.parts_for_tests:Switching"
+    world = parse_world(STRAIGHT, controller=name, overrides=["controller.look_ahead=3.0"])
+    assert world.controller.type == name
+    assert world.controller.settings == {"look_ahead": 3.0}
+    assert "--controller: no controller" in message(STRAIGHT, controller="no")
+
+
+def test_settings_are_not_carried_to_another_controller_in_silence(tmp_path):
+    path = tmp_path / "w.yaml"
+    path.write_text(STRAIGHT)
+    with pytest.warns(UserWarning, match=facts("w.yaml:16:", "look_ahead", "mode_switching")):
+        world = load_world(path, controller="plain")
+    assert world.controller.settings == {}
+
+
+def test_settings_without_a_type_are_for_whatever_runs():
+    text = changed("type: mode_switching, ", "")
+    name = "tests.world.file.parts_for_tests:Switching"
+    world = parse_world(text, controller=name)
+    assert (world.controller.type, world.controller.settings) == (name, {"look_ahead": 2.0})
+    check_error(
+        f"{message(text, controller='plain')}\n", "w.yaml:16:", "controller.look_ahead", "Plain"
+    )

@@ -126,7 +126,6 @@ def test_files_of_other_kinds(tmp_path):
         assert str(error).isprintable()
 
 
-@pytest.mark.xfail(raises=OSError, strict=True, reason="ends in a traceback: to be mended")
 def test_a_file_name_that_is_too_long(tmp_path):
     (error,) = check_world(tmp_path / ("x" * 300 + ".yaml")).errors
     assert re.search(facts("cannot be read", "too long"), error.message)

@@ -13,9 +13,9 @@ from physim.drawing import palette
 from physim.record import RecordWriter
 from physim.world import World
 from physim.world.file import load_world, parse_world
+from tests.analysis.metrics.histories import history
 from tests.helpers import inside
 from tests.helpers.records import DECLARED, ELL, make_record
-from tests.metrics.histories import history
 from tests.preview.worlds import NARROW
 
 SceneModel, outline, region = inside("physim.drawing", "SceneModel", "outline", "region")

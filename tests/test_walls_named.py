@@ -12,9 +12,9 @@ from physim import build_scene
 from physim.analysis.summary import table
 from physim.analysis.validation import report, validate
 from physim.world.checks import check_world
+from tests.analysis.validation.runs import Drivers, edited
 from tests.checking.test_robots import DRAWN, changed
 from tests.helpers import inside
-from tests.validation.runs import Drivers, edited
 
 SeedResult, seed_line = inside("physim.analysis.validation", "SeedResult", "seed_line")
 nearest_stretch, stretch_text = inside("physim.world", "nearest_stretch", "stretch_text")

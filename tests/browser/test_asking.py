@@ -15,9 +15,9 @@ import physim
 from physim import Column, Decision
 from physim.drawing.page import curves, write_page
 from physim.record import Record
+from tests.analysis.validation.runs import LANE, REAR_END, Drivers, lane
 from tests.browser.driver import Seen
 from tests.helpers import inside
-from tests.validation.runs import LANE, REAR_END, Drivers, lane
 
 analytic_contacts = inside("physim.analysis.validation", "analytic_contacts")
 contact_reports, paragraph = inside("physim.analysis.validation", "contact_reports", "paragraph")

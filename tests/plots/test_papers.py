@@ -19,9 +19,9 @@ from physim.analysis import metrics
 from physim.drawing.plots import NAMES, draw
 from physim.errors import PhysimError
 from physim.record import Record
+from tests.analysis.metrics.histories import history
 from tests.helpers import inside
 from tests.helpers.records import make_record
-from tests.metrics.histories import history
 
 signed, LEAST = inside("physim.drawing", "signed", "LEAST")
 deviation, speeds, in_rows = inside("physim.drawing.plots", "deviation", "speeds", "in_rows")

@@ -13,9 +13,9 @@ from physim.drawing.plots import FORMATS, NAMES, draw
 from physim.drawing.plots import distances as contacts
 from physim.errors import PhysimError
 from physim.record import Record, RecordWriter
+from tests.analysis.metrics.histories import history
 from tests.helpers import inside
 from tests.helpers.records import make_record, make_scene
-from tests.metrics.histories import history
 
 MOST_NAMED, prediction = inside("physim.drawing.plots", "MOST_NAMED", "prediction")
 predictions, distances = inside("physim.drawing.plots", "predictions", "distances")

@@ -7,8 +7,8 @@ import math
 import numpy as np
 import pytest
 
+from tests.analysis.metrics.histories import history
 from tests.helpers import inside
-from tests.metrics.histories import history
 
 collision_times, MOST_TICKS = inside("physim.drawing.plots", "collision_times", "MOST_TICKS")
 log_ticks = inside("physim.drawing.plots", "log_ticks")

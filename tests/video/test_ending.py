@@ -15,8 +15,8 @@ from physim.drawing import palette
 from physim.drawing.video import frame_at, panel
 from physim.drawing.video.legend import PAD
 from physim.tolerances import DEEP as DEPTH
+from tests.analysis.validation.runs import Drivers
 from tests.helpers import inside
-from tests.validation.runs import Drivers
 from tests.video.test_frames import pixels
 
 Timeline = inside("physim.drawing", "Timeline")

@@ -8,7 +8,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-import yaml
 
 from physim import Mode
 from physim.analysis.summary import summarise, table, table_rows
@@ -22,7 +21,6 @@ from tests.helpers.records import make_record
 Held, expectations = inside("physim.analysis", "Held", "expectations")
 SHOWN_CONTACTS = inside("physim.analysis.summary", "SHOWN_CONTACTS")
 Declared = inside("physim.parts", "Declared")
-setup_of = inside("physim.record", "setup_of")
 
 
 def test_figures_and_names() -> None:
@@ -69,27 +67,6 @@ def test_what_has_no_meaning_is_null() -> None:
         assert found[key] is None
     assert found["wall_clock"] == {"factor": None}
     assert found["contacts"]["first_s"] is None
-
-
-WORLD = """\
-controller: {type: path_following, look_ahead: 3.5}
-sensing: {range: 5.0, stages: [{type: delay, seconds: 0.2}]}
-filters: [{type: half_gap}, {type: slow, share: 0.5}]
-"""
-
-
-def test_it_names_what_the_run_was_made_with() -> None:
-    setup = setup_of(yaml.safe_load(WORLD), (("observer", "mine:Watch"),), {"physim": "1.2"})
-    assert setup.lines() == [
-        ("controller", "path_following (look_ahead 3.5)"),
-        ("sensing", "delay (seconds 0.2)"),
-        ("filters", "half_gap, slow (share 0.5)"),
-        ("from Python", "observer mine:Watch"),
-    ]
-    given = setup_of(yaml.safe_load(WORLD), (("controller", "mine:Own"),), {})
-    assert given.lines()[0] == ("controller", "mine:Own")
-    for odd in ({}, {"filters": 3}, {"filters": ["x", None]}):
-        assert setup_of(odd, (), {}).lines()[0] == ("controller", "mode_switching")
 
 
 @pytest.mark.parametrize(

@@ -178,17 +178,6 @@ class CountsOutOfSight(_Slotted):
         return steady(observation, share=1.0 / (1 + next(self.counter)))
 
 
-class RemembersTheFirst:
-    """The same whenever it is asked again, but another one would be another."""
-
-    def __init__(self) -> None:
-        self.kept = threading.local()
-
-    def decide(self, observation: Observation, memory: Any) -> Decision:
-        first = self.kept.__dict__.setdefault("first", observation.index)
-        return steady(observation, share=0.5 if first == observation.index else 0.4)
-
-
 STATE: dict[type, str] = {
     CountsOnItself: "self.count from ",
     CountsOnTheClass: "CountsOnTheClass.count from ",

@@ -92,7 +92,6 @@ ONE_RULE = [
     (broken.RemembersAtRandom, Rule.REPEATS, "r1", 0.0, ("memory['drawn']",), ()),
     *((one, Rule.STATE, "r1", 0.0, ("in its memory", place), ())
       for one, place in broken.STATE.items()),
-    (broken.RemembersTheFirst, Rule.STATE, "r2", 0.0, ("new instance",), ("v", "0.75")),
     (broken.FirstComeFirstServed, Rule.ORDER, "r2", 0.0, ("reverse order",), ("v", "0.75", "0.0")),
     (broken.LooksAround, Rule.ORDER, "r1", 0.2, ("alone",), ("v", "0.5", "0.375")),
     (broken.WritesItsMemory, Rule.MEMORY, "r1", 0.1, (), ("memory['count']", "1", "2")),
@@ -157,27 +156,6 @@ def test_settings_are_checked_as_in_a_world() -> None:
     chosen = candidate("mode_switching", None)
     assert chosen.maker(world)().settings.look_ahead == 3.5
     assert chosen.maker()().settings.look_ahead == 2.0
-
-
-@pytest.mark.parametrize("given", [broken.Adjustable, "tests.testing.broken:Adjustable"])
-def test_settings_of_a_file_without_a_type_are_those_of_the_controller(
-    tmp_path: Path, given: Any
-) -> None:
-    """As `run` with --controller takes them; the world names none."""
-    text = physim.load_world("straight").to_yaml()
-    assert "controller:" in text
-    head, _, rest = text.partition("controller:")
-    tail = rest.partition("\n")[2]
-    while tail.startswith(" "):
-        tail = tail.partition("\n")[2]
-    file = tmp_path / "own.yaml"
-    file.write_text(f"{head}controller: {{share: 0.25}}\n{tail}")
-    chosen = candidate(given, None)
-    assert chosen.maker(chosen.read(file))().share == 0.25
-    assert chosen.read("straight").controller.type == "mode_switching"
-    file.write_text(f"{head}controller: {{shares: 0.25}}\n{tail}")
-    with pytest.raises(WorldError, match=facts("controller.shares", "unknown", "share")):
-        chosen.read(file)
 
 
 def test_the_object_given_is_never_asked() -> None:

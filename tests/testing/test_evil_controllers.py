@@ -14,8 +14,7 @@ from physim.errors import ControllerError
 from physim.record import Record
 from tests.helpers import THREE, Says, facts, inside, road
 
-CONTROLLER, Declared = inside("physim.parts", "CONTROLLER", "Declared")
-checked_settings, make_part = inside("physim.parts", "checked_settings", "make_part")
+Declared = inside("physim.parts", "Declared")
 
 
 class OddError(BaseException):
@@ -176,20 +175,3 @@ def test_declarations_that_cannot_be_read_are_one_line(key: str, error: BaseExce
         Declared.of(part)
     assert "test_evil_controllers.py:" in str(caught.value)
     assert "\n" not in str(caught.value)
-
-
-class Nothing:
-    """What its class gives is no object of it."""
-
-    def __new__(cls) -> Any:
-        return None
-
-    def decide(self, observation: Any, memory: Any) -> Decision:
-        return decided()
-
-
-def test_a_class_that_gives_something_else_is_told_what_it_lacks() -> None:
-    """Not taken for no controller at all."""
-    with pytest.raises(ControllerError, match=facts("Nothing", "None", "decide")) as caught:
-        make_part(CONTROLLER, f"{__name__}:Nothing", {}, trusted=True)
-    assert "test_evil_controllers.py:" in str(caught.value)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -66,18 +66,6 @@ def test_metrics_of_two_runs_with_the_same_poses_are_the_same(both: tuple[Record
     for name in set(often) - OF_DECISIONS:
         assert seldom[name] == often[name], name
     assert abs(often["deviation_peak"].value) > 3.0
-
-
-@pytest.mark.parametrize(
-    "course",
-    [
-        metrics.deviations, metrics.formation_errors, metrics.formation_energy,
-        metrics.averaged_speeds,
-    ],
-)  # fmt: skip
-def test_courses_are_the_same(course: Callable[[Record], Any], both: tuple[Record, Record]) -> None:
-    for one, other in zip(*map(course, both), strict=True):
-        assert np.array_equal(one, other, equal_nan=True)
 
 
 def nearest(points: FloatArray, place: FloatArray) -> float:

@@ -19,8 +19,7 @@ from tests.analysis.validation import runs
 from tests.analysis.validation.runs import states
 from tests.helpers import Said, inside, said
 
-compare_runs, run_again = inside("physim.analysis.validation", "compare_runs", "run_again")
-rerun, simulation_again = inside("physim.analysis.validation", "rerun", "simulation_again")
+rerun = inside("physim.analysis.validation", "rerun")
 
 CARELESS = f"{runs.__name__}:Careless"
 Change = Callable[[h5py.File], None]
@@ -113,7 +112,6 @@ def one_more(table: str, **values: float) -> Change:
 deep = pytest.mark.deep
 OTHER = ("in the record", "simulated again")
 EARLIER = together(of_other_versions, column("/extremes", "clearance_step", 500, 0))
-BY_ANOTHER = together(of_other_versions, column("/extremes", "boundary_other", lambda b: 7 - b, 0))
 FARTHER = cells("/extremes_farthest", "farthest", 5.0)
 FORGED = [
     ("free", claimed_contact, ("/contacts, row 0", "there in the record", "not simulated again")),
@@ -126,15 +124,10 @@ FORGED = [
     ("fine", killed(attribute("rejected_contacts", np.int64(7))),
      ("rejected_contacts", "7 in the record")),
     ("free", EARLIER, ("5.0000 s", "/extremes, row 0, clearance", "of these bodies")),
-    ("free", BY_ANOTHER, ("/extremes, row 0, boundary_clearance", "of these bodies")),
     ("free", cells("/considered_others", -1, lambda i: 3 - i), ("/considered_others, row", *OTHER)),
-    ("free", one_more("commands"), OTHER),
-    ("free", attribute("ended", "error"), OTHER),
     ("free", killed(FARTHER), OTHER),
-    ("free", killed(cells("/robots/arrived", ..., -1)), OTHER),
     ("free", killed(worse), ("-0.5",)),
     ("touching", better("boundary_clearance"), ("/extremes, row 0, boundary_clearance",)),
-    ("touching", together(of_other_versions, worse), ("/extremes, row 0, clearance", "-0.5")),
     ("fine", killed(worse), ("-0.5",)),
     ("fine", attribute("ended", "error"), ("attribute ended", "error in the record", "finished")),
 ]  # fmt: skip

@@ -19,7 +19,7 @@ from tests.helpers import inside
 
 expectations = inside("physim.analysis", "expectations")
 analytic_contacts = inside("physim.analysis.validation", "analytic_contacts")
-AGREES, GRAZE = inside("physim.analysis.validation", "AGREES", "GRAZE")
+GRAZE = inside("physim.analysis.validation", "GRAZE")
 REJECTED, TOUCHED_BEFORE = inside("physim.analysis.validation", "REJECTED", "TOUCHED_BEFORE")
 
 DEPTH = 4e-4

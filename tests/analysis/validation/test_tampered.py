@@ -16,7 +16,6 @@ from tests.analysis.forgeries.tools import attribute, cells, column, cut, decide
 from tests.analysis.validation.runs import LANE, REAR_END, Drivers, judged, lane, states, tampered
 from tests.helpers import facts, inside, said
 
-CONTROLLER, make_part = inside("physim.parts", "CONTROLLER", "make_part")
 ArrivalCheck, sample_blocks = inside("physim.analysis.validation", "ArrivalCheck", "sample_blocks")
 distance_at = inside("physim.analysis.validation", "distance_at")
 json_of_validation = inside("physim.analysis.validation", "json_of_validation")

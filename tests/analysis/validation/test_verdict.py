@@ -7,18 +7,14 @@ import re
 import pytest
 
 import physim
-from physim import PAPER_MODES, Decision
 from physim.analysis.validation import report, responsibility, validate
 from physim.contacts import Phase
 from physim.errors import RecordError
-from tests.analysis.validation.runs import DRIVERS, LANE, REAR_END, lane, states
+from tests.analysis.validation.runs import DRIVERS, LANE, lane, states
 from tests.helpers import facts, inside
 
 AGREES, describe_cause = inside("physim.analysis.validation", "AGREES", "describe_cause")
 describe_responsibility = inside("physim.analysis.validation", "describe_responsibility")
-json_of_validation = inside("physim.analysis.validation", "json_of_validation")
-AT_STOP, SAFE, STANDARD_COLUMNS = inside("physim.parts", "AT_STOP", "SAFE", "STANDARD_COLUMNS")
-Part = inside("physim.record", "Part")
 
 
 def test_contact_free(apart):
@@ -101,35 +97,6 @@ def test_a_coarse_record_is_refused():
         pytest.raises(RecordError, match=facts("every step", "all tables")),
     ):
         validate(record)
-
-
-class Saying:
-    """Drives as in REAR_END; the fast one, which comes from behind, tells the same each time."""
-
-    modes = PAPER_MODES
-    columns = STANDARD_COLUMNS
-
-    def __init__(self, mode=None, considered=(), **reported) -> None:
-        self.reported = ((SAFE, (), {}), (mode, considered, reported))
-
-    def decide(self, observation, memory):
-        v, omega = REAR_END[observation.index]
-        mode, considered, reported = self.reported[observation.index]
-        return Decision(
-            v=v, omega=omega, hold=0.1, mode=mode, considered=considered, report=reported
-        )  # fmt: skip
-
-
-def words(mode=None, **reported):
-    record = physim.simulate(physim.parse_world(LANE), controller=Saying(mode, **reported))
-    return " ".join(report(validate(record)).split())
-
-
-def test_a_robot_that_says_it_has_arrived_and_drives_on():
-    text = words(AT_STOP, distance=0.5, collision_time=0.1, considered=(0,))
-    assert states(text, "fast said", "arrived", "command", "to move", within=60)
-    assert states(text, "mode arrived", "v 1.400 m/s", within=30)
-    assert "stood" not in text
 
 
 @pytest.mark.deep

@@ -66,7 +66,7 @@ def test_whatever_it_raises_is_one_line_that_names_it(answer: str, tmp_path: Pat
     with pytest.raises(ControllerError, match=facts("r1", "0 s", *said)) as caught:
         simulate(road(THREE), controller=Says(decide), path=tmp_path / "r.h5")
     assert "\n" not in str(caught.value)
-    assert "test_evil_controllers.py:" in str(caught.value) or "says.py:" in str(caught.value)
+    assert "test_evil_controllers.py:" in str(caught.value) or "worlds.py:" in str(caught.value)
     with Record.load(tmp_path / "r.h5") as record:
         assert record.ended == "error"
 

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from physim import Mode
@@ -46,6 +46,7 @@ def test_contact_episodes() -> None:
     assert found[0].time == pytest.approx(0.05)
 
 
+@settings(max_examples=25)
 @given(st.lists(st.booleans(), max_size=30), st.lists(st.booleans(), max_size=30))
 def test_episodes_are_maximal_runs(first: list[bool], second: list[bool]) -> None:
     """Against counting rising edges of made-up touching histories of two pairs."""

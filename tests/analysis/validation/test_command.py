@@ -137,7 +137,7 @@ def test_a_record_tells_its_world_without_the_code_of_its_controller(tmp_path):
 
 @pytest.mark.parametrize(
     ("codes", "code", "free", "finished"),
-    [((0, 0), 0, 2, 1), ((0, 1), 1, 1, 1), ((3, 1, 0), 3, 1, 2), ((0, 1, 3, 1), 3, 1, 2)],
+    [((0, 0), 0, 2, 1), ((0, 1), 1, 1, 1), ((3, 1, 0), 3, 1, 1), ((0, 1, 3, 1), 3, 1, 1)],
 )
 def test_the_worst_seed_decides_and_rates_stand_beside_each_other(codes, code, free, finished):
     results = tuple(
@@ -162,7 +162,7 @@ def test_intervals_are_rounded_outward():
 def test_robots_that_never_move_are_not_as_expected(run, folder):
     code, out, _ = run(
         "any.yaml", "--seeds", "1:6", "--controller", IDLE, "--set", "time.duration=1.0",
-        "--json", "idle.json",
+        "--json", "idle.json", "--workers", "1",
     )  # fmt: skip
     assert code == 1
     assert states(out, "5 of 5", "contact-free", "100.0%", within=30)
@@ -177,7 +177,7 @@ def test_robots_that_never_move_are_not_as_expected(run, folder):
 def test_every_seed_is_run_as_it_would_be_alone(run, folder):
     changes = ["time.duration=0.5", "robots.1.pose=[6.2, -1.3, random]"]
     short = [word for change in changes for word in ("--set", change)]
-    run("any.yaml", "--seeds", "4:7", "--json", "every.json", *short)
+    run("any.yaml", "--seeds", "4:7", "--json", "every.json", "--workers", "1", *short)
     written = json.loads((folder / "every.json").read_text(encoding="utf-8"))["seeds"]
     world = physim.load_world(folder / "any.yaml", overrides=changes)
     alone = [validate(physim.simulate(world, seed=seed)).near_misses for seed in (4, 5, 6)]

@@ -24,7 +24,7 @@ ROOMS = {
     "record": Room("physim/record", ("record",)),
     "parts": Room("physim/parts", ("parts",)),
     "world": Room("physim/world", ("world", "world_file", "layout", "checking")),
-    "validation": Room("physim/analysis/validation", ("validation",)),
+    "validation": Room("physim/analysis/validation", ("validation", "forgeries")),
     "crashtest": Room("physim/analysis/crashtest", ("crashtest",)),
     "metrics": Room("physim/analysis/metrics", ("metrics",)),
     "statistics": Room("physim/statistics", ("statistics",)),

@@ -60,21 +60,6 @@ def test_world_with_a_careless_controller(run):
     assert 'id="validation"' in Path("run.html").read_text(encoding="utf-8")
 
 
-def test_a_page_leads_to_the_moment_of_each_finding(run):
-    code, out, _ = run("bad.h5", "--page", "found.html")
-    text = Path("found.html").read_text(encoding="utf-8")
-    section = text[text.index('id="validation"') :]
-    with physim.Record.load("bad.h5") as record:
-        found = validate(record)
-    assert code == found.code == 1
-    assert out.splitlines()[-1].removeprefix("verdict: ") in section
-    assert found.contacts
-    for number, one in enumerate(found.contacts, 1):
-        assert f'href="#t={one.time:.3f}&amp;contact={number}"' in section
-    assert run("good.h5", "--page", "found.html", "--quiet").code == 2
-    assert Path("found.html").read_text(encoding="utf-8") == text
-
-
 def test_json(run, folder):
     code, _, _ = run("bad.h5", "--json", "found.json", "--quiet")
     found = json.loads((folder / "found.json").read_text(encoding="utf-8"))

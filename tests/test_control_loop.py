@@ -10,8 +10,8 @@ import pytest
 import physim
 from physim import Column, Decision, Mode, Rule
 from physim.errors import ControllerError
+from tests.analysis.validation.runs import LANE
 from tests.helpers import facts, inside
-from tests.validation.runs import LANE
 
 STANDARD_COLUMNS, Declared = inside("physim.parts", "STANDARD_COLUMNS", "Declared")
 

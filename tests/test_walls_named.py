@@ -8,7 +8,7 @@ import physim
 from physim import build_scene
 from physim.analysis.validation import validate
 from tests.helpers import inside
-from tests.validation.runs import Drivers
+from tests.analysis.validation.runs import Drivers
 
 table = inside("physim.analysis.summary", "table")
 report = inside("physim.analysis.validation", "report")

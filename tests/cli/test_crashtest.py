@@ -11,8 +11,8 @@ import pytest
 from physim.analysis.crashtest import crash_test
 from physim.drawing.plots import NAMES
 from physim.record import Record
+from tests.analysis.crashtest.sabotage import two_steps_late
 from tests.cli.commands import physim, shell, tree
-from tests.crashtest.sabotage import two_steps_late
 from tests.helpers import check_error, facts
 from tests.helpers.records import make_record
 

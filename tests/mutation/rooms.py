@@ -24,7 +24,7 @@ ROOMS = {
     "record": Room("physim/record", ("record",)),
     "parts": Room("physim/parts", ("parts",)),
     "world": Room("physim/world", ("world",)),
-    "validation": Room("physim/analysis/validation", ("validation",)),
+    "validation": Room("physim/analysis/validation", ("validation", "forgeries")),
     "crashtest": Room("physim/analysis/crashtest", ("crashtest",)),
     "metrics": Room("physim/analysis/metrics", ("metrics",)),
     "statistics": Room("physim/statistics", ("statistics",)),

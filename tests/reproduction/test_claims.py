@@ -12,8 +12,8 @@ import pytest
 from physim.errors import PhysimError
 from physim.reproduction.claims import measures, parts
 from physim.reproduction.studies import studies
+from tests.analysis.metrics.histories import history
 from tests.helpers import inside
-from tests.metrics.histories import history
 
 pair_collision_times = inside("physim.analysis.metrics", "pair_collision_times")
 shortest_pair_collision_time = inside("physim.analysis.metrics", "shortest_pair_collision_time")

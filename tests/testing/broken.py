@@ -7,7 +7,6 @@ import logging
 import random
 import threading
 from collections.abc import Callable
-from math import acos, sqrt
 from typing import Any
 
 import numba
@@ -17,6 +16,7 @@ from pydantic import BaseModel
 from physim import Column, Decision, Decisions, Mode, Observation, Scene, Sensed
 from tests.helpers import inside
 
+ModeSwitching = inside("physim.controllers", "ModeSwitching")
 IntArray = inside("physim.geometry", "IntArray")
 NO_NUMBER = inside("physim.parts", "NO_NUMBER")
 
@@ -86,32 +86,10 @@ class NeedsOthers:
         return steady(observation)
 
 
-class NeedsWalls:
-    def decide(self, observation: Observation, memory: Any) -> Decision:
-        np.concatenate(observation.walls)
-        return steady(observation)
-
-
 class NeedsAWayOn:
     def decide(self, observation: Observation, memory: Any) -> Decision:
         o = observation
         1.0 / max(o.path.length - o.station, 0.0)
-        return steady(o)
-
-
-class NeedsTheWayAhead:
-    def decide(self, observation: Observation, memory: Any) -> Decision:
-        o = observation
-        sqrt(np.cos(o.pose[2]) + 0.5)
-        return steady(o)
-
-
-class NeedsRoom:
-    def decide(self, observation: Observation, memory: Any) -> Decision:
-        o = observation
-        for other in o.others:
-            gap = np.hypot(*(other.pose[:2] - o.pose[:2])) - 1.0
-            acos(min(1.0 / (gap + 1e-9), 1.0) if gap > 0.0 else 2.0)
         return steady(o)
 
 
@@ -131,12 +109,10 @@ class Says:
 
 UNFIT = {
     "nothing": None,
-    "command as text": Decision("fast", 0.0, HOLD),  # type: ignore[arg-type]
     "NaN": Decision(0.0, float("nan"), HOLD),
     "too fast": Decision(1e3, 0.0, HOLD),
     "hold in the past": Decision(0.0, 0.0, -HOLD),
     "mode that is not declared": Decision(0.0, 0.0, HOLD, mode="fast"),
-    "rule that is not declared": Decision(0.0, 0.0, HOLD, rule="fast"),
     "robot that there is not": Decision(0.0, 0.0, HOLD, considered=[-1]),
     "column that is not declared": Decision(0.0, 0.0, HOLD, report={"effort": 1.0}),
 }
@@ -150,14 +126,6 @@ class Throws:
 
     def decide(self, observation: Observation, memory: Any) -> Decision:
         return steady(observation, share=random.random())
-
-
-class BornDifferent:
-    def __init__(self) -> None:
-        self.share = random.random()
-
-    def decide(self, observation: Observation, memory: Any) -> Decision:
-        return steady(observation, share=self.share)
 
 
 class RemembersAtRandom:
@@ -179,25 +147,6 @@ class CountsOnItself:
         return steady(observation, share=1.0 / (1 + self.count))
 
 
-class KeepsTheLastPose:
-    """Does nothing with it yet."""
-
-    def __init__(self) -> None:
-        self.last: dict[int, Any] = {}
-
-    def decide(self, observation: Observation, memory: Any) -> Decision:
-        self.last[observation.index] = observation.pose
-        return steady(observation)
-
-
-class DrawsOnItself:
-    def __init__(self) -> None:
-        self.rng = np.random.default_rng(1)
-
-    def decide(self, observation: Observation, memory: Any) -> Decision:
-        return steady(observation, share=self.rng.random())
-
-
 class CountsOnTheClass:
     count = 0
 
@@ -215,12 +164,6 @@ class CountsInTheModule:
         return steady(observation, share=1.0 / (1 + len(DECIDED)))
 
 
-class CountsInADefault:
-    def decide(self, observation: Observation, memory: Any, decided: Any = []) -> Decision:  # noqa: B006
-        decided.append(observation.time)
-        return steady(observation, share=1.0 / (1 + len(decided)))
-
-
 class _Slotted:
     __slots__ = ("counter",)
 
@@ -235,24 +178,10 @@ class CountsOutOfSight(_Slotted):
         return steady(observation, share=1.0 / (1 + next(self.counter)))
 
 
-class RemembersTheFirst:
-    """The same whenever it is asked again, but another one would be another."""
-
-    def __init__(self) -> None:
-        self.kept = threading.local()
-
-    def decide(self, observation: Observation, memory: Any) -> Decision:
-        first = self.kept.__dict__.setdefault("first", observation.index)
-        return steady(observation, share=0.5 if first == observation.index else 0.4)
-
-
 STATE: dict[type, str] = {
     CountsOnItself: "self.count from ",
-    KeepsTheLastPose: "self.last[",
-    DrawsOnItself: "self.rng from ",
     CountsOnTheClass: "CountsOnTheClass.count from ",
     CountsInTheModule: "broken.DECIDED",
-    CountsInADefault: "CountsInADefault.decide.__defaults__[0]",
     CountsOutOfSight: "asked the same again",
 }
 """What the finding has to tell."""
@@ -306,11 +235,6 @@ class CannotBePickled:
         return steady(observation, {"next": lambda: 0.5})
 
 
-class CannotBeCopied:
-    def decide(self, observation: Observation, memory: Any) -> Decision:
-        return steady(observation, {"lock": threading.Lock()})
-
-
 class Forgetful:
     """A memory that does not pickle all of itself."""
 
@@ -338,12 +262,6 @@ class BendsThePath:
         points = observation.path.points
         points.setflags(write=True)
         points[-1] += 1.0
-        return steady(observation)
-
-
-class SwapsThePath:
-    def decide(self, observation: Observation, memory: Any) -> Decision:
-        object.__setattr__(observation.path, "outside", np.ones((1, 2)))
         return steady(observation)
 
 
@@ -402,33 +320,12 @@ def turns_later(sensed: Sensed, due: IntArray, scene: Scene) -> Decisions:
     return found
 
 
-def holds_longer(sensed: Sensed, due: IntArray, scene: Scene) -> Decisions:
-    found = steadily(sensed, due, scene)
-    return found._replace(hold=np.nextafter(found.hold, 1.0))
-
-
 def tells_a_mode(sensed: Sensed, due: IntArray, scene: Scene) -> Decisions:
     return steadily(sensed, due, scene)._replace(mode=np.zeros(len(due), dtype=np.int64))
 
 
-def tells_more(sensed: Sensed, due: IntArray, scene: Scene) -> Decisions:
-    found = steadily(sensed, due, scene)
-    found.report[:, 0] = 1.0
-    return found
-
-
-def considers_another(sensed: Sensed, due: IntArray, scene: Scene) -> Decisions:
-    return steadily(sensed, due, scene)._replace(
-        considered=(due + 1) % scene.robots, considered_start=np.arange(len(due) + 1)
-    )
-
-
 def decides_for_others(sensed: Sensed, due: IntArray, scene: Scene) -> Decisions:
     return steadily(sensed, due, scene)._replace(robot=due[::-1])
-
-
-def leaves_some_out(sensed: Sensed, due: IntArray, scene: Scene) -> Decisions:
-    return steadily(sensed, due[:1], scene)
 
 
 def says_nothing(sensed: Sensed, due: IntArray, scene: Scene) -> Decisions:
@@ -441,12 +338,8 @@ def fails(sensed: Sensed, due: IntArray, scene: Scene) -> Decisions:
 
 BATCH = {
     turns_later: ("r2", 0.3, ["omega", "1e-09", "0.0"]),
-    holds_longer: ("r1", 0.0, ["hold", "0.10000000000000002", "0.1"]),
     tells_a_mode: ("r1", 0.0, ["mode", "steady", "no mode"]),
-    tells_more: ("r1", 0.0, ["report effort", "1.0", "nan"]),
-    considers_another: ("r1", 0.0, ["considered", "1", "nobody"]),
     decides_for_others: ("r1", 0.0, ["robots", "[1, 0]", "[0, 1]"]),
-    leaves_some_out: ("r1", 0.0, ["command", "(1, 2)", "(2, 2)"]),
     says_nothing: ("r1", 0.0, ["NoneType", "Decisions"]),
     fails: ("r1", 0.0, ["ZeroDivisionError: no way on"]),
 }
@@ -466,6 +359,13 @@ class FirstRobotGoes(Twofold):
 
     def decide(self, observation: Observation, memory: Any) -> Decision:
         return steady(observation, share=0.0 if observation.index else 0.5)
+
+
+class Slower(ModeSwitching):
+    """Inherits a batch form that is not its own."""
+
+    def decide(self, observation: Observation, memory: Any) -> Decision:
+        return Decision(0.0, 0.0, HOLD)
 
 
 def moves_the_robots(sensed: Sensed, due: IntArray, scene: Scene) -> Decisions:
@@ -491,13 +391,6 @@ class Adjustable:
 
     def decide(self, observation: Observation, memory: Any) -> Decision:
         return steady(observation, share=self.share)
-
-
-class Nest:
-    """A class in a class has a name, too."""
-
-    class Adjustable(Adjustable):
-        """As `Adjustable`."""
 
 
 class Choosy:

@@ -12,8 +12,8 @@ import pytest
 import physim
 from physim.errors import PhysimError
 from physim.record import Record
+from tests.analysis.validation.runs import APART, REAR_END, lane
 from tests.helpers import inside
-from tests.validation.runs import APART, REAR_END, lane
 
 findings_section = inside("physim.drawing.page", "findings_section")
 

@@ -15,9 +15,9 @@ from physim.contacts import Phase
 from physim.drawing.page import MOST_RUNS, page, write_page
 from physim.errors import PhysimError
 from physim.record import Record
+from tests.analysis.metrics.histories import history
 from tests.helpers import inside
 from tests.helpers.records import make_record
-from tests.metrics.histories import history
 
 Timeline = inside("physim.drawing", "Timeline")
 moments, script = inside("physim.drawing.page", "moments", "script")

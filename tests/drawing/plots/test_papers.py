@@ -21,9 +21,9 @@ from physim.analysis import metrics
 from physim.drawing.plots import NAMES, draw
 from physim.errors import PhysimError
 from physim.record import Record
+from tests.analysis.metrics.histories import history
 from tests.helpers import inside
 from tests.helpers.records import make_record
-from tests.metrics.histories import history
 
 LEAST, signed = inside("physim.drawing", "LEAST", "signed")
 DATE, DPI, PICTURES = inside("physim.drawing.plots", "DATE", "DPI", "PICTURES")

@@ -15,7 +15,7 @@ from physim.errors import PhysimError
 from physim.record import Record, RecordWriter
 from tests.helpers import facts, inside, said
 from tests.helpers.records import make_record, make_scene
-from tests.metrics.histories import history
+from tests.analysis.metrics.histories import history
 
 CONTACT, MOST_POINTS = inside("physim.drawing.plots", "CONTACT", "MOST_POINTS")
 distances, predictions = inside("physim.drawing.plots", "distances", "predictions")

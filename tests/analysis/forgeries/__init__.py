@@ -1,0 +1,1 @@
+"""Records that were changed afterwards, and what `physim validate` says of each."""

@@ -1,0 +1,261 @@
+"""Courses over time and along paths: speeds, deviations, modes, distances, width."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+import shapely
+
+import physim
+from physim import Decision
+from physim.analysis import metrics
+from physim.record import Record, RecordWriter
+from tests.analysis.metrics.histories import THERE, beside_paths, history, mean_squares
+from tests.analysis.validation.runs import LANE, Drivers
+from tests.helpers import inside
+from tests.helpers.records import CENTRELINE, WIDTH, make_record, make_scene
+
+sides_of, width_extreme = inside("physim.analysis.metrics", "sides_of", "width_extreme")
+FloatArray, offset_polyline = inside("physim.geometry", "FloatArray", "offset_polyline")
+pack_parts, pack_polylines = inside("physim.geometry", "pack_parts", "pack_polylines")
+Body = inside("physim.world", "Body")
+
+
+def arcs(v: FloatArray, omega: FloatArray, samples: int, dt: float = 0.01) -> FloatArray:
+    """Poses (K, N, 3) on exact arcs from the origin, (1)."""
+    angle = omega * dt * np.arange(samples)[:, None]
+    radius = v / omega
+    return np.stack([radius * np.sin(angle), radius * (1 - np.cos(angle)), angle], axis=-1)
+
+
+def test_averaged_speeds_of_arcs_are_their_own() -> None:
+    v, omega = np.array([0.9, -0.4]), np.array([0.5, -1.5])
+    record = history(pose=arcs(v, omega, 2001), steps_run=2000)
+    found = metrics.averaged_speeds(record)
+    assert found.time[[0, -1]] == pytest.approx([5.0, 15.0])
+    assert np.allclose(found.forward, v, rtol=0, atol=1e-12)
+    assert np.allclose(found.rotational, omega, rtol=0, atol=1e-12)
+
+
+class Swinging(Drivers):
+    """Speeds that change all the time, backwards too, within more than a turn."""
+
+    def decide(self, observation, memory):
+        v, omega = self.commands[observation.index]
+        swing = np.sin(0.7 * observation.time + observation.index)
+        return Decision(v=v * (0.1 + 0.5 * swing), omega=omega * (0.85 + 0.85 * swing), hold=0.1)
+
+
+@pytest.mark.parametrize("driver", [Drivers, Swinging])
+@pytest.mark.parametrize("every", [41, 680])
+def test_a_coarse_record_has_the_speeds_of_a_fine_one(driver: type[Drivers], every: int) -> None:
+    """More than a turn between two samples: the chord says nothing of the way."""
+    fine, coarse = (
+        physim.simulate(
+            physim.parse_world(LANE, overrides=["time.duration=20.0", f"time.record_every={n}"]),
+            controller=driver((1.0, 0.8), (0.5, -0.9)),
+        )
+        for n in (1, every)
+    )
+    full, some = metrics.averaged_speeds(fine), metrics.averaged_speeds(coarse)
+    assert len(some.time) == len(full.time) > 100
+    assert not fine.contacts.size
+    assert np.allclose(some.forward, full.forward, rtol=0, atol=1e-9)
+    assert np.allclose(some.rotational, full.rotational, rtol=0, atol=1e-9)
+    if driver is Drivers:
+        assert np.allclose(full.forward, [1.0, 0.5], rtol=0, atol=1e-9)
+    else:
+        assert np.ptp(full.forward[:, 0]) > 0.05
+
+
+def test_a_window_reaches_neither_beyond_the_run_nor_beyond_arrival() -> None:
+    pose = np.zeros((1501, 2, 3))
+    pose[:, :, 0] = np.minimum(0.01 * np.arange(1501), 12.0)[:, None] * [1.0, 0.5]
+    scene = make_scene(2)
+    pose[:, :, 1] = scene.paths.points[scene.paths.start[:-1], 1]
+    stops = np.array([12.1 - 5e-3, 50.0])  # less the tolerance
+    found = metrics.averaged_speeds(history(pose=pose, steps_run=1500, stops=stops))
+    assert found.time[-1] == pytest.approx(10.0)
+    before = found.time <= 7.0 + 1e-9
+    assert np.allclose(found.forward[before, 0], 1.0)
+    assert np.isnan(found.forward[~before, 0]).all()
+    assert found.forward[-1, 1] == pytest.approx(0.5 * 7.0 / 10.0)
+
+
+def test_a_run_shorter_than_the_window_has_no_averaged_speed() -> None:
+    record = history(pose=arcs(np.ones(2), np.ones(2), 900), steps_run=899)
+    assert len(metrics.averaged_speeds(record).time) == 0
+    assert "averaged_speed_max" not in metrics.measure(record)
+
+
+def test_deviations_and_their_root_mean_square() -> None:
+    """Of all samples, though nobody decides after the first, and linear between them."""
+    course = np.array([[1.0, 0.0], [1.0, 0.5], [-3.0, 0.5], [-1.0, 0.0], [2.0, 0.25]])
+    rows = [{"robot": 0, "deviation": 7.0, "next_step": 4}]
+    record = history(rows, steps_run=4, pose=beside_paths(course))
+    time, values = metrics.deviations(record, every=0.005)
+    assert np.allclose(values[::2], course, rtol=0.0, atol=1e-12)
+    assert values[1, 1] == pytest.approx(0.25)
+    assert time[-1] == pytest.approx(0.04)
+    assert metrics.deviation_peak(record) == metrics.Moment(pytest.approx(-3.0), 2, 0.02, 0)
+    rms = metrics.deviation_rms(record)
+    assert rms is not None
+    exact = mean_squares(course)
+    assert rms.robots == pytest.approx(np.sqrt(exact), rel=1e-6)
+    assert rms.value == pytest.approx(np.sqrt(exact.mean()), rel=1e-6)
+
+
+def test_a_robot_at_its_stop_no_longer_counts_for_the_root_mean_square_but_for_the_peak() -> None:
+    course = np.array([[1.0], [1.0], [1.0], [4.0], [4.0], [4.0]])
+    pose = beside_paths(course)
+    pose[3:, :, 0] += 0.1
+    record = history(robots=1, steps_run=5, pose=pose, stops=np.array([6.15]))
+    rms, peak = metrics.deviation_rms(record), metrics.deviation_peak(record)
+    assert rms is not None
+    assert rms.value == pytest.approx(np.sqrt(mean_squares(course[:4]).item()), rel=1e-6)
+    assert peak is not None
+    assert peak.value == pytest.approx(4.0)
+
+
+@pytest.mark.parametrize("every", [20, 500])
+def test_figures_of_a_coarse_record_are_those_of_a_fine_one(every: int) -> None:
+    """Samples stay away from standing at the stop, and from the curve between them."""
+    world = physim.load_world("u_turn")
+    coarse = world.changed(time={"record_every": every})
+    with physim.simulate(world) as fine, physim.simulate(coarse) as few:
+        assert np.abs(metrics.active_steps(few) - metrics.active_steps(fine)).max() <= 1
+        exact, found = (metrics.measure(record) for record in (fine, few))
+        for name in ("mean_speed", "averaged_speed_min", "averaged_speed_max"):
+            one, other = (getattr(v, "value", v) for v in (exact[name], found[name]))
+            assert other == pytest.approx(one, abs=1e-3), name
+        one, other = (v["deviation_rms"].value for v in (exact, found))
+        assert other == pytest.approx(one, rel=1e-3 if every == 20 else 0.3)
+
+
+def test_modes_fill_the_run_and_switches_are_counted() -> None:
+    told = [(0, 0, 0), (10, 0, 1), (20, 0, 2), (30, 0, 0), (60, 0, 3), (0, 1, 2)]
+    rows = [{"step": s, "robot": r, "mode": m, "next_step": s + 10} for s, r, m in told]
+    rows[3]["next_step"], rows[5]["next_step"] = 60, 100
+    rows[4]["station"] = THERE
+    record = history(rows, steps_run=100)
+    spans = metrics.mode_spans(record)
+    assert [tuple(span) for span in spans] == [
+        (0, 0, 0.0, 0.1), (0, 1, 0.1, 0.2), (0, 2, 0.2, pytest.approx(0.3)),
+        (0, 0, pytest.approx(0.3), 0.6), (0, 3, 0.6, 1.0), (1, 2, 0.0, 1.0),
+    ]  # fmt: skip
+    switches = metrics.mode_switches(record)
+    assert switches is not None
+    assert switches.robots == (pytest.approx(2 / 0.01), 0.0)
+    assert switches.value == pytest.approx(2 / (1.6 / 60))
+    safe = metrics.share_of_modes(record, danger=False)
+    assert safe is not None
+    assert safe.robots == (pytest.approx(4 / 6), 0.0)
+
+
+def test_updates_per_second_is_of_active_robots() -> None:
+    told = [(0, 0, 0, 10), (10, 0, 0, 20), (20, 0, 3, 30), (0, 1, 0, 20)]
+    rows = [{"step": s, "robot": r, "mode": m, "next_step": n} for s, r, m, n in told]
+    rows[2]["station"] = THERE
+    rate = metrics.updates_per_second(history(rows, robots=3, steps_run=40))
+    assert rate == metrics.Each(pytest.approx(7.5), (pytest.approx(10.0), pytest.approx(5.0), None))
+
+
+def test_collision_times_are_the_least_of_each_step() -> None:
+    nan, inf = np.nan, np.inf
+    told = [(0, 0, 3.0), (0, 1, 2.0), (10, 0, inf), (20, 0, nan), (20, 1, 5.0)]
+    rows = [{"step": s, "robot": r, "collision_time": t} for s, r, t in told]
+    time, values = metrics.collision_times(history(rows)) or (None, None)
+    assert time == pytest.approx([0.0, 0.1, 0.2])
+    assert list(values) == [2.0, inf, 5.0]
+
+
+@pytest.mark.parametrize("robots", [2, 3])
+def test_pair_distances_hold_every_nearest_one(robots: int) -> None:
+    with make_record(robots=robots, contacts=False, seconds=3.0) as record:
+        (time, values), pairs = metrics.pair_distances(record)
+        for i in range(robots):
+            mine = values[:, (pairs == i).any(axis=1)]
+            assert np.allclose(mine.min(axis=1), record.clearance[:, i], rtol=0, atol=1e-9)
+        few, _ = metrics.pair_distances(record, most=10 * len(pairs))
+        assert len(few.time) == 10
+        assert few.time[[0, -1]] == pytest.approx(time[[0, -1]])
+        assert values.max() == pytest.approx(record.farthest["farthest"])
+
+
+def test_width_is_from_wall_to_wall() -> None:
+    """Against shapely: distances to the walls on either side of a straight stretch."""
+    with make_record(seconds=1.0) as record:
+        found = metrics.corridor_width(record, robot=1)
+        walls = shapely.linestrings(sides_of(record)[1].reshape(-1, 2, 2))
+    assert np.allclose(np.diff(found.station), 0.1)
+    early = found.station < 8.0
+    assert np.allclose(found.width[early], WIDTH)
+    for feet in (found.left, found.right):
+        assert shapely.distance(shapely.points(feet)[:, None], walls).min(axis=1).max() < 1e-9
+    least = shapely.distance(shapely.points(found.points)[:, None], walls).min(axis=1)
+    gaps = [np.hypot(*(feet - found.points).T) for feet in (found.left, found.right)]
+    assert np.allclose(np.minimum(*gaps), least)
+
+
+def room(walls: FloatArray, path: list[list[float]]) -> Record:
+    """One robot on a path within one closed line of walls."""
+    scene = make_scene(1)
+    scene.walls = pack_parts([list(pairwise(walls))])
+    scene.bodies = (scene.bodies[0], Body(1, "boundary", "boundary 1"))
+    scene.paths = pack_polylines([np.array(path)])
+    out = RecordWriter(None, scene, "boundaries: []", name="room")
+    out.close("duration", steps_run=0, rejected=0, wall_clock={})
+    return out.record()
+
+
+def test_a_wall_across_the_path_has_no_width() -> None:
+    """A room of 30 m by 16 m; the nearest points on both sides lie on the end wall until 8 m."""
+    walls = np.array([[0.0, 0.0], [30.0, 0.0], [30.0, 16.0], [0.0, 16.0], [0.0, 0.0]])
+    found = metrics.corridor_width(room(walls, [[1.0, 8.0], [29.0, 8.0]]))
+    x = found.points[:, 0]
+    between = (x > 8.0 + 1e-9) & (x < 22.0 - 1e-9)
+    assert np.isnan(found.width[(x < 8.0 - 1e-9) | (x > 22.0 + 1e-9)]).all()
+    assert found.width[between] == pytest.approx(16.0)
+    least = width_extreme(found, 0, largest=False)
+    assert least is not None
+    assert least.value == pytest.approx(16.0)
+
+
+def corridor(path_offset: float, obstacle: bool = False) -> Record:
+    """One robot on a path beside the centreline of a bent corridor with caps."""
+    scene = make_scene(1)
+    left, right = (offset_polyline(CENTRELINE, np.full(4, s * WIDTH / 2)) for s in (1, -1))
+    lines = [left, right, np.array([left[0], right[0]]), np.array([left[-1], right[-1]])]
+    names = ["left wall", "right wall", "start cap", "end cap"]
+    bodies = [list(pairwise(line)) for line in lines]
+    kinds = ["boundary"] * 4
+    if obstacle:
+        bodies.append([np.array([[5.0, -3.0], [6.0, -3.0], [6.0, -2.0], [5.0, -2.0]])])
+        names, kinds = [*names, "box"], [*kinds, "obstacle"]
+    scene.walls = pack_parts(bodies)
+    rows = zip(kinds, names, strict=True)
+    others = [Body(1 + k, kind, name) for k, (kind, name) in enumerate(rows)]
+    scene.bodies = (scene.bodies[0], *others)
+    scene.paths = pack_polylines([offset_polyline(CENTRELINE, np.full(4, path_offset))])
+    out = RecordWriter(None, scene, "corridor: {width: 8.0}", name="corridor")
+    out.close("duration", steps_run=0, rejected=0, wall_clock={})
+    return out.record()
+
+
+@pytest.mark.parametrize("offset", [0.0, 3.9, -3.9])
+def test_caps_of_a_corridor_do_not_narrow_it_and_a_path_along_a_wall_sees_both(
+    offset: float,
+) -> None:
+    found = metrics.corridor_width(corridor(offset))
+    assert found.width.min() == pytest.approx(WIDTH, abs=1e-9)
+    assert found.width[0] == pytest.approx(WIDTH)
+    assert found.width.max() < 1.2 * WIDTH
+
+
+def test_an_obstacle_narrows_a_corridor_on_its_side() -> None:
+    found = metrics.corridor_width(corridor(0.0, obstacle=True))
+    k = int(np.argmin(abs(found.station - 5.5)))
+    assert found.width[k] == pytest.approx(4.0 + 2.0)
+    assert found.right[k] == pytest.approx([5.5, -2.0])

@@ -8,7 +8,7 @@ import pytest
 from physim.contacts import allowed_depth
 from physim.tolerances import DEEP, IMPACT_SPEED, SETTLED_DEPTH, TUNNEL_FRACTION
 from tests.helpers import inside
-from tests.physics.hosts import box, drive, host, segments
+from tests.simulation.engine.hosts import box, drive, host, segments
 
 pack_parts = inside("physim.geometry", "pack_parts")
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import copy
-import dataclasses
 import functools
 import pickle
 import subprocess
@@ -11,14 +10,13 @@ import sys
 from pathlib import Path
 
 import numpy as np
-import pymunk
 import pytest
-from crowds import KINDS, crowd, digest, go_on, run, told, worth_restoring
-from engine_memory import biases, set_biases
 
 from physim.contacts import Phase
 from physim.errors import PhysimError
+from tests.simulation.engine.crowds import KINDS, crowd, digest, go_on, run, told, worth_restoring
 
+ROOT = Path(__file__).parents[3]
 ONWARD = 200
 """steps that a restored run is followed"""
 LAST = 160
@@ -64,12 +62,13 @@ def test_restored_in_the_same_and_in_a_fresh_physics(kind):
             assert physics.state == past(kind, 1).states[until]
 
 
+@pytest.mark.deep
 def test_restored_in_another_process(tmp_path):
     cases = [(kind, 1, state) for kind in KINDS for state in chosen(kind, 1)]
     (tmp_path / "cases").write_bytes(pickle.dumps(cases))
     script = (
         "import pickle, sys\n"
-        "from crowds import crowd, digest, go_on\n"
+        "from tests.simulation.engine.crowds import crowd, digest, go_on\n"
         "for kind, seed, state in pickle.load(open(sys.argv[1], 'rb')):\n"
         "    scene = crowd(kind, seed)\n"
         "    physics = scene.physics()\n"
@@ -77,7 +76,7 @@ def test_restored_in_another_process(tmp_path):
         f"    print(digest(go_on(scene, physics, int(state.step) + {ONWARD})))\n"
     )
     command = [sys.executable, "-c", script, str(tmp_path / "cases")]
-    done = subprocess.run(command, cwd=Path(__file__).parent, capture_output=True, text=True)
+    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
     assert done.stdout.split() == [digest(follows(*case)) for case in cases]
 
@@ -95,75 +94,6 @@ def test_the_states_cover_what_can_be_under_way():
 # What it takes: without any part of it runs go on differently
 
 
-def end_up_elsewhere(change):
-    """Of states in contact of a jam: how many, and how many lead elsewhere after a change."""
-    scene, states = crowd("jam", 1), past("jam", 1).states
-    picked = [states[k] for k in range(90, LAST, 12)]
-    differ = 0
-    for state in picked:
-        physics = change(scene.physics(), state)
-        until = int(state.step) + 60
-        while physics.step_number < until:
-            physics.step(scene.command(physics.step_number, physics.pose))
-        differ += physics.pose.tobytes() != states[until].pose.tobytes()
-    return len(picked), differ
-
-
-def restored(physics, state):
-    physics.restore(state)
-    return physics
-
-
-def without_impulses(physics, state):
-    return restored(physics, dataclasses.replace(state, impulse=np.zeros_like(state.impulse)))
-
-
-def without_tangents(physics, state):
-    return restored(physics, dataclasses.replace(state, impulse=state.impulse * (1.0, 0.0)))
-
-
-def without_touching(physics, state):
-    return restored(physics, dataclasses.replace(state, touching=state.touching[:0]))
-
-
-def without_biases(physics, state):
-    set_biases(restored(physics, state), 0.0)
-    return physics
-
-
-def poses_alone(physics, state):
-    physics.reset(state.pose)
-    physics.step_number = int(state.step)
-    return physics
-
-
-def test_nothing_left_out_nothing_changes():
-    assert end_up_elsewhere(restored) == (6, 0)
-
-
-@pytest.mark.parametrize(
-    "change", [without_impulses, without_tangents, without_touching, without_biases, poses_alone]
-)
-def test_anything_left_out_changes_the_run(change, monkeypatch):
-    # A step that is done again begins from the poses alone.
-    monkeypatch.setattr("physim.simulation.engine.host.allowed_depth", lambda shapes, step: np.inf)
-    assert end_up_elsewhere(change) == (6, 6)
-
-
-def test_the_order_of_pairs_of_the_tree_depends_on_the_past(monkeypatch):
-    monkeypatch.setattr(pymunk.Space, "use_spatial_hash", lambda *arguments: None)
-    scene, by_tree = crowd("jam", 1), run("jam", 1, 300)
-    physics, differ = scene.physics(), 0
-    for k in (60, 80, 100):
-        try:
-            physics.restore(by_tree.states[k])
-        except PhysimError:
-            differ += 1
-            continue
-        differ += go_on(scene, physics, 300) != by_tree.samples[k:]
-    assert differ > 0
-
-
 def test_contacts_that_have_ended_were_solved_too():
     """How long the engine solves hangs on how many pairs touched; some of them are apart since."""
     scene, undisturbed = crowd("jam", 1), past("jam", 1)
@@ -174,17 +104,6 @@ def test_contacts_that_have_ended_were_solved_too():
         until = int(state.step) + 40
         go_on(scene, physics, until)
         assert physics.state == undisturbed.states[until]
-
-
-def test_what_eases_overlaps_follows_from_the_poses():
-    scene = crowd("jam", 1)
-    physics = scene.physics()
-    go_on(scene, physics, 120)
-    before, state = biases(physics), physics.state
-    assert np.abs(before).max() > 1e-3
-    for other in (physics, scene.physics()):
-        other.restore(state)
-        assert biases(other).tobytes() == before.tobytes()
 
 
 # The value
@@ -221,21 +140,6 @@ def test_copies_are_equal_and_read_only(again):
     physics = scene.physics()
     physics.restore(other)
     assert go_on(scene, physics, 160) == past("jam", 1).samples[120:161]
-
-
-def test_the_arrays_make_the_state():
-    state = past("jam", 1).states[120]
-    assert type(state)(**state.arrays()) == state
-
-
-@pytest.mark.parametrize("name", ["step", "pose", "touching", "impulse", "rejected", "contacts"])
-def test_a_bit_makes_another_state(name):
-    state = past("jam", 1).states[120]
-    array = np.array(state.arrays()[name])
-    flipped = bytes([array.tobytes()[0] ^ 1]) + array.tobytes()[1:]
-    other = np.frombuffer(flipped, array.dtype).reshape(array.shape)
-    assert dataclasses.replace(state, **{name: array}) == state
-    assert dataclasses.replace(state, **{name: other}) != state
 
 
 # Of another scene

@@ -15,7 +15,10 @@ from tests.helpers import inside
 
 ModeSwitchingSettings = inside("physim.controllers", "ModeSwitchingSettings")
 
-SELDOM = ("shortened by the stop", "target unseen", "a wall beyond boundary_time_high")
+SELDOM = {
+    "shortened by the stop", "target unseen", "a wall beyond boundary_time_high",
+    "settled by |omega|", "too near to tell",
+}  # fmt: skip
 """Branches that random scenes need not meet: others do, below and beside."""
 MOST_UNSURE = 0.02
 """Share of decisions that turn on a graze, where nothing can be demanded."""
@@ -37,7 +40,7 @@ def test_every_decision_agrees_with_the_oracle() -> None:
 @pytest.mark.deep
 def test_every_branch_agrees_with_the_oracle() -> None:
     tally = in_random_scenes(range(100, 320))
-    assert {name for name, met in tally.met.items() if met < 5} <= set(SELDOM)
+    assert {name for name, met in tally.met.items() if met < 5} <= SELDOM
 
 
 def test_a_wall_beyond_its_threshold_keeps_nobody_in_danger() -> None:

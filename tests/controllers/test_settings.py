@@ -53,10 +53,6 @@ def test_the_longest_interval_is_twice_the_period_unless_given() -> None:
     assert settings.rules().longest_interval == 0.6
 
 
-def test_a_horizon_may_be_the_time_to_leave_danger() -> None:
-    assert ModeSwitchingSettings(time_high=2.0, horizon=2.0).horizon == 2.0
-
-
 def test_defaults_are_those_the_paper_states() -> None:
     """A period of 0.1 s, speeds -1, 0 and 1, rotational speeds to either side and none."""
     settings = ModeSwitchingSettings()

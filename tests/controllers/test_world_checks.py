@@ -86,13 +86,6 @@ def test_a_speed_beside_a_formation_is_one_fault(name):
         Simulation(world)
 
 
-def test_a_slow_speed_makes_a_run_too_short(tmp_path):
-    text = ALONE.replace("duration: 2.0", "duration: 60.0") + "expect: {finished: true}\n"
-    assert said(checked(tmp_path, text)) == {}
-    late = said(checked(tmp_path, text, "controller.speed=0.5"))
-    assert "76 s at 0.5 m/s" in late["time.duration"]
-
-
 @pytest.mark.parametrize("controller", ["mode_switching", "path_following"])
 def test_a_speed_that_no_robot_reaches_is_doubted(tmp_path, controller):
     """It is the limits that hold: 1.5 m/s, and 0.5 m/s where nobody wrote a speed."""
@@ -161,14 +154,6 @@ def test_a_range_is_doubted_where_thresholds_cannot_be_kept(tmp_path, overrides,
     short = checked(tmp_path, TOGETHER, *overrides, f"sensing.range={needed - 0.001}")
     assert short.ok
     assert why in said(short)["sensing.range"]
-
-
-def test_the_range_of_a_formation_counts_where_there_is_no_other(tmp_path):
-    key = "formation.range"
-    short = ("formation.range=2.0", "formation.neighbours=all")
-    assert "at least" in said(checked(tmp_path, TOGETHER, *short))[key]
-    both = checked(tmp_path, TOGETHER, *short, "sensing.range=8.0")
-    assert said(both) == {}
 
 
 # Intervals

@@ -127,12 +127,6 @@ def test_a_wall_that_stands_in_the_area_has_a_danger_area() -> None:
     assert room.all()
 
 
-def test_walls_outside_of_the_area_or_at_its_edge_do_not_stand_in_it() -> None:
-    walls = list(corridor_boundaries(STRAIGHT, np.array([8.0, 8.0]), 3.0).values())
-    beyond, along = np.array([[10.0, 4.0], [10.0, 9.0]]), np.array([[5.0, 4.0], [9.0, 4.0]])
-    assert accessible_area([*walls, beyond, along], [], STRAIGHT).inner.is_empty
-
-
 def test_the_largest_distance_counts_walls_that_stand_in_the_area() -> None:
     rim = np.array([[0.0, 0.0], [20.0, 0.0], [20.0, 4.0], [0.0, 4.0], [0.0, 0.0]])
     path = np.array([[1.0, 1.0], [19.0, 1.0]])

@@ -120,19 +120,3 @@ def test_bodies_are_packed_whichever_way_they_go_round_and_nonconvex_ones_too():
     assert toward == pytest.approx([2.0] * 3)
     notch = shortest_distances(shapes, [3, 4], still, shapes, [0, 1], inside)
     assert notch == pytest.approx([0.4, 0.4])
-
-
-@pytest.mark.parametrize(
-    ("bodies", "words"),
-    [
-        ([SQUARE, [[0.0, math.nan], [1.0, 0.0], [0.0, 1.0]]], ("bodies[1]", "finite")),
-        ([[]], ("bodies[0]", "no points")),
-        ([SQUARE, [[0.0, 1.0, 2.0]]], ("bodies[1]", "(n, 2)")),
-        ([[SQUARE], SQUARE[[0, 2, 1, 3]]], ("bodies[1]",)),
-        (3, ("bodies", "sequence")),
-    ],
-)
-def test_what_is_no_shape_is_not_packed(bodies, words):
-    with pytest.raises(PhysimError) as caught:
-        pack_shapes(bodies)
-    assert all(word in str(caught.value) for word in words)

@@ -151,18 +151,6 @@ def test_ring_meets_a_wall_twice_a_turn():
     assert rows == pytest.approx(np.array(exact), abs=1e-5)
 
 
-def test_corners_of_a_turning_box_touch_in_turn():
-    wall = polyline([[-5.0, 0.95], [5.0, 0.95]])
-    rows = contact_intervals(BOX, (0, 0, 0), (0, 1), wall, *STILL, 2.0 * math.pi)
-    reach, at = math.hypot(0.9, 0.5), math.atan2(0.5, 0.9)
-    half = math.acos(0.95 / reach)
-    middles = sorted(angle % (2.0 * math.pi) for angle in np.array([
-        math.pi / 2 - at, math.pi / 2 + at, 3 * math.pi / 2 - at, 3 * math.pi / 2 + at,
-    ]))  # fmt: skip
-    exact = [[m - half, m + half] for m in middles]
-    assert rows == pytest.approx(np.array(exact), abs=TIME)
-
-
 def test_contact_through_parts_is_one_interval():
     """An L of two parts moves over a post: no seam where the post goes from part to part."""
     ell = [[0, 0], [2, 0], [2, 1], [1, 1], [1, 2], [0, 2]]

@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 
 from tests.helpers import examples, inside
 
-offset_polyline, pack_polylines = inside("physim.geometry", "offset_polyline", "pack_polylines")
-Path, project, track, Tracking = inside("physim.geometry", "Path", "project", "track", "Tracking")
+offset_polyline, Path, track = inside("physim.geometry", "offset_polyline", "Path", "track")
+Tracking = inside("physim.geometry", "Tracking")
 
 coordinate = st.floats(-50.0, 50.0).map(lambda value: round(value, 3))
 points = st.lists(st.tuples(coordinate, coordinate), min_size=2, max_size=8)
@@ -48,22 +48,6 @@ def test_point_at_a_station_agrees_with_shapely(
     clamped = min(max(station, 0.0), path.length)
     expected = shapely.LineString(waypoints).interpolate(clamped)
     assert path.point(station) == pytest.approx((expected.x, expected.y), abs=1e-9)
-
-
-@examples(25, deep=100)
-@given(points, coordinate, coordinate, st.floats(0.0, 100.0), st.floats(0.0, 50.0))
-def test_window_is_a_search_over_that_stretch_only(
-    waypoints: list[tuple[float, float]], x: float, y: float, low: float, width: float
-) -> None:
-    lines = pack_polylines([without_repeats(waypoints)])
-    end = lines.station[-1]
-    low = min(low, end)
-    station, deviation = project(lines, 0, x, y, low, low + width)
-    assert low <= station <= min(low + width, end)
-    path = Path(lines.points)
-    samples = np.linspace(low, min(low + width, end), 200)
-    gaps = [np.hypot(*(path.point(s) - (x, y))) for s in samples]
-    assert abs(deviation) <= min(gaps) + 1e-9
 
 
 def test_left_of_the_path_is_positive() -> None:

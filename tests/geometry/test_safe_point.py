@@ -78,9 +78,3 @@ def test_safe_point_behind_the_target_is_not_taken() -> None:
     assert roomiest_point(walls, parts, target, (1.0, 0.0), target, 4.0) == pytest.approx(
         (2.5, 0.0), abs=1e-6
     )
-
-
-def test_inside_an_obstacle_clearance_is_zero() -> None:
-    walls = pack_parts([[np.array([[0.0, 0.0], [2.0, 0.0], [2.0, 2.0], [0.0, 2.0]])]])
-    assert point_clearance(walls, np.arange(1), 1.0, 1.0) == 0.0
-    assert point_clearance(walls, np.arange(1), 3.0, 1.0) == pytest.approx(1.0)

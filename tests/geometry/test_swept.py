@@ -174,20 +174,6 @@ def test_head_on_at_a_known_time():
         assert at == DT
 
 
-def test_angles_count_as_given():
-    """A whole turn within the step sweeps the corners round; none leaves the box where it is."""
-    shapes = pack_parts([[BOX]])
-    walls = pack_parts([[np.array([[-2.0, 0.8], [2.0, 0.8]])]])
-    part = np.zeros(1, dtype=np.int64)
-    end = np.array([0.0, 0.0, 2.0 * math.pi])
-    t, _ = swept_walls(shapes, 0, STILL, end, walls, part, DT)
-    exact = math.asin(0.8 / math.hypot(0.9, 0.5)) - math.atan2(0.5, 0.9)
-    assert t == pytest.approx(DT * exact / (2.0 * math.pi), abs=1e-9)
-    assert swept_walls(shapes, 0, STILL, STILL, walls, part, DT) == (math.inf, -1)
-    least, _, _, _ = least_gap_walls(shapes, 0, STILL, end, walls, part, DT)
-    assert least == pytest.approx(0.8 - math.hypot(0.9, 0.5), abs=1e-9)
-
-
 def test_bodies_too_fast_for_their_times_end_the_search():
     """At 9e9 m/s, as in a damaged record, 1e-9 m further is no later time."""
     shapes = pack_parts([(BOX,), (BOX,)])

@@ -10,8 +10,7 @@ from physim.tolerances import LENGTH
 from tests.helpers import inside
 
 accessible_area, FloatArray = inside("physim.geometry", "accessible_area", "FloatArray")
-LONGEST_RUN, shrunk, SIMPLER = inside("physim.geometry", "LONGEST_RUN", "shrunk", "SIMPLER")
-simplified, SMALL, thinned = inside("physim.geometry", "simplified", "SMALL", "thinned")
+shrunk, SIMPLER, SMALL, thinned = inside("physim.geometry", "shrunk", "SIMPLER", "SMALL", "thinned")
 
 ROOM = np.array([[-3.0, -3.0], [33.0, -3.0], [33.0, 3.0], [-3.0, 3.0], [-3.0, -3.0]])
 MIDDLE = np.array([[0.0, 0.0], [30.0, 0.0]])
@@ -101,13 +100,3 @@ def test_the_safe_area_between_rough_walls(points: int, roughness: float) -> Non
     true = room.difference(near)
     assert found.area == pytest.approx(true.area, rel=5e-3)
     check_gaps(room, found, 0.5)
-
-
-def test_what_stays_of_a_simplified_line_is_as_near_as_it_should() -> None:
-    line = np.stack((np.linspace(0.0, 60.0, 35_000), np.zeros(35_000)), axis=1)
-    line[:, 1] = np.sin(line[:, 0])
-    kept = simplified(line, 1e-3, [7])
-    assert len(kept) < 2_000
-    for one in (line[0], line[7], line[LONGEST_RUN], line[-1]):
-        assert (kept == one).all(axis=1).sum() == 1
-    assert shapely.distance(shapely.LineString(kept), shapely.points(line)).max() <= 1e-3

@@ -24,17 +24,6 @@ def test_reset_is_the_same_as_built(kind):
         assert go_on(scene, used, 120) == go_on(scene, fresh, 120)
 
 
-def test_the_start_may_be_a_list_and_is_not_kept():
-    physics = host([[0.0, 0.0, 0.0]])
-    start = np.array([[1.0, 2.0, 0.5]])
-    physics.reset(start)
-    start[:] = 9.0
-    assert physics.pose.tolist() == [[1.0, 2.0, 0.5]]
-    physics.reset([[3.0, 4.0, 0.5]])
-    assert physics.pose.tolist() == [[3.0, 4.0, 0.5]]
-    assert physics.step_number == 0
-
-
 @pytest.mark.parametrize(
     ("start", "told"),
     [

@@ -12,7 +12,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from physim.contacts import Phase
 from physim.errors import PhysimError
 from tests.simulation.engine.crowds import KINDS, crowd, digest, go_on, run, told, worth_restoring
 
@@ -81,29 +80,7 @@ def test_restored_in_another_process(tmp_path):
     assert done.stdout.split() == [digest(follows(*case)) for case in cases]
 
 
-def test_the_states_cover_what_can_be_under_way():
-    states = [state for kind in KINDS for state in chosen(kind, 1)]
-    assert sum(len(s.part) > 0 for s in states) > 10
-    assert sum(len(s.false_contacts) > 0 for s in states) > 2
-    assert any(len(s.false_contacts) and not len(s.touching) for s in states)
-    assert any((s.contacts["phase"] == 0).any() for s in states)
-    points = np.concatenate([s.impulse for s in states])
-    assert (points != 0.0).any(axis=0).all()  # along the normal, and by friction
-
-
 # What it takes: without any part of it runs go on differently
-
-
-def test_contacts_that_have_ended_were_solved_too():
-    """How long the engine solves hangs on how many pairs touched; some of them are apart since."""
-    scene, undisturbed = crowd("jam", 1), past("jam", 1)
-    ended = [s for s in undisturbed.states[:LAST] if (s.contacts["phase"] == Phase.ENDED).any()]
-    physics = scene.physics()
-    for state in ended[:8]:
-        physics.restore(state)
-        until = int(state.step) + 40
-        go_on(scene, physics, until)
-        assert physics.state == undisturbed.states[until]
 
 
 # The value

@@ -132,15 +132,6 @@ def test_a_bend_of_many_segments_guides_a_robot_without_snagging(dt):
     assert deepest(rows) <= 2 * dt + SETTLED_DEPTH
 
 
-def test_closed_boundary_is_chained_all_round():
-    ring = [(-3.0, 0.0), (0.0, 0.0), (3.0, 0.0), (3.0, 3.0), (-3.0, 3.0), (-3.0, 0.0)]
-    rolled = [*ring[1:], ring[1]]  # starts in the middle of the straight side
-    for points in (ring, rolled):
-        physics = host([[-2.0, 0.45, -0.6]], walls=[segments(points)])
-        poses, _ = drive(physics, [1.0, 0.0], 60)
-        assert np.diff(poses[30:, 0, 0]).min() > 0.049
-
-
 def test_wall_end_and_obstacle_stop_a_robot():
     pole = [[(2.0, 0.0), (4.0, 0.0)]]
     block = [box(1.0, 1.0, x=2.5)]

@@ -2,14 +2,20 @@
 
 from __future__ import annotations
 
+import dataclasses
+
 import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
+from tests.controllers.agreement import considered_by
+from tests.controllers.scenes import scene_of, sensed_at, single_robot
 from tests.helpers import examples, inside
 from tests.oracles import priority as oracle
 
 considered, has_priority = inside("physim.controllers", "considered", "has_priority")
+ModeSwitching = inside("physim.controllers", "ModeSwitching")
+ModeSwitchingSettings = inside("physim.controllers", "ModeSwitchingSettings")
 
 station = st.floats(-10.0, 10.0)
 
@@ -25,15 +31,6 @@ def test_the_one_ahead_has_priority_and_of_equals_the_lower_index() -> None:
     assert not has_priority(2.0, 5, 1.0, 0)
     assert has_priority(1.0, 5, 1.0, 0)
     assert not has_priority(1.0, 0, 1.0, 5)
-
-
-def test_considered_are_those_ahead_within_range() -> None:
-    pose = np.array([[0.0, 0, 0], [3.0, 0, 0], [-3.0, 0, 0], [0.0, 2, 0], [11.0, 0, 0]])
-    along = np.array([0.0, 3.0, -3.0, 0.0, 11.0])
-    index = np.arange(5)
-    assert list(considered(0, index, pose, along, 10.0)) == [1]
-    assert list(considered(3, index, pose, along, 10.0)) == [0, 1]
-    assert list(considered(2, index, pose, along, 10.0)) == [0, 1, 3]
 
 
 def test_considered_agree_with_the_oracle() -> None:
@@ -56,3 +53,27 @@ def test_considered_agree_with_the_oracle() -> None:
         along_only += ((lead > 0.0) & (lead <= 9.0) & (gap > 9.0)).sum()
         straight_only += ((lead > 9.0) & (gap <= 9.0)).sum()
     assert min(ties, along_only, straight_only) >= 50
+
+
+def test_considered_in_a_large_cluster_agree_with_the_oracle() -> None:
+    """As decisions tell them, over several moments in which robots overtake one another."""
+    rng, n = np.random.default_rng(42), 150
+    history = single_robot(np.array([[0.0, 0.0], [60.0, 0.0]]), 0.0)
+    ((robot,),) = history.moments
+    pose, station = rng.uniform(-12.0, 12.0, (n, 3)), rng.uniform(0.0, 60.0, n).round(1)
+    cluster = dataclasses.replace(history.cluster, range=9.0)
+    scene = scene_of(dataclasses.replace(history, cluster=cluster, moments=[[robot] * n]))
+    form = ModeSwitching(ModeSwitchingSettings()).batch(scene)
+    memory = form.memory()
+    for step in range(3):
+        rows = [
+            dataclasses.replace(robot, pose=at, reference_station=s)
+            for at, s in zip(pose, station.tolist(), strict=True)
+        ]
+        made = form.decide_due(sensed_at(rows, step), np.arange(n), memory)
+        seen = [(j, pose[j], station[j]) for j in range(n)]
+        for i in range(n):
+            others = seen[:i] + seen[i + 1 :]
+            expected = oracle.considered(i, pose[i], station[i], others, 9.0)
+            assert considered_by(made, i).tolist() == expected
+        station = (station + rng.normal(0.0, 3.0, n)).round(1)

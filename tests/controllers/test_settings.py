@@ -44,10 +44,6 @@ def test_safe_mode_goes_forward_only_as_set_or_in_a_formation(
     assert (settings.forward_only(False), settings.forward_only(True)) == (alone, in_formation)
 
 
-def test_a_boundary_ahead_counts_as_a_robot_unless_set_otherwise() -> None:
-    assert ModeSwitchingSettings(time_high=1.7).rules().boundary_time_high == 1.7
-
-
 def test_the_longest_interval_is_twice_the_period_unless_given() -> None:
     settings = ModeSwitchingSettings(update_period=0.3, dwell_times=[0.3])
     assert settings.rules().longest_interval == 0.6

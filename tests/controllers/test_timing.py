@@ -30,12 +30,6 @@ controller:
 FAR = float("inf")
 
 
-def test_update_interval_14() -> None:
-    assert update_interval(0.1, 0.5, FAR) == 0.1
-    assert update_interval(0.1, 0.5, 0.06) == 0.03
-    assert update_interval(0.1, 0.5, 0.0) == 0.0
-
-
 def test_update_interval_agrees_with_the_oracle() -> None:
     for k in range(300):
         rng = np.random.default_rng([60, k])

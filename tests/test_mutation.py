@@ -7,6 +7,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
 SCRIPT = """
 import sys
 from pathlib import Path
@@ -31,6 +33,7 @@ def test_larger() -> None:
 """
 
 
+@pytest.mark.deep
 def test_survivors_are_named(tmp_path: Path) -> None:
     for name, text in (("toy/toy.py", TOY), ("tests/toy/test_toy.py", TESTS)):
         (tmp_path / name).parent.mkdir(parents=True)

@@ -7,6 +7,7 @@ import pytest
 from tests.mutation.rules import RULES, UNDO, undo
 
 
+@pytest.mark.deep
 def test_every_rule_finds_what_it_breaks() -> None:
     for room, name, function in RULES:
         try:

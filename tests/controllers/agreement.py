@@ -89,7 +89,7 @@ def _compare(
             tally.met["unsure"] += 1
             continue
         tally.met["decided"] += 1
-        tally.met += met_by(a, expected)
+        tally.met.update(met_by(a, expected))
         for name, made in zip(FORMS, forms, strict=True):
             found = faults_of(a.settings, expected, made, a.view)
             found += faults_of_names(a, expected, made)
@@ -219,8 +219,8 @@ def fresh_mode(expected: Expected, time: float, s: ModeSwitchingSettings) -> int
     return switching.next_mode(switching.SAFE, *seen, on)
 
 
-def met_by(a: Asked, expected: Expected) -> Counter[str]:
-    """Which branches a decision went through."""
+def met_by(a: Asked, expected: Expected) -> dict[str, int]:
+    """Which branches a decision went through: 1, or 0 for those that it did not."""
     s, seen, me = a.settings, a.view, a.view.me
     by = {switching.SAFE: "safe", switching.BY_DISTANCE: "(12)", switching.BY_TIME: "(13)"}
     mode = by[expected.mode]
@@ -286,4 +286,4 @@ def met_by(a: Asked, expected: Expected) -> Counter[str]:
         "not stretched": timing.longest_interval(s) == s.update_period,
         "without events": not s.event_triggered and s.beta * time < expected.period,
     }
-    return Counter(name for name, is_so in met.items() if is_so)
+    return {name: int(bool(is_so)) for name, is_so in met.items()}

@@ -72,7 +72,10 @@ def random_road(rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:
 def random_walls(
     rng: np.random.Generator, road: np.ndarray, outline: np.ndarray
 ) -> list[list[np.ndarray]]:
-    walls = [[outline[k : k + 2]] for k in range(len(outline) - 1)]
+    pieces = 6 if len(road) == 3 else 1  # many walls, or few
+    ends = np.arange(pieces * (len(outline) - 1) + 1) / pieces
+    line = np.stack([np.interp(ends, np.arange(len(outline)), xy) for xy in outline.T], axis=1)
+    walls = [[line[k : k + 2]] for k in range(len(line) - 1)]
     for _ in range(rng.integers(3)):
         middle = road[rng.integers(len(road))] + rng.uniform(-3.0, 3.0, 2)
         if rng.random() < 0.3:

@@ -14,21 +14,18 @@ from dataclasses import dataclass
 import numpy as np
 
 from physim import Decisions, Observation, Scene, Sensed, build_scene
-from physim.geometry import Shapes
 from physim.world.file import parse_world
 from tests.helpers import STRAIGHT, inside
 from tests.oracles.paths import lengths, point_at
 from tests.oracles.view import Body, Cluster
 
-ModeSwitching, COLUMNS = inside("physim.controllers", "ModeSwitching", "COLUMNS")
-NearField, look_about, Bodies = inside("physim.controllers", "NearField", "look_about", "Bodies")
+ModeSwitching = inside("physim.controllers", "ModeSwitching")
 ModeSwitchingSettings = inside("physim.controllers", "ModeSwitchingSettings")
-pack_parts, pack_polylines = inside("physim.geometry", "pack_parts", "pack_polylines")
-read_only, build_wall_grid = inside("physim.geometry", "read_only", "build_wall_grid")
-Sight, build_wall_tree = inside("physim.geometry", "Sight", "build_wall_tree")
+build_wall_grid, pack_parts = inside("physim.geometry", "build_wall_grid", "pack_parts")
+pack_polylines, read_only = inside("physim.geometry", "pack_polylines", "read_only")
 Declared, shared = inside("physim.parts", "Declared", "shared")
-PerRobotAdapter, observe = inside("physim.simulation", "PerRobotAdapter", "observe")
-SceneBody, FormationPlan = inside("physim.world", "Body", "FormationPlan")
+observe, PerRobotAdapter = inside("physim.simulation", "observe", "PerRobotAdapter")
+FormationPlan, SceneBody = inside("physim.world", "FormationPlan", "Body")
 
 
 @dataclass(frozen=True)
@@ -123,17 +120,6 @@ def decisions(history: History, settings: ModeSwitchingSettings) -> dict[str, li
         for name, form in forms.items():
             made[name].append(form.decide_due(sensed, everyone, memories[name]))
     return made
-
-
-def near_field(
-    bodies: Bodies, rows: np.ndarray, walls: Shapes, translation: bool = False
-) -> NearField:
-    """What row 0 knows about it when it considers ``rows`` and sees all of the walls."""
-    count, (x, y) = len(bodies.pose), bodies.pose[0, :2]
-    table, keep = np.empty((count, COLUMNS)), 0.0 if translation else 1.0
-    nearest = look_about(bodies, 0, rows, keep, table)
-    sight = Sight(build_wall_tree(walls), x, y, np.inf, np.full(count, -1))
-    return NearField(0, rows, table, nearest, sight, np.empty(count, dtype=np.int64), keep)
 
 
 def observations(history: History, moment: int) -> list[Observation]:

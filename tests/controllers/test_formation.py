@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from physim import parse_world, simulate
 from tests.controllers.scenes import scene_of, sensed_at, single_robot
-from tests.helpers import STRAIGHT, inside
+from tests.helpers import STRAIGHT, examples, inside
 from tests.oracles import formation as oracle
 from tests.oracles.tolerances import ROUNDING
 from tests.oracles.view import neighbours
@@ -40,7 +40,7 @@ def test_a_robot_that_lags_speeds_up_and_one_in_the_lead_slows_down() -> None:
 
 def test_speed_by_7_is_that_of_the_sums() -> None:
     at_bound = {0.8: 0, 1.3: 0}
-    for k in range(2000):
+    for k in range(500):
         rng = np.random.default_rng([30, k])
         n = int(rng.integers(1, 9))
         station, lead = rng.uniform(-20.0, 20.0, n), rng.uniform(-10.0, 10.0, n)
@@ -54,12 +54,12 @@ def test_speed_by_7_is_that_of_the_sums() -> None:
         assert abs(found - expected) <= ROUNDING
         if expected in at_bound:
             at_bound[expected] += 1
-    assert min(at_bound.values()) >= 100
-    assert sum(at_bound.values()) <= 1900
+    assert min(at_bound.values()) >= 25
+    assert sum(at_bound.values()) <= 475
 
 
 def test_neighbours_are_those_listed_or_within_range_along_the_reference_path() -> None:
-    for k in range(150):
+    for k in range(60):
         rng = np.random.default_rng([31, k])
         n = int(rng.integers(1, 7))
         history = single_robot(np.array([[0.0, 0.0], [30.0, 0.0]]), 0.0)
@@ -88,17 +88,7 @@ def test_neighbours_are_those_listed_or_within_range_along_the_reference_path() 
 stations = st.lists(st.floats(-100.0, 100.0), min_size=2, max_size=12)
 
 
-@given(stations, st.floats(0.1, 50.0))
-def test_neighbourhood_is_symmetric(values: list[float], reach: float) -> None:
-    station = np.array(values)
-    for i in range(len(values)):
-        assert not is_neighbour(i, i, station[i], station[i], EVERY_ONE, reach)
-        for j in range(len(values)):
-            assert is_neighbour(i, j, station[i], station[j], EVERY_ONE, reach) == is_neighbour(
-                j, i, station[j], station[i], EVERY_ONE, reach
-            )
-
-
+@examples(25, deep=100)
 @given(stations, st.integers(0, 2**31))
 def test_energy_and_its_rate_are_those_of_the_sums(values: list[float], seed: int) -> None:
     rng = np.random.default_rng(seed)
@@ -112,6 +102,7 @@ def test_energy_and_its_rate_are_those_of_the_sums(values: list[float], seed: in
     assert formation_energy_rate(station, lead, adjacency, 0.05) == pytest.approx(rate, rel=1e-9)
 
 
+@examples(25, deep=100)
 @given(stations, st.integers(0, 2**31), st.floats(0.001, 0.1))
 def test_energy_identity_10_for_robots_that_all_update_every_step(
     values: list[float], seed: int, dt: float
@@ -144,7 +135,7 @@ def test_energy_identity_10_for_robots_that_all_update_every_step(
 def test_formation_errors_that_are_recorded_agree_with_the_oracle() -> None:
     history = single_robot(np.array([[0.0, 0.0], [30.0, 0.0]]), 0.0)
     ((robot,),) = history.moments
-    for k in range(50):
+    for k in range(20):
         rng = np.random.default_rng([32, k])
         n = int(rng.integers(1, 9))
         station, lead = rng.uniform(0.0, 30.0, n), rng.uniform(-5.0, 5.0, n)

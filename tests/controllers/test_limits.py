@@ -51,10 +51,3 @@ def test_where_faults_are_told(
     """
     assert places(omegas, True) == [("controller", "omegas", k) for k in written]
     assert places(omegas, False) == [("robots", i, "limits", "omega") for i in default]
-
-
-def test_the_slowest_robot_is_named() -> None:
-    (fault,) = omega_faults((0.0, 1.0), True, ROBOTS)
-    assert "0.5" in fault.message
-    assert '"r0.5"' in fault.message
-    assert "1 more robot" in fault.message

@@ -25,7 +25,7 @@ OMEGAS = [[-0.7, 0.0, 0.7], [0.0, 1.5, -0.8], [-1.5, -0.75, 0.0, 0.75, 1.5]]
 
 def test_target_is_look_ahead_further_along() -> None:
     past = 0
-    for k in range(2000):
+    for k in range(400):
         rng = np.random.default_rng([20, k])
         road = rng.uniform(-20.0, 20.0, (int(rng.integers(2, 7)), 2))
         end = paths.lengths(road)[-1]
@@ -34,7 +34,7 @@ def test_target_is_look_ahead_further_along() -> None:
         point, direction = paths.target(road, station, look_ahead)
         assert np.allclose(found, [*point, *direction], rtol=0.0, atol=ROUNDING)
         past += station + look_ahead > end
-    assert past >= 100
+    assert past >= 20
 
 
 def test_energy_4_is_half_the_squared_distance() -> None:
@@ -58,7 +58,7 @@ def test_plans_are_judged_no_further_than_to_the_last_waypoint() -> None:
 @pytest.mark.parametrize("dwells", [1, 2, 3])
 def test_best_plan_is_that_of_trying_all(dwells: int) -> None:
     unequal = 0
-    for k in range(600):
+    for k in range(100):
         rng = np.random.default_rng([21, dwells, k])
         omegas = OMEGAS[rng.integers(3 if dwells < 3 else 2)]
         speeds = [[1.0], [-1.0, 0.0, 1.0], [0.0, 0.5, 1.0]][rng.integers(3)]
@@ -72,7 +72,7 @@ def test_best_plan_is_that_of_trying_all(dwells: int) -> None:
         right, _ = smallest(path_following.judgements(pose, sequences, dwell, ahead, target))
         assert any(np.array_equal(plan, sequences[c]) for c in right)
         unequal += len({tuple(pair) for pair in plan}) > 1
-    assert unequal >= (0 if dwells == 1 else 50)
+    assert unequal >= (0 if dwells == 1 else 8)
 
 
 def test_at_its_target_a_robot_stands_still() -> None:
@@ -87,7 +87,7 @@ def test_at_its_target_a_robot_stands_still() -> None:
 def test_of_mirror_images_the_first_in_the_order_of_the_sets_is_taken(dwells: int) -> None:
     """Straight before a target, a plan and its mirror image end equally near to it."""
     by_order = 0
-    for k in range(150):
+    for k in range(60):
         rng = np.random.default_rng([23, dwells, k])
         turn = float(rng.uniform(0.5, 4.0))
         pairs = path_following.pairs([1.0], 1.0, rng.permutation([-turn, 0.0, turn]))
@@ -101,7 +101,7 @@ def test_of_mirror_images_the_first_in_the_order_of_the_sets_is_taken(dwells: in
         right, settled = smallest(keys)
         assert any(np.array_equal(plan, sequences[c]) for c in right)
         by_order += settled == 4
-    assert by_order >= 50
+    assert by_order >= 20
 
 
 # The projection is continuous in time, and deviations are positive to the left
@@ -124,7 +124,7 @@ def tracking(scene: Scene) -> Tracking:
 
 def test_projection_follows_the_robot_along_a_path_that_nears_and_crosses_itself() -> None:
     jumps = 0
-    for k in range(12):
+    for k in range(6):
         rng = np.random.default_rng([22, k])
         path = hairpin(rng)
         reference = offset_line(path, 0.05)
@@ -146,7 +146,7 @@ def test_projection_follows_the_robot_along_a_path_that_nears_and_crosses_itself
             assert abs(known.reference_station[0] - reference_station) <= ROUNDING
             jumps += abs(paths.nearest_station(path, xy)[0] - station) > 2.0
         assert station > end - 1.0
-    assert jumps >= 50  # where the nearest point of all lies on another branch
+    assert jumps >= 25  # where the nearest point of all lies on another branch
 
 
 def test_deviation_is_positive_to_the_left() -> None:

@@ -7,7 +7,7 @@ import dataclasses
 import numpy as np
 
 from tests.controllers.random_scenes import random_history
-from tests.controllers.scenes import observations, single_robot
+from tests.controllers.scenes import observations
 from tests.helpers import inside
 from tests.oracles import path_following, paths
 from tests.oracles.choice import smallest
@@ -23,7 +23,7 @@ OMEGAS = [-np.pi / 2, -np.pi / 4, 0.0, np.pi / 4, np.pi / 2]
 def test_decisions_agree_with_the_oracle() -> None:
     controller = PathFollowing()
     arrived = capped = limited = own = 0
-    for k in range(120):
+    for k in range(60):
         rng = np.random.default_rng([70, k])
         history = random_history(rng, moments=1)
         (robots,) = history.moments
@@ -52,31 +52,7 @@ def test_decisions_agree_with_the_oracle() -> None:
             capped += ahead < JUDGE_AHEAD
             limited += nu == me.limits[0]
             own += me.omegas is not None
-    assert min(arrived, capped, limited, own) >= 15
-
-
-def test_near_the_last_waypoint_it_looks_no_further() -> None:
-    """The turn by (5) differs there from the one judged by 0.5 s."""
-    controller, differ = PathFollowing(), 0
-    for k in range(200):
-        rng = np.random.default_rng([72, k])
-        left = rng.uniform(0.05, 0.45)
-        history = single_robot(np.array([[0.0, 0.0], [10.0, 0.0]]), 10.0 - left)
-        ((robot,),) = history.moments
-        pose = robot.pose + rng.normal(0.0, [0.1, 0.1, 0.5])
-        robot = dataclasses.replace(robot, pose=pose, stop_station=11.0)
-        (observation,) = observations(dataclasses.replace(history, moments=[[robot]]), 0)
-        decision = controller.decide(observation, None)
-        pairs = path_following.pairs([1.0], 1.0, OMEGAS)
-        rights = [
-            smallest(path_following.judgements(pose, pairs[:, None], [PERIOD], ahead, [10.0, 0.0]))[
-                0
-            ]
-            for ahead in (left, JUDGE_AHEAD)
-        ]
-        assert (decision.v, decision.omega) in [tuple(pairs[c]) for c in rights[0]]
-        differ += rights[0] != rights[1]
-    assert differ >= 10
+    assert min(arrived, capped, limited, own) >= 7
 
 
 def test_it_is_deaf_to_others_and_to_walls() -> None:

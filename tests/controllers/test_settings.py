@@ -8,9 +8,6 @@ from pydantic import ValidationError
 
 from tests.helpers import inside
 
-AVOIDANCE, DISTANCE_ALONE = inside("physim.controllers", "AVOIDANCE", "DISTANCE_ALONE")
-DISTANCE_FIRST, NO_AVOIDANCE = inside("physim.controllers", "DISTANCE_FIRST", "NO_AVOIDANCE")
-TIME_ALONE, TIME_FIRST = inside("physim.controllers", "TIME_ALONE", "TIME_FIRST")
 ModeSwitchingSettings = inside("physim.controllers", "ModeSwitchingSettings")
 
 
@@ -37,24 +34,6 @@ def test_settings_that_cannot_be(settings: dict[str, object], message: str) -> N
         ModeSwitchingSettings.model_validate(settings)
 
 
-def test_the_rules_get_every_setting_of_the_same_name() -> None:
-    given = {
-        "look_ahead": 2.5, "safe_distance": 0.9, "update_period": 0.2, "judge_ahead": 0.7,
-        "arrival_tolerance": 0.03, "distance_low": 0.31, "distance_high": 0.32, "time_low": 0.33,
-        "time_high": 0.34, "boundary_low": 0.35, "boundary_time_high": 0.335, "beta": 0.36,
-        "event_triggered": False, "longest_interval": 0.37, "horizon": 3.7,
-    }  # fmt: skip
-    settings = ModeSwitchingSettings.model_validate(
-        {**given, "dwell_times": [0.05, 0.15], "collision_motion": "translation"}
-    )
-    rules = settings.rules()
-    assert {name: getattr(rules, name) for name in given} == given
-    assert rules.dwell.tolist() == [0.05, 0.15]
-    assert rules.translation_only
-    assert not ModeSwitchingSettings().rules().translation_only
-    assert set(rules._fields) == {*given, "dwell", "translation_only", "avoidance"}
-
-
 @pytest.mark.parametrize(("may_reverse", "alone", "in_formation"), [
     (None, False, True), (True, False, False), (False, True, True),
 ])  # fmt: skip
@@ -65,31 +44,9 @@ def test_safe_mode_goes_forward_only_as_set_or_in_a_formation(
     assert (settings.forward_only(False), settings.forward_only(True)) == (alone, in_formation)
 
 
-def test_a_boundary_ahead_counts_as_a_robot_unless_set_otherwise() -> None:
-    assert ModeSwitchingSettings(time_high=1.7).rules().boundary_time_high == 1.7
-
-
-def test_the_rules_number_the_kinds_of_avoidance() -> None:
-    numbers = {
-        name: ModeSwitchingSettings.model_validate({"avoidance": name}).rules().avoidance
-        for name in AVOIDANCE
-    }
-    assert numbers == {
-        "distance_first": DISTANCE_FIRST,
-        "time_first": TIME_FIRST,
-        "distance": DISTANCE_ALONE,
-        "time": TIME_ALONE,
-        "none": NO_AVOIDANCE,
-    }
-
-
 def test_the_longest_interval_is_twice_the_period_unless_given() -> None:
     settings = ModeSwitchingSettings(update_period=0.3, dwell_times=[0.3])
     assert settings.rules().longest_interval == 0.6
-
-
-def test_a_horizon_may_be_the_time_to_leave_danger() -> None:
-    assert ModeSwitchingSettings(time_high=2.0, horizon=2.0).horizon == 2.0
 
 
 def test_defaults_are_those_the_paper_states() -> None:

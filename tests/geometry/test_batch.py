@@ -14,14 +14,11 @@ from physim.geometry import (
     pack_shapes,
     shortest_distances,
 )
-from tests.geometry.cases import BOX, published, random_scene
+from tests.geometry.cases import BOX, random_scene
 from tests.geometry.test_collision_time import OMEGAS
-from tests.geometry.test_separation import shape_of
 from tests.helpers import inside
 
-fill_distances, fill_times = inside("physim.geometry", "fill_distances", "fill_times")
-parts_of, body_distance, locked = inside("physim.geometry", "parts_of", "body_distance", "locked")
-pack_parts = inside("physim.geometry", "pack_parts")
+body_distance, pack_parts = inside("physim.geometry", "body_distance", "pack_parts")
 
 
 def scene(seed=3, count=40):
@@ -63,18 +60,6 @@ def test_times_equal_the_plain_form(width):
     assert 5 < np.isfinite(found).sum() < 40
 
 
-def test_published_distances():
-    cases = published("distance_cases.json")["cases"]
-    pairs = [(shape_of(case["a"]), shape_of(case["b"]), case) for case in cases]
-    pairs = [pair for pair in pairs if pair[0] is not None and pair[1] is not None]
-    one, two = (pack_parts([parts_of(pair[k], "shape") for pair in pairs]) for k in (0, 1))
-    index, still = np.arange(len(pairs)), np.zeros(3)
-    found = shortest_distances(one, index, still, two, index, still)
-    assert len(pairs) > 150
-    for d, (_, _, case) in zip(found, pairs, strict=True):
-        assert d == pytest.approx(case["distance"], abs=case["tol"]), case["id"]
-
-
 def test_one_serves_for_all_and_twists_may_differ_in_kind():
     shapes = pack_parts([[BOX]])
     poses = np.array([[5.0, 0.0, 0.0], [1.8, 0.0, 0.0], [5.0, 3.0, 0.0]])
@@ -84,24 +69,6 @@ def test_one_serves_for_all_and_twists_may_differ_in_kind():
     assert gaps == pytest.approx([3.2, 0.0, math.hypot(3.2, 2.0)], abs=1e-12)
     assert shortest_distances(shapes, 0, (0, 0, 0), shapes, 0, (3, 0, 0)).shape == (1,)
     assert shortest_distances(shapes, [], np.zeros((0, 3)), shapes, [], (0, 0, 0)).shape == (0,)
-
-
-def test_kernels_are_compiled_once_whatever_arrays_are_given():
-    """One pair or many, arrays that may be written to or not, lists, slices."""
-    shapes, poses = pack_parts([[BOX]]), np.zeros((6, 3))
-    poses[:, 0] = 3.0
-    one = (shapes, 0, (0, 0, 0), (1, 0), shapes, 0, (3, 0, 0), (0, 0))
-    kernels = fill_distances.whole, fill_times.whole
-    collision_times(*one)
-    shortest_distances(shapes, 0, (0, 0, 0), shapes, 0, (3, 0, 0))
-    before = [len(kernel.signatures) for kernel in kernels]
-    for given in (shapes, locked(shapes)):
-        for rows in (poses[:1], poses, locked(poses), poses[::2], poses.tolist()):
-            index = np.zeros(len(rows), dtype=np.int64)
-            for body in (0, index, locked(index), index.astype(np.int32)):
-                collision_times(given, 0, (0, 0, 0), (1, 0), given, body, rows, (0, 0))
-                shortest_distances(given, body, rows, given, body, rows)
-    assert [len(kernel.signatures) for kernel in kernels] == before
 
 
 @pytest.mark.parametrize(
@@ -153,19 +120,3 @@ def test_bodies_are_packed_whichever_way_they_go_round_and_nonconvex_ones_too():
     assert toward == pytest.approx([2.0] * 3)
     notch = shortest_distances(shapes, [3, 4], still, shapes, [0, 1], inside)
     assert notch == pytest.approx([0.4, 0.4])
-
-
-@pytest.mark.parametrize(
-    ("bodies", "words"),
-    [
-        ([SQUARE, [[0.0, math.nan], [1.0, 0.0], [0.0, 1.0]]], ("bodies[1]", "finite")),
-        ([[]], ("bodies[0]", "no points")),
-        ([SQUARE, [[0.0, 1.0, 2.0]]], ("bodies[1]", "(n, 2)")),
-        ([[SQUARE], SQUARE[[0, 2, 1, 3]]], ("bodies[1]",)),
-        (3, ("bodies", "sequence")),
-    ],
-)
-def test_what_is_no_shape_is_not_packed(bodies, words):
-    with pytest.raises(PhysimError) as caught:
-        pack_shapes(bodies)
-    assert all(word in str(caught.value) for word in words)

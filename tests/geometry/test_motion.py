@@ -9,7 +9,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from physim.geometry import motion
+from tests.helpers import examples, inside
+
+along_course, arc, arc_course = inside("physim.geometry", "along_course", "arc", "arc_course")
+arcs, chord_velocities = inside("physim.geometry", "arcs", "chord_velocities")
+chord_velocity = inside("physim.geometry", "chord_velocity")
 
 SPEEDS = st.floats(-2.0, 2.0)
 ANGLES = st.floats(-10.0, 10.0)
@@ -26,18 +30,19 @@ def turned(pose, v, omega, t):
     )
 
 
+@examples(25, deep=100)
 @given(SPEEDS, st.floats(0.05, 3.0), ANGLES, st.floats(0.0, 20.0))
 def test_arc_is_the_circle_about_its_centre(v, omega, heading, t):
     pose = np.array([1.0, -2.0, heading])
     for w in (omega, -omega):
-        assert motion.arc(pose, v, w, t) == pytest.approx(turned(pose, v, w, t), abs=1e-12)
+        assert arc(pose, v, w, t) == pytest.approx(turned(pose, v, w, t), abs=1e-12)
 
 
 def test_arc_solves_equation_1():
     pose, v, omega, h = np.array([0.3, 0.4, 0.5]), 1.3, -0.7, 1e-5
     for t in (0.0, 0.4, 3.0):
-        before, after = (np.array(motion.arc(pose, v, omega, t + k * h)) for k in (-1, 1))
-        heading = motion.arc(pose, v, omega, t)[2]
+        before, after = (np.array(arc(pose, v, omega, t + k * h)) for k in (-1, 1))
+        heading = arc(pose, v, omega, t)[2]
         rate = (after - before) / (2 * h)
         assert rate == pytest.approx(
             [v * math.cos(heading), v * math.sin(heading), omega], abs=1e-9
@@ -47,64 +52,49 @@ def test_arc_solves_equation_1():
 @pytest.mark.parametrize("omega", [0.0, 1e-300, 1e-16, 1e-12, 1e-9, -1e-8, 1e-6, 1e-4])
 def test_arc_near_straight(omega):
     t, v = 10.0, 1.5
-    x, y, heading = motion.arc(np.zeros(3), v, omega, t)
+    x, y, heading = arc(np.zeros(3), v, omega, t)
     angle = omega * t  # series of sin(angle) / omega and (1 - cos(angle)) / omega
     assert x == pytest.approx(v * t * (1 - angle**2 / 6), rel=1e-15)
     assert y == pytest.approx(v * t * (angle / 2 - angle**3 / 24), rel=1e-15)
     assert heading == angle
 
 
+@examples(25, deep=100)
 @given(SPEEDS, st.floats(-2.0, 2.0), ANGLES, st.floats(0.01, 5.0), st.floats(0.01, 5.0))
 def test_two_arcs_in_a_row_are_one(v, omega, heading, t1, t2):
     pose = np.array([3.0, 1.0, heading])
-    middle = motion.arc(pose, v, omega, t1)
-    twice = motion.arc(middle, v, omega, t2)
-    assert twice == pytest.approx(motion.arc(pose, v, omega, t1 + t2), abs=1e-12)
-    assert motion.arc(twice, v, omega, -t1 - t2) == pytest.approx(tuple(pose), abs=1e-12)
+    middle = arc(pose, v, omega, t1)
+    twice = arc(middle, v, omega, t2)
+    assert twice == pytest.approx(arc(pose, v, omega, t1 + t2), abs=1e-12)
+    assert arc(twice, v, omega, -t1 - t2) == pytest.approx(tuple(pose), abs=1e-12)
 
 
 def test_chords_follow_the_arc_for_100_s():
     v, omega, dt = 1.1, 0.6, 0.05
     pose = np.array([0.0, 0.0, 0.2])
     for _ in range(2000):
-        vx, vy = motion.chord_velocity(pose[2], v, omega, dt)
+        vx, vy = chord_velocity(pose[2], v, omega, dt)
         pose += [vx * dt, vy * dt, omega * dt]
-    assert tuple(pose) == pytest.approx(
-        motion.arc(np.array([0.0, 0.0, 0.2]), v, omega, 100.0), abs=1e-11
-    )
+    assert tuple(pose) == pytest.approx(arc(np.array([0.0, 0.0, 0.2]), v, omega, 100.0), abs=1e-11)
 
 
 def test_array_forms_equal_single_ones():
     rng = np.random.default_rng(1)
     pose, command = rng.uniform(-3, 3, (7, 3)), rng.uniform(-1, 1, (7, 2))
     out = np.empty((7, 3))
-    motion.chord_velocities(pose, command, 0.1, out)
-    after = motion.arcs(pose, command, 0.7)
+    chord_velocities(pose, command, 0.1, out)
+    after = arcs(pose, command, 0.7)
     for i in range(7):
         v, omega = command[i]
-        assert tuple(out[i]) == (*motion.chord_velocity(pose[i, 2], v, omega, 0.1), omega)
-        assert tuple(after[i]) == motion.arc(pose[i], v, omega, 0.7)
+        assert tuple(out[i]) == (*chord_velocity(pose[i, 2], v, omega, 0.1), omega)
+        assert tuple(after[i]) == arc(pose[i], v, omega, 0.7)
 
 
+@examples(25, deep=100)
 @given(SPEEDS, st.floats(-2.0, 2.0), ANGLES, st.floats(0.0, 10.0))
 def test_course_is_the_arc(v, omega, heading, t):
     pose = np.array([1.0, 2.0, heading])
-    x, y, c, s, vx, vy = motion.along_course(motion.arc_course(pose, v, omega, 1.0), t)
-    px, py, end = motion.arc(pose, v, omega, t)
+    x, y, c, s, vx, vy = along_course(arc_course(pose, v, omega, 1.0), t)
+    px, py, end = arc(pose, v, omega, t)
     expected = (px, py, math.cos(end), math.sin(end), v * math.cos(end), v * math.sin(end))
     assert (x, y, c, s, vx, vy) == pytest.approx(expected, abs=1e-13)
-
-
-def test_straight_course_turns_on_a_line():
-    course = motion.straight_course(np.array([1.0, 2.0, 0.5]), 0.3, -0.4, 2.0, 1.0)
-    assert course.speed == 0.5
-    found = motion.along_course(course, 3.0)
-    assert found == pytest.approx((1.9, 0.8, math.cos(6.5), math.sin(6.5), 0.3, -0.4), abs=1e-14)
-
-
-def test_compiled_equals_plain():
-    pose = np.array([1.0, 2.0, 0.5])
-    assert motion.arc.py_func(pose, 1.2, 0.3, 4.0) == motion.arc(pose, 1.2, 0.3, 4.0)
-    course = motion.arc_course(pose, 1.2, 0.3, 1.0)
-    assert motion.arc_course.py_func(pose, 1.2, 0.3, 1.0) == course
-    assert motion.along_course.py_func(course, 2.0) == motion.along_course(course, 2.0)

@@ -1,4 +1,4 @@
-"""Paths: points, projection, and continuity where a path nears itself."""
+"""Paths: points, projection, and stations followed from step to step where a path nears itself."""
 
 from __future__ import annotations
 
@@ -8,10 +8,10 @@ import shapely
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from tests.helpers import inside
+from tests.helpers import examples, inside
 
-Path, project, track = inside("physim.geometry", "Path", "project", "track")
-pack_polylines, Tracking = inside("physim.geometry", "pack_polylines", "Tracking")
+offset_polyline, Path, track = inside("physim.geometry", "offset_polyline", "Path", "track")
+Tracking = inside("physim.geometry", "Tracking")
 
 coordinate = st.floats(-50.0, 50.0).map(lambda value: round(value, 3))
 points = st.lists(st.tuples(coordinate, coordinate), min_size=2, max_size=8)
@@ -24,6 +24,7 @@ def without_repeats(waypoints: list[tuple[float, float]]) -> list[tuple[float, f
     return kept
 
 
+@examples(25, deep=100)
 @given(points, coordinate, coordinate)
 def test_projection_agrees_with_shapely(
     waypoints: list[tuple[float, float]], x: float, y: float
@@ -37,6 +38,7 @@ def test_projection_agrees_with_shapely(
     assert np.hypot(*(path.point(station) - (x, y))) == pytest.approx(abs(deviation), abs=1e-9)
 
 
+@examples(25, deep=100)
 @given(points, st.floats(-10.0, 300.0))
 def test_point_at_a_station_agrees_with_shapely(
     waypoints: list[tuple[float, float]], station: float
@@ -46,21 +48,6 @@ def test_point_at_a_station_agrees_with_shapely(
     clamped = min(max(station, 0.0), path.length)
     expected = shapely.LineString(waypoints).interpolate(clamped)
     assert path.point(station) == pytest.approx((expected.x, expected.y), abs=1e-9)
-
-
-@given(points, coordinate, coordinate, st.floats(0.0, 100.0), st.floats(0.0, 50.0))
-def test_window_is_a_search_over_that_stretch_only(
-    waypoints: list[tuple[float, float]], x: float, y: float, low: float, width: float
-) -> None:
-    lines = pack_polylines([without_repeats(waypoints)])
-    end = lines.station[-1]
-    low = min(low, end)
-    station, deviation = project(lines, 0, x, y, low, low + width)
-    assert low <= station <= min(low + width, end)
-    path = Path(lines.points)
-    samples = np.linspace(low, min(low + width, end), 200)
-    gaps = [np.hypot(*(path.point(s) - (x, y))) for s in samples]
-    assert abs(deviation) <= min(gaps) + 1e-9
 
 
 def test_left_of_the_path_is_positive() -> None:
@@ -99,3 +86,28 @@ def test_projection_does_not_jump_to_a_branch_nearby() -> None:
 def test_target_past_the_end_is_the_last_waypoint() -> None:
     path = Path([(0.0, 0.0), (3.0, 0.0)])
     assert path.target(2.5, 2.0) == pytest.approx((3.0, 0.0))
+
+
+# Followed from step to step
+
+
+@pytest.mark.parametrize("turn", [30, 60, 90, 120, 140])
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+def test_stations_go_round_a_corner_with_the_robot(turn: float, side: float) -> None:
+    """2 m inside of the corner, or outside: at the end the nearest point of the path is the one
+    that it has of all its points, and nowhere farther from the robot than that by 1 mm. So of the
+    robot's own path, and of s*."""
+    angle = np.radians(turn)
+    line = np.array([[0.0, 0.0], [40.0, 0.0], [40.0 + 40.0 * np.cos(angle), 40.0 * np.sin(angle)]])
+    lane = offset_polyline(line, np.full(3, 2.0 * side))
+    way = Path(lane)
+    poses = np.array([[[*way.point(s), 0.0]] for s in np.arange(0.0, way.length, 0.02)])
+    reference = Path(line)
+    tracking = Tracking(reference.lines, reference.lines, np.array([0.5]), poses[0])
+    found = tracking.course(poses)[:, 0]
+    assert np.array_equal(found[:, 0], found[:, 2])
+    for (x, y, _), (station, deviation, _) in zip(poses[:, 0], found, strict=True):
+        nearest = abs(reference.project(x, y)[1])
+        assert np.hypot(*(reference.point(station) - (x, y))) <= nearest + 1e-3
+        assert abs(deviation) <= nearest + 1e-3
+    assert found[-1, 0] == pytest.approx(reference.project(*poses[-1, 0, :2])[0])

@@ -15,9 +15,7 @@ from physim.geometry import (
     shortest_distance,
     signed_distance,
 )
-from physim.geometry import separation as kernels
 from tests.geometry.cases import (
-    BOX,
     corridor_walls,
     depth_of,
     geometry,
@@ -27,10 +25,12 @@ from tests.geometry.cases import (
     random_scene,
     whole,
 )
-from tests.helpers import inside
+from tests.helpers import examples, inside
 
-face_gap, part_gap, vertex_gap = inside("physim.geometry", "face_gap", "part_gap", "vertex_gap")
-pack_parts, part_witness = inside("physim.geometry", "pack_parts", "part_witness")
+body_distance, body_separation = inside("physim.geometry", "body_distance", "body_separation")
+pack_parts, part_gap = inside("physim.geometry", "pack_parts", "part_gap")
+part_witness, wall_distance = inside("physim.geometry", "part_witness", "wall_distance")
+wall_separation = inside("physim.geometry", "wall_separation")
 
 ROUNDING = 1e-14  # shapes of metres at the origin
 
@@ -63,6 +63,7 @@ def check_pair(a, b, tolerance=ROUNDING):
     return d
 
 
+@examples(25, deep=100)
 @given(st.integers(0, 2**32 - 1))
 def test_random_parts_agree_with_shapely_and_minkowski(seed):
     rng = np.random.default_rng(seed)
@@ -124,13 +125,14 @@ def test_degenerate_parts(name, offset):
         check_pair(b, a, tolerance)
 
 
+@examples(25, deep=100)
 @given(st.integers(0, 2**32 - 1))
 def test_bodies_agree_with_shapely(seed):
     rng = np.random.default_rng(seed)
     bodies, shapes, poses = random_scene(rng, 6)
     for i in range(6):
         for j in range(i):
-            d = kernels.body_distance(shapes, i, poses[i], shapes, j, poses[j])
+            d = body_distance(shapes, i, poses[i], shapes, j, poses[j])
             exact = whole(bodies[i], poses[i]).distance(whole(bodies[j], poses[j]))
             assert max(d, 0.0) == pytest.approx(exact, abs=ROUNDING)
             parts = [
@@ -139,42 +141,25 @@ def test_bodies_agree_with_shapely(seed):
                 for q in bodies[j]
             ]
             assert d == pytest.approx(min(parts), abs=ROUNDING)
-            other = kernels.body_distance(shapes, j, poses[j], shapes, i, poses[i])
+            other = body_distance(shapes, j, poses[j], shapes, i, poses[i])
             assert other == pytest.approx(d, abs=ROUNDING)
 
 
+@examples(25, deep=100)
 @given(st.integers(0, 2**32 - 1))
 def test_body_witness_lies_on_both(seed):
     rng = np.random.default_rng(seed)
     bodies, shapes, poses = random_scene(rng, 2, spread=2.0)
-    found = kernels.body_separation(shapes, 0, poses[0], shapes, 1, poses[1])
+    found = body_separation(shapes, 0, poses[0], shapes, 1, poses[1])
     d, normal = found[0], np.array(found[1:3])
     a, b = np.array(found[3:5]), np.array(found[5:7])
-    assert d == kernels.body_distance(shapes, 0, poses[0], shapes, 1, poses[1])
+    assert d == body_distance(shapes, 0, poses[0], shapes, 1, poses[1])
     assert whole(bodies[0], poses[0]).distance(shapely.Point(a)) < 1e-14
     assert whole(bodies[1], poses[1]).distance(shapely.Point(b)) < 1e-14
     assert np.abs(b - a - d * normal).max() < 1e-14
 
 
-@given(st.integers(0, 2**32 - 1), st.floats(-4.0, 4.0))
-def test_moving_the_world_changes_nothing(seed, turn):
-    rng = np.random.default_rng(seed)
-    _, shapes, poses = random_scene(rng, 2, spread=2.0)
-    moved = np.array([[*placed([p[:2]], (1000.0, -700.0, turn))[0], p[2] + turn] for p in poses])
-    before = kernels.body_distance(shapes, 0, poses[0], shapes, 1, poses[1])
-    after = kernels.body_distance(shapes, 0, moved[0], shapes, 1, moved[1])
-    assert after == pytest.approx(before, abs=1e-12)  # poses 1 km away are rounded to 1e-13 m
-
-
-@given(st.integers(0, 2**32 - 1))
-def test_first_corner_and_direction_do_not_matter(seed):
-    rng = np.random.default_rng(seed)
-    a, b = random_convex(rng), random_convex(rng) + rng.uniform(-2, 2, 2)
-    d = signed_distance(a, b)
-    assert signed_distance(np.roll(a, 1, axis=0), b[::-1]) == pytest.approx(d, abs=ROUNDING)
-    assert signed_distance(b, a) == pytest.approx(d, abs=ROUNDING)
-
-
+@examples(25, deep=100)
 @given(st.integers(0, 2**32 - 1))
 def test_walls_agree_with_shapely(seed):
     rng = np.random.default_rng(seed)
@@ -185,46 +170,19 @@ def test_walls_agree_with_shapely(seed):
     ids = np.arange(len(lines))
     for _ in range(5):
         pose = np.array([rng.uniform(0, 40), rng.uniform(-8, 8), rng.uniform(-4, 4)])
-        d = kernels.wall_distance(shapes, 0, pose, walls, ids)
+        d = wall_distance(shapes, 0, pose, walls, ids)
         body = whole(bodies[0], pose)
         exact = min(body.distance(geometry(line)) for line in lines)
         assert max(d, 0.0) == pytest.approx(exact, abs=2e-14)
         # The disc bound skips parts; without it the value is the same.
-        single = [kernels.wall_distance(shapes, 0, pose, walls, ids[k : k + 1]) for k in ids]
+        single = [wall_distance(shapes, 0, pose, walls, ids[k : k + 1]) for k in ids]
         assert d == min(single)
-        assert d == kernels.wall_distance(shapes, 0, pose, walls, ids[::-1].copy())
-        found = kernels.wall_separation(shapes, 0, pose, walls, ids)
+        assert d == wall_distance(shapes, 0, pose, walls, ids[::-1].copy())
+        found = wall_separation(shapes, 0, pose, walls, ids)
         assert found[0] == d
         assert body.distance(shapely.Point(found[3:5])) < 1e-13
         along = np.array(found[5:7]) - found[3:5]
         assert np.abs(along - d * np.array(found[1:3])).max() < 1e-13
-
-
-def test_no_walls_are_infinitely_far():
-    shapes = pack_parts([[BOX]])
-    none = np.zeros(0, dtype=np.int64)
-    assert kernels.wall_distance(shapes, 0, np.zeros(3), shapes, none) == np.inf
-
-
-def test_place_writes_world_corners():
-    rng = np.random.default_rng(3)
-    bodies, shapes, poses = random_scene(rng, 3)
-    out = np.full((40, 2), np.nan)
-    count = kernels.place(shapes, 1, poses[1], out)
-    expected = np.concatenate([placed(p, poses[1]) for p in bodies[1]])
-    assert count == len(expected)
-    assert np.abs(out[:count] - expected).max() < 1e-14
-    assert np.isnan(out[count:]).all()
-
-
-def test_compiled_equals_plain():
-    rng = np.random.default_rng(5)
-    for _ in range(20):
-        a, b = random_convex(rng), random_convex(rng)
-        c, s = np.cos(0.3), np.sin(0.3)
-        args = (a, 0, len(a), b, 0, len(b), c, s, 1.0, 0.5, 0.0, 0.0)
-        assert face_gap.py_func(*args, np.inf) == face_gap(*args, np.inf)
-        assert vertex_gap.py_func(*args) == vertex_gap(*args)
 
 
 def test_public_forms():
@@ -315,12 +273,6 @@ def test_engine_distances():
                 assert point == pytest.approx(case[key], abs=case["tol"]), case["id"]
 
 
-def test_engine_intersections():
-    for case in published("engine_unit_tests.json")["polygon_intersection"]:
-        d = signed_distance(case["a"], case["b"])
-        assert (d <= 1e-9) == case["intersects"], case["id"]
-
-
 def test_a_wall_of_many_segments_is_its_nearest_segment():
     """Bit for bit, as if each segment were a wall by itself."""
     rng = np.random.default_rng(5)
@@ -330,7 +282,7 @@ def test_a_wall_of_many_segments_is_its_nearest_segment():
     ]
     away = [[(2.0 + x, 1.0 + y) for x, y in part] for part in ell]  # not about its origin
     robots, still = pack_parts([ell, away]), np.zeros(3)
-    for _ in range(200):
+    for _ in range(60):
         points = rng.uniform(-4.0, 4.0, (30, 2)).round(rng.integers(0, 3))
         parts = [
             points[k : k + 2].tolist() for k in range(29) if (points[k] != points[k + 1]).any()
@@ -339,11 +291,9 @@ def test_a_wall_of_many_segments_is_its_nearest_segment():
         whole, alone = pack_parts([parts]), pack_parts([[part] for part in parts])
         for i in (0, 1):
             pose = np.array([*rng.uniform(-4, 4, 2), rng.uniform(-4, 4)])
-            each = [
-                kernels.body_separation(robots, i, pose, alone, j, still) for j in range(len(parts))
-            ]
+            each = [body_separation(robots, i, pose, alone, j, still) for j in range(len(parts))]
             nearest = min(one[0] for one in each)
-            found = kernels.body_separation(robots, i, pose, whole, 0, still)
+            found = body_separation(robots, i, pose, whole, 0, still)
             assert found in [one for one in each if one[0] == nearest]
             assert found[0] == nearest
 
@@ -355,7 +305,7 @@ def test_a_shallow_overlap_is_one_far_from_the_origin_too(away):
     rng = np.random.default_rng(3)
     rounding = 8.0 * np.spacing(away)
     deep = 0
-    for _ in range(2000):
+    for _ in range(400):
         turn, lean = rng.uniform(-np.pi, np.pi), rng.uniform(0.1, 1.4)
         box = placed([(-0.5, -0.3), (0.5, -0.3), (0.5, 0.3), (-0.5, 0.3)], (0.0, 0.0, lean))
         box = np.array(box) - (0.0, min(y for _, y in box) + 10 ** rng.uniform(-8, -6))
@@ -368,7 +318,7 @@ def test_a_shallow_overlap_is_one_far_from_the_origin_too(away):
             np.array(placed(shapes.vertices[:4], (*(pose[0, :2] - wall[0]), turn))),
             np.array(wall) - wall[0],
         )
-        found = kernels.body_distance(shapes, 0, pose[0], shapes, 1, pose[1])
+        found = body_distance(shapes, 0, pose[0], shapes, 1, pose[1])
         assert found == pytest.approx(exact, abs=rounding)
         deep += exact < -rounding
-    assert deep > 500
+    assert deep > 100

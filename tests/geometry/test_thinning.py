@@ -2,23 +2,16 @@
 
 from __future__ import annotations
 
-import subprocess
-import sys
-from pathlib import Path
-
 import numpy as np
 import pytest
 import shapely
 
-from physim.geometry.thinning import MANY
 from physim.tolerances import LENGTH
 from tests.helpers import inside
 
-SIMPLER, SMALL, accessible_area = inside("physim.geometry", "SIMPLER", "SMALL", "accessible_area")
-shrunk, FloatArray, LONGEST_RUN = inside("physim.geometry", "shrunk", "FloatArray", "LONGEST_RUN")
-simplified, thinned = inside("physim.geometry", "simplified", "thinned")
+accessible_area, FloatArray = inside("physim.geometry", "accessible_area", "FloatArray")
+shrunk, SIMPLER, SMALL, thinned = inside("physim.geometry", "shrunk", "SIMPLER", "SMALL", "thinned")
 
-ROOT = Path(__file__).parents[2]
 ROOM = np.array([[-3.0, -3.0], [33.0, -3.0], [33.0, 3.0], [-3.0, 3.0], [-3.0, -3.0]])
 MIDDLE = np.array([[0.0, 0.0], [30.0, 0.0]])
 
@@ -43,29 +36,6 @@ def test_straight_walls_keep_their_corners_alone(angle: float) -> None:
     assert len(wall) == len(corners)
 
 
-def test_what_is_not_straight_keeps_its_points() -> None:
-    x = np.linspace(0.0, 30.0, 2 * MANY)
-    step = np.where(np.arange(len(x)) % 2, 3.0 * LENGTH, 0.0)
-    line = np.stack([x, step], axis=1)
-    assert thinned({"saw": line})["saw"] == pytest.approx(line, abs=0.0)
-
-
-def test_a_dropped_point_lies_on_the_wall() -> None:
-    rng = np.random.default_rng(5)
-    line = finely(ROOM, 500) + rng.uniform(-2.0, 2.0, (2_001, 2)) * LENGTH
-    kept = thinned({"room": line})["room"]
-    assert len(kept) < len(line)
-    away = shapely.distance(shapely.LineString(kept), shapely.points(line))
-    assert away.max() <= LENGTH * (1.0 + 1e-6)
-
-
-def test_few_points_are_taken_as_they_are() -> None:
-    line = finely(ROOM, MANY // 8)
-    assert len(line) < MANY
-    assert thinned({"a": line})["a"] is line
-    assert len(thinned({"a": line, "b": line})["b"]) < len(line)  # all together count
-
-
 TAKEN = 0.01 + 0.0012 + SIMPLER + SMALL**2 / 8.0
 """Share of the distance that shapely, chords, simplification and hulls may take."""
 
@@ -83,15 +53,6 @@ def check_gaps(room: shapely.Polygon, safe: shapely.Geometry, distance: float) -
     assert np.abs(gaps - distance).max() <= TAKEN * distance
 
 
-@pytest.mark.parametrize("pieces", [8_000, 25_000])
-def test_the_safe_area_between_finely_drawn_straight_walls(pieces: int) -> None:
-    """Two sides drawn finely, without a point on the two that close them."""
-    sides = [finely(side, pieces) for side in (ROOM[:2], ROOM[2:4])]
-    room = accessible_area([np.concatenate([*sides, ROOM[:1]])], [], MIDDLE)
-    (ring,) = room.safe_rings(1.0)
-    assert shapely.Polygon(ring).area == pytest.approx(34.0 * 4.0)
-
-
 def winding(points: int) -> FloatArray:
     """Outline of a road whose two walls have so many points each."""
     x = np.linspace(-3.0, 33.0, points)
@@ -99,7 +60,10 @@ def winding(points: int) -> FloatArray:
     return np.concatenate([right, left[::-1], right[:1]])
 
 
-@pytest.mark.parametrize("points", [1_000, 5_000, 20_000])
+DEEP = pytest.mark.deep
+
+
+@pytest.mark.parametrize("points", [1_000, pytest.param(20_000, marks=DEEP)])
 def test_the_safe_area_between_finely_drawn_winding_walls(points: int) -> None:
     room = accessible_area([winding(points)], [], MIDDLE)
     (safe,) = room.safe_rings(1.0)
@@ -122,7 +86,8 @@ def rough(points: int, roughness: float) -> FloatArray:
 
 
 @pytest.mark.parametrize(
-    ("points", "roughness"), [(4_000, 1e-3), (4_000, 4e-3), (4_000, 4e-2), (1_200, 0.1)]
+    ("points", "roughness"),
+    [(1_200, 0.1), *(pytest.param(4_000, share, marks=DEEP) for share in (1e-3, 4e-2))],
 )
 def test_the_safe_area_between_rough_walls(points: int, roughness: float) -> None:
     ring = rough(points, roughness)
@@ -135,65 +100,3 @@ def test_the_safe_area_between_rough_walls(points: int, roughness: float) -> Non
     true = room.difference(near)
     assert found.area == pytest.approx(true.area, rel=5e-3)
     check_gaps(room, found, 0.5)
-
-
-def comb(tooth: float, count: int) -> FloatArray:
-    """Outline of a room of 3 m whose floor has teeth, eight edges from one to the next."""
-    x = np.arange(8 * count + 1) * tooth / 8.0
-    floor = np.stack([x, -0.4 * np.minimum(np.arange(len(x)) % 8, 1)], axis=1)
-    return np.concatenate([floor, [[x[-1], 3.0], [0.0, 3.0]]])
-
-
-def test_the_safe_area_reaches_in_between_teeth() -> None:
-    """By 1.6 cm, between teeth that are 0.25 m apart."""
-    room = shapely.Polygon(comb(0.25, 150))
-    check_gaps(room, shrunk(room, 0.5, 16), 0.5)
-
-
-MEMORY = """
-from resource import RUSAGE_SELF, getrusage
-from shapely import Polygon, get_parts, make_valid
-from physim.geometry.area import shrunk
-from tests.geometry.test_thinning import rough
-room = max(get_parts(make_valid(Polygon(rough(20_000, 3e-3)))), key=lambda one: one.area)
-before = getrusage(RUSAGE_SELF).ru_maxrss
-area = shrunk(room, 0.5, 16).area
-print(area, getrusage(RUSAGE_SELF).ru_maxrss - before)
-"""
-
-
-def test_rough_walls_of_many_points_take_little_memory() -> None:
-    """Their arcs cross each other in pairs: 790 MB, if they are all grown at once."""
-    command = [sys.executable, "-c", MEMORY]
-    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
-    assert done.returncode == 0, done.stderr[-500:]
-    area, grown = map(float, done.stdout.split())
-    assert area == pytest.approx(2.0 * 1.0, rel=3e-2)
-    assert grown < 200_000.0  # [kB]
-
-
-ZIGZAG = np.stack((np.arange(100_000), np.arange(100_000) % 2), axis=1).astype(float)
-"""A line all of whose points are corners: in one go it took all of the stack."""
-
-
-def test_lines_of_many_corners_are_kept_whole() -> None:
-    assert np.array_equal(thinned({"a": ZIGZAG})["a"], ZIGZAG)
-    assert np.array_equal(simplified(ZIGZAG, LENGTH), ZIGZAG)
-
-
-def test_what_stays_of_a_simplified_line_is_as_near_as_it_should() -> None:
-    line = np.stack((np.linspace(0.0, 60.0, 35_000), np.zeros(35_000)), axis=1)
-    line[:, 1] = np.sin(line[:, 0])
-    kept = simplified(line, 1e-3, [7])
-    assert len(kept) < 2_000
-    for one in (line[0], line[7], line[LONGEST_RUN], line[-1]):
-        assert (kept == one).all(axis=1).sum() == 1
-    assert shapely.distance(shapely.LineString(kept), shapely.points(line)).max() <= 1e-3
-
-
-def test_the_safe_area_of_an_outline_of_many_corners() -> None:
-    sides = ZIGZAG[:35_000], ZIGZAG[:35_000][::-1] + (0.0, 8.0)
-    room = shapely.Polygon(np.concatenate(sides))
-    safe = shrunk(room, 1.0, 4)
-    check_gaps(room, safe, 1.0)
-    assert shapely.covers(safe, shapely.points(np.arange(2.0, 34_990.0, 500.0), 4.5)).all()

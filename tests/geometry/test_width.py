@@ -9,15 +9,16 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.geometry.cases import side_distances
-from tests.helpers import inside
+from tests.helpers import examples, inside
 
 corridor_boundaries = inside("physim.geometry", "corridor_boundaries")
-offset_polyline, opposite = inside("physim.geometry", "offset_polyline", "opposite")
-side_feet, width_feet, widths_at = inside("physim.geometry", "side_feet", "width_feet", "widths_at")
+offset_polyline, width_feet = inside("physim.geometry", "offset_polyline", "width_feet")
+widths_at = inside("physim.geometry", "widths_at")
 
 place = st.tuples(*[st.integers(-20, 20)] * 2)
 
 
+@examples(25, deep=100)
 @given(st.lists(st.tuples(place, place), max_size=8), place, st.integers(0, 62))
 def test_sides_are_half_planes(
     lines: list[tuple[tuple[int, int], tuple[int, int]]], origin: tuple[int, int], turn: int
@@ -51,28 +52,6 @@ def test_feet_are_the_places_of_the_distances() -> None:
         side = directions[:, 0] * (feet - points)[:, 1] - directions[:, 1] * (feet - points)[:, 0]
         assert (sign * side > -1e-9).all()
     assert not np.isfinite(side_distances(points, directions, np.zeros((0, 4)))[0]).any()
-
-
-def test_a_wall_across_the_path_is_no_side() -> None:
-    """At the closed end of a corridor the nearest point ahead lies on the wall that closes it."""
-    along = np.array([[1.0, 0.0]])
-    end = np.array([[5.0, -4.0, 5.0, 4.0]])  # a wall across, and nothing else
-    left, right, between = side_feet(np.array([[3.0, 0.0]]), along, end)
-    assert np.isfinite([left, right]).all()
-    assert not between.any()
-    for turn, expected in ((0.0, True), (0.7, True), (0.9, False), (1.5, False)):
-        aside = np.array([[-np.sin(turn), np.cos(turn)]])  # turned from square by so much
-        assert opposite(np.zeros((1, 2)), along, aside, -2.0 * aside).tolist() == [expected]
-
-
-def test_the_two_sides_are_apart_as_seen_from_the_path() -> None:
-    """Two points on one wall beside the path have no width between them."""
-    point, along = np.zeros((1, 2)), np.array([[1.0, 0.0]])
-    for cosine, expected in ((-0.9, True), (-0.4, False), (0.3, False)):
-        sine = np.sqrt(1.0 - cosine**2)
-        left, right = np.array([[0.0, 1.0]]), np.array([[sine, cosine]])
-        assert opposite(point, along, left, right).tolist() == [expected]
-    assert not opposite(point, along, np.array([[0.0, 1.0]]), np.full((1, 2), np.inf)).any()
 
 
 def test_the_narrowest_place_is_the_middle_of_the_longest_narrow_stretch() -> None:

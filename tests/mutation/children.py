@@ -125,7 +125,12 @@ class Tests:
     def run(self, files: Iterable[str], *options: str) -> int:
         """Run files of tests; returns the exit code of pytest."""
         options += (f"--rootdir={ROOT}", "-q", "-p", "no:cacheprovider", "-p", "no:xdist")
-        return pytest.main([*dict.fromkeys(files), *options], plugins=[self])
+        return pytest.main([*dict.fromkeys(files), "-o", "addopts=", *options], plugins=[self])
+
+    @pytest.hookimpl(tryfirst=True)
+    def pytest_configure(self, config: pytest.Config) -> None:
+        """Pass for a worker, for whom others have compiled: a fork needs no kernels, or mutants."""
+        config.workerinput = {}  # type: ignore[attr-defined]
 
     def pytest_sessionstart(self) -> None:
         """Let hypothesis not look for a simpler failure."""

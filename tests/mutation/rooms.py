@@ -19,8 +19,8 @@ class Room(NamedTuple):
 ROOMS = {
     "controllers": Room("controllers", ("controllers",)),
     "geometry": Room("physim/geometry", ("geometry",)),
-    "simulation": Room("physim/simulation", ("simulation", "loop")),
-    "engine": Room("physim/simulation/engine", ("engine", "physics")),
+    "simulation": Room("physim/simulation", ("simulation",)),
+    "engine": Room("physim/simulation/engine", ("engine",)),
     "record": Room("physim/record", ("record",)),
     "parts": Room("physim/parts", ("parts",)),
     "world": Room("physim/world", ("world",)),

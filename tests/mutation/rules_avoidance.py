@@ -11,7 +11,6 @@ from tests.helpers import inside
 from tests.mutation.rules import called, found, given, instead, rule
 
 AVOIDANCE = "physim.controllers.avoidance:"
-FIELD = "physim.controllers.near_field:"
 MODES = "physim.controllers.mode_switching:"
 SAFE_AREA = "physim.controllers.safe_area:"
 SWITCHING = "physim.controllers.switching:"
@@ -23,17 +22,6 @@ SAFE, DISTANCE, TIME = 0, 1, 2
 
 def standing(a: Any) -> Any:
     return a.bodies._replace(command=np.zeros_like(a.bodies.command))
-
-
-def nearest_alone(a: Any) -> Any:
-    near, k = a.near, a.near.nearest
-    if k < 0:
-        return near
-    return near._replace(rows=near.rows[k : k + 1], table=near.table[k : k + 1], nearest=0)
-
-
-def blind(a: Any) -> Any:
-    return a.near._replace(sight=a.near.sight._replace(reach=0.0))
 
 
 @rule("controllers")
@@ -55,52 +43,6 @@ def distance_of_touching_robots_is_nought() -> None:
 def others_stand_in_12() -> None:
     """(12) foresees the robot's own motion, and the others where they are."""
     given(AVOIDANCE + "distance_after", bodies=standing)
-
-
-@rule("controllers")
-def others_stand_in_11() -> None:
-    """Collision times are worked out as if the others did not move."""
-    given(FIELD + "look_about", bodies=standing)
-    given(FIELD + "held_course", bodies=standing)
-
-
-@rule("controllers")
-def only_the_nearest_counts_in_11() -> None:
-    """The collision time is that with the nearest robot, not the smallest of all."""
-    given(AVOIDANCE + "first_robot", near=nearest_alone)
-
-
-@rule("controllers")
-def collision_times_on_straight_lines() -> None:
-    """(11) takes the velocities as kept, not the commands."""
-    given(FIELD + "course_under", omega=lambda a: 0.0)
-
-
-@rule("controllers")
-def walls_do_not_count_in_13() -> None:
-    """(13) looks at robots alone."""
-    given(AVOIDANCE + "longest_pair", near=blind)
-
-
-@rule("controllers")
-def robots_do_not_count_in_12() -> None:
-    """(12) looks at boundaries alone."""
-    given(
-        AVOIDANCE + "distance_after",
-        near=lambda a: a.near._replace(rows=a.near.rows[:0], nearest=-1),
-        poses=lambda a: a.poses[:0],
-    )
-
-
-@rule("controllers")
-def distance_at_the_start_in_12() -> None:
-    """(12) counts the distance that there is now as well, so nothing seems to widen it."""
-    smallest_distance = inside("physim.controllers", "smallest_distance")
-
-    found(
-        AVOIDANCE + "distance_after",
-        lambda value, a: min(value, smallest_distance(a.bodies, a.near)),
-    )
 
 
 @rule("controllers")
@@ -173,17 +115,6 @@ def rule_of_danger_stays() -> None:
 
 
 @rule("controllers")
-def boundary_has_a_hysteresis() -> None:
-    """The one threshold of the boundary distance is doubled for who is in danger."""
-    given(
-        SWITCHING + "next_mode",
-        rules=lambda a: a.rules._replace(
-            boundary_low=(1.0 if a.previous == SAFE else 2.0) * a.rules.boundary_low
-        ),
-    )
-
-
-@rule("controllers")
 def safe_mode_avoids_nothing_it_touches() -> None:
     """Shapes that touch are no danger."""
     found(
@@ -202,15 +133,6 @@ def interval_is_the_longer_one() -> None:
 def interval_goes_by_the_safe_command() -> None:
     """(14) takes the collision time of the command that safe mode would have given, in (13)."""
     found(AVOIDANCE + "longest_pair", lambda value, a: (value[0], a.known_time))
-
-
-@rule("controllers")
-def interval_shrinks_by_a_share() -> None:
-    """(14) shortens the interval by beta once a collision time is known, however long it is."""
-    instead(
-        SWITCHING + "update_interval",
-        lambda a: a.longest if math.isinf(a.collision_time) else a.beta * a.longest,
-    )
 
 
 # Safe area, stops
@@ -243,12 +165,6 @@ def everybody_drives_to_its_paths_end() -> None:
         return a.own._replace(stop_station=a.paths.station[last])
 
     given(MODES + "decide_one", own=at_the_end)
-
-
-@rule("controllers")
-def who_is_at_its_stop_avoids() -> None:
-    """A robot at its stop station still follows its path and avoids others."""
-    given(MODES + "decide_one", own=lambda a: a.own._replace(stop_station=1e9))
 
 
 @rule("controllers")

@@ -32,59 +32,12 @@ def who_is_behind_has_priority() -> None:
 def range_along_the_path_alone() -> None:
     """The range of priority holds along s* only, however far a robot is straight away."""
     given(PRIORITY + "considered", pose=lambda a: np.zeros_like(a.pose))
-    given(PRIORITY + "considered_by_rank", pose=lambda a: np.zeros_like(a.pose))
 
 
 @rule("controllers")
 def range_straight_alone() -> None:
     """The range of priority holds straight only, however far a robot is ahead along s*."""
     given(PRIORITY + "considered", station=lambda a: 1e-6 * a.station)
-    given(
-        PRIORITY + "considered_by_rank",
-        ranking=lambda a: a.ranking._replace(along=1e-6 * a.ranking.along),
-    )
-
-
-@rule("controllers")
-def everybody_within_range_is_considered() -> None:
-    """Nobody has priority: robots beside and behind are considered, too."""
-
-    def near(me: int, pose: Any, station: Any, reach: float) -> list[int]:
-        return [
-            j for j in range(len(pose))
-            if j != me and abs(station[j] - station[me]) <= reach
-            and math.hypot(*(pose[j, :2] - pose[me, :2])) <= reach
-        ]  # fmt: skip
-
-    def by_rank(old: Any, a: Any) -> int:
-        ranking = a.ranking
-        rows = near(a.me, a.pose, ranking.along[ranking.place], a.reach)
-        ranking.rows[: len(rows)] = rows
-        return len(rows)
-
-    instead(
-        PRIORITY + "considered",
-        lambda a: np.array(near(a.me, a.pose, a.station, a.reach), dtype=np.int64),
-    )
-    called(PRIORITY + "considered_by_rank", by_rank)
-
-
-@rule("controllers")
-def only_the_next_one_ahead_is_considered() -> None:
-    """Of those ahead only the first along s* is looked at."""
-
-    def first(old: Any, a: Any) -> int:
-        count = old()
-        rows = a.ranking.rows
-        if count:
-            rows[0] = min(rows[:count], key=lambda j: a.ranking.place[j])
-        return min(count, 1)
-
-    found(
-        PRIORITY + "considered",
-        lambda rows, a: np.array(sorted(rows, key=lambda j: a.station[j])[:1], dtype=np.int64),
-    )
-    called(PRIORITY + "considered_by_rank", first)
 
 
 @rule("controllers")
@@ -200,12 +153,6 @@ def nobody_drives_backwards() -> None:
     given(FOLLOWING + "put_pairs", speeds=lambda a: np.maximum(a.speeds, 0.0))
 
 
-@rule("controllers")
-def rotational_speeds_go_with_the_speed() -> None:
-    """The candidates of (6) turn the faster the faster the formation drives."""
-    given(FOLLOWING + "put_pairs", omegas=lambda a: a.nu * a.omegas)
-
-
 # Formation, (7) to (10)
 
 
@@ -228,26 +175,6 @@ def formation_looks_ahead_only() -> None:
         FORMATION + "formation_sum",
         neighbours=lambda a: [j for j in a.neighbours if a.station[j] > a.station[a.me]],
     )
-
-
-@rule("controllers")
-def formation_takes_the_largest_error() -> None:
-    """(7) takes the largest of the errors over N_i in place of their sum."""
-
-    def largest(a: Any) -> float:
-        own = a.lead[a.number[a.me]]
-        errors = [
-            (a.station[j] - a.station[a.me]) - (a.lead[a.number[j]] - own) for j in a.neighbours
-        ]
-        return float(max(errors, key=abs, default=0.0))
-
-    instead(FORMATION + "formation_sum", largest)
-
-
-@rule("controllers")
-def speed_is_held_about_the_steady_one() -> None:
-    """The bounds of (7) lie as far below nu_0 as above."""
-    given(FORMATION + "formation_speed", v_min=lambda a: 2.0 * a.nu_0 - a.v_max)
 
 
 @rule("controllers")

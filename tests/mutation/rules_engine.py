@@ -22,7 +22,7 @@ APART, ACTS, LEFT, SIDE = range(4)
 # Motion
 
 
-@rule("physics")
+@rule("engine")
 def robots_move_along_their_first_heading() -> None:
     """A step goes along the heading at its start, not along the chord of the arc (1)."""
     instead(
@@ -31,51 +31,34 @@ def robots_move_along_their_first_heading() -> None:
     )
 
 
-@rule("physics")
-def robots_move_along_their_last_heading() -> None:
-    """A step goes along the heading at its end, not along the chord of the arc (1)."""
-
-    def last(a: Any) -> tuple[float, float]:
-        heading = a.heading + a.omega * a.dt
-        return a.v * math.cos(heading), a.v * math.sin(heading)
-
-    instead("physim.geometry.motion:chord_velocity", last)
-
-
 # Contact
 
 
-@rule("physics")
+@rule("engine")
 def nothing_rubs() -> None:
     """No contact has friction."""
     given(SPACE + "build_space", friction=lambda a: 0.0)
 
 
-@rule("physics")
-def friction_of_a_pair_is_squared() -> None:
-    """A contact has the product of two frictions, each the world's."""
-    given(SPACE + "build_space", friction=lambda a: a.friction**2)
-
-
-@rule("physics")
+@rule("engine")
 def friction_and_elasticity_are_exchanged() -> None:
     """What rubs bounces, and what bounces rubs."""
     given(SPACE + "build_space", friction=lambda a: a.elasticity, elasticity=lambda a: a.friction)
 
 
-@rule("physics")
+@rule("engine")
 def impacts_lose_no_energy() -> None:
     """Every impact is wholly elastic."""
     given(SPACE + "build_space", elasticity=lambda a: 1.0)
 
 
-@rule("physics")
+@rule("engine")
 def robots_are_equally_heavy() -> None:
     """Every robot has the mean mass."""
     given(HOST + "Physics.__init__", mass=lambda a: np.full(len(a.mass), np.mean(a.mass)))
 
 
-@rule("physics")
+@rule("engine")
 def nobody_is_turned() -> None:
     """Contacts change how robots move, not how they turn."""
 
@@ -87,16 +70,7 @@ def nobody_is_turned() -> None:
     given(PAIRS + "hold_back", allowed=straight)
 
 
-@rule("physics")
-def bodies_turn_like_rings() -> None:
-    """The mass of a robot lies at its outermost corner when it is turned."""
-    instead(
-        "physim.geometry.polygon:moment",
-        lambda a: float(a.mass * max(np.square(part).sum(axis=1).max() for part in a.parts)),
-    )
-
-
-@rule("physics")
+@rule("engine")
 def moment_is_about_the_middle() -> None:
     """The moment of inertia is that about the centre of the area, not the reference point."""
 
@@ -112,13 +86,13 @@ def moment_is_about_the_middle() -> None:
     found("physim.geometry.polygon:moment", about_the_middle)
 
 
-@rule("physics")
+@rule("engine")
 def contact_holds_wholly() -> None:
     """A robot in contact stands, in place of moving as contact allows."""
     given(PAIRS + "hold_back", allowed=lambda a: np.zeros_like(a.allowed))
 
 
-@rule("physics")
+@rule("engine")
 def only_the_first_of_a_pair_is_held() -> None:
     """Actio without reactio: of two robots the second goes on as commanded."""
     given(
@@ -129,7 +103,7 @@ def only_the_first_of_a_pair_is_held() -> None:
     )
 
 
-@rule("physics")
+@rule("engine")
 def pushes_go_to_everybody() -> None:
     """All robots get the engine's velocities while anything touches, free ones too."""
 
@@ -139,13 +113,13 @@ def pushes_go_to_everybody() -> None:
     called(PAIRS + "hold_back", all_of_them)
 
 
-@rule("physics")
+@rule("engine")
 def what_the_engine_reports_is_believed() -> None:
     """A contact that the exact check finds apart is kept."""
     found(VERDICT + "classify", lambda value, a: (value[0] or ACTS, *value[1:]))
 
 
-@rule("physics")
+@rule("engine")
 def joints_hold_robots() -> None:
     """The end of a segment holds a robot that slides along a wall, as if nothing met it there."""
 
@@ -155,13 +129,7 @@ def joints_hold_robots() -> None:
     found(VERDICT + "segment_links", none)
 
 
-@rule("physics")
-def every_neighbour_is_of_the_same_body() -> None:
-    """A contact is left to a segment of another wall as well."""
-    found(VERDICT + "segment_links", lambda links, a: links._replace(own=links.part >= 0))
-
-
-@rule("physics")
+@rule("engine")
 def side_contacts_go_their_shortest_way() -> None:
     """In a corner that closes a robot is pushed the shortest way out of each segment."""
     found(
@@ -170,25 +138,16 @@ def side_contacts_go_their_shortest_way() -> None:
     )
 
 
-@rule("physics")
+@rule("engine")
 def the_engine_knows_where_parts_meet() -> None:
     """Point and normal of a contact along an edge are never set right."""
     instead("physim.simulation.engine.meeting:is_misled", lambda a: False)
 
 
-@rule("physics")
-def faces_meet_at_the_ends() -> None:
-    """Flush faces meet at an end of what they have in common, not in its middle."""
-    found(
-        "physim.simulation.engine.meeting:_in_common",
-        lambda value, a: (value[0] + 0.5 * value[1], *value[1:]),
-    )
-
-
 # Depth and energy
 
 
-@rule("physics")
+@rule("engine")
 def all_stop_with_the_first() -> None:
     """Where one pair would come too deep every robot stops when that pair does."""
 
@@ -199,18 +158,7 @@ def all_stop_with_the_first() -> None:
     called(CUTTING + "cut_short", at_once)
 
 
-@rule("physics")
-def who_is_too_deep_goes_back() -> None:
-    """Bodies that would come too deep stay where the step began, not where they touch."""
-
-    def back(old: Any, a: Any) -> None:
-        old()
-        a.share[a.share < 1.0] = 0.0
-
-    called(CUTTING + "cut_short", back)
-
-
-@rule("physics")
+@rule("engine")
 def bodies_stop_short() -> None:
     """Who is stopped within a step stops apart from what it met, and so loses the contact."""
 
@@ -221,13 +169,13 @@ def bodies_stop_short() -> None:
     called(CUTTING + "cut_short", earlier)
 
 
-@rule("physics")
+@rule("engine")
 def depth_allowed_is_that_of_a_short_step() -> None:
     """Long steps may end no deeper than short ones."""
     given("physim.contacts:allowed_depth", step=lambda a: 0.01)
 
 
-@rule("physics")
+@rule("engine")
 def contacts_may_add_energy() -> None:
     """What the solver makes of contacts is believed, however fast robots leave them."""
 
@@ -238,7 +186,7 @@ def contacts_may_add_energy() -> None:
     called(ENERGY + "failures", fine)
 
 
-@rule("physics")
+@rule("engine")
 def each_robot_has_its_own_energy() -> None:
     """A robot may take none from another that pushes it."""
     given(ENERGY + "failures", key=lambda a: a.key[:0])
@@ -247,7 +195,7 @@ def each_robot_has_its_own_energy() -> None:
 # Rows and states
 
 
-@rule("physics")
+@rule("engine")
 def impulses_of_parts_do_not_add_up() -> None:
     """The impulse of a pair is the largest of its parts, not their sum."""
 
@@ -263,13 +211,13 @@ def impulses_of_parts_do_not_add_up() -> None:
     called(PAIRS + "gather", largest)
 
 
-@rule("physics")
+@rule("engine")
 def impulse_is_the_impact_alone() -> None:
     """The push of the step that led to a sample is not told."""
     given(PAIRS + "contact_rows", push=lambda a: np.zeros_like(a.push))
 
 
-@rule("physics")
+@rule("engine")
 def contact_lies_at_the_reference_point() -> None:
     """The point of a contact is where the first robot stands."""
 
@@ -277,10 +225,10 @@ def contact_lies_at_the_reference_point() -> None:
         old()
         a.out[0], a.out[1] = a.pose_a[0], a.pose_a[1]
 
-    called(PAIRS + "describe_pair", there, here=True)
+    called(PAIRS + "describe_contact", there, here=True)
 
 
-@rule("physics")
+@rule("engine")
 def normal_leads_along_the_line_of_centres() -> None:
     """The normal of a contact leads from one reference point to the other."""
 
@@ -290,25 +238,27 @@ def normal_leads_along_the_line_of_centres() -> None:
         size = math.hypot(x, y)
         a.out[2], a.out[3] = x / size, y / size
 
-    called(PAIRS + "describe_pair", along, here=True)
+    called(PAIRS + "describe_contact", along, here=True)
 
 
-@rule("physics")
-def false_contacts_are_all_told() -> None:
-    """A pair of which other parts do touch is told as a false contact, too."""
-    given("physim.simulation.engine.pairs:false_rows", distance=lambda a: np.abs(a.distance) + 1.0)
-
-
-@rule("physics")
+@rule("engine")
 def restored_robots_have_no_impulses() -> None:
     """A run goes on from poses and pairs; what contacts had accumulated is lost."""
     given(ENGINE + "Engine.recall", impulses=lambda a: None)
 
 
-@rule("physics")
-def friction_does_not_come_along() -> None:
-    """Of a contact's impulses a state keeps the one along the normal alone."""
-    found(
-        "physim.simulation.engine.state:ContactMemory.read",
-        lambda kept, a: kept._replace(impulse=kept.impulse * (1.0, 0.0)),
-    )
+@rule("engine")
+def robots_move_along_their_last_heading() -> None:
+    """A step goes along the heading at its end, not along the chord of the arc (1)."""
+
+    def last(a: Any) -> tuple[float, float]:
+        heading = a.heading + a.omega * a.dt
+        return a.v * math.cos(heading), a.v * math.sin(heading)
+
+    instead("physim.geometry.motion:chord_velocity", last)
+
+
+@rule("engine")
+def friction_of_a_pair_is_squared() -> None:
+    """A contact has the product of two frictions, each the world's."""
+    given(SPACE + "build_space", friction=lambda a: a.friction**2)

@@ -10,8 +10,6 @@ import numpy as np
 from tests.helpers import inside
 from tests.mutation.rules import called, found, given, instead, rule
 
-ADVANCE = "physim.geometry.advancement:"
-BOUNDS = "physim.geometry.gap_bounds:"
 COLLISION = "physim.geometry.collision:"
 MOTION = "physim.geometry.motion:"
 PATH = "physim.geometry.path:"
@@ -39,12 +37,6 @@ def chord_is_as_long_as_its_arc() -> None:
 
 
 @rule("geometry")
-def chord_to_second_order() -> None:
-    """The chord over its arc is taken from a series of two terms."""
-    instead(MOTION + "chord_factor", lambda a: 1.0 - a.h * a.h / 6.0)
-
-
-@rule("geometry")
 def headings_are_wrapped() -> None:
     """A heading lies within half a turn of the x axis."""
     found(MOTION + "arc", lambda value, a: (*value[:2], math.remainder(value[2], 2.0 * math.pi)))
@@ -60,21 +52,6 @@ def course_turns_with_its_velocity_alone() -> None:
 def depth_is_nought() -> None:
     """Overlap has no depth: the distance is unsigned."""
     found("physim.geometry.convex:part_gap", lambda gap, a: max(gap, 0.0))
-
-
-@rule("geometry")
-def distance_is_that_of_corners() -> None:
-    """The distance of two parts is that of their nearest corners."""
-
-    def corners(a: Any) -> float:
-        turn = np.array([[a.c, -a.s], [a.s, a.c]])
-        its = (a.Q[a.q0 : a.q1] - (a.rx, a.ry)) @ turn.T + (a.tx, a.ty)
-        return float(np.hypot(*(a.P[a.p0 : a.p1, None] - its).reshape(-1, 2).T).min())
-
-    found(
-        "physim.geometry.convex:part_gap",
-        lambda gap, a: corners(a) if 0.0 < gap < a.enough else gap,
-    )
 
 
 @rule("geometry")
@@ -142,14 +119,6 @@ def collision_time_is_early() -> None:
 
 
 @rule("geometry")
-def collision_time_is_that_of_discs() -> None:
-    """Two bodies meet when the discs about them do."""
-    discs_meet = inside("physim.geometry", "discs_meet")
-
-    instead(COLLISION + "bodies_time", lambda a: discs_meet(a.a, a.b, 0.0, a.horizon))
-
-
-@rule("geometry")
 def overlap_is_no_collision() -> None:
     """Bodies that overlap at the start have no collision time."""
     found(COLLISION + "bodies_time", lambda xi, a: math.inf if xi == 0.0 else xi)
@@ -168,24 +137,6 @@ def headings_are_kept_in_11() -> None:
 def walls_are_not_foreseen() -> None:
     """A robot meets no wall that it does not touch."""
     found(COLLISION + "walls_time", lambda xi, a: xi if xi == 0.0 else math.inf)
-
-
-@rule("geometry")
-def step_rests_on_the_rate_alone() -> None:
-    """A certified step takes the gap of a turning edge to close at a constant rate."""
-    instead(BOUNDS + "bend", lambda a: 0.0)
-
-
-@rule("geometry")
-def turning_reaches_no_farther() -> None:
-    """A part that turns reaches as far along an axis as it does now."""
-    instead(BOUNDS + "turning_reach", lambda a: a.top)
-
-
-@rule("geometry")
-def steps_are_not_certified() -> None:
-    """Advancement takes steps longer than those in which the gap surely lasts."""
-    found(BOUNDS + "certified_step", lambda value, a: 1.5 * value)
 
 
 @rule("geometry")
@@ -209,17 +160,6 @@ def projection_jumps() -> None:
     """The projection is the nearest point of all the path, also where it passes near itself."""
     given(PATH + "track", window=lambda a: 1e9)
     given(TRACKING + "track_line", window=lambda a: 1e9)
-
-
-@rule("geometry")
-def projection_is_a_waypoint() -> None:
-    """A robot is at the station of the nearest waypoint."""
-
-    def waypoint(value: Any, a: Any) -> Any:
-        stations = a.lines.station[a.lines.start[a.k] : a.lines.start[a.k + 1]]
-        return float(stations[np.abs(stations - value[0]).argmin()]), value[1]
-
-    found(PATH + "project", waypoint)
 
 
 @rule("geometry")

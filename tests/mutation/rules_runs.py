@@ -1,4 +1,4 @@
-"""Rules of a run and of what is told of it, broken: stages, arrival, states, records, metrics."""
+"""Rules of a run and of what is told of it, broken: holds, limits, arrival, metrics, crash test."""
 
 from __future__ import annotations
 
@@ -7,123 +7,23 @@ from typing import Any
 
 import numpy as np
 
-from tests.helpers import inside
 from tests.mutation.rules import called, found, given, instead, replaced, rule
 
 ARRIVAL = "physim.simulation.arrival:"
 CHECKS = "physim.simulation.decision_checks:"
 CRASH = "physim.analysis.crashtest."
-DISTANCES = "physim.analysis.metrics.distances:"
-LOOP = "physim.simulation.loop:Simulation."
 MOTION = "physim.analysis.metrics.motion:"
 PROGRESS = "physim.analysis.metrics.progress:"
-RANDOM = "physim.randomness:"
 
 
-# Random numbers
-
-
-@rule("basics")
-def all_robots_draw_alike() -> None:
-    """The numbers of a pair of indices do not depend on the second."""
-    given(RANDOM + "draw", second=lambda a: np.zeros_like(a.second))
-
-
-@rule("basics")
-def every_step_draws_alike() -> None:
-    """The numbers of a step are those of step 0."""
-    given(RANDOM + "draw", step=lambda a: np.uint64(0))
-
-
-@rule("basics")
-def purposes_share_a_stream() -> None:
-    """What is drawn for one purpose shifts what is drawn for another."""
-    instead(RANDOM + "purpose_key", lambda a: 1)
-
-
-@rule("basics")
-def robots_share_a_stream() -> None:
-    """One robot more shifts what others draw."""
-    given(RANDOM + "stream", robot=lambda a: 0)
-
-
-@rule("basics")
-def normal_numbers_are_even() -> None:
-    """Numbers that are to be normal have a deviation of 1 and bounds."""
-    from physim.randomness import uniform
-
-    instead(RANDOM + "normal", lambda a: math.sqrt(12.0) * (uniform(**vars(a)) - 0.5))
-
-
-# Stages of a step
-
-
-def knowing(a: Any, sensed: Any, old: Any) -> Any:
-    """Call with other things sensed, and put back what was."""
-    simulation, known = a.self, a.self._sensed
-    simulation._sensed = sensed, (known or a.self._sense())[1]
-    try:
-        return old()
-    finally:
-        simulation._sensed = known
-
-
-def truth_of(a: Any) -> Any:
-    everybody = inside("physim.parts", "everybody")
-
-    return everybody(a.self.now, a.self._shared)
-
-
-@rule("loop")
-def controllers_know_the_truth() -> None:
-    """Controllers see what is, whatever the sensing stages make of it."""
-
-    def decide(old: Any, a: Any) -> Any:
-        a.self._sense()
-        return knowing(a, truth_of(a), old)
-
-    called(LOOP + "_decide", decide)
-
-
-@rule("loop")
-def filters_know_the_truth() -> None:
-    """Filters see what is, whatever the sensing stages make of it."""
-
-    def act(old: Any, a: Any) -> Any:
-        a.self._sense()
-        return knowing(a, truth_of(a), old)
-
-    called(LOOP + "_filter", act)
-
-
-@rule("loop")
-def others_are_seen_by_what_moved_them() -> None:
-    """The command that a robot holds, as others see it, is the applied one, not the nominal."""
-    given(LOOP + "_arrive", nominal=lambda a: a.self._told[-1])
-
-
-@rule("loop")
-def filters_get_disturbed_commands() -> None:
-    """A filter is given what disturbances make of the nominal commands, not these."""
-
-    def exchange(old: Any) -> Any:
-        def act(self: Any, nominal: Any) -> Any:
-            disturbed = self._disturb(nominal)[0] if self.parts.disturbances else nominal
-            return old(self, np.clip(disturbed, -self.scene.limits, self.scene.limits))
-
-        return act
-
-    replaced(LOOP + "_filter", exchange)
-
-
-@rule("loop")
+@rule("simulation")
 def holds_are_rounded_up() -> None:
     """A command is held for the steps that its time begins, not for those it fills."""
     given(CHECKS + "fits", hold=lambda a: np.ceil(a.hold / a.dt - 1e-9) * a.dt)
     given(CHECKS + "hold_steps", hold=lambda a: np.ceil(a.hold / a.scene.dt - 1e-9) * a.scene.dt)
 
 
-@rule("loop")
+@rule("simulation")
 def limits_bind_speeds_forward_alone() -> None:
     """A robot may turn as fast as its controller likes."""
     half = np.array((1.0, 0.0))
@@ -131,7 +31,7 @@ def limits_bind_speeds_forward_alone() -> None:
     given(CHECKS + "check_commands", command=lambda a: a.command * half)
 
 
-@rule("loop")
+@rule("simulation")
 def formation_errors_leave_out_leads() -> None:
     """A formation error is the distance to the mean place, not held against its desired one."""
     instead(
@@ -140,44 +40,52 @@ def formation_errors_leave_out_leads() -> None:
     )
 
 
-@rule("loop")
-def formation_errors_are_to_the_first_robot() -> None:
-    """A formation error is the distance to the base node, not to the mean of all."""
-
-    def to_the_first(a: Any) -> Any:
-        station, lead = a.reference_station, a.scene.formation.lead
-        return (station[..., :1] - station) - (lead[0] - lead)
-
-    instead("physim.simulation.observation:formation_errors", to_the_first)
-
-
 # Arrival
 
 
-@rule("loop")
+def bounded(**rows: float) -> None:
+    """Judge arrivals by other bounds: of the station, beside the stop, and of motion."""
+    names = ("least", "greatest", "beside", "moved")
+
+    def others(a: Any) -> Any:
+        bounds = a.bounds.copy()
+        for name, value in rows.items():
+            bounds[names.index(name)] = value
+        return bounds
+
+    given(ARRIVAL + "judge", bounds=others)
+
+
+@rule("simulation")
 def passing_its_stop_is_arriving() -> None:
     """A robot has arrived when its station is there, moving or not."""
-    given(ARRIVAL + "note_arrivals", near=lambda a: np.full_like(a.near, np.inf))
-    given(ARRIVAL + "arrivals", near=lambda a: np.full_like(a.near, np.inf))
+    bounded(moved=math.inf)
 
 
-@rule("loop")
+@rule("simulation")
 def standing_anywhere_is_arriving() -> None:
     """A robot has arrived when it stands, wherever that is."""
-    given(ARRIVAL + "note_arrivals", least=lambda a: np.full_like(a.least, -np.inf))
-    given(ARRIVAL + "arrivals", least=lambda a: np.full_like(a.least, -np.inf))
+    bounded(least=-math.inf, greatest=math.inf, beside=math.inf)
 
 
-@rule("loop")
+@rule("simulation")
+def standing_beside_a_stop_is_arriving() -> None:
+    """A robot has arrived where its station is there, however far beside its path it stands."""
+    bounded(beside=math.inf)
+
+
+@rule("simulation")
 def who_arrived_once_has_arrived() -> None:
     """A robot that drives on, or is pushed away, still counts as arrived."""
-    instead(
-        ARRIVAL + "since",
-        lambda a: np.where(a.arrived.any(axis=0), a.arrived.argmax(axis=0), -1),
-    )
+
+    def once(a: Any) -> Any:
+        first = np.where(a.arrived.any(axis=0), a.first + a.arrived.argmax(axis=0), -1)
+        return np.where(a.before >= 0, a.before, first)
+
+    instead(ARRIVAL + "later_since", once)
 
 
-@rule("loop")
+@rule("simulation")
 def all_arrive_at_some_time() -> None:
     """A run is finished when each robot has stood at its stop, not all of them at one sample."""
 
@@ -189,101 +97,6 @@ def all_arrive_at_some_time() -> None:
     called(ARRIVAL + "Arrivals.follow", ever)
 
 
-@rule("loop")
-def standing_is_to_be_back() -> None:
-    """Who is where it was half a second ago stands, whatever it did in between."""
-
-    def ends_alone(old: Any, a: Any) -> bool:
-        length = len(a.trail)
-        row = a.step % length
-        a.trail[row] = a.pose[:, :2]
-        moved = np.hypot(*(a.trail[(row + 1) % length] - a.trail[row]).T)
-        a.arrived[:] = (a.station >= a.least) & (moved <= a.near) & (a.step + 1 >= length)
-        return bool(a.arrived.all())
-
-    called(ARRIVAL + "note_arrivals", ends_alone)
-
-
-# States and records
-
-
-def afterwards(where: str, act: Any) -> None:
-    """Do something more once a method has returned."""
-
-    def more(old: Any, a: Any) -> Any:
-        value = old()
-        act(a)
-        return value
-
-    called(where, more)
-
-
-@rule("loop")
-def memories_stay_behind() -> None:
-    """What controllers remember does not come along with a state."""
-
-    def forget(a: Any) -> None:
-        a.self.memory = {name: np.zeros_like(one) for name, one in a.self.memory.items()}
-
-    afterwards(LOOP + "restore", forget)
-
-
-@rule("loop")
-def stages_begin_anew() -> None:
-    """Sensing, filters and disturbances do not come along with a state."""
-
-    def begin(a: Any) -> None:
-        a.self._stages = a.self.parts.start(a.self.scene)
-
-    afterwards(LOOP + "restore", begin)
-
-
-@rule("loop")
-def all_decide_after_a_state() -> None:
-    """When robots decide next does not come along with a state."""
-
-    def now(a: Any) -> None:
-        a.self.next_decision = np.full_like(a.self.next_decision, a.self.now.step)
-        a.self._next_due = a.self.now.step
-
-    afterwards(LOOP + "restore", now)
-
-
-@rule("loop")
-def blocks_do_not_meet() -> None:
-    """A contact between the last sample of a block and the first of the next is not found."""
-
-    def forget(old: Any, a: Any) -> Any:
-        a.self._before = tuple(one[:0] for one in a.self._before)
-        return old()
-
-    called("physim.simulation.swept_contacts:SweptContactFinder.rows", forget)
-
-
-@rule("loop")
-def distances_are_those_of_samples_told() -> None:
-    """A coarse record has the distances at its samples, not the least ones since the one before."""
-
-    def forget(old: Any, a: Any) -> Any:
-        a.self.least = np.full_like(a.self.least, np.inf)
-        return old()
-
-    called("physim.simulation.recorder:Recorder._write_poses", forget)
-
-
-@rule("record")
-def extremes_are_those_of_the_last_block() -> None:
-    """An extreme is that of the samples noted last, not of all."""
-
-    def anew(old: Any, a: Any) -> None:
-        for name in ("clearance", "boundary_clearance"):
-            a.self.rows[name] = np.inf
-        a.self.farthest["farthest"] = -np.inf
-        old()
-
-    called("physim.record.writer:Extremes.note", anew)
-
-
 @rule("record")
 def digest_leaves_out_the_motion() -> None:
     """Two records with other poses may have one digest."""
@@ -291,12 +104,6 @@ def digest_leaves_out_the_motion() -> None:
         "physim.record.layout:_add",
         lambda old, a: None if a.path.startswith("/steps") else old(),
     )
-
-
-@rule("metrics")
-def every_stage_has_the_nominal_command() -> None:
-    """The record tells the nominal command where the filtered or applied one is asked for."""
-    given("physim.record.history:RecordedHistory.commands_over", stage=lambda a: "nominal")
 
 
 # Metrics
@@ -334,12 +141,6 @@ def everybody_is_a_neighbour() -> None:
         MOTION + "_neighbours",
         lambda value, a: (np.ones((a.record.robots, a.record.robots)), value[1]),
     )
-
-
-@rule("metrics")
-def danger_is_counted_by_decisions() -> None:
-    """The share of danger mode is one of decisions, not of the time that they held."""
-    given("physim.analysis.metrics.modes:_danger_share", weight=lambda a: np.ones_like(a.weight))
 
 
 @rule("metrics")
@@ -386,27 +187,6 @@ def width_is_twice_the_nearer_side() -> None:
     )
 
 
-@rule("metrics")
-def walls_of_a_corridor_are_lines_like_others() -> None:
-    """Which wall is left goes by the half-plane, in a corridor that passes itself as well."""
-    given("physim.geometry.corridor:side_feet", walls=lambda a: None)
-
-
-@rule("metrics")
-def nearest_pair_is_nearest_at_the_end() -> None:
-    """The shortest distance is that of the last sample."""
-    from dataclasses import replace
-
-    from physim.analysis.metrics import Moment
-
-    def last(value: Any, a: Any) -> Any:
-        if not isinstance(value, Moment) or not a.record.samples:
-            return value
-        return replace(value, value=float(a.record.clearance[-1].min()))
-
-    found(DISTANCES + "shortest_distance", last)
-
-
 # Crash test
 
 
@@ -426,18 +206,6 @@ def predictions_go_straight() -> None:
 
 
 @rule("crashtest")
-def cases_are_judged_a_sample_late() -> None:
-    """The distances by which a case is judged are those one sample later."""
-    given(CRASH + "report:classify", distance=lambda a: np.append(a.distance[1:], a.distance[-1:]))
-
-
-@rule("crashtest")
 def closing_is_that_of_reference_points() -> None:
     """How fast a gap closes goes by how robots move, not by how their nearest points do."""
     given(CRASH + "prediction:point_speed", x=lambda a: a.pose[0], y=lambda a: a.pose[1])
-
-
-@rule("crashtest")
-def cases_are_one_case() -> None:
-    """Every case of a seed draws what the first of its kind draws."""
-    given(CRASH + "drawing:draw_case", number=lambda a: a.number % 8)

@@ -36,34 +36,6 @@ def interval_is_walds() -> None:
 
 
 @rule("statistics")
-def interval_is_wilsons() -> None:
-    """A rate has the score interval, which covers less than it says for some rates."""
-
-    def wilson(a: Any) -> Any:
-        s, n, z = counts(a)
-        middle = (s + 0.5 * z * z) / (n + z * z)
-        half = z / (n + z * z) * np.sqrt(s * (n - s) / n + 0.25 * z * z)
-        return np.maximum(middle - half, 0.0), np.minimum(middle + half, 1.0)
-
-    instead(PROPORTION + "clopper_pearson_each", wilson)
-
-
-@rule("statistics")
-def interval_is_bayesian() -> None:
-    """A rate has the credible interval of Jeffreys' prior, which holds on average alone."""
-    from scipy.special import betaincinv
-
-    def jeffreys(a: Any) -> Any:
-        s, n = np.broadcast_arrays(np.asarray(a.successes, float), np.asarray(a.trials, float))
-        tail = 0.5 * (1.0 - a.confidence)
-        low = betaincinv(s + 0.5, n - s + 0.5, tail)
-        high = betaincinv(s + 0.5, n - s + 0.5, 1.0 - tail)
-        return np.where(s > 0, low, 0.0), np.where(s < n, high, 1.0)
-
-    instead(PROPORTION + "clopper_pearson_each", jeffreys)
-
-
-@rule("statistics")
 def interval_is_mid_p() -> None:
     """The ends of a rate's interval count half of the outcome that was seen."""
     from scipy.special import betaincinv
@@ -134,14 +106,6 @@ def evidence_is_the_best_likelihood() -> None:
         return np.asarray(xlogy(a.s, a.s / n) + xlogy(a.f, a.f / n))
 
     instead(SEQUENCE + "_mixture", best)
-
-
-@rule("statistics")
-def looks_as_for_a_fixed_number() -> None:
-    """It takes as many runs to show a rate at any look as at one look alone."""
-    runs_needed = inside("physim.statistics", "runs_needed")
-
-    instead(SEQUENCE + "looks_needed", lambda a: runs_needed(a.rate, a.confidence))
 
 
 @rule("statistics")
@@ -250,27 +214,6 @@ def no_difference_counts_for_both() -> None:
 
 
 @rule("statistics")
-def wilcoxon_is_normal() -> None:
-    """Ranks of few differences are taken as normally distributed, too."""
-    from scipy.stats import wilcoxon
-
-    def normal(p: float, a: Any) -> float:
-        d = np.asarray(a.differences, float)
-        d = d[d != 0.0]
-        return float(wilcoxon(d, method="asymptotic").pvalue) if len(d) and not math.isnan(p) else p
-
-    found(PAIRED + "wilcoxon", normal)
-
-
-@rule("statistics")
-def wilcoxon_ranks_by_size_of_value() -> None:
-    """Differences are ranked by value, not by size."""
-    sign_test = inside("physim.statistics", "sign_test")
-
-    found(PAIRED + "wilcoxon", lambda p, a: sign_test(a.differences))
-
-
-@rule("statistics")
 def median_is_the_mean() -> None:
     """The middle of paired differences is their mean."""
     found(
@@ -282,14 +225,21 @@ def median_is_the_mean() -> None:
 
 
 @rule("statistics")
-def interval_of_the_median_is_normal() -> None:
-    """The median has the interval of a mean of normally distributed differences."""
+def interval_is_wilsons() -> None:
+    """A rate has the score interval, which covers less than it says for some rates."""
 
-    def normal(value: Any, a: Any) -> Any:
-        d = np.asarray(a.differences, float)
-        if not math.isfinite(value.low):
-            return value
-        half = 1.96 * d.std(ddof=1) / math.sqrt(len(d))
-        return value._replace(low=float(d.mean() - half), high=float(d.mean() + half))
+    def wilson(a: Any) -> Any:
+        s, n, z = counts(a)
+        middle = (s + 0.5 * z * z) / (n + z * z)
+        half = z / (n + z * z) * np.sqrt(s * (n - s) / n + 0.25 * z * z)
+        return np.maximum(middle - half, 0.0), np.minimum(middle + half, 1.0)
 
-    found(PAIRED + "median_difference", normal)
+    instead(PROPORTION + "clopper_pearson_each", wilson)
+
+
+@rule("statistics")
+def looks_as_for_a_fixed_number() -> None:
+    """It takes as many runs to show a rate at any look as at one look alone."""
+    runs_needed = inside("physim.statistics", "runs_needed")
+
+    instead(SEQUENCE + "looks_needed", lambda a: runs_needed(a.rate, a.confidence))

@@ -13,8 +13,6 @@ BLAME = "physim.analysis.validation.responsibility:"
 COLUMNS = "physim.analysis.validation.columns:"
 DECISIONS = "physim.analysis.validation.decisions:"
 DIFFERENCES = "physim.analysis.validation.disagreements:"
-MOTION = "physim.analysis.validation.motion:"
-NEAR = "physim.analysis.validation.near_misses:"
 PREDICTION = "physim.analysis.validation.prediction:"
 PUSHING = "physim.analysis.validation.pushing:"
 RECORDED = "physim.analysis.validation.recorded_contacts:"
@@ -79,12 +77,6 @@ def the_next_one_pushed() -> None:
 
 
 @rule("validation")
-def the_softest_push_counts() -> None:
-    """Of several robots that touch the one with the least impulse pushed."""
-    found(BLAME + "_contacts", lambda touches, a: touches[::-1])
-
-
-@rule("validation")
 def to_stand_is_not_to_move() -> None:
     """A robot stands when it did not move, whatever its command."""
 
@@ -95,12 +87,6 @@ def to_stand_is_not_to_move() -> None:
         return bool(math.hypot(*(now - before)[:2]) < 1e-3 * a.table.record.dt)
 
     instead(BLAME + "stands", still)
-
-
-@rule("validation")
-def pushed_is_who_moves_at_all() -> None:
-    """A robot that moves while another touches it was pushed, by its own command or not."""
-    instead(BLAME + "_exceeds_command", lambda a: True)
 
 
 # Predictions
@@ -131,12 +117,6 @@ def every_robot_moves_as_commanded() -> None:
 def a_touch_before_explains_everything() -> None:
     """Any prediction that is wrong is taken to be one of a touch that came first."""
     instead(PREDICTION + "Predictor._touched_then", lambda a: True)
-
-
-@rule("validation")
-def nobody_was_ever_warned() -> None:
-    """A contact counts as foretold by the last decision alone."""
-    given(PREDICTION + "Predictor.predict", earlier=lambda a: False)
 
 
 @rule("validation")
@@ -197,18 +177,6 @@ def who_is_behind_is_considered() -> None:
 
 
 @rule("validation")
-def nobody_is_considered_wrongly() -> None:
-    """The considered robots of a record are those it says."""
-    found(COLUMNS + "wrongly_considered", lambda value, a: np.full_like(value, -1))
-
-
-@rule("validation")
-def columns_are_those_of_the_step_after() -> None:
-    """Distances and collision times of a decision are held against the pose after it."""
-    given(COLUMNS + "standard_columns", at=lambda a: np.minimum(a.at + 1, len(a.pose) - 1))
-
-
-@rule("validation")
 def others_stood_when_a_decision_was_made() -> None:
     """Collision times of decisions are held against those with others that stand."""
     given(COLUMNS + "standard_columns", held=lambda a: np.zeros_like(a.held))
@@ -239,6 +207,6 @@ def steps_are_looked_at_where_they_end() -> None:
 
 
 @rule("validation")
-def commands_of_the_step_before_drove() -> None:
-    """A robot is held against the command that it had one step earlier."""
-    given(DECISIONS + "DecisionTable.held", step=lambda a: max(a.step - 1, 0))
+def columns_are_those_of_the_step_after() -> None:
+    """Distances and collision times of a decision are held against the pose after it."""
+    given(COLUMNS + "standard_columns", at=lambda a: np.minimum(a.at + 1, len(a.pose) - 1))

@@ -6,16 +6,16 @@ import math
 
 import numpy as np
 import pytest
-from hosts import ELL, box, distances, drive, host, pairs_in, segments
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from physim.tolerances import CONTACT
-from tests.helpers import inside
+from tests.helpers import examples, inside
+from tests.simulation.engine.hosts import ELL, box, distances, drive, host, pairs_in, segments
 
 joined_shapes, pack_parts = inside("physim.geometry", "joined_shapes", "pack_parts")
-ACTS, APART, LEFT, SIDE = inside("physim.simulation.engine", "ACTS", "APART", "LEFT", "SIDE")
-classify, segment_links = inside("physim.simulation.engine", "classify", "segment_links")
+ACTS, APART, classify = inside("physim.simulation.engine", "ACTS", "APART", "classify")
+LEFT, segment_links, SIDE = inside("physim.simulation.engine", "LEFT", "segment_links", "SIDE")
 
 ROBOTS = [[box()], ELL, [box(0.4, 0.4)], [[(-0.3, -0.3), (0.6, 0.0), (-0.3, 0.3)]], [box()], ELL]
 RING = [(-1.5, -1.5), (0.0, -1.5), (1.5, -1.5), (1.5, 1.5), (0.2, 1.2), (-1.5, 1.5), (-1.5, -1.5)]
@@ -27,7 +27,7 @@ def touching(pose):
     return {pair for pair, d in distances(SHAPES, SOLID, pose).items() if d <= CONTACT}
 
 
-@settings(max_examples=150, deadline=None)
+@examples(25, deep=150)
 @given(
     st.lists(
         st.tuples(
@@ -48,7 +48,7 @@ def test_contacts_agree_with_distances(start, speed):
         assert pairs_in(physics.contacts) == touching(physics.pose)
 
 
-@settings(max_examples=150, deadline=None)
+@examples(25, deep=150)
 @given(
     st.sampled_from([-1e-6, -1e-9, -1e-12, 0.0, 1e-12, 0.9e-9, 1.1e-9, 1e-8, 1e-6]),
     st.floats(-math.pi, math.pi),
@@ -70,7 +70,7 @@ def test_at_the_very_edge_of_contact(gap, heading, away, shift, turn):
 @pytest.mark.parametrize("dt", [0.05, 0.02])
 def test_first_contact_is_at_the_sample_that_the_collision_time_says(dt):
     rng = np.random.default_rng(3)
-    for _ in range(100):
+    for _ in range(30):
         gap, v, u = rng.uniform(0.01, 2.0), rng.uniform(0.1, 1.0), rng.uniform(0.1, 1.0)
         shift = rng.uniform(-0.5, 0.5)
         xi = gap / (v + u)
@@ -93,22 +93,6 @@ def judged(robot, points, pose):
     links, still = segment_links(shapes), np.zeros(3)
     parts = range(1, len(points))
     return [classify(shapes, links, 0, np.array(pose), q, still) for q in parts]
-
-
-def test_links_of_open_and_closed_chains():
-    lines = pack_parts([segments([(0, 0), (1, 0), (2, 0)]), segments(RING), [box()]])
-    links = segment_links(lines)
-    assert links.part[:2].tolist() == [[-1, 1], [0, -1]]
-    assert links.part[2:8].tolist() == [[7, 3], [2, 4], [3, 5], [4, 6], [5, 7], [6, 2]]
-    assert links.part[8].tolist() == [-1, -1]
-    assert links.end[2:8].tolist() == [[1, 0]] * 6
-
-
-def test_links_go_straight_on_and_take_either_direction():
-    wall, cap = [(0, 0), (1, 0), (2, 0)], [(2, 3), (2, 0)]
-    links = segment_links(pack_parts([segments(wall), segments(cap), segments([(1, 5), (1, 0)])]))
-    assert links.part.tolist() == [[-1, 1], [0, 2], [-1, 1], [-1, 0]]
-    assert links.end[1].tolist() == [1, 1]
 
 
 FLOOR = [(-2.0, 0.0), (-0.1, 0.0), (0.4998, 0.0), (1.5, 0.0), (2.0, 0.0)]
@@ -137,37 +121,11 @@ def test_a_tip_across_a_joint_is_pushed_straight_out_by_both():
         assert (nx, ny) == pytest.approx((0.0, 1.0), abs=1e-12)
 
 
-@pytest.mark.parametrize(("bend", "wanted"), [(0.0, SIDE), (0.5, SIDE), (-0.5, SIDE), (-1.5, ACTS)])
-def test_a_tip_beside_a_joint_is_not_pushed_past_it_into_the_next_segment(bend, wanted):
-    # 2 cm beyond the wall, 1 mm beside where the next one goes on: 3 mm sideways it is out of this
-    # one, and in that, unless that turns away by more than the tip's own flank.
-    tip = [(0.0, -0.5), (0.05, 0.0), (-0.05, 0.0)]
-    far = (-2.0 * np.cos(bend), 2.0 * np.sin(bend))
-    told = judged(tip, [far, (0.0, 0.0), (2.0, 0.0)], (0.003, 0.48, 0.0))
-    verdict, nx, ny = told[1]
-    assert verdict == wanted
-    if wanted == SIDE:
-        assert (nx, ny) == pytest.approx((0.0, 1.0), abs=1e-12)
-    else:
-        assert nx < -0.9
-
-
-def test_a_face_on_two_segments_up_to_the_end_wall_is_held_by_both():
-    # A flank flat on the wall, its front 0.6 mm into the end wall, to which the short last segment
-    # would push it: left to that one, it sank 21 mm into the wall where forty robots pushed.
-    robot = [(0.5, 0.0), (-0.35, 0.4), (-0.35, -0.4)]
-    pose = (15.014146237497053, -2.2879175406857692, -2.7023988920553763)
-    told = judged(robot, [(0.0, -2.5), (15.0, -2.5), (15.5, -2.5), (15.5, 2.5)], pose)
-    assert [verdict for verdict, _, _ in told[:2]] == [SIDE, SIDE]
-    for _, nx, ny in told[:2]:
-        assert (nx, ny) == pytest.approx((0.0, 1.0), abs=1e-12)
-
-
 def test_a_robot_beside_a_corner_is_pushed_away_from_it():
     # A box on the left of one of two walls of which the second turns away to the right: whatever
     # pushes it does so along the normal of a wall, to the left, or along one between the two.
     rng, met = np.random.default_rng(0), []
-    for _ in range(3000):
+    for _ in range(1000):
         bend, heading, at = rng.uniform(-1.4, 0.0), rng.uniform(-3.2, 3.2), rng.uniform(-0.7, 0.7)
         robot, depth = box(0.5, rng.uniform(0.1, 0.5)), rng.uniform(0.0, 0.01)
         walls = np.array(((1.0, 0.0), (math.cos(bend), math.sin(bend))))
@@ -182,5 +140,17 @@ def test_a_robot_beside_a_corner_is_pushed_away_from_it():
             if verdict in (ACTS, SIDE):
                 assert np.dot(walls[0], normal) >= -1e-9
                 assert np.dot(walls[1], normal) <= 1e-9
-    assert met.count(ACTS) > 2000
-    assert met.count(LEFT) > 20
+    assert met.count(ACTS) > 600
+    assert met.count(LEFT) > 5
+
+
+def test_many_contacts_at_once_are_all_told():
+    """More than the engine's arrays hold at first."""
+    rng = np.random.default_rng(0)
+    robots = [[[(-0.5, -0.3), (0.5, -0.3), (0.0, 0.5)]]] * 60
+    physics = host(np.column_stack((rng.uniform(0, 3, (60, 2)), rng.uniform(-3, 3, 60))), robots)
+    assert len(physics.contacts) > 200
+    for _ in range(2):
+        exact = distances(pack_parts(robots), pack_parts([]), physics.pose)
+        assert pairs_in(physics.contacts) == {p for p, d in exact.items() if d <= CONTACT}
+        physics.step(np.ones((60, 2)))

@@ -6,11 +6,10 @@ import hashlib
 from typing import NamedTuple
 
 import numpy as np
-from hosts import ELL, box, host, segments
-from test_guard import FALSE_CONTACTS, side_by_side
 
 from physim.contacts import Phase
 from physim.simulation.engine import Physics, PhysicsState
+from tests.simulation.engine.hosts import ELL, FALSE_CONTACTS, box, host, segments, side_by_side
 
 ARROW = [[(1.0, 0.0), (-0.6, 0.5), (-0.3, 0.0)], [(1.0, 0.0), (-0.3, 0.0), (-0.6, -0.5)]]
 """nonconvex: two triangles that share an edge"""

@@ -5,17 +5,13 @@ Where edges lie on one line to 1e-16 m the engine takes them to overlap all alon
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 import pytest
 
-from physim.simulation.engine import Physics, guard, host
+from physim.simulation.engine import Physics
 from tests.helpers import inside
 
 pack_parts = inside("physim.geometry", "pack_parts")
-PlainGuard, is_misled = inside("physim.simulation.engine", "PlainGuard", "is_misled")
-meeting = inside("physim.simulation.engine", "meeting")
 
 NO_WALLS = pack_parts([])
 
@@ -83,50 +79,3 @@ def test_a_row_that_is_pushed_stays_straight(row: str) -> None:
         made.step(command)
         assert np.abs(made.pose[:, 1:]).max() < 1e-6
     assert made.pose[-1, 0] > places[-1] + 0.1
-
-
-@pytest.mark.parametrize("case", CASES)
-def test_both_guards_set_the_same_contacts_right(
-    case: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    native, misled = pushed(case, 1500), []
-
-    def noted(*given: Any) -> bool:
-        misled.append(is_misled(*given))
-        return bool(misled[-1])
-
-    monkeypatch.setattr(guard, "is_misled", noted)
-    monkeypatch.setattr(host, "guard_of", lambda *given, checks=True: PlainGuard(*given))
-    assert pushed(case, 1500).tobytes() == native.tobytes()
-    assert any(misled)
-
-
-def test_what_the_engine_says_is_held_against_the_parts() -> None:
-    shapes = pack_parts([box(1.0, 1.0), box(1.0, 0.5)])
-    here, there = np.zeros(3), np.array((1.0, 0.6, 0.0))
-
-    def misled(dx: float, dy: float, points: int = 2) -> bool:
-        return is_misled(shapes, 0, here, 1, there, points, dx, dy)
-
-    assert misled(0.0, -1.0)  # a metre deep, sideways
-    assert misled(2e-9, 1e-9)  # askew
-    assert misled(2e-9, 1e-14)
-    assert not misled(2e-9, 1e-16)
-    assert not misled(5e-4, 5e-4)  # what is eased is small, whatever its way
-    deep = np.array((0.99, 0.6, 0.0))
-    assert not is_misled(shapes, 0, here, 1, deep, 1, 0.01, 0.0)
-    assert is_misled(shapes, 0, here, 1, deep, 2, 0.0, 0.25)
-    assert misled(2e-9, 0.0, points=1)  # at one end of a face that is flush
-    there[:] = 1.0 + 0.25 * np.sin(1e-4), 0.0, 1e-4  # at a corner
-    assert not misled(2e-9, 0.0, points=1)
-
-
-def test_they_meet_in_the_middle_of_what_their_faces_have_in_common() -> None:
-    shapes = pack_parts([box(1.0, 1.0), box(1.0, 0.5)])
-    for turn in (0.0, 0.7, -2.1):
-        c, s = np.cos(turn), np.sin(turn)
-        there = np.array((c - 0.6 * s, s + 0.6 * c, turn))
-        nx, ny, *ends = meeting(shapes, 0, np.array((0.0, 0.0, turn)), 1, there)
-        assert (nx, ny) == pytest.approx((-c, -s), abs=1e-12)
-        middle = (0.5 * c - 0.425 * s, 0.5 * s + 0.425 * c)
-        assert ends == pytest.approx([*middle, *middle], abs=1e-12)

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-from hosts import ELL, box, distances, host, pairs_in, segments
 
 from physim.tolerances import CONTACT
 from tests.helpers import inside
+from tests.simulation.engine.hosts import ELL, box, distances, host, pairs_in, segments
 
 pack_parts = inside("physim.geometry", "pack_parts")
 
@@ -29,11 +29,11 @@ def jam(steps, seed=5):
 
 def test_two_hosts_of_a_jam_are_bit_equal():
     rows = 0
-    for one, other in zip(jam(200), jam(200), strict=True):
+    for one, other in zip(jam(120), jam(120), strict=True):
         assert one.pose.tobytes() == other.pose.tobytes()
         assert one.contacts.tobytes() == other.contacts.tobytes()
         rows += len(one.contacts)
-    assert rows > 1000
+    assert rows > 500
     assert one.rejected == other.rejected
 
 

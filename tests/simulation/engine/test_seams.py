@@ -6,13 +6,10 @@ import math
 
 import numpy as np
 import pytest
-import yaml
-from hosts import box, distances, drive, host, pairs_in, segments
 
-import physim
-from physim.cli import main
 from physim.tolerances import CONTACT, SETTLED_DEPTH
 from tests.helpers import inside
+from tests.simulation.engine.hosts import box, distances, drive, host, pairs_in, segments
 
 pack_parts = inside("physim.geometry", "pack_parts")
 
@@ -68,7 +65,7 @@ def slide(wall, degrees, left, turn):
 @pytest.mark.parametrize("turn", TURNS)
 @pytest.mark.parametrize("wall", WALLS)
 def test_nothing_is_caught_at_a_seam(wall, turn):
-    for k, degrees in enumerate((10.0, 17.5, 25.0, 32.5, 40.0)):
+    for k, degrees in enumerate((10.0, 25.0, 40.0)):
         tilt = math.radians(degrees)
         # The nose meets the wall at 2 to 10 cm before the seam at 4.8 m.
         nose = 0.9 * math.cos(tilt) - 0.5 * math.sin(tilt) + 0.1 / math.tan(tilt)
@@ -124,40 +121,3 @@ def test_contacts_name_all_walls_of_a_solid_that_a_robot_touches():
             several += len(touching) > 2
             physics.step(np.array([[0.8, 0.3], [0.5, -0.4]]))
     assert several > 50
-
-
-def world(obstacles):
-    return {
-        "name": "wall",
-        "time": {"step": DT, "duration": 8.0},
-        "boundaries": [[[-1, -2], [25, -2], [25, 6], [-1, 6], [-1, -2]]],
-        "obstacles": [[list(point) for point in shelf(*one, 1.0)] for one in obstacles],
-        "reference_path": [[0.5, 3], [23.5, 3]],
-        "robots": [{
-            "name": "a", "footprint": {"length": 1.8, "width": 1.0}, "pose": [2.6, 1.4, -0.2618],
-            "path": [[0.5, 3], [23.5, 3]], "limits": {"v": 1.5, "omega": 1.0},
-        }],
-        "controller": {"type": "constant", "commands": [[1.0, 0.0]]},
-    }  # fmt: skip
-
-
-def test_a_wall_of_two_boxes_is_a_wall_in_record_and_validation(tmp_path, capsys):
-    records = []
-    for name, boxes in (("two", [(0, 6), (6, 24)]), ("one", [(0, 24)])):
-        (tmp_path / f"{name}.yaml").write_text(yaml.safe_dump(world(boxes)))
-        told = ["run", str(tmp_path / f"{name}.yaml"), "-o", str(tmp_path / name), "--no-video"]
-        assert main(told) == 0
-        # 1: there was contact; where shapes and record disagree it is 3
-        assert main(["validate", str(tmp_path / name / "record.h5")]) == 1
-        records.append(physim.Record.load(tmp_path / name / "record.h5"))
-    two, one = records
-    np.testing.assert_allclose(
-        two.read("/steps/pose"), one.read("/steps/pose"), rtol=0.0, atol=SAME
-    )
-    rows = two.contacts
-    assert np.abs(rows["nx"]).max() < 1e-6
-    # The first of the obstacles has the id 2, behind robot and boundary.
-    touches = rows[rows["phase"] != 2]
-    assert set(touches["b"]) == {2, 3}
-    assert (touches["x"][touches["b"] == 2] <= 6.0 + SETTLED_DEPTH).all()
-    assert (touches["x"][touches["b"] == 3] >= 6.0 - SETTLED_DEPTH).all()

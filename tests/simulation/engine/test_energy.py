@@ -2,13 +2,10 @@
 
 from __future__ import annotations
 
-import subprocess
-import sys
-from pathlib import Path
-
 import numpy as np
 import pytest
-from hosts import box, drive, host
+
+from tests.simulation.engine.hosts import box, drive, host
 
 U = [
     [(0.516, 0.452), (-0.387, 0.452), (-0.129, 0.258), (0.516, 0.258)],
@@ -35,25 +32,14 @@ def check_steps(physics, command, steps):
     assert all((r["impulse"] <= 10.0 * given).all() for r in rows)
 
 
-@pytest.mark.parametrize("friction", [0.0, 1.0, 5.0, 30.0, 100.0])
+@pytest.mark.parametrize("friction", [0.0, 1.0, 100.0])
 def test_a_corner_dragged_along_a_floor_is_not_spun(friction):
     """At 100 the robot turned by 49,200 rad in a step, and its record could not be read."""
     physics = host([BACKWARDS], [U], walls=[FLOOR], dt=0.02, friction=friction)
     check_steps(physics, [-2.0, 0.0], 60)
 
 
-def there_and_back():
+def test_a_wall_drawn_there_and_back_flings_nobody():
+    """Its solver had given the robot 1e76 m/s, and then looked for it in endless cells."""
     physics = host([INTO], [[box(1.608, 0.804)]], walls=[TWICE], dt=0.01, friction=5.0)
     check_steps(physics, [2.0, 0.0], 500)
-
-
-def test_a_wall_drawn_there_and_back_flings_nobody():
-    """The engine looked for the robot in endless cells, deaf to all signals: a process of its own.
-
-    Its solver had given the robot 1e76 m/s.
-    """
-    script = "import test_energy; test_energy.there_and_back()"
-    done = subprocess.run(
-        [sys.executable, "-c", script], cwd=Path(__file__).parent, timeout=120, check=False
-    )
-    assert done.returncode == 0

@@ -1,0 +1,34 @@
+"""How robots and walls are put into the engine."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import assume, given
+from hypothesis import strategies as st
+
+from tests.geometry.test_polygon import star_polygons
+from tests.helpers import examples, inside
+from tests.simulation.engine.hosts import box
+
+convex_parts, counter_clockwise = inside("physim.geometry", "convex_parts", "counter_clockwise")
+is_simple, moment, signed_area = inside("physim.geometry", "is_simple", "moment", "signed_area")
+
+
+@examples(25, deep=100)
+@given(star_polygons(), st.floats(0.1, 100.0))
+def test_moment_is_that_of_many_small_squares(polygon, mass):
+    assume(is_simple(polygon))
+    found = moment(list(convex_parts(polygon)), mass)
+    ring = counter_clockwise(polygon)
+    x, y = ring.T
+    u, v = np.roll(x, -1), np.roll(y, -1)
+    cross = x * v - u * y  # Green's theorem over the outline
+    second = np.sum(cross * (x * x + x * u + u * u + y * y + y * v + v * v)) / 12.0
+    assert found == pytest.approx(mass * second / signed_area(ring), rel=1e-6)
+
+
+def test_moment_of_a_box_is_the_textbook_one():
+    rectangle = np.array(box(2.0, 1.0))
+    assert moment([rectangle], 12.0) == pytest.approx(12.0 * (4.0 + 1.0) / 12.0)
+    assert moment([rectangle + (3.0, 4.0)], 12.0) == pytest.approx(5.0 + 12.0 * 25.0)

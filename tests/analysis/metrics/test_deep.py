@@ -10,7 +10,7 @@ from physim.contacts import Phase, allowed_depth
 from physim.tolerances import DEEP, IMPACT_SPEED, SETTLED_DEPTH, TUNNEL_FRACTION
 from tests.analysis.metrics.histories import history
 from tests.helpers import inside
-from tests.physics.hosts import box, drive, host, segments
+from tests.simulation.engine.hosts import box, drive, host, segments
 
 pack_parts = inside("physim.geometry", "pack_parts")
 

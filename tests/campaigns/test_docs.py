@@ -28,6 +28,7 @@ def test_every_column_is_told() -> None:
     assert set(COLUMNS) <= told
 
 
+@pytest.mark.deep
 def test_the_program_runs(tmp_path: Path) -> None:
     (program,) = re.findall(r"```python\n(.*?)```", TEXT, flags=re.DOTALL)
     (tmp_path / "many.py").write_text(program)

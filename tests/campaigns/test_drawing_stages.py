@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import sys
 from pathlib import Path
 
@@ -10,6 +11,8 @@ import pytest
 from tests.campaigns.samples import FIXED, rows_in
 from tests.cli.commands import physim
 from tests.helpers.packages import install
+
+pytestmark = pytest.mark.usefixtures("in_process")
 
 TEXT = '''
 from physim.randomness import stream
@@ -46,12 +49,6 @@ def test_a_sweep_runs_every_seed(drawn: Path, capsys: pytest.CaptureFixture[str]
     assert "gains" in done.err  # whether it draws is not known
 
 
-def test_validation_runs_every_seed(drawn: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    done = physim("validate", "drawn.yaml", "--seeds", "1:3", capture=capsys)
-    assert "2 of 2" in done.out
-    assert "gains" in done.err
-
-
 def test_rows_of_two_codes_of_a_stage_are_not_mixed(
     drawn: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -70,3 +67,21 @@ def test_rows_of_two_codes_of_a_stage_are_not_mixed(
     done = physim("sweep", "drawn.yaml", "--seeds", "1:4", "-o", "out", capture=capsys)
     assert done.code == 0, done.err
     assert len(rows_in(drawn / "out")) == 3
+
+
+def test_a_stage_that_was_changed_is_told_though_the_controllers_differ(
+    drawn: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Its effect would be taken for that of the controllers."""
+    (module,) = (drawn / "package").glob("*.py")
+    sweep = ("sweep", "drawn.yaml", "--seeds", "1:3", "--controller")
+    assert physim(*sweep, "constant", "-o", "a", capture=capsys).code == 0
+    assert physim(*sweep, "path_following", "-o", "same", capture=capsys).code == 0
+    module.write_text(TEXT.replace("0.5, 1.0", "0.9, 1.0"))
+    assert physim(*sweep, "path_following", "-o", "b", capture=capsys).code == 0
+    told = {}
+    for other in ("same", "b"):
+        done = physim("compare", "a", other, "--json", "-", capture=capsys)
+        told[other] = json.loads(done.out)["comparisons"][0]["unlike"]
+    assert told["same"] == []
+    assert "source of gains was changed" in told["b"][0]

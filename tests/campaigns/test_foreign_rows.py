@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import shutil
 from collections.abc import Callable
 from concurrent.futures import Executor
 from dataclasses import asdict, replace
@@ -87,15 +86,6 @@ def test_a_row_behind_which_the_true_one_stands_is_refused_too(campaign: Path) -
         read(campaign)
 
 
-def test_a_sweep_does_nothing_beside_them(campaign: Path) -> None:
-    place = put(campaign, CHANGES["seed"](row_without_run(specs(4)[3], FINISHED, "")))
-    before = {file.name: file.read_bytes() for file in (campaign / "rows").iterdir()}
-    with pytest.raises(PhysimError, match=facts(place, CAMPAIGN)):
-        sweep(specs(5), campaign, Unused())
-    after = {file.name: file.read_bytes() for file in (campaign / "rows").iterdir()}
-    assert before == after
-
-
 class Unused(Executor):
     """Is never given anything to do."""
 
@@ -139,12 +129,6 @@ def test_a_row_that_contradicts_another_of_its_run_is_told_with_its_line(campaig
         sweep(specs(5), campaign, Unused())
 
 
-def test_the_same_rows_in_a_second_file_count_once(campaign: Path) -> None:
-    (file,) = (campaign / "rows").iterdir()
-    shutil.copy(file, file.with_name("9-2-copy-1.jsonl"))
-    assert read(campaign).num_rows == 3
-
-
 def test_a_changed_world_is_told(campaign: Path) -> None:
     (file,) = (campaign / "worlds").iterdir()
     file.write_text(file.read_text().replace("1.8", "1.7"))
@@ -184,12 +168,3 @@ def test_commands_refuse_them(
     assert done.code == 2
     check_error(done.err, place, CAMPAIGN)
     assert not (campaign / "report.html").exists()
-
-
-def test_a_world_too_large_to_be_read_again_is_refused_before_it_is_run(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr("physim.campaigns.folder.MOST_BYTES", 100)
-    with pytest.raises(PhysimError, match=facts("small", "100")):
-        Folder(tmp_path / "campaign").open(specs(1))
-    assert not (tmp_path / "campaign").exists()

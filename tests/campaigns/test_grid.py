@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import tracemalloc
 from dataclasses import replace
-from itertools import chain, islice
+from itertools import chain
 from pathlib import Path
 
 import pytest
 
-from physim.campaigns.grid import TOGETHER
 from physim.errors import PhysimError, WorldError
 from tests.helpers import facts, inside
 
@@ -84,16 +82,6 @@ def test_a_world_that_a_value_makes_impossible_is_told_with_the_value() -> None:
         make_grid(["straight"], range(1, 3), ["corridor.width=8,1.8"])
 
 
-def test_a_fault_of_a_file_or_a_name_says_by_itself_what_it_is_of(here: Path) -> None:
-    (here / "bad.yaml").write_text((here / "fixed.yaml").read_text() + "colour: red\n")
-    for worlds, controllers in (["bad.yaml"], ["constant", "path_following"]), (
-        ["fixed.yaml", "small.yaml"], ["constnt", "path_following"]
-    ):  # fmt: skip
-        with pytest.raises(WorldError) as caught:
-            make_grid(worlds, range(2), (), controllers)
-        assert "(" not in str(caught.value)
-
-
 def test_two_files_of_one_name_are_told_apart(here: Path) -> None:
     (here / "other").mkdir()
     (here / "other/small.yaml").write_text((here / "small.yaml").read_text().replace("1.8", "1.7"))
@@ -139,10 +127,6 @@ def test_faults_are_told_before_anything_is_run(here: Path, arguments, text: str
         make_grid(*arguments)
 
 
-def test_more_than_a_million_if_wanted(here: Path) -> None:
-    assert len(make_grid(["small.yaml"], range(2_000_000), most=None)) == 2_000_000
-
-
 def test_too_many_are_counted_and_not_made(here: Path) -> None:
     with pytest.raises(PhysimError, match=facts("99,999,999,999", "days", "10,000,000")):
         make_grid(["small.yaml"], range(99_999_999_999), most=None)
@@ -158,7 +142,7 @@ def test_a_run_is_found_by_its_place_and_back(here: Path) -> None:
         ["small.yaml", "fixed.yaml"], range(3, 9), [f"time.duration={','.join('123456789')}"],
         ["constant", "path_following"],
     )  # fmt: skip
-    assert len(whole.cells) > TOGETHER
+    assert len(whole.cells) > 16  # of which keys are made together
     for shard in (Shard(1, 1), Shard(2, 5)):
         grid = replace(whole, shard=shard)
         runs = list(grid)
@@ -170,21 +154,6 @@ def test_a_run_is_found_by_its_place_and_back(here: Path) -> None:
     assert not whole.has(one.label, 9, one.key)
     assert not whole.has(one.label, one.seed, "0" * 20)
     assert not whole.has(("other", "", ""), one.seed, one.key)
-
-
-def test_memory_is_that_of_the_cells(here: Path) -> None:
-    def taken(seeds: int) -> int:
-        grid = make_grid(["small.yaml"], range(seeds), most=None)
-        tracemalloc.start()
-        try:
-            for _ in islice(grid, 10_000):
-                pass
-            assert grid[len(grid) - 1] in grid
-            return tracemalloc.get_traced_memory()[1]
-        finally:
-            tracemalloc.stop()
-
-    assert taken(9_000_000) < taken(10_000) + 100_000
 
 
 DRAWING = '''

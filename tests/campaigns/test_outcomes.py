@@ -57,12 +57,6 @@ def test_what_counts(one: dict[str, object], free: bool, finished: bool, failed_
     assert bool(outcomes.failed[0]) is failed_
 
 
-def test_no_rows_are_no_cells() -> None:
-    outcomes = Outcomes(table([]))
-    assert len(outcomes) == 0
-    assert outcomes.cells == ()
-
-
 def test_all_rows_of_a_large_campaign_are_there() -> None:
     given = many(20_000)
     outcomes = Outcomes(pa.concat_tables([given.slice(7000), given.slice(0, 7000)]))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import errno
 import multiprocessing
 import os
 import signal
@@ -10,92 +9,52 @@ import subprocess
 import sys
 import time
 from collections.abc import Iterator
-from concurrent.futures import Executor, ThreadPoolExecutor, wait
+from concurrent.futures import wait
 from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
 import pytest
 
-from physim.campaigns import Processes, processes, sweep
+from physim.campaigns import Processes, processes
 from tests.campaigns import sample_jobs as sample
 from tests.helpers import inside
 
 Job, LostError, OverdueError = inside("physim.campaigns", "Job", "LostError", "OverdueError")
 StartError = inside("physim.campaigns", "StartError")
 
+pytestmark = pytest.mark.deep
+
 LONGEST = 120.0
 """[s] for a job that takes none"""
 
 
-@pytest.fixture
-def executor() -> Iterator[Processes]:
-    made = Processes(2)
-    yield made
-    made.shutdown(cancel_futures=True)
+def made(workers: int) -> Iterator[Processes]:
+    some = Processes(workers)
+    yield some
+    some.shutdown(cancel_futures=True)
     assert not multiprocessing.active_children()
 
 
-def test_a_copy_that_a_job_forks_answers_for_nobody() -> None:
+@pytest.fixture
+def executor() -> Iterator[Processes]:
+    yield from made(2)
+
+
+@pytest.fixture
+def one() -> Iterator[Processes]:
+    yield from made(1)
+
+
+def test_a_copy_that_a_job_forks_answers_for_nobody(one: Processes) -> None:
     """It answered beside the worker, and took the next jobs from its pipe: rows were lost."""
-    one = Processes(1)
-    try:
-        copies = [one.begin(Job("forks", sample.forks)).result(timeout=LONGEST) for _ in range(3)]
-        answers = [one.begin(Job("good", sample.echo, (k,))) for k in range(20)]
-        assert [future.result(timeout=LONGEST) for future in answers] == list(range(20))
-        (worker,) = one.ids
-        assert worker not in copies
-        for copy in copies:
-            ended(copy, worker)
-    finally:
-        one.shutdown(cancel_futures=True)
-
-
-def test_a_worker_whose_job_writes_into_its_pipes_is_ended() -> None:
-    """It seemed to have ended, and was waited for without end, beyond every limit and signal."""
-    one = Processes(1)
-    try:
-        lost = one.begin(Job("writes", sample.writes_everywhere, ()))
-        good = one.begin(Job("good", sample.echo, (5,)))
-        with pytest.raises(LostError):
-            lost.result(timeout=LONGEST)
-        assert good.result(timeout=LONGEST) == 5
-    finally:
-        one.shutdown(cancel_futures=True)
-
-
-@pytest.mark.parametrize(("code", "error"), [(3, LostError), (None, OverdueError)])
-def test_a_worker_that_is_no_more_is_not_waited_for_because_of_what_it_forked(
-    code: int | None, error: type[Exception]
-) -> None:
-    """The copy has the worker's end of its pipe: it looks open for as long as that lives."""
-    one, begun = Processes(1), time.monotonic()
-    try:
-        limit = 1.0 if code is None else None
-        lost = one.begin(Job("forks", sample.leaves_a_copy, (2.0 * LONGEST, code), limit))
-        good = one.begin(Job("good", sample.echo, (5,)))
-        with pytest.raises(error):
-            lost.result(timeout=LONGEST)
-        assert good.result(timeout=LONGEST) == 5
-    finally:
-        one.shutdown(cancel_futures=True)
-    assert time.monotonic() - begun < 2.0 * LONGEST, "it waited for the copy"
-
-
-def test_a_worker_with_a_thread_left_behind_ends_when_it_is_let_go() -> None:
-    one = Processes(1)
-    try:
-        left = [
-            one.begin(Job(code, sample.leaves_a_thread, code=code)).result(timeout=LONGEST)
-            for code in "abcdef"
-        ]
-        assert len({*left}) == 6
-        until = time.monotonic() + LONGEST
-        while (some := len(multiprocessing.active_children())) > 3 and time.monotonic() < until:
-            time.sleep(0.05)
-        assert some <= 3
-    finally:
-        one.shutdown(cancel_futures=True)
+    copies = [one.begin(Job("forks", sample.forks)).result(timeout=LONGEST) for _ in range(3)]
+    answers = [one.begin(Job("good", sample.echo, (k,))) for k in range(20)]
+    assert [future.result(timeout=LONGEST) for future in answers] == list(range(20))
+    (worker,) = one.ids
+    assert worker not in copies
+    for copy in copies:
+        ended(copy, worker)
 
 
 def ended(copy: int, worker: int) -> None:
@@ -109,10 +68,26 @@ def ended(copy: int, worker: int) -> None:
     raise AssertionError(f"process {copy} goes on")
 
 
-def test_it_is_an_executor(executor: Processes) -> None:
-    assert isinstance(executor, Executor)
-    assert executor.submit(divmod, 7, 2).result() == (3, 1)
-    assert list(executor.map(abs, [-1, 2, -3])) == [1, 2, 3]
+@pytest.mark.parametrize(
+    ("work", "given", "limit", "error"),
+    [
+        (sample.writes_everywhere, (), None, LostError),
+        (sample.leaves_a_copy, (2.0 * LONGEST, 3), None, LostError),
+        (sample.leaves_a_copy, (2.0 * LONGEST, None), 1.0, OverdueError),
+    ],
+)
+def test_a_worker_that_is_no_more_is_not_waited_for_whatever_has_its_pipes(
+    one: Processes, work: Any, given: tuple[Any, ...], limit: float | None, error: type[Exception]
+) -> None:
+    """What it forked has its end of its pipe, which looks open for as long as that lives."""
+    begun = time.monotonic()
+    lost = one.begin(Job("forks", work, given, limit))
+    good = one.begin(Job("good", sample.echo, (5,)))
+    with pytest.raises(error):
+        lost.result(timeout=LONGEST)
+    assert good.result(timeout=LONGEST) == 5
+    one.shutdown(cancel_futures=True)
+    assert time.monotonic() - begun < 2.0 * LONGEST, "it waited for the copy"
 
 
 @pytest.mark.parametrize(
@@ -151,68 +126,41 @@ def test_what_ends_a_command_does_not_end_its_workers(
     assert capfd.readouterr().err == ""
 
 
-@pytest.mark.parametrize("workers", [1, 2])
-def test_what_the_code_of_one_leaves_behind_is_not_met_by_that_of_another(workers: int) -> None:
-    made, told = Processes(workers), []
-    try:
-        for name in ("", "a", "b", "", "a", "b", "c", "d", "e", "a", ""):
-            job = Job("leaves", sample.leave_behind, (name,), code=name)
-            told.append((name, *made.begin(job).result(timeout=LONGEST)))
-            assert len(made.ids) <= 2 * workers + 1
-        for name, _, found in told:
-            assert found in (None, name or None)
-        again = [number for name, number, _ in told if name == "a"]
-        assert again[0] == again[1]  # it had waited for more of the same
-    finally:
-        made.shutdown(cancel_futures=True)
-    assert not multiprocessing.active_children()
+def test_what_the_code_of_one_leaves_behind_is_not_met_by_that_of_another(
+    executor: Processes,
+) -> None:
+    told = []
+    for name in ("", "a", "b", "", "a", "b", "c", "d", "a", ""):
+        job = Job("leaves", sample.leave_behind, (name,), code=name)
+        told.append((name, *executor.begin(job).result(timeout=LONGEST)))
+        assert len(executor.ids) <= 5
+    assert all(found in (None, name or None) for name, _, found in told)
+    again = [number for name, number, _ in told if name == "a"]
+    assert again[0] == again[1]  # it had waited for more of the same
 
 
-def test_workers_have_the_physim_of_their_parent(tmp_path: Path) -> None:
-    """Whatever stands before it where they look: a file of that name, or another checkout."""
-    (tmp_path / "physim.py").write_text("raise SystemExit(7)\n")
-    script = (
+def test_workers_have_the_modules_of_their_parent(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Whatever stands before them where they look: in the working folder, or another checkout."""
+    for name in ("struct", "signal", "multiprocessing"):
+        (tmp_path / f"{name}.py").write_text("raise SystemExit(7)\n")
+    for folder in ("away", "other"):
+        (tmp_path / folder).mkdir()
+    (tmp_path / "other/physim.py").write_text("raise SystemExit(7)\n")
+    (tmp_path / "away/begins.py").write_text(
         "import sys\n"
-        "from physim.campaigns.processes import Processes\n"
+        "from physim.campaigns import Processes\n"
         "if __name__ == '__main__':\n"
-        f"    sys.path.insert(0, {str(tmp_path)!r})\n"
+        f"    sys.path.insert(0, {str(tmp_path / 'other')!r})\n"
         "    before = list(sys.path)\n"
         "    made = Processes(1)\n"
         "    assert made.submit(eval, \"__import__('sys').path\").result() == before\n"
         "    assert sys.path == before\n"
         "    made.shutdown()\n"
     )
-    away = tmp_path / "away"
-    away.mkdir()
-    (away / "begins.py").write_text(script)
     done = subprocess.run(
-        [sys.executable, str(away / "begins.py")],
-        capture_output=True, text=True, check=False, timeout=LONGEST,
-    )  # fmt: skip
-    assert (done.returncode, done.stderr) == (0, "")
-
-
-def test_no_module_of_the_working_folder_is_run_as_workers_start(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """Python itself would look there first; what its parent knows a worker finds."""
-    for name in ("struct", "signal", "socket", "multiprocessing"):
-        (tmp_path / f"{name}.py").write_text("raise SystemExit(7)\n")
-    monkeypatch.chdir(tmp_path)
-    script = (
-        "import os\n"
-        "from physim.campaigns.processes import Processes\n"
-        "if __name__ == '__main__':\n"
-        "    made = Processes(1)\n"
-        "    assert made.submit(os.getenv, 'PYTHONSAFEPATH').result() is None\n"
-        "    assert os.getenv('PYTHONSAFEPATH') is None\n"
-        "    made.shutdown()\n"
-    )
-    away = tmp_path / "away"
-    away.mkdir()
-    (away / "begins.py").write_text(script)
-    done = subprocess.run(
-        [sys.executable, str(away / "begins.py")],
+        [sys.executable, str(tmp_path / "away/begins.py")], cwd=tmp_path,
         capture_output=True, text=True, check=False, timeout=LONGEST,
     )  # fmt: skip
     assert (done.returncode, done.stderr) == (0, "")
@@ -220,13 +168,11 @@ def test_no_module_of_the_working_folder_is_run_as_workers_start(
 
 UNGUARDED = {
     "submit": "print(Processes(1).submit(abs, -3).result())",
-    "sweep 1": "sweep([spec_of(world, seed) for seed in range(2)], 'campaign', Processes(1))",
-    "sweep 2": "sweep([spec_of(world, seed) for seed in range(2)], 'campaign', Processes(2))",
+    "sweep": "sweep([spec_of(world, seed) for seed in range(2)], 'campaign', Processes(2))",
     "caught": "try:\n    sweep([spec_of(world, 1)], 'campaign', Processes(1))\n"
     "except PhysimError as error:\n    sys.exit(str(error))",
     "command": "sys.exit(main(['sweep', 'straight', '--seeds', '0:2', '--set', "
     "'time.duration=0.5', '-o', 'campaign', '--workers', '2', '--quiet']))",
-    "check": "sys.exit(main(['validate', '--seeds', '0:2', 'ten_robots', '--quiet']))",
 }  # fmt: skip
 """What a program without a guard does, which its workers do again as they import it"""
 HEAD = """\
@@ -256,80 +202,8 @@ def test_a_program_that_begins_runs_as_it_is_imported_is_told(tmp_path: Path, ho
     assert process.returncode != 0
     assert last.endswith(processes.UNGUARDED.removeprefix("; "))
     assert err.count(processes.UNGUARDED) == 1
-    assert err.count("Traceback") == (0 if how in ("caught", "command", "check") else 1)
+    assert err.count("Traceback") == (0 if how in ("caught", "command") else 1)
     assert before == [] or how not in ("caught", "command")
-
-
-def test_a_program_that_is_no_file_is_told_so(tmp_path: Path) -> None:
-    """Its guard is there; what workers miss is a file to import."""
-    sweeps = UNGUARDED["sweep 1"]
-    done = subprocess.run(
-        [sys.executable, "-"], input=f"{HEAD}if __name__ == '__main__':\n    {sweeps}\n",
-        cwd=tmp_path, capture_output=True, text=True, check=False, timeout=LONGEST,
-    )  # fmt: skip
-    last = done.stderr.splitlines()[-1]
-    assert done.returncode != 0
-    assert last.endswith("and <stdin> is no file: save the program as one and run that")
-    assert "__name__" not in last
-
-
-def test_a_process_of_another_that_imports_is_told(
-    executor: Processes, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
-) -> None:
-    """multiprocessing marks it so, whoever began it; it is not ours to end."""
-    this = multiprocessing.current_process()
-    monkeypatch.setattr(this, "_inheriting", True, raising=False)
-    with pytest.raises(StartError, match="__main__"):
-        sweep([], tmp_path / "campaign", ThreadPoolExecutor(1))
-    assert not (tmp_path / "campaign").exists()
-    with pytest.raises(StartError, match="__main__"):
-        executor.submit(abs, -3)
-
-
-def test_a_program_that_does_not_shut_it_down_ends(tmp_path: Path) -> None:
-    """Its workers hear no TERM, by which multiprocessing ends what is left."""
-    (tmp_path / "begins.py").write_text(
-        "from physim.campaigns.processes import Processes\n"
-        "if __name__ == '__main__':\n"
-        "    print(Processes(1).submit(abs, -3).result())\n"
-    )
-    done = subprocess.run(
-        [sys.executable, str(tmp_path / "begins.py")],
-        capture_output=True, text=True, check=False, timeout=LONGEST,
-    )  # fmt: skip
-    assert (done.returncode, done.stdout, done.stderr) == (0, "3\n", "")
-
-
-def test_a_worker_may_have_workers(executor: Processes) -> None:
-    """It has imported the program by then."""
-    assert executor.submit(sample.has_workers).result(timeout=LONGEST) == 3
-
-
-@pytest.mark.parametrize("most", [0, 1])
-def test_no_more_processes_than_the_system_allows(
-    executor: Processes, monkeypatch: pytest.MonkeyPatch, most: int
-) -> None:
-    begun, real = [], processes._Worker.begun
-
-    def limited(context, halt):
-        if len(begun) == most:
-            raise OSError(errno.EMFILE, os.strerror(errno.EMFILE))
-        begun.append(1)
-        return real(context, halt)
-
-    monkeypatch.setattr(processes._Worker, "begun", limited)
-    futures = [executor.begin(Job("good", sample.echo, (k,))) for k in range(3)]
-    if most:
-        assert [future.result(timeout=LONGEST) for future in futures] == [0, 1, 2]
-        return
-    for future in futures:
-        with pytest.raises(StartError, match=os.strerror(errno.EMFILE)):
-            future.result(timeout=5.0)
-
-
-def test_the_limit_counts_from_when_a_process_is_ready(executor: Processes) -> None:
-    job = Job("slow to begin", sample.echo, (5,), 1.0, sample.takes_two_seconds)
-    assert executor.begin(job).result() == 5
 
 
 def test_a_worker_killed_from_outside(executor: Processes) -> None:
@@ -341,26 +215,6 @@ def test_a_worker_killed_from_outside(executor: Processes) -> None:
     with pytest.raises(LostError, match="SIGKILL"):
         future.result()
     assert executor.submit(abs, -4).result() == 4
-
-
-def test_a_worker_that_does_not_end_in_time_is_gone_after_the_shutdown(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    """It was killed and not waited for: on a busy machine it was still there."""
-    monkeypatch.setattr(processes, "LAST_SECONDS", 0.0)
-    made = Processes(2)
-    for future in [made.submit(time.sleep, 0.05) for _ in range(4)]:
-        future.result()
-    made.shutdown()
-    assert not multiprocessing.active_children()
-
-
-def test_workers_killed_while_they_had_nothing_to_do(executor: Processes) -> None:
-    for _ in range(3):
-        assert executor.submit(abs, -4).result() == 4
-        for one in multiprocessing.active_children():
-            one.kill()
-            one.join()
 
 
 def test_jobs_end_early_when_told_to(executor: Processes) -> None:
@@ -397,9 +251,3 @@ def test_what_a_job_prints_does_not_act_on_the_terminal(
     """And stands beside what the command itself prints."""
     executor.begin(Job("colourful", sample.prints)).result()
     assert capfd.readouterr() == ("", "red \\u001b[31m \\u202e\n" * 2)
-
-
-@pytest.mark.parametrize("workers", [0, -1, None, "2", 1.5, True])
-def test_no_processes_would_wait_for_ever(workers: Any) -> None:
-    with pytest.raises(ValueError, match="workers ="):
-        Processes(workers)

@@ -2,23 +2,14 @@
 
 from __future__ import annotations
 
-import itertools
 import json
-import math
 import re
 from html.parser import HTMLParser
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
-import physim
-from physim.campaigns.report.pictures import _draw_view
-from physim.drawing.video import frame_at, view
-from physim.world.file import parse_world
-from tests.campaigns.real import WORLD as REAL
-from tests.campaigns.samples import WORLD
 from tests.campaigns.tables import failed, hit, many, row, table
 from tests.helpers import facts, inside
 
@@ -119,17 +110,6 @@ def test_without_a_failure_it_says_what_that_shows() -> None:
     assert re.search(r"at most 0\.10 % go wrong, which shows 99\.9 %", text)
 
 
-@pytest.mark.parametrize("only", [row(1), hit(1)])
-def test_of_a_single_run_it_promises_nothing(only: dict[str, Any]) -> None:
-    """There may be no second one: where nothing is random, every seed gives this run."""
-    text, page = pages(report([only]))
-    for words in (text, Elements(page).said):
-        assert "nothing in the world is random" in words
-        assert "more, none of which does" not in words
-    text, _ = pages(report([row(1), row(2)]))
-    assert "nothing in the world is random" not in text
-
-
 def test_a_campaign_with_a_goal_has_the_sequence_and_says_so() -> None:
     rows = [hit(seed) if seed % 25 == 0 else row(seed) for seed in range(600)]
     goal = read_goal("rate > 0.9")
@@ -189,18 +169,6 @@ def test_a_hard_hit_comes_before_a_deep_one_and_both_before_what_only_came_near(
         assert re.search(facts("1.46 m/s", "35.6 J", "r2, r3 at 7.50 s"), words)
 
 
-def test_a_decision_stands_beside_the_rate_that_it_is_of() -> None:
-    """Of runs that never finish, contact-free is decided, and nothing is about finishing."""
-    rows = [row(seed, ended="duration", finish_time=None) for seed in range(200)]
-    text, page = pages(report(rows, goal=read_goal("contact_free > 0.9")))
-    decided = re.compile(r"decided after \d+ runs: contact-free above 90\.0 %")
-    (cell,) = [part for part in page.split("<td ") if decided.search(part)]
-    assert cell.startswith('data-name="contact-free"')
-    lines = text.splitlines()
-    (place,) = [k for k, line in enumerate(lines) if decided.search(line)]
-    assert lines[place - 1].startswith("  contact-free  ")
-
-
 def test_runs_that_did_not_finish_are_told_and_shown_by_cell() -> None:
     rows = [row(seed, ended="duration" if seed % 2 else "finished", not_arrived="r1, r3",
                 stood="r3") for seed in range(20)]  # fmt: skip
@@ -220,63 +188,6 @@ def test_runs_that_did_not_finish_are_told_and_shown_by_cell() -> None:
         assert "failed" not in words
     assert page.count("<img") == len(one.worst) + len(shown)
     assert json.loads(json.dumps(report_values(one)))["unfinished"][0]["stood"] == {"r3": 10}
-
-
-def test_the_end_of_a_run_is_shown_from_near(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """The last picture of a film shows the whole world."""
-    record, times = physim.simulate(parse_world(WORLD)), []
-
-    def noted(record: Any, time: float, **how: Any) -> Any:
-        times.append(time)
-        return frame_at(record, time, **how)
-
-    monkeypatch.setattr("physim.drawing.video.frame_at", noted)
-    _draw_view(record, tmp_path / "end.png", "end")
-    assert times == [pytest.approx(0.98)]
-
-
-@pytest.mark.parametrize(
-    ("y", "heading", "bodies"), [(3.2, 0.0, (0, 2)), (0.3, 0.0, (0, 1)), (2.9, 0.6, (0, 2))]
-)
-def test_the_picture_of_a_least_distance_marks_that_one(
-    y: float, heading: float, bodies: tuple[int, int], tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:  # fmt: skip
-    """Where it was one to a wall, the closest two robots had been marked."""
-    pose, path = "[6.0, 1.0, random], path: {offset: 1.0}", "[3.0, -1.0, 0.3]"
-    assert pose in REAL
-    assert path in REAL
-    text = REAL.replace(pose, f"[6.0, {y}, {heading}], path: {{offset: {y + 1.5 * heading}}}")
-    text = text.replace(path, "[6.0, -1.0, 0.0]")
-    record = physim.simulate(parse_world(text, controller="path_following"))
-    figured = figures(record)
-    names = [record.bodies[body].name for body in bodies]
-    assert figured["least_distance_pair"] == ", ".join(names)
-    drawn, said = [], []
-    monkeypatch.setattr(view, "draw_closest", lambda _image, _lens, pair: drawn.append(pair))
-    monkeypatch.setattr(view, "sprite", lambda text, *how: said.append(text) or sprite(text, *how))
-    _draw_view(record, tmp_path / "least.png", "nearest")
-    [pair] = drawn
-    assert (pair.a, pair.b) == bodies
-    least = figured["least_distance"]
-    assert (least < 0.0) == (heading != 0.0)
-    assert pair.distance == pytest.approx(max(least, 0.0), abs=1e-9)
-    assert said[0] == (metres(least) if least > 0.0 else "contact")
-    if bodies[1] >= record.robots:
-        assert abs(pair.points[1][1] - 4.0) <= max(-least, 0.0) + 1e-9
-
-
-def test_it_says_where_the_least_distances_leave_cells_out() -> None:
-    bad = [row(seed, controller="deaf", least_distance=-0.1) for seed in range(12)]
-    good = [row(seed, least_distance=0.5) for seed in range(12)]
-    text, page = pages(report([*bad, *good]))
-    for words in (text, Elements(page).said):
-        assert "all of 1 of 2 cells" in words
-    text, page = pages(report([*bad[:5], *good[:5]]))
-    assert "of 2 cells" not in text.partition("then the least distances")[2]
-    assert "They are" not in Elements(page).said
 
 
 def test_cells_without_any_value_are_told_too() -> None:
@@ -321,14 +232,6 @@ def test_the_page_loads_nothing_and_runs_nothing() -> None:
     assert all(value.startswith("data:") for value in sources)
     assert "http" not in re.sub(r'"http-equiv"|http-equiv=', "", page)
     assert "url(" not in page
-
-
-def test_pages_of_large_campaigns_stay_small() -> None:
-    one = report_of(Outcomes(many(30_000, cells=600)), "yard")
-    _, page = pages(one)
-    assert len(page) < 2_000_000
-    assert "of 600 cells are shown" in Elements(page).said
-    assert len(report_values(one)["cells"]) == 600
 
 
 def test_values_of_a_report() -> None:
@@ -381,23 +284,3 @@ def test_each_unit_has_its_digits_and_what_is_small_two_at_least(
     value: float, unit: str, text: str
 ) -> None:
     assert amount(value, unit) == text
-
-
-EXTREMES = (0.0, -0.0, 5e-324, 1e-300, -1e-7, 0.5, 1e6, -1e15, 1e300, -1e300, 1.7e308, -1.7e308)
-
-
-def test_plots_are_drawn_of_any_numbers() -> None:
-    """As metrics of one's own may give them: the largest, their negatives, and next to none."""
-    drawn = []
-    for pair in itertools.product(EXTREMES, repeat=2):
-        values = np.array(pair)
-        drawn.append(distribution(values, spread_axis(values, 320.0), "kg", "w"))
-        drawn.append(shift_plot(pair[0], min(pair), max(pair), "kg", 220.0, "w"))
-        drawn.append(shift_plot(pair[0], -math.inf, max(pair), "kg", 220.0, "w"))
-        drawn += [
-            paired_plot(values, values[::-1], "l", "w"),
-            paired_plot(values, values, "l", "w"),
-        ]
-    for svg in drawn:
-        assert not re.search("nan|inf|[0-9]{25}", svg)
-        assert len(svg) < 30_000

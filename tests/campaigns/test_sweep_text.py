@@ -43,18 +43,6 @@ def test_the_list_is_bounded_and_says_where_the_rest_is() -> None:
     assert re.search(facts("15", "physim report out"), said.splitlines()[-2])
 
 
-def test_where_no_run_finished_none_is_named_for_it() -> None:
-    said = text([row(seed, ended="duration") for seed in range(4)])
-    assert named(said) == []
-    assert "physim" not in said
-
-
-def test_only_the_cells_that_were_asked_for() -> None:
-    rows = [row(1), hit(2, controller="other"), failed(3, world="elsewhere")]
-    assert named(text(rows)) == []
-    assert named(text(rows, ("yard", "", "other"))) == [2]
-
-
 def test_counts_and_values() -> None:
     rows = [row(1), row(2, ended="duration"), failed(3), failed(4, "killed"), hit(5)]
     draws = {GOOD: "the starts", ("none", "", "x"): ""}
@@ -68,8 +56,3 @@ def test_counts_and_values() -> None:
     assert [one["seed"] for one in found["to_look_at"]["first"]] == [5, 3, 4, 2]
     assert found["to_look_at"]["runs"] == 4
     json.dumps(found, allow_nan=False)
-
-
-def test_code_of_ones_own_is_named_to_be_replayed() -> None:
-    rows = [hit(1, controller="mine:Own")]
-    assert "--controller mine:Own" in text(rows, ("yard", "", "mine:Own"))

@@ -2,17 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from pathlib import Path
 
-import pytest
-
 from physim.campaigns import Row
-from physim.campaigns.until import Decided
-from physim.errors import PhysimError
-from tests.helpers import facts, inside
+from tests.helpers import inside
 from tests.statistics.coverage import draws
 
+Decided = inside("physim.campaigns", "Decided")
 UNTIL, Until, read_until = inside("physim.campaigns", "UNTIL", "Until", "read_until")
 succeeded, write_until = inside("physim.campaigns", "succeeded", "write_until")
 decide, read_goal = inside("physim.statistics", "decide", "read_goal")
@@ -77,19 +73,6 @@ def test_rows_that_come_several_at_a_time_are_as_one_by_one(tmp_path: Path) -> N
     assert together.watches[GOOD].runs == runs
 
 
-def test_what_counts_for_each_rate() -> None:
-    nothing = {"contacts": 0, "grazes": 0}
-    slow = Row(run="", world="", seed=1, physim="", engine="", ended="duration", **nothing)
-    failed = Row(run="", world="", seed=1, physim="", engine="", ended="error")
-    names = ("rate", "contact_free", "finished")
-    assert [succeeded(row(1), name) for name in names] == [True, True, True]
-    assert [succeeded(row(1, contact=True), name) for name in names] == [False, False, True]
-    assert [succeeded(slow, name) for name in names] == [False, True, False]
-    assert [succeeded(failed, name) for name in names] == [False, False, False]
-    unknown = replace(slow, grazes=None)
-    assert not succeeded(unknown, "contact_free")
-
-
 def test_the_folder_tells_the_goal_from_the_first_row_on(tmp_path: Path) -> None:
     assert read_until(tmp_path) is None
     until = Until(read_goal("rate > 99%"), 5)
@@ -97,15 +80,3 @@ def test_the_folder_tells_the_goal_from_the_first_row_on(tmp_path: Path) -> None
     assert read_until(tmp_path) == until
     write_until(tmp_path, Until(read_goal("0.02"), 9))
     assert read_until(tmp_path) == Until(read_goal("0.02"), 5)
-
-
-@pytest.mark.parametrize(
-    "text",
-    ["", "[]", "{}", "null", '{"format": "other"}',
-     '{"format": "physim-until", "goal": "rate > x", "first_seed": 1}',
-     '{"format": "physim-until", "goal": "0.1", "first_seed": "1"}'],
-)  # fmt: skip
-def test_another_file_of_that_name_is_refused(tmp_path: Path, text: str) -> None:
-    (tmp_path / UNTIL).write_text(text, encoding="utf-8")
-    with pytest.raises(PhysimError, match=facts(str(tmp_path / UNTIL))):
-        read_until(tmp_path)

@@ -11,7 +11,6 @@ import pytest
 
 from physim.errors import PhysimError
 from physim.reproduction.claims import measures, parts
-from physim.reproduction.studies import studies
 from tests.helpers import inside
 from tests.metrics.histories import history
 
@@ -160,23 +159,6 @@ def test_plan_of_one_figure() -> None:
     assert make_plan().studies
 
 
-@pytest.mark.parametrize(
-    ("figure", "fault"),
-    [
-        ("5", "flow chart"),
-        ("9", "not a figure; allowed: 1, 2, 3, 3a, 4, 6, 7, 8"),
-        ("6b", 'allowed: 1, 2, 3, 3a, 4, 6, 7, 8; did you mean "6"?'),
-        ("", "not a figure"),
-        ("x" * 1000, "not a figure"),
-    ],
-)
-def test_unknown_figures(figure: str, fault: str) -> None:
-    with pytest.raises(PhysimError) as error:
-        make_plan(figure)
-    assert fault in str(error.value)
-    assert len(str(error.value)) < 250
-
-
 def test_an_unknown_study_comes_with_the_nearest() -> None:
     with pytest.raises(
         PhysimError, match=r'--study "alfa": not a study; allowed: alpha, .*"alpha"'
@@ -203,9 +185,3 @@ def test_runs_that_several_need_are_done_once() -> None:
         assert len(done) == len(needed)
     assert {key[2] for key in jobs if key[0] == "run"} == set(range(plan.seeds))
     assert Arm("a", "w") == Arm("b", "w") != Arm("a", "v")
-
-
-def test_measures_differ_in_their_names() -> None:
-    """Figures of a run are kept by the names of the functions that took them."""
-    found = {study.measure for study in studies()} | {measures}
-    assert len({measure.__name__ for measure in found}) == len(found)

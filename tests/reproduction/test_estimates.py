@@ -37,12 +37,6 @@ def test_nan_is_left_out_and_nothing_is_none() -> None:
     assert estimate([]).count == 0
 
 
-def test_text() -> None:
-    assert estimate([-1e-9, 0.0]).text(2) == "0.00"
-    assert estimate([math.inf, math.inf]).text(1, "s") == "never"
-    assert estimate([1.0, 2.0, math.inf]).text(1, "s") == "2.0 [1.0, never] s"
-
-
 def test_shares() -> None:
     assert count([{"a": 0.0}, {"a": 2.0}], "a", lambda value: value == 0.0) == (1, 2)
     assert share_text(20, 20) == "20 of 20 [83 %, 100 %]"

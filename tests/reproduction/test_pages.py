@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import base64
-from dataclasses import replace
 from html.parser import HTMLParser
 from pathlib import Path
 
@@ -116,11 +115,6 @@ def test_html_needs_nothing_but_the_videos(folder: Path) -> None:
     assert "http" not in text
 
 
-def test_a_missing_picture_is_an_error(tmp_path: Path) -> None:
-    with pytest.raises(FileNotFoundError):
-        html(markdown(report("x")), "t", tmp_path)
-
-
 def test_names_in_markdown_are_only_names() -> None:
     """As any reader of Markdown sees them, also one that follows raw HTML."""
     parser = MarkdownIt("commonmark").enable("table")
@@ -137,21 +131,6 @@ def test_names_in_markdown_are_only_names() -> None:
     assert rows == ["tr", "tr", *["td"] * 5, "tr", "tr", *["td"] * 6]
 
 
-def test_links_lead_to_headings(folder: Path) -> None:
-    tags = Reader(html(markdown(report("one, two (3a): four")), "t", folder)).tags
-    anchors = {a["id"] for _, a in tags if "id" in a}
-    links = {(a["href"] or "")[1:] for tag, a in tags if tag == "a" and a["href"][:1] == "#"}
-    assert links
-    assert links <= anchors
-    assert anchor_of("Figure 6: ten robots, 3a!") == "figure-6-ten-robots-3a"
-
-
-def test_claims_that_are_met_are_not_told_as_differences() -> None:
-    assert "Where we differ" in markdown(report("x", Outcome.PARTLY))
-    assert "Where we differ" not in markdown(report("x", Outcome.MET))
-    assert "interrupted" in markdown(replace(report("x"), interrupted=True))
-
-
 def test_report_comes_back_from_json() -> None:
     given = report(HOSTILE)
     assert Report.from_json(given.to_json()) == given
@@ -162,27 +141,3 @@ def test_report_comes_back_from_json() -> None:
     for wrong in ("", "[]", "{}", other, unknown, missing, text.replace("not met", "never met")):
         with pytest.raises(PhysimError, match="no reproduction of this version"):
             Report.from_json(wrong)
-
-
-def test_verdicts_of_few_seeds_are_called_preliminary() -> None:
-    for seeds, few in ((5, True), (SEEDS, False)):
-        text = markdown(replace(report("x"), seeds=seeds))
-        assert (f"{seeds} seeds of each world" in text) is few
-        assert ("reliminary" in text) is few
-
-
-def test_a_run_in_the_browser_is_a_link_beside_its_video(tmp_path: Path) -> None:
-    plain = report("a")
-    section = replace(
-        plain.sections[0], pictures=(), captions=(), films=("w/video.mp4", "w/page.html")
-    )
-    page = Reader(html(markdown(replace(plain, sections=(section,))), "a", tmp_path))
-    links = [given["href"] for tag, given in page.tags if tag == "a"]
-    assert [link for link in links if not str(link).startswith("#")] == [
-        "w/video.mp4",
-        "w/page.html",
-    ]
-    assert [given["src"] for tag, given in page.tags if tag == "video"] == ["w/video.mp4"]
-    assert "The run in the browser" in page.words
-    frames = [given for tag, given in page.tags if tag == "iframe"]
-    assert [(frame["src"], frame["loading"]) for frame in frames] == [("w/page.html", "lazy")]

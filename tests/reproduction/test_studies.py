@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import pickle
-import warnings
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 
@@ -258,22 +257,6 @@ MADE_UP: Mapping[str, Callable[[], Arms]] = {
 
 
 @pytest.mark.parametrize("name", STUDIES)
-def test_every_plot_has_units_and_nothing_unnamed(name: str) -> None:
-    from matplotlib.figure import Figure
-
-    study = STUDIES[name]
-    with styled():
-        figure = Figure()
-        study.draw(figure, study.labels, seeds(MADE_UP[name]()))
-        figure.draw_without_rendering()
-    assert figure.get_suptitle()
-    for axis in figure.axes:
-        assert axis.get_xlabel() or axis.get_ylabel()
-        for label in (axis.get_xlabel(), axis.get_ylabel()):
-            assert not label or "[" in label
-
-
-@pytest.mark.parametrize("name", STUDIES)
 def test_studies_without_a_meaningful_figure_conclude_and_draw(name: str) -> None:
     """Every measure nan, one seed: no claim may come out met, and nothing may break."""
     from matplotlib.figure import Figure
@@ -293,11 +276,6 @@ def test_every_arm_loads_and_can_be_sent_to_a_worker(name: str) -> None:
     for arm in study.arms:
         same = pickle.loads(pickle.dumps(arm))
         assert same.load(3) == arm.load(3)
-
-
-def test_worlds_of_two_seeds_differ() -> None:
-    arm = ALPHA.arms[0]
-    assert arm.load(1) != arm.load(2)
 
 
 def test_overrides_hold_for_a_world_of_the_study_too() -> None:
@@ -341,16 +319,3 @@ def test_outside_of_a_bend_the_route_is_longer() -> None:
 def test_corners_are_where_the_path_turns_sharply() -> None:
     line = np.array([[0.0, 0.0], [3.0, 4.0], [3.0, 9.0], [3.1, 12.0]])
     assert corners(line) == pytest.approx([5.0])
-
-
-def test_what_is_to_be_noted_of_worlds_is_said_by_the_plan_and_by_no_run() -> None:
-    """Wide thresholds ask for more range than the world has."""
-    study = next(s for s in studies() if "wide thresholds" in s.labels)
-    plan = make_plan(None, study.name, quick=True, films=False)
-    said = plan.notices()
-    assert [line for line in said if "formation.range" in line and "time_low=" in line]
-    assert len(said) == len(set(said)) > 0
-    with warnings.catch_warnings():
-        warnings.simplefilter("error")
-        for arm in study.arms:
-            arm.load(0)

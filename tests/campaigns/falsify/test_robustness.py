@@ -7,8 +7,7 @@ import pytest
 import physim
 from physim import SaveAt
 from physim.analysis.metrics import contact_episodes, grazes
-from physim.world import World
-from tests.falsify.worlds import five_robots, into_the_wall, judge, past_a_corner
+from tests.campaigns.falsify.worlds import five_robots, into_the_wall, judge, past_a_corner
 from tests.helpers import inside
 
 ROBOTS, WALL, judged = inside("physim.campaigns.falsify", "ROBOTS", "WALL", "judged")
@@ -76,22 +75,11 @@ def test_every_step_counts_whatever_is_recorded() -> None:
     assert every == few
 
 
-def test_the_modes_of_the_two_are_those_of_their_last_decisions() -> None:
-    record = physim.simulate(
-        physim.load_world("three_robots", overrides=["time.duration=3.0"]),
-        controller="path_following",
-    )
-    found = judged(record).touched
-    assert found is not None
-    assert set(found.pair) == {"r2", "r3"}
-    assert found.modes == ("safe", "safe")
-
-
 @pytest.mark.parametrize(
     ("changes", "refused"),
     [
         ({"controller": {"type": "constant", "commands": [[9.0, 0.0]]}}, True),
-        ({"controller": {"type": "tests.falsify.test_robustness:Breaks"}}, False),
+        ({"controller": {"type": "tests.campaigns.falsify.test_robustness:Breaks"}}, False),
     ],
 )
 def test_what_cannot_be_run_has_no_clearance(changes: dict[str, object], refused: bool) -> None:
@@ -107,10 +95,3 @@ class Breaks:
         if observation.time > 0.5:
             raise ZeroDivisionError("no")
         return physim.Decision(v=0.0, omega=0.0, hold=0.1)
-
-
-def test_worlds_keep_their_order() -> None:
-    from tests.falsify.worlds import EVALUATE
-
-    worlds: list[World] = [five_robots(), five_robots(time=FREE), into_the_wall()]
-    assert [one.failed for one in EVALUATE(worlds)] == [True, False, True]

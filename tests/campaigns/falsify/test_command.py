@@ -15,8 +15,8 @@ import pytest
 from physim.record import Record
 from physim.world import World
 from physim.world.file import load_world
+from tests.campaigns.falsify.worlds import five_robots, judge
 from tests.cli.commands import SMALL, frames, physim, shell
-from tests.falsify.worlds import five_robots, judge
 from tests.helpers import inside
 
 in_this_process, Judged = inside("physim.campaigns.falsify", "in_this_process", "Judged")
@@ -82,18 +82,6 @@ def test_a_failure_is_written_as_a_world_that_fails(
     assert judged.code == 1
 
 
-@pytest.mark.parametrize("end", ["\n", "\r", "\x85", "\u2028"])
-def test_a_command_of_several_lines_is_one_line_of_the_world(
-    here: Path, one_process: None, capsys: pytest.CaptureFixture[str], end: str
-) -> None:
-    """Its second line would be a key of the world, which is lost by that, found as it is."""
-    done = physim("falsify", "five.yaml", "--set", f'description="a{end}b: 1"', "--budget", "1",
-                  "--shrink", "0", "-o", "out", "--no-video", capture=capsys)  # fmt: skip
-    assert done.code == 1, done.err
-    load_world(here / "out" / "worst.yaml")
-    assert (here / "out" / "story.txt").read_text() in done.out
-
-
 def judge_file(path: Path) -> World:
     world = load_world(path)
     assert judge(world).failed
@@ -149,6 +137,7 @@ def interrupting(calls: int) -> Callable[..., Any]:
     return by_executor
 
 
+@pytest.mark.deep
 @pytest.mark.parametrize(("world", "calls"), [("small.yaml", 4), ("five.yaml", 4)])
 def test_interrupted_it_writes_the_worst_so_far(
     here: Path,
@@ -186,20 +175,6 @@ def test_bad_input_is_refused(
     assert all(word in done.err for word in words), done.err
     assert "Traceback" not in done.err
     assert not (here / "out").exists()
-
-
-@pytest.mark.parametrize("name", ["worst.yaml", "record.h5"])
-def test_a_link_to_nothing_is_refused_before_the_search(
-    here: Path, name: str, capsys: pytest.CaptureFixture[str]
-) -> None:
-    """Else what was found is lost when it is written."""
-    (here / "out").mkdir()
-    (here / "out" / name).symlink_to(here / "nothing")
-    done = physim("falsify", "five.yaml", "-o", "out", "--force", capture=capsys)
-    assert done.code == 2
-    assert f"out/{name}: is not a regular file but a link" in done.err
-    assert "varied" not in done.out
-    assert not (here / "nothing").exists()
 
 
 def test_a_second_search_into_a_folder_is_refused_before_it_begins(
@@ -253,6 +228,7 @@ class Ends:
 """
 
 
+@pytest.mark.deep
 @pytest.mark.parametrize(
     ("how", "told"),
     [
@@ -273,21 +249,3 @@ def test_a_controller_that_ends_its_process_is_told_in_a_line(
     assert "the world itself cannot be judged" in done.err
     assert told in done.err
     assert len(done.err.splitlines()) == 1
-
-
-def test_a_search_that_cannot_begin_keeps_the_earlier_one(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    """Of one whose controller cannot be made the earlier worst world was gone."""
-    (tmp_path / "worst.yaml").write_text("mine")
-    arguments = (
-        "three_robots",
-        "--budget",
-        "2",
-        "--controller",
-        "tests.helpers.worlds:Says",
-        "--no-video",
-    )
-    done = physim("falsify", *arguments, "-o", tmp_path, "--force", capture=capsys)
-    assert done.code == 2
-    assert (tmp_path / "worst.yaml").read_text() == "mine"

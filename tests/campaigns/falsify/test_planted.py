@@ -71,6 +71,7 @@ def test_without_the_fault_nothing_is_found() -> None:
     assert 0.0 < found.judged.clearance < 0.5 < found.first
 
 
+@pytest.mark.deep
 def test_chance_seldom_finds_it(space: Space) -> None:
     found = hunt(
         space, Twin(space.world).evaluate, accepted(NAME), budget=1000, seed=1, at_random=True
@@ -78,6 +79,7 @@ def test_chance_seldom_finds_it(space: Space) -> None:
     assert not found.failed
 
 
+@pytest.mark.deep
 def test_the_result_is_the_same_whoever_does_the_runs(space: Space) -> None:
     accepts = accepted(NAME)
     here = hunt(space, in_this_process(), accepts, budget=60, seed=1)

@@ -17,7 +17,7 @@ from physim import Decision, Observation, Simulation
 from physim.analysis.validation import validate
 from physim.world import World
 from physim.world.file import load_world
-from tests.falsify.worlds import (
+from tests.campaigns.falsify.worlds import (
     ACCEPTS,
     EVALUATE,
     five_robots,
@@ -152,15 +152,6 @@ def test_what_a_robot_chooses_from_stays_as_it_is() -> None:
     assert {"speeds": list(found.speeds or ()), "omegas": list(found.omegas or ())} == own
 
 
-def test_the_sets_of_a_controller_stay_as_they_are() -> None:
-    tree = tree_of(deaf())
-    tree["controller"]["omegas"] = [-0.4, 0.0, 0.4]
-    state = SimpleNamespace(tree=tree, judged=judge(deaf()))
-    proposed = [*rounder(state), *fewer_things(state)]
-    assert len(proposed) > 10
-    assert all(one["controller"].get("omegas") == [-0.4, 0.0, 0.4] for one in proposed)
-
-
 class Waits:
     """The second robot stands for three seconds, then drives ahead; the others stand."""
 
@@ -171,13 +162,13 @@ class Waits:
 
 def test_where_the_failure_needs_what_came_before_the_run_starts_no_later() -> None:
     """Two robots 0.6 m apart touch after the three seconds, whenever the run starts."""
-    tree = tree_of(five_robots(controller={"type": "tests.falsify.test_shrink:Waits"}))
+    tree = tree_of(five_robots(controller={"type": "tests.campaigns.falsify.test_shrink:Waits"}))
     tree["robots"][3]["pose"] = [4.62, 0.0, 0.0]
     world = World(**tree)
     before = judge(world)
     assert before.touched is not None
     assert before.touched.time > 3.0
-    accepts = accepted("tests.falsify.test_shrink:Waits")
+    accepts = accepted("tests.campaigns.falsify.test_shrink:Waits")
     found = shrink(world, before, EVALUATE, accepts, most_runs=40)
     assert found.world.time.duration > 3.0
     assert judge(found.world).failed
@@ -212,11 +203,6 @@ def test_numbers_become_round() -> None:
     assert one.footprint == into_the_wall().robots[0].footprint
 
 
-def test_a_heading_keeps_the_digits_that_it_needs() -> None:
-    found = shrink(in_band(), judge(in_band()), EVALUATE, accepted("benchmarks.planted:Planted"))
-    assert found.world.robots[0].pose[2] == 0.4
-
-
 def test_it_is_the_same_every_time_and_within_its_runs() -> None:
     world = five_robots()
     whole = shrink(world, judge(world), EVALUATE, ACCEPTS)
@@ -232,15 +218,6 @@ def test_it_is_the_same_every_time_and_within_its_runs() -> None:
         assert part.runs == len(asked) == most
         assert not part.is_least
         assert judge(part.world).failed
-
-
-def test_every_run_is_told_as_it_is_made() -> None:
-    told: list[int] = []
-    found = shrink(
-        five_robots(), judge(five_robots()), EVALUATE, ACCEPTS,
-        progress=lambda shrunk: told.append(shrunk.runs),
-    )  # fmt: skip
-    assert set(told) >= set(range(1, found.runs + 1))
 
 
 def test_another_kind_of_failure_is_not_taken() -> None:
@@ -288,23 +265,6 @@ def test_what_a_check_refuses_is_not_taken() -> None:
     assert len(found.world.robots) == 4
 
 
-def test_a_simpler_world_that_is_only_said_to_fail_is_not_there() -> None:
-    """Every world taken was one that failed when it was run: none is taken on trust."""
-    world = five_robots()
-    failing: list[World] = []
-
-    def watched(worlds: Sequence[World]) -> Iterator[Judged]:
-        for one, result in zip(worlds, EVALUATE(worlds), strict=True):
-            if result.failed:
-                failing.append(one)
-            yield result
-
-    taken: list[World] = []
-    shrink(world, judge(world), watched, ACCEPTS, progress=lambda one: taken.append(one.world))
-    assert taken
-    assert all(one in failing for one in taken)
-
-
 def test_told_to_stop_it_returns_what_it_has() -> None:
     world, seen = five_robots(), []
 
@@ -318,30 +278,6 @@ def test_told_to_stop_it_returns_what_it_has() -> None:
     assert not found.is_least
     assert found.taken == 2
     assert judge(found.world).failed
-
-
-def test_starts_stay_as_far_apart_as_a_search_has_them() -> None:
-    """However the numbers are rounded: 3.0 and 4.24 would leave 0.22 m between the two."""
-    robots = [robot("r2", 2.56, 0.0, 0.0), robot("r4", 4.24, 0.0, 0.0)]
-    world = five_robots(robots=robots, controller={"type": "constant"})
-    result = replace(judge(five_robots()), before=())
-
-    def fails_ever(worlds: Sequence[World]) -> Iterator[Judged]:
-        alone = replace(result, touched=None)
-        return iter([result if len(one.robots) == 2 else alone for one in worlds])
-
-    gap = float(starts_of(world).gap.min())
-    found = shrink(world, result, fails_ever, ACCEPTS)
-    assert found.taken > 3
-    assert gap > 0.29
-    assert starts_of(found.world).gap.min() >= gap
-
-
-def test_only_a_failure_can_be_shrunk() -> None:
-    world = into_the_wall()
-    fine = replace(judge(world), touched=None)
-    with pytest.raises(ValueError, match="fails"):
-        shrink(world, fine, EVALUATE, ACCEPTS)
 
 
 def test_robots_are_left_out_of_their_formation() -> None:

@@ -35,21 +35,8 @@ def as_json(done: Done) -> dict[str, object]:
 COMMAND = ("sweep", "small.yaml", "--seeds", "0:150", "-o", "out", "--workers", "2", "--json")
 
 
-@pytest.fixture(scope="module")
-def undisturbed(tmp_path_factory: pytest.TempPathFactory) -> list[dict[str, object]]:
-    """Rows of the same sweep when nothing happens to it."""
-    from tests.campaigns.samples import write
-
-    folder = tmp_path_factory.mktemp("undisturbed")
-    write(folder)
-    assert as_json(shell(*COMMAND, folder=folder))["run_now"] == 150
-    return without_times(rows_in(folder / "out"))
-
-
 @pytest.mark.deep
-def test_killed_half_way_it_goes_on_and_repeats_nothing(
-    here: Path, undisturbed: list[dict[str, object]]
-) -> None:
+def test_killed_half_way_it_goes_on_and_repeats_nothing(here: Path) -> None:
     process = started(*COMMAND, folder=here)
     try:
         begun(here / "out", process, 20)
@@ -60,19 +47,11 @@ def test_killed_half_way_it_goes_on_and_repeats_nothing(
     assert 20 <= len(kept) < 150
     found = as_json(shell(*COMMAND, folder=here))
     assert (found["there_before"], found["run_now"]) == (len(kept), 150 - len(kept))
-    assert without_times(rows_in(here / "out")) == undisturbed
+    done = shell(*COMMAND[:4], "other", *COMMAND[5:], folder=here)
+    assert as_json(done)["run_now"] == 150
+    assert without_times(rows_in(here / "out")) == without_times(rows_in(here / "other"))
     assert lines_on_disk(here / "out") == 150
     assert set(kept) <= set(rows_in(here / "out"))
-
-
-@pytest.mark.deep
-def test_two_at_once_share_the_runs(here: Path, undisturbed: list[dict[str, object]]) -> None:
-    both = [started(*COMMAND, folder=here) for _ in range(2)]
-    ends = [(process.communicate(timeout=600), process.returncode) for process in both]
-    found = [as_json(Done(code, *texts)) for texts, code in ends]
-    assert sum(int(str(one["run_now"])) for one in found) == 150
-    assert all(one["cells"] == found[0]["cells"] for one in found)
-    assert without_times(rows_in(here / "out")) == undisturbed
 
 
 def most_memory(process: subprocess.Popen[str]) -> int:
@@ -130,15 +109,6 @@ def test_shards_come_together(here: Path, capsys: pytest.CaptureFixture[str]) ->
         done = physim("sweep", "small.yaml", "--seeds", "0:5", "--shard", part, capture=capsys)
         assert done.code == 0
     assert [row.seed for row in rows_in(here / "sweeps/small")] == list(range(5))
-
-
-@pytest.mark.usefixtures("in_process")
-def test_what_is_not_random_is_run_once(here: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    done = physim("sweep", "fixed.yaml", "--seeds", "5:9", capture=capsys)
-    assert done.code == 0
-    assert "random" in done.err
-    assert "1 run," in done.out
-    assert "runs/s" not in done.err  # no bar in a pipe
 
 
 @pytest.mark.usefixtures("in_process")
@@ -212,16 +182,3 @@ def test_names_of_files_that_are_not_utf_8(here: Path, capsys: pytest.CaptureFix
     assert [(row["world"], row["seed"]) for row in rows] == [(r"w\udcff", 1), (r"w\udcff", 2)]
     assert (here / folder / "results.parquet").stat().st_size
     assert physim("replay", f"{folder}:0", "-o", "again", capture=capsys).code == 0
-
-
-@pytest.mark.usefixtures("in_process")
-@pytest.mark.parametrize(("world", "name"), [("...yaml", "world"), ("a\nb.yaml", r"a\u000ab")])
-def test_names_that_name_no_folder_or_are_no_line(
-    here: Path, capsys: pytest.CaptureFixture[str], world: str, name: str
-) -> None:
-    (here / world).write_text(WORLD)
-    done = physim("sweep", world, "--seeds", "1:2", capture=capsys)
-    assert done.code == 0, done.err
-    assert [one.name for one in (here / "sweeps").iterdir()] == [name]
-    assert f"rows in sweeps/{name}/results.parquet\n" in done.out
-    assert [row["world"] for row in read(here / "sweeps" / name).to_pylist()] == [name]

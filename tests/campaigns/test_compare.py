@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import re
 from typing import Any
 
 import numpy as np
@@ -18,8 +17,7 @@ ALPHA, FEWEST_PAIRS, Comparison = inside("physim.campaigns", "ALPHA", "FEWEST_PA
 between, by, compare, Outcomes = inside("physim.campaigns", "between", "by", "compare", "Outcomes")
 comparison_page = inside("physim.campaigns.report", "comparison_page")
 comparison_text = inside("physim.campaigns.report", "comparison_text")
-comparison_values, verdict = inside("physim.campaigns.report", "comparison_values", "verdict")
-paired_plot, shift_plot = inside("physim.campaigns.report", "paired_plot", "shift_plot")
+comparison_values = inside("physim.campaigns.report", "comparison_values")
 mcnemar, median_difference = inside("physim.statistics", "mcnemar", "median_difference")
 sign_test = inside("physim.statistics", "sign_test")
 
@@ -42,16 +40,14 @@ def finding(comparisons: list[Comparison], name: str) -> Any:
 
 
 def test_a_planted_difference_is_found_with_its_size() -> None:
-    found = compare(by(campaign(shift=0.05, hits=20), "controller"))
+    found = compare(by(campaign(shift=0.05, hits=20, finish_time=15.0), "controller"))
     near = finding(found, "least_distance")
     assert near.better == "a"
     assert near.low < -0.05 < near.high < 0.0
-    free = finding(found, "contact_free")
+    free, late = finding(found, "contact_free"), finding(found, "finish_time")
     assert free.better == "a"
+    assert (late.better, late.difference) == ("b", -3.0)  # of times less is better
     assert (free.only_a, free.only_b, free.difference) == (20, 0, pytest.approx(-20 / 60))
-    text = comparison_text(found)
-    assert "A is better by 33.3" in text
-    assert "A good, B other" in text
 
 
 def test_pairing_sees_what_the_arms_alone_do_not() -> None:
@@ -65,13 +61,10 @@ def test_pairing_sees_what_the_arms_alone_do_not() -> None:
 
 def test_arms_that_do_not_differ_are_not_said_to_be_equal() -> None:
     found = compare(by(campaign(), "controller"))
-    text = comparison_text(found)
-    said = Elements(comparison_page(found, "yard")).said
     assert {f.better for f in found[0].findings} == {""}
-    for words in (text, said):
+    for words in (comparison_text(found), Elements(comparison_page(found, "yard")).said):
         assert "no difference shown" in words
         assert "equal" not in words
-        assert "is better by" not in words
 
 
 def test_the_test_and_the_verdict_are_of_the_same_question() -> None:
@@ -83,21 +76,6 @@ def test_the_test_and_the_verdict_are_of_the_same_question() -> None:
     one = finding(found, "deviation")
     assert (one.better, one.only_a, one.only_b, one.ties) == ("b", 2, 57, 41)
     assert one.corrected < 1e-4
-    text, said = comparison_text(found), Elements(comparison_page(found, "yard")).said
-    assert text.splitlines()[0].startswith("other (B) is better in largest deviation")
-    for words in (text, said):
-        assert "no difference shown" not in words
-        assert re.search(facts("other (B) is better", "2 seeds", "57", "41 ties"), words)
-    assert (
-        comparison_values(found)["comparisons"][0]["verdict"]
-        == text.splitlines()[0].partition(" (yard")[0]
-    )
-
-
-def test_less_is_better_for_times() -> None:
-    found = compare(by(campaign(finish_time=15.0), "controller"))
-    assert finding(found, "finish_time").better == "b"
-    assert finding(found, "finish_time").difference == -3.0
 
 
 def test_p_values_are_those_of_the_tests_corrected_together() -> None:
@@ -125,12 +103,6 @@ def test_too_few_pairs_to_show_a_difference_count_in_no_correction(few: int) -> 
     assert unchanged == (few < FEWEST_PAIRS)
     assert [f.is_tested for f in other.findings] == [few >= FEWEST_PAIRS] * 2
     assert min(2.0 / 2.0**few, 1.0) > ALPHA or few >= FEWEST_PAIRS
-    for said in (
-        comparison_text([both, other]),
-        comparison_page([both, other], "y"),
-    ):
-        assert ("not tested: " in said) == (few < FEWEST_PAIRS)
-        assert ("where nothing in the world is random" in said) == (few == 1)
 
 
 def test_a_difference_that_does_not_survive_the_correction_is_not_shown() -> None:
@@ -150,10 +122,6 @@ def test_seeds_of_one_arm_alone_are_told_and_left_out() -> None:
     (one,) = found
     assert (one.seeds, one.only_a, one.only_b) == (6, (0, 1, 2, 3), (10, 11))
     assert all(f.pairs == 6 for f in one.findings)
-    for words in (comparison_text(found), comparison_page(found, "yard")):
-        assert "6 seeds in common" in words
-        assert "0, 1, 2, 3" in words
-        assert "10, 11" in words
 
 
 def test_failed_runs_count_in_rates_and_not_in_measures() -> None:
@@ -163,9 +131,6 @@ def test_failed_runs_count_in_rates_and_not_in_measures() -> None:
     found = compare(by(Outcomes(table(rows)), "controller"))
     assert finding(found, "rate").b == 0.7
     assert finding(found, "least_distance").pairs == 7
-    text = comparison_text(found)
-    assert "3 runs of B crashed" in text
-    assert "7 pairs in which both have one" in text
 
 
 def test_by_matches_cells_that_are_alike_in_the_rest() -> None:
@@ -238,5 +203,3 @@ def test_values_of_a_comparison() -> None:
     near = next(f for f in one["findings"] if f["name"] == "least_distance")
     assert (near["low"], near["high"], near["better"]) == (None, None, None)
     assert near["pairs"] == 4
-    assert "not tested: 4 pairs" in comparison_text(found)
-    Elements(comparison_page(found, "yard"))

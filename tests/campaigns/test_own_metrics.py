@@ -7,7 +7,6 @@ from collections.abc import Iterator
 from dataclasses import asdict, replace
 from pathlib import Path
 
-import numpy as np
 import pyarrow.parquet as parquet
 import pytest
 
@@ -19,13 +18,9 @@ from tests.cli.commands import physim
 from tests.helpers import check_error, inside
 from tests.helpers.packages import install
 
-Registered = inside("physim.analysis.metrics", "Registered")
 FINISHED, by, compare = inside("physim.campaigns", "FINISHED", "by", "compare")
 row_without_run, Outcomes = inside("physim.campaigns", "row_without_run", "Outcomes")
 with_columns = inside("physim.campaigns", "with_columns")
-comparison_page, report_of = inside("physim.campaigns.report", "comparison_page", "report_of")
-report_page, Shown = inside("physim.campaigns.report", "report_page", "Shown")
-report_text = inside("physim.campaigns.report", "report_text")
 measures = inside("physim.cli", "measures")
 
 TEXT = '''
@@ -123,16 +118,6 @@ def test_the_command_line_takes_names_with_what_is_better() -> None:
         assert wrong in str(caught.value)
     with pytest.raises(ValueError, match='"way" once'):
         measures("way:more,way:less")
-
-
-def test_reports_sum_them_up() -> None:
-    rows = [row(seed, metrics=f"way={seed}.5" if seed else "") for seed in range(11)]
-    outcomes = Outcomes(with_columns(table(rows)))
-    assert np.isnan(outcomes.column("metric_way")[0])
-    report = report_of(outcomes, "yard")
-    assert report.cells[0].spread("metric_way").median == 6.0
-    assert "\n  way  " in report_text(report, [""] * len(report.worst))
-    assert 'data-name="way"' in report_page(report, [Shown("")] * len(report.pictured))
 
 
 FORGED = ["a=1; a", "A=1", "a=nan", "a=1;b=2", "<b>=1", "a=1\n", "a=1; ", "=1", "a=0x10"]

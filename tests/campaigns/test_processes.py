@@ -1,4 +1,4 @@
-"""Worker processes that are killed, hang, or cannot be begun: every job ends, and others go on."""
+"""Jobs of worker processes that are killed, hang or are stopped: each ends, and others go on."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import wait
 from contextlib import suppress
 from pathlib import Path
@@ -17,13 +17,15 @@ from typing import Any
 import pytest
 
 from physim.campaigns import Processes, processes
+from physim.errors import PhysimError
 from tests.campaigns import sample_jobs as sample
 from tests.helpers import inside
 
 Job, LostError, OverdueError = inside("physim.campaigns", "Job", "LostError", "OverdueError")
-StartError = inside("physim.campaigns", "StartError")
 
-pytestmark = pytest.mark.deep
+do_all = inside("physim.campaigns", "do_all")
+
+deep = pytest.mark.deep
 
 LONGEST = 120.0
 """[s] for a job that takes none"""
@@ -46,28 +48,7 @@ def one() -> Iterator[Processes]:
     yield from made(1)
 
 
-def test_a_copy_that_a_job_forks_answers_for_nobody(one: Processes) -> None:
-    """It answered beside the worker, and took the next jobs from its pipe: rows were lost."""
-    copies = [one.begin(Job("forks", sample.forks)).result(timeout=LONGEST) for _ in range(3)]
-    answers = [one.begin(Job("good", sample.echo, (k,))) for k in range(20)]
-    assert [future.result(timeout=LONGEST) for future in answers] == list(range(20))
-    (worker,) = one.ids
-    assert worker not in copies
-    for copy in copies:
-        ended(copy, worker)
-
-
-def ended(copy: int, worker: int) -> None:
-    """Wait until a child of a worker, which never asks for it, is no more than its number."""
-    until = time.monotonic() + LONGEST
-    while time.monotonic() < until:
-        state = Path(f"/proc/{copy}/stat").read_text().rpartition(")")[2].split()[:2]
-        if state == ["Z", str(worker)]:
-            return
-        time.sleep(0.02)
-    raise AssertionError(f"process {copy} goes on")
-
-
+@deep
 @pytest.mark.parametrize(
     ("work", "given", "limit", "error"),
     [
@@ -90,6 +71,7 @@ def test_a_worker_that_is_no_more_is_not_waited_for_whatever_has_its_pipes(
     assert time.monotonic() - begun < 2.0 * LONGEST, "it waited for the copy"
 
 
+@deep
 @pytest.mark.parametrize(
     ("work", "limit", "error", "text"),
     [
@@ -112,6 +94,7 @@ def test_whatever_a_job_does_to_its_process_the_next_is_done(
     assert [future.result(timeout=LONGEST) for future in good] == [0, 1, 2]
 
 
+@deep
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
 def test_what_ends_a_command_does_not_end_its_workers(
     executor: Processes, number: signal.Signals, capfd: pytest.CaptureFixture[str]
@@ -126,6 +109,7 @@ def test_what_ends_a_command_does_not_end_its_workers(
     assert capfd.readouterr().err == ""
 
 
+@deep
 def test_what_the_code_of_one_leaves_behind_is_not_met_by_that_of_another(
     executor: Processes,
 ) -> None:
@@ -137,33 +121,6 @@ def test_what_the_code_of_one_leaves_behind_is_not_met_by_that_of_another(
     assert all(found in (None, name or None) for name, _, found in told)
     again = [number for name, number, _ in told if name == "a"]
     assert again[0] == again[1]  # it had waited for more of the same
-
-
-def test_workers_have_the_modules_of_their_parent(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """Whatever stands before them where they look: in the working folder, or another checkout."""
-    for name in ("struct", "signal", "multiprocessing"):
-        (tmp_path / f"{name}.py").write_text("raise SystemExit(7)\n")
-    for folder in ("away", "other"):
-        (tmp_path / folder).mkdir()
-    (tmp_path / "other/physim.py").write_text("raise SystemExit(7)\n")
-    (tmp_path / "away/begins.py").write_text(
-        "import sys\n"
-        "from physim.campaigns import Processes\n"
-        "if __name__ == '__main__':\n"
-        f"    sys.path.insert(0, {str(tmp_path / 'other')!r})\n"
-        "    before = list(sys.path)\n"
-        "    made = Processes(1)\n"
-        "    assert made.submit(eval, \"__import__('sys').path\").result() == before\n"
-        "    assert sys.path == before\n"
-        "    made.shutdown()\n"
-    )
-    done = subprocess.run(
-        [sys.executable, str(tmp_path / "away/begins.py")], cwd=tmp_path,
-        capture_output=True, text=True, check=False, timeout=LONGEST,
-    )  # fmt: skip
-    assert (done.returncode, done.stderr) == (0, "")
 
 
 UNGUARDED = {
@@ -185,6 +142,7 @@ world = physim.load_world("straight", overrides=["time.duration=0.5"])
 """
 
 
+@deep
 @pytest.mark.parametrize("how", UNGUARDED)
 def test_a_program_that_begins_runs_as_it_is_imported_is_told(tmp_path: Path, how: str) -> None:
     """A worker that swept, too, waited without end for runs that its parent had claimed."""
@@ -206,24 +164,7 @@ def test_a_program_that_begins_runs_as_it_is_imported_is_told(tmp_path: Path, ho
     assert before == [] or how not in ("caught", "command")
 
 
-def test_a_worker_killed_from_outside(executor: Processes) -> None:
-    future = executor.begin(Job("long", sample.endless))
-    quick = executor.submit(os.getpid)
-    other = quick.result()
-    (victim,) = set(executor.ids) - {other}
-    os.kill(victim, signal.SIGKILL)
-    with pytest.raises(LostError, match="SIGKILL"):
-        future.result()
-    assert executor.submit(abs, -4).result() == 4
-
-
-def test_jobs_end_early_when_told_to(executor: Processes) -> None:
-    futures = [executor.begin(Job("long", sample.endless)) for _ in range(2)]
-    executor.halt()
-    assert not wait(futures, timeout=300).not_done
-    assert [future.result() for future in futures] == [None, None]
-
-
+@deep
 def test_jobs_that_do_not_end_when_told_to_are_stopped_not_lost(
     executor: Processes, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -239,15 +180,76 @@ def test_jobs_that_do_not_end_when_told_to_are_stopped_not_lost(
     assert [future.result() for future in futures] == [None, None]
 
 
-def test_what_cannot_be_sent_is_told(executor: Processes) -> None:
-    with pytest.raises(RuntimeError, match="cannot be sent"):
-        executor.begin(Job("odd", sample.echo, (lambda: 1,))).result()
-    assert executor.submit(abs, -4).result() == 4
-
-
+@deep
 def test_what_a_job_prints_does_not_act_on_the_terminal(
     executor: Processes, capfd: pytest.CaptureFixture[str]
 ) -> None:
     """And stands beside what the command itself prints."""
     executor.begin(Job("colourful", sample.prints)).result()
     assert capfd.readouterr() == ("", "red \\u001b[31m \\u202e\n" * 2)
+
+
+def echo(value: int) -> Job:
+    return Job("echo", sample.echo, (value,))
+
+
+def run(
+    jobs: Iterable[tuple[Any, Any]],
+    follow: Callable[[Any, Any], Any] = lambda key, found: (),
+    stop: Callable[[], bool] = lambda: False,
+    progress: Callable[[int, int, str], None] = lambda done, total, note: None,
+) -> dict[Any, Any]:
+    found: dict[Any, Any] = do_all(jobs, follow, 2, stop, progress)
+    return found
+
+
+@pytest.mark.usefixtures("in_process")
+def test_results_by_key_also_of_jobs_that_follow() -> None:
+    def follow(key: Any, found: dict[Any, int]) -> list[tuple[Any, Job]]:
+        return [((key, "next"), echo(found[key] + 1))] if isinstance(key, int) else []
+
+    seen: list[tuple[int, int, str]] = []
+    found = run([(0, echo(10)), (1, echo(20))], follow, progress=lambda *now: seen.append(now))
+    assert found == {0: 10, (0, "next"): 11, 1: 20, (1, "next"): 21}
+    assert all(0 <= done < total <= 4 and note == "echo" for done, total, note in seen)
+
+
+@pytest.mark.usefixtures("in_process")
+@pytest.mark.parametrize(
+    ("work", "error", "told"),
+    [
+        (sample.refused, PhysimError, r"^what was given is wrong$"),
+        (sample.disk_full, PhysimError, r"^echo: No space left on device$"),
+    ],
+)
+def test_bad_input_of_a_job_and_a_full_disk_are_one_line(
+    work: Any, error: type[Exception], told: str
+) -> None:
+    with pytest.raises(error, match=told):
+        run([(0, Job("echo", work)), (1, echo(1))])
+
+
+@deep
+def test_stopped_with_what_is_done() -> None:
+    done: list[int] = []
+    found = run(
+        [("quick", echo(1)), *((k, Job("echo", sample.endless)) for k in range(4))],
+        stop=lambda: bool(done and done[-1]),
+        progress=lambda count, total, note: done.append(count),
+    )
+    assert found == {"quick": 1}
+
+
+@deep
+@pytest.mark.parametrize(
+    ("work", "error", "told"),
+    [
+        (sample.faulty, RuntimeError, r"echo:\n(.|\n)*ZeroDivisionError"),
+        (sample.killed, PhysimError, "a worker process was killed at echo"),
+    ],
+)
+def test_a_fault_of_the_program_and_a_killed_worker_are_told(
+    work: Any, error: type[Exception], told: str
+) -> None:
+    with pytest.raises(error, match=told):
+        run([(0, Job("echo", work))])

@@ -9,10 +9,6 @@ import pytest
 from physim.record import Record
 from tests.campaigns.samples import rows_in
 from tests.cli.commands import physim
-from tests.helpers import inside
-
-simulation_of = inside("physim.campaigns", "simulation_of")
-record_run = inside("physim.simulation", "record_run")
 
 pytestmark = pytest.mark.usefixtures("in_process")
 
@@ -117,12 +113,3 @@ def test_rows_that_are_not_there(
     assert done.code == 2
     assert text in done.err
     assert len(done.err.strip().splitlines()) == 1
-
-
-def test_no_row_says_where_outside_its_folder_a_record_goes() -> None:
-    usual_folder = inside("physim.cli", "usual_folder")
-
-    for world in ("../../out", "/tmp/out", "a\0b", "..", "two words"):
-        folder = usual_folder(world, 3, "0123456789abcdef0123")
-        assert folder.parent == Path("runs")
-        assert folder.name.replace("-", "").replace("_", "").isalnum()

@@ -15,7 +15,6 @@ import pyarrow.parquet as parquet
 import pytest
 
 from physim.campaigns import Folder, Row, shard
-from physim.campaigns import read as read_campaign
 from physim.campaigns import rows as module
 from physim.errors import Notice, PhysimError
 from tests.campaigns.samples import read, rows_in, specs
@@ -56,19 +55,6 @@ def test_many_rows_are_few_files_and_each_is_there_once(folder: Path) -> None:
     assert len(rows_in(folder)) == count
 
 
-def test_a_shard_is_read_part_by_part(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    given = [row(number, reason="x" * number) for number in range(40)]
-    Shards(folder).write(given)
-    monkeypatch.setattr(shard, "AT_ONCE", 1000)
-    parts = list(Shards(folder).tables())
-    assert len(parts) > 10
-    assert [one for part in parts for one in rows_of(part)] == given == rows_in(folder)
-    (file,) = Shards(folder).files()
-    file.write_bytes(file.read_bytes()[:-30])
-    with pytest.warns(Notice, match=facts(f"{file.name}:40:")):
-        assert rows_in(folder) == given[:-1]
-
-
 def test_shards_that_are_there_twice_count_once(folder: Path) -> None:
     Shards(folder).write([row(1), row(2)])
     Shards(folder).write([row(2), row(3)])  # as after a kill between merging and removing
@@ -83,15 +69,6 @@ def test_what_came_to_its_end_stands_whatever_was_written_later(folder: Path) ->
     Shards(folder).put_together()
     assert len(Shards(folder).files()) == 1
     assert [one.ended for one in rows_in(folder)] == ["finished", "finished"]
-
-
-def test_only_new_shards_are_read_again(folder: Path) -> None:
-    known: set[str] = set()
-    one, other = Shards(folder), Shards(folder)
-    known.update(one.write([row(1)]))
-    other.write([row(2)])
-    assert [table["seed"].to_pylist() for table in one.tables(known)] == [[2]]
-    assert list(one.tables(known)) == []
 
 
 def test_a_shard_that_is_gone_is_looked_for_in_a_larger_one(
@@ -143,27 +120,6 @@ def test_results_open_elsewhere(folder: Path) -> None:
     assert frame["contacts"].isna().tolist() == [False, True]
     assert frame["deepest"][0] == 0.01
     assert not list(folder.glob(".*"))
-
-
-@pytest.mark.parametrize(
-    ("ended", "touches", "free", "safe"),
-    [
-        ("finished", (0, 0, 0), True, True),
-        ("duration", (0, 0, 0), True, False),
-        ("finished", (1, 0, 0), False, False),
-        ("finished", (0, 1, 0), False, False),
-        ("finished", (0, 0, 1), False, False),
-        ("timeout", (0, 0, 0), False, False),
-        ("killed", (None, None, None), False, False),
-        ("error", (None, None, None), False, False),
-    ],
-)
-def test_contact_free_and_safe(ended: str, touches, free: bool, safe: bool) -> None:
-    robots, walls, grazes = touches
-    contacts = None if robots is None else robots + walls
-    one = row(1, ended, contacts=contacts, contacts_between_robots=robots,
-              contacts_with_boundaries=walls, grazes=grazes)  # fmt: skip
-    assert (one.contact_free, one.safe) == (free, safe)
 
 
 FAULTS: list[tuple[str, object]] = [
@@ -308,12 +264,3 @@ def test_rows_with_fewer_or_more_columns_and_odd_texts(tmp_path: Path) -> None:
     one, other = read(tmp_path).to_pylist()
     assert (one["seconds"], one["reason"], one["contacts"]) == (20.0, "", None)
     assert other["reason"] == "? \x00"
-
-
-def test_a_folder_without_campaign_json_is_none(tmp_path: Path) -> None:
-    with pytest.raises(PhysimError, match=facts(str(tmp_path), "no campaign", "physim sweep")):
-        read_campaign(tmp_path)
-    Shards(tmp_path).folder.mkdir()
-    assert read(tmp_path).num_rows == 0
-    with pytest.raises(PhysimError, match="no campaign"):
-        read_campaign(tmp_path)

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import json
 import pickle
-import subprocess
-import sys
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, cast
@@ -14,10 +12,10 @@ import numpy as np
 import pytest
 
 import physim
-from physim.campaigns import RunSpec, run_one, spec_of
+from physim.campaigns import run_one, spec_of
 from physim.errors import PhysimError
 from physim.world.file import parse_world
-from tests.campaigns.samples import WORLD, without_times
+from tests.campaigns.samples import WORLD
 from tests.helpers import inside
 
 COLUMNS, make_grid = inside("physim.campaigns", "COLUMNS", "make_grid")
@@ -66,12 +64,6 @@ def test_what_no_row_could_hold_is_refused(given: dict[str, Any]) -> None:
     assert spec_of(world, 0, limit=float("inf")).limit == float("inf")
     assert spec_of(world, cast("int", np.int64(3))) == spec_of(world, 3)
     assert type(spec_of(world, cast("int", np.int64(3))).seed) is int
-
-
-@pytest.mark.parametrize("text", [None, 3, "\ud800"])
-def test_a_text_that_is_none_is_refused(text: Any) -> None:
-    with pytest.raises(PhysimError, match="text"):
-        RunSpec(text, 0, "crowded")
 
 
 def test_a_seed_runs_though_the_first_one_does_not() -> None:
@@ -131,29 +123,6 @@ def test_what_a_row_and_a_summary_call_alike_is_the_same() -> None:
     assert told["contacts"]["between_robots"] == told["contacts"]["with_boundaries"] == 1
     assert not row.contact_free
     assert (row.not_arrived, row.closing_speed) == ("a, b, c", pytest.approx(2.0, abs=1e-3))
-
-
-@pytest.mark.deep
-def test_a_controller_and_what_it_imports_travel(here: Path) -> None:
-    (spec,) = make_grid(["small.yaml"], None, (), ["awkward:Awkward"])
-    assert [one.module for one in spec.sources] == ["awkward", "helper"]
-    row = run_one(spec)
-    packed = here / "spec.pickle"
-    packed.write_bytes(pickle.dumps(spec))
-    for name in ("awkward.py", "helper.py"):
-        (here / name).unlink()  # as on another machine
-    (here / "helper.py").write_text("SPEED = 0.0  # other file of that name\n")
-    script = (
-        "import pickle, sys\nfrom pathlib import Path\nfrom dataclasses import asdict\n"
-        "from physim.campaigns import run_one\n"
-        "row = run_one(pickle.loads(Path(sys.argv[1]).read_bytes()))\n"
-        "Path(sys.argv[2]).write_bytes(pickle.dumps(row))"
-    )
-    found = here / "row.pickle"
-    subprocess.run([sys.executable, "-c", script, packed, found], check=True, cwd=here)
-    other = pickle.loads(found.read_bytes())
-    assert row.ended == "duration"
-    assert without_times([row]) == without_times([other])
 
 
 def test_sources_of_a_package_with_relative_imports(

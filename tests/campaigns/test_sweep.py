@@ -2,25 +2,22 @@
 
 from __future__ import annotations
 
-import errno
 import os
 import signal
 from dataclasses import replace
-from importlib import import_module
 from pathlib import Path
 from typing import Any
 
 import pytest
 
 from physim.campaigns import Processes, Row, run_one, spec_of, sweep
-from physim.campaigns import rows as rows_module
 from physim.errors import PhysimError
 from physim.record import Record
 from physim.world.file import parse_world
 from tests.campaigns.samples import WORLD, lines_on_disk, rows_in, specs, without_times
 from tests.helpers import inside
 
-make_grid, Shards, Tally = inside("physim.campaigns", "make_grid", "Shards", "Tally")
+make_grid, Tally = inside("physim.campaigns", "make_grid", "Tally")
 
 
 def test_rows_are_those_of_the_runs(two: Processes, tmp_path: Path) -> None:
@@ -31,45 +28,11 @@ def test_rows_are_those_of_the_runs(two: Processes, tmp_path: Path) -> None:
     assert len({row.shortest_distance for row in expected}) == 6
 
 
-@pytest.mark.deep
-def test_rows_do_not_depend_on_the_number_of_workers(two: Processes, tmp_path: Path) -> None:
-    one = Processes(1)
-    try:
-        sweep(specs(5), tmp_path / "one", one)
-    finally:
-        one.shutdown()
-    sweep(specs(5), tmp_path / "two", two)
-    assert without_times(rows_in(tmp_path / "one")) == without_times(rows_in(tmp_path / "two"))
-
-
 def test_what_has_a_row_is_not_run_again(in_process: Processes, tmp_path: Path) -> None:
     sweep(specs(3), tmp_path / "out", in_process)
     tally = sweep(specs(5), tmp_path / "out", in_process)
     assert (tally.before, tally.done, tally.known) == (3, 2, 5)
     assert lines_on_disk(tmp_path / "out") == 5
-
-
-def test_a_run_that_was_done_again_is_no_failure_any_more(
-    in_process: Processes, tmp_path: Path
-) -> None:
-    wanted = specs(3)
-    sweep(wanted, tmp_path / "out", in_process)
-    (file,) = (tmp_path / "out/rows").iterdir()
-    fine = rows_in(tmp_path / "out")[1]
-    worse = replace(fine, ended="killed", contacts=None)
-    earlier = Shards(tmp_path / "out")
-    earlier.write([worse])  # first by name, as the row of an earlier try
-    (late,) = set(earlier.files()) - {file}
-    late.rename(file.parent / f"{'0' * 20}{late.name[20:]}")
-    seen: list[list[Row]] = []
-
-    def decided(rows: list[Row]) -> bool:
-        seen.append(list(rows))
-        return False
-
-    tally = sweep(wanted, tmp_path / "out", in_process, decided=decided)
-    assert (tally.before, tally.done, tally.failed) == (3, 0, 0)
-    assert not any(row.failed for row in seen[-1])
 
 
 @pytest.mark.deep
@@ -236,30 +199,6 @@ def test_what_is_no_sweep_is_refused_before_a_run(
 def test_no_processes_would_wait_for_ever(workers: Any) -> None:
     with pytest.raises(ValueError, match="workers ="):
         Processes(workers)
-
-
-def test_a_full_disk_loses_nothing_that_was_written(
-    in_process: Processes, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    written: list[int] = []
-    true = os.fsync
-
-    def full_after_a_while(number: int) -> None:
-        written.append(number)
-        if len(written) > 4:
-            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
-        true(number)
-
-    with monkeypatch.context() as patched:
-        patched.setattr(rows_module.os, "fsync", full_after_a_while)
-        patched.setattr(import_module("physim.campaigns.sweep"), "FLUSH_SECONDS", 0.0)
-        with pytest.raises(PhysimError, match="No space left"):
-            sweep(specs(30), tmp_path / "out", in_process)
-    kept = len(rows_in(tmp_path / "out"))
-    assert 0 < kept < 30
-    tally = sweep(specs(30), tmp_path / "out", in_process)
-    assert (tally.before, tally.known) == (kept, 30)
-    assert lines_on_disk(tmp_path / "out") == 30
 
 
 @pytest.mark.deep

@@ -6,16 +6,12 @@ import math
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pytest
 
 from physim.errors import PhysimError
 from physim.reproduction.claims import measures, parts
 from tests.helpers import inside
-from tests.metrics.histories import history
 
-pair_collision_times = inside("physim.analysis.metrics", "pair_collision_times")
-shortest_pair_collision_time = inside("physim.analysis.metrics", "shortest_pair_collision_time")
 QUICK_SEEDS, SEEDS, make_plan = inside("physim.reproduction", "QUICK_SEEDS", "SEEDS", "make_plan")
 Arm, Claim, Measures, Outcome = inside("physim.reproduction", "Arm", "Claim", "Measures", "Outcome")
 Part, Quantity, holds, near = inside("physim.reproduction", "Part", "Quantity", "holds", "near")
@@ -117,36 +113,6 @@ def test_seeds_take_a_verdict_down_and_up() -> None:
     assert always.outcome(good, [good] * 100) is Outcome.MET
     half = Claim("c", "r", (), steps(lambda run: run["x"] > 1, lambda run: run["x"] > 0))
     assert half.outcome(good, [bad] * 3) is Outcome.PARTLY
-
-
-def test_figures_as_text() -> None:
-    share, yes = Quantity("x", "%", 1, "safe"), Quantity("x", "yes", label="arrives:")
-    assert share.text(0.1234) == "safe 12.3 %"
-    assert share.spread([0.1, math.nan, 0.3, 0.2]) == "safe 20.0 (10.0 to 30.0) %"
-    assert share.spread([0.1, 0.1]) == "safe 10.0 %"
-    assert (yes.text(1.0), yes.spread([1.0, 0.0])) == ("arrives: yes", "arrives: yes in 1 of 2")
-    assert Quantity("x", "s").text(math.inf) == "never"
-    assert share.text(math.nan) == share.spread([]) == "safe none"
-    assert Quantity("x", "messages", 0).text(64445.0) == "64,445 messages"
-
-
-def test_collision_time_of_a_pair_under_present_commands() -> None:
-    """Two unit squares that drive at each other at 1 and 2 m/s, 9 m apart: 3 s."""
-    pose = np.zeros((1, 2, 3))
-    pose[0, 1] = (10.0, 0.0, np.pi)
-    rows = [
-        {"step": 0, "robot": 0, "nominal_v": 1.0, "next_step": 10},
-        {"step": 0, "robot": 1, "nominal_v": 2.0, "next_step": 10},
-    ]
-    record = history(rows, pose=pose)
-    reach = [max(float(p[:, 0].max()) for p in parts) for parts in record.footprints]
-    shortest = shortest_pair_collision_time(record)
-    assert shortest is not None
-    assert {shortest.a, shortest.b} == {0, 1}
-    assert math.isclose(shortest.value, (10.0 - sum(reach)) / 3.0, abs_tol=1e-6)
-    (time, least), _ = pair_collision_times(record, horizon=1.0)
-    assert time.tolist() == [0.0]
-    assert np.isinf(least).all()
 
 
 def test_plan_of_one_figure() -> None:

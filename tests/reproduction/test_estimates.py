@@ -13,11 +13,6 @@ count, estimate, share_text = inside("physim.reproduction", "count", "estimate",
 time_constant = inside("physim.reproduction", "time_constant")
 
 
-def test_interval_of_twenty_runs_from_the_sixth_to_the_fifteenth() -> None:
-    found = estimate([float(k) for k in range(1, 21)])
-    assert (found.median, found.low, found.high, found.count) == (10.5, 6.0, 15.0, 20)
-
-
 @pytest.mark.parametrize(("count", "beyond"), [(1, 0), (5, 0), (6, 0), (9, 1), (100, 39)])
 def test_ranks_are_those_of_the_sign_test(count: int, beyond: int) -> None:
     found = estimate([float(k) for k in range(count)])

@@ -72,14 +72,6 @@ def test_without_the_fault_nothing_is_found() -> None:
 
 
 @pytest.mark.deep
-def test_chance_seldom_finds_it(space: Space) -> None:
-    found = hunt(
-        space, Twin(space.world).evaluate, accepted(NAME), budget=1000, seed=1, at_random=True
-    )
-    assert not found.failed
-
-
-@pytest.mark.deep
 def test_the_result_is_the_same_whoever_does_the_runs(space: Space) -> None:
     accepts = accepted(NAME)
     here = hunt(space, in_this_process(), accepts, budget=60, seed=1)

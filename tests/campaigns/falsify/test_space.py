@@ -104,18 +104,6 @@ def test_starts_that_overlap_are_moved_apart_and_counted() -> None:
     assert not space.at(np.array([0.0, 0.5, 1.0, 0.5])).repaired
 
 
-def test_what_is_not_varied_stays() -> None:
-    space = Space(five_robots(), ("heading",))
-    assert [one.key for one in space.dimensions] == ["heading"] * 5
-    world = space.at(np.ones(5)).world
-    for one, was in zip(world.robots, space.world.robots, strict=True):
-        assert one.pose is not None
-        assert was.pose is not None
-        assert one.pose[:2] == was.pose[:2]
-        assert one.limits == was.limits
-    assert world.controller == space.world.controller
-
-
 def test_pinned_it_is_the_same_run() -> None:
     for world in (in_region(), load_world("three_robots"), load_world("hundred_robots")):
         fixed, laid = pinned(world, 7)

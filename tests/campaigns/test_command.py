@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
 import re
 import signal
 import subprocess
@@ -12,8 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from physim.campaigns import read
-from tests.campaigns.samples import WORLD, lines_on_disk, rows_in, without_times
+from tests.campaigns.samples import lines_on_disk, rows_in, without_times
 from tests.cli.commands import Done, physim, shell, started, tree
 from tests.helpers import check_error, facts
 
@@ -126,23 +124,6 @@ def test_a_name_leads_nowhere(
     } == before
 
 
-@pytest.mark.usefixtures("in_process")
-def test_a_controller_of_ones_own_and_what_fails(
-    here: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    done = physim(
-        "sweep", "small.yaml", "--seeds", "0:2", "--controller", "awkward:Awkward,constant",
-        "--set", "controller.speed=0.5", capture=capsys,
-    )  # fmt: skip
-    assert done.code == 2  # a setting that one of them does not have
-    done = physim(
-        "sweep", "small.yaml", "--seeds", "0:2", "--controller", "awkward:Awkward",
-        "--set", "controller.how=fine,raise", capture=capsys,
-    )  # fmt: skip
-    assert done.code == 0
-    assert "2 crashed (2 error)" in done.out
-
-
 @pytest.mark.parametrize(
     ("arguments", "text"),
     [
@@ -166,19 +147,3 @@ def test_bad_input_is_one_message_and_nothing_is_written(
     assert text in done.err
     assert len(done.err.strip().splitlines()) == 1
     assert tree(here) == before
-
-
-@pytest.mark.usefixtures("in_process")
-def test_names_of_files_that_are_not_utf_8(here: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """Legal where names are bytes: the sweep ended in a traceback, its folder half made."""
-    world, folder = os.fsdecode(b"w\xff.yaml"), os.fsdecode(b"out\xfe")
-    try:
-        (here / world).write_text(WORLD)
-    except OSError:
-        pytest.skip("this file system has no such names")
-    done = physim("sweep", world, "--seeds", "1:3", "-o", folder, capture=capsys)
-    assert done.code == 0, done.err
-    rows = read(here / folder).to_pylist()
-    assert [(row["world"], row["seed"]) for row in rows] == [(r"w\udcff", 1), (r"w\udcff", 2)]
-    assert (here / folder / "results.parquet").stat().st_size
-    assert physim("replay", f"{folder}:0", "-o", "again", capture=capsys).code == 0

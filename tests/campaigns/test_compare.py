@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from typing import Any
 
 import numpy as np
@@ -17,7 +16,6 @@ ALPHA, FEWEST_PAIRS, Comparison = inside("physim.campaigns", "ALPHA", "FEWEST_PA
 between, by, compare, Outcomes = inside("physim.campaigns", "between", "by", "compare", "Outcomes")
 comparison_page = inside("physim.campaigns.report", "comparison_page")
 comparison_text = inside("physim.campaigns.report", "comparison_text")
-comparison_values = inside("physim.campaigns.report", "comparison_values")
 mcnemar, median_difference = inside("physim.statistics", "mcnemar", "median_difference")
 sign_test = inside("physim.statistics", "sign_test")
 
@@ -194,12 +192,3 @@ def test_hostile_names_are_only_names() -> None:
     for words in (page, comparison_text(found)):
         assert "\x1b" not in words
         assert "\u202e" not in words
-
-
-def test_values_of_a_comparison() -> None:
-    found = compare(by(campaign(shift=0.05, seeds=4), "controller"))
-    values = json.loads(json.dumps(comparison_values(found), allow_nan=False))
-    (one,) = values["comparisons"]
-    near = next(f for f in one["findings"] if f["name"] == "least_distance")
-    assert (near["low"], near["high"], near["better"]) == (None, None, None)
-    assert near["pairs"] == 4

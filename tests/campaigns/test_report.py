@@ -186,16 +186,6 @@ def test_hostile_names_are_only_names() -> None:
     json.dumps(report_values(one), allow_nan=False)
 
 
-def test_values_of_a_report() -> None:
-    values = json.loads(json.dumps(report_values(report(SOME)), allow_nan=False))
-    (cell,) = values["cells"]
-    assert (cell["runs"], cell["failed"]) == (11, 1)
-    assert cell["rates"][0]["good"] == 8
-    assert cell["measures"]["formation_error"]["median"] is None
-    assert values["worst"][0]["least_distance"] == -0.01
-    assert values["failures"][0]["seeds"] == [9]
-
-
 @pytest.mark.parametrize(
     ("share", "side", "text"),
     [

@@ -157,12 +157,3 @@ def test_a_run_that_raises_is_a_row_that_says_where(here: Path, how: str, text: 
     assert "awkward.py" in row.reason
     assert "\n" not in row.reason
     assert row.contacts is None
-
-
-def test_worlds_records_and_summaries_pickle(tmp_path: Path) -> None:
-    world = parse_world(WORLD)
-    record = physim.simulate(world, seed=1, path=tmp_path / "r.h5")
-    assert pickle.loads(pickle.dumps(world)) == world
-    assert pickle.loads(pickle.dumps(record)).digest() == record.digest()
-    summary = physim.summarise(record)
-    assert pickle.loads(pickle.dumps(summary)) == summary

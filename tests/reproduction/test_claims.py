@@ -3,18 +3,18 @@
 from __future__ import annotations
 
 import math
-from pathlib import Path
-from typing import Any
 
+import numpy as np
 import pytest
 
-from physim.errors import PhysimError
-from physim.reproduction.claims import measures, parts
+from physim.reproduction.claims import parts
 from tests.helpers import inside
 
 QUICK_SEEDS, SEEDS, make_plan = inside("physim.reproduction", "QUICK_SEEDS", "SEEDS", "make_plan")
-Arm, Claim, Measures, Outcome = inside("physim.reproduction", "Arm", "Claim", "Measures", "Outcome")
+Claim, Measures, Outcome = inside("physim.reproduction", "Claim", "Measures", "Outcome")
 Part, Quantity, holds, near = inside("physim.reproduction", "Part", "Quantity", "holds", "near")
+count, estimate, share_text = inside("physim.reproduction", "count", "estimate", "share_text")
+time_constant = inside("physim.reproduction", "time_constant")
 steps = inside("physim.reproduction", "steps")
 
 AS_REPORTED: dict[str, float] = {
@@ -125,29 +125,33 @@ def test_plan_of_one_figure() -> None:
     assert make_plan().studies
 
 
-def test_an_unknown_study_comes_with_the_nearest() -> None:
-    with pytest.raises(
-        PhysimError, match=r'--study "alfa": not a study; allowed: alpha, .*"alpha"'
-    ):
-        make_plan(study="alfa")
+# medians with intervals by order statistics
+@pytest.mark.parametrize(("count", "beyond"), [(1, 0), (5, 0), (6, 0), (9, 1), (100, 39)])
+def test_ranks_are_those_of_the_sign_test(count: int, beyond: int) -> None:
+    found = estimate([float(k) for k in range(count)])
+    assert (found.low, found.high) == (beyond, count - 1 - beyond)
 
 
-def test_runs_that_several_need_are_done_once() -> None:
-    plan = make_plan(quick=True)
-    jobs = dict(plan.jobs(Path("x")))
-    assert len(jobs) == len(list(plan.jobs(Path("x"))))
-    users: dict[Any, set[Any]] = {}
-    for study in plan.studies:
-        for arm in study.arms:
-            users.setdefault(("run", arm, 1), set()).add(study.measure)
-    for part in plan.parts:
-        for arm in part.arms:
-            users.setdefault(("run", arm, 1), set()).add(measures)
-    assert max(map(len, users.values())) > 1
-    for key, needed in users.items():
-        arm, seed, done, path = jobs[key].given
-        assert (arm, seed, path) == (key[1], 1, None)
-        assert set(done) == needed
-        assert len(done) == len(needed)
-    assert {key[2] for key in jobs if key[0] == "run"} == set(range(plan.seeds))
-    assert Arm("a", "w") == Arm("b", "w") != Arm("a", "v")
+def test_interval_covers_the_median_nineteen_times_in_twenty() -> None:
+    rng = np.random.default_rng(7)
+    found = [estimate(rng.exponential(size=20)) for _ in range(2000)]
+    covered = np.mean([one.low <= math.log(2.0) <= one.high for one in found])
+    assert 0.945 <= covered <= 0.975  # 0.959 but for chance
+
+
+def test_nan_is_left_out_and_nothing_is_none() -> None:
+    assert estimate([math.nan, 2.0]).text(1, "m") == "2.0 m"
+    assert estimate([math.nan]).text(1, "m") == "none"
+    assert estimate([]).count == 0
+
+
+def test_shares() -> None:
+    assert count([{"a": 0.0}, {"a": 2.0}], "a", lambda value: value == 0.0) == (1, 2)
+    assert share_text(20, 20) == "20 of 20 [83 %, 100 %]"
+
+
+def test_time_constant() -> None:
+    time = np.linspace(0.0, 10.0, 50)
+    assert time_constant(time, 3.0 * np.exp(-time / 4.0)) == pytest.approx(4.0)
+    assert time_constant(time, np.exp(time / 4.0)) == pytest.approx(-4.0)
+    assert math.isnan(time_constant(time[:4], np.ones(4)))

@@ -64,10 +64,9 @@ def test_a_failure_is_written_as_a_world_that_fails(
     names = {load_world(file).stem for file in (here / "five.yaml", *out.glob("*.yaml"))}
     assert len(names) == 3  # runs of each go to a folder of their own
     (run,) = re.findall(r"To see it: (physim run [^\n]*)", head)
-    os.chdir(out)
     again = physim(*run.split()[1:], "--no-video", "-o", "again", capture=capsys)
     assert again.code == 1
-    checked = physim("check", "worst.yaml", capture=capsys)
+    checked = physim("check", "out/worst.yaml", capture=capsys)
     assert checked.code == 0
     judged = physim("validate", "again/record.h5", capture=capsys)
     assert judged.code == 1

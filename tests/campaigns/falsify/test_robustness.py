@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 import physim
-from physim import SaveAt
 from physim.analysis.metrics import contact_episodes, grazes
 from tests.campaigns.falsify.worlds import five_robots, into_the_wall, judge, past_a_corner
 from tests.helpers import inside
@@ -68,15 +67,6 @@ def test_without_contact_between_samples_it_errs_to_the_high_side() -> None:
     assert not found.failed
     assert found.clearance is not None
     assert 0.5 * gap < found.clearance <= gap + 0.5 * 1.4 * 0.01
-
-
-def test_every_step_counts_whatever_is_recorded() -> None:
-    world = five_robots()
-    every, few = (
-        judged(physim.simulate(world, save=SaveAt(every=step, tables=("contacts", "updates"))))
-        for step in (1, 7)
-    )
-    assert every == few
 
 
 @pytest.mark.parametrize(

@@ -77,5 +77,6 @@ def many(count: int, cells: int = 10, seed: int = 0) -> pa.Table:
         elif distance < 0.0:
             rows.append(hit(number, -distance, closing_speed=distance**2, **given))
         else:
-            rows.append(row(number, least_distance=distance, **given))
+            near = {"least_distance": distance, "shortest_distance": distance}
+            rows.append(row(number, shortest_boundary_distance=9.0, **near, **given))
     return table(rows)

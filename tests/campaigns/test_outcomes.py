@@ -9,9 +9,7 @@ import sys
 from pathlib import Path
 
 import numpy as np
-import pandas as pd
 import pyarrow as pa
-import pyarrow.parquet as parquet
 import pytest
 
 from physim.campaigns import Row, read
@@ -125,15 +123,3 @@ def test_the_program_runs(tmp_path: Path) -> None:
     assert [row.seed for row in rows] == [0, 1, 2, 3]
     assert all(f"{row.shortest_distance:.6f}"[:5] in done.stdout for row in rows)
     assert read(tmp_path / "campaign").num_rows == 4
-
-
-def test_the_line_for_pandas_gives_what_it_says(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """Runs that failed have no distance: they are not the least."""
-    (line,) = re.findall(r"^pd\..*$", TEXT, flags=re.MULTILINE)
-    rows = [row(1), hit(2, depth=0.013), failed(3), row(4, controller="other")]
-    (tmp_path / "many").mkdir()
-    parquet.write_table(table(rows), tmp_path / "many/results.parquet")
-    monkeypatch.chdir(tmp_path)
-    assert eval(line, {"pd": pd}).to_dict() == {"good": -0.013, "other": 0.4}

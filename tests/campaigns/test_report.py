@@ -220,7 +220,7 @@ def test_each_unit_has_its_digits_and_what_is_small_two_at_least(
 
 def films(page: Path) -> list[Path]:
     attributes = Elements(page.read_text()).attributes
-    return sorted((page.parent / value).resolve() for name, value in attributes if name == "href")
+    return sorted({(page.parent / value).resolve() for name, value in attributes if name == "href"})
 
 
 def test_the_page_leads_to_a_film_of_every_run_and_makes_none_again(tmp_path: Path) -> None:

@@ -243,7 +243,7 @@ def test_in_bulk_as_one_by_one(tmp_path: Path) -> None:
         shards.write(given[k : k + 60])
     again = [replace(one, ended="finished", reason="") for one in given if one.failed][:3]
     worse = [replace(one, ended="killed", finish_time=None) for one in given if not one.failed][:5]
-    later = [replace(one, deviation=9.0) for one in given if not one.failed][5:9]
+    later = [replace(one, formation_error=9.0) for one in given if not one.failed][5:9]
     shards.write([*again, *worse, *later])
     table = read(tmp_path)
     expected = one_by_one(tmp_path)

@@ -25,6 +25,27 @@ def space() -> Space:
     return Space(planted_world())
 
 
+@pytest.mark.deep
+def test_the_twin_is_the_simulator_up_to_the_first_contact(space: Space) -> None:
+    """So that trials made with it are trials of the search in the simulator."""
+    random, twin, failed = np.random.default_rng(4), Twin(space.world), 0
+    near = (MIDDLE - space.low[2]) / (space.high[2] - space.low[2])
+    for k in range(24):
+        point = random.random(6)
+        if k % 2:  # towards the band, from where the other lies ahead
+            point[:3] = 0.4 + 0.3 * point[0], 0.1, near + 2e-4 * (point[2] - 0.5)
+            point[4] = 0.9
+        world = space.at(point).world
+        run, twins = judge_world(world), twin.judge(world)
+        assert run.failed == twins.failed
+        if run.touched is not None and twins.touched is not None:
+            assert run.touched == twins.touched
+            failed += 1
+        else:
+            assert run.clearance == pytest.approx(twins.clearance, abs=1e-9)
+    assert 3 <= failed <= 12
+
+
 @pytest.mark.parametrize("seed", [0, pytest.param(1, marks=pytest.mark.deep)])
 def test_the_fault_is_found(space: Space, seed: int) -> None:
     accepts = accepted(NAME)

@@ -126,12 +126,6 @@ def test_the_same_seed_asks_the_same_and_another_does_not() -> None:
                 search.tell([float(point.sum()) for point in asked])
 
 
-def test_it_begins_where_it_is_told() -> None:
-    for base in (np.array([0.7, 0.4, 0.6]), np.array([0.3, 0.6, 0.5])):
-        middle = np.mean([np.mean(Evolution(base, seed).ask(), axis=0) for seed in range(60)], 0)
-        assert np.abs(middle - base).max() < 0.1
-
-
 def made_up(value: float | None) -> Judged:
     """A run with a clearance; below 0, one with a contact at that closing speed."""
     if value is None:

@@ -179,14 +179,6 @@ def test_a_robot_in_another_mode_is_another_failure() -> None:
     assert found.judged.touched.modes == ("safe", "danger")
 
 
-def test_what_a_check_refuses_is_not_taken() -> None:
-    def picky(world: World) -> str:
-        return "" if len(world.robots) >= 4 else "too few"
-
-    found = shrink(five_robots(), judge(five_robots()), EVALUATE, picky)
-    assert len(found.world.robots) == 4
-
-
 @pytest.mark.parametrize("name", shipped_worlds())
 def test_every_pass_takes_every_shipped_world(name: str) -> None:
     """Also one whose road the seed draws: what was found there was lost with a traceback."""

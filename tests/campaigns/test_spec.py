@@ -66,6 +66,7 @@ def test_what_no_row_could_hold_is_refused(given: dict[str, Any]) -> None:
     assert type(spec_of(world, cast("int", np.int64(3))).seed) is int
 
 
+@pytest.mark.deep
 def test_a_seed_runs_though_the_first_one_does_not() -> None:
     """Robots in a tight place: not every seed finds room for them."""
     tight = parse_world(TIGHT)

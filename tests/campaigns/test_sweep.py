@@ -86,23 +86,20 @@ def test_a_worker_killed_from_outside_is_a_row_and_nothing_else_is_lost(
 
 
 def test_a_stopped_sweep_keeps_what_was_finished_and_goes_on(
-    two: Processes, tmp_path: Path
+    in_process: Processes, tmp_path: Path
 ) -> None:
-    workers, seen = Processes(2), []
-    try:
-        tally = sweep(
-            specs(60), tmp_path / "out", workers, stop=lambda: len(seen) > 0,
-            progress=lambda now: seen.append(now.done) if now.done >= 5 else None,
-        )  # fmt: skip
-    finally:
-        workers.shutdown(cancel_futures=True)
+    seen: list[int] = []
+    tally = sweep(
+        specs(12), tmp_path / "out", in_process, stop=lambda: len(seen) > 0,
+        progress=lambda now: seen.append(now.done) if now.done >= 5 else None,
+    )  # fmt: skip
     assert tally.interrupted
     kept = len(rows_in(tmp_path / "out"))
-    assert 5 <= kept == tally.done < 60
+    assert 5 <= kept == tally.done < 12
     assert (tmp_path / "out/results.parquet").exists()
-    rest = sweep(specs(60), tmp_path / "out", two)
-    assert (rest.before, rest.done) == (kept, 60 - kept)
-    assert lines_on_disk(tmp_path / "out") == 60
+    rest = sweep(specs(12), tmp_path / "out", Processes(2))
+    assert (rest.before, rest.done) == (kept, 12 - kept)
+    assert lines_on_disk(tmp_path / "out") == 12
 
 
 def test_it_is_decided_in_the_order_of_seeds(in_process: Processes, tmp_path: Path) -> None:

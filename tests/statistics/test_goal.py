@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tests.helpers import inside
+from tests.helpers import examples, inside
 from tests.statistics.coverage import LEAST, REPETITIONS, draws, share
 
 RATES, Goal, Watch, decide = inside("physim.statistics", "RATES", "Goal", "Watch", "decide")
@@ -149,6 +149,7 @@ def test_a_watch_stays_where_the_intervals_have_nothing_in_common_any_more() -> 
     assert watch.decision == decide(goal, outcomes)
 
 
+@examples(25, deep=100)
 @given(
     st.lists(st.tuples(st.integers(1, 60), st.sampled_from([0.0, 0.1, 0.5, 0.9, 1.0])), max_size=5),
     st.floats(0.02, 0.98),

@@ -62,6 +62,7 @@ def test_the_fault_is_found(space: Space, seed: int) -> None:
     assert abs((heading - MIDDLE + np.pi) % (2.0 * np.pi) - np.pi) <= band
 
 
+@pytest.mark.deep
 def test_without_the_fault_nothing_is_found() -> None:
     space = Space(planted_world(SOUND))
     found = hunt(space, Twin(space.world).evaluate, accepted(SOUND), budget=1500, seed=2)

@@ -125,6 +125,7 @@ def test_numbers_become_round() -> None:
     assert one.footprint == into_the_wall().robots[0].footprint
 
 
+@pytest.mark.deep
 def test_it_is_the_same_every_time_and_within_its_runs() -> None:
     world = five_robots()
     whole = shrink(world, judge(world), EVALUATE, ACCEPTS)

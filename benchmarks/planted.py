@@ -100,8 +100,8 @@ def planted_world(controller: str = "benchmarks.planted:Planted", **changes: obj
 class Twin:
     """The run of a planted world up to its first contact, without the simulator around it.
 
-    Steps by the rule of `Planted`, then asks the distance kernels; `tests/falsify/test_planted.py`
-    holds it against real runs. It takes a tenth of the time.
+    Steps by the rule of `Planted`, then asks the distance kernels. It takes a tenth of the time;
+    `tests/campaigns/falsify/test_planted.py` holds it against real runs.
     """
 
     def __init__(self, world: World) -> None:

@@ -7,8 +7,8 @@ import pytest
 import physim
 from physim import build_scene
 from physim.analysis.validation import validate
-from tests.helpers import inside
 from tests.analysis.validation.runs import Drivers
+from tests.helpers import inside
 
 table = inside("physim.analysis.summary", "table")
 report = inside("physim.analysis.validation", "report")

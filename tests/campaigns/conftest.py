@@ -1,18 +1,21 @@
-"""Two worker processes for all tests of a file, and a folder with a world and a controller."""
+"""A folder with a world and a controller, worker processes, and the same work in this process."""
 
 from __future__ import annotations
 
 import sys
 from collections.abc import Iterator
+from concurrent.futures import Future
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 from physim.campaigns import Processes
+from physim.errors import PhysimError
 from tests.campaigns.samples import write
 from tests.helpers import inside
 
-Carried = inside("physim.campaigns", "Carried")
+Carried, Job = inside("physim.campaigns", "Carried", "Job")
 
 
 @pytest.fixture(scope="module")
@@ -20,6 +23,26 @@ def two() -> Iterator[Processes]:
     made = Processes(2)
     yield made
     made.shutdown(cancel_futures=True)
+
+
+@pytest.fixture
+def in_process(monkeypatch: pytest.MonkeyPatch) -> Processes:
+    """Every job is done at once, in this process: for whatever is no question of processes."""
+    halted: list[Processes] = []
+
+    def begin(self: Processes, job: Job) -> Future[Any]:
+        done: Future[Any] = Future()
+        try:
+            done.set_result(job.do(lambda: self in halted))
+        except OSError as error:
+            done.set_exception(PhysimError(f"{job.note}: {error.strerror}"))
+        except Exception as error:
+            done.set_exception(error)
+        return done
+
+    monkeypatch.setattr(Processes, "begin", begin)
+    monkeypatch.setattr(Processes, "halt", lambda self: halted.append(self))
+    return Processes(2)
 
 
 @pytest.fixture

@@ -8,11 +8,9 @@ import os
 import signal
 import stat
 import sys
-import threading
 import time
 from contextlib import suppress
 
-from physim.campaigns import Processes
 from physim.errors import PhysimError
 from tests.helpers import inside
 
@@ -22,21 +20,6 @@ Stop, limited = inside("physim.campaigns", "Stop", "limited")
 def echo(value: int, stop: Stop) -> int:
     """Gives back what it has."""
     return value
-
-
-def has_workers() -> int:
-    """Has a job done by a worker of its own."""
-    own = Processes(1)
-    try:
-        return own.submit(abs, -3).result(timeout=60.0)
-    finally:
-        own.shutdown(cancel_futures=True)
-
-
-def process(stop: Stop) -> int:
-    """Says which process does it."""
-    time.sleep(0.05)
-    return os.getpid()
 
 
 def leave_behind(name: str, stop: Stop) -> tuple[int, str | None]:
@@ -73,11 +56,6 @@ def killed(stop: Stop) -> None:
     os._exit(9)
 
 
-def forks(stop: Stop) -> int:
-    """Lets a copy of its process go on where it does itself; each says which it is."""
-    return os.fork() or os.getpid()
-
-
 def writes_everywhere(_: Stop) -> None:
     """Writes what is no answer into all pipes that are open, its worker's among them, and goes on.
 
@@ -99,12 +77,6 @@ def leaves_a_copy(seconds: float, code: int | None, stop: Stop) -> None:
     if code is not None:
         os._exit(code)
     hangs(stop)
-
-
-def leaves_a_thread(stop: Stop) -> int:
-    """Begins a thread that goes on for ever; says which process it is in."""
-    threading.Thread(target=time.sleep, args=(1e5,)).start()
-    return os.getpid()
 
 
 def raises_as_ctrl_c_does(stop: Stop) -> None:
@@ -140,14 +112,3 @@ def prints(stop: Stop) -> None:
     """Says on both outputs what would act on a terminal."""
     for stream in (sys.stdout, sys.stderr):
         print("red \x1b[31m \u202e", file=stream, flush=True)
-
-
-def takes_two_seconds() -> None:
-    """Readies a process, slowly."""
-    time.sleep(2.0)
-
-
-def limited_native_code() -> None:
-    """Beyond its limit, where the interpreter cannot be asked."""
-    with limited(1.0):
-        hangs_in_native_code(lambda: False)

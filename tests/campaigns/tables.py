@@ -65,52 +65,18 @@ def table(rows: list[dict[str, Any]]) -> pa.Table:
 def many(count: int, cells: int = 10, seed: int = 0) -> pa.Table:
     """A large campaign: worlds and two controllers, some runs with contacts, some failed."""
     rng = np.random.default_rng(seed)
-    cell = np.arange(count) % cells
-    number = np.arange(count) // cells
-    bad = (cell % 2).astype(bool)
-    distance = rng.gamma(4.0, 0.09, count) - np.where(bad, 0.15, -0.01)
-    ends = rng.choice(["finished", "duration", "error"], count, p=[0.95, 0.04, 0.01])
-    broke = ends == "error"
-    touched = (distance < 0.0) & ~broke
-
-    def some(values: Any) -> Any:
-        return pa.array(np.asarray(values, float), mask=broke)
-
-    def whole(values: Any) -> Any:
-        return pa.array(np.asarray(values, np.int64), mask=broke)
-
-    columns: dict[str, Any] = {
-        "run": [f"{k:020x}" for k in range(count)],
-        "world": [f"world_{k // 2}" for k in cell], "settings": [""] * count,
-        "controller": np.where(bad, "path_following", "mode_switching").tolist(),
-        "physim": ["0.1.0"] * count, "engine": ["pymunk 7.3.1"] * count, "ended": ends.tolist(),
-        "reason": np.where(broke, "ZeroDivisionError: float division", "").tolist(),
-        "first_contact_pair": [""] * count, "severest_contact_pair": [""] * count,
-        "not_arrived": [""] * count, "stood": [""] * count,
-        "least_distance_pair": ["r1, r2"] * count,
-        "shortest_collision_time_pair": ["r1, r2"] * count, "metrics": [""] * count,
-        "record": [""] * count,
-        "world_hash": [f"{k // 2:012x}" for k in cell],
-        "seed": pa.array(number), "robots": whole(np.full(count, 10)), "contacts": whole(touched),
-        "contacts_between_robots": whole(touched),
-        "contacts_with_boundaries": whole(np.zeros(count)), "grazes": whole(np.zeros(count)),
-        "updates": whole(rng.integers(800, 900, count)),
-        "messages": whole(rng.integers(800, 900, count)), "seconds": some(np.full(count, 20.0)),
-        "first_contact": pa.array(np.full(count, 3.0), mask=~touched),
-        "deepest": pa.array(np.abs(distance), mask=~touched),
-        "closing_speed": pa.array(rng.random(count), mask=~touched),
-        "energy_lost": pa.array(rng.random(count), mask=~touched),
-        "impulse": pa.array(rng.random(count), mask=~touched),
-        "severest_contact_time": pa.array(np.full(count, 3.0), mask=~touched),
-        "shortest_distance": some(distance), "shortest_boundary_distance": some(distance + 1.0),
-        "least_distance": some(distance), "least_distance_time": some(rng.random(count) * 20),
-        "shortest_collision_time": some(rng.gamma(5.0, 0.4, count)),
-        "shortest_collision_time_time": some(rng.random(count) * 20),
-        "formation_error": pa.nulls(count, pa.float64()),
-        "deviation": some(rng.gamma(4.0, 0.1, count)),
-        "finish_time": pa.array(17.0 + rng.gamma(2.0, 1.0, count), mask=ends != "finished"),
-        "danger_share": some(rng.beta(2.0, 9.0, count)),
-        "cpu_seconds": some(rng.gamma(9.0, 0.02, count)),
-        "wall_seconds": some(rng.gamma(9.0, 0.02, count)),
-    }  # fmt: skip
-    return pa.table({name: columns[name] for name in (*TEXTS, *WHOLE, *NUMBERS)})
+    distances, ends = rng.gamma(4.0, 0.09, count), rng.random(count)
+    rows = []
+    for k in range(count):
+        cell, number = k % cells, k // cells
+        given = {"world": f"world_{cell // 2}", "run": f"{k:020x}",
+                 "controller": "path_following" if cell % 2 else "mode_switching"}  # fmt: skip
+        distance = float(distances[k]) - (0.15 if cell % 2 else -0.01)
+        if ends[k] < 0.01:
+            rows.append(failed(number, **given))
+        elif distance < 0.0:
+            rows.append(hit(number, -distance, closing_speed=distance**2, **given))
+        else:
+            near = {"least_distance": distance, "shortest_distance": distance}
+            rows.append(row(number, shortest_boundary_distance=9.0, **near, **given))
+    return table(rows)

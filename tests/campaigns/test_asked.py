@@ -1,28 +1,35 @@
-"""What a campaign was asked for and has no rows of: a shard, the rest of an interrupted one."""
+"""What a campaign was asked for and has no rows of, and when it has seen enough."""
 
 from __future__ import annotations
 
 import json
 import re
-import shutil
 from pathlib import Path
 
 import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
+from physim.campaigns import Row, until
 from physim.cli import main
 from tests.campaigns.tables import row, table
 from tests.cli.commands import physim, tree
-from tests.helpers import check_error, facts, inside
+from tests.helpers import check_error, examples, facts, inside
+from tests.statistics.coverage import draws
 
+Until, read_until = inside("physim.campaigns", "Until", "read_until")
+write_until = inside("physim.campaigns", "write_until")
+decide, read_goal = inside("physim.statistics", "decide", "read_goal")
 as_stored, merged, missing = inside("physim.campaigns", "as_stored", "merged", "missing")
 ranges_of, Outcomes = inside("physim.campaigns", "ranges_of", "Outcomes")
+
+pytestmark = pytest.mark.usefixtures("in_process")
 
 RANGES = st.lists(st.builds(range, st.integers(0, 40), st.integers(0, 40)), max_size=6)
 YARD = ("yard", "", "mode_switching")
 
 
+@examples(25, deep=100)
 @given(RANGES)
 @example([range(0, 2), range(2, 4)])
 @example([range(0, 2), range(3, 4)])
@@ -33,6 +40,7 @@ def test_ranges_hold_the_same_seeds_in_as_few_pieces_as_can_be(ranges: list[rang
     assert ranges_of(json.loads(json.dumps(as_stored(found)))) == found
 
 
+@examples(25, deep=100)
 @given(RANGES, st.sets(st.integers(0, 40)))
 def test_missing_are_the_seeds_without_a_row(ranges: list[range], seeds: set[int]) -> None:
     rows = [{**row(seed), "world": "yard", "settings": "", "controller": YARD[2]} for seed in seeds]
@@ -73,25 +81,6 @@ def test_a_missing_shard_is_told_and_one_that_is_there_is_not(
     assert (figures["runs"], figures["missing"]) == (6, [])
 
 
-def test_a_comparison_of_a_part_says_so(here: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    both = ("--controller", "constant,path_following")
-    command = ("small.yaml", "--seeds", "0:6", "-o", "out", *both)
-    swept(*command, "--shard", "1/2")
-    done = physim("compare", "out", "--by", "controller", "--only", "deviation", capture=capsys)
-    assert "Not complete: 6" in done.err
-    swept(*command)
-    done = physim("compare", "out", "--by", "controller", "--only", "deviation", capture=capsys)
-    assert "complete" not in done.err
-
-
-def test_more_seeds_and_seeds_apart_are_asked_for_together(here: Path) -> None:
-    out = here / "out"
-    for seeds in ("0:2", "5:7", "1:3"):
-        swept("small.yaml", "--seeds", seeds, "-o", out)
-    (cell,) = json.loads((out / "campaign.json").read_text())["cells"]
-    assert cell["seeds"] == [[0, 3], [5, 7]]
-
-
 def test_until_a_goal_is_decided_no_number_is_asked_for(
     here: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -100,9 +89,7 @@ def test_until_a_goal_is_decided_no_number_is_asked_for(
     assert "complete" not in done.out
 
 
-NO_SEEDS = (
-    7, [[0]], [[0, 1, 2]], [[0, True]], [[-1, 3]], [[0, 10**30]], [["0", 1]], [[0, 1]] * 2000,
-)  # fmt: skip
+NO_SEEDS = (7, [[0]], [[0, True]], [[-1, 3]], [[0, 10**30]], [[0, 1]] * 2000)
 
 
 @pytest.mark.parametrize("seeds", NO_SEEDS)
@@ -121,16 +108,71 @@ def test_seeds_that_are_none_are_refused(
     assert tree(here / "out") == before
 
 
-def test_a_campaign_of_before_tells_nothing_of_seeds(
-    here: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    shards(here / "out", 1)
-    file = here / "out" / "campaign.json"
-    found = json.loads(file.read_text())
-    for cell in found["cells"]:
-        del cell["seeds"]
-    file.write_text(json.dumps(found))
-    shutil.rmtree(here / "out" / "records")
-    done = physim("report", "out", "--no-pictures", capture=capsys)
-    assert done.code == 0
-    assert "complete" not in done.out
+# campaigns that stop when a goal is decided, whoever was done first
+GOOD, BAD = ("yard", "", "good"), ("yard", "", "bad")
+
+
+def run(seed: int, label: tuple[str, str, str] = GOOD, *, contact: bool = False) -> Row:
+    world, settings, controller = label
+    return Row(
+        run=f"{seed:020x}", world=world, seed=seed, settings=settings, controller=controller,
+        physim="0.1.0", engine="pymunk 7.3.1", ended="finished", contacts=int(contact),
+        grazes=0,
+    )  # fmt: skip
+
+
+def stopped_at(folder: Path, rows: list[Row], goal: str, cells: list[tuple[str, str, str]]) -> int:
+    """How many rows it took, asked after each."""
+    decided = until.Decided(folder, Until(read_goal(goal), 1), cells)
+    seen: list[Row] = []
+    for one in rows:
+        seen.append(one)
+        if decided(seen):
+            break
+    return len(seen)
+
+
+def test_it_stops_at_the_first_run_that_decides(tmp_path: Path) -> None:
+    good = draws(1).random(2000) < 0.97
+    rows = [run(seed, contact=not fine) for seed, fine in enumerate(good)]
+    for goal in ("rate > 0.9", "contact_free < 0.9", "0.08"):
+        whole = decide(read_goal(goal), good)
+        assert whole.decided
+        assert stopped_at(tmp_path, rows, goal, [GOOD]) == whole.runs
+    assert (
+        stopped_at(tmp_path, rows, "finished < 0.9", [GOOD])
+        == decide(read_goal("finished < 0.9"), [True] * 2000).runs
+    )
+
+
+def test_all_cells_are_to_be_decided(tmp_path: Path) -> None:
+    rows = [
+        run(seed, label, contact=label == BAD and seed % 8 == 0)
+        for seed in range(1000)
+        for label in (GOOD, BAD)
+    ]
+    goal = read_goal("rate > 0.8")
+    runs = [
+        decide(goal, [one.safe for one in rows if one.controller == label[2]]).runs
+        for label in (GOOD, BAD)
+    ]
+    assert runs[0] < runs[1]
+    assert stopped_at(tmp_path, rows, "rate > 0.8", [GOOD, BAD]) == 2 * runs[1]
+
+
+def test_rows_that_come_several_at_a_time_are_as_one_by_one(tmp_path: Path) -> None:
+    rows = [run(seed, contact=seed % 50 == 9) for seed in range(400)]
+    runs = stopped_at(tmp_path, rows, "rate > 0.9", [GOOD])
+    together = until.Decided(tmp_path, Until(read_goal("rate > 0.9"), 1), [GOOD])
+    assert not together(rows[: runs - 1])
+    assert together(rows[: runs + 30])
+    assert together.watches[GOOD].runs == runs
+
+
+def test_the_folder_tells_the_goal_from_the_first_row_on(tmp_path: Path) -> None:
+    assert read_until(tmp_path) is None
+    wanted = Until(read_goal("rate > 99%"), 5)
+    until.Decided(tmp_path, wanted, [GOOD])([run(5)])
+    assert read_until(tmp_path) == wanted
+    write_until(tmp_path, Until(read_goal("0.02"), 9))
+    assert read_until(tmp_path) == Until(read_goal("0.02"), 5)

@@ -3,19 +3,15 @@
 from __future__ import annotations
 
 import json
-import os
 import re
-import resource
 import signal
 import subprocess
-import sys
 import time
 from pathlib import Path
 
 import pytest
 
-from physim.campaigns import read
-from tests.campaigns.samples import WORLD, lines_on_disk, rows_in, without_times
+from tests.campaigns.samples import lines_on_disk, rows_in, without_times
 from tests.cli.commands import Done, physim, shell, started, tree
 from tests.helpers import check_error, facts
 
@@ -34,23 +30,11 @@ def as_json(done: Done) -> dict[str, object]:
     return found
 
 
-COMMAND = ("sweep", "small.yaml", "--seeds", "0:150", "-o", "out", "--workers", "2", "--json")
+COMMAND = ("sweep", "small.yaml", "--seeds", "0:90", "-o", "out", "--workers", "2", "--json")
 
 
-@pytest.fixture(scope="module")
-def undisturbed(tmp_path_factory: pytest.TempPathFactory) -> list[dict[str, object]]:
-    """Rows of the same sweep when nothing happens to it."""
-    from tests.campaigns.samples import write
-
-    folder = tmp_path_factory.mktemp("undisturbed")
-    write(folder)
-    assert as_json(shell(*COMMAND, folder=folder))["run_now"] == 150
-    return without_times(rows_in(folder / "out"))
-
-
-def test_killed_half_way_it_goes_on_and_repeats_nothing(
-    here: Path, undisturbed: list[dict[str, object]]
-) -> None:
+@pytest.mark.deep
+def test_killed_half_way_it_goes_on_and_repeats_nothing(here: Path) -> None:
     process = started(*COMMAND, folder=here)
     try:
         begun(here / "out", process, 20)
@@ -58,21 +42,14 @@ def test_killed_half_way_it_goes_on_and_repeats_nothing(
         process.kill()
         process.communicate()
     kept = rows_in(here / "out")
-    assert 20 <= len(kept) < 150
+    assert 20 <= len(kept) < 90
     found = as_json(shell(*COMMAND, folder=here))
-    assert (found["there_before"], found["run_now"]) == (len(kept), 150 - len(kept))
-    assert without_times(rows_in(here / "out")) == undisturbed
-    assert lines_on_disk(here / "out") == 150
+    assert (found["there_before"], found["run_now"]) == (len(kept), 90 - len(kept))
+    done = shell(*COMMAND[:5], "other", *COMMAND[6:], folder=here)
+    assert as_json(done)["run_now"] == 90
+    assert without_times(rows_in(here / "out")) == without_times(rows_in(here / "other"))
+    assert lines_on_disk(here / "out") == 90
     assert set(kept) <= set(rows_in(here / "out"))
-
-
-def test_two_at_once_share_the_runs(here: Path, undisturbed: list[dict[str, object]]) -> None:
-    both = [started(*COMMAND, folder=here) for _ in range(2)]
-    ends = [(process.communicate(timeout=600), process.returncode) for process in both]
-    found = [as_json(Done(code, *texts)) for texts, code in ends]
-    assert sum(int(str(one["run_now"])) for one in found) == 150
-    assert all(one["cells"] == found[0]["cells"] for one in found)
-    assert without_times(rows_in(here / "out")) == undisturbed
 
 
 def most_memory(process: subprocess.Popen[str]) -> int:
@@ -81,6 +58,7 @@ def most_memory(process: subprocess.Popen[str]) -> int:
     return int(status.partition("VmHWM:")[2].split()[0])
 
 
+@pytest.mark.deep
 @pytest.mark.parametrize("more", [(), ("--quiet",)])
 def test_interrupted_it_says_how_to_go_on(here: Path, more: tuple[str, ...]) -> None:
     wanted = ("sweep", "small.yaml", "--seeds", "0:9000000", "--yes", "-o", "out", *more)
@@ -97,57 +75,41 @@ def test_interrupted_it_says_how_to_go_on(here: Path, more: tuple[str, ...]) -> 
     assert (here / "out/results.parquet").exists()
 
 
-def test_what_another_wrote_is_read_strictly_before_any_run(here: Path) -> None:
+@pytest.mark.usefixtures("in_process")
+def test_what_another_wrote_is_read_strictly_before_any_run(
+    here: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     command = ("sweep", "small.yaml", "--seeds", "0:3", "-o", "out")
-    assert shell(*command, folder=here).code == 0
+    assert physim(*command, capture=capsys).code == 0
     (file,) = (here / "out/rows").iterdir()
     whole = file.read_text()
     file.write_text(whole[:-40])
-    done = shell(*command, folder=here)
+    done = physim(*command, capture=capsys)
     assert done.code == 0
     assert re.search(facts(f"{file.name}:3:"), done.err)
     assert "(2 were there before)" in done.out
     assert [row.seed for row in rows_in(here / "out")] == [0, 1, 2]
-    assert shell(*command, folder=here).err == ""
+    assert physim(*command, capture=capsys).err == ""
     (file,) = (here / "out/rows").iterdir()
     lines = file.read_text().splitlines()
     poisoned = json.dumps({**json.loads(lines[1]), "shortest_distance": float("nan")})
     file.write_text("\n".join([lines[0], poisoned, lines[2]]) + "\n")
     for one in ((*command[:3], "0:30", *command[4:]), ("report", "out"), ("replay", "out:0")):
-        done = shell(*one, folder=here)
+        done = physim(*one, capture=capsys)
         assert (done.code, done.out) == (2, "")
         check_error(done.err, f"out/rows/{file.name}:2:", "shortest_distance", "nan")
     assert lines_on_disk(here / "out") == 3
 
 
-def test_shards_come_together(here: Path) -> None:
+@pytest.mark.usefixtures("in_process")
+def test_shards_come_together(here: Path, capsys: pytest.CaptureFixture[str]) -> None:
     for part in ("1/2", "2/2"):
-        done = shell("sweep", "small.yaml", "--seeds", "0:5", "--shard", part, folder=here)
+        done = physim("sweep", "small.yaml", "--seeds", "0:5", "--shard", part, capture=capsys)
         assert done.code == 0
     assert [row.seed for row in rows_in(here / "sweeps/small")] == list(range(5))
 
 
-def test_what_is_not_random_is_run_once(here: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    done = physim("sweep", "fixed.yaml", "--seeds", "5:9", capture=capsys)
-    assert done.code == 0
-    assert "random" in done.err
-    assert "1 run," in done.out
-    assert "runs/s" not in done.err  # no bar in a pipe
-
-
-def test_of_a_world_without_chance_one_line_is_said_however_many_variants(
-    here: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    values = ("--set", "time.duration=0.1,0.2", "--controller", "constant,path_following")
-    worlds = "fixed.yaml", "small.yaml"
-    done = physim("sweep", *worlds, "--seeds", "0:2", *values, "-o", "o", capture=capsys)
-    assert done.code == 0, done.err
-    said = [line for line in done.err.splitlines() if "random" in line]
-    assert len(said) == 1
-    assert "fixed" in said[0]
-    assert "4" in said[0]
-
-
+@pytest.mark.usefixtures("in_process")
 def test_a_name_leads_nowhere(
     here: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -162,33 +124,15 @@ def test_a_name_leads_nowhere(
     } == before
 
 
-def test_a_controller_of_ones_own_and_what_fails(
-    here: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    done = physim(
-        "sweep", "small.yaml", "--seeds", "0:2", "--controller", "awkward:Awkward,constant",
-        "--set", "controller.speed=0.5", capture=capsys,
-    )  # fmt: skip
-    assert done.code == 2  # a setting that one of them does not have
-    done = physim(
-        "sweep", "small.yaml", "--seeds", "0:2", "--controller", "awkward:Awkward",
-        "--set", "controller.how=fine,raise", capture=capsys,
-    )  # fmt: skip
-    assert done.code == 0
-    assert "2 crashed (2 error)" in done.out
-
-
 @pytest.mark.parametrize(
     ("arguments", "text"),
     [
         (("small.yaml", "--seeds", "0:2", "--set", "time.stop=1"), "stop"),
-        (("small.yaml", "--seeds", "0:2", "--set", "time.duration="), "no value"),
         (("small.yaml", "--seeds", "2:2"), "A below B"),
         (("small.yaml", "--seeds", "0:1000001"), "--yes"),
         (("small.yaml", "--shard", "3/2"), "I of N"),
         (("small.yaml", "--controller", "constant,"), "missing"),
         (("small.yaml", "--workers", "2", "--scheduler", "tcp://127.0.0.1:1"), "--scheduler"),
-        (("small.yaml", "--scheduler", "tcp://127.0.0.1:1"), "tcp://127.0.0.1:1"),
         (("small.yaml", "-o", "small.yaml"), "is a file"),
         (("small.yaml", "-o", "."), "no campaign"),
         (("small.yaml", "--limit", "0"), "--limit"),
@@ -203,67 +147,3 @@ def test_bad_input_is_one_message_and_nothing_is_written(
     assert text in done.err
     assert len(done.err.strip().splitlines()) == 1
     assert tree(here) == before
-
-
-def test_a_folder_of_another_campaign(here: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert physim("sweep", "fixed.yaml", "-o", "out", capture=capsys).code == 0
-    done = physim("sweep", "small.yaml", "-o", "out", capture=capsys)
-    assert done.code == 2
-    assert "another campaign" in done.err
-    assert len(rows_in(here / "out")) == 1
-
-
-def test_a_full_disk_is_one_message(here: Path) -> None:
-    def small_files() -> None:
-        resource.setrlimit(resource.RLIMIT_FSIZE, (500, 500))
-
-    done = subprocess.run(
-        [sys.executable, "-m", "physim", "sweep", "small.yaml", "-o", "out"],
-        cwd=here, capture_output=True, text=True, preexec_fn=small_files, env=dict(os.environ),
-    )  # fmt: skip
-    assert done.returncode == 2, done.stderr
-    assert "cannot be written" in done.stderr
-    assert len(done.stderr.strip().splitlines()) == 1
-
-
-def test_names_of_files_that_are_not_utf_8(here: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """Legal where names are bytes: the sweep ended in a traceback, its folder half made."""
-    world, folder = os.fsdecode(b"w\xff.yaml"), os.fsdecode(b"out\xfe")
-    try:
-        (here / world).write_text(WORLD)
-    except OSError:
-        pytest.skip("this file system has no such names")
-    done = physim("sweep", world, "--seeds", "1:3", "-o", folder, capture=capsys)
-    assert done.code == 0, done.err
-    rows = read(here / folder).to_pylist()
-    assert [(row["world"], row["seed"]) for row in rows] == [(r"w\udcff", 1), (r"w\udcff", 2)]
-    assert (here / folder / "results.parquet").stat().st_size
-    assert physim("replay", f"{folder}:0", "-o", "again", capture=capsys).code == 0
-
-
-@pytest.mark.parametrize(
-    ("world", "name"), [("...yaml", "world"), ("..yaml", "world"), ("a\nb.yaml", r"a\u000ab")]
-)
-def test_names_that_name_no_folder_or_are_no_line(
-    here: Path, capsys: pytest.CaptureFixture[str], world: str, name: str
-) -> None:
-    for other in here.iterdir():
-        other.unlink()
-    (here / world).write_text(WORLD)
-    done = physim("sweep", world, "--seeds", "1:2", "--workers", "1", capture=capsys)
-    assert done.code == 0, done.err
-    assert sorted(one.name for one in here.iterdir()) == sorted((world, "sweeps"))
-    assert [one.name for one in (here / "sweeps").iterdir()] == [name]
-    assert f"rows in sweeps/{name}/results.parquet\n" in done.out
-    assert [row["world"] for row in read(here / "sweeps" / name).to_pylist()] == [name]
-    assert not [line for line in done.err.splitlines() if line.startswith("b")]
-
-
-def test_two_worlds_called_alike_once_written_out(
-    here: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    for world in ("a\nb.yaml", r"a\u000ab.yaml"):
-        (here / world).write_text(WORLD)
-    done = physim("sweep", "a\nb.yaml", r"a\u000ab.yaml", "--seeds", "1:2", capture=capsys)
-    assert (done.code, done.err.count("\n")) == (2, 1)
-    assert done.err.startswith(r"a\u000ab.yaml: two worlds")

@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import json
-import re
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -19,8 +16,6 @@ ALPHA, FEWEST_PAIRS, Comparison = inside("physim.campaigns", "ALPHA", "FEWEST_PA
 between, by, compare, Outcomes = inside("physim.campaigns", "between", "by", "compare", "Outcomes")
 comparison_page = inside("physim.campaigns.report", "comparison_page")
 comparison_text = inside("physim.campaigns.report", "comparison_text")
-comparison_values, verdict = inside("physim.campaigns.report", "comparison_values", "verdict")
-paired_plot, shift_plot = inside("physim.campaigns.report", "paired_plot", "shift_plot")
 mcnemar, median_difference = inside("physim.statistics", "mcnemar", "median_difference")
 sign_test = inside("physim.statistics", "sign_test")
 
@@ -43,16 +38,14 @@ def finding(comparisons: list[Comparison], name: str) -> Any:
 
 
 def test_a_planted_difference_is_found_with_its_size() -> None:
-    found = compare(by(campaign(shift=0.05, hits=20), "controller"))
+    found = compare(by(campaign(shift=0.05, hits=20, finish_time=15.0), "controller"))
     near = finding(found, "least_distance")
     assert near.better == "a"
     assert near.low < -0.05 < near.high < 0.0
-    free = finding(found, "contact_free")
+    free, late = finding(found, "contact_free"), finding(found, "finish_time")
     assert free.better == "a"
+    assert (late.better, late.difference) == ("b", -3.0)  # of times less is better
     assert (free.only_a, free.only_b, free.difference) == (20, 0, pytest.approx(-20 / 60))
-    text = comparison_text(found)
-    assert "A is better by 33.3" in text
-    assert "A good, B other" in text
 
 
 def test_pairing_sees_what_the_arms_alone_do_not() -> None:
@@ -64,21 +57,12 @@ def test_pairing_sees_what_the_arms_alone_do_not() -> None:
     assert median_difference(a).low < float(np.median(b)) < median_difference(a).high
 
 
-def test_a_difference_below_what_is_shown_is_not_told_as_none() -> None:
-    near = finding(compare(by(campaign(shift=0.05), "controller")), "least_distance")
-    tiny = replace(near, difference=-1e-9, low=-2e-9, high=-5e-10)
-    assert verdict(tiny).startswith("A is better")
-
-
 def test_arms_that_do_not_differ_are_not_said_to_be_equal() -> None:
     found = compare(by(campaign(), "controller"))
-    text = comparison_text(found)
-    said = Elements(comparison_page(found, "yard")).said
     assert {f.better for f in found[0].findings} == {""}
-    for words in (text, said):
+    for words in (comparison_text(found), Elements(comparison_page(found, "yard")).said):
         assert "no difference shown" in words
         assert "equal" not in words
-        assert "is better by" not in words
 
 
 def test_the_test_and_the_verdict_are_of_the_same_question() -> None:
@@ -90,21 +74,6 @@ def test_the_test_and_the_verdict_are_of_the_same_question() -> None:
     one = finding(found, "deviation")
     assert (one.better, one.only_a, one.only_b, one.ties) == ("b", 2, 57, 41)
     assert one.corrected < 1e-4
-    text, said = comparison_text(found), Elements(comparison_page(found, "yard")).said
-    assert text.splitlines()[0].startswith("other (B) is better in largest deviation")
-    for words in (text, said):
-        assert "no difference shown" not in words
-        assert re.search(facts("other (B) is better", "2 seeds", "57", "41 ties"), words)
-    assert (
-        comparison_values(found)["comparisons"][0]["verdict"]
-        == text.splitlines()[0].partition(" (yard")[0]
-    )
-
-
-def test_less_is_better_for_times() -> None:
-    found = compare(by(campaign(finish_time=15.0), "controller"))
-    assert finding(found, "finish_time").better == "b"
-    assert finding(found, "finish_time").difference == -3.0
 
 
 def test_p_values_are_those_of_the_tests_corrected_together() -> None:
@@ -132,19 +101,6 @@ def test_too_few_pairs_to_show_a_difference_count_in_no_correction(few: int) -> 
     assert unchanged == (few < FEWEST_PAIRS)
     assert [f.is_tested for f in other.findings] == [few >= FEWEST_PAIRS] * 2
     assert min(2.0 / 2.0**few, 1.0) > ALPHA or few >= FEWEST_PAIRS
-    for said in (
-        comparison_text([both, other]),
-        comparison_page([both, other], "y"),
-    ):
-        assert ("not tested: " in said) == (few < FEWEST_PAIRS)
-        assert ("where nothing in the world is random" in said) == (few == 1)
-
-
-def test_what_is_not_tested_is_not_told_how() -> None:
-    found = compare(by(campaign(seeds=3), "controller"))
-    for said in (comparison_text(found), comparison_page(found, "yard")):
-        assert "none is tested" in said
-        assert "Holm" not in said
 
 
 def test_a_difference_that_does_not_survive_the_correction_is_not_shown() -> None:
@@ -164,10 +120,6 @@ def test_seeds_of_one_arm_alone_are_told_and_left_out() -> None:
     (one,) = found
     assert (one.seeds, one.only_a, one.only_b) == (6, (0, 1, 2, 3), (10, 11))
     assert all(f.pairs == 6 for f in one.findings)
-    for words in (comparison_text(found), comparison_page(found, "yard")):
-        assert "6 seeds in common" in words
-        assert "0, 1, 2, 3" in words
-        assert "10, 11" in words
 
 
 def test_failed_runs_count_in_rates_and_not_in_measures() -> None:
@@ -177,9 +129,6 @@ def test_failed_runs_count_in_rates_and_not_in_measures() -> None:
     found = compare(by(Outcomes(table(rows)), "controller"))
     assert finding(found, "rate").b == 0.7
     assert finding(found, "least_distance").pairs == 7
-    text = comparison_text(found)
-    assert "3 runs of B crashed" in text
-    assert "7 pairs in which both have one" in text
 
 
 def test_by_matches_cells_that_are_alike_in_the_rest() -> None:
@@ -243,60 +192,3 @@ def test_hostile_names_are_only_names() -> None:
     for words in (page, comparison_text(found)):
         assert "\x1b" not in words
         assert "\u202e" not in words
-
-
-def test_values_of_a_comparison() -> None:
-    found = compare(by(campaign(shift=0.05, seeds=4), "controller"))
-    values = json.loads(json.dumps(comparison_values(found), allow_nan=False))
-    (one,) = values["comparisons"]
-    near = next(f for f in one["findings"] if f["name"] == "least_distance")
-    assert (near["low"], near["high"], near["better"]) == (None, None, None)
-    assert near["pairs"] == 4
-    assert "not tested: 4 pairs" in comparison_text(found)
-    Elements(comparison_page(found, "yard"))
-
-
-def test_plots_of_many_pairs_stay_small_and_say_so() -> None:
-    found = compare(by(campaign(seeds=5000), "controller"))
-    page = comparison_page(found, "yard")
-    assert len(page) < 200_000
-    assert "400 pairs of 5000" in Elements(page).said
-
-
-@pytest.mark.parametrize("value", [1.609549, 0.0, -4.2e-7, 160954.9, 3.2e12])
-def test_points_of_one_pair_have_labels_that_fit_on_their_card(value: float) -> None:
-    one = np.array([value])
-    svg = paired_plot(one, one, "time [s]", "time of A and B")
-    labels = re.findall(r'<text x="([0-9.]+)"[^>]*text-anchor="end">([^<:]*)</text>', svg)
-    assert len(labels) >= 2
-    assert all(float(right) - 6.0 * len(label) >= 0.0 for right, label in labels)
-    assert len({label for _, label in labels}) == len(labels)  # one apart from the other
-    x, y = (float(number) for number in re.findall(r'c[xy]="([0-9.]+)"', svg))
-    assert 0.0 < x < 270.0
-    assert 0.0 < y < 270.0
-
-
-def test_one_pair_is_no_pairs() -> None:
-    found = compare(by(campaign(seeds=1), "controller"))
-    said = Elements(comparison_page(found, "yard")).said
-    assert "1 pair;" in said
-    assert "1 pairs" not in said
-
-
-@pytest.mark.parametrize("value", [0.0, 3e-17])
-def test_no_difference_has_no_axis_of_a_millionth(value: float) -> None:
-    svg = shift_plot(value, value, value, "s", 300.0, "no difference")
-    ends = [one.replace("\u2212", "-") for one in re.findall(r">([^<>]*) s</text>", svg)]
-    assert [float(one) for one in ends] == [-1.0, 1.0]
-
-
-@pytest.mark.parametrize("spread", [7.5e-4, 1.1e-3, 1.6e-3, 2.1e-3, 3.9e-3])
-def test_labels_of_pairs_that_hardly_vary_are_their_values(spread: float) -> None:
-    """Each with the digits that it needs: none is there twice, and all are evenly apart."""
-    values = 0.5003 + np.linspace(0.0, spread, 9)
-    svg = paired_plot(values, values[::-1], "m", "a and b")
-    found = [float(one) for one in re.findall(r'text-anchor="end">([^<:]*)</text>', svg)]
-    gaps = np.diff(found)
-    assert len(gaps) >= 1
-    assert (gaps > 0.0).all()
-    assert np.allclose(gaps, gaps[0], rtol=0, atol=1e-9)

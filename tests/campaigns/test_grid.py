@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import tracemalloc
+import re
 from dataclasses import replace
-from itertools import chain, islice
+from itertools import chain
 from pathlib import Path
 
 import pytest
 
-from physim.campaigns.grid import TOGETHER
 from physim.errors import PhysimError, WorldError
 from tests.helpers import facts, inside
 
@@ -56,42 +55,12 @@ def test_shards_are_the_whole_without_overlap(here: Path) -> None:
     assert sorted(chain(*keys)) == sorted(one.key for one in make_grid(*worlds))
 
 
-@pytest.mark.parametrize(
-    ("worlds", "controllers", "named"),
-    [
-        (["fixed.yaml"], ["mode_switching", "path_following"], {"path_following"}),
-        (["fixed.yaml", "small.yaml"], ["path_following"], {"fixed"}),
-        (["fixed.yaml", "small.yaml"], ["constant", "path_following"], {"fixed", "constant"}),
-        (["fixed.yaml"], ["path_following"], set()),
-    ],
-)
-def test_a_refused_setting_names_world_and_controller_where_there_are_several(
-    here: Path, worlds: list[str], controllers: list[str], named: set[str]
-) -> None:
-    with pytest.raises(WorldError) as caught:
-        make_grid(worlds, range(2), ["controller.time_low=2.0"], controllers)
-    (line,) = str(caught.value).splitlines()
-    known = ("mode_switching", "path_following", "constant", "fixed", "small")
-    assert line.startswith("--set controller.time_low: ")
-    assert {word for word in known if word in line} == named
-
-
 def test_a_world_that_a_value_makes_impossible_is_told_with_the_value() -> None:
     """Its file as it stands is right."""
     with pytest.raises(
         WorldError, match=facts("r1", "over the edge", "corridor.width=1.8", "seed")
     ):
         make_grid(["straight"], range(1, 3), ["corridor.width=8,1.8"])
-
-
-def test_a_fault_of_a_file_or_a_name_says_by_itself_what_it_is_of(here: Path) -> None:
-    (here / "bad.yaml").write_text((here / "fixed.yaml").read_text() + "colour: red\n")
-    for worlds, controllers in (["bad.yaml"], ["constant", "path_following"]), (
-        ["fixed.yaml", "small.yaml"], ["constnt", "path_following"]
-    ):  # fmt: skip
-        with pytest.raises(WorldError) as caught:
-            make_grid(worlds, range(2), (), controllers)
-        assert "(" not in str(caught.value)
 
 
 def test_two_files_of_one_name_are_told_apart(here: Path) -> None:
@@ -139,10 +108,6 @@ def test_faults_are_told_before_anything_is_run(here: Path, arguments, text: str
         make_grid(*arguments)
 
 
-def test_more_than_a_million_if_wanted(here: Path) -> None:
-    assert len(make_grid(["small.yaml"], range(2_000_000), most=None)) == 2_000_000
-
-
 def test_too_many_are_counted_and_not_made(here: Path) -> None:
     with pytest.raises(PhysimError, match=facts("99,999,999,999", "days", "10,000,000")):
         make_grid(["small.yaml"], range(99_999_999_999), most=None)
@@ -158,7 +123,7 @@ def test_a_run_is_found_by_its_place_and_back(here: Path) -> None:
         ["small.yaml", "fixed.yaml"], range(3, 9), [f"time.duration={','.join('123456789')}"],
         ["constant", "path_following"],
     )  # fmt: skip
-    assert len(whole.cells) > TOGETHER
+    assert len(whole.cells) > 16  # of which keys are made together
     for shard in (Shard(1, 1), Shard(2, 5)):
         grid = replace(whole, shard=shard)
         runs = list(grid)
@@ -170,21 +135,6 @@ def test_a_run_is_found_by_its_place_and_back(here: Path) -> None:
     assert not whole.has(one.label, 9, one.key)
     assert not whole.has(one.label, one.seed, "0" * 20)
     assert not whole.has(("other", "", ""), one.seed, one.key)
-
-
-def test_memory_is_that_of_the_cells(here: Path) -> None:
-    def taken(seeds: int) -> int:
-        grid = make_grid(["small.yaml"], range(seeds), most=None)
-        tracemalloc.start()
-        try:
-            for _ in islice(grid, 10_000):
-                pass
-            assert grid[len(grid) - 1] in grid
-            return tracemalloc.get_traced_memory()[1]
-        finally:
-            tracemalloc.stop()
-
-    assert taken(9_000_000) < taken(10_000) + 100_000
 
 
 DRAWING = '''
@@ -220,7 +170,7 @@ def test_a_controller_that_is_given_the_scene_may_draw(here: Path) -> None:
     world = ["fixed.yaml"]
     grid = make_grid(world, range(3), [], ["drawing:Drawing"])
     assert [one.seed for one in grid] == [0, 1, 2]
-    assert any(facts_in(line, "drawing:Drawing", "may draw") for line in grid.warnings)
+    assert any(re.search(facts("drawing:Drawing", "may draw"), line) for line in grid.warnings)
     ends = []
     for spec in grid:
         simulation = simulation_of(spec)
@@ -245,7 +195,3 @@ def test_what_is_compared_with_what_draws_is_run_with_the_same_seeds(here: Path)
     assert seeds[False] == [*drawn, ("path_following", 1)]
     assert seeds[True] == [*drawn, *(("path_following", seed) for seed in range(3))]
     assert len(make_grid(["fixed.yaml"], range(3), [], controllers[1:], paired=True)) == 1
-
-
-def facts_in(line: str, *parts: str) -> bool:
-    return all(part in line for part in parts)

@@ -1,15 +1,24 @@
-"""Rows by cells: what counts as a success, and that nothing is mixed up or lost."""
+"""Rows by cells: what counts as a success, that nothing is lost, and what docs say of columns."""
 
 from __future__ import annotations
+
+import json
+import re
+import subprocess
+import sys
+from pathlib import Path
 
 import numpy as np
 import pyarrow as pa
 import pytest
 
+from physim.campaigns import Row, read
+from tests.campaigns.samples import rows_in
 from tests.campaigns.tables import failed, hit, many, row, table
-from tests.helpers import inside
+from tests.helpers import facts, inside
 
-Outcomes = inside("physim.campaigns", "Outcomes")
+COLUMNS, Outcomes, Tally = inside("physim.campaigns", "COLUMNS", "Outcomes", "Tally")
+sweep_text, sweep_values = inside("physim.campaigns.report", "sweep_text", "sweep_values")
 
 
 def test_cells_are_sorted_and_have_their_rows_by_seed() -> None:
@@ -55,18 +64,62 @@ def test_what_counts(one: dict[str, object], free: bool, finished: bool, failed_
     assert bool(outcomes.finished[0]) is finished
     assert bool(outcomes.rate[0]) is (free and finished)
     assert bool(outcomes.failed[0]) is failed_
-
-
-def test_no_rows_are_no_cells() -> None:
-    outcomes = Outcomes(table([]))
-    assert len(outcomes) == 0
-    assert outcomes.cells == ()
+    alone = Row(**{key: value for key, value in one.items() if key in COLUMNS})
+    assert (alone.contact_free, alone.safe) == (free, free and finished)
 
 
 def test_all_rows_of_a_large_campaign_are_there() -> None:
-    given = many(20_000)
-    outcomes = Outcomes(pa.concat_tables([given.slice(7000), given.slice(0, 7000)]))
-    assert sum(cell.count for cell in outcomes.cells) == len(outcomes) == 20_000
+    given = many(4000)
+    outcomes = Outcomes(pa.concat_tables([given.slice(1400), given.slice(0, 1400)]))
+    assert sum(cell.count for cell in outcomes.cells) == len(outcomes) == 4000
     assert sorted(outcomes.table["run"].to_pylist()) == sorted(given["run"].to_pylist())
     seeds = [outcomes.seed[cell.rows] for cell in outcomes.cells]
-    assert all(np.array_equal(one, np.arange(2000)) for one in seeds)
+    assert all(np.array_equal(one, np.arange(400)) for one in seeds)
+
+
+GOOD = ("yard", "", "good")
+
+
+def test_a_sweep_names_contacts_then_failures_then_what_did_not_finish() -> None:
+    rows = [row(1), row(2, ended="duration"), failed(3), failed(4, "killed"), hit(5), hit(6)]
+    draws = {GOOD: "the starts", ("none", "", "x"): ""}
+    outcomes = Outcomes(table([*rows, hit(7, world="of another sweep")]))
+    said = sweep_text(Path("out"), outcomes, draws, Tally(5))
+    order = [5, 6, 3, 4, 2]
+    named = re.findall(r"^  .*, seed (\d+):", said, flags=re.MULTILINE)
+    assert [int(seed) for seed in named] == order
+    assert f"physim replay out:{hit(5)['run']}" in said
+    found = sweep_values(Path("out"), outcomes, draws, Tally(5), {})
+    one, nothing = found["cells"]
+    counts = {"runs": 6, "contact_free": 2, "finished": 3, "failed": 2, "error": 1, "killed": 1,
+              "timeout": 0}  # fmt: skip
+    assert {key: one[key] for key in counts} == counts
+    assert nothing["runs"] == 0
+    assert [one["seed"] for one in found["to_look_at"]["first"]] == order
+    assert found["to_look_at"]["runs"] == 5
+    json.dumps(found, allow_nan=False)
+    many_hits = Outcomes(table([hit(seed) for seed in range(25)]))
+    said = sweep_text(Path("out"), many_hits, {GOOD: ""}, Tally(25))
+    assert re.search(facts("15", "physim report out"), said.splitlines()[-2])
+
+
+TEXT = (Path(__file__).parents[2] / "docs/CAMPAIGNS.md").read_text(encoding="utf-8")
+
+
+def test_every_column_is_told() -> None:
+    told = set(re.findall(r"`(\w+)`", TEXT.split("## Columns")[1].split("\n## ")[0]))
+    told |= {f"{what}{end}" for what in ("least_distance", "shortest_collision_time")
+             for end in ("_pair", "_time")}  # fmt: skip
+    assert set(COLUMNS) <= told
+
+
+@pytest.mark.deep
+def test_the_program_runs(tmp_path: Path) -> None:
+    (program,) = re.findall(r"```python\n(.*?)```", TEXT, flags=re.DOTALL)
+    (tmp_path / "many.py").write_text(program)
+    done = subprocess.run([sys.executable, "many.py"], cwd=tmp_path, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    rows = rows_in(tmp_path / "campaign")
+    assert [row.seed for row in rows] == [0, 1, 2, 3]
+    assert all(f"{row.shortest_distance:.6f}"[:5] in done.stdout for row in rows)
+    assert read(tmp_path / "campaign").num_rows == 4

@@ -3,33 +3,24 @@
 from __future__ import annotations
 
 import json
-import re
 from collections.abc import Iterator
 from dataclasses import asdict, replace
 from pathlib import Path
-from types import SimpleNamespace
-from typing import Any
 
-import numpy as np
 import pyarrow.parquet as parquet
 import pytest
 
 from physim.campaigns import Folder, own_metrics, read, run_one
-from physim.campaigns.own_metrics import MOST
 from physim.errors import PhysimError
 from tests.campaigns.samples import specs, write
 from tests.campaigns.tables import row, table
-from tests.cli.commands import shell
+from tests.cli.commands import physim
 from tests.helpers import check_error, inside
 from tests.helpers.packages import install
 
-Registered = inside("physim.analysis.metrics", "Registered")
 FINISHED, by, compare = inside("physim.campaigns", "FINISHED", "by", "compare")
 row_without_run, Outcomes = inside("physim.campaigns", "row_without_run", "Outcomes")
 with_columns = inside("physim.campaigns", "with_columns")
-comparison_page, report_of = inside("physim.campaigns.report", "comparison_page", "report_of")
-report_page, Shown = inside("physim.campaigns.report", "report_page", "Shown")
-report_text = inside("physim.campaigns.report", "report_text")
 measures = inside("physim.cli", "measures")
 
 TEXT = '''
@@ -66,7 +57,6 @@ def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
     package = tmp_path / "package"
     package.mkdir()
     install(package, monkeypatch, "own_figures", TEXT, {"physim.metrics": ENTRIES})
-    monkeypatch.setenv("PYTHONPATH", str(package))
     monkeypatch.chdir(tmp_path)
     write(tmp_path)
     own_metrics.installed.cache_clear()
@@ -83,32 +73,26 @@ def test_a_row_has_the_metrics_that_have_a_meaning_for_its_run(here: Path) -> No
     assert "own_figures.py:21" in found[3].reason
 
 
-def test_from_a_sweep_to_its_results_and_a_comparison(here: Path) -> None:
-    swept = shell("sweep", "small.yaml", "--seeds", "0:3", "--controller",
-                   "constant,path_following", "-o", "out", folder=here)  # fmt: skip
+@pytest.mark.usefixtures("in_process")
+def test_from_a_sweep_to_its_results_and_a_comparison(
+    here: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    given = ("--seeds", "0:3", "--controller", "constant,path_following", "-o", "out")
+    swept = physim("sweep", "small.yaml", *given, capture=capsys)
     assert swept.code == 0, swept.err
     assert "unusable" in swept.err  # and none is left out in silence
     results = parquet.read_table(here / "out/results.parquet")
     assert results["metric_half"].to_pylist() == [0.0, 0.5, 1.0] * 2
     assert results["metric_even"].to_pylist() == [1.0, None, 1.0] * 2
-    done = shell("compare", "out", "--by", "controller", "--only", "half:less,even:more",
-                  "--json", "-", folder=here)  # fmt: skip
+    done = physim("compare", "out", "--by", "controller", "--only", "half:less,even:more",
+                  "--json", "-", capture=capsys)  # fmt: skip
     (compared,) = json.loads(done.out)["comparisons"]
     halves, evens = compared["findings"]
     assert (halves["a"], halves["b"], halves["difference"], halves["pairs"]) == (0.5, 0.5, 0.0, 3)
     assert evens["pairs"] == 2
-    told = shell("report", "out", folder=here)
+    told = physim("report", "out", "--no-pictures", capture=capsys)
     assert told.code == 0, told.err
     assert any("half" in line and "0.500 m" in line for line in told.out.splitlines())
-
-
-def test_what_is_replayed_is_the_same_run_whatever_is_installed(
-    here: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    shell("sweep", "small.yaml", "--seeds", "0:1", "-o", "out", folder=here)
-    monkeypatch.delenv("PYTHONPATH")
-    done = shell("replay", "out:0", "--no-video", folder=here)
-    assert done.code == 0, done.err
 
 
 @pytest.mark.parametrize(("better", "named"), [("less", "a"), ("more", "b")])
@@ -136,37 +120,6 @@ def test_the_command_line_takes_names_with_what_is_better() -> None:
         measures("way:more,way:less")
 
 
-def test_reports_sum_them_up() -> None:
-    rows = [row(seed, metrics=f"way={seed}.5" if seed else "") for seed in range(11)]
-    outcomes = Outcomes(with_columns(table(rows)))
-    assert np.isnan(outcomes.column("metric_way")[0])
-    report = report_of(outcomes, "yard")
-    assert report.cells[0].spread("metric_way").median == 6.0
-    assert "\n  way  " in report_text(report, [""] * len(report.worst))
-    assert 'data-name="way"' in report_page(report, [Shown("")] * len(report.pictured))
-
-
-def test_a_unit_is_only_a_unit(monkeypatch: pytest.MonkeyPatch) -> None:
-    """In pages of reports and comparisons; its hyphens are none of the numbers'."""
-    odd: Any = SimpleNamespace(unit="<s>m-1")
-    monkeypatch.setattr(own_metrics, "installed", lambda: Registered({"gap": odd}, ()))
-    rows = [
-        row(k, controller=name, metrics=f"gap={-1.5 - k + by}")
-        for name, by in (("one", 0.0), ("two", 0.25))
-        for k in range(8)
-    ]
-    outcomes = Outcomes(with_columns(table(rows)))
-    report = report_of(outcomes, "yard")
-    page = report_page(report, [Shown("")] * len(report.pictured))
-    found = compare(by(outcomes, "controller"), ["metric_gap"], own={"metric_gap": 1})
-    compared = comparison_page(found, "sign", "t")
-    for shown in (page, compared):
-        assert "<s>" not in shown
-        assert "&lt;s&gt;m-1" in shown
-        assert "m\u22121" not in shown
-        assert re.search("\u2212[0-9.]+ &lt;s&gt;m-1", shown)
-
-
 FORGED = ["a=1; a", "A=1", "a=nan", "a=1;b=2", "<b>=1", "a=1\n", "a=1; ", "=1", "a=0x10"]
 
 
@@ -184,12 +137,3 @@ def test_what_is_no_list_of_numbers_is_told_with_its_line(tmp_path: Path, text: 
     check_error(f"{caught.value}\n", f"{file}:2: metrics:", "numbers")
     file.write_text(lines[0] + "\n")
     assert read(tmp_path / "campaign")["metric_a"].to_pylist() == [-1.5e-07]
-
-
-@pytest.mark.parametrize(
-    ("text", "told"),
-    [("a=1e999", "finite"), ("; ".join(f"a{k}=1" for k in range(MOST + 1)), "1,001 metrics")],
-)
-def test_numbers_without_end_and_metrics_without_number_are_refused(text: str, told: str) -> None:
-    with pytest.raises(PhysimError, match=told):
-        with_columns(table([row(1, metrics=text)]))

@@ -2,29 +2,20 @@
 
 from __future__ import annotations
 
-import resource
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
 
-from physim.campaigns import RunSpec
 from physim.record import Record
 from tests.campaigns.samples import rows_in
 from tests.cli.commands import physim
-from tests.helpers import inside
 
-simulation_of = inside("physim.campaigns", "simulation_of")
-record_run = inside("physim.simulation", "record_run")
+pytestmark = pytest.mark.usefixtures("in_process")
 
 SWEEP = (
     "sweep", "small.yaml", "--seeds", "0:2", "--controller", "awkward:Awkward", "--workers", "1",
     "--set", "controller.how=fine,raise", "--keep", "all", "-o", "out",
 )  # fmt: skip
-
-ROOM = 40_000
-"""[bytes] for a file: the start of a record has room, the whole has not"""
 
 
 @pytest.fixture
@@ -122,68 +113,3 @@ def test_rows_that_are_not_there(
     assert done.code == 2
     assert text in done.err
     assert len(done.err.strip().splitlines()) == 1
-
-
-def test_no_row_says_where_outside_its_folder_a_record_goes() -> None:
-    from physim.cli.replay import usual_folder
-
-    for world in ("../../out", "/tmp/out", "a\0b", "..", "two words"):
-        folder = usual_folder(world, 3, "0123456789abcdef0123")
-        assert folder.parent == Path("runs")
-        assert folder.name.replace("-", "").replace("_", "").isalnum()
-
-
-def test_a_run_that_breaks_off_here_is_told_so_and_no_figures(
-    swept: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    def killed(spec: RunSpec, path: Path, stop: object) -> str:
-        record_run(simulation_of(spec), path=path, stop=lambda: True).close()
-        return "its process was killed"
-
-    monkeypatch.setattr("physim.campaigns.replay.replay", killed)
-    done = again("out:1", "-o", "again", "--no-video", capture=capsys)
-    assert (done.code, done.err.count("\n")) == (3, 1), done.err
-    assert "its process was killed" in done.err
-
-
-@pytest.mark.parametrize("row", [0, 2])
-def test_a_disk_that_fills_says_nothing_of_the_run(
-    swept: Path, capsys: pytest.CaptureFixture[str], row: int
-) -> None:
-    """Neither of one that ended well nor of one that failed there."""
-    limits = resource.getrlimit(resource.RLIMIT_FSIZE)
-    resource.setrlimit(resource.RLIMIT_FSIZE, (ROOM, limits[1]))
-    try:
-        done = again(f"out:{row}", "-o", "again", "--no-video", capture=capsys)
-    finally:
-        resource.setrlimit(resource.RLIMIT_FSIZE, limits)
-    assert (done.code, done.err) == (2, "again/record.h5: cannot be written: File too large\n")
-
-
-def test_a_report_says_how_runs_of_a_controller_of_ones_own_are_drawn(
-    swept: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    for record in Path("out/records").iterdir():
-        record.unlink()
-    assert physim("report", "out", "--quiet", capture=capsys).code == 0
-    page = Path("out/report.html")
-    assert "physim report out --controller awkward:Awkward" in page.read_text(encoding="utf-8")
-    given = ("report", "out", "--quiet", "--controller", "awkward:Awkward")
-    assert physim(*given, capture=capsys).code == 0
-    assert "physim report out --controller" not in page.read_text(encoding="utf-8")
-    assert any(Path("out/stills").iterdir())
-
-
-def test_an_interrupt_before_the_first_step_is_one(
-    swept: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    @contextmanager
-    def interrupted() -> Iterator[Callable[[], bool]]:
-        yield lambda: True
-
-    monkeypatch.setattr("physim.cli.replay.interrupts", interrupted)
-    done = again("out:0", "-o", "again", capture=capsys)
-    assert not (swept / "again/record.h5").exists()
-    assert done.code == 130
-    assert "interrupted" in done.err
-    assert "nothing was recorded" not in done.err

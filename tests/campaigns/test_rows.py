@@ -5,9 +5,9 @@ from __future__ import annotations
 import errno
 import json
 import os
-from collections.abc import Iterator
 from dataclasses import asdict, replace
 from pathlib import Path
+from typing import Any
 
 import pandas as pd
 import pyarrow as pa
@@ -16,15 +16,14 @@ import pytest
 
 from physim.campaigns import Folder, Row, shard
 from physim.campaigns import rows as module
-from physim.campaigns.rows import TOGETHER
-from physim.campaigns.shard import Part
 from physim.errors import Notice, PhysimError
 from tests.campaigns.samples import read, rows_in, specs
+from tests.campaigns.tables import many
 from tests.helpers import facts, inside
 
 COLUMNS, rows_of, schema = inside("physim.campaigns", "COLUMNS", "rows_of", "schema")
 row_without_run, write_results = inside("physim.campaigns", "row_without_run", "write_results")
-Shards = inside("physim.campaigns", "Shards")
+Shards, FAILED, row_of = inside("physim.campaigns", "Shards", "FAILED", "row_of")
 
 
 def row(number: int, ended: str = "finished", **more: object) -> Row:
@@ -46,7 +45,7 @@ def test_rows_come_back_as_they_were(folder: Path) -> None:
 
 def test_many_rows_are_few_files_and_each_is_there_once(folder: Path) -> None:
     shards = Shards(folder)
-    count = 3 * TOGETHER + 5
+    count = 3 * module.TOGETHER + 5
     for number in range(count):
         shards.write([row(number)])
     assert len(list((folder / "rows").iterdir())) == 3 + 5
@@ -54,19 +53,6 @@ def test_many_rows_are_few_files_and_each_is_there_once(folder: Path) -> None:
     shards.put_together()
     assert len(list((folder / "rows").iterdir())) == 1
     assert len(rows_in(folder)) == count
-
-
-def test_a_shard_is_read_part_by_part(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    given = [row(number, reason="x" * number) for number in range(40)]
-    Shards(folder).write(given)
-    monkeypatch.setattr(shard, "AT_ONCE", 1000)
-    parts = list(Shards(folder).tables())
-    assert len(parts) > 10
-    assert [one for part in parts for one in rows_of(part)] == given == rows_in(folder)
-    (file,) = Shards(folder).files()
-    file.write_bytes(file.read_bytes()[:-30])
-    with pytest.warns(Notice, match=facts(f"{file.name}:40:")):
-        assert rows_in(folder) == given[:-1]
 
 
 def test_shards_that_are_there_twice_count_once(folder: Path) -> None:
@@ -85,15 +71,6 @@ def test_what_came_to_its_end_stands_whatever_was_written_later(folder: Path) ->
     assert [one.ended for one in rows_in(folder)] == ["finished", "finished"]
 
 
-def test_only_new_shards_are_read_again(folder: Path) -> None:
-    known: set[str] = set()
-    one, other = Shards(folder), Shards(folder)
-    known.update(one.write([row(1)]))
-    other.write([row(2)])
-    assert [table["seed"].to_pylist() for table in one.tables(known)] == [[2]]
-    assert list(one.tables(known)) == []
-
-
 def test_a_shard_that_is_gone_is_looked_for_in_a_larger_one(
     folder: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -102,7 +79,7 @@ def test_a_shard_that_is_gone_is_looked_for_in_a_larger_one(
         writer.write([row(number)])
     true, merged = module.read_shard, []
 
-    def read_while_another_merges(file: Path) -> Iterator[Part]:
+    def read_while_another_merges(file: Path) -> Any:
         if not merged:
             merged.append(True)
             Shards(folder).put_together()
@@ -128,12 +105,6 @@ def test_of_what_could_not_be_written_nothing_is_left(
     assert len(list((folder / "rows").iterdir())) == 1
 
 
-def test_a_damaged_shard_is_named(folder: Path) -> None:
-    (folder / "rows" / "1-0-x-1.jsonl").write_text("{half\n")
-    with pytest.raises(PhysimError, match="1-0-x-1"):
-        read(folder)
-
-
 def test_results_open_elsewhere(folder: Path) -> None:
     one, two = specs(3)[1:]
     Folder(folder).open([one])
@@ -149,27 +120,6 @@ def test_results_open_elsewhere(folder: Path) -> None:
     assert frame["contacts"].isna().tolist() == [False, True]
     assert frame["deepest"][0] == 0.01
     assert not list(folder.glob(".*"))
-
-
-@pytest.mark.parametrize(
-    ("ended", "touches", "free", "safe"),
-    [
-        ("finished", (0, 0, 0), True, True),
-        ("duration", (0, 0, 0), True, False),
-        ("finished", (1, 0, 0), False, False),
-        ("finished", (0, 1, 0), False, False),
-        ("finished", (0, 0, 1), False, False),
-        ("timeout", (0, 0, 0), False, False),
-        ("killed", (None, None, None), False, False),
-        ("error", (None, None, None), False, False),
-    ],
-)
-def test_contact_free_and_safe(ended: str, touches, free: bool, safe: bool) -> None:
-    robots, walls, grazes = touches
-    contacts = None if robots is None else robots + walls
-    one = row(1, ended, contacts=contacts, contacts_between_robots=robots,
-              contacts_with_boundaries=walls, grazes=grazes)  # fmt: skip
-    assert (one.contact_free, one.safe) == (free, safe)
 
 
 FAULTS: list[tuple[str, object]] = [
@@ -265,3 +215,52 @@ def test_any_other_damage_is_refused(
     with pytest.raises(PhysimError, match=facts(f"{file.name}:{before + 1}:")):
         shards.put_together()
     assert file.exists()
+
+
+def some_rows(count: int) -> list[Row]:
+    found = many(count, cells=6).to_pylist()
+    return [Row(**{key: value for key, value in one.items() if key in COLUMNS}) for one in found]
+
+
+def one_by_one(folder: Path) -> list[Row]:
+    """All rows, each run once: the last that did not fail, else the last."""
+    found: dict[str, Row] = {}
+    for file in Shards(folder).files():
+        for row in map(row_of, map(json.loads, file.read_text().splitlines())):
+            if not row.failed or row.run not in found or found[row.run].failed:
+                found[row.run] = row
+    return sorted(
+        found.values(),
+        key=lambda row: (row.world, row.settings, row.controller, row.seed, row.run),
+    )
+
+
+def test_in_bulk_as_one_by_one(tmp_path: Path) -> None:
+    given = some_rows(500)
+    shards = Shards(tmp_path)
+    shards.folder.mkdir()
+    for k in range(0, 500, 60):
+        shards.write(given[k : k + 60])
+    again = [replace(one, ended="finished", reason="") for one in given if one.failed][:3]
+    worse = [replace(one, ended="killed", finish_time=None) for one in given if not one.failed][:5]
+    later = [replace(one, formation_error=9.0) for one in given if not one.failed][5:9]
+    shards.write([*again, *worse, *later])
+    table = read(tmp_path)
+    expected = one_by_one(tmp_path)
+    assert table.to_pylist() == [asdict(one) for one in expected]
+    assert len(expected) == 500
+    assert sum(one.ended in FAILED for one in expected) == sum(one.failed for one in given) - 3
+
+
+def test_rows_with_fewer_or_more_columns_and_odd_texts(tmp_path: Path) -> None:
+    shards = Shards(tmp_path)
+    shards.folder.mkdir()
+    small = {"run": "a" * 20, "world": "yard", "seed": 1, "physim": "0", "engine": "e",
+             "ended": "finished", "seconds": 20, "later": [1, 2]}  # fmt: skip
+    (shards.folder / "1-2-x-1.jsonl").write_text(json.dumps(small) + "\n", encoding="utf-8")
+    odd = {**small, "run": "b" * 20, "seed": 2, "reason": "\udc80 \x00"}
+    (shards.folder / "2-2-x-2.jsonl").write_text(json.dumps(odd) + "\n", encoding="utf-8")
+    (shards.folder / "3-2-x-3.jsonl").touch()
+    one, other = read(tmp_path).to_pylist()
+    assert (one["seconds"], one["reason"], one["contacts"]) == (20.0, "", None)
+    assert other["reason"] == "? \x00"

@@ -1,20 +1,31 @@
-"""Schedulers that are none: one message, soon, and nothing left that goes on."""
+"""Dask: its workers do the same runs as processes here; what is no scheduler is told, soon."""
 
 from __future__ import annotations
 
-import asyncio
+import json
 import socket
-from collections.abc import Callable, Iterator
-from concurrent.futures import ThreadPoolExecutor
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from contextlib import asynccontextmanager, nullcontext
 from pathlib import Path
-from typing import ClassVar
+from types import SimpleNamespace
+from typing import Any
 
 import pytest
 
-from physim.campaigns import executors
 from physim.errors import PhysimError
-from tests.cli.commands import shell, tree
-from tests.helpers import check_error, facts
+from tests.campaigns.samples import rows_in, without_times
+from tests.cli.commands import physim, shell, tree
+from tests.helpers import check_error, facts, inside
+
+executor, versions = inside("physim.campaigns", "executor", "versions")
+
+GRID = (
+    "sweep", "small.yaml", "--seeds", "0:4", "--controller", "awkward:Awkward",
+    "--set", "controller.how=fine,raise,exit",
+)  # fmt: skip
 
 
 @pytest.fixture
@@ -26,71 +37,97 @@ def silent() -> Iterator[str]:
         yield f"tcp://127.0.0.1:{server.getsockname()[1]}"
 
 
-def check(here: Path, address: str, place: str, *said: str) -> None:
+@pytest.mark.parametrize("address", ["http://127.0.0.1:80", "tcp://127.0.0.1:99999", "", "silent"])
+def test_what_is_no_scheduler_is_told_and_nothing_is_written(
+    here: Path, silent: str, address: str, capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:  # fmt: skip
+    monkeypatch.setattr("physim.campaigns.executors.CONNECT_SECONDS", 1)
     before = tree(here)
-    done = shell("sweep", "small.yaml", "--scheduler", address, folder=here)
+    given = silent if address == "silent" else address
+    done = physim("sweep", "small.yaml", "--scheduler", given, capture=capsys)
     assert (done.code, done.out) == (2, "")
-    check_error(done.err, place, *said)
+    if address == "silent":
+        check_error(done.err, f"--scheduler {given}:", "1 s")
+    else:
+        check_error(done.err, f"--scheduler {given!r}:", "HOST:PORT")
     assert tree(here) == before
 
 
-@pytest.mark.parametrize("address", ["foo", "http://127.0.0.1:80", "tcp://127.0.0.1:99999", ""])
-def test_what_is_no_address_is_told(here: Path, address: str) -> None:
-    check(here, address, f"--scheduler {address!r}:", "HOST:PORT")
+def answers(monkeypatch: pytest.MonkeyPatch, kind: str, found: dict[str, Any]) -> None:
+    """Whoever is asked says that it is ``kind``, and its workers have these versions."""
+
+    @asynccontextmanager
+    async def rpc(address: str, timeout: float) -> Any:
+        async def identity() -> dict[str, str]:
+            return {"type": kind}
+
+        yield SimpleNamespace(identity=identity)
+
+    def client(*_: object, **more: object) -> Any:
+        assert kind == "Scheduler", "it was taken"
+        made: Any = nullcontext()
+        made.wait_for_workers = lambda *_, **more: None
+        made.run = lambda ask: found if ask() == versions() else None
+        return made
+
+    monkeypatch.setattr("distributed.core.rpc", rpc)
+    monkeypatch.setattr("distributed.Client", client)
 
 
-def test_nobody_is_there(here: Path) -> None:
-    check(here, "tcp://127.0.0.1:1", "--scheduler tcp://127.0.0.1:1:")
-
-
-def test_no_answer_in_time(here: Path, silent: str) -> None:
-    check(here, silent, f"--scheduler {silent}:", "5 s")
-
-
-def test_what_is_no_scheduler_is_told(silent: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    """As the address of a worker."""
-
-    async def kind(address: str) -> str:
-        return "Worker"
-
-    def taken(*_: object, **more: object) -> None:
+@pytest.mark.parametrize("kind", ["Worker", "Scheduler"])
+def test_a_worker_and_workers_of_another_version_are_refused(
+    silent: str, kind: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The address of a worker; and of two workers the second would do other runs than this."""
+    ours = list(versions())
+    answers(monkeypatch, kind, {"tcp://a:1": ours, "tcp://b:2": ["0.0.1", ours[1]]})
+    told = facts("tcp://b:2", "0.0.1", ours[0]) if kind == "Scheduler" else facts(silent, "Worker")
+    with pytest.raises(PhysimError, match=told), executor(scheduler=silent):
         raise AssertionError("it was taken")
 
-    monkeypatch.setattr(executors, "_kind", kind)
-    monkeypatch.setattr("distributed.Client", taken)
-    with (
-        pytest.raises(PhysimError, match=facts(silent, "Worker", "scheduler")),
-        executors.executor(scheduler=silent),
-    ):
-        raise AssertionError("it was taken")
+
+@pytest.fixture
+def cluster(
+    tmp_path_factory: pytest.TempPathFactory,
+) -> Iterator[tuple[str, subprocess.Popen[bytes]]]:
+    """A scheduler and two workers, in a folder where there is no controller: address, process."""
+    folder = tmp_path_factory.mktemp("cluster")
+    file = folder / "scheduler.json"
+    common = ["--host", "127.0.0.1", "--no-dashboard", "--scheduler-file", str(file)]
+    worker = ["distributed.cli.dask_worker", "--nthreads", "1"]
+    programs = [["distributed.cli.dask_scheduler", "--port", "0"], worker, [*worker, "--no-nanny"]]
+    processes: list[subprocess.Popen[bytes]] = []
+    try:
+        for program in programs:
+            command = [sys.executable, "-m", *program, *common]
+            log = (folder / "log").open("a")
+            processes.append(subprocess.Popen(command, cwd=folder, stderr=log))
+            while not file.exists():
+                assert processes[0].poll() is None, (folder / "log").read_text()
+                time.sleep(0.1)
+        yield json.loads(file.read_text())["address"], processes[0]
+    finally:
+        for process in reversed(processes):
+            process.terminate()
+        for process in processes:
+            try:
+                process.wait(30)
+            except subprocess.TimeoutExpired:
+                process.kill()
 
 
-def test_a_notebook_can_ask(silent: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Its event loop runs already, in the thread that asks."""
-
-    async def kind(address: str) -> str:
-        return "Scheduler"
-
-    async def cell() -> None:
-        executors._check_scheduler(silent)
-
-    monkeypatch.setattr(executors, "_kind", kind)
-    with ThreadPoolExecutor(1) as aside:  # browser tests leave a loop in this thread
-        aside.submit(asyncio.run, cell()).result()
-
-
-def test_workers_of_another_version_are_refused() -> None:
-    """Of two workers the second would do other runs than this machine."""
-    same = executors.versions()
-
-    class Client:
-        found: ClassVar = {"tcp://a:1": list(same), "tcp://b:2": ["0.0.1", same[1]]}
-
-        def run(self, ask: Callable[[], tuple[str, str]]) -> dict[str, list[str]]:
-            assert ask() == same
-            return self.found
-
-    with pytest.raises(PhysimError, match=facts("tcp://b:2", "0.0.1", same[0])):
-        executors._check_versions("tcp://s:3", Client())
-    Client.found = {"tcp://a:1": list(same)}
-    executors._check_versions("tcp://s:3", Client())
+@pytest.mark.deep
+def test_rows_are_those_of_the_local_run(
+    here: Path, cluster: tuple[str, subprocess.Popen[bytes]]
+) -> None:
+    far = shell(*GRID, "--scheduler", cluster[0], "-o", "far", "--keep", "all", folder=here)
+    assert far.code == 0, far.err
+    near = shell(*GRID, "--workers", "2", "-o", "near", "--keep", "all", folder=here)
+    assert near.code == 0, near.err
+    assert far.out.replace("far", "near") == near.out
+    rows = rows_in(here / "near")
+    assert without_times(rows_in(here / "far")) == without_times(rows)
+    assert [row.ended for row in rows] == ["killed"] * 4 + ["duration"] * 4 + ["error"] * 4
+    kept = sorted(file.name for file in (here / "far/records").iterdir())
+    assert kept == sorted(f"{row.run}.h5" for row in rows if row.ended == "duration")

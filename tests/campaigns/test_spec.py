@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import json
 import pickle
-import subprocess
-import sys
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, cast
@@ -14,10 +12,10 @@ import numpy as np
 import pytest
 
 import physim
-from physim.campaigns import RunSpec, run_one, spec_of
+from physim.campaigns import run_one, spec_of
 from physim.errors import PhysimError
 from physim.world.file import parse_world
-from tests.campaigns.samples import WORLD, specs, without_times
+from tests.campaigns.samples import WORLD
 from tests.helpers import inside
 
 COLUMNS, make_grid = inside("physim.campaigns", "COLUMNS", "make_grid")
@@ -68,17 +66,7 @@ def test_what_no_row_could_hold_is_refused(given: dict[str, Any]) -> None:
     assert type(spec_of(world, cast("int", np.int64(3))).seed) is int
 
 
-@pytest.mark.parametrize("text", [None, 3, "\ud800"])
-def test_a_text_that_is_none_is_refused(text: Any) -> None:
-    with pytest.raises(PhysimError, match="text"):
-        RunSpec(text, 0, "crowded")
-
-
-def test_what_is_no_run_is_not_run() -> None:
-    with pytest.raises(PhysimError, match=r"spec_of\(world, seed\).*World"):
-        run_one(cast("RunSpec", parse_world(WORLD)))
-
-
+@pytest.mark.deep
 def test_a_seed_runs_though_the_first_one_does_not() -> None:
     """Robots in a tight place: not every seed finds room for them."""
     tight = parse_world(TIGHT)
@@ -138,28 +126,6 @@ def test_what_a_row_and_a_summary_call_alike_is_the_same() -> None:
     assert (row.not_arrived, row.closing_speed) == ("a, b, c", pytest.approx(2.0, abs=1e-3))
 
 
-def test_a_controller_and_what_it_imports_travel(here: Path) -> None:
-    (spec,) = make_grid(["small.yaml"], None, (), ["awkward:Awkward"])
-    assert [one.module for one in spec.sources] == ["awkward", "helper"]
-    row = run_one(spec)
-    packed = here / "spec.pickle"
-    packed.write_bytes(pickle.dumps(spec))
-    for name in ("awkward.py", "helper.py"):
-        (here / name).unlink()  # as on another machine
-    (here / "helper.py").write_text("SPEED = 0.0  # other file of that name\n")
-    script = (
-        "import pickle, sys\nfrom pathlib import Path\nfrom dataclasses import asdict\n"
-        "from physim.campaigns import run_one\n"
-        "row = run_one(pickle.loads(Path(sys.argv[1]).read_bytes()))\n"
-        "Path(sys.argv[2]).write_bytes(pickle.dumps(row))"
-    )
-    found = here / "row.pickle"
-    subprocess.run([sys.executable, "-c", script, packed, found], check=True, cwd=here)
-    other = pickle.loads(found.read_bytes())
-    assert row.ended == "duration"
-    assert without_times([row]) == without_times([other])
-
-
 def test_sources_of_a_package_with_relative_imports(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -192,36 +158,3 @@ def test_a_run_that_raises_is_a_row_that_says_where(here: Path, how: str, text: 
     assert "awkward.py" in row.reason
     assert "\n" not in row.reason
     assert row.contacts is None
-
-
-def test_a_reason_is_the_same_in_every_process(here: Path) -> None:
-    grid = make_grid(["small.yaml"], None, ["controller.how=address"], ["awkward:Awkward"])
-    row = run_one(*grid)
-    assert "LookupError: no <object object at 0x...>" in row.reason
-
-
-def test_a_clock_that_begins_anew_makes_no_row_that_is_refused(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    """As in a process that a controller forked, whose row comes back by the same pipe."""
-    times = iter([1000.0])
-    monkeypatch.setattr("time.process_time", lambda: next(times, 0.5))
-    (spec,) = specs(1)
-    assert run_one(spec).cpu_seconds == 0.0
-
-
-def test_robots_that_cannot_be_placed_are_a_row() -> None:
-    (good,) = specs(1)
-    text = good.text.replace("20.0", "20.0").replace("6.0, 1.0", "3.0, -1.0")
-    row = run_one(RunSpec(text, 0, "crowded", limit=60.0))
-    assert row.ended == "error"
-    assert row.reason
-
-
-def test_worlds_records_and_summaries_pickle(tmp_path: Path) -> None:
-    world = parse_world(WORLD)
-    record = physim.simulate(world, seed=1, path=tmp_path / "r.h5")
-    assert pickle.loads(pickle.dumps(world)) == world
-    assert pickle.loads(pickle.dumps(record)).digest() == record.digest()
-    summary = physim.summarise(record)
-    assert pickle.loads(pickle.dumps(summary)) == summary

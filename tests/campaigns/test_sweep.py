@@ -2,30 +2,22 @@
 
 from __future__ import annotations
 
-import errno
-import multiprocessing
 import os
 import signal
-import subprocess
-import sys
-from contextlib import suppress
 from dataclasses import replace
-from importlib import import_module
 from pathlib import Path
 from typing import Any
 
 import pytest
 
-from physim.campaigns import Processes, Row, run_one, runs, spec_of, sweep
-from physim.campaigns import rows as rows_module
+from physim.campaigns import Processes, Row, run_one, spec_of, sweep
 from physim.errors import PhysimError
 from physim.record import Record
 from physim.world.file import parse_world
-from tests.campaigns import sample_jobs as sample
 from tests.campaigns.samples import WORLD, lines_on_disk, rows_in, specs, without_times
 from tests.helpers import inside
 
-make_grid, Shards, Tally = inside("physim.campaigns", "make_grid", "Shards", "Tally")
+make_grid, Tally = inside("physim.campaigns", "make_grid", "Tally")
 
 
 def test_rows_are_those_of_the_runs(two: Processes, tmp_path: Path) -> None:
@@ -36,49 +28,14 @@ def test_rows_are_those_of_the_runs(two: Processes, tmp_path: Path) -> None:
     assert len({row.shortest_distance for row in expected}) == 6
 
 
-def test_rows_do_not_depend_on_the_number_of_workers(two: Processes, tmp_path: Path) -> None:
-    one = Processes(1)
-    try:
-        sweep(specs(5), tmp_path / "one", one)
-    finally:
-        one.shutdown()
-    sweep(specs(5), tmp_path / "two", two)
-    assert without_times(rows_in(tmp_path / "one")) == without_times(rows_in(tmp_path / "two"))
-
-
-def test_what_has_a_row_is_not_run_again(two: Processes, tmp_path: Path) -> None:
-    sweep(specs(3), tmp_path / "out", two)
-    tally = sweep(specs(5), tmp_path / "out", two)
+def test_what_has_a_row_is_not_run_again(in_process: Processes, tmp_path: Path) -> None:
+    sweep(specs(3), tmp_path / "out", in_process)
+    tally = sweep(specs(5), tmp_path / "out", in_process)
     assert (tally.before, tally.done, tally.known) == (3, 2, 5)
     assert lines_on_disk(tmp_path / "out") == 5
 
 
-def test_rows_without_a_folder(two: Processes) -> None:
-    found = dict(runs(specs(3), two))
-    assert {spec.seed: row.seed for spec, row in found.items()} == {0: 0, 1: 1, 2: 2}
-
-
-def test_a_run_that_was_done_again_is_no_failure_any_more(two: Processes, tmp_path: Path) -> None:
-    wanted = specs(3)
-    sweep(wanted, tmp_path / "out", two)
-    (file,) = (tmp_path / "out/rows").iterdir()
-    fine = rows_in(tmp_path / "out")[1]
-    worse = replace(fine, ended="killed", contacts=None)
-    earlier = Shards(tmp_path / "out")
-    earlier.write([worse])  # first by name, as the row of an earlier try
-    (late,) = set(earlier.files()) - {file}
-    late.rename(file.parent / f"{'0' * 20}{late.name[20:]}")
-    seen: list[list[Row]] = []
-
-    def decided(rows: list[Row]) -> bool:
-        seen.append(list(rows))
-        return False
-
-    tally = sweep(wanted, tmp_path / "out", two, decided=decided)
-    assert (tally.before, tally.done, tally.failed) == (3, 0, 0)
-    assert not any(row.failed for row in seen[-1])
-
-
+@pytest.mark.deep
 def test_failed_runs_are_rows_with_their_reasons(two: Processes, here: Path) -> None:
     axes = ["controller.how=fine,raise,exit,kill"]
     grid = make_grid(["small.yaml"], range(2), axes, ["awkward:Awkward"])
@@ -98,6 +55,7 @@ def test_failed_runs_are_rows_with_their_reasons(two: Processes, here: Path) -> 
     assert (retried.before, retried.done, retried.failed) == (2, 6, 6)
 
 
+@pytest.mark.deep
 def test_runs_beyond_their_limit_are_rows(two: Processes, here: Path) -> None:
     axes = ["controller.how=hang,native"]
     grid = make_grid(["small.yaml"], None, axes, ["awkward:Awkward"], limit=2.0)
@@ -107,88 +65,70 @@ def test_runs_beyond_their_limit_are_rows(two: Processes, here: Path) -> None:
     assert all("2 s" in row.reason for row in found)
 
 
-def test_the_timer_of_the_system_ends_what_nobody_watches() -> None:
-    """As where the parent was killed while a worker was in native code."""
-    context = multiprocessing.get_context("spawn")
-    process = context.Process(target=sample.limited_native_code)
-    process.start()
-    process.join(300)
-    assert process.exitcode == -signal.SIGALRM
-
-
-def test_a_worker_killed_from_outside_is_a_row_and_nothing_else_is_lost(tmp_path: Path) -> None:
-    workers = Processes(2)
+def test_a_worker_killed_from_outside_is_a_row_and_nothing_else_is_lost(
+    two: Processes, tmp_path: Path
+) -> None:
     killed: list[int] = []
 
     def kill(tally: Tally) -> None:
         if tally.done and not killed:
-            killed.append(workers.ids[0])
+            killed.append(two.ids[0])
             os.kill(killed[0], signal.SIGKILL)
 
-    try:
-        tally = sweep(specs(40), tmp_path / "out", workers, progress=kill)
-    finally:
-        workers.shutdown(cancel_futures=True)
+    tally = sweep(specs(12), tmp_path / "out", two, progress=kill)
     rows = rows_in(tmp_path / "out")
     assert killed
-    assert [row.seed for row in rows] == list(range(40))
+    assert [row.seed for row in rows] == list(range(12))
     assert tally.failed == sum(row.ended == "killed" for row in rows) <= 1
     fine = [row for row in rows if not row.failed]
-    expected = [run_one(spec) for spec in specs(40)]
+    expected = [run_one(spec) for spec in specs(12)]
     assert without_times(fine) == without_times(expected[row.seed] for row in fine)
 
 
-def test_a_stopped_sweep_keeps_what_was_finished_and_goes_on(tmp_path: Path) -> None:
-    workers, seen = Processes(2), []
-    try:
-        tally = sweep(
-            specs(60), tmp_path / "out", workers, stop=lambda: len(seen) > 0,
-            progress=lambda now: seen.append(now.done) if now.done >= 5 else None,
-        )  # fmt: skip
-    finally:
-        workers.shutdown(cancel_futures=True)
+def test_a_stopped_sweep_keeps_what_was_finished_and_goes_on(
+    in_process: Processes, tmp_path: Path
+) -> None:
+    seen: list[int] = []
+    tally = sweep(
+        specs(12), tmp_path / "out", in_process, stop=lambda: len(seen) > 0,
+        progress=lambda now: seen.append(now.done) if now.done >= 5 else None,
+    )  # fmt: skip
     assert tally.interrupted
     kept = len(rows_in(tmp_path / "out"))
-    assert 5 <= kept == tally.done < 60
+    assert 5 <= kept == tally.done < 12
     assert (tmp_path / "out/results.parquet").exists()
-    workers = Processes(2)
-    try:
-        rest = sweep(specs(60), tmp_path / "out", workers)
-    finally:
-        workers.shutdown()
-    assert (rest.before, rest.done) == (kept, 60 - kept)
-    assert lines_on_disk(tmp_path / "out") == 60
+    rest = sweep(specs(12), tmp_path / "out", Processes(2))
+    assert (rest.before, rest.done) == (kept, 12 - kept)
+    assert lines_on_disk(tmp_path / "out") == 12
 
 
-def test_it_is_decided_in_the_order_of_seeds(tmp_path: Path) -> None:
+def test_it_is_decided_in_the_order_of_seeds(in_process: Processes, tmp_path: Path) -> None:
     asked: list[list[int]] = []
 
     def decided(rows: list[Row]) -> bool:
         asked.append([row.seed for row in rows])
         return len(rows) == 4
 
-    workers = Processes(2)
-    try:
-        tally = sweep(specs(200), tmp_path / "out", workers, decided=decided)
-    finally:
-        workers.shutdown(cancel_futures=True)
+    tally = sweep(specs(30), tmp_path / "out", in_process, decided=decided)
     assert asked == [list(range(k + 1)) for k in range(4)]
     assert tally.decided == 4
     assert not tally.interrupted
     assert {0, 1, 2, 3} <= {row.seed for row in rows_in(tmp_path / "out")}
-    assert tally.done < 200
+    assert tally.done < 30
 
 
-def test_records_are_kept_as_they_would_be_made_again(two: Processes, tmp_path: Path) -> None:
+def test_records_are_kept_as_they_would_be_made_again(
+    in_process: Processes, tmp_path: Path
+) -> None:
     touching = WORLD.replace("pose: [3.0, -1.0, random]", "pose: [3.0, 1.0, random]").replace(
         "duration: 1.0", "duration: 4.0"
     )
     wanted = specs(6, touching)
-    sweep(wanted, tmp_path / "failed", two, keep="failed")
+    sweep(wanted, tmp_path / "failed", in_process, keep="failed")
     rows = rows_in(tmp_path / "failed")
     free = [row for row in rows if row.contact_free]
     assert {bool(row.record) for row in free} <= {False}
-    sweep(wanted, tmp_path / "all", two, keep="all")
+    sweep(wanted, tmp_path / "all", in_process, keep="all")
     for row, spec in zip(rows_in(tmp_path / "all"), wanted, strict=True):
         assert row.record == f"records/{spec.key}.h5"
         with Record.load(tmp_path / "all" / row.record) as record:
@@ -198,25 +138,25 @@ def test_records_are_kept_as_they_would_be_made_again(two: Processes, tmp_path: 
     assert kept == {row.run for row in rows if not row.contact_free}
 
 
-def test_the_folder_of_another_campaign_is_refused(two: Processes, tmp_path: Path) -> None:
+def test_the_folder_of_another_campaign_is_refused(in_process: Processes, tmp_path: Path) -> None:
     out = tmp_path / "out"
-    sweep(specs(1), out, two)
+    sweep(specs(1), out, in_process)
     with pytest.raises(PhysimError, match="the world was changed"):
-        sweep(specs(1, WORLD.replace("1.8", "1.7")), out, two)
+        sweep(specs(1, WORLD.replace("1.8", "1.7")), out, in_process)
     with pytest.raises(PhysimError, match="another campaign"):
-        sweep(specs(1, WORLD.replace("name: small", "name: other")), out, two)
+        sweep(specs(1, WORLD.replace("name: small", "name: other")), out, in_process)
     (tmp_path / "full").mkdir()
     (tmp_path / "full/thesis.tex").write_text("")
     with pytest.raises(PhysimError, match="not empty"):
-        sweep(specs(1), tmp_path / "full", two)
+        sweep(specs(1), tmp_path / "full", in_process)
     (tmp_path / "file").write_text("")
     with pytest.raises(PhysimError, match="is a file"):
-        sweep(specs(1), tmp_path / "file", two)
+        sweep(specs(1), tmp_path / "file", in_process)
     assert lines_on_disk(out) == 1
 
 
 def test_worlds_that_cannot_be_told_apart_are_refused_before_a_run(
-    two: Processes, tmp_path: Path
+    in_process: Processes, tmp_path: Path
 ) -> None:
     """Their rows would be in one cell, which no reader takes."""
     world = parse_world(WORLD)
@@ -224,18 +164,18 @@ def test_worlds_that_cannot_be_told_apart_are_refused_before_a_run(
     asked = [[spec_of(one, 0) for one in gains], [spec_of(world, 0, name=name) for name in "ab"]]
     for some, told in zip(asked, ("are called", "the same world"), strict=True):
         with pytest.raises(PhysimError, match=told):
-            sweep(some, tmp_path / "campaign", two)
+            sweep(some, tmp_path / "campaign", in_process)
         assert not (tmp_path / "campaign").exists()
     named = (spec_of(one, 0, settings=f"far={k}") for k, one in enumerate(gains))
-    assert sweep(named, tmp_path / "campaign", two).done == 2
+    assert sweep(named, tmp_path / "campaign", in_process).done == 2
 
 
-def test_one_run_asked_for_twice_is_done_once(two: Processes, tmp_path: Path) -> None:
+def test_one_run_asked_for_twice_is_done_once(in_process: Processes, tmp_path: Path) -> None:
     (run,) = specs(1)
-    work = sweep([run, run, replace(run, limit=float("inf"))], tmp_path / "campaign", two)
+    work = sweep([run, run, replace(run, limit=float("inf"))], tmp_path / "campaign", in_process)
     assert (work.done, work.failed) == (1, 0)
     endless = replace(run, seed=1, limit=float("inf"))
-    work = sweep([run, endless], tmp_path / "campaign", two)
+    work = sweep([run, endless], tmp_path / "campaign", in_process)
     assert (work.done, work.failed) == (1, 0)
 
 
@@ -244,77 +184,21 @@ def test_one_run_asked_for_twice_is_done_once(two: Processes, tmp_path: Path) ->
     ({"executor": None}, "executor = None"), ({"keep": "yes"}, "allowed: none, failed, all"),
 ])  # fmt: skip
 def test_what_is_no_sweep_is_refused_before_a_run(
-    two: Processes, tmp_path: Path, given: dict[str, Any], told: str
+    in_process: Processes, tmp_path: Path, given: dict[str, Any], told: str
 ) -> None:
-    asked = {"specs": specs(1), "folder": tmp_path / "campaign", "executor": two, **given}
+    asked = {"specs": specs(1), "folder": tmp_path / "campaign", "executor": in_process, **given}
     with pytest.raises((TypeError, ValueError), match=told):
         sweep(**asked)
     assert not (tmp_path / "campaign").exists()
 
 
-FORK = """
-import multiprocessing
-from concurrent.futures import Executor, Future, ProcessPoolExecutor
-
-from physim.campaigns import sweep
-from tests.campaigns.samples import specs
+@pytest.mark.parametrize("workers", [0, -1, None, "2", 1.5, True])
+def test_no_processes_would_wait_for_ever(workers: Any) -> None:
+    with pytest.raises(ValueError, match="workers ="):
+        Processes(workers)
 
 
-class Here(Executor):
-    def submit(self, fn, /, *args, **kwargs):
-        done = Future()
-        done.set_result(fn(*args, **kwargs))
-        return done
-
-
-if __name__ == "__main__":
-    first = sweep(specs(1), "first", Here())
-    with ProcessPoolExecutor(1, multiprocessing.get_context("fork")) as pool:
-        second = sweep(specs(2), "second", pool)
-    print(first.done, second.done, second.failed)
-"""
-
-
-def test_a_fork_does_runs_after_its_parent_did(tmp_path: Path) -> None:
-    """The process that did the first runs is the parent's, and not to be had in a child."""
-    (tmp_path / "fork.py").write_text(FORK)
-    paths = os.pathsep.join([str(Path(__file__).parents[2]), os.environ.get("PYTHONPATH", "")])
-    program = subprocess.Popen(
-        [sys.executable, "fork.py"], cwd=tmp_path, env={**os.environ, "PYTHONPATH": paths},
-        stdout=subprocess.PIPE, text=True, start_new_session=True,
-    )  # fmt: skip
-    try:
-        assert program.communicate(timeout=120.0)[0].split() == ["1", "2", "0"]
-    finally:
-        with suppress(ProcessLookupError):
-            os.killpg(program.pid, signal.SIGKILL)
-        program.wait()
-
-
-def test_a_full_disk_loses_nothing_that_was_written(
-    two: Processes, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    written: list[int] = []
-    true = os.fsync
-
-    def full_after_a_while(number: int) -> None:
-        written.append(number)
-        if len(written) > 4:
-            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
-        true(number)
-
-    with monkeypatch.context() as patched:
-        patched.setattr(rows_module.os, "fsync", full_after_a_while)
-        patched.setattr(import_module("physim.campaigns.sweep"), "FLUSH_SECONDS", 0.0)
-        with pytest.raises(PhysimError, match="No space left"):
-            sweep(specs(30), tmp_path / "out", two)
-    kept = len(rows_in(tmp_path / "out"))
-    assert 0 < kept < 30
-    tally = sweep(specs(30), tmp_path / "out", two)
-    assert (tally.before, tally.known) == (kept, 30)
-    assert lines_on_disk(tmp_path / "out") == 30
-
-
+@pytest.mark.deep
 def test_a_foreign_executor_does_the_same_runs(tmp_path: Path) -> None:
     from concurrent.futures import ThreadPoolExecutor
 

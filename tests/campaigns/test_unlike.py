@@ -3,21 +3,20 @@
 from __future__ import annotations
 
 import json
+import sys
 from pathlib import Path
 from unittest.mock import Mock
 
 import pytest
 
-from physim.campaigns import Folder, read, run_one, spec_of
-from physim.campaigns.unlike import _Side, _unlike
+from physim.campaigns import Folder, read
 from physim.errors import PhysimError
-from physim.world import World
-from physim.world.file import parse_world
-from tests.campaigns.samples import WORLD
+from tests.campaigns.samples import FIXED, WORLD, rows_in
 from tests.cli.commands import physim
 from tests.helpers import inside
+from tests.helpers.packages import install
 
-between, compare, Cell = inside("physim.campaigns", "between", "compare", "Cell")
+between, compare = inside("physim.campaigns", "between", "compare")
 Outcomes, with_unlike = inside("physim.campaigns", "Outcomes", "with_unlike")
 remake = inside("physim.campaigns.report", "remake")
 
@@ -42,7 +41,7 @@ def unlike(a: str, b: str, capsys: Capture) -> list[str]:
     return told
 
 
-pytestmark = pytest.mark.usefixtures("here")
+pytestmark = pytest.mark.usefixtures("here", "in_process")
 
 
 def test_a_world_that_was_changed_between_two_campaigns_is_told(capsys: Capture) -> None:
@@ -56,12 +55,6 @@ def test_a_world_that_was_changed_between_two_campaigns_is_told(capsys: Capture)
     assert "controller" not in told
     assert unlike("a", "c", capsys) == []
     assert unlike("b", "b", capsys) == []
-
-
-def test_what_the_settings_give_is_no_news(capsys: Capture) -> None:
-    swept("a", capsys, "--set", "time.duration=0.8", "--set", "robots[0].path.offset=0.9")
-    swept("b", capsys)
-    assert unlike("a", "b", capsys) == []
 
 
 def test_a_controller_that_was_changed_between_two_campaigns_is_told(capsys: Capture) -> None:
@@ -84,68 +77,6 @@ def test_another_version_is_told(capsys: Capture) -> None:
         f"A was run by physim 0.0.9, B by physim {cell['physim']}",
         f"A was run by pymunk 6.0, B by {cell['engine']}",
     )
-
-
-@pytest.mark.parametrize("text", ["5", "null", "- a", "{name: w, name: v}"])
-def test_what_is_no_world_is_refused(capsys: Capture, text: str) -> None:
-    """A campaign of a stranger: its world's file may hold anything, under the right name."""
-    swept("a", capsys)
-    swept("b", capsys, text=WORLD.replace("width: 8.0", "width: 7.0"))
-    (file,) = Path("b/worlds").iterdir()
-    file.write_text(text)
-    done = physim("compare", "a", "b", capture=capsys)
-    assert (done.code, str(file) in done.err) == (2, True), done.err
-
-
-def test_words_alone_are_no_news_and_long_values_are_cut(capsys: Capture) -> None:
-    robot = WORLD.replace("- name: a", f"- name: {'w' * 60}")
-    swept("a", capsys)
-    swept("b", capsys, text=f"{WORLD}description: second\n")
-    swept("c", capsys, text=robot)
-    assert unlike("a", "b", capsys) == []
-    (told,) = unlike("a", "c", capsys)
-    assert f"robots.0.name a in A, {'w' * 39}… in B" in told
-
-
-CHANGED = "the source of ramp was changed between them, or a file that its settings name"
-
-
-@pytest.mark.parametrize(
-    ("controllers", "told"),
-    [
-        (("mode_switching", "path_following"), [CHANGED]),
-        (
-            ("own:One", "path_following"),
-            ["whether the source of ramp is the same in both is not known"],
-        ),
-        (("own:One", "own:One"), [CHANGED.replace("ramp", "own:One or ramp")]),
-        (("own:One", "own:Two"), ["whether the source of ramp is the same in both is not known"]),
-    ],
-)
-def test_a_stage_that_was_changed_is_told_though_the_controllers_differ(
-    controllers: tuple[str, str], told: list[str]
-) -> None:
-    """Its effect would be taken for that of the controllers."""
-    ramp = parse_world(WORLD + "filters: [{type: ramp}]\n", check_controller=False)
-    plain = parse_world(WORLD, check_controller=False)
-
-    def side(controller: str, source: str, world: World) -> _Side:
-        cell = Cell("small", "", controller, 0, 1)
-        described = {"world_hash": "0", "source_hash": source, "physim": "1", "engine": "2"}
-        return _Side(cell, described, lambda _: world)
-
-    one, other = (side(c, s, ramp) for c, s in zip(controllers, "ab", strict=True))
-    assert list(_unlike(one, other)) == told
-    assert list(_unlike(one, side(controllers[1], "a", ramp))) == []
-    alone = side(controllers[0], "a", plain)  # with the stage and without it
-    assert list(_unlike(alone, side(controllers[0], "b", ramp))) == (
-        ["whether the source of own:One is the same in both is not known"]
-        if controllers[0] == "own:One"
-        else []
-    )
-    without = [side(c, s, plain) for c, s in zip(controllers, "ab", strict=True)]
-    told = list(_unlike(*without))
-    assert bool(told) == (controllers == ("own:One", "own:One"))
 
 
 LEARNED = """
@@ -204,23 +135,6 @@ def test_a_file_that_settings_name_is_part_of_what_a_run_is(
     assert "is not known" in told  # what is compared is the file
 
 
-def test_a_file_that_is_changed_during_a_sweep_makes_no_rows_of_two(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    monkeypatch.syspath_prepend(Path.cwd())
-    Path("learned.py").write_text(LEARNED)
-    Path("net.txt").write_text("0.5")
-    world = parse_world(WORLD, controller="learned:Learned")
-    runs = [spec_of(world, seed) for seed in range(2)]
-    assert run_one(runs[0]).reason == ""
-    Path("net.txt").write_text("0.6")
-    row = run_one(runs[1])
-    assert row.ended == "error"
-    assert "net.txt, which its settings name, was changed" in str(row.reason)
-    Path("net.txt").unlink()
-    assert "was changed" not in str(run_one(runs[1]).reason)
-
-
 def test_a_run_made_again_for_its_picture_is_the_run_of_its_row(capsys: Capture) -> None:
     """Not so of a controller that draws numbers of its own, or reads a file that was changed."""
     swept("a", capsys)
@@ -229,3 +143,71 @@ def test_a_run_made_again_for_its_picture_is_the_run_of_its_row(capsys: Capture)
     nearer = {**row, "shortest_distance": row["shortest_distance"] - 0.1}
     with pytest.raises(PhysimError, match="another run: shortest_distance"):
         remake(Path("a"), nearer)
+
+
+# a stage that draws by the seed makes runs of several seeds differ, in any world
+GAINS = '''
+from physim.randomness import stream
+
+class Gains:
+    """Every robot is slower by a share of its own."""
+
+    def start(self, scene):
+        return [[stream(scene.seed, "gains", i).uniform(0.5, 1.0)] for i in range(scene.robots)]
+
+    def disturb(self, scene, truth, filtered, state):
+        return filtered * state, state
+'''
+
+
+@pytest.fixture
+def drawn(here: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A world in which nothing is random but one disturbance."""
+    package = here / "package"
+    package.mkdir()
+    monkeypatch.delitem(sys.modules, "drawn_gains", raising=False)  # of another test's folder
+    install(package, monkeypatch, "drawn_gains", GAINS, {"physim.disturbances": {"gains": "Gains"}})
+    monkeypatch.setenv("PYTHONPATH", str(package))
+    (here / "drawn.yaml").write_text(FIXED + "disturbances: [{type: gains}]\n")
+    return here
+
+
+def test_every_seed_is_run_and_rows_of_two_codes_of_a_stage_are_not_mixed(
+    drawn: Path, capsys: Capture
+) -> None:
+    """As for a controller; other rows would stand in one cell and be taken for one sample."""
+    sweep = ("sweep", "drawn.yaml", "-o", "out", "--seeds")
+    done = physim(*sweep, "1:4", capture=capsys)
+    assert done.code == 0, done.err
+    assert "gains" in done.err  # whether it draws is not known
+    rows = rows_in(drawn / "out")
+    assert [row.seed for row in rows] == [1, 2, 3]
+    assert len({row.shortest_distance for row in rows}) == 3
+    (module,) = (drawn / "package").glob("*.py")
+    module.write_text(GAINS.replace("0.5, 1.0", "0.9, 1.0"))
+    again = physim(*sweep, "1:6", capture=capsys)
+    replayed = physim("replay", "out:0", "-o", "again", capture=capsys)
+    assert (again.code, replayed.code) == (2, 2)
+    assert "stage" in again.err
+    assert "source of gains" in replayed.err
+    module.write_text(GAINS)
+    assert physim(*sweep, "1:5", capture=capsys).code == 0
+    assert len(rows_in(drawn / "out")) == 4
+
+
+def test_a_stage_that_was_changed_is_told_though_the_controllers_differ(
+    drawn: Path, capsys: Capture
+) -> None:
+    """Its effect would be taken for that of the controllers."""
+    (module,) = (drawn / "package").glob("*.py")
+    sweep = ("sweep", "drawn.yaml", "--seeds", "1:3", "--controller")
+    assert physim(*sweep, "constant", "-o", "a", capture=capsys).code == 0
+    assert physim(*sweep, "path_following", "-o", "same", capture=capsys).code == 0
+    module.write_text(GAINS.replace("0.5, 1.0", "0.9, 1.0"))
+    assert physim(*sweep, "path_following", "-o", "b", capture=capsys).code == 0
+    told = {}
+    for other in ("same", "b"):
+        done = physim("compare", "a", other, "--json", "-", capture=capsys)
+        told[other] = json.loads(done.out)["comparisons"][0]["unlike"]
+    assert told["same"] == []
+    assert "source of gains was changed" in told["b"][0]

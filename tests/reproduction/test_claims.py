@@ -3,23 +3,18 @@
 from __future__ import annotations
 
 import math
-from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
 
-from physim.errors import PhysimError
-from physim.reproduction.claims import measures, parts
-from physim.reproduction.studies import studies
-from tests.analysis.metrics.histories import history
+from physim.reproduction.claims import parts
 from tests.helpers import inside
 
-pair_collision_times = inside("physim.analysis.metrics", "pair_collision_times")
-shortest_pair_collision_time = inside("physim.analysis.metrics", "shortest_pair_collision_time")
 QUICK_SEEDS, SEEDS, make_plan = inside("physim.reproduction", "QUICK_SEEDS", "SEEDS", "make_plan")
-Arm, Claim, Measures, Outcome = inside("physim.reproduction", "Arm", "Claim", "Measures", "Outcome")
+Claim, Measures, Outcome = inside("physim.reproduction", "Claim", "Measures", "Outcome")
 Part, Quantity, holds, near = inside("physim.reproduction", "Part", "Quantity", "holds", "near")
+count, estimate, share_text = inside("physim.reproduction", "count", "estimate", "share_text")
+time_constant = inside("physim.reproduction", "time_constant")
 steps = inside("physim.reproduction", "steps")
 
 AS_REPORTED: dict[str, float] = {
@@ -120,36 +115,6 @@ def test_seeds_take_a_verdict_down_and_up() -> None:
     assert half.outcome(good, [bad] * 3) is Outcome.PARTLY
 
 
-def test_figures_as_text() -> None:
-    share, yes = Quantity("x", "%", 1, "safe"), Quantity("x", "yes", label="arrives:")
-    assert share.text(0.1234) == "safe 12.3 %"
-    assert share.spread([0.1, math.nan, 0.3, 0.2]) == "safe 20.0 (10.0 to 30.0) %"
-    assert share.spread([0.1, 0.1]) == "safe 10.0 %"
-    assert (yes.text(1.0), yes.spread([1.0, 0.0])) == ("arrives: yes", "arrives: yes in 1 of 2")
-    assert Quantity("x", "s").text(math.inf) == "never"
-    assert share.text(math.nan) == share.spread([]) == "safe none"
-    assert Quantity("x", "messages", 0).text(64445.0) == "64,445 messages"
-
-
-def test_collision_time_of_a_pair_under_present_commands() -> None:
-    """Two unit squares that drive at each other at 1 and 2 m/s, 9 m apart: 3 s."""
-    pose = np.zeros((1, 2, 3))
-    pose[0, 1] = (10.0, 0.0, np.pi)
-    rows = [
-        {"step": 0, "robot": 0, "nominal_v": 1.0, "next_step": 10},
-        {"step": 0, "robot": 1, "nominal_v": 2.0, "next_step": 10},
-    ]
-    record = history(rows, pose=pose)
-    reach = [max(float(p[:, 0].max()) for p in parts) for parts in record.footprints]
-    shortest = shortest_pair_collision_time(record)
-    assert shortest is not None
-    assert {shortest.a, shortest.b} == {0, 1}
-    assert math.isclose(shortest.value, (10.0 - sum(reach)) / 3.0, abs_tol=1e-6)
-    (time, least), _ = pair_collision_times(record, horizon=1.0)
-    assert time.tolist() == [0.0]
-    assert np.isinf(least).all()
-
-
 def test_plan_of_one_figure() -> None:
     assert [part.figure for part in make_plan("3").parts] == ["3", "3a"]
     assert [part.figure for part in make_plan("3a").parts] == ["3a"]
@@ -160,52 +125,33 @@ def test_plan_of_one_figure() -> None:
     assert make_plan().studies
 
 
-@pytest.mark.parametrize(
-    ("figure", "fault"),
-    [
-        ("5", "flow chart"),
-        ("9", "not a figure; allowed: 1, 2, 3, 3a, 4, 6, 7, 8"),
-        ("6b", 'allowed: 1, 2, 3, 3a, 4, 6, 7, 8; did you mean "6"?'),
-        ("", "not a figure"),
-        ("x" * 1000, "not a figure"),
-    ],
-)
-def test_unknown_figures(figure: str, fault: str) -> None:
-    with pytest.raises(PhysimError) as error:
-        make_plan(figure)
-    assert fault in str(error.value)
-    assert len(str(error.value)) < 250
+# medians with intervals by order statistics
+@pytest.mark.parametrize(("count", "beyond"), [(1, 0), (5, 0), (6, 0), (9, 1), (100, 39)])
+def test_ranks_are_those_of_the_sign_test(count: int, beyond: int) -> None:
+    found = estimate([float(k) for k in range(count)])
+    assert (found.low, found.high) == (beyond, count - 1 - beyond)
 
 
-def test_an_unknown_study_comes_with_the_nearest() -> None:
-    with pytest.raises(
-        PhysimError, match=r'--study "alfa": not a study; allowed: alpha, .*"alpha"'
-    ):
-        make_plan(study="alfa")
+def test_interval_covers_the_median_nineteen_times_in_twenty() -> None:
+    rng = np.random.default_rng(7)
+    found = [estimate(rng.exponential(size=20)) for _ in range(2000)]
+    covered = np.mean([one.low <= math.log(2.0) <= one.high for one in found])
+    assert 0.945 <= covered <= 0.975  # 0.959 but for chance
 
 
-def test_runs_that_several_need_are_done_once() -> None:
-    plan = make_plan(quick=True)
-    jobs = dict(plan.jobs(Path("x")))
-    assert len(jobs) == len(list(plan.jobs(Path("x"))))
-    users: dict[Any, set[Any]] = {}
-    for study in plan.studies:
-        for arm in study.arms:
-            users.setdefault(("run", arm, 1), set()).add(study.measure)
-    for part in plan.parts:
-        for arm in part.arms:
-            users.setdefault(("run", arm, 1), set()).add(measures)
-    assert max(map(len, users.values())) > 1
-    for key, needed in users.items():
-        arm, seed, done, path = jobs[key].given
-        assert (arm, seed, path) == (key[1], 1, None)
-        assert set(done) == needed
-        assert len(done) == len(needed)
-    assert {key[2] for key in jobs if key[0] == "run"} == set(range(plan.seeds))
-    assert Arm("a", "w") == Arm("b", "w") != Arm("a", "v")
+def test_nan_is_left_out_and_nothing_is_none() -> None:
+    assert estimate([math.nan, 2.0]).text(1, "m") == "2.0 m"
+    assert estimate([math.nan]).text(1, "m") == "none"
+    assert estimate([]).count == 0
 
 
-def test_measures_differ_in_their_names() -> None:
-    """Figures of a run are kept by the names of the functions that took them."""
-    found = {study.measure for study in studies()} | {measures}
-    assert len({measure.__name__ for measure in found}) == len(found)
+def test_shares() -> None:
+    assert count([{"a": 0.0}, {"a": 2.0}], "a", lambda value: value == 0.0) == (1, 2)
+    assert share_text(20, 20) == "20 of 20 [83 %, 100 %]"
+
+
+def test_time_constant() -> None:
+    time = np.linspace(0.0, 10.0, 50)
+    assert time_constant(time, 3.0 * np.exp(-time / 4.0)) == pytest.approx(4.0)
+    assert time_constant(time, np.exp(time / 4.0)) == pytest.approx(-4.0)
+    assert math.isnan(time_constant(time[:4], np.ones(4)))

@@ -10,9 +10,9 @@ import numpy as np
 import physim
 from physim.drawing.page import write_page
 from physim.record import Record
+from tests.analysis.validation.runs import REAR_END, lane
 from tests.drawing.browser.driver import Seen
 from tests.helpers import inside
-from tests.analysis.validation.runs import REAR_END, lane
 
 DecisionTable, Predictor = inside("physim.analysis.validation", "DecisionTable", "Predictor")
 analytic_contacts = inside("physim.analysis.validation", "analytic_contacts")

@@ -19,9 +19,9 @@ from physim import PAPER_MODES, Column, Mode
 from physim.analysis import metrics
 from physim.drawing.plots import NAMES, draw
 from physim.record import Record, RecordWriter
+from tests.analysis.metrics.histories import along_reference, beside_paths, history
 from tests.helpers import facts, inside
 from tests.helpers.records import DECLARED, make_record, make_scene, poses, update_rows
-from tests.analysis.metrics.histories import along_reference, beside_paths, history
 
 MOST_LINES, QUANTILES, Timeline = inside("physim.drawing", "MOST_LINES", "QUANTILES", "Timeline")
 decimal, signed, true_minus = inside("physim.drawing", "decimal", "signed", "true_minus")

@@ -13,9 +13,9 @@ from physim.contacts import Phase
 from physim.drawing.plots import FORMATS, NAMES, draw
 from physim.errors import PhysimError
 from physim.record import Record, RecordWriter
+from tests.analysis.metrics.histories import history
 from tests.helpers import facts, inside, said
 from tests.helpers.records import make_record, make_scene
-from tests.analysis.metrics.histories import history
 
 CONTACT, MOST_POINTS = inside("physim.drawing.plots", "CONTACT", "MOST_POINTS")
 distances, predictions = inside("physim.drawing.plots", "distances", "predictions")

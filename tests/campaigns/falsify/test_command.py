@@ -15,12 +15,11 @@ import pytest
 from physim.record import Record
 from physim.world import World
 from physim.world.file import load_world
-from tests.cli.commands import SMALL, frames, physim, shell
-from tests.falsify.worlds import five_robots, judge
+from tests.campaigns.falsify.worlds import five_robots, judge
+from tests.cli.commands import SMALL, frames, physim
 from tests.helpers import inside
 
 in_this_process, Judged = inside("physim.campaigns.falsify", "in_this_process", "Judged")
-WriteLock = inside("physim.record", "WriteLock")
 
 QUIET_SMALL = SMALL.replace("duration: 2.0", "duration: 0.4")
 
@@ -31,15 +30,6 @@ def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     five_robots(time={"step": 0.05, "duration": 6.0}).save(tmp_path / "five.yaml")
     (tmp_path / "small.yaml").write_text(QUIET_SMALL)
     return tmp_path
-
-
-@pytest.fixture
-def one_process(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Runs are done in this process, which is faster for a few."""
-    monkeypatch.setattr(
-        "physim.campaigns.falsify.evaluate.by_executor",
-        lambda executor, controller, stop: in_this_process(stop),
-    )
 
 
 def test_a_failure_is_written_as_a_world_that_fails(
@@ -69,37 +59,20 @@ def test_a_failure_is_written_as_a_world_that_fails(
     assert found["shrunk"]["worst"]["touched"]["time_s"] == pytest.approx(float(time), abs=5e-3)
     assert frames(out / "video.mp4") > 5
     with Record.load(out / "record.h5") as record:
-        assert record.world == judge_file(out / "worst.yaml")
+        assert record.world == load_world(out / "worst.yaml")
+    assert judge_of(out / "worst.yaml").failed
     names = {load_world(file).stem for file in (here / "five.yaml", *out.glob("*.yaml"))}
     assert len(names) == 3  # runs of each go to a folder of their own
     (run,) = re.findall(r"To see it: (physim run [^\n]*)", head)
     again = physim(*run.split()[1:], "--no-video", "-o", "again", capture=capsys)
     assert again.code == 1
-    checked = physim("check", out / "worst.yaml", capture=capsys)
+    checked = physim("check", "out/worst.yaml", capture=capsys)
     assert checked.code == 0
     judged = physim("validate", "again/record.h5", capture=capsys)
     assert judged.code == 1
 
 
-@pytest.mark.parametrize("end", ["\n", "\r", "\x85", "\u2028"])
-def test_a_command_of_several_lines_is_one_line_of_the_world(
-    here: Path, one_process: None, capsys: pytest.CaptureFixture[str], end: str
-) -> None:
-    """Its second line would be a key of the world, which is lost by that, found as it is."""
-    done = physim("falsify", "five.yaml", "--set", f'description="a{end}b: 1"', "--budget", "1",
-                  "--shrink", "0", "-o", "out", "--no-video", capture=capsys)  # fmt: skip
-    assert done.code == 1, done.err
-    load_world(here / "out" / "worst.yaml")
-    assert (here / "out" / "story.txt").read_text() in done.out
-
-
-def judge_file(path: Path) -> World:
-    world = load_world(path)
-    assert judge(world).failed
-    return world
-
-
-@pytest.mark.usefixtures("one_process")
+@pytest.mark.usefixtures("in_process")
 def test_where_nothing_fails_the_nearest_miss_is_written(
     here: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -125,8 +98,6 @@ def test_where_nothing_fails_the_nearest_miss_is_written(
 
 
 def judge_of(path: Path) -> Judged:
-    from physim.world.file import load_world
-
     return judge(load_world(path))
 
 
@@ -187,35 +158,6 @@ def test_bad_input_is_refused(
     assert not (here / "out").exists()
 
 
-@pytest.mark.parametrize("name", ["worst.yaml", "record.h5"])
-def test_a_link_to_nothing_is_refused_before_the_search(
-    here: Path, name: str, capsys: pytest.CaptureFixture[str]
-) -> None:
-    """Else what was found is lost when it is written."""
-    (here / "out").mkdir()
-    (here / "out" / name).symlink_to(here / "nothing")
-    done = physim("falsify", "five.yaml", "-o", "out", "--force", capture=capsys)
-    assert done.code == 2
-    assert f"out/{name}: is not a regular file but a link" in done.err
-    assert "varied" not in done.out
-    assert not (here / "nothing").exists()
-
-
-def test_a_second_search_into_a_folder_is_refused_before_it_begins(
-    here: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    """Else worlds of the one lie beside the record of the other."""
-    (here / "out").mkdir()
-    lock = WriteLock(here / "out/worst.yaml")
-    try:
-        done = physim("falsify", "five.yaml", "-o", "out", capture=capsys)
-    finally:
-        lock.release()
-    assert done.code == 2
-    assert "out/worst.yaml: another run is writing it" in done.err
-    assert list((here / "out").iterdir()) == []
-
-
 CHANCE = """\
 import itertools
 from physim import Decision
@@ -229,7 +171,7 @@ class Chance:
 """
 
 
-@pytest.mark.usefixtures("one_process")
+@pytest.mark.usefixtures("in_process")
 def test_a_failure_that_does_not_come_again_is_told(
     here: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -240,53 +182,3 @@ def test_a_failure_that_does_not_come_again_is_told(
                   "--shrink", "0", capture=capsys)  # fmt: skip
     assert done.code == 2
     assert "once more" in done.err
-
-
-ENDS = """\
-import os
-import signal
-
-class Ends:
-    def decide(self, observation, memory):
-        {how}
-"""
-
-
-@pytest.mark.parametrize(
-    ("how", "told"),
-    [
-        ("os._exit(0)", "exit code 0"),
-        ("os.kill(os.getpid(), signal.SIGSEGV)", "SIGSEGV"),
-        ("os.closerange(0, 64)", ""),
-        ("raise KeyboardInterrupt", "KeyboardInterrupt"),
-    ],
-)
-def test_a_controller_that_ends_its_process_is_told_in_a_line(
-    here: Path, how: str, told: str
-) -> None:
-    """Its own process: that of the command goes on, and the exit code is not the controller's."""
-    (here / "ends.py").write_text(ENDS.format(how=how))
-    done = shell("falsify", "small.yaml", "--controller", "ends:Ends", "-o", "out", "--workers",
-                 "1", folder=here, PYTHONPATH=str(here))  # fmt: skip
-    assert done.code == 2, done
-    assert "the world itself cannot be judged" in done.err
-    assert told in done.err
-    assert len(done.err.splitlines()) == 1
-
-
-def test_a_search_that_cannot_begin_keeps_the_earlier_one(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    """Of one whose controller cannot be made the earlier worst world was gone."""
-    (tmp_path / "worst.yaml").write_text("mine")
-    arguments = (
-        "three_robots",
-        "--budget",
-        "2",
-        "--controller",
-        "tests.helpers.worlds:Says",
-        "--no-video",
-    )
-    done = physim("falsify", *arguments, "-o", tmp_path, "--force", capture=capsys)
-    assert done.code == 2
-    assert (tmp_path / "worst.yaml").read_text() == "mine"

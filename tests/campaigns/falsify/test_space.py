@@ -14,7 +14,7 @@ from physim import Simulation, build_scene
 from physim.errors import PhysimError
 from physim.world import World
 from physim.world.file import load_world
-from tests.falsify.worlds import BOX, five_robots, robot
+from tests.campaigns.falsify.worlds import BOX, five_robots, robot
 from tests.helpers import inside
 
 FACTOR, KINDS, REACH = inside("physim.campaigns.falsify", "FACTOR", "KINDS", "REACH")
@@ -104,24 +104,6 @@ def test_starts_that_overlap_are_moved_apart_and_counted() -> None:
     assert not space.at(np.array([0.0, 0.5, 1.0, 0.5])).repaired
 
 
-def test_what_is_not_varied_stays() -> None:
-    space = Space(five_robots(), ("heading",))
-    assert [one.key for one in space.dimensions] == ["heading"] * 5
-    world = space.at(np.ones(5)).world
-    for one, was in zip(world.robots, space.world.robots, strict=True):
-        assert one.pose is not None
-        assert was.pose is not None
-        assert one.pose[:2] == was.pose[:2]
-        assert one.limits == was.limits
-    assert world.controller == space.world.controller
-
-
-def test_a_random_heading_may_be_any() -> None:
-    space = Space(load_world("three_robots"), ("heading",))
-    for one in space.dimensions:
-        assert one.high - one.low == pytest.approx(2.0 * np.pi)
-
-
 def test_pinned_it_is_the_same_run() -> None:
     for world in (in_region(), load_world("three_robots"), load_world("hundred_robots")):
         fixed, laid = pinned(world, 7)
@@ -141,15 +123,6 @@ def test_settings_stay_within_what_the_controller_declares() -> None:
             assert (one.low, one.high) == (0.0, 1.0)
         else:
             assert (one.low, one.high) == (one.base / FACTOR, one.base * FACTOR)
-
-
-def test_settings_that_the_world_forbids_stay() -> None:
-    """A speed of the controller stands beside no formation: every such world was refused."""
-    world = load_world("three_robots")
-    assert world.formation is not None
-    alone = world.changed(formation=None)
-    keys = [{one.key for one in Settings(each).varied} for each in (world, alone)]
-    assert keys[1] - keys[0] == {"speed"}
 
 
 @settings(max_examples=20)
@@ -192,14 +165,3 @@ def test_limits_go_down_to_what_the_controller_takes(
     space = Space(slow(controller, **limits), ("speed",))
     assert {one.key: one.low for one in space.dimensions} == pytest.approx(least, abs=1e-5)
     Simulation(space.at(np.zeros(len(space.dimensions))).world)
-
-
-def test_bounds_of_starts_with_and_without_a_region_are_told() -> None:
-    robots = [robot("free", 12.0, 0.0, 0.0)]
-    robots += [{"name": "in it", "footprint": {"length": 1.2, "width": 0.8}, "path": {"offset": 0}}]
-    world = in_region(robots=robots)
-    (told,) = Space(world, ("pose",)).lines()
-    near = "up to 1 m along x and y from the start"
-    assert f"2 robots: {near}, or anywhere in the start region; " in told
-    assert "2 robots: anywhere in" not in told
-    assert "robots: anywhere in the start region; " in REGION.lines()[0]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from math import hypot, pi, sqrt
 from typing import Any
 
 from physim.world import World
@@ -60,26 +61,17 @@ def into_the_wall() -> World:
 
 def past_a_corner(depth: float = 4e-4) -> World:
     """A robot passes the corner of another between two samples, ``depth`` [m] inside it."""
-    from math import atan2, hypot, pi, sqrt
-
-    turn, half = -0.25 * pi, sqrt(0.5)
-    out = hypot(0.51, 0.4) - depth
-    x, y = 10.51 + out * half, 0.4 + out * half
-    back = 0.5 + 0.5 * 1.4 * 0.01
-    course = [x - back * half, y + back * half, turn]
-    corner = atan2(0.4, 0.51)
-    # it goes down to the right on a heading on which its own corner leads towards the other's
-    course[2] = turn
-    assert corner > 0.0
-    diamond = [[hypot(0.51, 0.4), 0.0], [0.0, 0.3], [-0.3, 0.0], [0.0, -0.3]]
-    moved = [[py, -px] for px, py in diamond]  # its tip to the right of its heading
+    half, long = sqrt(0.5), hypot(0.51, 0.4)
+    x, y = (at + (long - depth) * half for at in (10.51, 0.4))
+    back = (0.5 + 0.5 * 1.4 * 0.01) * half
+    tip = [[0.0, -long], [0.3, 0.0], [0.0, 0.3], [-0.3, 0.0]]  # to the right of its heading
     return World(
         name="past a corner",
         time={"step": 0.01, "duration": 1.0},
         corridor={"centreline": [[0.0, 0.0], [20.0, 0.0]], "width": 12.0},
         robots=[
             robot("stands", 10.0, 0.0, 0.0),
-            {**robot("passes", *course), "footprint": moved},
+            {**robot("passes", x - back, y + back, -0.25 * pi), "footprint": tip},
         ],
         controller={"type": "constant", "commands": [[0.0, 0.0], [1.4, 0.0]]},
     )

@@ -1,4 +1,4 @@
-"""Decisions are checked quickly and, where that has a doubt, thoroughly: both say the same."""
+"""What a controller tells of a decision: recorded, remembered, checked quickly and thoroughly."""
 
 from __future__ import annotations
 
@@ -7,11 +7,13 @@ import math
 import numpy as np
 import pytest
 
-from physim import Column, Decisions, Mode, Rule, build_scene
+import physim
+from physim import Column, Decision, Decisions, Mode, Rule, build_scene
 from physim.errors import ControllerError
 from tests.helpers import inside, road
+from tests.validation.runs import LANE
 
-Declared = inside("physim.parts", "Declared")
+STANDARD_COLUMNS, Declared = inside("physim.parts", "STANDARD_COLUMNS", "Declared")
 check_commands, checked = inside("physim.simulation", "check_commands", "checked")
 outside, plainly_fine = inside("physim.simulation", "outside", "plainly_fine")
 
@@ -53,7 +55,7 @@ def drawn(rng, due, wrong):
 def test_the_quick_check_passes_what_the_thorough_one_passes() -> None:
     rng = np.random.default_rng(0)
     passed = refused = 0
-    for _ in range(3000):
+    for _ in range(1500):
         due = np.flatnonzero(rng.random(3) < 0.6)
         if not len(due):
             continue
@@ -66,8 +68,7 @@ def test_the_quick_check_passes_what_the_thorough_one_passes() -> None:
             passed += 1
         else:
             refused += 1
-    assert passed > 500
-    assert refused > 500
+    assert min(passed, refused) > 200
 
 
 def thorough(scene, step, due, decisions, declared):
@@ -75,18 +76,6 @@ def thorough(scene, step, due, decisions, declared):
         return checked(scene, step, due, decisions, declared)
     except ControllerError:
         return None
-
-
-@pytest.mark.parametrize("others", [[1, 1], [2, 1, 2], [1, 0]])
-def test_a_robot_considers_each_other_once(others: list[int]) -> None:
-    """Twice, and not even all robots there are: no record may hold that."""
-    due = np.array([0])
-    fine = drawn(np.random.default_rng(0), due, 0.0)
-    start = np.array([0, len(others)])
-    wrong = fine._replace(considered=np.array(others), considered_start=start)
-    assert plainly_fine(SCENE, 0, due, wrong, DECLARED) is None
-    with pytest.raises(ControllerError, match=r"considered lists .* each once"):
-        checked(SCENE, 0, due, wrong, DECLARED)
 
 
 @pytest.mark.parametrize(
@@ -134,24 +123,75 @@ def test_commands_from_outside_are_checked_alike(value: float) -> None:
         assert bool(said[0]) == (not abs(value) <= SCENE.limits[1, column] * (1 + 1e-9))
 
 
-def test_a_command_that_single_precision_rounds_up_is_told_in_full() -> None:
-    """The limit itself, by a network in single precision, is 1.60000002."""
-    given = np.zeros((3, 2))
-    given[1, 1] = np.float32(SCENE.limits[1, 1])
-    assert given[1, 1] > SCENE.limits[1, 1]
-    said = refusal(outside, SCENE, 0, given)
-    assert "1.60000002 rad/s" in said
-    assert "within 1.6 rad/s" in said
-
-
-def test_complex_commands_from_outside_are_no_numbers() -> None:
-    """numpy would drop the imaginary part, such as that of a root of a quadratic."""
-    assert "(N, 2)" in refusal(outside, SCENE, 0, np.zeros((3, 2), complex))
-
-
 def refusal(check, *arguments) -> str:
     try:
         check(*arguments)
     except ControllerError as error:
         return str(error)
     return ""
+
+
+# What is recorded and remembered
+
+
+class Telling:
+    modes = (Mode("going", "#112233", "goes"), Mode("waiting", "#445566"))
+    rules = (Rule("ahead"),)
+    columns = (Column("effort", "J"), *STANDARD_COLUMNS)
+
+    def __init__(self, hold=0.1, **told) -> None:
+        self.hold, self.told = hold, told
+
+    def decide(self, observation, memory):
+        return Decision(v=0.0, omega=0.0, hold=self.hold, **self.told)
+
+
+def test_what_was_declared_is_recorded():
+    told = {
+        "mode": "waiting", "rule": Telling.rules[0], "considered": np.array([1]),
+        "report": {
+            "effort": np.float32(0.5), "target_y": None, "distance": True,
+            "collision_time": np.array(2),
+        },
+    }  # fmt: skip
+    world = physim.parse_world(LANE, overrides=["time.duration=0.1"])
+    with physim.simulate(world, controller=Only(0, Telling(**told))) as record:
+        assert record.declared == Declared(Telling.modes, Telling.rules, Telling.columns)
+        row = record.updates[record.updates["robot"] == 0][0]
+        assert record.modes[row["mode"]].name == "waiting"
+        assert (row["rule"], row["considered"]) == (0, 1)
+        assert record.considered[["step", "robot", "other"]].tolist() == [(0, 0, 1)]
+        names = ("effort", "target_x", "target_y", "distance", "collision_time")
+        values = [row[name] for name in names]
+        assert np.array_equal(values, [0.5, np.nan, np.nan, 1.0, 2.0], equal_nan=True)
+        other = record.updates[record.updates["robot"] == 1][0]
+        assert (other["mode"], other["rule"], other["considered"]) == (-1, -1, 0)
+        assert np.isnan(record.column("none such", absent=np.nan)).all()
+
+
+class Only:
+    """Lets a controller speak for one robot; the others say as little as can be."""
+
+    def __init__(self, index, inner) -> None:
+        self.index, self.inner = index, inner
+        self.modes, self.rules, self.columns = inner.modes, inner.rules, inner.columns
+
+    def decide(self, observation, memory):
+        if observation.index == self.index:
+            return self.inner.decide(observation, memory)
+        return Decision(0.0, 0.0, 0.1)
+
+
+class Remembering:
+    """Counts its own decisions for each robot, and tells the count by its command."""
+
+    def decide(self, observation, memory):
+        count = 1 if memory is None else memory[observation.name] + 1
+        return Decision(v=0.1 * count, omega=0.0, hold=0.1, memory={observation.name: count})
+
+
+def test_what_a_controller_remembers_comes_back_to_it():
+    world = physim.parse_world(LANE, overrides=["time.duration=0.5"])
+    rows = physim.simulate(world, controller=Remembering()).updates
+    for robot in (0, 1):
+        assert rows["nominal_v"][rows["robot"] == robot] == pytest.approx([0.1, 0.2, 0.3, 0.4, 0.5])

@@ -122,7 +122,9 @@ class Plain:
         return self.inner.decide(observation, memory)
 
 
-@pytest.mark.parametrize("name", ["three_robots", "nonconvex"])
+@pytest.mark.parametrize(
+    "name", ["three_robots", pytest.param("nonconvex", marks=pytest.mark.deep)]
+)
 def test_batch_and_plain_form_decide_alike_on_the_same_sensed_rows(name: str) -> None:
     hazy = world("sensing.stages=[{type: haze, sd: 0.5}, {type: haze, sd: 0.1}]", name=name)
     inner = make_part(CONTROLLER, "mode_switching", hazy.controller.settings)
@@ -228,7 +230,7 @@ def test_filters_stand_in_their_order() -> None:
             assert simulation.last.applied[:, 0] == pytest.approx([reached] * 3)
 
 
-@pytest.mark.parametrize("dtype", [">f8", "<f8", "f4", "f2", "i8", "object"])
+@pytest.mark.parametrize("dtype", [">f8", "f4", "i8", "object"])
 @pytest.mark.parametrize("kind", ["filters", "disturbances"])
 def test_commands_may_be_of_any_type_of_number(kind: str, dtype: str) -> None:
     """Also read-only ones, as from a file: compiled code would read the bytes as its own."""
@@ -250,14 +252,12 @@ def test_commands_may_be_of_any_type_of_number(kind: str, dtype: str) -> None:
     assert (changed.pose == plain.pose).all()
 
 
-@pytest.mark.parametrize("dtype", [">f8", "f4", "F", "view"])
+@pytest.mark.parametrize("dtype", [">f8", "f4", "view"])
 def test_what_is_sensed_may_be_of_any_type_of_number_and_layout(dtype: str) -> None:
     """Compiled code reads bytes as they lie; and a buffer may be filled again."""
     kept = {}
 
     def other(name: str, values: Any) -> Any:
-        if dtype == "F":
-            return np.asfortranarray(values)
         if dtype == "view":
             buffer = kept.setdefault(name, np.zeros(values.shape, values.dtype))
             buffer[...] = values
@@ -277,46 +277,6 @@ def test_what_is_sensed_may_be_of_any_type_of_number_and_layout(dtype: str) -> N
             simulation.step()
     near = 1e-4 if dtype == "f4" else 0.0
     assert np.abs(changed.pose - plain.pose).max() <= near
-
-
-def test_commands_that_are_returned_are_kept_as_they_are() -> None:
-    """A buffer that a filter fills again, of which it gives a view that nobody may write to."""
-
-    class Buffer(Line):
-        def filter(self, scene: Any, sensed: Any, nominal: Any, state: Any) -> Any:
-            self.kept = getattr(self, "kept", np.zeros((3, 2)))
-            self.kept[:] = nominal
-            view = self.kept.view()
-            view.flags.writeable = False
-            return view, state
-
-    simulation = Simulation(world(), filters=[Buffer(1.0, 0.0)])
-    steps = []
-    for v in (0.2, 0.4, 0.6):
-        simulation.step(np.array([[v, 0.0]] * 3))
-        steps.append(simulation.last)
-    assert [one.filtered[0, 0] for one in steps if one is not None] == [0.2, 0.4, 0.6]
-
-
-def test_filters_see_what_is_sensed_and_remember() -> None:
-    seen = []
-
-    class Looks:
-        def start(self, scene: Any) -> int:
-            return 0
-
-        def filter(self, scene: Any, sensed: Sensed, nominal: Any, state: int) -> Any:
-            seen.append((state, sensed.step, sensed.pose))
-            return nominal, state + 1
-
-    simulation = Simulation(world(HAZE), filters=[Looks()])
-    for _ in range(5):
-        simulation.step()
-        assert simulation.last is not None
-        assert seen[-1][2] is simulation.last.sensed.pose
-        assert simulation.last.filtered is simulation.last.nominal
-    assert [(state, step) for state, step, _ in seen] == [(k, k) for k in range(5)]
-    assert len(seen[0][2]) == 9
 
 
 def test_stages_go_one_after_the_other_and_stand_in_the_record() -> None:

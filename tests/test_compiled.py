@@ -6,8 +6,6 @@ import math
 import os
 import pickle
 import shutil
-import subprocess
-import sys
 import tempfile
 from collections.abc import Iterator
 from pathlib import Path
@@ -17,7 +15,6 @@ import numpy as np
 import pytest
 from numba.core.caching import CacheImpl, IndexDataCacheFile, UserProvidedCacheLocator
 
-import physim
 from physim import compiled as compiled_module
 from physim.compiled import compiled, is_cached
 from tests.helpers import inside
@@ -56,17 +53,6 @@ def oddities(values: FloatArray) -> tuple[int, int, int]:
     return nan, most, least
 
 
-@compiled
-def misfit(values: FloatArray) -> float:
-    values[:2] = values[:3]
-    return leaf(values, 1.0)
-
-
-@compiled
-def calls_misfit(values: FloatArray) -> float:
-    return misfit(values)
-
-
 VALUES = np.array([0.1, 0.7, 1.3, 2.9])
 
 
@@ -102,24 +88,6 @@ def test_the_stamp_changes_with_any_source(monkeypatch: pytest.MonkeyPatch, tmp_
     assert len(seen) == 4
 
 
-def short_run(name: str = "crossing", duration: float = 2.0) -> str:
-    """Digest of a short run in which robots avoid each other."""
-    world = physim.load_world(name, overrides=(f"time.duration={duration}",))
-    with physim.simulate(world) as record:
-        return record.digest()
-
-
-@pytest.mark.deep
-def test_a_run_of_plain_functions_is_the_same() -> None:
-    """Robots touch from 4.28 s on. In other worlds last bits may differ, as those of powers do."""
-    script = "from tests.test_compiled import *; print(type(leaf), short_run('jam', 4.4))"
-    found = subprocess.run(
-        [sys.executable, "-W", "ignore", "-c", script], cwd=Path(__file__).parents[1],
-        env={**os.environ, "NUMBA_DISABLE_JIT": "1"}, capture_output=True, text=True, check=True,
-    )  # fmt: skip
-    assert found.stdout.split() == ["<class", "'function'>", short_run("jam", 4.4)]
-
-
 def test_a_cache_of_sources_that_have_gone_is_none(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
@@ -149,11 +117,6 @@ def test_a_damaged_cache_is_compiled_anew(
     read = fresh()
     assert read(VALUES, 2.0) == expected  # type: ignore[operator]
     assert sum(read.whole.stats.cache_hits.values()) == 1  # type: ignore[attr-defined]
-
-
-def test_errors_come_out_of_inner_kernels() -> None:
-    with pytest.raises(ValueError, match="cannot assign slice"):
-        calls_misfit(VALUES.copy())
 
 
 @pytest.fixture

@@ -5,9 +5,7 @@ The parts are the examples of docs/EXTENDING.md, installed for these tests alone
 
 from __future__ import annotations
 
-import copy
 import importlib
-import pickle
 import sys
 from collections.abc import Iterator
 from typing import Any
@@ -298,29 +296,6 @@ def test_stages_go_one_after_the_other_and_stand_in_the_record() -> None:
     assert record.given == ()
     assert len(plain.commands) == 0
     assert len(record.commands) == (np.abs(applied - nominal).max(axis=2) > 0.0).sum()
-
-
-@pytest.mark.parametrize("way", ["deepcopy", "pickle", "restore"])
-def test_what_stages_remember_comes_along_with_a_state(way: str) -> None:
-    hazy = world(HAZE, RAMP, GAINS)
-    simulation = Simulation(hazy)
-    for _ in range(25):
-        simulation.step()
-    if way == "deepcopy":
-        other = copy.deepcopy(simulation)
-    elif way == "pickle":
-        other = pickle.loads(pickle.dumps(simulation))
-    else:
-        other = Simulation(hazy, state=simulation.state)
-    for _ in range(75):
-        simulation.step()
-        other.step()
-        assert simulation.last is not None
-        assert other.last is not None
-        for name in ("nominal", "filtered", "applied", "pose"):
-            assert np.array_equal(getattr(simulation.last, name), getattr(other.last, name))
-    assert (simulation.last.filtered != simulation.last.nominal).any()
-    assert (simulation.last.applied != simulation.last.filtered).any()
 
 
 def test_limits_bind_filters_but_not_disturbances() -> None:

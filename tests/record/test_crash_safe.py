@@ -27,7 +27,6 @@ from tests.helpers import facts, inside
 from tests.helpers.records import DECLARED, UPDATE, make_record, make_scene
 
 CONSIDERING, OTHERS = inside("physim.record", "CONSIDERING", "OTHERS")
-WriteLock = inside("physim.record", "WriteLock")
 
 ROOT = Path(__file__).parents[2]
 
@@ -307,28 +306,6 @@ def test_what_came_into_being_meanwhile_is_not_overwritten(tmp_path: Path) -> No
     with pytest.raises(RecordError, match=facts("r.h5: ", "exists")):
         writer_of(path, overwrite=False)
     assert {file.name: file.read_text() for file in tmp_path.iterdir()} == {"r.h5": "mine"}
-
-
-@pytest.mark.deep
-def test_a_lock_that_is_taken_over_from_who_just_removed_it(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """Between opening the lock's file and locking it, its owner ends and removes it."""
-    path, opened = tmp_path / "r.h5", os.open
-    owner = WriteLock(path)
-
-    def late(*arguments: object, **more: object) -> int:
-        fd = opened(*arguments, **more)  # type: ignore[arg-type]
-        owner.release()
-        return fd
-
-    monkeypatch.setattr("physim.record.lock.os.open", late)
-    mine = WriteLock(path)
-    monkeypatch.undo()
-    with pytest.raises(RecordError, match=AT_IT):
-        WriteLock(path)
-    mine.release()
-    assert not list(tmp_path.iterdir())
 
 
 def test_a_link_in_the_place_of_the_lock_is_not_followed(tmp_path: Path) -> None:

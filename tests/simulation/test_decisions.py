@@ -78,59 +78,6 @@ def thorough(scene, step, due, decisions, declared):
         return None
 
 
-@pytest.mark.parametrize(
-    ("name", "value"),
-    [
-        ("hold", np.zeros((3, 1))),
-        ("mode", np.zeros(2, dtype=np.int64)),
-        ("report", np.zeros((3, 2))),
-        ("considered_start", np.zeros(3, dtype=np.int64)),
-        ("considered", np.ones((2, 1), dtype=np.int64)),
-        ("command", np.zeros((2, 2))),
-    ],
-)
-def test_wrong_shapes_are_left_to_the_thorough_check(name, value) -> None:
-    due = np.arange(3)
-    fine = drawn(np.random.default_rng(0), due, 0.0)
-    assert plainly_fine(SCENE, 0, due, fine, DECLARED) is not None
-    other = fine._replace(**{name: value})
-    assert plainly_fine(SCENE, 0, due, other, DECLARED) is None
-    with pytest.raises(ControllerError, match="shape"):
-        checked(SCENE, 0, due, other, DECLARED)
-
-
-def test_other_types_and_layouts_pass_by_the_thorough_check() -> None:
-    due = np.arange(3)
-    fine = drawn(np.random.default_rng(0), due, 0.0)
-    for other in (
-        fine._replace(command=np.asfortranarray(fine.command)),
-        fine._replace(hold=fine.hold.astype(np.float32)),
-        fine._replace(mode=fine.mode.astype(np.int8)),
-        fine._replace(considered=[], considered_start=np.zeros(4, dtype=np.int64)),
-        fine._replace(considered_start=fine.considered_start.astype(np.uint64)),
-    ):
-        assert plainly_fine(SCENE, 7, due, other, DECLARED) is None
-        assert checked(SCENE, 7, due, other, DECLARED).dtype == np.int64
-
-
-@pytest.mark.parametrize("value", NUMBERS["command"])
-def test_commands_from_outside_are_checked_alike(value: float) -> None:
-    for column in (0, 1):
-        given = np.zeros((3, 2))
-        given[1, column] = value
-        said = [refusal(check_commands, SCENE, 0.0, None, given), refusal(outside, SCENE, 0, given)]
-        assert said[0] == said[1]
-        assert bool(said[0]) == (not abs(value) <= SCENE.limits[1, column] * (1 + 1e-9))
-
-
-def refusal(check, *arguments) -> str:
-    try:
-        check(*arguments)
-    except ControllerError as error:
-        return str(error)
-    return ""
-
-
 # What is recorded and remembered
 
 

@@ -70,15 +70,12 @@ def test_commands_may_be_given_step_by_step() -> None:
     assert np.array_equal(before, build_scene(road(THREE)).start)  # an old pose stays as it was
     command[:] = 0.0
     assert simulation.command[0, 0] == 1.0
-
-
-def test_robots_that_were_steered_by_hand_are_asked_afterwards() -> None:
     says = Says(lambda o: Decision(o.v / 2.0, 0.0, hold=1.0))
-    simulation = Simulation(road(THREE), controller=says)
-    simulation.step(np.full((3, 2), 0.5))
-    simulation.step()
+    driven = Simulation(road(THREE), controller=says)
+    driven.step(np.full((3, 2), 0.5))
+    driven.step()  # steered by hand so far, robots are asked
     assert says.asked == [(0, 1), (1, 1), (2, 1)]
-    assert np.array_equal(simulation.command[:, 0], [0.25, 0.25, 0.25])
+    assert driven.command[:, 0].tolist() == [0.25] * 3
 
 
 # Commands and controllers that fail
@@ -186,52 +183,6 @@ def test_all_decide_from_the_commands_held_before() -> None:
     seen.clear()
     simulation.step()
     assert all(v == 0.1 * j + 0.2 for _, j, v in seen)
-
-
-# Filters
-
-
-class Scale:
-    """A filter: each speed times a factor; counts its calls in its state."""
-
-    def __init__(self, v: float, omega: float) -> None:
-        self.factor = np.array([v, omega])
-        self.met: list[tuple[int, float, int]] = []
-
-    def start(self, scene: Any) -> int:
-        return 0
-
-    def filter(self, scene: Any, sensed: Any, nominal: np.ndarray, state: int) -> Any:
-        self.met.append((sensed.step, float(nominal[0, 0]), state))
-        return nominal * self.factor, state + 1
-
-
-def test_filters_stand_between_nominal_and_applied_and_all_is_recorded() -> None:
-    halve, no_turn, held = Scale(0.5, 1.0), Scale(1.0, 0.0), []
-
-    def decide(o: Observation) -> Decision:
-        held.append(o.v)
-        return Decision(1.0, 0.4, hold=0.05)
-
-    world = road(THREE[2:], duration=0.2)
-    simulation = Simulation(world, controller=Says(decide), filters=[halve, no_turn])
-    record = record_run(simulation)
-    assert halve.met == [(k, 1.0, k) for k in range(20)]
-    assert no_turn.met == [(k, 0.5, k) for k in range(20)]
-    rows = record.updates
-    assert rows["step"].tolist() == [0, 5, 10, 15]
-    assert set(rows["nominal_v"]) == {1.0}
-    assert set(rows["nominal_omega"]) == {0.4}
-    assert set(rows["applied_v"]) == {0.5}
-    assert set(rows["applied_omega"]) == {0.0}
-    assert record.commands["step"].tolist() == list(range(20))
-    assert set(record.commands["filtered_v"]) == set(record.commands["applied_v"]) == {0.5}
-    assert record.given == (
-        ("controller", "tests.helpers.worlds:Says"),
-        *[("filter", "tests.simulation.test_loop:Scale")] * 2,
-    )
-    assert held == [0.0, 1.0, 1.0, 1.0]
-    assert record.pose[-1, 0] == pytest.approx([40.1, 10.0, 0.0], abs=1e-12)
 
 
 # Formation

@@ -15,9 +15,8 @@ import pytest
 
 from physim import Decision, Observation, SaveAt, Simulation, build_scene, simulate
 from physim.analysis.metrics import contact_episodes
-from physim.contacts import FALSE_CONTACT_ROW
 from physim.errors import ControllerError
-from physim.record import Record, RecordWriter
+from physim.record import Record
 from physim.world.file import load_world
 from tests.helpers import THREE, Says, facts, inside, road
 
@@ -139,26 +138,6 @@ def test_a_run_says_how_it_ended(monkeypatch: pytest.MonkeyPatch) -> None:
     assert seen == list(range(1, 18))
 
 
-def test_a_run_driven_from_outside_finishes_and_is_recorded_with_its_commands() -> None:
-    world = road([[199.0, 0.0, 0.0]], duration=5.0)
-    simulation = Simulation(world)
-    writer = RecordWriter(None, simulation.scene, world.to_yaml(), declared=simulation.declared)
-    recorder = Recorder(writer, every=1)
-    simulation.look_on(recorder)
-    while not simulation.finished and simulation.step_number < 500:
-        simulation.step(np.array([[1.0 if simulation.now.station[0] < 200.0 else 0.0, 0.0]]))
-    assert simulation.finished
-    recorder.close("finished")
-    writer.close("finished", steps_run=simulation.step_number, rejected=0, wall_clock={})
-    record = writer.record()
-    assert len(record.updates) == 0
-    moved = np.diff(record.pose[:, 0, 0])
-    assert record.commands_over("applied", 0, record.steps_run)[:, 0, 0] * 0.01 == pytest.approx(
-        moved, abs=1e-12
-    )
-    assert record.arrived.tolist() == [record.steps_run]
-
-
 @pytest.mark.parametrize("every", [1, 7])
 def test_what_is_recorded_is_a_value(wild: Any, every: int) -> None:
     whole = simulate(wild, controller=Says(drift))
@@ -174,38 +153,6 @@ def test_what_is_recorded_is_a_value(wild: Any, every: int) -> None:
         with pytest.raises(ValueError, match=f"every = {odd!r}"):
             SaveAt(every=odd)
     assert type(SaveAt(every=np.int8(3)).every) is int
-
-
-def test_a_run_that_touches_a_wall_tells_of_it() -> None:
-    record = simulate(
-        road([[198.004, 0.0, 0.0]], duration=5.0),
-        controller=Says(lambda o: Decision(1.0, 0.0, hold=0.1)),
-    )
-    (episode,) = contact_episodes(record)
-    assert episode.time == pytest.approx(4.1, abs=0.011)  # 203 m - 0.9 m - 198.004 m at 1 m/s
-    assert record.boundary_clearance.min() < 0.0
-
-
-@pytest.mark.parametrize("seconds", [1e9, -1.0], ids=["one block", "a block a step"])
-def test_false_contacts_are_counted_over_the_whole_run(
-    monkeypatch: pytest.MonkeyPatch, seconds: float
-) -> None:
-    """The engine is made to report one at every third sample."""
-    monkeypatch.setattr("physim.simulation.recorder.BLOCK_SECONDS", seconds)
-    simulation = Simulation(road(THREE))
-    writer = RecordWriter(None, simulation.scene, "", name="", declared=simulation.declared)
-    recorder = Recorder(writer, every=1)
-    recorder.start(simulation)
-    for step in range(1, 21):
-        simulation.step()
-        assert simulation.last is not None
-        told = np.array([(step, 0, 1, 0.2)] if step % 3 == 0 else [], dtype=FALSE_CONTACT_ROW)
-        recorder.after_step(simulation.last._replace(false_contacts=told))
-    recorder.close("duration")
-    writer.close("duration", steps_run=20, rejected=recorder.rejected, wall_clock={})
-    with writer.record() as record:
-        assert record.false_contacts["step"].tolist() == [3, 6, 9, 12, 15, 18]
-        assert record.rejected_contacts == 6
 
 
 def test_a_simulation_that_has_made_steps_is_not_recorded() -> None:

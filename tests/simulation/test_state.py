@@ -4,12 +4,8 @@ from __future__ import annotations
 
 import copy
 import dataclasses
-import hashlib
 import os
 import pickle
-import subprocess
-import sys
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -171,26 +167,6 @@ def test_contacts_under_way_memories_and_filters_come_along(step: int) -> None:
     if 0 < step < 60:
         other.restore(lost)
         assert trace(other, AHEAD) != wanted
-
-
-@pytest.mark.deep
-def test_another_process_goes_on_bit_for_bit(tmp_path: Path) -> None:
-    simulation = Simulation(load_world("nonconvex"), 5, "path_following")
-    for _ in range(900):
-        simulation.step()
-    (tmp_path / "state").write_bytes(pickle.dumps(simulation))
-    wanted = trace(simulation, 300)
-    script = (
-        "import pickle, sys, hashlib\n"
-        "from tests.simulation.test_state import trace\n"
-        "simulation = pickle.loads(open(sys.argv[1], 'rb').read())\n"
-        "print(hashlib.sha256(b''.join(trace(simulation, 300))).hexdigest())"
-    )
-    done = subprocess.run(
-        [sys.executable, "-c", script, str(tmp_path / "state")],
-        capture_output=True, text=True, cwd=Path(__file__).parents[2],
-    )  # fmt: skip
-    assert done.stdout.strip() == hashlib.sha256(b"".join(wanted)).hexdigest(), done.stderr
 
 
 LONG_OR_SHORT = """

@@ -17,6 +17,7 @@ from physim import simulate
 from physim.analysis.summary import summarise, table_rows
 from physim.errors import RecordError
 from tests.helpers import inside, road
+from tests.helpers.stages import Changes
 
 ModeSwitching = inside("physim.controllers", "ModeSwitching")
 ModeSwitchingSettings = inside("physim.controllers", "ModeSwitchingSettings")
@@ -60,6 +61,12 @@ class Kept(Base):
         self.gap, self.far, self.scale = gap, far, scale
 
 
+class Scaled(Changes):
+    def __init__(self, share: float = 1.0) -> None:
+        super().__init__(lambda given: share * given)
+        self.share = share
+
+
 class NotKept(Base):
     def __init__(self, gap: float = 2.2, *more: int) -> None:
         self._gap = gap
@@ -93,29 +100,20 @@ def test_what_an_object_tells_of_its_settings(
     assert found.not_known == not_known
 
 
-class Slow:
-    def __init__(self, share: float = 1.0) -> None:
-        self.share = share
-
-    def start(self, scene: Any) -> None:
-        return None
-
-    def filter(self, scene: Any, sensed: Any, nominal: Any, state: Any) -> Any:
-        return self.share * nominal, state
-
-
 WORLD = road([[20.0, 0.0, 0.0]], duration=0.1)
 
 
 def test_settings_of_objects_stand_in_summary_and_table(tmp_path: Path) -> None:
     given = ModeSwitching(ModeSwitchingSettings(time_low=0.7))
-    record = simulate(WORLD, controller=given, filters=[Slow(0.5), Slow()], path=tmp_path / "r.h5")
+    record = simulate(
+        WORLD, controller=given, filters=[Scaled(0.5), Scaled()], path=tmp_path / "r.h5"
+    )
     read = physim.Record.load(tmp_path / "r.h5")
     assert read.given_settings == record.given_settings
     found = json.loads(summarise(read).to_json())
     assert found["controller"]["settings"] == {"time_low": 0.7}
     assert "not_known" not in found["controller"]
-    assert [one.endswith("Slow (share 0.5)") for one in found["from_python"]] == [True, False]
+    assert [one.endswith("Scaled (share 0.5)") for one in found["from_python"]] == [True, False]
     assert "time_low 0.7" in dict(table_rows(summarise(read)))["controller"]
     told = json.loads(summarise(simulate(WORLD, controller=NotKept(3.0))).to_json())["controller"]
     assert told["settings"] == {}

@@ -13,12 +13,13 @@ from typing import Any
 import numpy as np
 import pytest
 
-from physim import Sensed, Simulation, for_each, observer_of_row, simulate, with_poses
+from physim import Sensed, Simulation, build_scene, for_each, observer_of_row, simulate, with_poses
 from physim.errors import ControllerError
 from physim.world import World
 from physim.world.file import load_world
 from tests.helpers import facts, inside
 from tests.helpers.extending import entry_points, install
+from tests.helpers.stages import Changes
 
 BatchCapable, CONTROLLER = inside("physim.parts", "BatchCapable", "CONTROLLER")
 make_part = inside("physim.parts", "make_part")
@@ -147,25 +148,20 @@ def test_batch_and_plain_form_decide_alike_on_the_same_sensed_rows(name: str) ->
     assert not np.array_equal(clear.pose[250], batch.pose)
 
 
-class Blind:
+def alone(sensed: Sensed) -> Sensed:
     """Nobody sees anybody: rows of the others are left out."""
-
-    def start(self, scene: Any) -> None:
-        return None
-
-    def sense(self, scene: Any, truth: Any, sensed: Sensed, state: Any) -> Any:
-        rows = for_each(sensed)
-        own = observer_of_row(rows) == rows.robot
-        number = np.arange(scene.robots)
-        return rows._replace(
-            robot=rows.robot[own], pose=rows.pose[own], command=rows.command[own],
-            reference_station=rows.reference_station[own], age=rows.age[own],
-            first=number, end=number + 1,
-        ), state  # fmt: skip
+    rows = for_each(sensed)
+    own = observer_of_row(rows) == rows.robot
+    kept = {
+        name: getattr(rows, name)[own]
+        for name in ("robot", "pose", "command", "reference_station", "age")
+    }
+    number = np.arange(len(rows.first))
+    return rows._replace(first=number, end=number + 1, **kept)
 
 
 def test_rows_may_be_left_out() -> None:
-    simulation = Simulation(world(), sensing=[Blind()])
+    simulation = Simulation(world(), sensing=[Changes(alone)])
     assert [simulation.observe(i).others for i in range(3)] == [()] * 3
     assert [simulation.observe(i).neighbours for i in range(3)] == [()] * 3
     simulation.step()
@@ -174,20 +170,16 @@ def test_rows_may_be_left_out() -> None:
     assert len(simulation.last.decisions.considered) == 0
 
 
-class Drift:
+def test_a_robot_that_errs_about_itself_errs_about_its_stations() -> None:
     """Every robot believes that it is 0.3 m further along the x axis than it is."""
 
-    def start(self, scene: Any) -> None:
-        return None
-
-    def sense(self, scene: Any, truth: Any, sensed: Sensed, state: Any) -> Any:
+    def drift(sensed: Sensed) -> Sensed:
         rows = for_each(sensed)
         own = observer_of_row(rows) == rows.robot
-        return with_poses(scene, rows, rows.pose + np.outer(own, (0.3, 0.0, 0.0))), state
+        return with_poses(scene, rows, rows.pose + np.outer(own, (0.3, 0.0, 0.0)))
 
-
-def test_a_robot_that_errs_about_itself_errs_about_its_stations() -> None:
-    simulation = Simulation(world(name="straight"), sensing=[Drift()])
+    scene = build_scene(world(name="straight"))
+    simulation = Simulation(scene, sensing=[Changes(drift)])
     for _ in range(100):
         simulation.step()
     truth, one = simulation.now, simulation.observe(0)
@@ -198,62 +190,10 @@ def test_a_robot_that_errs_about_itself_errs_about_its_stations() -> None:
     assert (one.others[0].pose == truth.pose[1]).all()
 
 
-# Filter and disturbance
-
-
-class Line:
-    """Commands times a factor, and something more."""
-
-    def __init__(self, factor: float, more: float) -> None:
-        self.factor, self.more = factor, more
-
-    def start(self, scene: Any) -> None:
-        return None
-
-    def filter(self, scene: Any, sensed: Any, nominal: Any, state: Any) -> Any:
-        return nominal * self.factor + self.more, state
-
-    def disturb(self, scene: Any, truth: Any, filtered: Any, state: Any) -> Any:
-        return filtered * self.factor + self.more, state
-
-
-def test_filters_stand_in_their_order() -> None:
-    half, more = Line(0.5, 0.0), Line(1.0, 0.2)
-    for first, second, reached in ((half, more, 0.7), (more, half, 0.6)):
-        for kind in ("filters", "disturbances"):
-            given: dict[str, Any] = {kind: [first, second]}
-            simulation = Simulation(world(), **given)
-            simulation.step(np.array([[1.0, 0.0]] * 3))
-            assert simulation.last is not None
-            assert simulation.last.applied[:, 0] == pytest.approx([reached] * 3)
-
-
-@pytest.mark.parametrize("dtype", [">f8", "f4", "i8", "object"])
-@pytest.mark.parametrize("kind", ["filters", "disturbances"])
-def test_commands_may_be_of_any_type_of_number(kind: str, dtype: str) -> None:
-    """Also read-only ones, as from a file: compiled code would read the bytes as its own."""
-
-    class Other(Line):
-        def filter(self, scene: Any, sensed: Any, nominal: Any, state: Any) -> Any:
-            found = np.asfortranarray(np.array(nominal, dtype))
-            found.flags.writeable = False
-            return found, state
-
-        def disturb(self, scene: Any, truth: Any, filtered: Any, state: Any) -> Any:
-            return self.filter(scene, None, filtered, state)
-
-    given: dict[str, Any] = {kind: [Other(1.0, 0.0)]}
-    changed, plain = Simulation(world(), **given), Simulation(world())
-    for simulation in (changed, plain):
-        for _ in range(5):
-            simulation.step(np.array([[1.0, 0.5]] * 3).round(0 if dtype == "i8" else 1))
-    assert (changed.pose == plain.pose).all()
-
-
 @pytest.mark.parametrize("dtype", [">f8", "f4", "view"])
 def test_what_is_sensed_may_be_of_any_type_of_number_and_layout(dtype: str) -> None:
     """Compiled code reads bytes as they lie; and a buffer may be filled again."""
-    kept = {}
+    kept: dict[str, Any] = {}
 
     def other(name: str, values: Any) -> Any:
         if dtype == "view":
@@ -263,18 +203,58 @@ def test_what_is_sensed_may_be_of_any_type_of_number_and_layout(dtype: str) -> N
         kind = dtype if values.dtype.kind == "f" else ">i8" if dtype == ">f8" else "i4"
         return values.astype(kind)
 
-    class Other(Blind):
-        def sense(self, scene: Any, truth: Any, sensed: Any, state: Any) -> Any:
-            return sensed._replace(
-                **{name: other(name, getattr(sensed, name)) for name in sensed._fields[1:]}
-            ), state
+    def changed(sensed: Sensed) -> Sensed:
+        return Sensed(sensed.step, *(map(other, sensed._fields[1:], sensed[1:])))
 
-    changed, plain = Simulation(world(), sensing=[Other()]), Simulation(world())
-    for simulation in (changed, plain):
+    both = Simulation(world(), sensing=[Changes(changed)]), Simulation(world())
+    for simulation in both:
         for _ in range(30):
             simulation.step()
     near = 1e-4 if dtype == "f4" else 0.0
-    assert np.abs(changed.pose - plain.pose).max() <= near
+    assert np.abs(both[0].pose - both[1].pose).max() <= near
+
+
+# Filter and disturbance
+
+
+@pytest.mark.parametrize("kind", ["filters", "disturbances"])
+def test_filters_and_disturbances_stand_in_their_order(kind: str) -> None:
+    half, more = Changes(lambda given: 0.5 * given), Changes(lambda given: given + 0.2)
+    for first, second, reached in ((half, more, 0.7), (more, half, 0.6)):
+        stages: dict[str, Any] = {kind: [first, second]}
+        simulation = Simulation(world(), **stages)
+        simulation.step(np.array([[1.0, 0.0]] * 3))
+        assert simulation.last is not None
+        assert simulation.last.applied[:, 0] == pytest.approx([reached] * 3)
+
+
+@pytest.mark.parametrize("dtype", [">f8", "f4", "i8", "object"])
+@pytest.mark.parametrize("kind", ["filters", "disturbances"])
+def test_commands_may_be_of_any_type_of_number(kind: str, dtype: str) -> None:
+    """Also read-only ones, as from a file: compiled code would read the bytes as its own."""
+
+    def other(given: Any) -> Any:
+        found = np.asfortranarray(np.array(given, dtype))
+        found.flags.writeable = False
+        return found
+
+    stages: dict[str, Any] = {kind: [Changes(other)]}
+    changed, plain = Simulation(world(), **stages), Simulation(world())
+    for simulation in (changed, plain):
+        for _ in range(5):
+            simulation.step(np.array([[1.0, 0.5]] * 3).round(0 if dtype == "i8" else 1))
+    assert (changed.pose == plain.pose).all()
+
+
+def test_limits_bind_filters_but_not_disturbances() -> None:
+    twice: Any = Changes(lambda given: 2.0 * given)
+    commands = np.array([[1.0, 0.2]] * 3)
+    pushed = Simulation(world(), disturbances=[twice])
+    before = pushed.pose
+    pushed.step(commands)
+    assert np.allclose(np.hypot(*(pushed.pose - before)[:, :2].T), 2.0 * pushed.scene.dt)
+    with pytest.raises(ControllerError, match=facts("filter Changes", "r1", "0 s", "v", "2 m/s")):
+        Simulation(world(), filters=[twice]).step(commands)
 
 
 def test_stages_go_one_after_the_other_and_stand_in_the_record() -> None:
@@ -296,23 +276,3 @@ def test_stages_go_one_after_the_other_and_stand_in_the_record() -> None:
     assert record.given == ()
     assert len(plain.commands) == 0
     assert len(record.commands) == (np.abs(applied - nominal).max(axis=2) > 0.0).sum()
-
-
-def test_limits_bind_filters_but_not_disturbances() -> None:
-    class Twice:
-        def start(self, scene: Any) -> None:
-            return None
-
-        def filter(self, scene: Any, sensed: Any, nominal: Any, state: Any) -> Any:
-            return 2.0 * nominal, state
-
-        def disturb(self, scene: Any, truth: Any, filtered: Any, state: Any) -> Any:
-            return 2.0 * filtered, state
-
-    commands = np.array([[1.0, 0.2]] * 3)
-    pushed = Simulation(world(), disturbances=[Twice()])
-    before = pushed.pose
-    pushed.step(commands)
-    assert np.allclose(np.hypot(*(pushed.pose - before)[:, :2].T), 2.0 * pushed.scene.dt)
-    with pytest.raises(ControllerError, match=facts("filter Twice", "r1", "0 s", "v", "2 m/s")):
-        Simulation(world(), filters=[Twice()]).step(commands)

@@ -22,11 +22,11 @@ import pytest
 
 from physim.contacts import CONTACT_ROW
 from physim.errors import RecordError
-from physim.record import Record, RecordWriter, crash_safe, writer
+from physim.record import Record, RecordWriter
 from tests.helpers import facts, inside
 from tests.helpers.records import DECLARED, UPDATE, make_record, make_scene
 
-CONSIDERING, OTHERS = inside("physim.record", "CONSIDERING", "OTHERS")
+CONSIDERING, OTHERS, PAGE = inside("physim.record", "CONSIDERING", "OTHERS", "PAGE")
 
 ROOT = Path(__file__).parents[2]
 
@@ -89,9 +89,9 @@ class Journal:
             self.visible = len(self.changes)
             replace(old, new)
 
-        monkeypatch.setattr(crash_safe.os, "pwrite", note_write)
-        monkeypatch.setattr(crash_safe.os, "ftruncate", note_length)
-        monkeypatch.setattr(crash_safe.os, "replace", note_name)
+        monkeypatch.setattr(os, "pwrite", note_write)
+        monkeypatch.setattr(os, "ftruncate", note_length)
+        monkeypatch.setattr(os, "replace", note_name)
 
     def images(self) -> Iterator[tuple[int, bytes]]:
         """File after each change, and between the pages of each; with the number of changes."""
@@ -106,7 +106,7 @@ class Journal:
             image.extend(bytes(max(0, end - len(image))))
             at = place
             while at < end:
-                stop = min(end, (at // crash_safe.PAGE + 1) * crash_safe.PAGE)
+                stop = min(end, (at // PAGE + 1) * PAGE)
                 image[at:stop] = data[at - place : stop - place]
                 at = stop
                 if number >= self.visible:
@@ -118,7 +118,7 @@ def test_file_is_complete_after_every_single_write(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, every: int
 ) -> None:
     """Chunks of few rows, so that the chunk trees split: the root at 64 chunks, then a leaf."""
-    monkeypatch.setattr(writer, "CHUNK_BYTES", 128)
+    monkeypatch.setattr(sys.modules[RecordWriter.__module__], "CHUNK_BYTES", 128)
     journal = Journal(monkeypatch)
     out = writer_of(tmp_path / "r.h5")
     marks = [(len(journal.changes), 0)]
@@ -234,8 +234,8 @@ def test_on_a_full_disk_a_record_stays_as_the_last_flush_left_it(
             raise OSError(errno.ENOSPC, "No space left on device")
         ftruncate(fd, length)
 
-    monkeypatch.setattr(crash_safe.os, "pwrite", write)
-    monkeypatch.setattr(crash_safe.os, "ftruncate", lengthen)
+    monkeypatch.setattr(os, "pwrite", write)
+    monkeypatch.setattr(os, "ftruncate", lengthen)
     told = rf"^{path}: .*No space left on device$"
     flushed = -1
     with pytest.raises(RecordError, match=told):  # noqa: PT012

@@ -44,9 +44,15 @@ def crowd(robots: int, **more: Any) -> Simulation:
     return simulation
 
 
+def sensed_before(simulation: Simulation) -> Sensed:
+    """What was sensed at the sample at which the last step began."""
+    assert simulation.last is not None
+    return simulation.last.sensed
+
+
 def shared(simulation: Simulation) -> Sensed:
     """Rows that all share, in an order that is not that of the robots, behind rows of nobody."""
-    sensed, robots = simulation._sense()[0], simulation.scene.robots
+    sensed, robots = sensed_before(simulation), simulation.scene.robots
     shuffled = np.random.default_rng(5).permutation(robots)
     taken = np.concatenate((np.resize(shuffled, 7), shuffled))
     first, end = np.full(robots, 7), np.full(robots, 7 + robots)
@@ -87,8 +93,9 @@ def test_observations_are_those_of_the_oracle(robots: int, rows: Any, plan: dict
 
 def test_what_is_asked_for_later_is_what_was_true_then() -> None:
     simulation = crowd(40)
-    sensed = simulation._sense()[0]
     kept = [simulation.observe(i) for i in range(40)]
+    simulation.step()
+    sensed = sensed_before(simulation)
     wanted = [contents(observed_at_once(simulation.scene, sensed, i), "o") for i in range(40)]
     for _ in range(20):
         simulation.step()
@@ -99,7 +106,9 @@ def test_what_is_asked_for_later_is_what_was_true_then() -> None:
 
 def test_an_observation_is_a_value_though_nothing_of_it_was_asked_for() -> None:
     simulation = crowd(12)  # the ninth sees a wall
-    wanted = contents(observed_at_once(simulation.scene, simulation._sense()[0], 8), "o")
+    ahead = copy.deepcopy(simulation)
+    ahead.step()
+    wanted = contents(observed_at_once(ahead.scene, sensed_before(ahead), 8), "o")
     for form in (
         lambda o: pickle.loads(pickle.dumps(o)),
         copy.copy,

@@ -20,8 +20,8 @@ from physim.record import Record
 from physim.world.file import load_world
 from tests.helpers import THREE, Says, facts, inside, road
 
-Recorder, LateError, record_run = inside("physim.simulation", "Recorder", "LateError", "record_run")
-find_world = inside("physim.world.file", "find_world")
+LateError, record_run = inside("physim.simulation", "LateError", "record_run")
+RECORDER = sys.modules[inside("physim.simulation", "Recorder").__module__]
 
 
 @pytest.fixture(scope="module")
@@ -77,11 +77,11 @@ def test_blocks_of_any_length_give_the_same_record(
         time = type(wild.time)(step=0.01, duration=2.99, record_every=every)
         world = wild.changed(time=time)
         whole = simulate(world, controller=Says(drift))
-        monkeypatch.setattr("physim.simulation.recorder.BLOCK_SECONDS", -1.0)  # every step
+        monkeypatch.setattr(RECORDER, "BLOCK_SECONDS", -1.0)  # every step
         assert simulate(world, controller=Says(drift)).digest() == whole.digest()
-        monkeypatch.setattr("physim.simulation.recorder.BLOCK_SECONDS", 1e9)
+        monkeypatch.setattr(RECORDER, "BLOCK_SECONDS", 1e9)
         assert simulate(world, controller=Says(drift)).digest() == whole.digest()
-        monkeypatch.setattr("physim.simulation.recorder.BLOCK_STEPS", 13)
+        monkeypatch.setattr(RECORDER, "BLOCK_STEPS", 13)
         assert simulate(world, controller=Says(drift)).digest() == whole.digest()
         monkeypatch.undo()
 
@@ -90,15 +90,14 @@ def test_blocks_of_any_length_give_the_same_record(
 def test_another_process_gives_the_same_digest(hash_seed: str) -> None:
     script = (
         "import physim\n"
-        "from physim.world.file.files import find_world\n"
-        "world = physim.load_world(find_world('three_robots'), overrides=['time.duration=2.0'])\n"
+        "world = physim.load_world('three_robots', overrides=['time.duration=2.0'])\n"
         "print(physim.simulate(world, seed=12).digest())"
     )
     done = subprocess.run(
         [sys.executable, "-c", script],
         capture_output=True, text=True, env={**os.environ, "PYTHONHASHSEED": hash_seed},
     )  # fmt: skip
-    world = load_world(find_world("three_robots"), overrides=["time.duration=2.0"])
+    world = load_world("three_robots", overrides=["time.duration=2.0"])
     assert done.stdout.strip() == simulate(world, seed=12).digest(), done.stderr
 
 
@@ -121,7 +120,7 @@ def test_a_run_says_how_it_ended(monkeypatch: pytest.MonkeyPatch) -> None:
     # still: the last 0.5 s lie within 1 cm, which the last step of 9 mm does, too
     assert since.tolist() == [k + 49 for k in stood]
     for steps in (1, 10, 1000):  # whatever the blocks in which it is recorded
-        monkeypatch.setattr("physim.simulation.recorder.BLOCK_STEPS", steps)
+        monkeypatch.setattr(RECORDER, "BLOCK_STEPS", steps)
         assert simulate(world, controller=Says(until)).arrived.tolist() == since.tolist()
     record = simulate(road(near, duration=0.25), controller=Says(until))
     assert (record.ended, record.steps_run, record.steps_planned) == ("duration", 25, 25)

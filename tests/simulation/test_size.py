@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import re
 import shutil
+import sys
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -63,6 +64,6 @@ def test_a_record_that_does_not_fit_is_refused(
         simulate(scene.world, path=tmp_path / "r.h5")
     assert list(tmp_path.iterdir()) == []
     check_room(size, None)  # in memory it fits
-    monkeypatch.setattr("physim.simulation.size.memory", lambda: float(free))
+    monkeypatch.setattr(sys.modules[size_of.__module__], "memory", lambda: float(free))
     with pytest.raises(RecordError, match=facts("memory", "time.record_every")):
         simulate(scene.world)

@@ -228,6 +228,27 @@ def test_filters_and_disturbances_stand_in_their_order(kind: str) -> None:
         assert simulation.last.applied[:, 0] == pytest.approx([reached] * 3)
 
 
+def test_filters_see_what_is_sensed_and_remember() -> None:
+    seen = []
+
+    class Looks:
+        def start(self, scene: Any) -> int:
+            return 0
+
+        def filter(self, scene: Any, sensed: Sensed, nominal: Any, state: int) -> Any:
+            seen.append((state, sensed.step, sensed.pose))
+            return nominal, state + 1
+
+    simulation = Simulation(world(HAZE), filters=[Looks()])
+    for _ in range(5):
+        simulation.step()
+        assert simulation.last is not None
+        assert seen[-1][2] is simulation.last.sensed.pose
+        assert simulation.last.filtered is simulation.last.nominal
+    assert [(state, step) for state, step, _ in seen] == [(k, k) for k in range(5)]
+    assert len(seen[0][2]) == 9
+
+
 @pytest.mark.parametrize("dtype", [">f8", "f4", "i8", "object"])
 @pytest.mark.parametrize("kind", ["filters", "disturbances"])
 def test_commands_may_be_of_any_type_of_number(kind: str, dtype: str) -> None:

@@ -1,8 +1,10 @@
-"""A record is complete at every moment: every prefix of its writes, and real kills."""
+"""A record is complete at every moment: after each write, a kill, on a full disk; one writer."""
 
 from __future__ import annotations
 
+import errno
 import io
+import itertools
 import os
 import random
 import signal
@@ -19,11 +21,12 @@ import numpy as np
 import pytest
 
 from physim.contacts import CONTACT_ROW
-from physim.record import Record, RecordWriter, crash_safe, writer
-from tests.helpers import inside
-from tests.helpers.records import DECLARED, UPDATE, make_scene
+from physim.errors import RecordError
+from physim.record import Record, RecordWriter
+from tests.helpers import facts, inside
+from tests.helpers.records import DECLARED, UPDATE, make_record, make_scene
 
-CONSIDERING, OTHERS = inside("physim.record", "CONSIDERING", "OTHERS")
+CONSIDERING, OTHERS, PAGE = inside("physim.record", "CONSIDERING", "OTHERS", "PAGE")
 
 ROOT = Path(__file__).parents[2]
 
@@ -86,9 +89,9 @@ class Journal:
             self.visible = len(self.changes)
             replace(old, new)
 
-        monkeypatch.setattr(crash_safe.os, "pwrite", note_write)
-        monkeypatch.setattr(crash_safe.os, "ftruncate", note_length)
-        monkeypatch.setattr(crash_safe.os, "replace", note_name)
+        monkeypatch.setattr(os, "pwrite", note_write)
+        monkeypatch.setattr(os, "ftruncate", note_length)
+        monkeypatch.setattr(os, "replace", note_name)
 
     def images(self) -> Iterator[tuple[int, bytes]]:
         """File after each change, and between the pages of each; with the number of changes."""
@@ -103,22 +106,21 @@ class Journal:
             image.extend(bytes(max(0, end - len(image))))
             at = place
             while at < end:
-                stop = min(end, (at // crash_safe.PAGE + 1) * crash_safe.PAGE)
+                stop = min(end, (at // PAGE + 1) * PAGE)
                 image[at:stop] = data[at - place : stop - place]
                 at = stop
                 if number >= self.visible:
                     yield number, bytes(image)
 
 
+@pytest.mark.parametrize("every", [29, pytest.param(1, marks=pytest.mark.deep)])
 def test_file_is_complete_after_every_single_write(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, every: int
 ) -> None:
     """Chunks of few rows, so that the chunk trees split: the root at 64 chunks, then a leaf."""
-    monkeypatch.setattr(writer, "CHUNK_BYTES", 128)
+    monkeypatch.setattr(sys.modules[RecordWriter.__module__], "CHUNK_BYTES", 128)
     journal = Journal(monkeypatch)
-    out = RecordWriter(
-        tmp_path / "r.h5", make_scene(), "name: x\n", name="x", declared=DECLARED, flush_every_s=1e9
-    )
+    out = writer_of(tmp_path / "r.h5")
     marks = [(len(journal.changes), 0)]
     total = 0
     for rows in (1, 61, 1, 1, 1, 1, 48, *[1] * 14):
@@ -129,14 +131,14 @@ def test_file_is_complete_after_every_single_write(
     out.close("duration", steps_run=total - 1, rejected=0, wall_clock={"seconds": 1.0})
 
     checked = 0
-    for number, image in journal.images():
+    for number, image in itertools.islice(journal.images(), 0, None, every):
         if number < journal.visible:
             continue
         least = max((rows for done, rows in marks if done <= number + 1), default=0)
         with h5py.File(io.BytesIO(image), "r") as file:
             assert check(Record(file), least) <= total
         checked += 1
-    assert checked > 200
+    assert checked > 200 / every
     with Record.load(tmp_path / "r.h5") as record:
         assert (check(record, total), record.ended) == (total, "duration")
 
@@ -161,8 +163,22 @@ SCRIPT = """
 """
 
 
-@pytest.mark.parametrize("seed", range(3))
-def test_record_survives_a_kill(tmp_path: Path, seed: int) -> None:
+def writer_of(path: Path, *, overwrite: bool = True) -> RecordWriter:
+    return RecordWriter(
+        path, make_scene(), "name: x\n", name="x", declared=DECLARED, flush_every_s=1e9,
+        overwrite=overwrite,
+    )  # fmt: skip
+
+
+def closed(out: RecordWriter, samples: int) -> None:
+    out.close("duration", steps_run=samples - 1, rejected=0, wall_clock={})
+
+
+AT_IT = facts("r.h5: ", "another", "writing")
+
+
+@pytest.mark.parametrize("seed", [0, *(pytest.param(k, marks=pytest.mark.deep) for k in (1, 2))])
+def test_record_survives_a_kill_and_may_be_written_anew(tmp_path: Path, seed: int) -> None:
     path = tmp_path / "r.h5"
     process = subprocess.Popen(
         [sys.executable, "-c", textwrap.dedent(SCRIPT), str(path)],
@@ -170,31 +186,22 @@ def test_record_survives_a_kill(tmp_path: Path, seed: int) -> None:
     )  # fmt: skip
     assert process.stdout is not None
     process.stdout.readline()
+    with pytest.raises(RecordError, match=AT_IT):
+        writer_of(path)
     time.sleep(random.Random(seed).uniform(0.0, 0.1))
     process.send_signal(signal.SIGKILL)
     told = [int(line) for line in process.stdout]
     process.wait()
     process.stdout.close()
-    with h5py.File(path) as file:
-        assert len(file["/steps/pose"]) >= max(told, default=700)
-        assert file.attrs["ended"] == b"running"
     with Record.load(path) as record:
+        assert record.ended == "running"
         assert check(record, max(told, default=700)) == record.steps_run + 1
-
-
-def test_block_of_the_index_is_written_last_page_first(monkeypatch: pytest.MonkeyPatch) -> None:
-    calls: list[tuple[int, bytes]] = []
-
-    def pwrite(fd: int, data: Any, address: int) -> int:
-        part = bytes(data)[:3000]  # the system may write less than it is given
-        calls.append((address, part))
-        return len(part)
-
-    monkeypatch.setattr(crash_safe.os, "pwrite", pwrite)
-    block = bytes(range(256)) * 20
-    crash_safe._write_last_page_first(0, block, 4000)
-    assert [address for address, _ in calls] == [8192, 4096, 7096, 4000]
-    assert b"".join(part for _, part in sorted(calls)) == block
+    out = writer_of(path)
+    append(out, 0, 30)
+    closed(out, 30)
+    with out.record() as record:
+        assert check(record, 30) == 30
+    assert [file.name for file in tmp_path.iterdir()] == ["r.h5"]
 
 
 def test_nothing_is_left_of_a_record_that_cannot_begin(tmp_path: Path) -> None:
@@ -203,3 +210,109 @@ def test_nothing_is_left_of_a_record_that_cannot_begin(tmp_path: Path) -> None:
     with pytest.raises(AttributeError):
         RecordWriter(tmp_path / "r.h5", scene, "name: x", name="x")
     assert list(tmp_path.iterdir()) == []
+
+
+ROOMS = [0, 3_000, 60_000, 128_000, 300_000]
+MORE_ROOMS = [50_000, *range(77_000, 400_000, 17_000)]
+
+
+@pytest.mark.parametrize(
+    "room", [*ROOMS, *(pytest.param(one, marks=pytest.mark.deep) for one in MORE_ROOMS)]
+)
+def test_on_a_full_disk_a_record_stays_as_the_last_flush_left_it(
+    room: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    pwrite, ftruncate, path = os.pwrite, os.ftruncate, tmp_path / "r.h5"
+
+    def write(fd: int, data: Any, address: int) -> int:
+        if address >= room:
+            raise OSError(errno.ENOSPC, "No space left on device")
+        return pwrite(fd, data[: room - address], address)
+
+    def lengthen(fd: int, length: int) -> None:
+        if length > room:
+            raise OSError(errno.ENOSPC, "No space left on device")
+        ftruncate(fd, length)
+
+    monkeypatch.setattr(os, "pwrite", write)
+    monkeypatch.setattr(os, "ftruncate", lengthen)
+    told = rf"^{path}: .*No space left on device$"
+    flushed = -1
+    with pytest.raises(RecordError, match=told):  # noqa: PT012
+        out = writer_of(path)
+        flushed = 0
+        for block in range(200):
+            append(out, 50 * block, 50 * block + 50)
+            out.flush()
+            flushed = 50 * block + 50
+    if flushed < 0:
+        assert list(tmp_path.iterdir()) == []
+        return
+    for again in (out.flush, lambda: append(out, 0, 1), lambda: closed(out, 2)):
+        with pytest.raises(RecordError, match=told):
+            again()
+    with Record.load(path) as record:
+        assert check(record, flushed) == flushed
+        assert record.ended == "running"
+    assert [file.name for file in tmp_path.iterdir()] == ["r.h5"]
+
+
+# One writer at a time
+
+
+def test_the_second_writer_is_refused_and_the_first_goes_on(tmp_path: Path) -> None:
+    path = tmp_path / "r.h5"
+    with make_record(seconds=0.1) as other:
+        first = writer_of(path)
+        append(first, 0, 50)
+        for second in (lambda: writer_of(path), lambda: other.save(path)):
+            with pytest.raises(RecordError, match=AT_IT):
+                second()
+    first.flush()
+    with h5py.File(path) as file:  # whoever only reads may do so meanwhile
+        assert len(file["/steps/step"]) == 50
+    with pytest.raises(RecordError, match=AT_IT):
+        writer_of(path)
+    append(first, 50, 80)
+    closed(first, 80)
+    with first.record() as record:
+        assert check(record, 80) == 80
+    assert [file.name for file in tmp_path.iterdir()] == ["r.h5"]
+    closed(writer_of(path), 0)  # once it has ended, it may be written again
+
+
+@pytest.mark.parametrize("gone", ["removed", "replaced"])
+def test_a_record_that_is_gone_is_not_said_to_be_written(tmp_path: Path, gone: str) -> None:
+    path = tmp_path / "r.h5"
+    out = writer_of(path)
+    append(out, 0, 10)
+    if gone == "removed":
+        path.unlink()
+    else:
+        make_record(tmp_path / "other.h5", seconds=0.1).close()
+        os.replace(tmp_path / "other.h5", path)
+    with pytest.raises(RecordError, match=facts("r.h5: ", "cannot be written", "no longer there")):
+        closed(out, 10)
+    assert path.exists() == (gone == "replaced")
+    if path.exists():
+        with Record.load(path) as record:
+            assert record.name == "made up"
+    assert not list(tmp_path.glob(".*"))
+
+
+def test_what_came_into_being_meanwhile_is_not_overwritten(tmp_path: Path) -> None:
+    path = tmp_path / "r.h5"
+    path.write_text("mine")
+    with pytest.raises(RecordError, match=facts("r.h5: ", "exists")):
+        writer_of(path, overwrite=False)
+    assert {file.name: file.read_text() for file in tmp_path.iterdir()} == {"r.h5": "mine"}
+
+
+def test_a_link_in_the_place_of_the_lock_is_not_followed(tmp_path: Path) -> None:
+    outside, path = tmp_path / "outside", tmp_path / "out/r.h5"
+    path.parent.mkdir()
+    (path.parent / ".r.h5.lock").symlink_to(outside)
+    with pytest.raises(RecordError, match=r"^[^\n]*/\.r\.h5\.lock: is a symbolic link[^\n]*$"):
+        writer_of(path)
+    assert not outside.exists()
+    assert [file.name for file in path.parent.iterdir()] == [".r.h5.lock"]

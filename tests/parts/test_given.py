@@ -17,6 +17,7 @@ from physim import simulate
 from physim.analysis.summary import summarise, table_rows
 from physim.errors import RecordError
 from tests.helpers import inside, road
+from tests.helpers.stages import Changes
 
 ModeSwitching = inside("physim.controllers", "ModeSwitching")
 ModeSwitchingSettings = inside("physim.controllers", "ModeSwitchingSettings")
@@ -60,18 +61,15 @@ class Kept(Base):
         self.gap, self.far, self.scale = gap, far, scale
 
 
+class Scaled(Changes):
+    def __init__(self, share: float = 1.0) -> None:
+        super().__init__(lambda given: share * given)
+        self.share = share
+
+
 class NotKept(Base):
     def __init__(self, gap: float = 2.2, *more: int) -> None:
         self._gap = gap
-
-
-class Raises(Base):
-    def __init__(self, gap: float = 2.2) -> None:
-        pass
-
-    @property
-    def gap(self) -> float:
-        raise RuntimeError("no")
 
 
 def paced(part: Any) -> Any:
@@ -82,22 +80,16 @@ def paced(part: Any) -> Any:
 @pytest.mark.parametrize(
     ("part", "settings", "not_known"),
     [
-        (OfModel(Settings()), {}, ()),
         (OfModel(Settings(gap=3)), {"gap": 3.0}, ()),
         (Hidden(Settings(names=["b"])), {"names": ["b"]}, ()),
-        (AsData(), {}, ()),
         (AsData(1.0, [3]), {"gap": 1.0, "table": [3]}, ()),
         (Kept(scale=1.0), {"scale": 1.0}, ()),
         (Kept(3.0, np.array([1.0, 2.0]), scale=np.float32(0.5)),
          {"gap": 3.0, "far": [1.0, 2.0], "scale": 0.5}, ()),
         (Kept(far=print, scale=1.0), {"scale": 1.0}, ("far",)),
-        (Kept(far="x" * 10_000, scale=1.0), {"scale": 1.0}, ("far",)),
         (paced(Kept(scale=1.0)), {"scale": 1.0, "pace": 0.5}, ()),
         (NotKept(), {}, ("gap", "more")),
-        (Raises(), {}, ("gap",)),
-        (Base(), {}, ()),
         (ModeSwitching(ModeSwitchingSettings(time_low=0.7)), {"time_low": 0.7}, ()),
-        (ModeSwitching(), {}, ()),
     ],
 )  # fmt: skip
 def test_what_an_object_tells_of_its_settings(
@@ -108,29 +100,20 @@ def test_what_an_object_tells_of_its_settings(
     assert found.not_known == not_known
 
 
-class Slow:
-    def __init__(self, share: float = 1.0) -> None:
-        self.share = share
-
-    def start(self, scene: Any) -> None:
-        return None
-
-    def filter(self, scene: Any, sensed: Any, nominal: Any, state: Any) -> Any:
-        return self.share * nominal, state
-
-
 WORLD = road([[20.0, 0.0, 0.0]], duration=0.1)
 
 
 def test_settings_of_objects_stand_in_summary_and_table(tmp_path: Path) -> None:
     given = ModeSwitching(ModeSwitchingSettings(time_low=0.7))
-    record = simulate(WORLD, controller=given, filters=[Slow(0.5), Slow()], path=tmp_path / "r.h5")
+    record = simulate(
+        WORLD, controller=given, filters=[Scaled(0.5), Scaled()], path=tmp_path / "r.h5"
+    )
     read = physim.Record.load(tmp_path / "r.h5")
     assert read.given_settings == record.given_settings
     found = json.loads(summarise(read).to_json())
     assert found["controller"]["settings"] == {"time_low": 0.7}
     assert "not_known" not in found["controller"]
-    assert [one.endswith("Slow (share 0.5)") for one in found["from_python"]] == [True, False]
+    assert [one.endswith("Scaled (share 0.5)") for one in found["from_python"]] == [True, False]
     assert "time_low 0.7" in dict(table_rows(summarise(read)))["controller"]
     told = json.loads(summarise(simulate(WORLD, controller=NotKept(3.0))).to_json())["controller"]
     assert told["settings"] == {}
@@ -144,15 +127,13 @@ def test_settings_that_are_not_the_worlds_are_never_told_as_the_worlds() -> None
     assert own.setup.controller.settings == {"time_low": 0.7}
     other = simulate(world, controller=ModeSwitching())
     assert other.setup.controller.settings == {}
-    named = WORLD.changed(controller={"type": "tests.test_given:OfModel", "gap": 1.0})
+    named = WORLD.changed(controller={"type": "tests.parts.test_given:OfModel", "gap": 1.0})
     assert simulate(named, controller=OfModel(Settings(gap=1.0))).given == ()
     record = simulate(named, controller=OfModel(Settings(gap=3.0)))
     assert record.setup.controller.settings == {"gap": 3.0}
 
 
-@pytest.mark.parametrize(
-    "text", ["{}", "[3]", '[{"settings": {}}]', "[", '[{"settings": {}, "not_known": [2]}]']
-)
+@pytest.mark.parametrize("text", ["[", "{}", '[{"settings": {}}]'])
 def test_settings_that_nothing_wrote_are_refused(tmp_path: Path, text: str) -> None:
     path = tmp_path / "r.h5"
     simulate(WORLD, controller=Base(), path=path)
@@ -160,13 +141,3 @@ def test_settings_that_nothing_wrote_are_refused(tmp_path: Path, text: str) -> N
         file.attrs["given_settings"] = text
     with pytest.raises(RecordError, match="given_settings"):
         physim.Record.load(path)
-
-
-def test_a_record_of_before_has_no_settings(tmp_path: Path) -> None:
-    path = tmp_path / "r.h5"
-    digest = simulate(WORLD, controller=Kept(scale=1.0), path=path).digest()
-    with h5py.File(path, "r+") as file:
-        del file.attrs["given_settings"]
-    record = physim.Record.load(path)
-    assert record.setup.controller.settings == {}
-    assert record.digest() == digest

@@ -1,4 +1,4 @@
-"""Observations: made later, yet what they would be if they were made whole and at once."""
+"""Observations: who and what is in range, stations and errors; made later, yet as of then."""
 
 from __future__ import annotations
 
@@ -11,8 +11,9 @@ from typing import Any, cast
 import numpy as np
 import pytest
 
-from physim import Decision, Observation, Sensed, Simulation, for_each
+from physim import Decision, Observation, Sensed, Simulation, for_each, simulate
 from physim.errors import PhysimError
+from physim.world import World
 from tests.helpers import Says, facts, inside, road
 from tests.oracles.observation import observe as observed_at_once
 
@@ -43,9 +44,15 @@ def crowd(robots: int, **more: Any) -> Simulation:
     return simulation
 
 
+def sensed_before(simulation: Simulation) -> Sensed:
+    """What was sensed at the sample at which the last step began."""
+    assert simulation.last is not None
+    return simulation.last.sensed
+
+
 def shared(simulation: Simulation) -> Sensed:
     """Rows that all share, in an order that is not that of the robots, behind rows of nobody."""
-    sensed, robots = simulation._sense()[0], simulation.scene.robots
+    sensed, robots = sensed_before(simulation), simulation.scene.robots
     shuffled = np.random.default_rng(5).permutation(robots)
     taken = np.concatenate((np.resize(shuffled, 7), shuffled))
     first, end = np.full(robots, 7), np.full(robots, 7 + robots)
@@ -66,7 +73,7 @@ def apart(simulation: Simulation) -> Sensed:
     return own(sensed._replace(pose=pose, end=end))
 
 
-@pytest.mark.parametrize("robots", [1, 9, 80])
+@pytest.mark.parametrize("robots", [1, 9, pytest.param(80, marks=pytest.mark.deep)])
 @pytest.mark.parametrize("rows", [shared, apart])
 @pytest.mark.parametrize("plan", [{"range": 4.0}, {"neighbours": "all"}])
 def test_observations_are_those_of_the_oracle(robots: int, rows: Any, plan: dict[str, Any]) -> None:
@@ -84,42 +91,11 @@ def test_observations_are_those_of_the_oracle(robots: int, rows: Any, plan: dict
     assert walls > 0
 
 
-def test_just_within_range_counts_whatever_the_rounding() -> None:
-    """Places about a robot at the range, on the grid of floating-point numbers."""
-    for x in (0.0, 0.1, 1e5 + 0.3):
-        for reach in (0.3, 10.0):
-            edge = x + reach
-            place = np.array([x, *np.nextafter(edge, [-np.inf, np.inf]), edge, x - reach])
-            pose = np.c_[place, np.zeros((5, 2))]
-            assert _windowed(pose, 0, reach) == _in_range(pose, 0, reach)
-            assert _windowed(pose[:, [1, 0, 2]], 0, reach) == _in_range(pose, 0, reach)
-
-
-def test_a_window_finds_everybody_in_range() -> None:
-    rng = np.random.default_rng(7)
-    for stretch in ([80.0, 4.0, 1.0], [4.0, 80.0, 1.0], [20.0, 20.0, 1.0]):
-        pose = rng.uniform(-1.0, 1.0, (120, 3)) * stretch
-        for k in range(0, 120, 7):
-            assert _windowed(pose, k, 6.0) == _in_range(pose, k, 6.0)
-
-
-def _windowed(pose: FloatArray, k: int, reach: float) -> list[int]:
-    order, axis = sorted_places(pose)
-    low, high = window_along(pose[order, axis], pose[[k], axis], reach)
-    start, found = rows_in_range(pose, order, low, high, np.array([k]), reach)
-    assert start.tolist() == [0, len(found)]
-    return sorted(found.tolist())
-
-
-def _in_range(pose: FloatArray, k: int, reach: float) -> list[int]:
-    near = np.square(pose[:, :2] - pose[k, :2]).sum(axis=1) <= reach * reach
-    return [j for j in np.flatnonzero(near).tolist() if j != k]
-
-
 def test_what_is_asked_for_later_is_what_was_true_then() -> None:
     simulation = crowd(40)
-    sensed = simulation._sense()[0]
     kept = [simulation.observe(i) for i in range(40)]
+    simulation.step()
+    sensed = sensed_before(simulation)
     wanted = [contents(observed_at_once(simulation.scene, sensed, i), "o") for i in range(40)]
     for _ in range(20):
         simulation.step()
@@ -130,7 +106,9 @@ def test_what_is_asked_for_later_is_what_was_true_then() -> None:
 
 def test_an_observation_is_a_value_though_nothing_of_it_was_asked_for() -> None:
     simulation = crowd(12)  # the ninth sees a wall
-    wanted = contents(observed_at_once(simulation.scene, simulation._sense()[0], 8), "o")
+    ahead = copy.deepcopy(simulation)
+    ahead.step()
+    wanted = contents(observed_at_once(ahead.scene, sensed_before(ahead), 8), "o")
     for form in (
         lambda o: pickle.loads(pickle.dumps(o)),
         copy.copy,
@@ -146,6 +124,9 @@ def test_an_observation_is_a_value_though_nothing_of_it_was_asked_for() -> None:
     assert re.search(facts("Observation 8", seen.name, f"{seen.station:.3f}"), repr(seen))
     assert len(repr(seen)) < 200
     assert "walls" not in vars(seen)  # not made for that
+    for array in (*seen.path.lines, seen.path.outside):
+        with pytest.raises(ValueError, match="read-only"):
+            array[...] = 1
     with pytest.raises(AttributeError):
         simulation.observe(8).other  # type: ignore[attr-defined]  # noqa: B018
 
@@ -157,28 +138,87 @@ def test_robots_are_observed_by_number(i: Any) -> None:
     assert crowd(12).observe(cast(int, np.int64(3))).index == 3
 
 
-def test_arrays_cannot_be_written_to() -> None:
-    o = crowd(12).observe(8)
-    for array in (o.pose, *o.footprint, *o.walls, *(s.pose for s in o.others)):
-        with pytest.raises(ValueError, match="read-only"):
-            array[0] = 1.0
-    assert o.others
+# Stations, formation errors and neighbours
+
+STAND = Says(lambda o: Decision(0.0, 0.0, hold=0.1))
+PLACES = [[20.0, -6.0, 0.0], [23.0, 0.0, 0.0], [29.0, 6.0, 0.0]]
 
 
-def test_a_path_cannot_be_changed() -> None:
-    """What a controller sees of it at its next decision is what it was."""
-    ends = []
+def cluster(**plan: Any) -> World:
+    """Three robots; the reference path begins 5 m later than their own paths."""
+    return road(
+        PLACES,
+        duration=0.1,
+        reference_path=[[5.0, 0.0], [195.0, 0.0]],
+        formation={"spacing": [0.0, 2.0, 12.0], "range": 8.0, **plan},
+    )
 
-    def bends(o: Observation) -> Decision:
-        ends.append(o.path.points[-1].tolist())
-        for array in (*o.path.lines, o.path.outside):
-            with pytest.raises(ValueError, match="read-only"):
-                array[...] = 1
-        with pytest.raises(AttributeError):
-            o.path.outside = np.ones((1, 2))  # type: ignore[misc]
-        return Decision(0.0, 0.0, hold=0.01)
 
-    simulation = Simulation(road([[20.0, 0.0, 0.0]]), controller=Says(bends))
-    for _ in range(3):
-        simulation.step()
-    assert ends == [[200.0, 0.0]] * 3
+def test_a_robot_behind_its_place_has_a_positive_formation_error() -> None:
+    """(10): its distance to the mean place of all robots, less the desired one."""
+    record = simulate(cluster(), controller=STAND)
+    rows = record.updates[record.updates["step"] == 0]
+    assert rows["reference_station"] == pytest.approx([15.0, 18.0, 24.0])
+    # on average the robots are at 19 m and should lead the first by 14/3 m
+    wanted = np.array([0.0, 2.0, 12.0]) - 14.0 / 3.0
+    assert rows["formation_error"] == pytest.approx(19.0 + wanted - [15.0, 18.0, 24.0])
+    assert rows["formation_error"][2] > 0.0  # it should lead by 12 m, and leads by 9 m
+
+
+def test_deviations_in_the_record_are_positive_on_the_left() -> None:
+    robots = [robot.model_dump() for robot in cluster().robots]
+    for robot, aside in zip(robots, (0.5, -1.5, 0.0), strict=True):
+        robot["path"] = [[0.0, robot["pose"][1] - aside], [200.0, robot["pose"][1] - aside]]
+    record = simulate(cluster().changed(robots=robots), controller=STAND)
+    rows = record.updates[record.updates["step"] == 0]
+    assert rows["deviation"] == pytest.approx([0.5, -1.5, 0.0])
+    assert rows["station"] == pytest.approx([20.0, 23.0, 29.0])
+
+
+@pytest.mark.parametrize(
+    ("neighbours", "reach", "expected"),
+    [
+        ("range", 8.0, [[1], [0, 2], [1]]),
+        ("range", 2.9, [[], [], []]),
+        ("range", 9.0, [[1, 2], [0, 2], [0, 1]]),  # just within counts
+        ("all", 2.9, [[1, 2], [0, 2], [0, 1]]),
+        ([["r3", "r1"]], 2.9, [[2], [], [0]]),
+    ],
+)
+def test_neighbours_are_within_range_along_the_reference_path(
+    neighbours: Any, reach: float, expected: list[list[int]]
+) -> None:
+    """Along s*, however far aside; and their stations and leads are told."""
+    simulation = Simulation(cluster(neighbours=neighbours, range=reach), controller=STAND)
+    for i, others in enumerate(expected):
+        seen = simulation.observe(i).neighbours
+        assert [one.index for one in seen] == others
+        assert [one.station for one in seen] == pytest.approx(
+            [(15.0, 18.0, 24.0)[j] for j in others]
+        )
+        assert [one.lead for one in seen] == [(0.0, 2.0, 12.0)[j] for j in others]
+
+
+def test_the_range_of_sensing_is_its_own() -> None:
+    """Neighbours of the formation are told of however short the sight is; and the other way."""
+    short = cluster(range=50.0).changed(sensing={"range": 4.0})
+    simulation = Simulation(short, controller=STAND)
+    assert simulation.observe(0).range == 4.0
+    assert simulation.observe(0).others == ()
+    assert [one.index for one in simulation.observe(0).neighbours] == [1, 2]
+    far = cluster(range=1.0).changed(sensing={"range": 60.0})
+    simulation = Simulation(far, controller=STAND)
+    assert [one.index for one in simulation.observe(0).others] == [1, 2]
+    assert simulation.observe(0).neighbours == ()
+    alone = road(PLACES, sensing={"range": 7.0})
+    assert [one.index for one in Simulation(alone, controller=STAND).observe(0).others] == [1]
+    assert Simulation(road(PLACES), controller=STAND).observe(0).range == 10.0
+
+
+def test_stations_go_with_the_robots() -> None:
+    simulation = Simulation(cluster(), controller=STAND)
+    for _ in range(50):
+        simulation.step(np.array([[1.0, 0.0], [0.0, 0.0], [-0.5, 0.0]]))
+    now = simulation.now
+    assert now.station == pytest.approx([20.5, 23.0, 28.75])
+    assert now.reference_station == pytest.approx([15.5, 18.0, 23.75])

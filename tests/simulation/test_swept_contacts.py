@@ -8,10 +8,10 @@ import math
 import numpy as np
 import pytest
 
-from physim import Decision, Scene, Simulation, Step, build_scene, simulate
+from physim import Scene, Simulation, Step, build_scene, simulate
 from physim.contacts import Kind, Phase
 from physim.world.file import parse_world
-from tests.helpers import Says, inside, road
+from tests.helpers import inside, road
 
 FloatArray, locked = inside("physim.geometry", "FloatArray", "locked")
 ROOM, SweptContactFinder = inside("physim.simulation", "ROOM", "SweptContactFinder")
@@ -47,7 +47,8 @@ def rows(scene: Scene, course: FloatArray) -> np.ndarray:
 
 
 def test_a_graze_is_told_at_the_sample_after_it(scene: Scene, course: FloatArray) -> None:
-    (row,) = rows(scene, course)
+    """The engine sees none of it, and a step looked at alone tells the same."""
+    (row,) = whole = rows(scene, course)
     gap = np.hypot(*(course[:, 1, :2] - course[:, 0, :2] - [0.9, 0.5]).T)
     nearest = int(np.argmin(gap[:-1] + gap[1:])) + 1
     assert (row["step"], row["a"], row["b"]) == (nearest, 0, 1)
@@ -55,13 +56,9 @@ def test_a_graze_is_told_at_the_sample_after_it(scene: Scene, course: FloatArray
     assert 0.0 < row["depth"] < DEPTH
     assert (row["x"], row["y"]) == pytest.approx((20.9, 0.5), abs=2e-3)
     assert row["nx"] + row["ny"] > 0.0  # from the first to the second
-
-
-def test_a_step_is_looked_at_alone_as_after_others(scene: Scene, course: FloatArray) -> None:
-    whole = rows(scene, course)
-    step = int(whole["step"][0])
-    alone = SweptContactFinder(scene).rows(step, course[step - 1], course[step])
+    alone = SweptContactFinder(scene).rows(nearest, course[nearest - 1], course[nearest])
     assert alone.tobytes() == whole.tobytes()
+    assert len(Simulation(scene).contacts) == 0
 
 
 def test_more_grazes_in_a_step_than_there_is_room_for_at_first(
@@ -75,12 +72,6 @@ def test_more_grazes_in_a_step_than_there_is_room_for_at_first(
     (alone,) = rows(scene, course)
     assert found["step"].tolist() == [alone["step"]] * pairs
     assert found["a"].tolist() == list(range(0, 2 * pairs, 2))
-
-
-def test_the_engine_sees_none_of_it(scene: Scene) -> None:
-    """So that it is the search that finds it."""
-    simulation = Simulation(scene, controller=Says(lambda o: Decision(0.0, 0.0, hold=1.0)))
-    assert len(simulation.contacts) == 0
 
 
 SPINNING = """

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -71,93 +70,52 @@ def test_commands_may_be_given_step_by_step() -> None:
     assert np.array_equal(before, build_scene(road(THREE)).start)  # an old pose stays as it was
     command[:] = 0.0
     assert simulation.command[0, 0] == 1.0
-
-
-def test_robots_that_were_steered_by_hand_are_asked_afterwards() -> None:
     says = Says(lambda o: Decision(o.v / 2.0, 0.0, hold=1.0))
-    simulation = Simulation(road(THREE), controller=says)
-    simulation.step(np.full((3, 2), 0.5))
-    simulation.step()
+    driven = Simulation(road(THREE), controller=says)
+    driven.step(np.full((3, 2), 0.5))
+    driven.step()  # steered by hand so far, robots are asked
     assert says.asked == [(0, 1), (1, 1), (2, 1)]
-    assert np.array_equal(simulation.command[:, 0], [0.25, 0.25, 0.25])
+    assert driven.command[:, 0].tolist() == [0.25] * 3
 
 
-# Commands and controllers that are refused
+# Commands and controllers that fail
 
 
 @pytest.mark.parametrize(
-    ("commands", "said"),
+    ("robot", "column", "value", "said"),
     [
-        ([[0.0, 0.0], [math.nan, 0.0], [0.0, 0.0]], ("r2", "0.02 s", "v", "nan m/s")),
-        ([[0.0, 0.0], [0.0, 0.0], [0.0, math.inf]], ("r3", "0.02 s", "omega", "inf rad/s")),
-        (
-            [[1.51, 0.0], [0.0, 0.0], [0.0, 0.0]],
-            ("r1", "0.02 s", "v", "1.51 m/s", "1.5 m/s"),
-        ),
-        (
-            [[0.0, -1.7], [0.0, 0.0], [0.0, 0.0]],
-            ("r1", "0.02 s", "omega", "-1.7 rad/s", "1.6 rad/s"),
-        ),
-        (
-            [[0.0, float(np.float32(-1.6))], [0.0, 0.0], [0.0, 0.0]],
-            ("r1", "omega", "-1.60000002 rad/s", "1.6 rad/s", "32 bits"),
-        ),
-        ([[0.0, 0.0]], ("0.02 s", "(1, 2)", "(3, 2)")),
-        ([0.0, 0.0, 0.0], ("0.02 s", "(3,)", "(3, 2)")),
+        (1, 0, math.nan, ("r2", "v", "nan m/s")),
+        (2, 1, math.inf, ("r3", "omega", "inf rad/s")),
+        (0, 0, 1.5 * (1 + 1e-6), ("r1", "v", "1.5 m/s")),
+        (0, 1, -1.7, ("r1", "omega", "-1.7 rad/s", "1.6 rad/s")),
+        (0, 1, float(np.float32(-1.6)), ("r1", "-1.60000002 rad/s", "1.6 rad/s", "32 bits")),
+        (0, slice(1, 1), 0.0, ("(3, 1)", "(3, 2)")),
     ],
 )
-def test_bad_commands_are_refused_with_robot_and_time(commands: Any, said: tuple[str, ...]) -> None:
+def test_bad_commands_are_refused_with_robot_and_time(
+    robot: int, column: Any, value: float, said: tuple[str, ...]
+) -> None:
+    """At the limit a command is fine; a refused one changes nothing."""
     simulation = Simulation(road(THREE))
-    simulation.step()
+    simulation.step(np.array([[0.5 * 3, 1.6], [-1.5, -1.6], [0.0, 0.0]]))
     simulation.step()
     pose = simulation.pose.copy()
-    with pytest.raises(ControllerError, match=facts(*said)):
-        simulation.step(np.array(commands))
+    commands = np.zeros((3, 1 if isinstance(column, slice) else 2))
+    commands[robot, column] = value
+    with pytest.raises(ControllerError, match=facts("0.02 s", *said)):
+        simulation.step(commands)
     assert simulation.step_number == 2
     assert np.array_equal(simulation.pose, pose)
 
 
-def test_a_command_at_the_limit_is_fine() -> None:
-    simulation = Simulation(
-        road(THREE, limits={"v": 0.3, "omega": 0.1}), controller=Says(lambda o: None)
-    )
-    simulation.step(np.array([[0.1 * 3, 0.1], [-0.3, -0.1], [0.0, 0.0]]))
-    with pytest.raises(ControllerError):
-        simulation.step(np.array([[0.3 * (1 + 1e-6), 0.0], [0.0, 0.0], [0.0, 0.0]]))
-
-
-def raises(o: Observation) -> Decision:
-    raise KeyError("lost")
-
-
-@pytest.mark.parametrize(
-    ("decide", "said"),
-    [
-        (lambda o: Decision(math.nan, 0.0, 0.1), ("v", "nan")),
-        (
-            lambda o: Decision(0.0, 2.0, 0.1),
-            ("omega", "2 rad/s", "1.6 rad/s"),
-        ),
-        (lambda o: Decision(0.0, 0.0, math.nan), ("hold", "nan")),
-        (lambda o: Decision(0.0, 0.0, -0.1), ("hold", "-0.1")),
-        (raises, ("KeyError", "lost")),
-        (lambda o: None, ("decide", "NoneType", "Decision")),
-        (lambda o: (1.0, 0.0), ("decide", "tuple", "Decision")),
-    ],
-)
-def test_a_faulty_controller_stops_the_run_with_robot_and_time(
-    decide: Callable[[Observation], Any], said: tuple[str, ...], tmp_path: Path
-) -> None:
+def test_a_controller_that_fails_stops_the_run_and_the_record_is_kept(tmp_path: Path) -> None:
     def later(o: Observation) -> Decision:
-        faulty = o.index == 1 and o.time > 0.045
-        return decide(o) if faulty else Decision(1.0, 0.0, hold=0.01)
+        return Decision(1.0, 0.0, hold=[0.01][o.index == 1 and o.time > 0.045])
 
-    with pytest.raises(ControllerError, match=facts("r2", "0.05 s", *said)) as caught:
+    with pytest.raises(ControllerError, match=facts("r2", "0.05 s", "IndexError")):
         simulate(road(THREE), controller=Says(later), path=tmp_path / "r.h5")
-    assert "\n" not in str(caught.value)
     with Record.load(tmp_path / "r.h5") as record:
-        assert record.ended == "error"
-        assert record.steps_run == 5
+        assert (record.ended, record.steps_run) == ("error", 5)
         assert record.steps.tolist() == list(range(6))
         assert record.updates["step"].max() == 4
 
@@ -169,14 +127,11 @@ def test_a_faulty_controller_stops_the_run_with_robot_and_time(
     ("dt", "hold", "steps"),
     [
         (0.01, 0.1, 10),
-        (0.02, 0.1, 5),
-        (0.05, 0.1, 2),
         (0.03, 0.1, 3),
         (0.01, 0.29, 29),  # 0.29 / 0.01 is a hair below 29
         (0.01, 0.0299, 2),
         (0.01, 0.005, 1),
         (0.01, 0.0, 1),
-        (0.01, 1e300, 10**9),
         (0.01, math.inf, 10**9),
     ],
 )
@@ -228,63 +183,6 @@ def test_all_decide_from_the_commands_held_before() -> None:
     seen.clear()
     simulation.step()
     assert all(v == 0.1 * j + 0.2 for _, j, v in seen)
-
-
-# Filters
-
-
-class Scale:
-    """A filter: each speed times a factor; counts its calls in its state."""
-
-    def __init__(self, v: float, omega: float) -> None:
-        self.factor = np.array([v, omega])
-        self.met: list[tuple[int, float, int]] = []
-
-    def start(self, scene: Any) -> int:
-        return 0
-
-    def filter(self, scene: Any, sensed: Any, nominal: np.ndarray, state: int) -> Any:
-        self.met.append((sensed.step, float(nominal[0, 0]), state))
-        return nominal * self.factor, state + 1
-
-
-def test_filters_stand_between_nominal_and_applied_and_all_is_recorded() -> None:
-    halve, no_turn, held = Scale(0.5, 1.0), Scale(1.0, 0.0), []
-
-    def decide(o: Observation) -> Decision:
-        held.append(o.v)
-        return Decision(1.0, 0.4, hold=0.05)
-
-    world = road(THREE[2:], duration=0.2)
-    simulation = Simulation(world, controller=Says(decide), filters=[halve, no_turn])
-    record = record_run(simulation)
-    assert halve.met == [(k, 1.0, k) for k in range(20)]
-    assert no_turn.met == [(k, 0.5, k) for k in range(20)]
-    rows = record.updates
-    assert rows["step"].tolist() == [0, 5, 10, 15]
-    assert set(rows["nominal_v"]) == {1.0}
-    assert set(rows["nominal_omega"]) == {0.4}
-    assert set(rows["applied_v"]) == {0.5}
-    assert set(rows["applied_omega"]) == {0.0}
-    assert record.commands["step"].tolist() == list(range(20))
-    assert set(record.commands["filtered_v"]) == set(record.commands["applied_v"]) == {0.5}
-    assert record.given == (
-        ("controller", "tests.helpers.worlds:Says"),
-        *[("filter", "tests.test_simulation:Scale")] * 2,
-    )
-    assert held == [0.0, 1.0, 1.0, 1.0]
-    assert record.pose[-1, 0] == pytest.approx([40.1, 10.0, 0.0], abs=1e-12)
-
-
-@pytest.mark.parametrize("factor", [math.nan, 2.0])
-def test_what_a_filter_gives_is_checked_like_what_a_controller_wants(factor: float) -> None:
-    simulation = Simulation(
-        road(THREE),
-        controller=Says(lambda o: Decision(1.0, 0.0, 0.1)),
-        filters=[Scale(factor, 1.0)],
-    )
-    with pytest.raises(ControllerError, match=r"r1 at 0 s: command v = (nan|2) m/s"):
-        simulation.step()
 
 
 # Formation

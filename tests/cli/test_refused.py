@@ -431,9 +431,10 @@ def test_nothing_in_a_file_acts_on_the_terminal(here: Path, capsys) -> None:
     (here / "w.yaml").write_text('name: "\\e[31m\\x9b\\u202e"\n"\\e[2J": 1\n')
     (here / "d.svg").write_text(f'{HEAD}<g id="\u202e\x9b\u200b"/></svg>')
     (here / "t.csv").write_text("x_m,y_m,\x1b[2J\n1,2,3\n")
-    (here / "\x1b[31m\u202e.yaml").write_text("name: 1\n")
+    odd = "\x1b[31m\u202e.yaml"
+    (here / odd).write_text("name: 1\n")
     for words in (("check", "w.yaml"), ("import", "d.svg", "-o", "x.yaml", "--scale", 1),
-                  ("import", "t.csv", "-o", "x.yaml"), ("check", "\x1b[31m\u202e.yaml")):  # fmt: skip
+                  ("import", "t.csv", "-o", "x.yaml"), ("check", odd)):  # fmt: skip
         done = physim(*words, capture=capsys)
         assert done.code == 2
         assert (done.out + done.err).replace("\n", "").isprintable()

@@ -34,16 +34,13 @@ def blocks(text: str) -> list[Block]:
 
 
 def lines_of(text: str) -> list[list[str]]:
-    """Arguments of every ``physim`` in the sh blocks of a page."""
+    """Arguments of every line of the blocks of a page that calls ``physim``."""
     found = []
-    for _, language, block in blocks(text):
-        if language == "sh":
-            for line in block.replace("\\\n", " ").splitlines():
-                words = shlex.split(line, comments=True)
-                for k, word in enumerate(words):
-                    if word == "physim":
-                        end = (j for j in range(k, len(words)) if words[j] in ("||", "&&", "|"))
-                        found.append(words[k + 1 : next(end, len(words))])
+    for *_, block in blocks(text):
+        for line in re.findall(r"^(?:\$ )?physim .*", block.replace("\\\n", " "), re.MULTILINE):
+            words = shlex.split(line.removeprefix("$ "), comments=True)
+            end = (k for k, word in enumerate(words) if word in ("||", "&&", "|"))
+            found.append(words[1 : next(end, len(words))])
     return found
 
 

@@ -157,8 +157,10 @@ def test_a_disagreement_ends_with_3_and_worlds_that_run_replays(
 @pytest.mark.parametrize(
     ("arguments", "at", "what"),
     [
-        (("run", "small.yaml", "--no-video", "--set", "time.duration=0.1"), "physim.cli.simulating",
-         ("controller", "distances")),
+        pytest.param(
+            ("run", "small.yaml", "--no-video", "--set", "time.duration=0.1"),
+            "physim.cli.simulating", ("controller", "distances"), marks=pytest.mark.deep,
+        ),
         (("validate", "small.yaml"), "physim.analysis.validation", ("validation",)),
         (("crashtest", "--cases", 5), "physim.analysis.crashtest.prediction", ("collision",)),
         (("check-controller", "constant", *STRAIGHT), "physim.simulation.run", ("run",)),

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import importlib
-import json
 from pathlib import Path
 
 import h5py
@@ -46,10 +45,6 @@ def test_a_record_is_taken_for_the_world_of_its_run(here, capsys):
     assert physim("check", "ran/record.h5", capture=capsys).code == 0
     assert physim("preview", "ran/record.h5", capture=capsys).code == 0
     assert (here / "ran.png").exists()
-    sweep = physim(
-        "sweep", "ran/record.h5", "--seeds", "0:2", "--workers", 1, "--json", capture=capsys
-    )
-    assert json.loads(sweep.out)["cells"][0]["world"] == "ran"
 
 
 def test_faults_of_the_world_inside_name_the_record(here, capsys):

@@ -178,7 +178,9 @@ SEEDS = (*SHORT, "--seeds", "1:3", "--workers", "1")
          "--json"),
         ("validate", "small.yaml", *SHORT, "--json", "-"),
         ("check", "small.yaml", *SHORT, "--json"),
-        ("sweep", "small.yaml", *SEEDS, "-o", "out", "--json"),
+        pytest.param(
+            ("sweep", "small.yaml", *SEEDS, "-o", "out", "--json"), marks=pytest.mark.deep
+        ),
         pytest.param(("validate", "small.yaml", *SEEDS, "--json", "-"), marks=pytest.mark.deep),
     ],
     ids=lambda words: words[0],

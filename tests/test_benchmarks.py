@@ -9,9 +9,9 @@ from typing import Any
 
 import pytest
 
-from benchmarks import environments, headon, report, scaling, speed, targets, trial
+from benchmarks import report, speed, targets
 from benchmarks.__main__ import main
-from benchmarks.environments import PEERS, Environment, Peer, environment
+from benchmarks.environments import PEERS, Environment
 from benchmarks.measuring import (
     FAILED,
     Job,
@@ -42,6 +42,7 @@ def test_what_goes_wrong_is_the_result() -> None:
     assert FAILED in run(Job("speed", "a", "it", ("/there/is/no/such/program",)))
 
 
+@pytest.mark.deep
 def test_jobs_are_done_in_turn_and_every_other_round_backwards(tmp_path: Path) -> None:
     log = tmp_path / "log"
     code = f"open({str(log)!r}, 'a').write('%s '); print('{{\"rate\": 1.0}}')"
@@ -79,19 +80,6 @@ def made_up(store: Store, quick: bool = False) -> None:
                 store.put(job, number, {"rate": rate * share, "version": "1.2", "memory": 90.0})
 
 
-def test_tables_hold_medians_ratios_and_who_is_faster(tmp_path: Path) -> None:
-    store = Store(tmp_path)
-    made_up(store)
-    text = speed.text(store, HERE)
-    assert "| physim, rectangles with contact | 2 k (1.8 k–2.4 k) |" in text
-    assert text.count("| physim : navground HL, discs | **2** | **2** | **2** | **2** |") == 1
-    assert text.count("Faster than physim: none of them.") == len(speed.CONTESTS)
-    job = runner("speed", "navground-HL", "controller-10", "python", "x.py")
-    for number in range(3):
-        store.put(job, number, {"rate": 8e3})
-    assert "Faster than physim: navground HL, discs at N = 10." in speed.text(store, HERE)
-
-
 def test_a_peer_that_is_not_there_is_told(tmp_path: Path) -> None:
     store = Store(tmp_path / "measured")
     made_up(store)
@@ -107,29 +95,6 @@ def test_a_peer_that_is_not_there_is_told(tmp_path: Path) -> None:
     assert "| navground | cannot be installed: no wheel |" in versions
     assert "| irsim | 1.2 |" in versions
     assert "| vmas | not asked for |" in versions
-
-
-def test_an_environment_that_cannot_be_made_says_why(tmp_path: Path, monkeypatch: Any) -> None:
-    peer = Peer("none", ("./there-is-no-such-folder",), "", "")
-    monkeypatch.setenv("PIP_NO_INDEX", "1")
-    found = environment(peer, tmp_path)
-    assert "there-is-no-such-folder" in found.failed
-    assert environments.size_of(tmp_path) > 0.0
-
-
-def test_targets_are_held_against_ratios(tmp_path: Path) -> None:
-    store = Store(tmp_path)
-    for who, rate in (("physim", 75.0), ("trial", 100.0)):
-        for robots in (10, 1000):
-            store.put(Job("trial", who, f"free-{robots}", ()), 0, {"rate": rate})
-    store.put(Job("trial", "physim", "jam-10", ()), 0, {FAILED: "not done in 300 s"})
-    rows = [line for line in trial.text(store).splitlines() if line.startswith("| ")]
-    ends = {tuple(row.split(" | ")[1:2] + row.split(" | ")[-3:]) for row in rows[2:]}
-    assert ends == {
-        ("10", "**0.75**", "≥ 0.50", "met |"),
-        ("1,000", "**0.75**", "≥ 0.80", "short |"),
-        ("10", "–", "≥ 0.40", "not measured |"),
-    }
 
 
 def test_targets_of_its_own_are_met_or_short_or_not_measured(tmp_path: Path) -> None:
@@ -190,33 +155,6 @@ def test_a_rate_leaves_out_what_comes_once(monkeypatch: Any) -> None:
     assert found["spans"] == pytest.approx([1000.0, 1000.0])
     whole = common.rate(step, 10, 0.2, 50, again, whole=True)
     assert whole["steps"] == 100
-
-
-def test_head_on_counts_who_passed_and_who_was_never_told_of(tmp_path: Path) -> None:
-    runs = [
-        {"speed": v, "passed": v > 1.0 and k < 3, "late": None if k == 0 else 0.01 * k}
-        for v in headon.SPEEDS for k in range(5)
-    ]  # fmt: skip
-    store = Store(tmp_path)
-    store.put(Job("headon", "irsim", "wall", ()), 0, {"runs": runs, "step": 0.05})
-    text = headon.text(store, HERE)
-    assert "| IR-SIM, contact | 1 m/s | 0.05 s | 0 of 5 | 1 of 5 | 25.0 ms, 40.0 ms |" in text
-    assert "| IR-SIM, contact | 6 m/s | 0.05 s | 3 of 5 | 1 of 5 |" in text
-    assert "| physim | not measured |" in text
-
-
-def test_the_picture_and_the_table_of_the_cost_are_written(tmp_path: Path) -> None:
-    store = Store(tmp_path / "measured")
-    parts = {"decide": 0.02, "physics": 0.01, "record": 0.0, "rest": 0.01}
-    for robots in (10, 1000):
-        result = {"parts": parts, "build": 1.0, "once": 0.05, "memory": 100.0}
-        store.put(Job("scaling", "physim", f"parts-{robots}", ()), 0, result)
-    store.put(Job("scaling", "physim", "parts-20000", ()), 0, {FAILED: "not done in 240 s"})
-    scaling.draw(store, tmp_path)
-    assert (tmp_path / scaling.PICTURE).stat().st_size > 5000
-    text = scaling.text(store)
-    assert "| 1,000 | 20.0 | 10.0 | 0.0 | 10.0 | **40.0** | 1.0 s | 0.05 s | 100 MB |" in text
-    assert "| 20,000 | not done in 240 s |" in text
 
 
 @pytest.mark.parametrize("given", [["--trial", "nowhere"], ["--only", "nothing"]])

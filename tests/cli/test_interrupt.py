@@ -22,53 +22,47 @@ from physim.drawing.video import render
 from physim.errors import RecordError
 from physim.record import Record
 from physim.simulation.engine import Physics
-from tests.cli.commands import LONG, SMALL, frames, physim, started, tree
+from tests.cli.commands import LONG, frames, physim, started, tree
 from tests.helpers import facts
 from tests.helpers.records import make_record
 
 
 @pytest.fixture
-def here(tmp_path: Path) -> Path:
-    (tmp_path / "long.yaml").write_text(LONG)
-    return tmp_path
-
-
-@pytest.fixture
 def process(here: Path, request: pytest.FixtureRequest) -> Iterator[subprocess.Popen[str]]:
     """A long run under way, some seconds of it recorded; ended in any case."""
+    (here / "long.yaml").write_text(LONG)
     process = started("run", "long.yaml", "-o", "out", *request.param, folder=here)
     try:
         wait_for_samples(process, here / "out/record.h5", 300)
         yield process
     finally:
-        if process.poll() is None:
-            process.kill()
+        end(process)
+
+
+def end(process: subprocess.Popen[str]) -> None:
+    if process.poll() is None:
+        process.kill()
         process.communicate()
 
 
 def wait_for_samples(process: subprocess.Popen[str], path: Path, samples: int) -> None:
     while process.poll() is None:
-        try:
-            with Record.load(path) as record:
-                if record.samples >= samples:
-                    return
-        except RecordError:
-            pass
+        with suppress(RecordError), Record.load(path) as record:
+            if record.samples >= samples:
+                return
         time.sleep(0.02)
     raise AssertionError(process.communicate()[1])
 
 
-def check_record(path: Path) -> int:
-    """An interrupted run, complete; its number of samples."""
+def check_record(path: Path) -> None:
+    """An interrupted run, complete."""
     with Record.load(path) as record:
         assert record.ended == "interrupted"
         assert record.samples == record.steps_run + 1 >= 300
         assert record.steps.tolist() == list(range(record.samples))
         assert np.isfinite(record.pose).all()
-        assert record.updates["step"].max() < record.steps_run
-        assert record.updates["next_step"].max() >= record.steps_run
+        assert record.updates["step"].max() < record.steps_run <= record.updates["next_step"].max()
         assert summarise(record).ended == "interrupted"
-        return record.samples
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
@@ -87,64 +81,178 @@ def test_an_interrupted_run_is_closed_properly(
     assert {file.name for file in (here / "out").iterdir()} == {"record.h5", "summary.json"}
 
 
-@pytest.mark.parametrize("process", [["--quiet"]], indirect=True)
-def test_the_video_so_far_is_made(process: subprocess.Popen[str], here: Path) -> None:
-    process.send_signal(signal.SIGINT)
-    assert process.communicate(timeout=120) == ("", "")
-    assert process.returncode == 130
-    check_record(here / "out/record.h5")
-    assert frames(here / "out/video.mp4") > 10
-    assert {f.name for f in (here / "out").iterdir()} == {"record.h5", "summary.json", "video.mp4"}
-
-
-@pytest.mark.parametrize("second", [signal.SIGINT, signal.SIGTERM])
-@pytest.mark.parametrize("process", [[]], indirect=True)
-def test_a_second_interrupt_ends_the_video_sooner(
-    process: subprocess.Popen[str], here: Path, second: signal.Signals
+@pytest.mark.parametrize("process", [["--no-video"]], indirect=True)
+def test_a_killed_run_can_be_summarised_and_no_run_takes_the_place_of_one_that_goes_on(
+    process: subprocess.Popen[str], here: Path, capsys
 ) -> None:
-    process.send_signal(signal.SIGINT)
-    assert process.stderr is not None
-    for line in process.stderr:
-        if line.startswith("writing the video so far"):
-            break
-    process.send_signal(second)
-    out, err = process.communicate(timeout=120)
-    assert process.returncode == 130
-    assert out.startswith("run ")
-    check_record(here / "out/record.h5")
-    film = {f.name for f in (here / "out").iterdir()} - {"record.h5", "summary.json"}
-    if film == {"video.mp4"}:  # the video was done first
-        assert err == ""
-    else:
-        assert film == {"video.cut_short.mp4"}
-        assert re.search(facts("video.cut_short.mp4", "physim video out/record.h5"), err), err
-        assert err.count("\n") == 1
-    assert frames(here / "out" / film.pop()) > 0
-
-
-@pytest.mark.parametrize("process", [[]], indirect=True)
-def test_a_killed_run_can_be_summarised_and_shown(
-    process: subprocess.Popen[str], here: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    process.kill()
-    process.communicate()
+    second = physim("run", "small.yaml", "--no-video", "--force", "-o", "out", capture=capsys)
+    assert (second.code, second.out) == (2, "")
+    assert re.search(facts("summary.json: ", "another", "writing"), second.err), second.err
+    end(process)
     path = here / "out/record.h5"
     with Record.load(path) as record:
         assert record.ended == "running"
-        assert record.samples >= 300
-        assert record.steps_run == record.samples - 1
+        assert record.steps_run == record.samples - 1 >= 299
         assert record.clearance.shape == (record.samples, 2)
         assert (record.extremes["clearance"] <= record.clearance.min(axis=0)).all()
     done = physim("summary", path, capture=capsys)
     assert (done.code, done.err) == (0, "")
     assert re.search(facts("not closed", "killed"), done.out)
-    done = physim("video", path, capture=capsys)
-    assert (done.code, done.err) == (0, "")
-    assert frames(here / "out/video.mp4") > 10
     left = {file.name: file.stat().st_size for file in (here / "out").iterdir()}
     locks = {".record.h5.lock", ".summary.json.lock"}
-    assert left.keys() == {"record.h5", "video.mp4", *locks}
+    assert left.keys() == {"record.h5", *locks}
     assert not any(left[name] for name in locks)
+
+
+@pytest.mark.deep
+@pytest.mark.parametrize("second", [None, signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize("process", [[]], indirect=True)
+def test_the_video_so_far_is_made_unless_a_second_signal_ends_it_sooner(
+    process: subprocess.Popen[str], here: Path, second: signal.Signals | None
+) -> None:
+    process.send_signal(signal.SIGINT)
+    if second:
+        assert process.stderr is not None
+        for line in process.stderr:
+            if line.startswith("writing the video so far"):
+                break
+        process.send_signal(second)
+    out, err = process.communicate(timeout=120)
+    assert process.returncode == 130
+    assert out.startswith("run ")
+    check_record(here / "out/record.h5")
+    (film,) = {f.name for f in (here / "out").iterdir()} - {"record.h5", "summary.json"}
+    if film != "video.mp4":  # which may be done first
+        assert second
+        assert film == "video.cut_short.mp4"
+        assert re.search(facts("video.cut_short.mp4", "physim video out/record.h5"), err), err
+        assert err.count("\n") == 1
+    assert frames(here / "out" / film) > 0
+
+
+@pytest.mark.deep
+def test_of_runs_that_start_at_once_one_has_the_folder(here: Path) -> None:
+    (here / "long.yaml").write_text(LONG)
+    arguments = ("run", "long.yaml", "--no-video", "--quiet", "-o", "out")
+    both = [started(*arguments, "--seed", seed, folder=here) for seed in (1, 2)]
+    try:
+        while all(one.poll() is None for one in both):
+            time.sleep(0.01)
+        refused, *_ = (one for one in both if one.poll() is not None)
+        goes_on = both[1 - both.index(refused)]
+        out, err = refused.communicate()
+        assert (refused.returncode, out, err.count("\n")) == (2, "", 1), err
+        assert re.search(r"out/?\b.*(record\.h5|summary\.json)", err), err
+        wait_for_samples(goes_on, here / "out/record.h5", 300)
+        goes_on.send_signal(signal.SIGINT)
+        goes_on.communicate(timeout=60)
+        assert goes_on.returncode == 130
+    finally:
+        for one in both:
+            end(one)
+    check_record(here / "out/record.h5")
+    with Record.load(here / "out/record.h5") as record:
+        assert record.seed == 1 + both.index(goes_on)
+
+
+@pytest.mark.deep
+@pytest.mark.parametrize("late", [0.15, 0.25, 0.4])
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_a_signal_at_the_start(number: signal.Signals, late: float, here: Path) -> None:
+    """From the first moment that physim itself runs; before it, Python answers as it does."""
+    process = started("validate", "straight", "--seeds", "0:1000", "--quiet", folder=here)
+    time.sleep(late)
+    process.send_signal(number)
+    told = process.communicate(timeout=60)
+    assert process.returncode in (130, -number), told
+    assert process.returncode == -number or told == ("", "interrupted\n")
+
+
+OWN = """
+import threading, time
+import physim
+
+STILL = physim.Decision(v=0.0, omega=0.0, hold=0.1)
+
+class Loop:
+    def decide(self, observation, memory):
+        if observation.time > 0.5:
+            open("stuck", "w").close()
+            while True:
+                pass
+        return STILL
+
+class Thread:
+    def __init__(self):
+        threading.Thread(target=time.sleep, args=(1000,)).start()
+
+    def decide(self, observation, memory):
+        time.sleep(0.01)
+        return STILL
+"""
+
+
+@pytest.mark.deep
+def test_a_controller_that_never_returns_is_broken_off_by_a_second_signal(here: Path) -> None:
+    (here / "own_loop.py").write_text(OWN)
+    given = ("--controller", "own_loop:Loop", "--no-video", "--quiet", "-o", "out")
+    process = started("run", "small.yaml", *given, folder=here)
+    try:
+        while process.poll() is None and not (here / "stuck").exists():
+            time.sleep(0.05)
+        process.terminate()
+        time.sleep(1.5)
+        assert process.poll() is None, "the first waits for the end of the step"
+        process.terminate()
+        _, err = process.communicate(timeout=60)
+    finally:
+        end(process)
+    assert (process.returncode, err) == (130, "interrupted\n")
+    Record.load(here / "out/record.h5").close()
+
+
+@pytest.mark.deep
+def test_one_signal_ends_a_run_whose_controller_left_a_thread(here: Path) -> None:
+    (here / "own_thread.py").write_text(OWN)
+    given = ("--controller", "own_thread:Thread", "-o", "out", "--no-video")
+    process = started("run", "three_robots", *given, folder=here)
+    try:
+        wait_for_samples(process, here / "out/record.h5", 20)
+        process.terminate()
+        process.communicate(timeout=60)
+    finally:
+        end(process)
+    assert process.returncode == 130
+    with Record.load(here / "out/record.h5") as record:
+        assert record.ended == "interrupted"
+
+
+@pytest.mark.deep
+@pytest.mark.parametrize(
+    ("arguments", "ready", "said"),
+    [
+        (("video", "record.h5"), ".*.part", ("interrupted", "video.cut_short.mp4")),
+        (("plot", "record.h5", "-o", "out"), "out/*.png", ("interrupted", "of 9 pictures")),
+        (("check", "small.yaml", "--watch"), "", ("interrupted",)),
+    ],
+)
+def test_ctrl_c_of_a_process(arguments: tuple[str, ...], ready: str, said: Any, here: Path) -> None:
+    make_record(here / "record.h5", seconds=60.0).close()
+    process = started(*arguments, folder=here)
+    try:
+        if ready:
+            while process.poll() is None and not list(here.glob(ready)):
+                time.sleep(0.01)
+        else:
+            assert process.stdout is not None
+            process.stdout.readline()
+        process.send_signal(signal.SIGINT)
+        _, err = process.communicate(timeout=60)
+    finally:
+        end(process)
+    assert (process.returncode, err.count("\n")) == (130, 1)
+    assert re.search(facts(*said), err), err
+    assert not list(here.rglob(".*"))
 
 
 def interrupting(calls: int) -> Callable[..., None]:
@@ -159,9 +267,7 @@ def interrupting(calls: int) -> Callable[..., None]:
     return called
 
 
-def test_an_interrupted_crash_test_tells_how_far_it_came(
-    here: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_an_interrupted_crash_test_tells_how_far_it_came(here: Path, monkeypatch, capsys) -> None:
     crash_test(11)
     press = interrupting(1)
 
@@ -169,7 +275,6 @@ def test_an_interrupted_crash_test_tells_how_far_it_came(
         told = more.pop("progress")
         return crash_test(cases, seed, **more, progress=lambda done: (told(done), press())[0])
 
-    monkeypatch.chdir(here)
     monkeypatch.setattr("physim.analysis.crashtest.crash_test", pressed)
     done = physim("crashtest", "--cases", 5000, "--json", "found.json", capture=capsys)
     assert done.code == 130
@@ -179,17 +284,11 @@ def test_an_interrupted_crash_test_tells_how_far_it_came(
     assert (found["interrupted"], found["cases_asked"]) == (True, 5000)
     assert re.search(facts("interrupted", f"{cases:,} of 5,000 cases"), done.err), done.err
     assert done.err.count("\n") == 1
-    verdict = facts(
-        "agree", f"0 of {cases} cases", "seed 0", "unexplained", "interrupted", f"{5000 - cases:,}"
-    )
+    verdict = facts("agree", f"0 of {cases} cases", "interrupted", f"{5000 - cases:,}")
     assert re.search(verdict, done.out.splitlines()[-1]), done.out
-    whole = json.loads(crash_test(60).to_json())
-    assert (whole["interrupted"], whole["cases_asked"], whole["cases"]) == (False, 60, 60)
 
 
-def test_a_film_that_is_cut_short_has_a_name_that_says_so(
-    here: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_film_that_is_cut_short_has_a_name_that_says_so(here: Path, monkeypatch, capsys) -> None:
     make_record(here / "record.h5", seconds=2.0).close()
     press = interrupting(3)
 
@@ -199,60 +298,22 @@ def test_a_film_that_is_cut_short_has_a_name_that_says_so(
 
     monkeypatch.setattr("physim.drawing.video.render", pressed)
     (here / "video.mp4").write_text("the whole film")
-    done = physim("video", here / "record.h5", "--force", capture=capsys)
+    done = physim("video", "record.h5", "--force", capture=capsys)
     short = here / "video.cut_short.mp4"
     assert (done.code, done.out, done.err.count("\n")) == (130, "", 1)
-    assert re.search(facts("interrupted", str(short)), done.err), done.err
+    assert re.search(facts("interrupted", short.name), done.err), done.err
     assert frames(short) == 3
     assert (here / "video.mp4").read_text() == "the whole film"
     assert not list(here.glob(".*"))
     short.unlink()
     short.symlink_to(here / "record.h5")
-    refused = physim("video", here / "record.h5", "--force", capture=capsys)
+    refused = physim("video", "record.h5", "--force", capture=capsys)
     assert (refused.code, refused.out) == (2, "")
     assert re.search(facts("video.cut_short.mp4:", "a link"), refused.err), refused.err
 
 
-def press_ctrl_c(process: subprocess.Popen[str], ready: Callable[[], bool]) -> tuple[str, str]:
-    """Send SIGINT as soon as ``ready``; returns what the process told."""
-    try:
-        while process.poll() is None and not ready():
-            time.sleep(0.01)
-        process.send_signal(signal.SIGINT)
-        return process.communicate(timeout=60)
-    finally:
-        if process.poll() is None:
-            process.kill()
-            process.communicate()
-
-
-def test_ctrl_c_during_a_video(here: Path) -> None:
-    make_record(here / "record.h5", seconds=60.0).close()
-    process = started("video", "record.h5", folder=here)
-    out, err = press_ctrl_c(process, lambda: any(here.glob(".*.part")))
-    assert process.returncode == 130
-    assert (out, err.count("\n")) == ("", 1)
-    assert re.search(facts("interrupted", "video.cut_short.mp4"), err), err
-    assert frames(here / "video.cut_short.mp4") > 0
-    assert not (here / "video.mp4").exists()
-    assert not list(here.glob(".*"))
-
-
-def test_ctrl_c_during_plots(here: Path) -> None:
-    make_record(here / "record.h5", seconds=2.0).close()
-    process = started("plot", "record.h5", "-o", "out", folder=here)
-    out, err = press_ctrl_c(process, lambda: any(here.glob("out/*.png")))
-    made = len(list(here.glob("out/*.png")))
-    assert (process.returncode, err.count("\n")) == (130, 1)
-    assert re.search(facts("interrupted", f"{made} of 9 pictures"), err), err
-    assert out.count("\n") == made < 9
-    assert not list(here.glob("out/.*"))
-
-
-def test_ctrl_c_during_a_validation(
-    here: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    """Also where it arrives in a callback of the engine, which would swallow it."""
+def test_ctrl_c_within_a_callback_of_the_engine(here: Path, monkeypatch, capsys) -> None:
+    """Which would swallow it."""
     press, step = interrupting(10), Physics.step
 
     def pressed(self: Physics, command: Any) -> None:
@@ -260,18 +321,8 @@ def test_ctrl_c_during_a_validation(
             press()
         step(self, command)
 
-    monkeypatch.chdir(here)
-    (here / "small.yaml").write_text(SMALL)
     monkeypatch.setattr(Physics, "step", pressed)
     assert physim("validate", "small.yaml", capture=capsys) == (130, "", "interrupted\n")
-
-
-def test_ctrl_c_ends_a_check_that_watches(here: Path) -> None:
-    process = started("check", "long.yaml", "--watch", folder=here)
-    assert process.stdout is not None
-    assert process.stdout.readline().startswith("-- ")
-    _, err = press_ctrl_c(process, lambda: True)
-    assert (process.returncode, err) == (130, "interrupted\n")
 
 
 @pytest.mark.parametrize(
@@ -290,14 +341,8 @@ def test_ctrl_c_ends_a_check_that_watches(here: Path) -> None:
     ids=lambda value: value[0] if isinstance(value, tuple) else "",
 )
 def test_ctrl_c_anywhere_else_is_one_line_and_leaves_nothing(
-    arguments: tuple[str, ...],
-    at: str,
-    here: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
+    arguments: tuple[str, ...], at: str, here: Path, monkeypatch, capsys
 ) -> None:
-    monkeypatch.chdir(here)
-    (here / "small.yaml").write_text(SMALL)
     make_record(here / "record.h5", seconds=1.0).close()
     before = tree(here)
 
@@ -308,54 +353,3 @@ def test_ctrl_c_anywhere_else_is_one_line_and_leaves_nothing(
     monkeypatch.setattr(at, pressed)
     assert physim(*arguments, capture=capsys) == (130, "", "interrupted\n")
     assert tree(here) == before
-
-
-LOGGER = """
-import threading, time
-import physim
-
-class Logger:
-    def __init__(self):
-        threading.Thread(target=self.work).start()
-
-    def work(self):
-        while True:
-            time.sleep(1.0)
-
-    def decide(self, seen, memory):
-        time.sleep(0.01)
-        return physim.Decision(v=0.5, omega=0.0, hold=0.01)
-"""
-
-
-def test_one_signal_ends_a_run_whose_controller_left_a_thread(tmp_path: Path) -> None:
-    (tmp_path / "logging_one.py").write_text(LOGGER)
-    run = started(
-        "run", "three_robots", "--controller", "logging_one:Logger", "-o", "out", "--no-video",
-        folder=tmp_path,
-    )  # fmt: skip
-    try:
-        wait_for_samples(run, tmp_path / "out/record.h5", 20)
-        run.terminate()
-        run.communicate(timeout=60)
-    finally:
-        run.kill()
-    assert run.returncode == 130
-    with Record.load(tmp_path / "out/record.h5") as record:
-        assert record.ended == "interrupted"
-
-
-def test_a_controller_that_raises_keyboard_interrupt_is_no_ctrl_c(tmp_path: Path) -> None:
-    (tmp_path / "tired.py").write_text(
-        "import physim\nclass Tired:\n    def decide(self, seen, memory):\n"
-        "        if seen.time > 0.2: raise KeyboardInterrupt\n"
-        "        return physim.Decision(v=0.5, omega=0.0, hold=0.1)\n"
-    )
-    run = started(
-        "run", "straight", "--controller", "tired:Tired", "-o", "out", "--no-video",
-        folder=tmp_path,
-    )  # fmt: skip
-    _, err = run.communicate(timeout=120)
-    assert run.returncode == 2
-    assert err.strip().splitlines()[-1].startswith(f"{tmp_path / 'tired.py'}:4: ")
-    assert "KeyboardInterrupt" in err

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import os
+import signal
 import stat
-import subprocess
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -14,7 +14,7 @@ from physim import parse_world, simulate
 from physim.analysis.crashtest import crash_test
 from physim.drafts import check_regular
 from physim.errors import PhysimError
-from tests.cli.commands import SMALL, command, environment, physim, tree
+from tests.cli.commands import SMALL, physim, tree
 from tests.helpers import check_error, facts, inside
 from tests.helpers.records import make_record
 
@@ -24,13 +24,11 @@ TRACK = "x_m,y_m,w_tr_right_m,w_tr_left_m\n0,0,4,4\n20,0,4,4\n40,0,4,4\n"
 
 
 @pytest.fixture
-def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """A working directory with a world, a record and a track."""
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "small.yaml").write_text(SMALL)
-    (tmp_path / "track.csv").write_text(TRACK)
-    make_record(tmp_path / "record.h5", seconds=1.0, world_text="").close()
-    return tmp_path
+def here(here: Path) -> Path:
+    """The working directory with a record and a track, too."""
+    (here / "track.csv").write_text(TRACK)
+    make_record(here / "record.h5", seconds=1.0, world_text="").close()
+    return here
 
 
 WRITES = {
@@ -52,9 +50,7 @@ def written(name: str) -> list[str]:
 
 
 @pytest.mark.parametrize("name", WRITES)
-def test_a_file_that_exists_is_kept_without_force(
-    name: str, here: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_file_that_exists_is_kept_without_force(name: str, here: Path, capsys) -> None:
     _, out, option = WRITES[name]
     (here / out).write_text("mine")
     before = tree(here)
@@ -65,10 +61,8 @@ def test_a_file_that_exists_is_kept_without_force(
     assert tree(here) == before
 
 
-@pytest.mark.parametrize("name", ["validate", "crashtest"])
-def test_with_force_it_is_written_over(
-    name: str, here: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+@pytest.mark.parametrize("name", ["validate"])
+def test_with_force_it_is_written_over(name: str, here: Path, capsys) -> None:
     crash_test(11)
     _, out, _ = WRITES[name]
     (here / out).write_text("mine")
@@ -77,33 +71,29 @@ def test_with_force_it_is_written_over(
     assert (here / out).read_text().startswith("{\n")
 
 
-@pytest.mark.parametrize("kind", ["pipe", "link", "link to nothing"])
 @pytest.mark.parametrize("name", WRITES)
-def test_no_link_or_pipe_is_written_over(
-    name: str, kind: str, here: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_no_link_or_pipe_is_written_over(name: str, here: Path, capsys) -> None:
     _, out, _ = WRITES[name]
     (here / "other").write_text("mine")
-    if kind == "pipe":
-        os.mkfifo(here / out)
-    else:
-        (here / out).symlink_to(here / ("other" if kind == "link" else "nothing"))
-    before = set(os.listdir(here))
-    done = physim(*written(name), "--force", capture=capsys)
-    what = "a named pipe" if kind == "pipe" else "a link"
-    assert (done.code, done.out) == (2, "")
-    check_error(done.err, f"{out}:", "not a regular file", what)
-    assert set(os.listdir(here)) == before
-    assert (here / "other").read_text() == "mine"
+    for kind in ("pipe", "link", "link to nothing"):
+        if kind == "pipe":
+            os.mkfifo(here / out)
+        else:
+            (here / out).symlink_to(here / ("other" if kind == "link" else "nothing"))
+        before = tree(here)
+        done = physim(*written(name), "--force", capture=capsys)
+        assert (done.code, done.out) == (2, "")
+        what = "a named pipe" if kind == "pipe" else "a link"
+        check_error(done.err, f"{out}:", "not a regular file", what)
+        assert tree(here) == before
+        (here / out).unlink()
 
 
 @pytest.mark.parametrize(
     ("name", "kind"),
     [(stat.S_IFCHR, "a device"), (stat.S_IFBLK, "a device"), (stat.S_IFSOCK, "a socket")],
 )
-def test_no_device_is_written_over(
-    name: int, kind: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_no_device_is_written_over(name: int, kind: str, tmp_path: Path, monkeypatch) -> None:
     path = tmp_path / "device"
     monkeypatch.setattr(Path, "lstat", lambda self: SimpleNamespace(st_mode=name | 0o666))
     with pytest.raises(PhysimError, match=facts("device:", kind)):
@@ -114,7 +104,7 @@ def test_no_device_is_written_over(
     assert not path.exists()
 
 
-@pytest.mark.parametrize("path", ["same", "dot", "link", "hard link"])
+@pytest.mark.parametrize("path", ["dot", "link", "hard link"])
 @pytest.mark.parametrize(
     ("arguments", "option"),
     [
@@ -126,7 +116,7 @@ def test_no_device_is_written_over(
     ],
 )
 def test_what_is_read_is_never_written_over(
-    arguments: list[str], option: str, path: str, here: Path, capsys: pytest.CaptureFixture[str]
+    arguments: list[str], option: str, path: str, here: Path, capsys
 ) -> None:
     name = {"preview": "in.svg", "video": "in.mp4", "import": "in.yaml"}.get(arguments[0], "in.h5")
     given = here / name
@@ -145,9 +135,7 @@ def test_what_is_read_is_never_written_over(
     assert tree(here) == before
 
 
-def test_a_run_does_not_take_away_its_own_world(
-    here: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_run_does_not_take_away_its_own_world(here: Path, capsys) -> None:
     (here / "out").mkdir()
     (here / "out/summary.json").write_text(SMALL)
     done = physim("run", "out/summary.json", "-o", "out", "--force", capture=capsys)
@@ -169,25 +157,25 @@ READS = (
 
 
 @pytest.mark.parametrize("arguments", READS, ids=lambda words: words[0])
-def test_a_pipe_is_refused_as_input_and_nothing_hangs(arguments: list[str], here: Path) -> None:
+def test_a_pipe_is_refused_as_input_and_nothing_hangs(
+    arguments: list[str], here: Path, capsys
+) -> None:
     os.mkfifo(here / "pipe.h5")
     words = ["pipe.h5" if word == "PIPE" else word for word in arguments]
-    done = subprocess.run(
-        command(words), cwd=here, capture_output=True, text=True, timeout=60, env=environment()
-    )
-    assert done.returncode == 2
-    told = done.stdout if words[0] == "check" else done.stderr
+    signal.signal(signal.SIGALRM, lambda *_: pytest.fail("it hangs"))
+    signal.alarm(60)
+    done = physim(*words, capture=capsys)
+    signal.alarm(0)
+    assert done.code == 2
+    told = done.out if words[0] == "check" else done.err
     assert "pipe.h5: is not a regular file" in told
-    assert "Traceback" not in done.stderr
 
 
-def test_worlds_of_an_earlier_crash_test_are_kept_without_force(
-    here: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_worlds_of_an_earlier_crash_test_alone_are_removed_by_force(here: Path, capsys) -> None:
     crash_test(11)
     (here / "crashtest-0").mkdir()
-    (here / "crashtest-0/case-000001.yaml").write_text("mine")
-    (here / "crashtest-0/notes.txt").write_text("mine")
+    for name in ("case-000001.yaml", "notes.txt", "case-study.yaml", "case-12.yaml"):
+        (here / "crashtest-0" / name).write_text("mine")
     before = tree(here)
     done = physim("crashtest", "--cases", 5, capture=capsys)
     assert (done.code, done.out) == (2, "")
@@ -197,14 +185,7 @@ def test_worlds_of_an_earlier_crash_test_are_kept_without_force(
     assert set(before) - set(tree(here)) == {"crashtest-0/case-000001.yaml"}
 
 
-def test_a_new_world_is_named_as_one_and_no_schema_is_written_over_the_source(
-    here: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    before = tree(here)
-    done = physim("new", "a", "-o", "record.h5", "--force", capture=capsys)
-    assert done.code == 2
-    check_error(done.err, "record.h5:", ".yaml")
-    assert tree(here) == before
+def test_no_schema_is_written_over_the_source(here: Path, capsys) -> None:
     source = here / "world.schema.json"
     source.write_text('{"type": "Polygon", "coordinates": [[[0, 0], [30, 0], [30, 20], [0, 0]]]}')
     before = tree(here)
@@ -215,17 +196,6 @@ def test_a_new_world_is_named_as_one_and_no_schema_is_written_over_the_source(
     assert tree(here) == before
 
 
-def test_what_no_crash_test_wrote_is_kept(here: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """All that began with case- went, by force, and nothing was said."""
-    for name in ("case-study.yaml", "case-000003.yaml", "case-12.yaml"):
-        (here / name).write_text(SMALL)
-    done = physim("crashtest", "--cases", "1", "-o", ".", "--force", "--quiet", capture=capsys)
-    assert done.code == 0
-    assert (here / "case-study.yaml").exists()
-    assert (here / "case-12.yaml").exists()
-    assert not (here / "case-000003.yaml").exists()
-
-
 BOTH = {
     "validate": (["validate", "record.h5"], "--page", "./both.html", "both.html"),
     "page below": (["validate", "record.h5"], "--page", "both.html", "there/../both.html"),
@@ -234,9 +204,7 @@ BOTH = {
 
 
 @pytest.mark.parametrize("name", BOTH)
-def test_two_outputs_of_a_command_are_two_files(
-    name: str, here: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_two_outputs_of_a_command_are_two_files(name: str, here: Path, capsys) -> None:
     """The one that was written last was all there was, and both were told as written."""
     arguments, option, output, json = BOTH[name]
     (here / "there").mkdir()
@@ -249,9 +217,7 @@ def test_two_outputs_of_a_command_are_two_files(
 
 
 @pytest.mark.parametrize("kind", ["pipe", "folder", "link to nothing"])
-def test_a_schema_that_is_no_file_is_left_alone(
-    kind: str, here: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_schema_that_is_no_file_is_left_alone(kind: str, here: Path, capsys) -> None:
     schema = here / "world.schema.json"
     if kind == "pipe":
         os.mkfifo(schema)
@@ -269,9 +235,7 @@ def test_a_schema_that_is_no_file_is_left_alone(
     assert schema.is_fifo() or schema.is_dir() or schema.is_symlink()
 
 
-def test_of_an_interrupted_text_nothing_is_left(
-    here: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_of_an_interrupted_text_nothing_is_left(here: Path, monkeypatch) -> None:
     def interrupted(self: Path, target: Path) -> Path:
         raise KeyboardInterrupt
 

@@ -4,19 +4,21 @@ from __future__ import annotations
 
 import json
 import shutil
+import sys
+from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import pytest
 
-from physim.campaigns import read
-from physim.record import Record
+from physim.campaigns import Folder, read, spec_of
+from physim.campaigns.report import pictures
+from physim.world.file import parse_world
 from tests.campaigns.real import WORLD, campaign
 from tests.campaigns.test_report import Elements
-from tests.cli.commands import physim
+from tests.cli.commands import physim, tree
 from tests.helpers import check_error, inside
 
-Until, write_until = inside("physim.campaigns", "Until", "write_until")
+Until, write_until, take = inside("physim.campaigns", "Until", "write_until", "take")
 read_goal = inside("physim.statistics", "read_goal")
 
 CONTROLLERS = ("mode_switching", "path_following")
@@ -30,7 +32,7 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
-def test_a_report_has_pictures_of_the_worst(made: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_report_has_pictures_of_the_worst(made: Path, capsys) -> None:
     done = physim("report", made, capture=capsys)
     assert done.code == 0
     for name in CONTROLLERS:
@@ -46,26 +48,22 @@ def test_a_report_has_pictures_of_the_worst(made: Path, capsys: pytest.CaptureFi
     assert [file.stat().st_mtime_ns for file in stills] == times
 
 
-PARTS = ("campaign.json", "results.parquet", "rows/x.jsonl", "worlds/x.yaml", "records/x.html")
+PARTS = ("campaign.json", "results.parquet", "rows/x.jsonl", "records/x.html")
 
 
-@pytest.mark.parametrize("option", ["-o", "--json"])
 @pytest.mark.parametrize("name", PARTS)
-def test_no_part_of_a_campaign_is_overwritten(
-    made: Path, option: str, name: str, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_no_part_of_a_campaign_is_overwritten(made: Path, name: str, capsys) -> None:
     """By force the campaign was lost: its own file was a page."""
-    before = {file: file.read_bytes() for file in made.rglob("*") if file.is_file()}
+    before = tree(made)
     for command in (("report", made), ("compare", made, "--by", "controller")):
-        done = physim(*command, option, made / name, "--force", capture=capsys)
-        assert done.code == 2
-        check_error(done.err, f"{made / name}:", "campaign", str(made), option)
-    assert {file: file.read_bytes() for file in made.rglob("*") if file.is_file()} == before
+        for option in ("-o", "--json"):
+            done = physim(*command, option, made / name, "--force", capture=capsys)
+            assert done.code == 2
+            check_error(done.err, f"{made / name}:", "campaign", str(made), option)
+    assert tree(made) == before
 
 
-def test_the_page_and_the_figures_are_two_files(
-    made: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_the_page_and_the_figures_are_two_files(made: Path, tmp_path: Path, capsys) -> None:
     both = tmp_path / "both.html"
     again = tmp_path / "." / "both.html"
     for command in (
@@ -79,9 +77,7 @@ def test_the_page_and_the_figures_are_two_files(
     assert not both.exists()
 
 
-def test_a_page_is_not_written_over_what_is_none(
-    made: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_page_is_not_written_over_what_is_none(made: Path, tmp_path: Path, capsys) -> None:
     record = tmp_path / "record.h5"
     record.write_bytes(b"kept")
     for command in (("report", made), ("compare", made, "--by", "controller")):
@@ -91,12 +87,7 @@ def test_a_page_is_not_written_over_what_is_none(
     assert record.read_bytes() == b"kept"
 
 
-def test_the_worst_lead_to_pages_at_their_moments(
-    made: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    from physim.campaigns import read
-    from physim.campaigns.report import pictures
-
+def test_the_worst_lead_to_pages_at_their_moments(made: Path, monkeypatch, capsys) -> None:
     assert physim("report", made, "--pages", "--quiet", capture=capsys).code == 0
     page = Elements((made / "report.html").read_text(encoding="utf-8"))
     links = [value for name, value in page.attributes if name == "href"]
@@ -119,27 +110,7 @@ def test_the_worst_lead_to_pages_at_their_moments(
     assert page.said.count("no page: ") == 2 * len(rows)
 
 
-def test_a_still_is_of_the_run_of_its_row(made: Path, tmp_path: Path, monkeypatch: Any) -> None:
-    """The record that is drawn has the distance that the row tells."""
-    from physim.campaigns.report import pictures
-
-    drawn: list[float] = []
-    monkeypatch.setattr(
-        pictures, "_draw", lambda record, moment, still, video: drawn.append(
-            abs(float(record.read("/steps/clearance").min()) - row["shortest_distance"]))
-    )  # fmt: skip
-    row = read(made).to_pylist()[0]
-    (tmp_path / "stills").mkdir()
-    with pytest.raises(FileNotFoundError):  # nothing was drawn
-        pictures._shown(
-            row, "end", "", tmp_path, tmp_path / "x.html", lambda r: _made(made, r), False
-        )
-    assert drawn[0] < 1e-9
-
-
-def test_a_file_that_is_no_still_is_not_read_into_the_page(
-    made: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_file_that_is_no_still_is_not_read_into_the_page(made: Path, capsys) -> None:
     """It begins as a picture and claims a gigabyte, a few bytes of which are on the disk."""
     assert physim("report", made, "--quiet", capture=capsys).code == 0
     still = next((made / "stills").iterdir())
@@ -155,24 +126,8 @@ def test_a_file_that_is_no_still_is_not_read_into_the_page(
         still.write_bytes(drawn)
 
 
-def _made(folder: Path, row: dict[str, Any]) -> Record:
-    remake = inside("physim.campaigns.report", "remake")
-
-    return remake(folder, row)
-
-
-def test_a_kept_record_of_another_run_is_not_shown(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_kept_record_of_another_run_is_not_shown(tmp_path: Path, capsys) -> None:
     """Records that were exchanged after the runs: neither may stand beside the other's row."""
-    from dataclasses import replace
-
-    from physim.campaigns import Folder
-
-    take = inside("physim.campaigns", "take")
-    from physim.campaigns import spec_of
-    from physim.world.file import parse_world
-
     place, cell = Folder(tmp_path / "kept"), spec_of(parse_world(WORLD), 1, name="small")
     place.open([cell])
     taken = [take(replace(cell, seed=seed), "all", place.records) for seed in range(3)]
@@ -187,9 +142,7 @@ def test_a_kept_record_of_another_run_is_not_shown(
     assert page.said.count("record of another run") == 4
 
 
-def test_values_and_no_pictures(
-    made: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_values_and_no_pictures(made: Path, tmp_path: Path, capsys) -> None:
     page = tmp_path / "r.html"
     done = physim(
         "report", made, "--json", "-", "--quiet", "--no-pictures", "-o", page, capture=capsys
@@ -200,7 +153,7 @@ def test_values_and_no_pictures(
 
 
 def test_code_of_ones_own_is_not_run_for_pictures_unless_named(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    tmp_path: Path, monkeypatch, capsys
 ) -> None:
     (tmp_path / "own_for_report.py").write_text(
         "from pathlib import Path\nfrom physim import Decision\n"
@@ -214,8 +167,6 @@ def test_code_of_ones_own_is_not_run_for_pictures_unless_named(
     name = "own_for_report:Own"
     campaign(tmp_path / "c", range(1, 3), (name,))
     (tmp_path / "imported").unlink()
-    import sys
-
     sys.modules.pop("own_for_report", None)
     assert physim("report", "c", capture=capsys).code == 0
     assert not (tmp_path / "imported").exists()
@@ -227,9 +178,7 @@ def test_code_of_ones_own_is_not_run_for_pictures_unless_named(
     assert page.tags.count("img") == 4
 
 
-def test_a_campaign_with_a_goal_is_reported_and_compared_as_such(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_campaign_with_a_goal_is_reported_and_compared_as_such(tmp_path: Path, capsys) -> None:
     campaign(tmp_path / "c", range(1, 3), CONTROLLERS)
     write_until(tmp_path / "c", Until(read_goal("rate > 0.9"), 1))
     assert (
@@ -241,9 +190,7 @@ def test_a_campaign_with_a_goal_is_reported_and_compared_as_such(
     assert "too sure" in done.out
 
 
-def test_compare_writes_a_page_and_values(
-    made: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_compare_writes_a_page_and_values(made: Path, tmp_path: Path, capsys) -> None:
     page, values = tmp_path / "c.html", tmp_path / "c.json"
     done = physim(
         "compare", made, "--by", "controller", "-o", page, "--json", values, capture=capsys
@@ -259,7 +206,7 @@ def test_compare_writes_a_page_and_values(
 
 
 def test_a_page_of_ones_own_is_overwritten_by_force_alone(
-    made: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    made: Path, tmp_path: Path, capsys
 ) -> None:
     place = tmp_path / "c"
     shutil.copytree(made, place)
@@ -272,9 +219,8 @@ def test_a_page_of_ones_own_is_overwritten_by_force_alone(
     assert physim("report", place, "--no-pictures", capture=capsys).code == 0
 
 
-def test_compare_runs_what_it_compares(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+@pytest.mark.deep
+def test_compare_runs_what_it_compares(tmp_path: Path, monkeypatch, capsys) -> None:
     monkeypatch.chdir(tmp_path)
     (tmp_path / "small.yaml").write_text(WORLD, encoding="utf-8")
     common = ("small.yaml", "--seeds", "1:4", "--workers", "1")
@@ -303,9 +249,7 @@ def test_compare_runs_what_it_compares(
     assert physim("compare", *common, *axes, *two, capture=capsys).code == 2  # by which?
 
 
-def test_mistakes(
-    made: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_mistakes(made: Path, tmp_path: Path, monkeypatch, capsys) -> None:
     monkeypatch.chdir(tmp_path)
     (tmp_path / "there.html").touch()
     (tmp_path / "odd").mkdir()
@@ -342,18 +286,41 @@ def test_mistakes(
 
 
 def test_a_report_does_not_take_the_place_of_a_comparison(
-    made: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    made: Path, tmp_path: Path, capsys
 ) -> None:
-    folder = tmp_path / "c"
-    shutil.copytree(made, folder)
-    page = folder / "report.html"
+    shutil.copytree(made, tmp_path / "c")
+    page = tmp_path / "c/report.html"
     page.unlink(missing_ok=True)
-    assert physim("compare", folder, "--by", "controller", "-o", page, capture=capsys).code == 0
+    compare = ("compare", tmp_path / "c", "--by", "controller", "-o", page)
+    assert physim(*compare, capture=capsys).code == 0
     before = page.read_bytes()
-    done = physim("report", folder, "--no-pictures", capture=capsys)
+    done = physim("report", tmp_path / "c", "--no-pictures", capture=capsys)
     assert done.code == 2
     check_error(done.err, f"{page}:", "exists", "--force")
     assert page.read_bytes() == before
-    page.unlink()
-    for _ in range(2):
-        assert physim("report", folder, "--no-pictures", capture=capsys).code == 0
+
+
+@pytest.mark.deep
+def test_the_decision_is_the_same_with_any_number_of_workers(
+    tmp_path: Path, monkeypatch, capsys
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("small.yaml").write_text(WORLD, encoding="utf-8")
+    found = []
+    for workers in (1, 2):
+        done = physim(
+            "sweep", "small.yaml", "--seeds", "1:200", "--until", "contact_free > 0.8",
+            "--workers", workers, "-o", f"by{workers}", "--json", capture=capsys,
+        )  # fmt: skip
+        assert done.code == 0
+        (cell,) = json.loads(done.out)["cells"]
+        found.append(cell["decision"])
+        runs = read(Path(f"by{workers}"))["seed"].to_pylist()
+        assert cell["decision"]["runs"] <= len(runs) < 60
+        assert runs[: cell["decision"]["runs"]] == list(range(1, cell["decision"]["runs"] + 1))
+    assert found[0] == found[1]
+    assert found[0]["holds"] is True
+    done = physim("report", "by2", "--json", "-", "--quiet", "--no-pictures", capture=capsys)
+    values = json.loads(done.out)
+    assert values["interval"] == "beta-binomial sequence"
+    assert values["cells"][0]["decision"] == found[0]

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from tests.cli.commands import physim, started
-from tests.helpers import check_error, inside
+from tests.helpers import inside
 
 NEW, PARTIAL = inside("physim.cli", "NEW", "PARTIAL")
 Report, warm_up = inside("physim.reproduction", "Report", "warm_up")
@@ -23,12 +23,12 @@ def contents(folder: Path) -> dict[str, bytes]:
     return {str(file.relative_to(folder)): file.read_bytes() for file in files if file.is_file()}
 
 
-def test_one_figure(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_one_figure(tmp_path: Path, capsys) -> None:
     out = tmp_path / "a folder & more"
     warm_up()  # a cold start says that it compiles
-    done = physim(*QUICK, "--figure", "1", "-o", out, capture=capsys)
-    assert done.code == 0
-    assert done.err == ""
+    given = (*QUICK, "--figure", "1", "--workers", "1", "-o", out)
+    done = physim(*given, capture=capsys)
+    assert (done.code, done.err) == (0, "")
     assert "3 claims: " in done.out
     assert f"written to {out}/: " in done.out
     first = contents(out)
@@ -41,47 +41,13 @@ def test_one_figure(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert all(row.met.endswith(" of 5") for row in report.rows)
     assert (out / PAGES[1]).read_text().count("data:image/png;base64,") == 3
     assert (out / "single_robot/record.h5").exists()
-
-    again = physim(*QUICK, "--figure", "1", "-o", out, capture=capsys)
+    again = physim(*given, capture=capsys)
     assert again.code == 2
     assert "is not empty; use --force" in again.err
     assert contents(out) == first
-    assert physim(*QUICK, "--figure", "1", "-o", out, "--force", capture=capsys).code == 0
-    assert contents(out) == first  # the same figures, pictures and pages
 
 
-@pytest.mark.parametrize(
-    ("arguments", "said"),
-    [
-        (("--figure", "9"), ('--figure "9":', "1, 2, 3, 3a, 4, 6, 7, 8")),
-        (("--figure", "5"), ("--figure 5:", "flow chart")),
-        (("--study", "bend"), ('--study "bend":', "bends")),
-        (("--workers", "0"), ("--workers 0:", "whole number", "from 1 to 64")),
-        (("--figure", "1", "--study", "bends"), ("--study:", "--figure")),
-    ],
-)
-def test_bad_input(
-    arguments: tuple[str, ...],
-    said: tuple[str, ...],
-    tmp_path: Path,
-    capsys: pytest.CaptureFixture[str],
-) -> None:
-    done = physim("reproduce", *arguments, "-o", tmp_path / "out", capture=capsys)
-    assert done.code == 2
-    check_error(done.err, *said)
-    assert not (tmp_path / "out").exists()
-
-
-def test_a_file_in_the_place_of_the_folder(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    (tmp_path / "out").write_text("mine")
-    done = physim("reproduce", "--force", "-o", tmp_path / "out", capture=capsys)
-    assert done.code == 2
-    check_error(done.err, f"{tmp_path / 'out'}:", "is a file", "-o", "a folder")
-    assert (tmp_path / "out").read_text() == "mine"
-
-
+@pytest.mark.deep
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_interrupted_with_what_is_done(number: signal.Signals, tmp_path: Path) -> None:
     process = started("reproduce", "--no-video", "--figure", "1", "-o", "out", folder=tmp_path)
@@ -101,13 +67,16 @@ def test_interrupted_with_what_is_done(number: signal.Signals, tmp_path: Path) -
     assert not list(tmp_path.rglob("*.part"))
 
 
+@pytest.mark.deep
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGKILL])
 def test_earlier_results_stay_until_there_are_new_ones(
-    number: signal.Signals, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    number: signal.Signals, tmp_path: Path, capsys
 ) -> None:
     out = tmp_path / "out"
     again = ("--no-video", "--figure", "1", "-o", out, "--force")
     assert physim(*QUICK, *again, capture=capsys).code == 0
+    for name in ("logo.png", "1-Mine.png", "2024-tracks.png"):
+        (out / "figures" / name).write_text("mine")  # no picture of a reproduction
     first = contents(out)
     process = started("reproduce", *again, folder=tmp_path)
     try:
@@ -128,15 +97,3 @@ def test_earlier_results_stay_until_there_are_new_ones(
         assert process.returncode == 130
         assert Report.from_json((out / PARTIAL / PAGES[2]).read_text()).interrupted
     assert not list(out.glob(f"{NEW}*"))
-
-
-def test_only_pictures_of_a_reproduction_are_taken_for_them() -> None:
-    """All images in its folder were deleted by force, whoever drew them."""
-    PICTURE = inside("physim.cli", "PICTURE")
-
-    root = Path(__file__).parents[2]
-    drawn = [file.name for file in (root / "docs/reproduction").glob("*.png")]
-    assert drawn
-    assert all(PICTURE.fullmatch(name) for name in drawn)
-    for name in ("logo.png", "figure-1.png", "1-mine.jpg", "2024-tracks.png", "1-Mine.png"):
-        assert not PICTURE.fullmatch(name)

@@ -6,7 +6,6 @@ import json
 import os
 import re
 import shutil
-import subprocess
 import sys
 from pathlib import Path
 from types import SimpleNamespace
@@ -17,7 +16,7 @@ from physim.cli import main
 from physim.cli import run as run_command
 from physim.record import Record
 from physim.world.file import load_world
-from tests.cli.commands import SMALL, environment, frames, physim, shell, tree
+from tests.cli.commands import SMALL, frames, physim, tree
 from tests.helpers import check_error, facts, inside
 
 controller_names = inside("physim.parts", "controller_names")
@@ -26,16 +25,8 @@ shipped_worlds = inside("physim.world.file", "shipped_worlds")
 FILES = {"record.h5", "video.mp4", "summary.json"}
 
 
-@pytest.fixture
-def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """An empty working directory with one small world."""
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "small.yaml").write_text(SMALL)
-    return tmp_path
-
-
 def test_a_run_too_large_for_the_disk_is_refused_before_anything_is_made(
-    here: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+    here: Path, capsys, monkeypatch
 ) -> None:
     monkeypatch.setattr(shutil, "disk_usage", lambda folder: SimpleNamespace(free=100, total=1e15))
     done = physim("run", "small.yaml", "--no-video", capture=capsys)
@@ -47,7 +38,7 @@ def test_a_run_too_large_for_the_disk_is_refused_before_anything_is_made(
 
 @pytest.mark.parametrize("quiet", [False, True])
 def test_a_long_run_says_beforehand_how_large_it_will_be(
-    here: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, quiet: bool
+    here: Path, capsys, monkeypatch, quiet: bool
 ) -> None:
     arguments = ["run", "small.yaml", "--no-video", "--force", *(["--quiet"] if quiet else [])]
     told = facts("steps", "computing", "record", "samples")
@@ -56,9 +47,7 @@ def test_a_long_run_says_beforehand_how_large_it_will_be(
     assert bool(re.search(told, physim(*arguments, capture=capsys).err)) is not quiet
 
 
-def test_a_run_writes_record_video_and_summary(
-    here: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_run_writes_record_video_and_summary(here: Path, capsys) -> None:
     done = physim("run", "small.yaml", capture=capsys)
     assert done.code == 0
     folder = here / "runs" / "small-1"
@@ -92,7 +81,7 @@ def test_a_run_writes_record_video_and_summary(
     assert (folder / "video.mp4").read_bytes() == before
 
 
-def test_a_run_may_write_its_page_too(here: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_run_may_write_its_page_too(here: Path, capsys) -> None:
     given = ["run", "small.yaml", "--no-video", "--page", "-o", "run"]
     done = physim(*given, capture=capsys)
     assert done.code == 0
@@ -108,26 +97,17 @@ def test_a_run_may_write_its_page_too(here: Path, capsys: pytest.CaptureFixture[
     assert not (here / "run/page.html").exists()
 
 
-def test_in_a_pipe_there_is_no_progress_bar_and_quiet_is_silent(here: Path) -> None:
-    loud = shell("run", "small.yaml", "-o", "loud", "--no-video", folder=here)
+def test_quiet_is_silent_and_changes_nothing(here: Path, capsys) -> None:
+    loud = physim("run", "small.yaml", "-o", "loud", "--no-video", capture=capsys)
     assert (loud.code, loud.err) == (0, "")
     assert loud.out.startswith("run ")
-    quiet = shell("run", "small.yaml", "-o", "quiet", "--quiet", folder=here)
-    assert quiet == (0, "", "")
-    assert {file.name for file in (here / "quiet").iterdir()} == FILES
-    assert {file.name for file in (here / "loud").iterdir()} == FILES - {"video.mp4"}
-
-    figures = [json.loads((here / run / "summary.json").read_text()) for run in ("loud", "quiet")]
-    for one in figures:
-        one.pop("wall_clock")
-    assert figures[0] == figures[1]
+    given = ("run", "small.yaml", "-o", "quiet", "--quiet", "--no-video")
+    assert physim(*given, capture=capsys) == (0, "", "")
     with Record.load(here / "loud/record.h5") as a, Record.load(here / "quiet/record.h5") as b:
         assert a.digest() == b.digest()
 
 
-def test_a_failed_expectation_gives_1_and_all_files(
-    here: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_failed_expectation_gives_1_and_all_files(here: Path, capsys) -> None:
     done = physim(
         "run", "small.yaml", "--set", "expect.finished=true", "--no-video", capture=capsys
     )
@@ -141,9 +121,7 @@ def test_a_failed_expectation_gives_1_and_all_files(
     assert held.code == 0
 
 
-def test_the_record_holds_the_world_as_it_was_run(
-    here: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_the_record_holds_the_world_as_it_was_run(here: Path, capsys) -> None:
     done = physim(
         "run", "small.yaml", "-o", "out", "--no-video", "--seed", 5,
         "--set", "time.duration=1.0", "--set", "robots.1.pose=[3.0, -1.0, random]",
@@ -165,34 +143,136 @@ def test_the_record_holds_the_world_as_it_was_run(
         assert record.digest() == digest
 
 
-OWN = """
+OWN = """\
+from pydantic import BaseModel
+
 from physim import Decision
 
-class Half:
-    '''Half speed ahead.'''
+
+class Push:
+    class Settings(BaseModel):
+        strength: float = 0.5
+
+    def __init__(self, settings):
+        self.strength = settings.strength
 
     def decide(self, observation, memory):
+        return Decision(v=self.strength, omega=0.0, hold=0.1)
+
+
+class Late(Push):
+    def decide(self, observation, memory):
+        return Decision(v=0.5 if observation.time < 0.5 else 9.0, omega=0.0, hold=0.1)
+
+
+class Broken:
+    def __init__(self):
+        self.build()
+
+    def build(self):
+        return {}["gain"]
+
+    def decide(self, observation, memory):
+        return None
+
+
+class LateObserver:
+    def start(self, simulation): ...
+    def after_step(self, step): ...
+    def close(self, ended):
+        1 / 0
+
+
+class Tired:
+    def decide(self, observation, memory):
+        if observation.time > 0.2:
+            raise KeyboardInterrupt
         return Decision(v=0.5, omega=0.0, hold=0.1)
 """
+OF_ANOTHER = "type: mode_switching, look_ahead: 1.5"
 
 
-def test_a_controller_of_ones_own_from_the_working_directory(here: Path) -> None:
-    (here / "mine.py").write_text(OWN)
-    done = shell(
-        "run", "small.yaml", "--controller", "mine:Half", "-o", "out", "--no-video", folder=here
-    )
-    assert (done.code, done.err) == (0, "")
-    with Record.load(here / "out/record.h5") as record:
-        assert set(record.updates["applied_v"]) == {0.5}
-        assert "mine:Half" in record.world_text
-        assert record.pose[-1, 0] == pytest.approx([7.0, 1.0, 0.0], abs=1e-12)
-    told = shell("summary", "out/record.h5", folder=here)
-    assert (told.code, told.err) == (0, "")
+@pytest.fixture
+def own(here: Path, monkeypatch) -> Path:
+    """The working directory with a module of controllers of one's own."""
+    (here / "own.py").write_text(OWN)
+    monkeypatch.delitem(sys.modules, "own", raising=False)
+    return here
 
 
-def test_a_registered_controller_in_place_of_the_worlds(
-    here: Path, capsys: pytest.CaptureFixture[str]
+@pytest.mark.parametrize(
+    ("settings", "more", "speed", "told"),
+    [
+        ("strength: 0.7", (), 0.7, ()),
+        (OF_ANOTHER, (), 0.5, ("WARNING", "small.yaml:16:", "look_ahead", "own:Push")),
+        ("type: mode_switching", ("--set", "controller.strength=0.3"), 0.3, ()),
+    ],
+)
+def test_settings_reach_the_controller_that_they_are_for_or_are_told(
+    settings: str, more: tuple[str, ...], speed: float, told: tuple[str, ...], own: Path, capsys
 ) -> None:
+    (own / "small.yaml").write_text(SMALL + f"controller: {{{settings}}}\n")
+    given = ("run", "small.yaml", "--controller", "own:Push", "--no-video", "--quiet", "-o", "out")
+    done = physim(*given, *more, capture=capsys)
+    assert done.code == 0
+    assert re.search(facts(*told), done.err) if told else done.err == ""
+    with Record.load(own / "out/record.h5") as record:
+        assert set(record.updates["applied_v"]) == {speed}
+        assert "own:Push" in record.world_text
+        assert record.pose[-1, 0] == pytest.approx([6.0 + 2.0 * speed, 1.0, 0.0], abs=1e-12)
+    if not told:
+        named = json.loads((own / "out/summary.json").read_text())["controller"]
+        assert named == {"type": "own:Push", "settings": {"strength": speed}}
+        again = ("validate", "out/record.h5", "--rerun", "--controller", "own:Late", "--quiet")
+        told_again = physim(*again, capture=capsys).err
+        assert re.search(facts("WARNING", "strength", "own:Push", "own:Late"), told_again)
+
+
+def test_a_setting_that_nobody_knows_is_refused_by_name(own: Path, capsys) -> None:
+    (own / "small.yaml").write_text(SMALL + "controller: {strenght: 0.7}\n")
+    for name, part in (("own:Push", "strength"), ("own:Broken", "Broken")):
+        done = physim("run", "small.yaml", "--controller", name, capture=capsys)
+        assert done.code == 2
+        check_error(done.err, "small.yaml:16:14: controller.strenght:", part)
+
+
+def test_a_controller_that_fails_in_the_middle_leaves_what_was_recorded(own: Path, capsys) -> None:
+    done = physim("run", "small.yaml", "--controller", "own:Late", "-o", "out", capture=capsys)
+    assert (done.code, done.out) == (2, "")
+    check_error(done.err, "controller Late: a at 0.5 s:", "v = 9 m/s", "within 1.5 m/s")
+    assert physim("summary", "out/record.h5", capture=capsys).code == 0
+
+
+def test_an_observer_that_fails_at_the_very_end_leaves_a_whole_run(own: Path, capsys) -> None:
+    given = ("run", "small.yaml", "--observer", "own:LateObserver", "-o", "out", "--no-video")
+    done = physim(*given, "--quiet", capture=capsys)
+    assert (done.code, done.out, done.err.count("\n")) == (2, "", 1)
+    assert done.err.startswith("observer LateObserver at 2 s: ")
+    assert re.search(facts("ZeroDivisionError", "own.py:37"), done.err), done.err
+    assert json.loads((own / "out/summary.json").read_text())["ended"] == "duration"
+
+
+@pytest.mark.parametrize("asked", [False, True])
+def test_traceback_shows_the_calls_that_led_to_an_error_of_ones_own(
+    own: Path, capsys, asked: bool
+) -> None:
+    option = ["--traceback"] if asked else []
+    done = physim("run", "small.yaml", "--controller", "own:Broken", *option, capture=capsys)
+    assert done.code == 2
+    *calls, said = done.err.splitlines()
+    assert re.search(facts("own:Broken", "KeyError", "gain", "own.py:27"), said), said
+    assert bool(calls) is asked
+    assert any("self.build()" in line for line in calls) is asked
+
+
+def test_a_controller_that_raises_keyboard_interrupt_is_no_ctrl_c(own: Path, capsys) -> None:
+    given = ("run", "small.yaml", "--controller", "own:Tired", "--no-video", "--quiet")
+    done = physim(*given, capture=capsys)
+    assert (done.code, done.err.count("\n")) == (2, 1)
+    assert re.search(facts("own.py:43", "KeyboardInterrupt"), done.err), done.err
+
+
+def test_a_registered_controller_in_place_of_the_worlds(here: Path, capsys) -> None:
     done = physim(
         "run", "small.yaml", "--controller", "path_following", "-o", "out", "--no-video",
         "--set", "time.duration=0.5", capture=capsys,
@@ -203,50 +283,8 @@ def test_a_registered_controller_in_place_of_the_worlds(
         assert (record.updates["considered"] == 0).all()
 
 
-def test_settings_that_the_other_controller_does_not_get_are_told(
-    here: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    text = SMALL + "controller: {type: mode_switching, look_ahead: 1.5, beta: 0.3}\n"
-    (here / "small.yaml").write_text(text)
-    for quiet in ([], ["--quiet"]):
-        done = physim(
-            "run", "small.yaml", "--controller", "path_following", "--force", "--no-video",
-            "--set", "time.duration=0.1", *quiet, capture=capsys,
-        )  # fmt: skip
-        assert done.code == 0
-        told = facts("small.yaml:16:", "look_ahead, beta", "mode_switching", "path_following")
-        assert re.search(told, done.err)
-
-
-BROKEN = """\
-class Broken:
-    def __init__(self):
-        self.build()
-
-    def build(self):
-        return {}["gain"]
-
-    def decide(self, observation, memory):
-        return None
-"""
-
-
-@pytest.mark.parametrize("asked", [False, True])
-def test_traceback_shows_the_calls_that_led_to_an_error_of_ones_own(
-    here: Path, asked: bool
-) -> None:
-    (here / "broken.py").write_text(BROKEN)
-    option = ["--traceback"] if asked else []
-    done = shell("run", "small.yaml", "--controller", "broken:Broken", *option, folder=here)
-    assert done.code == 2
-    *calls, said = done.err.splitlines()
-    assert re.search(facts("broken:Broken", "KeyError", "gain", "broken.py:6"), said)
-    assert bool(calls) is asked
-    assert any("self.build()" in line for line in calls) is asked
-
-
 def test_a_run_has_its_folder_until_all_its_files_are_written(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    tmp_path: Path, monkeypatch, capsys
 ) -> None:
     """With --force another one removed the record while the first was making its video of it."""
     out, codes = tmp_path / "out", []
@@ -268,9 +306,7 @@ def test_a_run_has_its_folder_until_all_its_files_are_written(
     assert main([*command, "--force", "--no-video"]) in (0, 1)
 
 
-def test_force_removes_its_own_files_and_no_others(
-    here: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_force_removes_its_own_files_and_no_others(here: Path, capsys) -> None:
     out = here / "out"
     (out / "kept").mkdir(parents=True)
     (out / "kept/record.h5").write_text("mine")
@@ -290,10 +326,8 @@ def test_force_removes_its_own_files_and_no_others(
     assert set(before) - set(after) == {"out/video.mp4"}
 
 
-@pytest.mark.parametrize("name", ["record.h5", "video.mp4", "video.cut_short.mp4", "summary.json"])
-def test_no_link_in_the_output_folder_is_written_over(
-    name: str, here: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+@pytest.mark.parametrize("name", ["record.h5", "video.cut_short.mp4"])
+def test_no_link_in_the_output_folder_is_written_over(name: str, here: Path, capsys) -> None:
     (here / "out").mkdir()
     (here / "elsewhere").write_text("mine")
     (here / "out" / name).symlink_to(here / "elsewhere")
@@ -305,24 +339,8 @@ def test_no_link_in_the_output_folder_is_written_over(
     assert (here / "out" / name).is_symlink()
 
 
-@pytest.mark.parametrize(
-    "name",
-    [
-        "two words",
-        'it\'s "quoted"',
-        "../../up",
-        "/etc/passwd",
-        "..",
-        ".",
-        "a/b",
-        "-rf",
-        "*",
-        "ü\\n",
-    ],
-)
-def test_no_name_of_a_world_leaves_the_output_folder(
-    name: str, here: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+@pytest.mark.parametrize("name", ['it\'s "quoted"', "../../up", "/etc/passwd", ".", "-rf", "ü\\n"])
+def test_no_name_of_a_world_leaves_the_output_folder(name: str, here: Path, capsys) -> None:
     inner = here / "deep" / "inner"
     inner.mkdir(parents=True)
     os.chdir(inner)
@@ -343,7 +361,7 @@ def test_no_name_of_a_world_leaves_the_output_folder(
 
 
 def test_list_names_every_world_and_controller(
-    capsys: pytest.CaptureFixture[str],
+    capsys,
 ) -> None:
     done = physim("list", "--json", capture=capsys)
     assert done.code == 0
@@ -355,29 +373,3 @@ def test_list_names_every_world_and_controller(
     shown = physim("list", capture=capsys).out
     for name, line in {**shipped_worlds(), **controller_names()}.items():
         assert any(name in row and line in row for row in shown.splitlines())
-
-
-def test_help_and_version_come_without_loading_the_engine(here: Path) -> None:
-    done = shell("--version", folder=here)
-    assert done.code == 0
-    assert done.out.startswith("physim ")
-    for arguments in (["--help"], ["run", "--help"], ["video", "--help"]):
-        loaded = shell(*arguments, folder=here, PYTHONPROFILEIMPORTTIME="1")
-        assert loaded.code == 0
-        assert loaded.out.startswith("Usage: physim")
-        assert " click\n" in loaded.err
-        for heavy in ("numpy", "numba", "pymunk", "h5py", "pydantic", "av", "cv2", "shapely"):
-            assert f" {heavy}\n" not in loaded.err
-
-
-@pytest.mark.parametrize("command", ["list", "--help"])
-def test_a_reader_that_has_gone_is_no_fault(command: str, here: Path) -> None:
-    reader, writer = os.pipe()
-    os.close(reader)
-    done = subprocess.run(
-        [sys.executable, "-m", "physim", command],
-        cwd=here, stdout=writer, stderr=subprocess.PIPE, text=True, env=environment(),
-    )  # fmt: skip
-    os.close(writer)
-    assert done.stderr == ""
-    assert done.returncode == 0

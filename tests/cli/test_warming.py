@@ -51,6 +51,7 @@ print("checks:", *needed)
 """
 
 
+@pytest.mark.deep
 def test_nothing_is_left_to_compile_for_a_run_and_its_checks() -> None:
     """Of a run, the first process alone needs decisions and swept contacts; of all else, nothing.
 
@@ -68,6 +69,7 @@ def helpers() -> list[multiprocessing.process.BaseProcess]:
     return [one for one in multiprocessing.active_children() if one.name == WARMING]
 
 
+@pytest.mark.deep
 def test_the_second_process_says_when_a_run_can_go_on_and_ends(
     capfd: pytest.CaptureFixture[str],
 ) -> None:
@@ -80,6 +82,7 @@ def test_the_second_process_says_when_a_run_can_go_on_and_ends(
     assert capfd.readouterr() == ("", "")
 
 
+@pytest.mark.deep
 def test_nobody_waits_for_a_process_that_is_gone() -> None:
     second = SecondProcess("mode_switching")
     (process,) = helpers()

@@ -20,6 +20,8 @@ from physim import Record
 from tests.helpers import inside
 from tests.helpers.extending import blocks, entry_points, install, of
 
+pytestmark = pytest.mark.deep
+
 KINDS, METRIC, PLOT = inside("physim.parts", "KINDS", "METRIC", "PLOT")
 find_world = inside("physim.world.file", "find_world")
 
@@ -60,14 +62,6 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def plain() -> Record:
     """The run that all examples change, without any of them."""
     return physim.simulate(physim.load_world("straight"))
-
-
-def test_every_kind_has_an_example() -> None:
-    groups = entry_points()
-    assert {kind.group for kind in EVERY_KIND} == set(groups)
-    python = {block.section for block in of("python")}
-    assert python == {b.section for b in of("sh")} == {b.section for b in of("text")}
-    assert len(python) == len(groups)
 
 
 def test_list_shows_each_with_its_first_line(folder: Path) -> None:
@@ -121,15 +115,6 @@ def test_controller_waits_and_tells_why(folder: Path) -> None:
         assert record.ended == "finished"
 
 
-def test_settings_of_the_controller_matter(folder: Path) -> None:
-    """The null arm: with a gap that nobody comes below, nobody waits."""
-    (block,) = (b for b in of("sh") if "cautious" in b.text)
-    text = block.text.replace("gap=3.0", "gap=0.01").replace("-o waiting", "-o driving")
-    assert run(text, folder).returncode in (0, 1)
-    with Record.load(folder / "driving" / "record.h5") as record:
-        assert set(record.updates["mode"].tolist()) == {0}
-
-
 def test_sense_stage_misleads_each_observer_differently(folder: Path, plain: Record) -> None:
     with Record.load(folder / "hazy" / "record.h5") as record:
         assert record.digest() != plain.digest()
@@ -166,25 +151,6 @@ for purpose in ("loss", "other"):
         missed = sum(len(row) == 1 for pair in seen for row in pair)
         assert 0.2 < missed / 400 < 0.4
     assert first != second
-
-
-def test_plot_goes_over_all_steps_of_a_coarse_record(folder: Path) -> None:
-    text = "physim run straight --set time.record_every=10 --quiet "
-    done = run(text + "--no-video -o coarse; physim plot coarse/record.h5 --only speed_gap", folder)
-    assert (folder / "coarse" / "speed_gap.png").exists(), done.stderr
-    script = """
-import numpy as np
-from speed_gap import SpeedGap
-from physim import Record
-with Record.load("coarse/record.h5") as record:
-    axis = SpeedGap().draw(record).axes[0]
-    print(axis.lines[0].get_xdata()[-1] + record.dt, record.steps[-1] * record.dt, record.samples)
-"""
-    (folder / "coarse.py").write_text(script)
-    last, end, samples = run(f"{sys.executable} coarse.py", folder).stdout.split()
-    assert float(last) == pytest.approx(float(end))
-    assert float(end) > 20.0
-    assert int(samples) < float(end) / 0.05
 
 
 def test_filter_bounds_every_change_of_speed(folder: Path, plain: Record) -> None:
@@ -246,13 +212,3 @@ def test_metric_stands_in_the_summary(folder: Path) -> None:
     assert stops("hazy") == 2  # each robot at its stop station
     without = run("physim summary waiting/record.h5 --json", folder, PYTHONPATH="")
     assert "stops" not in json.loads(without.stdout)["metrics"]
-
-
-def test_plot_is_a_picture_of_its_record(folder: Path) -> None:
-    one = folder / "uneven" / "speed_gap.png"
-    assert one.read_bytes()[:4] == b"\x89PNG"
-    assert run("physim plot watched/record.h5 --only speed_gap", folder).returncode == 0
-    assert one.read_bytes() != (folder / "watched" / "speed_gap.png").read_bytes()
-    command = "physim plot uneven/record.h5 --only speed_gap -o elsewhere"
-    without = run(command, folder, PYTHONPATH="")
-    assert (without.returncode, without.stderr.count("\n")) == (2, 1)

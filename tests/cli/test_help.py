@@ -1,0 +1,58 @@
+"""Help pages that teach; their texts are kept in tests/goldens."""
+
+from __future__ import annotations
+
+import re
+
+import click
+import pytest
+
+from physim.reproduction.studies import studies
+from tests.cli.commands import physim
+from tests.helpers import inside
+
+COMMANDS, GROUPS, commands = inside("physim.cli", "COMMANDS", "GROUPS", "commands")
+
+
+def test_an_option_may_be_cut_short_as_long_as_it_is_one(capsys) -> None:
+    whole = physim("new", "a", "--robots", "99", capture=capsys)
+    assert physim("new", "a", "--ro=99", capture=capsys) == whole
+    assert physim("new", "a", "--ro", "99", capture=capsys) == whole
+    assert "--robots 99" in whole.err
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_every_help_page_tells_every_option_and_the_exit_codes(name: str, capsys) -> None:
+    done = physim(name, "--help", capture=capsys)
+    assert done.code == 0
+    _, codes = done.out.split("\nexit codes:\n")
+    told = [int(line.split()[0]) for line in codes.split("\n\n")[0].splitlines() if line[2] != " "]
+    assert {0, 2} <= set(told)
+    assert told == sorted(told)
+    assert "\nexamples:\n  physim " in done.out
+    with commands.make_context("physim", [name]) as context:
+        params = commands.get_command(context, name).params
+    for param in params:
+        assert param.help
+        assert (param.opts[-1] if isinstance(param, click.Option) else param.metavar) in done.out
+
+
+def test_physim_alone_prints_the_help_with_every_command_on_one_screen(monkeypatch, capsys) -> None:
+    """24 lines of 80 characters, one of them for what is typed next."""
+    monkeypatch.setenv("COLUMNS", "80")
+    alone = physim(capture=capsys)
+    assert (alone.code, alone.err) == (0, "")
+    assert alone.out == physim("--help", capture=capsys).out == physim("-h", capture=capsys).out
+    lines = alone.out.splitlines()
+    assert len(lines) + 1 <= 24
+    assert max(map(len, lines)) <= 80
+    table = [line for line in lines if re.match(r"(\w+ +| {8})[a-z-]+ {2,}\S", line)]
+    told = [line[8:].split()[0] for line in table]
+    assert told == [name for members in GROUPS.values() for name in members]
+    assert sorted(told) == sorted(COMMANDS)
+
+
+def test_the_help_of_reproduce_names_every_study(capsys) -> None:
+    told = physim("reproduce", "--help", capture=capsys).out
+    (names,) = re.findall(r"^studies: (.*\n(?: +.*\n)*)", told, re.MULTILINE)
+    assert re.split(r",\s+", names.strip()) == [study.name for study in studies()]

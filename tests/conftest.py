@@ -66,7 +66,7 @@ def tenth_of(item: pytest.Item) -> int:
 
 def room_of(path: str) -> str:
     """The folder of a test, or ``tests`` itself."""
-    parts = Path(path).parts
+    parts = Path(path.partition("::")[0]).parts
     return parts[1] if len(parts) > 2 else "tests"
 
 

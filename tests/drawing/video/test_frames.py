@@ -133,6 +133,21 @@ def test_the_strip_shows_formation_errors_or_deviations(made: Made, changed: Cha
     assert "deviation" in Timeline(made(1)).curves.title
 
 
+def test_the_strip_shows_the_least_distances_down_to_zero(
+    made: Made, changed: Changed, written: list[str]
+) -> None:
+    """Of robots and of walls over the run; a single touch between two columns is seen."""
+    record = made(3)
+    gap = np.full(record.clearance.shape, 2.0)
+    apart = frame_at(changed(record, clearance=gap), 3.9)[STRIP]
+    assert {"least distance [m]", "robots", "walls", "0.0"} <= set(written)
+    gap[97, 1] = 0.0
+    touched = frame_at(changed(record, clearance=gap), 3.9)[STRIP]
+    rows = [np.nonzero((one == np.array(palette.INK)).all(axis=2))[0] for one in (apart, touched)]
+    assert len(rows[1]) > len(rows[0]) + 50, "the line goes down to zero and back"
+    assert Timeline(record).distances.values[:, 0].tolist() == record.clearance.min(axis=1).tolist()
+
+
 def test_an_overlap_is_told_as_one_in_the_panel(
     made: Made, changed: Changed, written: list[str]
 ) -> None:

@@ -210,7 +210,9 @@ class Timeline:
             "walls": (record.boundary_clearance.min(axis=1), BAND),
         }
         known = {name: line for name, line in least.items() if np.isfinite(line[0]).any()}
-        values = np.array([line for line, _ in known.values()]).reshape(len(known), len(self.time)).T
+        values = (
+            np.array([line for line, _ in known.values()]).reshape(len(known), len(self.time)).T
+        )
         colours = [colour for _, colour in known.values()]
         return Curves("least distance [m]", "distance", values, list(known), colours)
 

@@ -72,10 +72,6 @@ class Painter:
         """Return the picture (720, 1280, 3) uint8 RGB at ``time`` [s]."""
         return self.paint(time).copy()
 
-    def mark(self, a: int, b: int) -> None:
-        """Mark the distance of robot ``a`` to body ``b`` in the view; see `View.mark`."""
-        self._view.mark(a, b)
-
     def paint(self, time: float) -> Image:
         """Return the picture at ``time`` [s] as it is until the next is asked for."""
         now = self.timeline.at(time)

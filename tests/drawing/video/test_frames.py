@@ -13,7 +13,7 @@ import pytest
 from physim import PAPER_MODES, Mode
 from physim.analysis import metrics
 from physim.contacts import Phase
-from physim.drawing.video import frame_at
+from physim.drawing.video import close_up, frame_at
 from physim.errors import PhysimError
 from physim.tolerances import DEEP as DEPTH
 from tests.drawing import palette
@@ -115,6 +115,15 @@ def test_the_strip_rises_with_the_error(made: Made, changed: Changed) -> None:
         for i in range(3)
     ]
     assert rows[0] < rows[1] - 10 < rows[2] - 20
+
+
+def test_a_close_up_names_the_two_that_it_is_of(made: Made, written: list[str]) -> None:
+    """A robot and a wall, in a picture so small that a tile shows it as it is."""
+    record = made(3)
+    picture = close_up(record, 1.0, (2, 3))
+    assert picture.shape[1] <= 600
+    assert record.names[2] in written
+    assert any(word.endswith(" m") or word == "contact" for word in written)
 
 
 def test_the_strip_shows_formation_errors_or_deviations(made: Made, changed: Changed) -> None:

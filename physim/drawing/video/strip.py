@@ -28,6 +28,9 @@ LEAST = 0.03
 REACH = 10
 """[px] size of the mark on the time axis where a contact began"""
 
+APART = 8
+"""[px] in which there is one such mark: more would hide each other"""
+
 OUTER, INNER = 0.25, 0.6
 """Share of colour in the bands of nine tenths and of half of the robots"""
 
@@ -61,9 +64,9 @@ class Strip:
         self._full = self._blank.copy()
         self._draw_curves(times, values)
         self._full[:TOP] = self._blank[:TOP]  # what lies above the axis
-        columns = np.rint(self._x(timeline.contacts.began)).astype(int).tolist()
-        found = set(zip(~timeline.contacts.swept, columns, strict=True))
-        self._marks = [(x, not contact) for contact, x in sorted(found)]
+        swept, x = timeline.contacts.swept, np.rint(self._x(timeline.contacts.began)).astype(int)
+        _, first = np.unique([~swept, x // APART], axis=1, return_index=True)
+        self._marks = list(zip(x[first].tolist(), swept[first].tolist(), strict=True))
         for x, swept in self._marks:
             self._mark(self._full, x, swept)
         self._shown: tuple[int, list[tuple[int, int, int]]] = (0, [])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -13,7 +14,7 @@ from physim.analysis.metrics import Episode, Graze, contact_episodes, deep_conta
 from physim.analysis.metrics.motion import sampled_errors
 from physim.contacts import Phase
 from physim.drawing.crowd import NAMED
-from physim.drawing.palette import BAND, Colour
+from physim.drawing.palette import BAND, INK, Colour
 from physim.drawing.scene_model import SceneModel
 from physim.errors import RecordError
 from physim.geometry.shapes import FloatArray, IntArray
@@ -54,14 +55,18 @@ class Moment(NamedTuple):
 
 
 class Curves(NamedTuple):
-    """One figure a robot over time."""
+    """One figure over time, L lines: a line a robot, or the least distances of all."""
 
     title: str
     """what it is, with its unit"""
     name: str
     """of the figure, as a column of the decisions has it"""
     values: FloatArray
-    """(K, N) [m] at the samples"""
+    """(K, L) [m] at the samples"""
+    names: Sequence[str]
+    """of the lines"""
+    colours: Sequence[Colour]
+    """of the lines"""
 
 
 def coarse_spacing(times: FloatArray) -> float:
@@ -190,11 +195,26 @@ class Timeline:
     @cached_property
     def curves(self) -> Curves:
         """What to show over time: formation errors, in a run without formation deviations."""
-        errors = sampled_errors(self.record)
+        errors, lines = sampled_errors(self.record), (self.record.names, self.scene.colours)
         if errors is not None:
-            return Curves("formation error [m]", "formation_error", errors)
-        title = "deviation from the path, left positive [m]"
-        return Curves(title, "deviation", self.record.course[:, :, 1])
+            return Curves("formation error [m]", "formation_error", errors, *lines)
+        title = "deviation left of the path [m]"
+        return Curves(title, "deviation", self.record.course[:, :, 1], *lines)
+
+    @cached_property
+    def distances(self) -> Curves:
+        """The least distances of all robots to robots and to walls; those there are of the two."""
+        record = self.record
+        least = {
+            "robots": (record.clearance.min(axis=1), INK),
+            "walls": (record.boundary_clearance.min(axis=1), BAND),
+        }
+        known = {name: line for name, line in least.items() if np.isfinite(line[0]).any()}
+        values = (
+            np.array([line for line, _ in known.values()]).reshape(len(known), len(self.time)).T
+        )
+        colours = [colour for _, colour in known.values()]
+        return Curves("least distance [m]", "distance", values, list(known), colours)
 
 
 @dataclass(frozen=True)

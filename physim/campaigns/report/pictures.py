@@ -27,8 +27,6 @@ from physim.simulation.run import record_run
 
 PNG = b"\x89PNG"
 """How every picture begins"""
-STILL_WIDTH = 800
-"""[px]"""
 MOST_STILL = 3_000_000
 """[bytes] of a picture of so many pixels; a file that is larger is none"""
 MOST_PAGE = 8_000_000
@@ -188,15 +186,10 @@ def _its_folder(file: Path) -> None:
 
 
 def _draw_view(record: Record, path: Path, moment: str) -> None:
-    """The view of a still at a moment of `Report.pictured`, with the two that it is of marked.
+    """A close-up at a moment of `Report.pictured`, with the two that it is of marked."""
+    from physim.drawing.video import close_up
+    from physim.drawing.video.animation import save_still
 
-    Without the panel beside it, which would be too small to read.
-    """
-    from physim.drawing.video import frame_at
-    from physim.drawing.video.animation import resized, save_still
-    from physim.drawing.video.layout import arrange
-
-    view, _, _ = arrange()
     one: Moment | Metric | None = None
     if moment == "contact":
         one = measure(record, ["closing_speed"]).get("closing_speed")
@@ -205,5 +198,4 @@ def _draw_view(record: Record, path: Path, moment: str) -> None:
     time = record.steps_run * record.dt if one is None else one.time or 0.0
     within = max(0.0, min(time, (record.steps_run - 1) * record.dt))  # a film ends far away
     between = None if one is None or len(one.bodies) < 2 else (one.bodies[0], one.bodies[1])
-    picture = view.of(frame_at(record, within, between=between))
-    save_still(path, resized(picture, (STILL_WIDTH, STILL_WIDTH * view.height // view.width)))
+    save_still(path, close_up(record, within, between))

@@ -19,7 +19,7 @@ from physim.drawing.labels import clean
 from physim.drawing.page.bundle import asset, policy, script
 from physim.drawing.page.colours import schemes, styles
 from physim.drawing.page.data import run_data
-from physim.drawing.page.findings import findings_section
+from physim.drawing.page.findings import findings_section, opening
 from physim.drawing.page.tables import contact_table
 from physim.errors import PhysimError, plural
 from physim.escaping import html_table, html_text
@@ -98,6 +98,7 @@ def page(*records: Record, validation: Validation | None = None) -> Page:
         _filled(
             policy=policy(code, css), version=__version__, title=html_text(f"{name} – physim"),
             style=css, heading=html_text(name), about=_about(records), script=code,
+            verdict="" if validation is None else opening(validation, summaries[0]),
             tables=_tables(labels, summaries, validation), schemes=_json(schemes()),
             labels=_json(labels),
             runs="\n".join(

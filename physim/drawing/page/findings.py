@@ -17,6 +17,7 @@ from physim.analysis.validation.contact_report import (
 )
 from physim.analysis.validation.wording import length
 from physim.drawing.page.tables import numbered
+from physim.errors import amount_text
 from physim.escaping import escaped_lines, html_text
 
 MOST_FINDINGS = 300
@@ -35,6 +36,34 @@ class Finding:
     """its number in the page"""
     robot: int | None = None
     """to ask why"""
+
+
+def opening(found: Validation, summary: Summary) -> str:
+    """The verdict, and the severest contact with a link to it, at which the page opens."""
+    worst, at = "", summary.metrics.get("closing_speed")
+    for one in found.contacts:
+        if at is not None and (one.a, one.b, one.time) == (*at.bodies, at.time):
+            hit, place = one.severity, f"{one.time:.2f} s, {_names(found, one.a, one.b)}"
+            how = f"closing at {hit.closing:.3f} m/s"
+            if hit.energy is not None:
+                how += f", {amount_text(hit.energy, 1)} J lost"
+            link = _link(one.time, {"contact": _numbers(summary)[one.a, one.b, round(one.time, 6)]})
+            worst = f' Severest: <a class="worst" href="{link}">{html_text(place)}</a>, {how}.'
+    bad = " bad" if found.code else ""
+    return f'<p class="verdict{bad}">Validation: {html_text(found.verdict)}.{worst}</p>'
+
+
+def _names(found: Validation, *bodies: int) -> str:
+    return " and ".join(found.names[body] for body in bodies)
+
+
+def _link(time: float, asked: dict[str, object]) -> str:
+    return f"#{escape(urlencode({'t': f'{time:.3f}', **asked}))}"
+
+
+def _numbers(summary: Summary) -> dict[tuple[int, int, float], int]:
+    """Number of each contact in the page, by its bodies and time."""
+    return {(row.a, row.b, round(row.time, 6)): k for k, row in enumerate(numbered(summary), 1)}
 
 
 def findings_section(found: Validation, summary: Summary) -> str:
@@ -62,14 +91,14 @@ def _row(one: Finding, found: Validation) -> str:
     names = found.names
     moment = "–" if one.time is None else f"{one.time:.2f} s"
     if one.time is not None:
-        asked: dict[str, object] = {"t": f"{one.time:.3f}"}
+        asked: dict[str, object] = {}
         robot = one.robot if one.robot is not None else min(one.bodies, default=found.run.robots)
         if one.contact is not None:
             asked["contact"] = one.contact
         elif robot < found.run.robots:
             asked["robot"] = names[robot]
-        moment = f'<a href="#{escape(urlencode(asked))}">{moment}</a>'
-    who = html_text(" and ".join(names[body] for body in one.bodies))
+        moment = f'<a href="{_link(one.time, asked)}">{moment}</a>'
+    who = html_text(_names(found, *one.bodies))
     cells = (html_text(one.kind), moment, who, html_text(one.text))
     return "<tr>" + "".join(f"<td>{cell}</td>" for cell in cells) + "</tr>"
 
@@ -112,8 +141,7 @@ def _disagreements(found: Validation) -> Iterator[Finding]:
 
 
 def _contacts(found: Validation, summary: Summary) -> Iterator[Finding]:
-    number = {(row.a, row.b, round(row.time, 6)): k for k, row in enumerate(numbered(summary), 1)}
-    names = found.names
+    number, names = _numbers(summary), found.names
     deep = {(one.a, one.b): one.sentence(names) for one in found.deep}
 
     def finding(one: ContactReport | SweptContactReport, more: str) -> Finding:

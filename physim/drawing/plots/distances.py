@@ -1,4 +1,4 @@
-"""Distances over time: of all pairs of robots, and the least of all; minima and contacts marked."""
+"""Distances over time: the least of all, with contacts, above those of the pairs of robots."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ from physim.drawing.plots.frame import (
     time_axis,
     zero_line,
 )
-from physim.drawing.plots.style import CONTACT, INK, QUIET
+from physim.drawing.plots.style import BAND, CONTACT, INK, QUIET, WIDTHS
 from physim.record import Record
 
 MOST_BANDS = 12
@@ -96,23 +96,24 @@ def _strip(axis: Any, spans: list[tuple[float, float]], label: str) -> Any:
     return axis.add_collection(strip, autolim=False)
 
 
-MOST_PAIRS = 66
-"""Pairs that are drawn one by one: those of 12 robots; of more, bands of the nearest ones."""
+FEW_PAIRS, MOST_PAIRS = 6, 66
+"""Pairs that have a line each, those of 4 robots; and a band, those of 12. Of more robots there are
+bands of the distances to the nearest other"""
 
 
 def distances(record: Record) -> Any:
-    """Figure: distances of all pairs of robots above the least distances [m], over time [s].
+    """Figure: the least distances above those of all pairs of robots [m], over time [s].
 
-    Above: each pair, or of many robots bands of each robot's distance to its nearest other, and
-    the largest. Below: the least of all robots to another and to a wall; below 0 are depths.
+    Above: the least of all robots to another and to a wall, down to 0; below 0 are depths. Below:
+    each pair, or a band of all, and the largest; of many robots bands of each robot's distance to
+    its nearest other.
     """
     figure = framed(record, "Distances", "Figs. 3b, 6c", height=4.4)
-    above, below = figure.subplots(2, 1, sharex=True)
-    above.set_ylabel("between robots [m]")
-    below.set_ylabel("least of all [m]")
+    above, below = figure.subplots(2, 1, sharex=True, height_ratios=(3, 2))
+    above.set_ylabel("least of all [m]")
+    below.set_ylabel("between robots [m]")
     time_axis(below, record)
-    handles = _pairs(above, record)
-    handles += _least(below, record)
+    handles = _least(above, record) + _pairs(below, record)
     handles += mark_contacts((above, below), record)
     legend_beside(figure, handles)
     clear_marks(figure)
@@ -120,7 +121,7 @@ def distances(record: Record) -> Any:
 
 
 def _pairs(axis: Any, record: Record) -> list[Any]:
-    """Distances of every pair, thin, with the largest marked; bands of a crowd."""
+    """Distances of every pair with the largest marked; bands of a crowd."""
     farthest = farthest_pair(record)
     if record.robots < 2 or not record.samples:
         nothing(axis, "one robot alone" if record.robots == 1 else "no sample was recorded")
@@ -133,23 +134,27 @@ def _pairs(axis: Any, record: Record) -> list[Any]:
         axis.set_ylabel("to the nearest robot [m]")
     else:
         (time, values), _ = pair_distances(record)
-        handles = axis.plot(time, values, color=QUIET, linewidth=0.5, alpha=0.7)[:1]
-        handles[0].set_label("each pair")
+        if values.shape[1] <= FEW_PAIRS:
+            handles = axis.plot(time, values, color=QUIET, linewidth=0.7)[:1]
+            handles[0].set_label("each pair")
+        else:
+            ends, how = (values.min(axis=1), values.max(axis=1)), {"color": BAND, "alpha": 0.25}
+            handles = [axis.fill_between(time, *ends, linewidth=0.0, label="all pairs", **how)]
         if farthest is not None:
             who = names_of(record, [farthest.a, farthest.b])
             mark(axis, farthest.time, farthest.value, f"farthest {plain(farthest.value)} m ({who})")
-    axis.set_ylim(0.0, 1.12 * axis.get_ylim()[1])
+    axis.set_ylim(0.0, 1.3 * axis.get_ylim()[1])
     return list(handles)
 
 
 def _least(axis: Any, record: Record) -> list[Any]:
-    """Least distance over all robots to another robot and to a wall, each with its minimum."""
+    """Least distance over all robots to another robot and to a wall; a ring is at each minimum."""
     wall = shortest_boundary_distance(record)
     curves = (
         (record.clearance, INK, "-", "robot to robot", shortest_distance(record)),
-        (record.boundary_clearance, QUIET, "--", "robot to wall", wall),
+        (record.boundary_clearance, WIDTHS, "-", "robot to wall", wall),
     )
-    handles, marked = [], []
+    handles: list[Any] = []
     for values, colour, dash, label, shortest in curves:
         least = values.min(axis=1) if values.size else np.zeros(0)
         if np.isfinite(least).any():
@@ -160,21 +165,15 @@ def _least(axis: Any, record: Record) -> list[Any]:
                 who = who if len(who) <= LONGEST_NAME else who.replace(" and ", "\nand ")
                 least_of = _metres(shortest.value)
                 handles[-1].set_label(f"{label},\nleast {least_of}\n({who})")
-                marked.append((shortest, colour))
+                axis.plot(
+                    shortest.time, shortest.value, "o", color=colour, markersize=4.5,
+                    markerfacecolor="white", zorder=5, clip_on=False,
+                )  # fmt: skip
     if not handles:
         nothing(axis, "no sample was recorded")
         return []
     zero_line(axis)
-    axis.margins(y=0.2)
-    low = min((shortest.value for shortest, _ in marked), default=0.0)
-    close = len(marked) == 2 and abs(marked[0][0].time - marked[1][0].time) < 0.3 * record.time[-1]
-    bottom, top = axis.get_ylim()
-    axis.set_ylim(min(bottom, low - 0.32 * (top - low)), top)  # room for the words
-    level = len(marked) == 2 and abs(marked[0][0].value - marked[1][0].value) < 0.1 * (top - low)
-    for row, (shortest, colour) in enumerate(sorted(marked, key=lambda pair: pair[0].value)):
-        text, below = _metres(shortest.value), level or not close or row == 0
-        place = row * (level and close)
-        mark(axis, shortest.time, shortest.value, text, below=below, colour=colour, row=place)
+    axis.margins(y=0.08)
     return handles
 
 

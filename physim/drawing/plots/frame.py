@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from itertools import pairwise, product
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,7 +13,9 @@ from physim.drawing.labels import covered, shortened
 from physim.drawing.plots.style import DPI, INK, NARROW, QUIET
 from physim.drawing.scene_model import pieces_of
 from physim.geometry.shapes import FloatArray
-from physim.record import Record
+
+if TYPE_CHECKING:
+    from physim.record import Record
 
 LONGEST_NAME = 18
 """Characters of a name in a legend."""

@@ -10,6 +10,7 @@ import numpy as np
 
 from physim.drawing.crowd import NAMED
 from physim.drawing.labels import (
+    DISC,
     TURNS,
     Label,
     around,
@@ -20,6 +21,7 @@ from physim.drawing.labels import (
     places,
     significant,
 )
+from physim.drawing.palette import hexed
 from physim.drawing.plots.scene import add_lines
 from physim.drawing.plots.style import INK, QUIET, WIDTHS
 from physim.drawing.preview.contents import Contents
@@ -28,16 +30,19 @@ from physim.geometry.shapes import FloatArray
 
 FEW_NAMED = 12
 """Names of a crowd that are tried, of robots as far apart in the list as can be."""
-GAPS = (2.0, 6.0, 12.0, 20.0)
+GAPS = (2.0, 6.0, 12.0, 20.0, 32.0, 48.0)
 """[pt] between what is labelled and its label"""
 NEAR = 4.0
 """[pt] A label farther off than this has a line to what it belongs to."""
-PRICES = (0.0, 1.0, 2.5, 4.0)
+PRICES = (0.0, 1.0, 2.5, 4.0, 7.0, 11.0)
 """What these gaps cost; a direction costs up to 1."""
 ON_WALL, ON_PATH, ON_ROBOT = 0.27, 0.05, 1.0
 """What every pt of a line costs that a text covers."""
 ASTRAY = 50.0
-"""What it costs to be nearer to another robot than to the own: more than all lines together"""
+"""What it costs to stand beside another robot: more than all lines together"""
+CLEARER, FAR = 5.0, 10.0
+"""[pt] by which a text is nearer to its own robot than to others; or it is so far from the others
+and has a line to its own"""
 LEAST = 3.0
 """[pt] least distance kept from a reference point"""
 RIM = 0.15
@@ -84,7 +89,9 @@ def letter(
     first = len(texts)
     every = 1 if len(names) <= NAMED else ceil(len(names) / FEW_NAMED)
     for i in range(0, len(names), every):
-        texts.append((Text(names[i], INK, 7.5), robots[i], max(scene.reach[i] * scale, LEAST)))
+        colour = INK if len(names) > NAMED else hexed(scene.colours[i])
+        reach = max(scene.reach[i] * scale, LEAST)
+        texts.append((Text(names[i], colour, 7.5, "bold"), robots[i], reach))
     last = len(texts)
     for at, station in zip(points(ticks[0]), ticks[1], strict=True):
         texts.append((Text(f"{station:.12g}", QUIET, 6.5), at, 3.0))
@@ -97,7 +104,9 @@ def letter(
     for index, ((text, *_), label, middle) in enumerate(zip(texts, labels, middles, strict=True)):
         if middle is not None:
             _write(axis, text, metres(middle))
-            line = leader(label, middle, label.reach + NEAR)
+            own, other = _nearest(around(middle[None], label.size), label, robots)
+            mixed_up = bool(other[0] < own[0] + CLEARER)
+            line = leader(label, middle, DISC * label.reach if mixed_up else label.reach + NEAR)
             if first <= index < last and line is not None:
                 leaders.append(metres(line))
     add_lines(axis, leaders, colors=QUIET, linewidths=0.5, zorder=4.9, gid="leaders")
@@ -124,13 +133,21 @@ def placed(
         inside = ((boxes[:, :2] >= room[:2]) & (boxes[:, 2:] <= room[2:])).all(axis=1)
         free = inside & (overlaps(boxes, taken).max(axis=1) <= 0.0)
         cost = np.add.outer(PRICES, TURNS).ravel() + covered(boxes, *lines)
-        apart = np.hypot(*(anchors - found[:, None]).transpose(2, 0, 1)).min(axis=1)
-        cost += ASTRAY * (apart < np.hypot(*(found - label.at).T) - 1e-6)
+        own, other = _nearest(boxes, label, anchors)
+        cost += ASTRAY * (other < np.minimum(own + CLEARER, FAR))
         best = int(np.argmin(np.where(free, cost, np.inf)))
         middles.append(found[best] if free[best] else None)
         if free[best]:
             taken = np.concatenate((taken, boxes[best : best + 1]))
     return middles
+
+
+def _nearest(boxes: FloatArray, label: Label, anchors: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Distances (n,) of boxes (n, 4) to what a label belongs to, and to the nearest of others."""
+    points = np.concatenate(([label.at], anchors[(np.abs(anchors - label.at) > 1e-6).any(axis=1)]))
+    beyond = np.maximum(boxes[:, None, :2] - points, points - boxes[:, None, 2:])
+    apart = np.hypot(*np.maximum(beyond, 0.0).transpose(2, 0, 1))
+    return apart[:, 0], apart[:, 1:].min(axis=1, initial=np.inf)
 
 
 def _write(axis: Any, text: Text, at: FloatArray) -> None:

@@ -13,6 +13,7 @@ from typing import Any
 from physim.drawing import palette
 from physim.drawing.labels import round_step, shortened, significant
 from physim.drawing.palette import hexed
+from physim.drawing.plots.frame import clear_marks
 from physim.drawing.plots.style import INK, QUIET, WIDTHS, save_figure
 from physim.drawing.preview.contents import Contents, contents, counts, drawable, families
 from physim.drawing.preview.ground_plan import DASH, MOST_TICKS, TOGETHER, draw_map, is_crowd
@@ -136,6 +137,7 @@ def make_figure(preview: Contents, format: str = "png") -> Any:
     named = draw_map(plan, preview, names)
     draw_profile(figure.add_axes(PROFILE), preview)
     draw_key(figure.add_axes(KEY), preview, named)
+    clear_marks(figure)
     return figure
 
 

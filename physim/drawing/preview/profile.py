@@ -7,19 +7,13 @@ from typing import Any
 import numpy as np
 
 from physim.drawing import palette
-from physim.drawing.labels import Label, leader, round_step, significant, spread
+from physim.drawing.labels import round_step, significant, spread
 from physim.drawing.palette import hexed
+from physim.drawing.plots.frame import mark
 from physim.drawing.plots.style import INK, QUIET, WIDTHS
 from physim.drawing.preview.contents import Contents, station_words
 from physim.drawing.preview.ground_plan import MOST_TICKS
-from physim.drawing.preview.lettering import text_size
 from physim.geometry.polygon import least_width
-from physim.geometry.shapes import FloatArray
-
-FAR = 6.0
-"""[pt] Words farther from their mark than this have a line to it."""
-MARK = 4.0
-"""[pt] from the mark of the narrowest place to its words"""
 
 
 def draw_profile(axis: Any, preview: Contents) -> None:
@@ -41,7 +35,7 @@ def draw_profile(axis: Any, preview: Contents) -> None:
     axis.plot(station, width, color=WIDTHS, linewidth=0.8, linestyle=":")
     axis.plot(station, np.where(preview.widths.between, width, np.nan), color=WIDTHS, linewidth=1.5,
               gid="width")  # fmt: skip
-    _name_narrowest(axis, preview, top)
+    _name_narrowest(axis, preview)
     _needs(axis, preview, top)
     axis.set(xlim=(0.0, preview.course_length), ylim=(0.0, top))
     axis.set(xlabel="station along the path of the first robot [m]", ylabel="width [m]")
@@ -49,65 +43,14 @@ def draw_profile(axis: Any, preview: Contents) -> None:
     axis.yaxis.set_major_locator(MaxNLocator(5, steps=(1, 2, 5, 10)))
 
 
-def _name_narrowest(axis: Any, preview: Contents, top: float) -> None:
-    """Mark the narrowest place and write its width beside it, clear of all lines if possible."""
+def _name_narrowest(axis: Any, preview: Contents) -> None:
+    """Mark the narrowest place and write its width beside it."""
     station, width, k = preview.widths.station, preview.widths.width, preview.widths.narrowest
     if k is None:
         return
-    axis.plot(station[k], width[k], "o", color=WIDTHS, markersize=4.5, zorder=4.0)
     place = station_words(float(station[k]), preview.course_length)
     words = f"{significant(float(width[k]))} m at {place} m"
-    room = axis.get_position().size * axis.figure.get_size_inches() * 72.0
-    scale = room / (preview.course_length, top)
-    curve = np.column_stack((station, np.where(np.isfinite(width), width, 2.0 * top))) * scale
-    levels = np.array([level for level, *_ in _levels(preview)]) * scale[1]
-    size = np.array(text_size(axis.figure, words, 8.5, "bold"))
-    middle = _free_place(curve[k], size, curve, levels, room)
-    x, y = middle / scale
-    line = leader(Label(tuple(curve[k]), 0.0, tuple(size)), middle, FAR)
-    if line is not None:
-        axis.plot(*(line / scale).T, color=WIDTHS, linewidth=0.7, zorder=3.9, gid="leader")
-    axis.annotate(
-        words, (x, y), ha="center", va="center", color=WIDTHS, fontsize=8.5, fontweight="bold",
-        zorder=5.0,
-    )  # fmt: skip
-
-
-def _free_place(
-    at: FloatArray, size: FloatArray, curve: FloatArray, levels: FloatArray, room: FloatArray
-) -> FloatArray:
-    """Middle (2,) of a text near ``at`` that covers neither curve (n, 2) nor levels, all [pt].
-
-    The nearest such place, below before above; where there is none, just below ``at``.
-    """
-    half = size / 2.0
-    away = half[1] + MARK
-    ups = np.concatenate((-np.arange(away, room[1], 2.0), np.arange(away, room[1], 2.0)))
-    x = at[0] + np.concatenate(([0.0], *((-d, d) for d in np.arange(4.0, 1.5 * size[0], 4.0))))
-    least, most = _extent(curve, x - half[0], x + half[0])
-    middles = np.stack(np.broadcast_arrays(x[:, None], at[1] + ups), axis=2)
-    low, high = middles - half, middles + half
-    free = ((low >= 1.0) & (high <= room - 1.0)).all(axis=2)
-    free &= ~((low[..., 1:] < levels + 1.5) & (high[..., 1:] > levels - 1.5)).any(axis=2)
-    free &= (high[..., 1] < least[:, None] - 1.0) | (low[..., 1] > most[:, None] + 1.0)
-    if not free.any():
-        place = at - (0.0, away)
-        return np.asarray(np.clip(place, half + 1.0, np.maximum(room - half - 1.0, half + 1.0)))
-    cost = np.abs(middles - at) @ (0.5, 1.0) + 8.0 * (middles[..., 1] > at[1])
-    best = np.unravel_index(np.argmin(np.where(free, cost, np.inf)), cost.shape)
-    return np.asarray(middles[best])
-
-
-def _extent(
-    curve: FloatArray, left: FloatArray, right: FloatArray
-) -> tuple[FloatArray, FloatArray]:
-    """Least and greatest height (n,) of a curve (k, 2) between ``left`` (n,) and ``right`` (n,)."""
-    under = np.interp(np.linspace(left, right, 25), *curve.T)
-    inside = (left < curve[:, :1]) & (right > curve[:, :1])
-    return (
-        np.minimum(under.min(axis=0), np.where(inside, curve[:, 1:], np.inf).min(axis=0)),
-        np.maximum(under.max(axis=0), np.where(inside, curve[:, 1:], -np.inf).max(axis=0)),
-    )
+    mark(axis, float(station[k]), float(width[k]), words, below=True, colour=WIDTHS)
 
 
 def _levels(preview: Contents) -> list[tuple[float, str, str, Any]]:

@@ -1,5 +1,5 @@
 """Videos and stills of a run, from its record alone."""
 
-from physim.drawing.video.render import frame_at, render, still
+from physim.drawing.video.render import close_up, frame_at, render, still
 
-__all__ = ["frame_at", "render", "still"]
+__all__ = ["close_up", "frame_at", "render", "still"]

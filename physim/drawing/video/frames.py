@@ -36,6 +36,8 @@ if TYPE_CHECKING:
     from physim.world import World
 
 
+DISTANCES = 0.5
+"""Share of the strip for the least distances, where there are any"""
 LEAST_OVERVIEW = 24
 """[px] height below which the overview is left out"""
 
@@ -49,7 +51,6 @@ class Painter:
     def __init__(self, timeline: Timeline, speed: float, fps: float) -> None:
         self.timeline = timeline
         self._image: Image = np.empty((HEIGHT, WIDTH, 3), np.uint8)
-        curves = timeline.curves
         view, beside, below = arrange()
         world = ground(timeline)
         self._view = View(timeline, world, view, speed, fps)
@@ -61,15 +62,15 @@ class Painter:
         crowded = camera.whole or free.height < LEAST_OVERVIEW
         modes = timeline.scene.modes
         self._overview = None if crowded else Overview(plain(timeline, world), free, modes)
-        self._strip = Strip(timeline, curves, below.of(self._image))
+        distances, strip = timeline.distances, below.of(self._image)
+        split = round(DISTANCES * below.width) if distances.names else 0
+        self._strips = [Strip(timeline, timeline.curves, strip[:, split:])]
+        if split:
+            self._strips.append(Strip(timeline, distances, strip[:, :split]))
 
     def frame(self, time: float) -> Image:
         """Return the picture (720, 1280, 3) uint8 RGB at ``time`` [s]."""
         return self.paint(time).copy()
-
-    def mark(self, a: int, b: int) -> None:
-        """Mark the distance of robot ``a`` to body ``b`` in the view; see `View.mark`."""
-        self._view.mark(a, b)
 
     def paint(self, time: float) -> Image:
         """Return the picture at ``time`` [s] as it is until the next is asked for."""
@@ -79,7 +80,8 @@ class Painter:
         if self._overview is not None:
             corners = self._view.corners(now.time)
             self._overview.paint(self._overview_image, corners, now)
-        self._strip.paint(now)
+        for strip in self._strips:
+            strip.paint(now)
         return self._image
 
 

@@ -10,14 +10,17 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from physim.analysis.metrics.walls import nearest_points
 from physim.drawing import palette
 from physim.drawing.palette import Colour, rgb
 from physim.drawing.timeline import Timeline
 from physim.drawing.video.animation import Animation, check_length, resized, save_still
 from physim.drawing.video.files import MP4, check_still, kind_of, rate, size_at
 from physim.drawing.video.frames import Beside, Painter
-from physim.drawing.video.layout import WIDTH, Image
+from physim.drawing.video.ground import ground
+from physim.drawing.video.layout import WIDTH, Box, Image, arrange
 from physim.drawing.video.movie import VideoFile
+from physim.drawing.video.view import View
 from physim.errors import PhysimError
 from physim.geometry.shapes import FloatArray
 
@@ -25,6 +28,8 @@ if TYPE_CHECKING:
     from physim.record import Record
 
 
+TILE = (560, 298)
+"""[px] width and height of a close-up: shown at this size or somewhat less, names can be read"""
 FPS = 25.0
 """of a still, in which labels are where they begin in a film"""
 
@@ -133,23 +138,39 @@ def frame_at(
     beside: Record | None = None,
     fps: float = FPS,
     speed: float | None = None,
-    between: tuple[int, int] | None = None,
 ) -> Image:
     """Return the picture (720, 1280, 3) uint8 RGB of a record at ``time`` [s].
 
     It equals the video's frame of that time but for the places of names, which glide in a video;
-    ``beside`` as for `render`. In the view of one run the distance ``between`` a robot and another
-    body (ids) is marked, by default that of the closest two robots. A time outside the record is
-    taken to its nearer end. Raises `physim.errors.PhysimError`.
+    ``beside`` as for `render`. A time outside the record is taken to its nearer end. Raises
+    `physim.errors.PhysimError`.
     """
     if not math.isfinite(time):
         raise PhysimError(f"time of a still: {time} given; allowed: a finite number of seconds")
     timelines = _timelines(record, beside)
     duration = _duration(timelines)
     painter = _painter(timelines, _speed(speed, duration, MP4.longest), rate(MP4, fps))
-    if between is not None and isinstance(painter, Painter):
-        painter.mark(*between)
     return painter.frame(min(max(float(time), 0.0), duration))
+
+
+def close_up(record: Record, time: float, between: tuple[int, int] | None = None) -> Image:
+    """Return a small picture (298, 560, 3) uint8 RGB of the robots at ``time`` [s], for a tile.
+
+    With ``between`` it is about a robot and another body (ids), whose distance is marked.
+    """
+    timeline = Timeline(record)
+    box = Box(0, 0, *TILE) if between is None else arrange()[0]
+    speed = _speed(None, timeline.duration, MP4.longest)
+    view, now = View(timeline, ground(timeline), box, speed, FPS), timeline.at(time)
+    image = np.empty((box.height, box.width, 3), np.uint8)
+    middle = box.size / 2.0
+    if between is not None:
+        view.mark(*between)
+        points = nearest_points(record, *between, now.pose)
+        middle = view.camera.lens(now.time).pixels(points).mean(axis=0)
+    view.paint(image, now)
+    left, top = np.clip(middle - np.array(TILE) / 2.0, 0.0, box.size - TILE).astype(int).tolist()
+    return np.ascontiguousarray(Box(left, top, *TILE).of(image))
 
 
 def still(

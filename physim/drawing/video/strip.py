@@ -1,4 +1,4 @@
-"""Formation error or deviation of each robot over the run, drawn up to the present time.
+"""Curves over the run, drawn up to the present time: least distances, or a curve a robot.
 
 Of more than a dozen robots: their median, and bands of half and nine tenths of them. A cross on
 the time axis says when a contact began, a diamond when two touched between samples.
@@ -28,6 +28,9 @@ LEAST = 0.03
 REACH = 10
 """[px] size of the mark on the time axis where a contact began"""
 
+APART = 8
+"""[px] in which there is one such mark: more would hide each other"""
+
 OUTER, INNER = 0.25, 0.6
 """Share of colour in the bands of nine tenths and of half of the robots"""
 
@@ -44,20 +47,26 @@ class Strip:
         self._wide, self._high = box.width - LEFT - NAMES, box.height - TOP - BOTTOM
         columns = 2 * self._wide + 1
         times = np.linspace(0.0, timeline.duration, columns)
-        values = curves.values[timeline.shown(times)].T
-        finite = values[np.isfinite(values)]
+        shown = timeline.shown(times)
+        if curves is timeline.distances:  # the least until the next column; both lines seen at it
+            values = np.minimum.reduceat(curves.values, shown).T
+            seen = values.min(axis=0)
+        else:
+            seen = values = curves.values[shown].T
+        finite = seen[np.isfinite(seen)]
         top = max(float(np.abs(finite).max(initial=0.0)), 0.1) * 1.08
         low = min(float(finite.min(initial=0.0)) * 1.08, -0.15 * top)
         high = max(float(finite.max(initial=0.0)) * 1.08, 0.15 * top)
         self._range = (low, high)
-        self._each = timeline.robots <= MOST_LINES
-        self._names = [shorten(name, SMALL, NAMES - 14) for name in timeline.record.names]
+        self._each = len(curves.names) <= MOST_LINES
+        self._names = [shorten(name, SMALL, NAMES - 14) for name in curves.names]
         self._blank = self._axes()
         self._full = self._blank.copy()
         self._draw_curves(times, values)
-        columns = np.rint(self._x(timeline.contacts.began)).astype(int).tolist()
-        found = set(zip(~timeline.contacts.swept, columns, strict=True))
-        self._marks = [(x, not contact) for contact, x in sorted(found)]
+        self._full[:TOP] = self._blank[:TOP]  # what lies above the axis
+        swept, x = timeline.contacts.swept, np.rint(self._x(timeline.contacts.began)).astype(int)
+        _, first = np.unique([~swept, x // APART], axis=1, return_index=True)
+        self._marks = list(zip(x[first].tolist(), swept[first].tolist(), strict=True))
         for x, swept in self._marks:
             self._mark(self._full, x, swept)
         self._shown: tuple[int, list[tuple[int, int, int]]] = (0, [])
@@ -75,8 +84,7 @@ class Strip:
         cv2.line(image, (0, 0), (self._box.width, 0), palette.RULE, 1)
         title = self._curves.title
         if not self._each:
-            title += f" of {self._timeline.robots} robots"
-            self._key(image, 14 + width(title, SMALL, BOLD) + 30)
+            self._key(image, 14 + width(title, SMALL, BOLD) + 20)
         write(image, title, (14, 20), SMALL, weight=BOLD)
         right, bottom = LEFT + self._wide, TOP + self._high
         low, high = self._range
@@ -92,7 +100,7 @@ class Strip:
             at = (x, bottom + 18)
             write(image, words, at, SMALL, colour=palette.QUIET, anchor="middle")
         cv2.line(image, (LEFT, bottom), (right, bottom), palette.QUIET, 1)
-        write(image, "time [s]", (right + 22, bottom + 18), SMALL, colour=palette.INK)
+        write(image, "time [s]", (right + 16, bottom + 18), SMALL, colour=palette.INK)
         return image
 
     def _draw_curves(self, times: FloatArray, values: FloatArray) -> None:
@@ -100,7 +108,7 @@ class Strip:
         if self._each:
             for index, line in enumerate(values):
                 for piece in self._pieces(times, line):
-                    draw_lines(self._full, piece[None], palette.robot_colour(index), 2)
+                    draw_lines(self._full, piece[None], self._curves.colours[index], 2)
             return
         found = quantiles(values.T)
         for low, high, share in ((1, -2, OUTER), (2, -3, INNER)):
@@ -123,19 +131,17 @@ class Strip:
         return [piece for piece, is_known in pieces if is_known[0] and len(piece) > 1]
 
     def _key(self, image: Image, left: int) -> None:
-        """Say what the bands are."""
+        """Say what the bands are; the least and the greatest robot have their names."""
         signs = (
-            ("median", palette.BAND, 1.0),
-            ("middle 50 %", palette.BAND, INNER),
-            ("middle 90 %", palette.BAND, OUTER),
-            ("least, greatest", palette.INK, 1.0),
+            ("median", 1, 1.0),
+            ("50 %", 5, INNER),
+            ("90 %", 5, OUTER),
         )
-        for words, colour, share in signs:
-            shade = palette.mix(palette.WHITE, colour, share)
-            half = 5 if words.startswith("middle") else int(words == "median")
+        for words, half, share in signs:
+            shade = palette.mix(palette.WHITE, palette.BAND, share)
             cv2.rectangle(image, (left, 15 - half), (left + 18, 15 + half), shade, cv2.FILLED)
-            write(image, words, (left + 25, 20), SMALL)
-            left += 25 + width(words, SMALL) + 20
+            write(image, words, (left + 23, 20), SMALL)
+            left += 23 + width(words, SMALL) + 12
 
     def _mark(self, image: Image, x: int, swept: bool) -> None:
         draw_contacts(image, np.array([[x, TOP + self._high]]), swept, small=True)
@@ -156,7 +162,7 @@ class Strip:
             if cursor - REACH < x <= cursor:  # whole, though half of it is still covered
                 self._mark(image, x, swept)
         for robot, at, y in names:
-            colour = palette.robot_colour(robot) if self._each else palette.INK
+            colour = self._curves.colours[robot] if self._each else palette.INK
             cv2.line(image, (cursor + 1, at), (cursor + 11, y), colour, 1, cv2.LINE_AA)
             name = self._names[robot]
             write(image, name, (cursor + 14, y + 5), SMALL, colour=colour, weight=BOLD)
@@ -171,7 +177,7 @@ class Strip:
         named = known[np.argsort(-values[known], kind="stable")]
         if not self._each:
             named = named[[0, -1][: len(named)]]
-        wanted = np.asarray(self._y(values[named]), dtype=np.float64)
+        wanted = np.maximum(self._y(values[named]), TOP)
         limits = (TOP - 4.0 + SPACING / 2.0, TOP + self._high - SPACING / 2.0)
         places = np.rint((wanted, spread(wanted, SPACING, *limits))).astype(int).tolist()
         return list(zip(named.tolist(), *places, strict=True))

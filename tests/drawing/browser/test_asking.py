@@ -111,6 +111,13 @@ def test_a_finding_of_a_validation_leads_to_its_moment(opened: Opened, tmp_path:
     assert found.contacts
     seen = opened(write_page([record], tmp_path / "r.html", found))
     assert found.verdict in seen.text("#validation .verdict")
+    assert found.verdict in seen.text(".stage .verdict")
+    worst = max(found.contacts, key=lambda one: one.severity.closing)
+    assert abs(seen.ask("physim.player.time") - worst.time) < 1e-3, "opens at the severest"
+    assert seen.ask("physim.view.drawn.lens.scale") > 1.5 * seen.ask(
+        "physim.view.camera.wholeScale"
+    )
+    assert seen.ask("getComputedStyle(document.querySelector('.panel')).overflowY") == "visible"
     for k, contact in enumerate(found.contacts):
         line = seen.page.locator("#validation tbody tr", has_text=f"{contact.time:.2f} s").filter(
             has_text=" and ".join(found.names[body] for body in (contact.a, contact.b))
@@ -118,6 +125,26 @@ def test_a_finding_of_a_validation_leads_to_its_moment(opened: Opened, tmp_path:
         line.locator("a[href*=contact]").first.click()
         seen.until(f"physim.contact === {k}")
         assert abs(seen.ask("physim.player.time") - contact.time) < 1e-3
+
+
+def test_who_stays_in_danger_is_told_until_when(
+    opened: Opened, ten: Record, page_of_ten: Path
+) -> None:
+    """All thresholds must be clear: none alone is the reason for the mode."""
+    rows = ten.updates
+    danger = [number for number, mode in enumerate(ten.declared.modes) if mode.danger]
+    bad = np.isin(rows["mode"], danger)
+    robot, after = next(
+        (robot, np.flatnonzero(mine)[k + 1])
+        for robot in range(ten.robots)
+        for mine in (rows["robot"] == robot,)
+        for k in np.flatnonzero(bad[mine][:-1] & bad[mine][1:])
+    )
+    time = float(rows["step"][after] * ten.dt)
+    seen = opened(page_of_ten, hash=f"#t={time}&robot={ten.names[robot]}")
+    told = seen.text("#why .because")
+    assert "stays in danger" in told
+    assert all(words in told for words in ("nearest robot", "nearest wall", "collision time"))
 
 
 def test_what_happened_to_a_robot_is_found_without_the_view(opened: Opened, record: Record) -> None:

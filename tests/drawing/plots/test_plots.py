@@ -67,7 +67,7 @@ def test_unknown_names_and_formats_are_refused(record: Record, tmp_path: Path) -
 
 def test_distances_show_the_least_values_and_every_contact(record: Record) -> None:
     above, below = distances(record).axes
-    lines = {line.get_label().split(",")[0]: line for line in below.lines}
+    lines = {line.get_label().split(",")[0]: line for line in above.lines}
     least = lines["robot to robot"].get_ydata()
     assert np.array_equal(least, record.clearance.min(axis=1))
     assert np.array_equal(lines["robot to robot"].get_xdata(), record.time)

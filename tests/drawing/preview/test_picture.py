@@ -120,6 +120,25 @@ def test_names_that_the_font_lacks_are_numbers_and_long_ones_are_cut(style: None
     assert figure.texts[1].get_text().endswith("…")
 
 
+def test_each_name_stands_beside_its_own_robot_in_its_colour(style: None) -> None:
+    """Nearer to it than to any other, or with a line to it."""
+    seen = preview_of(lay_out(load_world("ten_robots")))
+    figure = make_figure(seen)
+    plan, places = figure.axes[0], seen.scene.start[:, :2]
+    (lines,) = [one.get_segments() for one in plan.collections if one.get_gid() == "leaders"] or [
+        []
+    ]
+    found = boxes(figure, plan)
+    for robot, name in enumerate(seen.scene.names):
+        (k,) = [k for k, (words, _) in enumerate(found) if words == name]
+        assert plan.texts[k].get_color() == hexed(seen.scene.colours[robot])
+        middle = plan.transData.inverted().transform(found[k][1].get_points().mean(axis=0))
+        box = shapely.box(*plan.transData.inverted().transform(found[k][1].get_points()).ravel())
+        away = shapely.distance(shapely.points(places), box)
+        joined = any(np.hypot(*(line - middle).T).min() < 2.0 for line in lines)
+        assert int(np.argmin(away)) == robot or joined, name
+
+
 def test_a_crowd_has_one_colour_few_names_and_a_key_that_says_so(style: None) -> None:
     """Colours that come again tell nobody apart, and names and rings hide what they are of."""
     figure = make_figure(shown(HUNDRED))

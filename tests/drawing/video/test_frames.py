@@ -13,7 +13,7 @@ import pytest
 from physim import PAPER_MODES, Mode
 from physim.analysis import metrics
 from physim.contacts import Phase
-from physim.drawing.video import frame_at
+from physim.drawing.video import close_up, frame_at
 from physim.errors import PhysimError
 from physim.tolerances import DEEP as DEPTH
 from tests.drawing import palette
@@ -117,6 +117,15 @@ def test_the_strip_rises_with_the_error(made: Made, changed: Changed) -> None:
     assert rows[0] < rows[1] - 10 < rows[2] - 20
 
 
+def test_a_close_up_names_the_two_that_it_is_of(made: Made, written: list[str]) -> None:
+    """A robot and a wall, in a picture so small that a tile shows it as it is."""
+    record = made(3)
+    picture = close_up(record, 1.0, (2, 3))
+    assert picture.shape[1] <= 600
+    assert record.names[2] in written
+    assert any(word.endswith(" m") or word == "contact" for word in written)
+
+
 def test_the_strip_shows_formation_errors_or_deviations(made: Made, changed: Changed) -> None:
     record = made(3)
     formation = Timeline(record).curves
@@ -131,6 +140,21 @@ def test_the_strip_shows_formation_errors_or_deviations(made: Made, changed: Cha
     bare = changed(record, updates=record.updates[:0])
     assert np.array_equal(Timeline(bare).curves.values, formation.values), "nobody has to decide"
     assert "deviation" in Timeline(made(1)).curves.title
+
+
+def test_the_strip_shows_the_least_distances_down_to_zero(
+    made: Made, changed: Changed, written: list[str]
+) -> None:
+    """Of robots and of walls over the run; a single touch between two columns is seen."""
+    record = made(3)
+    gap = np.full(record.clearance.shape, 2.0)
+    apart = frame_at(changed(record, clearance=gap), 3.9)[STRIP]
+    assert {"least distance [m]", "robots", "walls", "0.0"} <= set(written)
+    gap[97, 1] = 0.0
+    touched = frame_at(changed(record, clearance=gap), 3.9)[STRIP]
+    rows = [np.nonzero((one == np.array(palette.INK)).all(axis=2))[0] for one in (apart, touched)]
+    assert len(rows[1]) > len(rows[0]) + 50, "the line goes down to zero and back"
+    assert Timeline(record).distances.values[:, 0].tolist() == record.clearance.min(axis=1).tolist()
 
 
 def test_an_overlap_is_told_as_one_in_the_panel(

@@ -3,6 +3,7 @@
 const PAD = 28; // [px]
 const LOOKS = 60; // moments at which the size of the group is taken
 const NEAR = 2.6; // times its range, shown round a robot that is followed
+const CLOSE = 7; // times the largest robot's reach, shown round a contact
 const USUAL_RANGE = 10; // times the largest robot's reach, where no range is known
 const LONGEST_RANGE = 30; // times that reach: of a longer range the robot would be a dot
 const LEAST = 16; // times that reach, at least to be seen of the world when the robots are followed
@@ -15,6 +16,7 @@ export class Camera {
   constructor(run) {
     this.run = run;
     this.follow = "robots";
+    this.close = false; // whether a robot is followed from close by
     this.zoom = 1;
     this.shift = [0, 0]; // [m] by hand
     this.size = [1, 1];
@@ -59,7 +61,8 @@ export class Camera {
     if (typeof this.follow === "number") {
       this.run.place(this.follow, time, this.scratch, 0);
       const range = this.run.header.range ?? USUAL_RANGE * this.reach;
-      const near = NEAR * Math.min(range, LONGEST_RANGE * this.reach);
+      const far = NEAR * Math.min(range, LONGEST_RANGE * this.reach);
+      const near = this.close ? CLOSE * this.reach : far;
       const scale = Math.max(this.scaleFor(near, near), this.wholeScale);
       return [scale, [this.scratch[0], this.scratch[1]]];
     }
@@ -94,13 +97,13 @@ export class Camera {
   }
 
   /** Looks at something else, without zoom or shift by hand. */
-  look(follow) {
-    Object.assign(this, { follow, zoom: 1, shift: [0, 0] });
+  look(follow, close = false) {
+    Object.assign(this, { follow, close, zoom: 1, shift: [0, 0] });
   }
 
   /** Same look as another camera has. */
   copy(other) {
-    Object.assign(this, { follow: other.follow, zoom: other.zoom, shift: [...other.shift] });
+    Object.assign(this, { follow: other.follow, close: other.close, zoom: other.zoom, shift: [...other.shift] });
     if (typeof this.follow === "number" && this.follow >= this.run.robots) this.follow = "robots";
   }
 }

@@ -1,4 +1,4 @@
-// The rows of the plots: formation error, distances, collision times, modes.
+// The rows of the plots: distances, formation error, collision times, modes.
 
 export const DASHES = [[], [5, 3], [2, 2], [8, 3, 2, 3]]; // one a run
 export const DASHED = ["", "dashed", "dotted", "dash-dotted"];
@@ -9,7 +9,7 @@ const FEW = 60;
  * of what its lines mean, and whether it shows the chosen run alone.
  */
 export function courses(runs) {
-  return [errors(runs), distances(runs), times(runs), modes(runs)].filter(Boolean);
+  return [distances(runs), errors(runs), times(runs), modes(runs)].filter(Boolean);
 }
 
 /** What the lines of a row mean: the runs, or of one run the thresholds. */
@@ -41,7 +41,8 @@ function errors(runs) {
       drawError(context, frame, run, robot, colour, robot === chosen ? 2.5 : 1);
     }
   };
-  return { title, limits: [-most, most], share: 1.1, ofOne: true, draw };
+  const named = runs.length === 1 && !runs[0].header.curves.error.bands;
+  return { title, limits: [-most, most], share: 1.1, ofOne: true, named, draw };
 }
 
 /** Minimum, 5, 25, 50, 75, 95 % and maximum of a crowd. */
@@ -129,7 +130,7 @@ function distances(runs) {
   const title = `shortest distance [m] ${words.join(", ")}`;
   const { pair, wall } = runs[0].header.curves;
   const note = noteOf(runs, shown, pair ? "distance" : "boundary_distance", pair && wall ? ", in the same colours" : "");
-  return { title, note, limits: [least, most], share: 1, draw };
+  return { title, note, limits: [least, most], share: 1.6, draw };
 }
 
 function times(runs) {

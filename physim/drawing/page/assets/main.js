@@ -179,9 +179,9 @@ class Page {
     this.redraw(this.view);
   }
 
-  look(what) {
+  look(what, close = false) {
     const follow = what === "whole" || what === "robots" ? what : Number(what);
-    for (const view of this.views) view.camera.look(follow);
+    for (const view of this.views) view.camera.look(follow, close);
     const isListed = [...this.looks.options].some((one) => one.value === String(what));
     if (!isListed) this.looks.append(el("option", { value: what }, this.view.run.names[what]));
     this.looks.value = String(what);
@@ -205,6 +205,7 @@ class Page {
     if (time !== undefined) {
       this.player.pause();
       this.player.seek(time);
+      if (contact >= 0) this.look(Math.min(...this.view.contacts.bodies(contact)), true);
       if (byId("views").getBoundingClientRect().bottom < HIDDEN) byId("views").scrollIntoView();
     }
     if (isNew) this.writeHash();
@@ -314,7 +315,7 @@ async function start() {
     }));
     byId("app").hidden = false;
     const page = new Page(runs, JSON.parse(byId("schemes").textContent));
-    page.go(readHash(location.hash, runs), false);
+    page.go(readHash(location.hash || document.querySelector(".worst")?.hash || "", runs), false);
     page.ready = true;
     window.physim = page;
     state.remove();

@@ -38,7 +38,7 @@ function momentOf(view, time) {
   const wall = walls ? walls[nowAt(run, time)] : Infinity;
   const isKnown = run.header.contacts.recorded;
   return [
-    [isKnown ? String(count) : "not recorded", count > 0],
+    [isKnown ? contacts.length ? `${count} of ${contacts.length}` : "none" : "not recorded", count > 0],
     [isKnown ? touching : "not recorded", now.length > 0],
     [closest, pair !== null && pair.distance <= 0],
     [Number.isFinite(wall) ? metres(wall) : "–", wall <= 0],

@@ -2,6 +2,7 @@
 
 import { fitted } from "./dom.js";
 import { courses } from "./courses.js";
+import { drawContact } from "./marks.js";
 import { roundAbove, roundBelow, tick } from "./words.js";
 
 const LEFT = 52; // [px] for numbers
@@ -9,6 +10,7 @@ const RIGHT = 12;
 const AXIS = 18;
 const HEAD = 15;
 const TICK = 13; // [px] from tick to tick at least
+const APART = 4; // [px] from mark to mark on the time axis at least
 
 export class Plots {
   /** `seek` is called with a time [s] while the line is dragged. */
@@ -86,6 +88,7 @@ export class Plots {
       top += high;
     });
     this.drawAxis(context, colours);
+    this.drawContacts(context, colours, this.runs[active]);
   }
 
   drawRow(context, row, top, high, colours, active, chosen) {
@@ -98,6 +101,7 @@ export class Plots {
     const whole = [`${row.title}${of}`, row.note].filter(Boolean).join("; ");
     const fits = context.measureText(whole).width <= box.width;
     context.fillText(fits ? whole : row.title + of, LEFT, top + 11, box.width);
+    if (row.named) this.nameLines(context, row, top + 11, colours);
     if (box.height < 6) return;
     context.fillStyle = colours.faint;
     context.fillRect(box.left, box.top, box.width, box.height);
@@ -115,6 +119,29 @@ export class Plots {
     row.draw(context, frame, { colours, active, chosen });
     context.restore();
     if (row.ofOne && !row.limits) this.nameRows(context, this.runs[active], frame, colours);
+  }
+
+  /** Names of the robots in the colours of their lines, after the title. */
+  nameLines(context, row, y, colours) {
+    let x = LEFT + context.measureText(`${row.title}  `).width;
+    this.runs[0].names.slice(0, this.runs[0].robots).forEach((name, k) => {
+      const wide = context.measureText(`${name}  `).width;
+      context.fillStyle = colours.robots[k % colours.robots.length];
+      if (x + wide < this.width - RIGHT) context.fillText(name, x, y);
+      x += wide;
+    });
+  }
+
+  /** A mark on the time axis where a contact of the run began. */
+  drawContacts(context, colours, run) {
+    const swept = run.array.whole("contact_swept");
+    let last = -APART;
+    run.array.whole("contact_step").forEach((step, k) => {
+      const x = this.x(step * run.dt);
+      if (x - last < APART) return;
+      drawContact(context, x, this.height - AXIS, { swept: swept[k] === 1 }, colours, true);
+      last = x;
+    });
   }
 
   /** Names of the robots before their rows, where there is room. */

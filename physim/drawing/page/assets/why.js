@@ -65,7 +65,9 @@ export function because(view, robot, row, mode, rule) {
           `${seconds(time.limit)} from then`,
       );
     }
-    return `${does}, because ${near.join(" and ")}.`;
+    if (!states[0].wasDanger) return `${does}, because ${near.join(" and ")}.`;
+    const clear = states.map(({ column, limit }) => `${SEEN[column]} above ${amount(limit, column === "collision_time" ? "s" : "m")}`);
+    return `${does}. It stays in danger until all are clear (${clear.join(", ")}): ${near.join(" and ")}.`;
   }
   if (rule?.name === "stop") return `${at} stands at its stop.`;
   const seen = states.filter((one) => !Number.isNaN(one.value));

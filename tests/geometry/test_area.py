@@ -36,6 +36,12 @@ def test_obstacles_are_holes_and_what_they_cut_off_is_not_accessible() -> None:
     assert len(area.accessible_rings) == 2
 
 
+def test_what_an_obstacle_cuts_off_is_not_accessible_however_large_it_is() -> None:
+    rim = box(-3, -4, 100, 4)
+    area = accessible_area([np.vstack([rim, rim[:1]])], [box(21, -5, 22, 5)], STRAIGHT)
+    assert area.polygon.equals(shapely.box(-3, -4, 21, 4))
+
+
 def row_of_shelves(draw: np.random.Generator) -> list[list[list[float]]]:
     """Boxes end to end at any angle, whose corners differ by rounding."""
     angle, length, depth = draw.uniform(0, 2 * np.pi), draw.uniform(0.3, 6), draw.uniform(0.2, 3)

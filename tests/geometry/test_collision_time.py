@@ -295,6 +295,7 @@ def test_published_point_and_segment():
         ({"horizon": -1.0}, "horizon"),
         ({"horizon": math.nan}, "horizon"),
         ({"footprint_b": [[0, 0], [1, 1], [1, 0], [0, 1]]}, "footprint_b.*crosses"),
+        ({"footprint_b": [[9, 0], [-8, 6], [3, -9], [3, 9], [-8, -6]]}, "footprint_b.*crosses"),
     ],
 )
 def test_bad_input_is_refused(change, words):

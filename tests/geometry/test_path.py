@@ -70,6 +70,15 @@ def test_outside_of_a_turn_is_one_side_all_the_way_round(turn: float, side: floa
         assert tracking.deviation == pytest.approx(-side * 0.7)
 
 
+def test_outside_of_a_turn_is_one_side_though_rounding_puts_it_on_the_leg_behind() -> None:
+    """A waypoint lies nearest as the end of one leg, and by a digit nearer as that of the other."""
+    path = Path([(0.0, 0.0), (3.1, 3.9), (4.3, 0.1)])
+    pose = np.array([[2.6, 4.6, 0.0]])
+    assert path.project(*pose[0, :2])[1] == pytest.approx(np.hypot(0.5, 0.7))
+    tracking = Tracking(path.lines, path.lines, np.array([0.3]), pose)
+    assert tracking.deviation == pytest.approx(np.hypot(0.5, 0.7))
+
+
 def test_projection_does_not_jump_to_a_branch_nearby() -> None:
     """A hairpin 0.8 m wide: driving out along one leg, 0.5 m to the side of the other leg."""
     path = Path([(0.0, 0.0), (30.0, 0.0), (30.0, 0.8), (0.0, 0.8)])
@@ -89,6 +98,17 @@ def test_target_past_the_end_is_the_last_waypoint() -> None:
 
 
 # Followed from step to step
+
+
+@pytest.mark.parametrize(("radius", "moved"), [(0.05, 0.11), (0.05, 1.0), (0.8, 1.6)])
+def test_a_robot_is_looked_for_two_radii_away_and_a_metre_at_least(
+    radius: float, moved: float
+) -> None:
+    path = Path([(0.0, 0.0), (9.0, 0.0)])
+    tracking = Tracking(path.lines, path.lines, np.array([radius]), np.array([[4.0, 0.0, 0.0]]))
+    for x in (4.0 + moved, 4.0):
+        tracking.follow(np.array([[x, 0.0, 0.0]]))
+        assert tracking.stations == pytest.approx(np.array([[x], [0.0], [x]]), abs=1e-12)
 
 
 @pytest.mark.parametrize("turn", [30, 60, 90, 120, 140])

@@ -20,6 +20,7 @@ FAST = {
     "a pose 1 mm aside", "robots swapped", "a clearance", "no contacts", "depths",
     "another friction in the world", "cut short and called finished", "arrived earlier",
     "another seed", "a wall", "other thresholds in the world", "a missing sample",
+    "filtered commands beyond the limits",
 }  # fmt: skip
 """of different kinds; the others are deep"""
 

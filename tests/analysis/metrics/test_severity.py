@@ -91,6 +91,16 @@ def test_a_corner_against_a_wall_turns_the_box():
     assert hit.energy == pytest.approx(0.5 * effective * closing**2, rel=1e-6)
 
 
+def test_each_robot_of_a_group_has_its_mass() -> None:
+    group = ROBOT.replace("{name: r%d", "{count: 3").replace("pose: %s", "start: %s")
+    region = "{region: [[-9, -9], [9, -9], [9, 9], [-9, 9]]}"
+    text = ROOM.replace("ELASTICITY", "0") + group % ("mass: 70, ", region)
+    text += ROBOT % (9, "", [15, 0, 0])
+    world = physim.parse_world(text, overrides=["time.duration=0.01"])
+    with physim.simulate(world, controller=Driven(*[(0.0, 0.0)] * 4)) as record:
+        assert masses(record) == pytest.approx([70.0, 70.0, 70.0, 180.0])
+
+
 def test_impulses_are_all_that_the_record_holds(tmp_path):
     """Also the push of the step in which two part: what the robot lacks of its momentum there."""
     over = ["time.duration=1", "controller.avoidance=none"]

@@ -16,9 +16,11 @@ from physim.tolerances import DEEP
 from tests.analysis.forgeries.tools import cells, column
 from tests.analysis.validation.runs import (
     LANE,
+    REAR_END,
     Drivers,
     edited,
     judged,
+    lane,
     states,
 )
 from tests.helpers import inside
@@ -79,6 +81,16 @@ def test_a_robot_in_contact_goes_no_farther_than_pushes_bring_it(tmp_path, rear_
     said = " ".join(report(found).split())
     assert states(said, "slow", "in contact it moved", f"{stray.allowed:.3g} m", within=120)
     assert found.code == 3
+
+
+def test_a_light_robot_that_a_heavy_one_pushes_goes_no_farther_than_it_may(tmp_path):
+    """Its energy alone would allow 300 m in the step."""
+    pushed = lane(REAR_END, **{"robots.0.mass": 1.0, "robots.1.mass": 5e8})
+    rows = pushed.contacts
+    step = int(rows["step"][rows["phase"] == Phase.STAYS][5])
+    found = judged(pushed, tmp_path, cells("/steps/pose", np.s_[step:, 0, 0], lambda x: x + 1.0))
+    (stray,) = (one for one in found.motion.strays if one.allowed is not None)
+    assert (stray.robot, stray.step, stray.steps) == (0, step, 1)
 
 
 def test_a_robot_that_stands_may_be_pushed_by_the_energy_of_another():

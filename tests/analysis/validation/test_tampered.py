@@ -165,6 +165,15 @@ def test_arrivals_block_by_block(finished, monkeypatch, size):
     assert found.since.tolist() == finished.arrived.tolist()
 
 
+def test_a_run_that_goes_on_when_all_have_arrived(tmp_path):
+    """Both stand 0.5 m before their stops, which is near enough for the world inside alone."""
+    at = {f"robots.{k}.pose": f"[29.5, {y}, 0.0]" for k, y in enumerate((2.0, -2.0))}
+    stand = lane([(0.0, 0.0)] * 2, **at, **{"arrival.tolerance": 0.4})
+    found = judged(stand, tmp_path, world("tolerance: 0.4", "tolerance: 0.6"))
+    wrong = {(one.column, one.recorded, one.exact) for one in found.recomputed.mismatches}
+    assert {("steps_run", 300, 50), ("ended", "duration", "finished")} <= wrong
+
+
 def test_a_run_that_was_cut_as_it_says_is_judged_as_far_as_it_goes(finished, tmp_path):
     short = judged(finished, tmp_path, cut(600, "interrupted"))
     assert (short.code, short.recomputed.mismatches) == (1, ())

@@ -92,6 +92,7 @@ TOLD = {
         ("W", "7:22 robots[0].pose[2]", "90 rad", "1.5708")),
     "the back to the path": (pose("[6.0, 1.0, 3.14159]"),
         ("W", "7:22 robots[0].pose[2]", '"a"', "180 degrees", "path", "0 rad")),
+    "along the path, most of a turn further": (pose("[6.0, 1.0, 6.2]"),),
     "before the reference path": (one("[3.0, -1.0", "[-1.1, -1.0"),
         ("W", "11:11 robots[1].pose", '"b"', "before", "reference path")),
     "a path through a wall": (dented(0.5),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import sys
+from itertools import pairwise
 
 import pytest
 from hypothesis import given
@@ -93,10 +94,12 @@ def test_a_duplicate_key_is_told_at_the_second_place():
 
 
 def test_billion_laughs_are_refused_at_once():
-    lines = ["a: &a [1, 1, 1, 1, 1, 1, 1, 1, 1]"]
-    for old, new in zip("abcdefgh", "bcdefghi", strict=True):
-        lines.append(f"{new}: &{new} [{', '.join(['*' + old] * 9)}]")
-    assert re.search(facts("500000", "values"), refusal("\n".join(lines)))
+    """A few more than are allowed first: a reader that takes these never ends with the others."""
+    for names in ("abcdef", "abcdefghi"):
+        lines = ["a: &a [1, 1, 1, 1, 1, 1, 1, 1, 1]"]
+        for old, new in pairwise(names):
+            lines.append(f"{new}: &{new} [{', '.join(['*' + old] * 9)}]")
+        assert re.search(facts("500000", "values"), refusal("\n".join(lines)))
 
 
 @pytest.mark.parametrize("text", ["[" * 100_000, "- " * 100_000, "a: " + "{a: " * 5_000])

@@ -18,7 +18,9 @@ from physim.errors import amount_text
 from physim.tolerances import CONTACT, ONE_STEP
 
 MOST_LISTED = 20
-"""Disagreements of one sort, and pairs, that are listed one by one"""
+"""Disagreements of one sort, and predictions, that are listed one by one"""
+MOST_PAIRS = 5
+"""Pairs that have a line unless all is told"""
 MOST_TOLD, MOST_TOLD_IN_FULL = 3, 100
 """Contacts that are told in sentences"""
 MOST_NAMED = 6
@@ -188,8 +190,7 @@ def report(validation: Validation, full: bool = False) -> str:
     parts = [
         _head(validation, full),
         _contacts(validation, full),
-        check_lines(validation, full),
-        disagreement_lines(validation),
+        [*check_lines(validation, full), *disagreement_lines(validation)],
         expectation_lines(validation, full),
         *([prediction_lines(validation), _near_misses(validation)] if full else []),
         [*warning_lines(validation), f"verdict: {validation.verdict}"],
@@ -275,7 +276,7 @@ def _contacts(validation: Validation, full: bool) -> list[str]:
     pairs: dict[tuple[int, int], list[Contact]] = {}
     for one in every:
         pairs.setdefault((one.a, one.b), []).append(one)
-    lines += _pair_rows(pairs, names, len(pairs) if full else MOST_LISTED // 4)
+    lines += _pair_rows(pairs, names, len(pairs) if full else MOST_PAIRS)
     if any(one.b >= run.robots for one in every):
         lines.append(
             "  Responsible with a boundary or obstacle is the robot: it has to keep clear."
@@ -305,11 +306,13 @@ def _pair_rows(
     lines = [f"  {'worst first':<{width}}  {head}"]
     for (a, b), some in list(pairs.items())[:most]:
         who = sorted({i for one in some for i in one.responsible})
+        closing = some[0].severity.closing
+        speed = f"{closing:.2f} m/s" if isfinite(closing) else "-"
         lines.append(
             f"  {f'{names[a]} and {names[b]}':<{width}}  {len(some):>8}"
             f"  {min(one.time for one in some):>6.2f} s"
             f"  {sum(one.duration for one in some):>8.2f} s"
-            f"  {some[0].hardness[0]:>5.2f} m/s"
+            f"  {speed:>10}"
             f"  {length(max(one.depth for one in some)):>7}"
             f"  {amount_text(sum(one.impulse for one in some), 0):>9} N s"
             f"   {joined([names[i] for i in who])}".rstrip()

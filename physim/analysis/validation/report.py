@@ -312,7 +312,7 @@ def _pair_rows(
             f"  {f'{names[a]} and {names[b]}':<{width}}  {len(some):>8}"
             f"  {min(one.time for one in some):>6.2f} s"
             f"  {sum(one.duration for one in some):>8.2f} s"
-            f"  {speed:>10}"
+            f"  {speed:>8}"
             f"  {length(max(one.depth for one in some)):>7}"
             f"  {amount_text(sum(one.impulse for one in some), 0):>9} N s"
             f"   {joined([names[i] for i in who])}".rstrip()

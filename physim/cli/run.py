@@ -45,6 +45,7 @@ FAILED = 1
 )
 @flag("--no-video", "make no video")
 @flag("--page", "write DIR/page.html, too: the run in a browser, to watch, scrub and ask why")
+@flag("--full", "print every figure, as physim summary does")
 @flag("--quiet", "print neither progress nor table")  # fmt: skip
 def run(options: Options) -> int:
     """Run a world and write DIR/record.h5, DIR/video.mp4 and DIR/summary.json.
@@ -106,7 +107,7 @@ def run(options: Options) -> int:
         for sentence in summary.warnings:
             print(f"WARNING  {sentence}", file=sys.stderr)
     else:
-        print(table(summary), end="")
+        print(table(summary, brief=not options.full), end="")
         print(f"written to {folder}/: {', '.join(n for n in FILES if (folder / n).exists())}")
     if not stopped:
         finish(options.quiet)

@@ -65,6 +65,7 @@ COMPILING = 15
     help="with --seeds, processes, 1 to 64 (as many as cores, at most 8)",
 )
 @flag("--verbose", "with --seeds, report every seed that is not as it should be, not one only")
+@flag("--full", "tell every contact, all tables and near misses, too")
 @flag("--quiet", "print only the verdict")  # fmt: skip
 def validate_command(options: Options) -> int:
     """Hold the physical contacts of a run against exact distances and collision times, and report
@@ -108,8 +109,9 @@ def validate_command(options: Options) -> int:
 
 def _check(options: Options) -> None:
     """Raise PhysimError for options that do not go together."""
-    if options.seeds is not None and options.rerun:
-        raise PhysimError("--rerun: is of one run; not with --seeds")
+    for name, value in (("--rerun", options.rerun), ("--full", options.full)):
+        if options.seeds is not None and value:
+            raise PhysimError(f"{name}: is of one run; not with --seeds")
     for name, value in (("--workers", options.workers), ("--verbose", options.verbose)):
         if options.seeds is None and value:
             raise PhysimError(f"{name}: needs --seeds A:B, the seeds to run")
@@ -278,6 +280,6 @@ def _report(found: Validation, options: Options, record: Record | None = None) -
         _write_page(found, record, options)
     write_json(options, json_of_validation(found))
     short = [*warning_lines(found), f"verdict: {found.verdict}"]
-    text = "\n".join(short) + "\n" if options.quiet else report(found)
+    text = "\n".join(short) + "\n" if options.quiet else report(found, options.full)
     print(text, end="")
     return found.code

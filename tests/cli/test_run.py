@@ -48,7 +48,7 @@ def test_a_long_run_says_beforehand_how_large_it_will_be(
 
 
 def test_a_run_writes_record_video_and_summary(here: Path, capsys) -> None:
-    done = physim("run", "small.yaml", capture=capsys)
+    done = physim("run", "small.yaml", "--full", capture=capsys)
     assert done.code == 0
     folder = here / "runs" / "small-1"
     assert {file.name for file in folder.iterdir()} == FILES

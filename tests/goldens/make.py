@@ -109,6 +109,7 @@ def run_of(name: str) -> dict[str, Any]:
     told = {
         "summary": said("summary", path),
         "validate": said("validate", path, "--json", str(found)),
+        "validate --full": said("validate", path, "--full"),
         "check": said("check", world),
     }
     told["validate --json"] = cleaned(json.loads(found.read_text()))

@@ -127,7 +127,7 @@ def warned_is_to_the_first_prediction() -> None:
         some = [one for one in a.prediction.early if math.isfinite(one.error)]
         return max((one.lead for one in some), default=value)
 
-    found("physim.analysis.validation.contact_report:_warning", first)
+    found("physim.analysis.validation.contact:_warning", first)
 
 
 # Ledgers

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from types import MappingProxyType
 
-from physim.analysis.expectations import Held
 from physim.analysis.metrics import DEFINITIONS, Metric
 from physim.analysis.summary.summary import Contacts, Summary
 from physim.errors import amount_text, decimal_text
@@ -23,14 +22,18 @@ ENDED = MappingProxyType(
 """How a run ended, in words, where the record's own word does not say it."""
 
 
-def table(summary: Summary) -> str:
-    """Short table in plain text, one figure a line, ending with a line break."""
-    rows = table_rows(summary)
+def table(summary: Summary, brief: bool = False) -> str:
+    """Short table in plain text, one figure a line, ending with a line break.
+
+    ``brief`` leaves out what one does not read after a run: the width of the corridor, danger robot
+    by robot, expectations that held, versions.
+    """
+    rows = table_rows(summary, brief)
     width = max(len(label) for label, _ in rows)
     return "".join(f"{label:<{width}}  {text}\n" for label, text in rows)
 
 
-def table_rows(summary: Summary) -> list[tuple[str, str]]:
+def table_rows(summary: Summary, brief: bool = False) -> list[tuple[str, str]]:
     """Label and text of each line of the table, for whoever sets it out otherwise."""
     s = summary
     end = f"{ENDED.get(s.ended, s.ended)} after {s.value('simulated_time'):.2f} s"
@@ -51,15 +54,15 @@ def table_rows(summary: Summary) -> list[tuple[str, str]]:
         ("farthest pair", _metric_text(s, "farthest_distance", 2)),
         ("formation error, peak", _metric_text(s, "formation_error_peak", 2)),
         ("formation error, final", _metric_text(s, "formation_error_final", 2)),
-        *_motion_rows(s),
-        ("danger mode, share of time", _danger_text(s)),
+        *_motion_rows(s, brief),
+        ("danger mode, share of time", _danger_text(s, 0 if brief else SHOWN_ROBOTS)),
         ("decisions", _decisions_text(s)),
         *_command_rows(s),
         *_arrival_rows(s),
         *_own_rows(s),
-        *((f"expected {one.key}", f"{one}{_with(one, s)}") for one in s.expectations),
+        *_expected_rows(s, brief),
         ("real-time factor", "n/a" if factor is None else f"{factor:.1f}"),
-        ("made with", s.setup.made_with or "not known"),
+        *([] if brief else [("made with", s.setup.made_with or "not known")]),
     ]
 
 
@@ -141,7 +144,19 @@ def _contacts_text(contacts: Contacts | None) -> str:
     return f"{contacts.count} ({kinds}), first at {contacts.first_s:.2f} s"
 
 
-def _motion_rows(summary: Summary) -> list[tuple[str, str]]:
+def _expected_rows(summary: Summary, brief: bool) -> list[tuple[str, str]]:
+    """A line for each expectation; in brief for those that failed, or one for all."""
+    missed = tuple(one for one in summary.expectations if not one.held)
+    if brief and summary.expectations and not missed:
+        return [("expected", "all held")]
+    grazes = " (grazes included)" if summary.grazes else ""
+    return [
+        (f"expected {one.key}", f"{one}{grazes if one.key == 'contacts' else ''}")
+        for one in (missed if brief else summary.expectations)
+    ]
+
+
+def _motion_rows(summary: Summary, brief: bool) -> list[tuple[str, str]]:
     """Lines on deviations, averaged speeds and width, as far as they have a meaning."""
     found, rows = summary.metrics, []
     if "deviation_peak" in found:
@@ -149,10 +164,8 @@ def _motion_rows(summary: Summary) -> list[tuple[str, str]]:
         if "deviation_rms" in found:
             text += f", rms {decimal_text(found['deviation_rms'].value, 2, 4)} m"
         rows.append(("path deviation, peak", text))
-    for label, name in (
-        ("speed averaged over 10 s", "averaged_speed"),
-        ("corridor width", "width"),
-    ):
+    ranges = [("speed averaged over 10 s", "averaged_speed"), ("corridor width", "width")]
+    for label, name in ranges[:1] if brief else ranges:
         if f"{name}_min" in found:
             ends = [_metric_text(summary, f"{name}_{end}", 2) for end in ("min", "max")]
             rows.append((label, " to ".join(ends)))
@@ -217,7 +230,8 @@ def _decisions_text(summary: Summary) -> str:
     return f"{count}{each}, {messages} messages{computed}"
 
 
-def _danger_text(summary: Summary) -> str:
+def _danger_text(summary: Summary, most: int) -> str:
+    """Share of time in modes of danger, of all and of each of the first ``most`` robots."""
     share = summary.value("danger_share")
     if share is None:
         if not summary.value("decisions"):
@@ -226,12 +240,10 @@ def _danger_text(summary: Summary) -> str:
         return f"n/a (the controller declares no {why}, or no robot was under way)"
     each = [
         f"{summary.bodies[d.robot]} " + ("n/a" if d.time is None else f"{d.time:.0%}")
-        for d in summary.danger[:SHOWN_ROBOTS]
+        for d in summary.danger[:most]
     ]
+    if not each:
+        return f"{share:.1%}"
     more = len(summary.danger) - len(each)
     rest = f", and {more} more" if more else ""
     return f"{share:.1%} ({', '.join(each)}{rest})"
-
-
-def _with(one: Held, summary: Summary) -> str:
-    return " (grazes included)" if one.key == "contacts" and summary.grazes else ""

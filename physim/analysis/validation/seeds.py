@@ -10,7 +10,7 @@ import math
 from dataclasses import dataclass, fields, is_dataclass
 from typing import Any
 
-from physim.analysis.validation.contact_report import ContactReport, SweptContactReport
+from physim.analysis.validation.told import sentences
 from physim.analysis.validation.validation import CONTACTS, DISAGREE, FREE, Validation
 from physim.errors import place_text, plural
 from physim.parts.declarations import Mode, Rule
@@ -49,8 +49,7 @@ class SeedResult:
     def of(cls, seed: int, found: Validation) -> SeedResult:
         """Result of one seed."""
         first = ""
-        touches: list[ContactReport | SweptContactReport] = [*found.contacts[:1], *found.grazes[:1]]
-        touches.sort(key=lambda one: one.time)
+        touches = sorted((*found.contacts[:1], *found.grazes[:1]), key=lambda one: one.time)
         if touches:
             one = touches[0]
             names = found.names
@@ -173,6 +172,10 @@ UNITS = "m, s, rad, m/s, rad/s, N s; world frame"
 
 def json_of_validation(validation: Validation) -> str:
     """JSON of one run. Infinite values are the text "inf"; what was not looked at is null."""
+    values, names = plain(validation), validation.names
+    for key in ("contacts", "grazes"):
+        for one, said in zip(getattr(validation, key), values[key], strict=True):
+            said["sentences"] = sentences(one, names)
     return _text(
         {
             "format": "physim-validation",
@@ -182,7 +185,7 @@ def json_of_validation(validation: Validation) -> str:
             "exit_code": validation.code,
             "unexplained": validation.unexplained,
             "pairs_in_contact": validation.pairs,
-            **plain(validation),
+            **values,
         }
     )
 

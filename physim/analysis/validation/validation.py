@@ -11,12 +11,7 @@ from physim.analysis.metrics import Deep, contact_episodes, deep_contacts
 from physim.analysis.validation.analytic_contacts import analytic_contacts
 from physim.analysis.validation.comparison import Comparison, Confusion, compare
 from physim.analysis.validation.consistency import check_counts
-from physim.analysis.validation.contact_report import (
-    ContactReport,
-    SweptContactReport,
-    contact_reports,
-    swept_contact_reports,
-)
+from physim.analysis.validation.contact import Contact, contacts_of, swept_contacts
 from physim.analysis.validation.decisions import DecisionTable
 from physim.analysis.validation.mismatch import Mismatches
 from physim.analysis.validation.motion import Motion, check_motion
@@ -28,7 +23,7 @@ from physim.analysis.validation.origin import (
     fitting,
     world_inside,
 )
-from physim.analysis.validation.prediction import DISAGREES, Predictor
+from physim.analysis.validation.prediction import DISAGREES, Prediction, Predictor
 from physim.analysis.validation.recomputed import Recomputed, recompute
 from physim.analysis.validation.recorded_distances import exact_distances
 from physim.analysis.validation.rerun import Rerun, compare_runs
@@ -75,9 +70,9 @@ class Validation:
 
     run: Run
     comparison: Comparison
-    contacts: tuple[ContactReport, ...]
+    contacts: tuple[Contact, ...]
     """at samples, where the engine sees them"""
-    grazes: tuple[SweptContactReport, ...]
+    grazes: tuple[Contact, ...]
     """between two samples"""
     near_misses: NearMisses
     motion: Motion
@@ -108,9 +103,10 @@ class Validation:
         return [body.name for body in self.run.bodies]
 
     @property
-    def mispredicted(self) -> tuple[ContactReport, ...]:
-        """Contacts that came in another step than the last decision before them foretold."""
-        return tuple(one for one in self.contacts if one.prediction.verdict == DISAGREES)
+    def mispredicted(self) -> tuple[Prediction, ...]:
+        """Of contacts that came in another step than the last decision before them foretold."""
+        every = (one.prediction for one in self.contacts)
+        return tuple(one for one in every if one is not None and one.verdict == DISAGREES)
 
     @property
     def unexplained(self) -> int:
@@ -187,9 +183,9 @@ def validate(record: Record, *, source: str | None = None) -> Validation:
     table = DecisionTable(record)
     exact = exact_distances(record)
     comparison = compare(record, analytic, exact)
-    contacts = contact_reports(record, analytic, table, Predictor(record, table))
+    contacts = contacts_of(record, analytic, table, Predictor(record, table))
     return Validation(
-        _run(record, source), comparison, contacts, swept_contact_reports(record, table),
+        _run(record, source), comparison, contacts, swept_contacts(record, table),
         near_misses(record, analytic, table, exact),
         check_motion(record, table, None if fitted.scene is None else fitted.scene.mass),
         compare_with_world(record, inside), recompute(record, fitted, table),

@@ -62,14 +62,14 @@ def _places(found: Episodes) -> tuple[list[int], list[int]]:
 
 
 def _told(record: Record, found: Episodes) -> dict[int, dict[str, Any]]:
-    """Paragraphs by the number of the contact in ``found``; none where poses or tables lack."""
+    """What is told by the number of the contact in ``found``; none where poses or tables lack."""
     if found.swept.all():
         return {}
     from physim.analysis.validation.analytic_contacts import analytic_contacts
-    from physim.analysis.validation.contact_report import contact_reports
-    from physim.analysis.validation.contact_text import heading, paragraph
+    from physim.analysis.validation.contact import contacts_of
     from physim.analysis.validation.decisions import DecisionTable
     from physim.analysis.validation.prediction import Predictor
+    from physim.analysis.validation.told import sentences
     from physim.analysis.validation.validation import check_complete
 
     try:
@@ -77,7 +77,7 @@ def _told(record: Record, found: Episodes) -> dict[int, dict[str, Any]]:
     except RecordError:
         return {}
     table = DecisionTable(record)
-    reports = contact_reports(
+    contacts = contacts_of(
         record, analytic_contacts(record), table, Predictor(record, table), MOST_TOLD
     )
     names = [body.name for body in record.bodies]
@@ -88,11 +88,10 @@ def _told(record: Record, found: Episodes) -> dict[int, dict[str, Any]]:
         if not found.swept[k]
     }
     told = {}
-    for one in reports:
+    for one in contacts:
         row = number[(round(one.time / record.dt), one.a, one.b)]
         told[row] = {
-            "title": heading(one, names),
-            "lines": paragraph(one, names, reports),
+            "lines": sentences(one, names),
             "responsible": list(one.responsible),
             "safe": None if not one.warning else round(one.time - one.warning, 6),
         }

@@ -9,13 +9,7 @@ from urllib.parse import urlencode
 
 from physim.analysis.summary import Summary
 from physim.analysis.validation import Validation, report
-from physim.analysis.validation.contact_report import (
-    ContactReport,
-    SweptContactReport,
-    describe_cause,
-    describe_responsibility,
-)
-from physim.analysis.validation.wording import length
+from physim.analysis.validation.told import sentences
 from physim.drawing.page.tables import numbered
 from physim.errors import amount_text
 from physim.escaping import escaped_lines, html_text
@@ -83,7 +77,7 @@ def findings_section(found: Validation, summary: Summary) -> str:
         f'<p class="verdict{" bad" if found.code else ""}">{html_text(found.verdict)}</p>'
         f"{table if lines else ''}"
         "<details><summary>The whole report</summary>"
-        f"<pre>{escape(escaped_lines(report(found)))}</pre></details></section>"
+        f"<pre>{escape(escaped_lines(report(found, full=True)))}</pre></details></section>"
     )
 
 
@@ -133,8 +127,7 @@ def _disagreements(found: Validation) -> Iterator[Finding]:
     for one in found.comparison.disagreements:
         bodies = (one.a,) if one.b is None else (one.a, one.b)
         yield Finding("disagreement", one.time, bodies, f"{one.cause} ({one.what})")
-    for contact in found.mispredicted:
-        p = contact.prediction
+    for p in found.mispredicted:
         yield Finding(
             "disagreement", p.found, (p.a, p.b), "first touch in another step than was predicted"
         )
@@ -144,14 +137,9 @@ def _contacts(found: Validation, summary: Summary) -> Iterator[Finding]:
     number, names = _numbers(summary), found.names
     deep = {(one.a, one.b): one.sentence(names) for one in found.deep}
 
-    def finding(one: ContactReport | SweptContactReport, more: str) -> Finding:
-        who = describe_responsibility(one, names)
+    for one in (*found.contacts, *found.grazes):
+        said = " ".join([*sentences(one, names)[:3], deep.pop((one.a, one.b), "")]).rstrip()
         place = number.get((one.a, one.b, round(one.time, 6)))
-        first = min(one.responsible, default=None)
-        return Finding("contact", one.time, (one.a, one.b), f"{who} {more}".lstrip(), place, first)
-
-    for contact in found.contacts:
-        sunk = deep.pop((contact.a, contact.b), "")
-        yield finding(contact, f"{describe_cause(contact, names)} {sunk}".rstrip())
-    for graze in found.grazes:
-        yield finding(graze, f"Between two samples, {length(graze.depth)} deep.")
+        yield Finding(
+            "contact", one.time, (one.a, one.b), said, place, min(one.responsible, default=None)
+        )

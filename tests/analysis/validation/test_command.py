@@ -54,7 +54,7 @@ def test_record_with_and_without_contact(run):
 def test_world_with_a_careless_controller(run):
     code, out, _ = run("lane.yaml", "--controller", CARELESS, "--page", "run.html")
     assert code == 1
-    assert "Responsible is" not in out  # a rule of priority it does not have
+    assert "Responsible:" not in out  # a rule of priority it does not have
     assert states(out, "at most 3 s", "step 0.01 s", "whole duration")
     assert CARELESS in out
     assert 'id="validation"' in Path("run.html").read_text(encoding="utf-8")

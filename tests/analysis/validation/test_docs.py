@@ -29,3 +29,4 @@ def test_the_example_is_what_the_command_prints(
         for text in (found[3], said)
     ]
     assert lines[0] == lines[1]
+    assert len(lines[1]) <= 45

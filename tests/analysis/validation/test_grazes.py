@@ -80,8 +80,8 @@ def test_the_verdict_names_it(grazing):
     assert states(found.verdict, "contacts: ", "0 at samples", "1 between samples")
     assert [one.cause for one in found.comparison.disagreements] == [GRAZE]
     assert found.grazes[0].responsible == (1,)
-    assert states(said(found), "engine does not look", "touched once")
-    assert "Responsible is fast" in said(found)
+    assert states(said(found), "engine does not look", "1 of them")
+    assert "Responsible: fast" in said(found)
     assert found.near_misses.distances == ()
 
 

@@ -16,7 +16,7 @@ from tests.helpers import inside
 
 DecisionTable, Predictor = inside("physim.analysis.validation", "DecisionTable", "Predictor")
 analytic_contacts = inside("physim.analysis.validation", "analytic_contacts")
-contact_reports, paragraph = inside("physim.analysis.validation", "contact_reports", "paragraph")
+contacts_of, sentences = inside("physim.analysis.validation", "contacts_of", "sentences")
 decimal = inside("physim.drawing", "decimal")
 
 Opened = Callable[..., Seen]
@@ -55,16 +55,14 @@ def test_a_click_on_a_robot_shows_its_decision_of_that_moment(
 
 def test_a_contact_tells_what_validate_says(opened: Opened, record: Record) -> None:
     table = DecisionTable(record)
-    found = contact_reports(record, analytic_contacts(record), table, Predictor(record, table))
+    found = contacts_of(record, analytic_contacts(record), table, Predictor(record, table))
     names = [body.name for body in record.bodies]
     seen = opened()
     seen.drawn_at(1.85)
     row = record.contacts[0]
     click(seen, float(row["x"]), float(row["y"]))
     told = seen.text("#why")
-    for label, text in paragraph(found[0], names, found):
-        assert label in told
-        assert text in told
+    assert all(line in told for line in sentences(found[0], names))
     seen.page.click("#why button:has-text('r1')")
     assert seen.ask("[physim.robot, physim.contact]") == [0, -1]
 

@@ -208,23 +208,17 @@ export function whyContact(view, k, go) {
       button(`What did ${run.names[robot]} decide?`, () => go({ robot, contact: -1 }), { class: "link" }), " ",
     ]),
   );
+  const [a, b] = contacts.bodies(k).map((body) => run.names[body]);
+  const title = el("h2", {}, `Contact at ${decimal(contacts.time(k), 2)} s: ${a} and ${b}`);
   if (!told_) {
-    const [a, b] = contacts.bodies(k).map((body) => run.names[body]);
-    const when = decimal(contacts.time(k), 2);
     const where = contacts.place(k, contacts.began[k]);
     const how = contacts.swept[k] ? "between two samples" : plural(contacts.samples[k], "sample");
-    return [
-      el("h2", {}, `Contact at ${when} s: ${a} and ${b}`),
-      el("p", {}, `At (${decimal(where.x, 2)}, ${decimal(where.y, 2)}) m, ${how}.`), jump,
-    ];
+    return [title, el("p", {}, `At (${decimal(where.x, 2)}, ${decimal(where.y, 2)}) m, ${how}.`), jump];
   }
-  const rows = told_.lines.map(([label, text]) =>
-    el("tr", {}, el("th", { scope: "row" }, label), el("td", {}, text)),
-  );
   const safe = told_.safe === null ? null : el(
     "p", {}, "Last safe moment: just before ",
     button(seconds(told_.safe), () => go({ time: told_.safe }), { class: "link" }),
     ". From there on the contact lay ahead at every decision.",
   );
-  return [el("h2", {}, told_.title), el("table", { class: "facts" }, caption("What validate says of the contact"), el("tbody", {}, rows)), safe, jump];
+  return [title, ...told_.lines.map((line) => el("p", {}, line)), safe, jump];
 }

@@ -1,0 +1,160 @@
+"""A contact in sentences, the same wherever it is told: text, page, JSON and `falsify`."""
+
+from __future__ import annotations
+
+import math
+import textwrap
+from collections.abc import Sequence
+
+from physim.analysis.validation.contact import Contact
+from physim.analysis.validation.responsibility import RobotInContact
+from physim.errors import amount_text, place_text, plural
+from physim.tolerances import PUSH
+
+COLUMNS = 100
+HUGE = 1e6
+"""[m, s] from here on values are written in powers of ten: no run has such, a controller may
+report one."""
+
+
+def sentences(one: Contact, names: Sequence[str]) -> list[str]:
+    """What is to be said of a contact; ``names`` by body id.
+
+    What touched and where; how hard; who was responsible and why; for how long it lay ahead; what
+    each robot had decided. What is not known is left out.
+    """
+    ahead = ""
+    if one.warning is not None:
+        ahead = "Contact did not lie ahead at the last decision."
+        if one.warning > 0.0:
+            ahead = f"Contact lay ahead at every decision of the last {short(one.warning)}."
+    said = [_what(one, names), _how_hard(one, names), _who(one, names), ahead]
+    return [text for text in said if text] + [_decided(side, one, names) for side in one.sides]
+
+
+def _what(one: Contact, names: Sequence[str]) -> str:
+    """What touched what, the one that ran into the other first; how fast and where."""
+    sides = sorted(one.sides, key=lambda side: not (side.responsible or side.pushed_by is not None))
+    bodies = [f"{side.part} of {names[side.body]}" for side in sides]
+    touch = " against ".join(bodies if len(bodies) > 1 else [*bodies, names[one.b]])
+    motion = f"closing at {one.severity.closing:.2f} m/s, sliding at {one.severity.sliding:.2f} m/s"
+    if one.prediction is None:
+        motion = "between two samples, apart at both"
+    elif one.time == 0.0:
+        motion = "in contact from the start"
+    if one.also_touching:
+        motion += f", already touching {joined([names[i] for i in one.also_touching])}"
+    return (
+        f"At {one.time:.2f} s: {touch}, {motion}, {one.along or f'at {place_text(*one.place, 4)}'}."
+    )
+
+
+def _how_hard(one: Contact, names: Sequence[str]) -> str:
+    if one.prediction is None:
+        return f"It is {length(one.depth)} deep."
+    lasts = f"It lasts {one.duration:.2f} s"
+    if one.lasting:
+        lasts = f"It still lasts at the end, after {one.duration:.2f} s"
+    said = (
+        f"{lasts}, {length(one.depth)} deep; impulse {amount_text(one.first_impulse, 1)} N s at "
+        f"first, {amount_text(one.impulse, 1)} N s in all"
+    )
+    hit = one.severity
+    if hit.changes is None or hit.energy is None:
+        return f"{said}."
+    changes = [
+        f"{names[side.body]} {change:.2f} m/s"
+        for side, change in zip(one.sides, hit.changes, strict=True)
+    ]
+    return f"{said}; {amount_text(hit.energy, 1)} J lost, change of speed {joined(changes)}."
+
+
+def _who(one: Contact, names: Sequence[str]) -> str:
+    """Who was responsible, and why; empty where no rule of the controller says so."""
+    if not one.responsible:
+        return ""
+    who, why = joined([names[i] for i in one.responsible]), []
+    for side in one.sides:
+        if side.pushed_by is not None:
+            moved, still = names[side.body], names[one.a + one.b - side.body]
+            if side.stands and side.speed <= PUSH:
+                moved, still = still, moved
+            third = side.pushed_by not in (one.a, one.b)
+            did = f"pushed {moved} into {still}" if third else f"ran into {names[side.body]}"
+            why.append(f"{names[side.pushed_by]} {did}")
+    charged = [side for side in one.sides if side.responsible]
+    if not why and len(charged) == 1 and charged[0].behind is not None:
+        behind, other = charged[0].behind, names[one.a + one.b - charged[0].body]
+        if behind > 0.0:
+            why = [f"it was {length(behind)} behind {other}, which so has priority"]
+        elif behind == 0.0:
+            why = [f"{other}, level with it, has the lower number and so priority"]
+        else:
+            why = [f"it was behind {other} when they touched; they had just changed places"]
+    return f"Responsible: {who}{', as ' * bool(why)}{'; '.join(why)}."
+
+
+def _decided(side: RobotInContact, one: Contact, names: Sequence[str]) -> str:
+    """How a robot moved, what it had decided, and what its controller reported to have seen."""
+    moved = f"{names[side.body]} moved at {side.speed:.2f} m/s"
+    if side.stands:
+        moved = f"{names[side.body]} stood by command"
+        if side.responsible:
+            moved += ", and the record shows no robot that pushed it"
+    if side.decided is None:
+        return f"{moved}; it had made no decision yet."
+    touched = one.time if one.prediction is None else one.prediction.touched
+    mode = "" if side.mode is None else f", mode {side.mode}"
+    rule = "" if side.rule is None else f", {side.rule}"
+    seen = [
+        f"{what} {'none' if math.isinf(value) else text(value)}"
+        for what, value, text in (
+            ("nearest", side.reported_distance, length),
+            ("boundary", side.reported_boundary, length),
+            ("collision time", side.reported_time, short),
+        )
+        if not math.isnan(value)
+    ]
+    saw = "reported no distance, no collision time"
+    if seen:
+        saw = f"considered {plural(side.considered, 'robot')}: {', '.join(seen)}"
+    return (
+        f"{moved}; decided {short(touched - side.decided)} before{mode}{rule}, "
+        f"v {side.v:.3f} m/s, omega {side.omega:.3f} rad/s; {saw}."
+    )
+
+
+def joined(words: Sequence[str]) -> str:
+    """``a, b and c``."""
+    words = list(words)
+    return " and ".join([", ".join(words[:-1]), words[-1]] if len(words) > 1 else words)
+
+
+def length(metres: float) -> str:
+    """Length in metres, or in millimetres or micrometres where that reads better."""
+    if 1e-9 <= abs(metres) < 1e-5:
+        return f"{1e6 * metres:.2f} um"
+    if math.isfinite(metres) and abs(metres) < 0.1:
+        return f"{1e3 * metres:.2f} mm"
+    return f"{metres:.3g} m" if abs(metres) >= HUGE else f"{metres:.2f} m"
+
+
+def short(seconds: float) -> str:
+    """A time span: seconds, or ms, us where it is small; below a nanosecond 0."""
+    size = abs(seconds)
+    if size < 1e-9:
+        return "0 s"
+    if size >= HUGE:
+        return f"{seconds:.3g} s"
+    if size >= 0.1:
+        return f"{seconds:.3f} s"
+    if size >= 1e-4:
+        return f"{1e3 * seconds:.1f} ms"
+    return f"{1e6 * seconds:.3g} us"
+
+
+def wrapped(text: str, indent: str, hanging: str) -> list[str]:
+    """Lines of at most `COLUMNS` columns, the first indented by ``indent``."""
+    return textwrap.wrap(
+        text, COLUMNS, initial_indent=indent, subsequent_indent=hanging, break_on_hyphens=False
+    )

@@ -288,7 +288,7 @@ CONTACTS = [
             attribute("tables", '["updates", "considered", "false_contacts"]'),
             ("attribute tables is without contacts in the record",)),
     Forgery("gentler hits", "touching", column("/contacts", "impulse", lambda j: 0.5 * j, touches),
-            ("another run", "/contacts, row 0, impulse is"), ("--rerun",)),
+            ("another run", "/contacts, row 0, impulse is")),
     Forgery("another friction in the world", "touching",
             world("friction: 0.0", "friction: 0.8"), ("another run, ", "simulated again"),
             ("--rerun",)),

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from physim.analysis.validation.mismatch import SLACK, Mismatch
+from physim.analysis.validation.mismatch import SLACK, Mismatch, words
 from physim.analysis.validation.origin import controller_name
 from physim.analysis.validation.sums import BLOCK, BY, bounds, sums, unlike
 from physim.errors import PhysimError, RecordError
@@ -307,9 +307,8 @@ def _row(
     step = int(rows["step"][k])
     who = next((name for name in ("robot", "a") if name in (rows.dtype.names or ())), None)
     robot = None if who is None else int(rows[who][k])
-    return Mismatch.of(
-        record, path, column, recorded, repeated, BY, row=k, robot=robot, step=step
-    )  # fmt: skip
+    told, true = (words(record, column, value) for value in (recorded, repeated))
+    return Mismatch.of(record, path, column, told, true, BY, row=k, robot=robot, step=step)
 
 
 def _samples(record: Record, again: Record, path: str, until: int, exact: bool) -> Mismatch | None:

@@ -87,7 +87,7 @@ class Validation:
     origin: Origin
     """whether the record is that of the world inside it"""
     recomputed: Recomputed
-    """decisions, commands and the end of the run, computed anew"""
+    """commands and counts held against the tables, and decisions made again"""
     expectations: tuple[Held, ...]
     """what the world inside expects of a run, and whether this one shows it"""
     deep: tuple[Deep, ...]
@@ -208,7 +208,8 @@ def judge(
     exact = exact_distances(record)
     comparison = compare(record, analytic, exact)
     contacts = contact_reports(record, analytic, table, Predictor(record, table))
-    recomputed = recompute(record, fitted, table)
+    rerun = None if again is None else compare_runs(record, again)
+    recomputed = recompute(record, fitted, table, rerun is not None and rerun.exact)
     if why_not:
         left_out = (*recomputed.left_out, f"the run simulated again: {why_not}")
         recomputed = replace(recomputed, left_out=left_out)
@@ -217,7 +218,7 @@ def judge(
         near_misses(record, analytic, table, exact),
         check_motion(record, table, None if fitted.scene is None else fitted.scene.mass),
         compare_with_world(record, inside), recomputed, tuple(expectations(record)),
-        deep_contacts(record), None if again is None else compare_runs(record, again),
+        deep_contacts(record), rerun,
     )  # fmt: skip
 
 

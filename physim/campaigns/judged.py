@@ -6,7 +6,8 @@ from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import Executor
 from typing import NamedTuple
 
-from physim.analysis.validation import report, validate
+from physim.analysis.validation import judge as validated
+from physim.analysis.validation import report
 from physim.analysis.validation.seeds import SeedResult
 from physim.campaigns.one_run import simulation_of
 from physim.campaigns.runner import outcomes
@@ -59,7 +60,7 @@ def judge(spec: RunSpec, source: str, stop: Stop) -> Judged | None:
     with record_run(simulation_of(spec), stop=stop) as record:
         if record.ended == "interrupted":  # half a run says nothing about its seed
             return None
-        found = validate(record, source=source)
+        found = validated(record, None, source=source)
         return Judged(SeedResult.of(spec.seed, found), report(found) if found.code else "")
 
 

@@ -55,7 +55,7 @@ def check_controller_command(options: Options) -> int:
     the same decisions again under other conditions, and report what comes out differently.
     Worlds whose robots it refuses are reported and left out. All this is asked in one process: what
     differs from one to the next, as the order of a set of text or hash() of text does, is found by
-    physim validate RECORD --rerun.
+    physim validate RECORD.
 
     rules, each finding names the one that is broken:
       raises       decide raises nothing

@@ -280,7 +280,7 @@ def _story(record: Record, options: Options) -> str:
         finish(options.quiet)
     if not is_warm():
         announce_compiling("the checks of the validation", COMPILING, options.quiet)
-    return story(record, validate(record))
+    return story(record, validate(record, rerun=False))
 
 
 def _command(options: Options) -> str:

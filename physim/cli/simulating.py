@@ -105,17 +105,25 @@ def tell_notices(lines: Iterable[str]) -> None:
         print(f"WARNING  {line}", file=sys.stderr, flush=True)
 
 
-def run_of_record(record: Record, options: Options) -> Record:
-    """Simulate the run of a record again, as far as it goes; Ctrl-C raises KeyboardInterrupt."""
-    from physim.analysis.validation.rerun import run_again, simulation_again
+def run_of_record(record: Record, options: Options, needed: bool) -> Record | str:
+    """Simulate the run of a record again, as far as it goes; Ctrl-C raises KeyboardInterrupt.
 
-    simulation = simulation_again(record, controller=_controller(record, options.controller))
-    if not is_warm():
-        announce_compiling("controller and distances", COMPILING, options.quiet)
+    Where it cannot be it gives the reason, or raises PhysimError where it is ``needed``.
+    """
+    from physim.analysis.validation.rerun import AgainError, run_again, simulation_again
+
     name = f"{record.name}, seed {record.seed}"
     bar = Bar(name, record.steps_run * record.dt, "s", options.quiet)
-    with interrupts() as interrupt, bar:
-        again = run_again(record, simulation, stop=interrupt, progress=bar.simulated)
+    try:
+        simulation = simulation_again(record, controller=_controller(record, options.controller))
+        if not is_warm():
+            announce_compiling("controller and distances", COMPILING, options.quiet)
+        with interrupts() as interrupt, bar:
+            again = run_again(record, simulation, stop=interrupt, progress=bar.simulated)
+    except AgainError as error:
+        if needed:
+            raise
+        return error.why
     if interrupt():
         again.close()
         raise KeyboardInterrupt

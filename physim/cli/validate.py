@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import sys
-from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -56,7 +55,11 @@ COMPILING = 15
     metavar="A:B",
     help="run the world with each of the seeds A to B - 1, and report how many are contact-free",
 )
-@flag("--rerun", "simulate the world inside RECORD again: does it give the same run?")
+@option(
+    "--rerun/--no-rerun",
+    default=True,
+    help="whether to simulate the world inside RECORD again, too: does it give the same run?",
+)
 @changes()
 @option(
     "--workers",
@@ -80,7 +83,7 @@ def validate_command(options: Options) -> int:
 
     examples:
       physim validate runs/ten_robots-21
-      physim validate runs/ten_robots-21/record.h5 --rerun --world ten_robots
+      physim validate runs/ten_robots-21/record.h5 --no-rerun --world ten_robots
       physim validate three_robots --controller path_following
       physim validate three_robots --controller path_following --page contacts.html
       physim validate my_world.yaml --seeds 1:101 --json seeds.json
@@ -99,8 +102,8 @@ def validate_command(options: Options) -> int:
     if (path := _record(options.given)) is None:
         if options.world is not None:
             raise PhysimError("--world: needs a record; it checks where the record came from")
-        if options.rerun:
-            raise PhysimError("--rerun: needs a record; a world is simulated anyway")
+        if not options.rerun:
+            raise PhysimError("--no-rerun: needs a record; a world has to be simulated")
         world, document = rerun.world_given(options, options.given)
         return _validate_world(world, document, options)
     with Record.load(path) as record:
@@ -109,9 +112,10 @@ def validate_command(options: Options) -> int:
 
 def _check(options: Options) -> None:
     """Raise PhysimError for options that do not go together."""
-    for name, value in (("--rerun", options.rerun), ("--full", options.full)):
-        if options.seeds is not None and value:
-            raise PhysimError(f"{name}: is of one run; not with --seeds")
+    if options.seeds is not None and not options.rerun:
+        raise PhysimError("--no-rerun: is of one record; not with --seeds")
+    if options.seeds is not None and options.full:
+        raise PhysimError("--full: is of one run; not with --seeds")
     for name, value in (("--workers", options.workers), ("--verbose", options.verbose)):
         if options.seeds is None and value:
             raise PhysimError(f"{name}: needs --seeds A:B, the seeds to run")
@@ -130,8 +134,7 @@ def _record(given: str) -> Path | None:
 
 def _validate_record(record: Record, options: Options) -> int:
     from physim.analysis.validation.origin import check_made_from
-    from physim.analysis.validation.rerun import compare_runs
-    from physim.analysis.validation.validation import missing, validate_again
+    from physim.analysis.validation.validation import NOT_ASKED, missing, validate_again
     from physim.cli import simulating as rerun
 
     if options.world is not None:
@@ -142,18 +145,20 @@ def _validate_record(record: Record, options: Options) -> int:
     if options.seed is not None:
         raise PhysimError("--seed: needs a world; a record has its own seed")
     lacking = missing(record)
-    again = options.rerun or bool(lacking)
+    if lacking and not options.rerun:
+        raise PhysimError(f"--no-rerun: {record.path} has to be simulated again: {lacking}")
     if options.overrides and options.world is None:
         raise PhysimError("--set: needs a world or --world; a record is run again as it was made")
-    if options.controller and not again and options.world is None:
-        raise PhysimError("--controller: needs a world, --world or --rerun")
-    if not again:
-        return _report(_judged(record, str(record.path), options), options, record)
-    with rerun.run_of_record(record, options) as full:
+    if options.controller and not options.rerun and options.world is None:
+        raise PhysimError("--controller: needs a world, or a record that is simulated again")
+    again = rerun.run_of_record(record, options, bool(lacking)) if options.rerun else NOT_ASKED
+    if isinstance(again, str):
+        return _report(_judged(record, None, again, str(record.path), options), options, record)
+    with again:
         if lacking:
-            return _report(validate_again(record, full, str(record.path)), options, full)
-        found = _judged(record, str(record.path), options)
-        return _report(replace(found, rerun=compare_runs(record, full)), options, record)
+            return _report(validate_again(record, again, str(record.path)), options, again)
+        found = _judged(record, again, "", str(record.path), options)
+        return _report(found, options, record)
 
 
 def _validate_world(world: World, document: Document, options: Options) -> int:
@@ -248,20 +253,23 @@ def _run_and_validate(
     from physim.cli import simulating as rerun
 
     with rerun.run_world(world, document, seed, options) as record:
-        found = _judged(record, f"simulated just now from {document.source}", options)
+        source = f"simulated just now from {document.source}"
+        found = _judged(record, None, "", source, options)
         _write_page(found, record, options)
         return found
 
 
-def _judged(record: Record, source: str, options: Options) -> Validation:
-    from physim.analysis.validation import is_warm, validate
+def _judged(
+    record: Record, again: Record | None, why_not: str, source: str, options: Options
+) -> Validation:
+    from physim.analysis.validation import is_warm, judge
     from physim.cli.warming import finish
 
     if not is_warm():
         finish(options.quiet)
     if not is_warm():
         announce_compiling("the checks of the validation", COMPILING, options.quiet)
-    return validate(record, source=source)
+    return judge(record, again, why_not, source=source)
 
 
 def _write_page(found: Validation, record: Record, options: Options) -> None:

@@ -130,7 +130,7 @@ OPTIONS: Table = {
 TOGETHER: Table = {
     ("validate", "x", "--workers", "3"): ("--workers", "--seeds"),
     ("validate", "x", "--verbose"): ("--verbose", "--seeds"),
-    ("validate", "x", "--seeds", "1:3", "--rerun"): ("--rerun", "--seeds"),
+    ("validate", "x", "--seeds", "1:3", "--no-rerun"): ("--no-rerun", "--seeds"),
     ("validate", "ten_robots", "--set", "time.record_every=5"): (
         "--set time.record_every", "every step",
     ),

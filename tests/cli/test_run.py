@@ -223,7 +223,7 @@ def test_settings_reach_the_controller_that_they_are_for_or_are_told(
     if not told:
         named = json.loads((own / "out/summary.json").read_text())["controller"]
         assert named == {"type": "own:Push", "settings": {"strength": speed}}
-        again = ("validate", "out/record.h5", "--rerun", "--controller", "own:Late", "--quiet")
+        again = ("validate", "out/record.h5", "--controller", "own:Late", "--quiet")
         told_again = physim(*again, capture=capsys).err
         assert re.search(facts("WARNING", "strength", "own:Push", "own:Late"), told_again)
 

@@ -10,7 +10,6 @@ import numpy as np
 from tests.mutation.rules import called, found, given, instead, rule
 
 BLAME = "physim.analysis.validation.responsibility:"
-COLUMNS = "physim.analysis.validation.columns:"
 DECISIONS = "physim.analysis.validation.decisions:"
 DIFFERENCES = "physim.analysis.validation.disagreements:"
 PREDICTION = "physim.analysis.validation.prediction:"
@@ -171,18 +170,6 @@ def rows_are_held_against_themselves() -> None:
 
 
 @rule("validation")
-def who_is_behind_is_considered() -> None:
-    """The considered robots of a record are held against the rule turned round."""
-    given(COLUMNS + "wrongly_considered", station=lambda a: -a.station)
-
-
-@rule("validation")
-def others_stood_when_a_decision_was_made() -> None:
-    """Collision times of decisions are held against those with others that stand."""
-    given(COLUMNS + "standard_columns", held=lambda a: np.zeros_like(a.held))
-
-
-@rule("validation")
 def intervals_are_rounded_up() -> None:
     """The next decision is expected at the first step after its interval (14)."""
     given(
@@ -204,9 +191,3 @@ def travel_leaves_out_turning() -> None:
 def steps_are_looked_at_where_they_end() -> None:
     """A contact that begins and ends within a step is not looked for."""
     instead("physim.analysis.validation.analytic_contacts:touch_in_step", lambda a: False)
-
-
-@rule("validation")
-def columns_are_those_of_the_step_after() -> None:
-    """Distances and collision times of a decision are held against the pose after it."""
-    given(COLUMNS + "standard_columns", at=lambda a: np.minimum(a.at + 1, len(a.pose) - 1))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from physim.analysis.validation.near_misses import decision_times
 from physim.analysis.validation.report import report, warning_lines
-from physim.analysis.validation.validation import Validation, validate
+from physim.analysis.validation.validation import Validation, judge, validate
 from physim.compiled import is_cached
 
 
@@ -13,4 +13,4 @@ def is_warm() -> bool:
     return is_cached(decision_times)
 
 
-__all__ = ["Validation", "is_warm", "report", "validate", "warning_lines"]
+__all__ = ["Validation", "is_warm", "judge", "report", "validate", "warning_lines"]

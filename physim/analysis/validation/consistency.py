@@ -1,9 +1,9 @@
-"""Tables and attributes of a record against each other: decisions, commands, and how it ended.
+"""Commands and counts of a record against each other.
 
-Each decision says when its robot decides next; every robot begins at once. A row of ``/commands``
+A row of ``/commands``
 stands where the stages of a command differ, or where the nominal one is not that of the last
 decision; where there is none, the nominal command of the last decision was applied. So each row
-must say something, and what stages there were must explain it. Arrival follows from the poses.
+must say something, and what stages there were must explain it.
 """
 
 from __future__ import annotations
@@ -12,73 +12,25 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from physim.analysis.validation.decisions import DecisionTable, SampleBlock
+from physim.analysis.validation.decisions import DecisionTable
 from physim.analysis.validation.mismatch import Mismatches
-from physim.geometry.shapes import FloatArray, IntArray
-from physim.geometry.tracking import Tracking
+from physim.analysis.validation.origin import Inside
+from physim.geometry.shapes import FloatArray
 from physim.record import Record
-from physim.record.layout import ARRIVED, OPTIONAL
-from physim.simulation.arrival import Arrivals, later_since
+from physim.record.layout import OPTIONAL
 from physim.tolerances import SHARE
 from physim.world.scene import Scene
-
-
-def check_schedule(record: Record, table: DecisionTable, found: Mismatches) -> None:
-    """Hold the step of every decision against what the one before announced.
-
-    Every robot decides at the start, whatever commands it had afterwards: a run that has no
-    decisions would have the world's controller answer for commands that are not its own.
-    """
-    rows = record.updates
-    if not record.steps_run:
-        return
-    order = table.decisions.order
-    robot, step, due = (rows[name][order] for name in ("robot", "step", "next_step"))
-    begins = np.diff(robot, prepend=-1) != 0
-    for k in np.flatnonzero(begins & (step != 0)).tolist():
-        found.add(
-            "/updates", "step", int(step[k]), 0, "as every robot decides at the start",
-            row=int(order[k]), robot=int(robot[k]), step=int(step[k]),
-        )  # fmt: skip
-    for i in np.setdiff1d(np.arange(record.robots), robot).tolist():
-        found.add(
-            "/updates", "robot", "nowhere", "deciding at the start", "as every robot is", robot=i,
-            step=0,
-        )  # fmt: skip
-    after = np.append(step[1:], 0)
-    last = np.append(begins[1:], True) if len(rows) else begins
-    lost = np.where(last, due < record.steps_run, due != after)
-    for k in np.flatnonzero(lost).tolist():
-        found.add(
-            "/updates", "next_step", int(due[k]),
-            "never" if last[k] else int(after[k]),
-            "by the next decision of that robot in the table",
-            row=int(order[k]), robot=int(robot[k]), step=int(step[k]),
-        )  # fmt: skip
-    beyond = rows["step"] > record.steps_run - (0 if record.ended == "running" else 1)
-    found.add_rows("/updates", "step", rows, 0, beyond, record.steps_run - 1, "at the latest")
-
 
 PARTS = ("v", "omega")
 
 
-def check_commands(
-    record: Record,
-    table: DecisionTable,
-    scene: Scene | None,
-    stages: Sequence[str] | None,
-    found: Mismatches,
-) -> None:
-    """Hold both tables of commands against each other, the limits and the stages there were.
-
-    ``stages`` are words of the kinds of stages of the run ("filter", "disturbance"); None where
-    that is not known.
-    """
+def check_commands(record: Record, table: DecisionTable, inside: Inside, found: Mismatches) -> None:
+    """Hold both tables of commands against each other, the limits and the stages there were."""
     decided = _last_decided(record, table)
     _same_in_both(record, table, decided, found)
-    _stages(record, decided, stages, found)
-    if scene is not None:
-        _limits(record, scene, found)
+    _stages(record, decided, inside.stages, found)
+    if inside.scene is not None:
+        _limits(record, inside.scene, found)
     beyond = record.commands["step"] >= max(record.steps_run, 1)
     if record.ended != "running":
         found.add_rows(
@@ -159,58 +111,6 @@ def _limits(record: Record, scene: Scene, found: Mismatches) -> None:
                 wrong = ~(np.abs(rows[column]) <= limit * (1.0 + SHARE))
                 by = "at most either way, by the limits of that robot in the world inside"
                 found.add_rows(name, column, rows, 0, wrong, limit, by)
-
-
-BY = "by the poses"
-
-
-class ArrivalCheck:
-    """Finds arrival anew, from poses and stations (`physim.simulation.arrival`)."""
-
-    def __init__(self, scene: Scene) -> None:
-        start = Tracking(scene.paths, scene.reference, scene.shapes.radius, scene.start)
-        self.arrivals = Arrivals(scene, start)
-        self.since: IntArray = np.full(scene.robots, -1)
-        """(N,) sample from which on each robot has arrived, to the last; -1 where it has not"""
-        self.all_since: int | None = None
-        """first sample at which all had arrived"""
-
-    def take(self, block: SampleBlock) -> None:
-        """Continue with the samples of a block."""
-        first, found = block.first + block.overlap, []
-        for k in range(block.overlap, len(block.pose)):
-            self.arrivals.note(block.first + k, block.pose[k], block.course[k].T)
-            found.append(self.arrivals.arrived)
-            if self.all_since is None and self.arrivals.all:
-                self.all_since = block.first + k
-        self.since = later_since(self.since, first, np.array(found))
-
-
-def check_ending(record: Record, scene: Scene, exact: ArrivalCheck, found: Mismatches) -> None:
-    """Hold ``ended`` and ``/robots/arrived`` against the poses.
-
-    A run ends as soon as all robots have arrived, or when its steps are over. Arrivals that a run
-    that was killed noted after its last sample are those of no pose here.
-    """
-    last, planned = record.steps_run, scene.steps
-    if exact.all_since is not None and exact.all_since < last:
-        found.add(
-            "attribute", "steps_run", last, exact.all_since, f"{BY}: all robots had arrived then"
-        )
-    arrived = exact.all_since is not None
-    since = exact.since
-    if record.ended == "finished" and not arrived:
-        missing = [record.names[i] for i in np.flatnonzero(since < 0)]
-        found.add(
-            "attribute", "ended", "finished", "not", f"{BY}: {', '.join(missing)} had not arrived"
-        )
-    elif record.ended in ("duration", "interrupted", "error") and arrived:
-        found.add("attribute", "ended", record.ended, "finished", f"{BY}: all robots had arrived")
-    if last > planned or (record.ended == "duration" and last != planned):
-        found.add("attribute", "steps_run", last, planned, "by the world inside")
-    known = record.arrived <= last
-    for i in np.flatnonzero(known & (record.arrived != since)).tolist():
-        found.add(ARRIVED, None, int(record.arrived[i]), int(since[i]), BY, row=i, robot=i)
 
 
 def check_counts(record: Record, found: Mismatches) -> None:

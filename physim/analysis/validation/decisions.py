@@ -135,13 +135,6 @@ class SampleBlock(NamedTuple):
     """decisions at these samples, rows of the update table"""
     row: int
     """number of the first of them in the table"""
-    overlap: int
-    """samples at its beginning that belong to the block before: 0 or 1"""
-
-    @property
-    def station(self) -> FloatArray:
-        """(B, N) [m] along the own path."""
-        return self.course[:, :, 0]
 
     @property
     def reference_station(self) -> FloatArray:
@@ -166,4 +159,4 @@ def sample_blocks(record: Record) -> Iterator[SampleBlock]:
         end = last if last >= record.samples else last - 1
         low, high = (int(k) for k in np.searchsorted(updates["step"], (first, end)))
         held = read_only(record.commands_over("nominal", first - 1, last - 1))
-        yield SampleBlock(first, pose, course, held, updates[low:high], low, 0 if first == 0 else 1)
+        yield SampleBlock(first, pose, course, held, updates[low:high], low)

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from physim.errors import plural
+from physim.parts.declarations import NO_NUMBER
 from physim.record import Record
 from physim.tolerances import LENGTH, TIME
 
@@ -161,6 +162,16 @@ def differs(recorded: ArrayLike, exact: ArrayLike, slack: float) -> NDArray[np.b
     with np.errstate(invalid="ignore"):
         alike = (recorded == exact) | (np.isnan(recorded) & np.isnan(exact))
         return np.asarray(~(alike | (np.abs(np.subtract(recorded, exact)) <= slack)))
+
+
+def words(record: Record, column: str | None, value: Any) -> Value:
+    """A value of a table as it is told: modes and rules by name."""
+    if column not in ("mode", "rule"):
+        return plain(value)
+    names = [one.name for one in (record.modes if column == "mode" else record.declared.rules)]
+    if value == NO_NUMBER:
+        return "none"
+    return names[int(value)] if 0 <= value < len(names) else plain(value)
 
 
 def plain(value: Any) -> Value:

@@ -16,7 +16,7 @@ import numpy as np
 import shapely
 import yaml
 
-from physim.errors import ControllerError, PhysimError, RecordError, WorldError, plural
+from physim.errors import ControllerError, RecordError, WorldError, plural
 from physim.geometry.shapes import FloatArray
 from physim.parts.declarations import Column, Declared, Mode, Rule
 from physim.parts.registry import CONTROLLER, DISTURBANCE, FILTER, SENSING, make_part
@@ -98,20 +98,6 @@ def controller_name(record: Record) -> str:
     if record.controller or not record.world_text.strip():
         return record.controller
     return record.world.controller.type
-
-
-def check_controller_given(record: Record, given: bool) -> None:
-    """Raise PhysimError where a run cannot be simulated again unless its controller is ``given``.
-
-    That holds for a class outside the registry: no code is run because a record names it.
-    """
-    name = controller_name(record)
-    if not given and (record.controller or ":" in name):
-        raise PhysimError(
-            f"{record.where}: has to be simulated again, and its controller is the class {name}; "
-            "no code is run because a record names it: if you trust the class, give "
-            f"--controller {name}"
-        )
 
 
 def _controller(record: Record, scene: Scene) -> tuple[Any | None, str]:

@@ -1,45 +1,30 @@
-"""All that a record says of decisions, commands and its end, computed anew from its poses.
+"""Commands and decisions of a record, held against its tables, its poses and its own controller.
 
-Decisions are made again by the world's own controller, from what it saw according to the record.
-Poses and held commands are those of the record, stations follow from them, and the controller's
-memory is carried along; so each decision is made again as it was made, whatever moved the robots.
+Where the run cannot be simulated again to the bit, decisions are made again by the world's own
+controller, from what it saw according to the record. Poses and held commands are those of the
+record, stations follow from them, and the controller's memory is carried along; so each decision
+is made again as it was made, whatever moved the robots.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from physim.analysis.validation.columns import (
-    Considered,
-    Meaning,
-    StandardColumns,
-    check_considered,
-    check_priority,
-)
-from physim.analysis.validation.consistency import (
-    ArrivalCheck,
-    check_commands,
-    check_counts,
-    check_ending,
-    check_schedule,
-)
+from physim.analysis.validation.consistency import check_commands, check_counts
 from physim.analysis.validation.decisions import DecisionTable, SampleBlock, sample_blocks
 from physim.analysis.validation.mismatch import (
     SLACK,
     SLACKS,
     Mismatch,
     Mismatches,
-    Value,
     differs,
-    plain,
+    words,
 )
 from physim.analysis.validation.origin import Inside
-from physim.analysis.validation.responsibility import has_priority
 from physim.errors import ControllerError
 from physim.geometry.shapes import FloatArray, IntArray, read_only
 from physim.parts.controller import (
@@ -50,8 +35,8 @@ from physim.parts.controller import (
     Sensed,
     Snapshot,
 )
-from physim.parts.declarations import NO_NUMBER, Declared
-from physim.parts.registry import CONTROLLER, DISTURBANCE, FILTER, SENSING, shipped_parts
+from physim.parts.declarations import Declared
+from physim.parts.registry import CONTROLLER, SENSING, shipped_parts
 from physim.parts.stages import everybody, shared
 from physim.record import Record
 from physim.simulation.decisions import PerRobotAdapter
@@ -61,13 +46,26 @@ from physim.world.scene import Scene
 Rows = NDArray[np.void]
 
 
+class Considered:
+    """The table of considered robots, by decision."""
+
+    def __init__(self, record: Record) -> None:
+        table = record.considered
+        key, decided = (
+            rows["step"] * record.robots + rows["robot"] for rows in (table, record.updates)
+        )
+        order = np.lexsort((table["other"], key))
+        self.other = table["other"][order].astype(np.int64)
+        self.start = np.searchsorted(key[order], decided).astype(np.int64)
+        """(M,) first of each decision in ``other``, and one past its last:"""
+        self.end = np.searchsorted(key[order], decided, side="right").astype(np.int64)
+
+
 class Replay:
     """A controller that decides again, step by step."""
 
-    def __init__(
-        self, record: Record, scene: Scene, controller: Controller, considered: Considered
-    ) -> None:
-        self.record, self.scene, self.considered = record, scene, considered
+    def __init__(self, record: Record, scene: Scene, controller: Controller) -> None:
+        self.record, self.scene, self.considered = record, scene, Considered(record)
         self.declared = Declared.of(controller)
         self.by = f"decided again by {scene.world.controller.type}"
         self.batch = (
@@ -77,14 +75,14 @@ class Replay:
         )
         self.memory = self.batch.memory()
         self.shared = shared(scene.robots)
-        self.broken: str | None = None
+        self.broken = ""
         """what the controller said where it could not decide; nothing is checked from there on"""
         self.decided = 0
 
     def take(self, block: SampleBlock, found: Mismatches) -> None:
         """Make the decisions of a stretch again and hold the record against them."""
         rows = block.rows
-        if not len(rows) or self.broken is not None:
+        if not len(rows) or self.broken:
             return
         order = np.lexsort((rows["robot"], rows["step"]))
         edges = np.flatnonzero(np.diff(rows["step"][order], prepend=-1))
@@ -128,10 +126,10 @@ class Replay:
             exact[one.name] = report[:, c]
         for column, values in exact.items():
             wrong = np.flatnonzero(differs(rows[column], values, SLACKS.get(column, SLACK)))
-            words = self._words(column)
             for k in wrong.tolist():
+                told, due = (words(self.record, column, some[k]) for some in (rows[column], values))
                 found.add(
-                    "/updates", column, words(rows[column][k]), words(values[k]), self.by,
+                    "/updates", column, told, due, self.by,
                     row=int(number[k]), robot=int(rows["robot"][k]), step=int(rows["step"][k]),
                 )  # fmt: skip
         self._hold_considered(rows, number, decisions, found)
@@ -162,16 +160,6 @@ class Replay:
                 robot=int(rows["robot"][k]), step=int(rows["step"][k]),
             )  # fmt: skip
 
-    def _words(self, column: str) -> Callable[[Any], Value]:
-        """How values of a column are printed: modes and rules by name."""
-        names = {
-            "mode": [mode.name for mode in self.record.modes],
-            "rule": [rule.name for rule in self.record.declared.rules],
-        }.get(column)
-        if names is None:
-            return plain
-        return lambda number: "none" if number == NO_NUMBER else names[int(number)]
-
 
 def whole_steps(hold: FloatArray, dt: float) -> IntArray:
     """Steps that decisions hold: rounded down, one at least (14)."""
@@ -186,77 +174,46 @@ class Recomputed:
     decisions: int
     replayed: int
     """of these, how many were made again by the world's own controller"""
-    columns: tuple[str, ...]
-    """standard columns of decisions that were computed from the geometry"""
     left_out: tuple[str, ...]
     """what could not be computed, and why"""
     mismatches: tuple[Mismatch, ...]
 
 
-def recompute(record: Record, inside: Inside, table: DecisionTable) -> Recomputed:
-    """Hold everything that follows from poses, commands and the world inside against the record."""
-    found, scene = Mismatches(record), inside.scene
-    considered = Considered(record)
-    replay, columns, left_out = _checkers(record, inside, considered)
-    by_rule = replay is not None and scene is not None and has_priority(record)
-    arrivals = None if scene is None else ArrivalCheck(scene)
-    check_schedule(record, table, found)
-    check_considered(record, considered, found)
-    check_commands(record, table, scene, inside.stages, found)
+def recompute(record: Record, inside: Inside, table: DecisionTable, again: bool) -> Recomputed:
+    """Hold commands and counts against tables and the world inside.
+
+    Where the run was not simulated ``again`` to the bit, its decisions are made again.
+    """
+    found, left_out, replayed = Mismatches(record), [], 0
+    check_commands(record, table, inside, found)
     check_counts(record, found)
-    for block in sample_blocks(record):
-        _stations(record, block, found)
-        if arrivals is not None:
-            arrivals.take(block)
-        if columns is not None:
-            columns.take(block, found)
-        if by_rule and scene is not None:
-            check_priority(record, block, scene.sensing_range, considered, found)
+    if not again:
+        replay, why_not = _replay(record, inside)
+        for block in sample_blocks(record):
+            _stations(record, block, found)
+            if replay is not None:
+                replay.take(block, found)
         if replay is not None:
-            replay.take(block, found)
-    if arrivals is not None and scene is not None:
-        check_ending(record, scene, arrivals, found)
-    if replay is not None and replay.broken is not None:
-        left_out.append(f"decisions from there on: {replay.broken}")
-    for word in (FILTER.word, DISTURBANCE.word):
-        if word in (inside.stages or ()):
-            left_out.append(f"what each {word} made of commands: only --rerun runs it again")
-    return Recomputed(
-        len(record.updates), 0 if replay is None else replay.decided,
-        () if columns is None else tuple(columns.columns), tuple(left_out), found.found,
-    )  # fmt: skip
+            replayed, why_not = replay.decided, replay.broken
+        if why_not:
+            left_out.append(f"decisions made again: {why_not}")
+    return Recomputed(len(record.updates), replayed, tuple(left_out), found.found)
 
 
-def _checkers(
-    record: Record, inside: Inside, considered: Considered
-) -> tuple[Replay | None, StandardColumns | None, list[str]]:
-    """What makes decisions again, what works out their columns, and what cannot be done."""
-    scene, own = inside.scene, inside.controller
-    if not len(record.updates):
-        return None, None, ["decisions: there are none"]
-    if scene is None:
-        return None, None, [
-            "commands within limits, arrival, modes, rules, targets, considered robots, distances "
-            f"and collision times of decisions: {inside.why_not}"
-        ]  # fmt: skip
+def _replay(record: Record, inside: Inside) -> tuple[Replay | None, str]:
+    """What makes decisions again, or why nothing does."""
+    own, scene, why = inside.controller, inside.scene, inside.why_not
     if SENSING.word in (inside.stages or ()):
-        return None, None, [
-            "modes, rules, commands, targets, considered robots, distances and collision times of "
-            "decisions: what robots sensed is not in the record"
-        ]  # fmt: skip
-    kind = scene.world.controller.type
-    is_ours = kind in shipped_parts(CONTROLLER)  # a horizon of others may be that of a plan
-    settings = getattr(own, "settings", None) if is_ours else None
-    columns = StandardColumns(record, scene, Meaning.of(record, settings), considered)
-    why = inside.why_not
-    if own is not None and not is_ours:
-        why = f"{kind} is not shipped with physim, and need not decide alike twice"
-    elif own is not None and record.declared != Declared.of(own):
-        why = "the record declares others"
-    if why or own is None:
-        what = "modes, rules, commands and targets of decisions, and which robots they considered"
-        return None, columns, [f"{what}: {why}"]
-    return Replay(record, scene, own, considered), columns, []
+        why = "what robots sensed is not in the record"
+    elif own is not None and scene is not None:
+        kind = scene.world.controller.type
+        if kind not in shipped_parts(CONTROLLER):
+            why = f"{kind} is not shipped with physim, and need not decide alike twice"
+        elif record.declared != Declared.of(own):
+            why = "the record declares others"
+        else:
+            return Replay(record, scene, own), ""
+    return None, why
 
 
 def _stations(record: Record, block: SampleBlock, found: Mismatches) -> None:

@@ -68,21 +68,14 @@ def check_lines(validation: Validation, full: bool) -> list[str]:
 
 
 def _decisions(validation: Validation) -> list[str]:
-    """What was computed of decisions, commands and the end, and what was not."""
-    found = validation.recomputed
-    parts = ["stations and formation errors"]
+    """What was held of decisions and commands, and what was not."""
+    found, made = validation.recomputed, ""
     if found.replayed:
         kind = validation.run.controller
-        parts.append(f"{found.replayed:,} made again by {kind} from what it saw")
-    if found.columns:
-        columns = joined([name.replace("_", " ") for name in found.columns])
-        parts.append(f"{columns} computed from the shapes")
+        made = f", {found.replayed:,} of them made again by {kind} from what it saw"
     wrong = len(found.mismatches)
     result = f"{wrong} {'DIFFER' if wrong > 1 else 'DIFFERS'}" if wrong else "all agree"
-    lines = [
-        f"Decisions: {found.decisions:,}: {'; '.join(parts)}. Commands, their limits and stages, "
-        f"arrival and the end of the run: {result}."
-    ]
+    lines = [f"Decisions: {found.decisions:,}{made}. Commands, their limits and stages: {result}."]
     return [*lines, *(f"Not computed: {what}." for what in found.left_out)]
 
 

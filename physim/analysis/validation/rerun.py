@@ -13,10 +13,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from physim.analysis.validation.mismatch import SLACK, Mismatch
-from physim.analysis.validation.origin import check_controller_given
+from physim.analysis.validation.mismatch import SLACK, Mismatch, words
+from physim.analysis.validation.origin import controller_name
 from physim.analysis.validation.sums import BLOCK, BY, bounds, sums, unlike
-from physim.errors import PhysimError
+from physim.errors import PhysimError, RecordError
 from physim.record import Record
 from physim.record.layout import (
     ATTRIBUTES,
@@ -55,6 +55,14 @@ class Rerun:
     """the first one in time"""
 
 
+class AgainError(PhysimError):
+    """A run cannot be simulated again; ``why`` says why not."""
+
+    def __init__(self, record: Record, why: str) -> None:
+        self.why = why
+        super().__init__(f"{record.where}: cannot be simulated again: {why}")
+
+
 def simulation_again(
     record: Record,
     *,
@@ -66,27 +74,39 @@ def simulation_again(
     """Set up the run of a record anew, at sample 0, from the world inside.
 
     No code is run because a record names it: parts that were given from Python, and a controller
-    ``module:Class``, have to be given again. Raises PhysimError where one is missing.
+    ``module:Class``, have to be given again. Raises AgainError where one is missing, and where the
+    run made no step.
     """
     from physim.simulation.loop import Simulation
 
-    where = record.where
     if not record.world_text.strip():
-        raise PhysimError(f"{where}: cannot be simulated again: it holds no text of its world")
-    check_controller_given(record, controller is not None)
+        raise AgainError(record, "it holds no text of its world")
+    if not record.noted_until:
+        raise AgainError(record, "it made no step")
+    name = controller_name(record)
+    if controller is None and (record.controller or ":" in name):
+        raise AgainError(
+            record,
+            f"its controller is the class {name}; no code is run because a record names it: if you "
+            f"trust the class, give --controller {name}",
+        )
     given = {"sensing stage": sensing, "filter": filters, "disturbance": disturbances}
     for kind, parts in given.items():
         names = [name for word, name in record.given if word == kind]
         if len(names) != len(parts):
-            raise PhysimError(
-                f"{where}: has to be simulated again, and its {kind} {', '.join(names) or 'none'} "
-                "came from Python; give it again there: rerun(record, sensing=..., filters=..., "
-                "disturbances=...) of physim.analysis.validation.rerun"
+            raise AgainError(
+                record,
+                f"its {kind} {', '.join(names) or 'none'} came from Python; give it again there: "
+                "rerun(record, sensing=..., filters=..., disturbances=...) of "
+                "physim.analysis.validation.rerun",
             )
-    return Simulation(
-        record.world, controller=controller, sensing=sensing, filters=filters,
-        disturbances=disturbances,
-    )  # fmt: skip
+    try:
+        return Simulation(
+            record.world, controller=controller, sensing=sensing, filters=filters,
+            disturbances=disturbances,
+        )  # fmt: skip
+    except PhysimError as error:
+        raise AgainError(record, str(error).splitlines()[0]) from error
 
 
 def run_again(
@@ -98,7 +118,8 @@ def run_again(
 ) -> Record:
     """Run a simulation, in memory and with every sample, as far as the record goes.
 
-    Runs that were interrupted, killed or broke off end where `Record.noted_until` says.
+    Runs that were interrupted, killed or broke off end where `Record.noted_until` says. Raises
+    AgainError where memory does not hold it.
     """
     from physim.simulation.recorder import SaveAt
     from physim.simulation.run import record_run
@@ -106,18 +127,29 @@ def run_again(
     cut, last = record.ended in ("interrupted", "running", "error"), record.noted_until
     if record.ended == "running":  # it had decided what to do from there on
         last += any((rows["step"] == last).any() for rows in (record.updates, record.commands))
-    return record_run(
-        simulation,
-        save=SaveAt(every=1),
-        progress=progress,
-        stop=lambda: stop() or (cut and simulation.step_number >= last),
-    )
+    try:
+        return record_run(
+            simulation,
+            save=SaveAt(every=1),
+            progress=progress,
+            stop=lambda: stop() or (cut and simulation.step_number >= last),
+        )
+    except RecordError as error:
+        raise AgainError(record, str(error)) from error
 
 
 def rerun(record: Record, **parts: Any) -> Rerun:
     """Simulate the run of a record again and compare; ``parts`` are those of `simulation_again`."""
     with run_again(record, simulation_again(record, **parts)) as again:
         return compare_runs(record, again)
+
+
+def simulated_again(record: Record) -> Record | str:
+    """The run of a record simulated again, or why it is not."""
+    try:
+        return run_again(record, simulation_again(record))
+    except AgainError as error:
+        return error.why
 
 
 def compare_runs(record: Record, again: Record) -> Rerun:
@@ -275,9 +307,8 @@ def _row(
     step = int(rows["step"][k])
     who = next((name for name in ("robot", "a") if name in (rows.dtype.names or ())), None)
     robot = None if who is None else int(rows[who][k])
-    return Mismatch.of(
-        record, path, column, recorded, repeated, BY, row=k, robot=robot, step=step
-    )  # fmt: skip
+    told, true = (words(record, column, value) for value in (recorded, repeated))
+    return Mismatch.of(record, path, column, told, true, BY, row=k, robot=robot, step=step)
 
 
 def _samples(record: Record, again: Record, path: str, until: int, exact: bool) -> Mismatch | None:

@@ -26,13 +26,15 @@ from physim.analysis.validation.origin import (
 from physim.analysis.validation.prediction import DISAGREES, Prediction, Predictor
 from physim.analysis.validation.recomputed import Recomputed, recompute
 from physim.analysis.validation.recorded_distances import exact_distances
-from physim.analysis.validation.rerun import Rerun, compare_runs
+from physim.analysis.validation.rerun import Rerun, compare_runs, simulated_again
 from physim.errors import RecordError, plural
 from physim.record import Record, check_record
 from physim.record.layout import OPTIONAL
 from physim.record.setup import Setup
 from physim.world.faults import describe
 from physim.world.scene import Body
+
+NOT_ASKED = "not asked for"
 
 FREE, CONTACTS, DISAGREE = 0, 1, 3
 """Exit codes of the verdict."""
@@ -80,7 +82,7 @@ class Validation:
     origin: Origin
     """whether the record is that of the world inside it"""
     recomputed: Recomputed
-    """decisions, commands and the end of the run, computed anew"""
+    """commands and counts held against the tables, and decisions made again"""
     expectations: tuple[Held, ...]
     """what the world inside expects of a run, and whether this one shows it"""
     deep: tuple[Deep, ...]
@@ -167,13 +169,31 @@ class Validation:
         return CONTACTS if self.contacts or self.grazes or self.missed else FREE
 
 
-def validate(record: Record, *, source: str | None = None) -> Validation:
+def validate(record: Record, *, rerun: bool = True, source: str | None = None) -> Validation:
     """Validate a record that holds the poses of every step, and all tables.
 
-    ``source`` says in the report where it came from: its file, when absent.
+    The run is simulated again and held against the record, unless ``rerun`` is False or parts of
+    it came from Python, which `judge` takes simulated again. ``source`` says in the report where
+    the record came from: its file, when absent.
 
     Raises RecordError for a coarser one, or one that breaks off or is damaged. A run that was
     interrupted or killed is validated as far as it is recorded.
+    """
+    check_record(record)
+    check_complete(record)
+    again = simulated_again(record) if rerun else NOT_ASKED
+    if isinstance(again, str):
+        return judge(record, None, again, source=source)
+    with again:
+        return judge(record, again, source=source)
+
+
+def judge(
+    record: Record, again: Record | None, why_not: str = "", *, source: str | None = None
+) -> Validation:
+    """Validate a record, with the same run simulated ``again``, or with the reason why it is not.
+
+    Raises RecordError as `validate` does.
     """
     check_record(record)
     check_complete(record)
@@ -184,12 +204,17 @@ def validate(record: Record, *, source: str | None = None) -> Validation:
     exact = exact_distances(record)
     comparison = compare(record, analytic, exact)
     contacts = contacts_of(record, analytic, table, Predictor(record, table))
+    rerun = None if again is None else compare_runs(record, again)
+    recomputed = recompute(record, fitted, table, rerun is not None and rerun.exact)
+    if why_not:
+        left_out = (*recomputed.left_out, f"the run simulated again: {why_not}")
+        recomputed = replace(recomputed, left_out=left_out)
     return Validation(
         _run(record, source), comparison, contacts, swept_contacts(record, table),
         near_misses(record, analytic, table, exact),
         check_motion(record, table, None if fitted.scene is None else fitted.scene.mass),
-        compare_with_world(record, inside), recompute(record, fitted, table),
-        tuple(expectations(record)), deep_contacts(record),
+        compare_with_world(record, inside), recomputed, tuple(expectations(record)),
+        deep_contacts(record), rerun,
     )  # fmt: skip
 
 
@@ -211,7 +236,7 @@ def validate_again(record: Record, again: Record, source: str) -> Validation:
 
     What the record does have is held against that.
     """
-    found, counts = validate(again, source=source), Mismatches(record)
+    found, counts = judge(again, None, source=source), Mismatches(record)
     check_counts(record, counts)
     run = replace(
         found.run, ended=record.ended, versions=record.versions, given=record.given,

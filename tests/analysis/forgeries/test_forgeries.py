@@ -70,7 +70,7 @@ def test_a_true_record_is_not_doubted(made, name):
 
 
 def test_simulated_again_it_is_the_same_to_the_bit(made):
-    assert doubted(made["touching"], "--rerun") == ""
+    assert doubted(made["touching"]) == ""
 
 
 @pytest.mark.parametrize("name", UNUSUAL)
@@ -85,4 +85,4 @@ def test_an_unusual_record_is_not_doubted(tmp_path, name):
 def test_runs_of_shipped_worlds_are_not_doubted(tmp_path, world, seed):
     path = tmp_path / "shipped.h5"
     physim.simulate(physim.load_world(world), seed=seed, path=path).close()
-    assert doubted(path, "--rerun") == ""
+    assert doubted(path) == ""

@@ -71,7 +71,10 @@ def replace_rows(file: h5py.File, path: str, rows: np.ndarray) -> None:
             decisions[name] = rows[name][first]
         decisions["count"] = np.diff(np.flatnonzero(first), append=len(rows))
         replace_rows(file, "/considered_others", rows["other"])
-        rows = decisions
+        old, made = file[path][()], file["/updates"][()][["step", "robot"]]
+        alone = old[(old["count"] == 0) & np.isin(old[["step", "robot"]], made)]
+        rows = np.concatenate((decisions, alone))
+        rows = rows[np.lexsort((rows["robot"], rows["step"]))]
     if len(file[path]) != len(rows):
         file[path].resize(len(rows), axis=0)
     file[path][...] = rows

@@ -115,10 +115,10 @@ def tampered(record, folder: Path, change) -> Path:
     return path
 
 
-def judged(record, folder: Path, change):
+def judged(record, folder: Path, change, **options):
     """Validation of a record that is changed by ``change(file)``."""
     with physim.Record.load(tampered(record, folder, change)) as forged:
-        return validate(forged)
+        return validate(forged, **options)
 
 
 def states(text: str, first: str, *parts: str, within: int = 120) -> bool:

@@ -199,25 +199,36 @@ def careless(tmp_path: Path) -> Iterator[Callable[..., Path]]:
 
 def test_simulated_again_it_is_the_same_run_or_told_by_its_first_difference(careless) -> None:
     path = careless("again.h5", **{"robots.0.mass": 90.0})
-    told = said("validate", str(path), "--rerun", "--controller", CARELESS)
+    told = said("validate", str(path), "--controller", CARELESS)
     with physim.Record.load(path) as record:
         assert states(told.out, record.digest(), "same run", "to the bit")
     assert told.code == 1
     with h5py.File(path, "r+") as file:
         file.attrs["world"] = file.attrs["world"].replace("mass: 90.0", "mass: 900.0")
     assert said("validate", str(path)).code == 1  # no check of the record alone sees a mass
-    told = said("validate", str(path), "--rerun", "--controller", CARELESS)
+    told = said("validate", str(path), "--controller", CARELESS)
     assert told.code == 3
     assert states(told.out, "/contacts, row 0", "another run", "impulse")
 
 
+def test_those_in_a_hurry_leave_it_out(made) -> None:
+    found = forged(made["fine"], lambda file: None)
+    assert states(found.out, "Simulated again", "to the bit")
+    hurried = said("validate", str(made["fine"]), "--no-rerun")
+    assert (hurried.code, "Simulated again" in hurried.out) == (0, False)
+    assert states(hurried.out, "Not computed", "simulated again", "not asked for", within=200)
+    code, out, err = said("validate", str(made["free"]), "--no-rerun")
+    assert (code, out, err.count("\n")) == (2, "", 1)
+    assert states(err, "--no-rerun", "one step in 7")
+
+
 def test_code_is_needed_for_what_is_simulated_again_alone(careless) -> None:
     fine, coarse = careless("fine.h5"), careless("coarse.h5", **{"time.record_every": 5})
-    assert CARELESS in said("validate", str(fine)).out
-    for arguments in ([str(coarse)], [str(fine), "--rerun"]):
-        code, out, err = said("validate", *arguments)
-        assert (code, out, err.count("\n")) == (2, "", 1)
-        assert f"--controller {CARELESS}" in err
+    told = said("validate", str(fine)).out
+    assert states(told, "simulated again", f"--controller {CARELESS}", within=400)
+    code, out, err = said("validate", str(coarse))
+    assert (code, out, err.count("\n")) == (2, "", 1)
+    assert f"--controller {CARELESS}" in err
     assert said("validate", str(coarse), "--controller", CARELESS).code == 1
     other = said("validate", str(coarse), "--controller", "path_following")
     assert other.code == 3
@@ -227,10 +238,10 @@ def test_code_is_needed_for_what_is_simulated_again_alone(careless) -> None:
 def test_parts_from_python_cannot_be_given_again_here(tmp_path: Path) -> None:
     path = str(tmp_path / "ramp.h5")
     physim.simulate(physim.parse_world(runs.LANE), filters=[Ramp()], path=path).close()
-    for more in (["--rerun"], ["--seeds", "1:3"]):
-        code, out, err = said("validate", path, *more)
-        assert (code, out, err.count("\n")) == (2, "", 1)
-        assert states(err, f"{Ramp.__module__}:Ramp", "filter", "Python")
+    code, out, err = said("validate", path, "--seeds", "1:3")
+    assert (code, out, err.count("\n")) == (2, "", 1)
+    for text in (err, said("validate", path).out):
+        assert states(text, f"{Ramp.__module__}:Ramp", "filter", "Python", within=400)
     with physim.Record.load(path) as record:
         assert rerun(record, filters=[Ramp()]).same_digest
         other = rerun(record, filters=[Ramp(0.01)]).difference

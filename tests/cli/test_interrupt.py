@@ -335,7 +335,7 @@ def test_ctrl_c_within_a_callback_of_the_engine(here: Path, monkeypatch, capsys)
         (("summary", "record.h5"), "physim.analysis.summary.summarise"),
         (
             ("validate", "record.h5", "--json", "a.json", "--quiet"),
-            "physim.analysis.validation.validate",
+            "physim.analysis.validation.judge",
         ),
     ],
     ids=lambda value: value[0] if isinstance(value, tuple) else "",

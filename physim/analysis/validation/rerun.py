@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from physim.analysis.validation.mismatch import SLACK, Mismatch, words
 from physim.analysis.validation.origin import controller_name
 from physim.analysis.validation.sums import BLOCK, BY, bounds, sums, unlike
-from physim.errors import PhysimError, RecordError
+from physim.errors import PhysimError, RecordError, WorldError
 from physim.record import Record
 from physim.record.layout import (
     ATTRIBUTES,
@@ -83,7 +83,10 @@ def simulation_again(
         raise AgainError(record, "it holds no text of its world")
     if not record.noted_until:
         raise AgainError(record, "it made no step")
-    name = controller_name(record)
+    try:
+        world, name = record.world, controller_name(record)
+    except WorldError as error:
+        raise AgainError(record, str(error).splitlines()[0]) from error
     if controller is None and (record.controller or ":" in name):
         raise AgainError(
             record,
@@ -102,7 +105,7 @@ def simulation_again(
             )
     try:
         return Simulation(
-            record.world, controller=controller, sensing=sensing, filters=filters,
+            world, controller=controller, sensing=sensing, filters=filters,
             disturbances=disturbances,
         )  # fmt: skip
     except PhysimError as error:

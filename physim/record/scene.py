@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import functools
 import json
+import platform
 from collections.abc import Sequence
 from functools import cached_property
 from importlib.metadata import PackageNotFoundError, version
@@ -126,8 +127,13 @@ def _area(part: FloatArray) -> float:
 
 @functools.cache
 def _versions() -> dict[str, str]:
-    """Versions of the libraries that made a record; looked up once, for it takes 2 ms."""
-    found = {}
+    """Versions of the libraries that made a record; looked up once, for it takes 2 ms.
+
+    And the processor: kernels are compiled for it, so the same bits are due on its kind alone.
+    """
+    from llvmlite.binding import get_host_cpu_name
+
+    found = {"processor": f"{platform.machine()}-{get_host_cpu_name()}"}
     for library in LIBRARIES:
         try:
             found[library] = version(library)

@@ -73,6 +73,7 @@ def scrubbed(text: str) -> list[str]:
     text = re.sub(r"(numba|numpy|h5py|shapely|pymunk|physim) \d+(\.\w+)+", r"\1 VERSION", text)
     text = re.sub(r"\b[0-9a-f]{64}\b", "DIGEST", text)
     text = re.sub(r"(real-time factor +)[\d.,]+", r"\1N", text)
+    text = re.sub(r"processor \S+", "processor P", text)
     return [line for line in text.splitlines() if not re.match("(compil|made with)", line)]
 
 

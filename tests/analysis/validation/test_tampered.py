@@ -158,7 +158,9 @@ def test_an_older_version_of_the_format_is_read(finished, tmp_path):
 
 def test_a_run_that_goes_on_when_all_have_arrived(tmp_path):
     """Both stand 0.5 m before their stops, which is near enough for the world inside alone."""
-    at = {f"robots.{k}.pose": f"[29.5, {y}, 0.0]" for k, y in enumerate((2.0, -2.0))}
-    stand = lane([(0.0, 0.0)] * 2, **at, **{"arrival.tolerance": 0.4})
-    found = judged(stand, tmp_path, world("tolerance: 0.4", "tolerance: 0.6"))
-    assert found.code == 3
+    poses = [f"robots.{k}.pose=[29.5, {y}, 0.0]" for k, y in enumerate((2.0, -2.0))]
+    standing = "controller={type: constant, commands: [[0.0, 0.0]]}"
+    stand = physim.simulate(
+        physim.parse_world(LANE, overrides=[*poses, standing, "arrival.tolerance=0.4"])
+    )
+    assert judged(stand, tmp_path, world("tolerance: 0.4", "tolerance: 0.6")).code == 3

@@ -34,7 +34,7 @@ from physim.world.scene import Body
 
 if TYPE_CHECKING:
     from physim.record import Record
-    from physim.world.scene import Layout, Scene
+    from physim.world.scene import Layout
 
 SEAM = 1e-6
 """[m] Parts of a body closer than this are one: their shared edges agree only to rounding."""
@@ -107,30 +107,6 @@ class SceneModel:
             paths=tuple(layout.paths),
             reference=layout.reference,
             stop_station=_stop_stations(layout),
-            accessible=tuple(area.accessible_rings),
-            safe=tuple(area.safe_rings(safe_distance)) if safe_distance > 0.0 else (),
-            safe_distance=safe_distance,
-            modes=tuple(modes),
-        )
-
-    @classmethod
-    def of_scene(
-        cls, scene: Scene, modes: Sequence[Mode] = (), safe_distance: float = 0.0
-    ) -> SceneModel:
-        """Model of a scene, e.g. that of a simulation, with the modes that it declares."""
-        parts = _bodies(scene.shapes)
-        area = scene.area
-        return cls(
-            name=scene.world.name,
-            seed=scene.seed,
-            bodies=scene.bodies,
-            footprints=parts,
-            outlines=tuple(outline(body) for body in parts),
-            start=scene.start,
-            **_walls(scene.bodies[scene.robots :], scene.walls),
-            paths=_lines(scene.paths),
-            reference=_lines(scene.reference)[0],
-            stop_station=scene.stop_station,
             accessible=tuple(area.accessible_rings),
             safe=tuple(area.safe_rings(safe_distance)) if safe_distance > 0.0 else (),
             safe_distance=safe_distance,

@@ -137,11 +137,6 @@ class Declared:
                 )
         return declared
 
-    def mode_number(self, name: str) -> int:
-        """Number of a mode by name; NO_NUMBER where there is none."""
-        names = [mode.name for mode in self.modes]
-        return names.index(name) if name in names else NO_NUMBER
-
 
 RESERVED = frozenset(
     (

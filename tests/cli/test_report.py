@@ -240,8 +240,8 @@ def test_compare_runs_what_it_compares(tmp_path: Path, monkeypatch, capsys) -> N
     assert read(tmp_path / "sweeps/small").num_rows == 6 + 3
     assert physim("compare", *common, *two, capture=capsys).code == 0
     assert read(tmp_path / "sweeps/small").num_rows == 6 + 3
-    done = physim("compare", *common, *two, "--only", "rate,finish_time", capture=capsys)
-    assert "finish_time: not compared" in done.out  # none finished
+    done = physim("compare", *common, *two, "--only", "rate,time_to_finish", capture=capsys)
+    assert "time_to_finish: not compared" in done.out  # none finished
     axes = ("--set", "time.duration=0.5,1.0", "--runs", "other")
     done = physim("compare", *common, *axes, "-o", "c.html", capture=capsys)
     assert done.code == 0

@@ -200,7 +200,7 @@ def test_compare_writes_a_page_and_values(made: Path, tmp_path: Path, capsys) ->
     assert "not tested: 4 pairs" in done.out
     assert "path_following" in Elements(page.read_text(encoding="utf-8")).said
     assert json.loads(values.read_text())["comparisons"][0]["seeds"] == 4
-    done = physim("compare", made, made, "--only", "rate,deviation", capture=capsys)
+    done = physim("compare", made, made, "--only", "rate,deviation_peak", capture=capsys)
     assert done.code == 0
     assert "least distance" not in done.out
 

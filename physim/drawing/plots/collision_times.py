@@ -6,18 +6,19 @@ against actual contacts.
 
 from __future__ import annotations
 
+from itertools import pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from physim.analysis.metrics import shortest_collision_time
-from physim.analysis.metrics.metric import Moment
+from physim.analysis.metrics import Figures
 from physim.contacts import Kind, Phase
 from physim.drawing.plots.distances import mark_contacts
 from physim.drawing.plots.frame import (
+    USUAL,
+    Paper,
+    finished,
     framed,
-    legend_beside,
     mark,
     name_rows,
     names_of,
@@ -28,7 +29,6 @@ from physim.drawing.plots.frame import (
     time_axis,
 )
 from physim.drawing.plots.style import BAND, INK, NARROW, QUIET, robot_mark
-from physim.drawing.plots.ticks import log_ticks
 from physim.geometry.shapes import FloatArray, IntArray
 from physim.record import Record
 
@@ -98,34 +98,32 @@ def draw_rows(axis: Any, record: Record, rows: Any, count: int) -> list[Any]:
         shortest = np.fmin.reduce(least, axis=1)
         words = [f"{value:.2f} s" if np.isfinite(value) else None for value in shortest]
         row_ends(axis, "least", words, (shortest == np.fmin.reduce(shortest)).tolist(), "least")
-    present = [k for k in range(len(SHADES)) if (shade == k).any()]
-    handles = [Patch(facecolor=SHADES[k], label=_words(k)) for k in present]
+    words_of = [f"{low:g} to {high:g} s" for low, high in pairwise(CLASSES)]
+    words_of = [f"below {CLASSES[0]:g} s", *words_of, f"{CLASSES[-1]:g} s and more"]
+    handles = [
+        Patch(facecolor=colour, label=label)
+        for k, (colour, label) in enumerate(zip(SHADES, words_of, strict=True))
+        if (shade == k).any()
+    ]
     if np.isnan(least).any():
         handles.append(Patch(facecolor="none", edgecolor=QUIET, linewidth=0.5, label="none ahead"))
     return handles
-
-
-def _words(shade: int) -> str:
-    if shade == 0:
-        return f"below {CLASSES[0]:g} s"
-    if shade == len(CLASSES):
-        return f"{CLASSES[-1]:g} s and more"
-    return f"{CLASSES[shade - 1]:g} to {CLASSES[shade]:g} s"
 
 
 FLOOR = 0.01
 """[s] Least collision time on the axis; smaller ones, and contact, lie on it, as its tick says."""
 EDGE = 0.92
 """Share of `FLOOR` at which the axis ends where something lies on it: no other tick is below"""
-LARGEST = 1e300
-"""[s] Greatest on the axis; larger ones, a controller's word for none, lie beyond."""
+LARGEST = 1000.0
+"""[s] A longer collision time is a controller's word for none."""
+TICKS = tuple(float(f"{digit}e{power}") for power in range(-2, 3) for digit in (1, 2, 5))
 MOST_SINGLE = 4
 """Robots whose decisions are drawn one by one; those of more would cover each other."""
 STRETCHES = 240
 """Stretches of the run of which many robots have one value each."""
 
 
-def collision_times(record: Record) -> Any:
+def collision_times(record: Record, paper: Paper = USUAL) -> Any:
     """Figure: collision times [s] of the decisions that foresaw one, over time [s], log axis.
 
     Of up to `MOST_SINGLE` robots every decision. Of more: above, the shortest of all robots and a
@@ -133,15 +131,14 @@ def collision_times(record: Record) -> Any:
     least of the run at the end. The shortest of all is marked.
     """
     times = record.column("collision_time", absent=np.nan)
-    rows = record.updates[np.isfinite(times)]
-    shortest = shortest_collision_time(record)
+    rows = record.updates[times <= LARGEST]
+    shortest = Figures(record).collision_time if len(rows) else None
     many = record.robots > MOST_SINGLE and shortest is not None
-    tall = 2.9 + (min(4.6, 0.45 + 0.2 * record.robots) if many else 0.0)
-    wide = 5.6 if many else NARROW
-    title = "Collision times at decisions"
-    figure = framed(record, title, "Figs. 3c, 6d", height=tall, width=wide)
+    more = min(4.6, 0.45 + 0.2 * record.robots) if many else 0.0
+    figure = framed(record, "Collision times at decisions", "Figs. 3c, 6d", paper=paper,
+                    height=2.6 + more, width=5.6 if many else NARROW)  # fmt: skip
     if many:
-        axis, below = figure.subplots(2, 1, sharex=True, height_ratios=(2.0, tall - 2.9))
+        axis, below = figure.subplots(2, 1, sharex=True, height_ratios=(2.0, more))
     else:
         axis = below = figure.subplots()
     time_axis(below, record)
@@ -152,33 +149,28 @@ def collision_times(record: Record) -> Any:
         nothing(axis, why)
         return figure
     handles = _together(axis, record, rows) if many else _one_by_one(axis, record, rows)
-    _seconds(axis, shortest, float(rows["collision_time"].max()))
+    _seconds(axis, shortest.value, float(rows["collision_time"].max()))
     handles += mark_contacts([axis], record)
     if many:
         handles += draw_rows(below, record, rows, STRETCHES)
     text = f"{shortest.value:.3g} s ({names_of(record, [shortest.a])})"
     mark(axis, shortest.time, max(shortest.value, FLOOR), text, below=True)
-    legend_beside(figure, handles, marks=1.0 if many else 2.0)
-    return figure
+    return finished(figure, handles)
 
 
-def _seconds(axis: Any, shortest: Moment, longest: float) -> None:
-    """Logarithmic axis from below the shortest collision time to above the longest."""
-    from matplotlib.ticker import NullFormatter
-
-    floored = shortest.value < FLOOR
-    low = EDGE * FLOOR if floored else min(0.5 * shortest.value, 0.5)
-    high = min(1.25 * max(longest, 2.0 * FLOOR if floored else 0.0), LARGEST)
+def _seconds(axis: Any, shortest: float, longest: float) -> None:
+    """Logarithmic axis of a decade or more, from below the shortest time to above the longest."""
+    floored = shortest < FLOOR
+    low = EDGE * FLOOR if floored else min(0.5 * shortest, 0.5)
+    high = max(1.25 * longest, 10.0 * low)
     axis.set_ylim(low, high)  # first: the scale would look for limits of its own
     axis.set_yscale("log")
-    ticks = log_ticks(low, high)
-    words = [f"{tick:g}".replace("e+0", "e").replace("e+", "e") for tick in ticks]
+    ticks = [tick for tick in TICKS if low <= tick <= high]
+    words = [f"{tick:g}" for tick in ticks]
     if floored:
-        above = [k for k, tick in enumerate(ticks) if tick > 1.5 * FLOOR]
-        ticks = [FLOOR, *(ticks[k] for k in above)]
-        words = [f"\N{LESS-THAN OR EQUAL TO} {FLOOR:g}", *(words[k] for k in above)]
+        words[0] = f"\N{LESS-THAN OR EQUAL TO} {words[0]}"
     axis.set_yticks(ticks, words)
-    axis.yaxis.set_minor_formatter(NullFormatter())
+    axis.minorticks_off()
 
 
 def _one_by_one(axis: Any, record: Record, rows: Any) -> list[Any]:
@@ -215,9 +207,9 @@ def _together(axis: Any, record: Record, rows: Any) -> list[Any]:
     how = {"step": "post", "linewidth": 0.0, "alpha": 0.3, "color": BAND}
     floored = (np.maximum(v, FLOOR) for v in (low, high))
     band = axis.fill_between(time, *(np.append(v, v[-1]) for v in floored), **how)
-    band.set_label("middle 90 % of\nthe decisions")
+    band.set_label("middle 90 % of the decisions")
     line = axis.stairs(np.maximum(shortest, FLOOR), time, color=INK, linewidth=1.0, baseline=None)
-    line.set_label("shortest of\nall robots")
+    line.set_label("shortest of all robots")
     return [line, band]
 
 
@@ -261,10 +253,10 @@ def predictions(record: Record) -> Predictions:
     return Predictions(columns[0].astype(np.int64), columns[1], columns[2], columns[3].astype(int))
 
 
-def prediction(record: Record) -> Any:
+def prediction(record: Record, paper: Paper = USUAL) -> Any:
     """Figure: predicted against actual time to contact of every decision before a contact."""
     known = predictions(record)
-    figure = framed(record, "Predicted and actual contact", width=6.4, height=4.3)
+    figure = framed(record, "Predicted and actual contact", paper=paper, height=3.6)
     axis = figure.subplots()
     axis.set_xlabel("actual time to the next contact [s]")
     axis.set_ylabel("predicted: collision time at the decision [s]")
@@ -286,35 +278,26 @@ def prediction(record: Record) -> Any:
                       alpha=0.25, linewidth=0.0, label="within one step")  # fmt: skip
     axis.set(xlim=(0.0, most), ylim=(0.0, 1.25 * most))
     axis.set_aspect("auto")
-    legend_beside(figure, axis.get_legend_handles_labels()[0])
     beyond = int((known.predicted > 1.25 * most).sum())
     if beyond:
         axis.set_title(f"{beyond} predictions lie above", loc="right", fontsize=8.5, color=QUIET)
-    return figure
+    return finished(figure, axis.get_legend_handles_labels()[0])
 
 
 def _scatter(axis: Any, record: Record, known: Predictions) -> None:
     """One mark a robot, of many the same; full where the command was held until the contact."""
     robots = np.unique(known.robot)
+    kinds = [(short(record.names[k]), known.robot == k, robot_mark(k)) for k in robots.tolist()]
     if len(robots) > MOST_NAMED:
-        _marks(axis, known, np.ones(len(known.robot), dtype=bool), (BAND, "o"),
-               f"{len(robots)} robots")  # fmt: skip
-    else:
-        for robot in robots.tolist():
-            _marks(axis, known, known.robot == robot, robot_mark(robot), short(record.names[robot]))
+        everyone = np.ones(len(known.robot), dtype=bool)
+        kinds = [(f"{len(robots)} robots", everyone, (BAND, "o"))]
+    for label, mine, (colour, marker) in kinds:
+        for kept in (0, 1):
+            rows = mine & (known.kept == kept)
+            axis.plot(
+                known.actual[rows], known.predicted[rows], marker, color=colour, markersize=4.0,
+                markerfacecolor=colour if kept else "none", markeredgewidth=0.8, linestyle="none",
+                label=label if kept == int(known.kept[mine].any()) else None,
+            )  # fmt: skip
     if known.kept.any() and not known.kept.all():
         axis.plot([], [], "o", color=INK, markersize=4.0, label="command held until contact")
-
-
-def _marks(
-    axis: Any, known: Predictions, mine: NDArray[np.bool_], how: tuple[str, str], label: str
-) -> None:
-    """Marks of one kind, ``how`` in colour and shape, with one entry of the legend."""
-    colour, marker = how
-    for kept in (0, 1):
-        rows = mine & (known.kept == kept)
-        axis.plot(
-            known.actual[rows], known.predicted[rows], marker, color=colour, markersize=4.0,
-            markerfacecolor=colour if kept else "none", markeredgewidth=0.8,
-            label=label if kept == int(known.kept[mine].any()) else None, clip_on=True,
-        )  # fmt: skip

@@ -1,7 +1,8 @@
-"""Curves of robots over time: a line each, from five on an axis each, or bands of a crowd.
+"""Curves of robots over time: a line each, or bands of a crowd.
 
-Signed deviation of each robot from its own path (Figs. 1b, 2c, 7d), formation errors and
-formation energy (Figs. 2b, 7a; (9), (10)), speeds averaged over 10 s (Figs. 1c, 7b, 7c).
+Signed deviation of each robot from its own path (Figs. 1b, 2c, 7d; from five robots on an axis
+each), formation errors and formation energy (Figs. 2b, 7a; (9), (10)), speeds averaged over 10 s
+(Figs. 1c, 7b, 7c).
 """
 
 from __future__ import annotations
@@ -13,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from physim.analysis.metrics import (
-    averaged_speeds,
+    Figures,
     deviation_peak,
     deviation_rms,
     deviations,
@@ -28,9 +29,10 @@ from physim.analysis.metrics.progress import samples_over_time
 from physim.drawing.crowd import MOST_LINES, quantiles
 from physim.drawing.labels import decimal, signed
 from physim.drawing.plots.frame import (
+    USUAL,
+    Paper,
+    finished,
     framed,
-    keep_span,
-    legend_beside,
     mark,
     names_of,
     nothing,
@@ -38,25 +40,39 @@ from physim.drawing.plots.frame import (
     time_axis,
     zero_line,
 )
-from physim.drawing.plots.multiples import Quantity, apart, draw_apart, height
-from physim.drawing.plots.style import BAND, CYCLE, INK, NARROW, QUIET, RULE, WIDTH, robot_colour
+from physim.drawing.plots.style import BAND, CYCLE, INK, NARROW, QUIET, RULE, robot_colour
 from physim.geometry.shapes import FloatArray
 from physim.record import Record
+
+MOST_TOGETHER = 4
+"""Robots whose deviations share an axis; those of more would tangle."""
+ROW = 0.52
+"""[in] height of an axis of one robot"""
+LONGEST = 9
+"""Characters of its name."""
+SPAN = 0.2
+"""[m/s], [rad/s] that axes of speeds show at least: noise must not look like an event"""
+SHARP = 0.5
+"""[rad] A path that turns by more at one of its points has a sharp turn there."""
 
 
 def draw_courses(axis: Any, record: Record, time: FloatArray, values: FloatArray) -> list[Any]:
     """Draw values (K, N) of robots over time (K,); returns the handles of a legend.
 
     Of more than `MOST_LINES` robots: the median, bands of half and of nine tenths of them, and
-    the outermost values.
+    the outermost values. Lines are dashed where colours come again.
     """
-    if values.shape[1] <= MOST_LINES:
-        return [
-            axis.plot(time, values[:, i], label=short(record.names[i]), **robot_line(i))[0]
-            for i in range(values.shape[1])
-            if np.isfinite(values[:, i]).any()
-        ]
-    return draw_bands(axis, time, values, f"{values.shape[1]} robots")
+    if values.shape[1] > MOST_LINES:
+        return draw_bands(axis, time, values, f"{values.shape[1]} robots")
+    dashes = ("-", (0, (4, 1.5)))
+    return [
+        axis.plot(
+            time, values[:, i], color=robot_colour(i), linestyle=dashes[i // len(CYCLE)],
+            linewidth=1.1, label=short(record.names[i]),
+        )[0]
+        for i in range(values.shape[1])
+        if np.isfinite(values[:, i]).any()
+    ]  # fmt: skip
 
 
 def draw_bands(axis: Any, time: FloatArray, values: FloatArray, of: str) -> list[Any]:
@@ -71,60 +87,64 @@ def draw_bands(axis: Any, time: FloatArray, values: FloatArray, of: str) -> list
         )
         for low, high, alpha, label in shades
     ]
-    median = axis.plot(time, quantile[3], color=BAND, linewidth=1.5, label=f"median of\n{of}")[0]
+    median = axis.plot(time, quantile[3], color=BAND, linewidth=1.5, label=f"median of {of}")[0]
     return [median, bands[1], bands[0], outer]
 
 
-def robot_line(index: int) -> dict[str, Any]:
-    """Colour and dashes of a robot's line; dashed where colours come again."""
-    dashes = ("-", (0, (4, 1.5)), (0, (1, 1)))
-    return {
-        "color": robot_colour(index),
-        "linestyle": dashes[index // len(CYCLE) % len(dashes)],
-        "linewidth": 1.1,
-    }
+def deviation(record: Record, paper: Paper = USUAL) -> Any:
+    """Figure: deviation [m] over time [s], left of the path positive, its peak marked.
 
-
-SHARP = 0.5
-"""[rad] A path that turns by more within `CORNER` has a sharp turn there."""
-CORNER = 1.0
-"""[m]"""
-
-
-def deviation(record: Record) -> Any:
-    """Figure: deviation [m] over time [s], left of the path positive, its peak marked."""
-    each = apart(record)
-    tall = height(record, 2) if each else 2.9
-    figure = framed(record, "Deviation from the path", "Figs. 1b, 2c, 7d", height=tall)
+    Of 5 to 12 robots each has an axis, of one scale; behind its curve lies what all robots do.
+    """
     peak, rms = deviation_peak(record), deviation_rms(record)
-    if each and peak is not None:
-        course = deviations(record)
-        label = "deviation [m], left positive"
-        axes = draw_apart(figure, record, [Quantity(label, *course, zero=True)])[:, 0]
-        low, high = axes[0].get_ylim()
-        axes[0].set_ylim(low - 0.15 * (high - low), high + 0.15 * (high - low))
-        where = axes[peak.a or 0]
-        mark(where, peak.time, peak.value, f"{signed(peak.value)} m", inside=True)
-        if rms is not None:
-            axes[1].set_title(f"rms of all {rms.value:.2f} m", loc="right",
-                              fontsize=8.0, pad=1.5)  # fmt: skip
-        return figure
-    axis = figure.subplots()
-    axis.set_ylabel("deviation [m], left positive")
-    time_axis(axis, record)
+    apart = MOST_TOGETHER < record.robots <= MOST_LINES and peak is not None
+    rows = -(-record.robots // 2)
+    figure = framed(record, "Deviation from the path", "Figs. 1b, 2c, 7d", paper=paper,
+                    height=0.6 + ROW * rows if apart else 2.6)  # fmt: skip
+    label = "deviation [m], left positive"
+    axes = [figure.subplots()] if not apart else _axes_apart(figure, record, rows)
+    time_axis(axes[-1], record)
     if peak is None:
-        nothing(axis, "no sample was recorded")
+        nothing(axes[0], "no sample was recorded")
         return figure
-    turns = _mark_turns(axis, record) if record.robots == 1 else []
-    zero_line(axis)
-    handles = draw_courses(axis, record, *deviations(record))
-    axis.margins(y=0.2)
-    text = f"{signed(peak.value)} m ({names_of(record, [peak.a])})"
-    mark(axis, peak.time, peak.value, text, below=peak.value < 0.0)
+    time, values = deviations(record)
+    handles: list[Any] = []
+    if apart:
+        figure.supylabel(label, fontsize=9.0, color=INK)
+        ends = np.fmin.reduce(values, axis=1), np.fmax.reduce(values, axis=1)
+        for robot, axis in enumerate(axes):
+            axis.fill_between(time, *ends, color=RULE, linewidth=0.0)
+            axis.axhline(0.0, color=QUIET, linewidth=0.6, zorder=1.5)
+            axis.plot(time, values[:, robot], color=robot_colour(robot), linewidth=1.1,
+                      label=short(record.names[robot]))  # fmt: skip
+    else:
+        axes[0].set_ylabel(label)
+        handles = _mark_turns(axes[0], record) if record.robots == 1 else []
+        zero_line(axes[0])
+        handles = draw_courses(axes[0], record, time, values) + handles
+    axes[0].margins(y=0.2)
+    who = "" if apart else f" ({names_of(record, [peak.a])})"
+    mark(axes[(peak.a or 0) if apart else 0], peak.time, peak.value, f"{signed(peak.value)} m{who}",
+         below=peak.value < 0.0)  # fmt: skip
     if rms is not None:
-        axis.set_title(f"root mean square {rms.value:.2f} m", loc="right", fontsize=8.5)
-    legend_beside(figure, [*handles, *turns])
-    return figure
+        words = f"rms of all {rms.value:.2f} m" if apart else f"root mean square {rms.value:.2f} m"
+        axes[1 if apart else 0].set_title(words, loc="right", fontsize=8.0, pad=1.5)
+    return finished(figure, handles)
+
+
+def _axes_apart(figure: Any, record: Record, rows: int) -> list[Any]:
+    """An axis a robot, in two columns, row by row."""
+    grid = figure.subplots(rows, 2, sharex=True, sharey=True)
+    axes: list[Any] = list(grid.flat)
+    for axis in axes[record.robots :]:
+        axis.set_visible(False)
+    for axis, name in zip(axes, record.names, strict=False):
+        axis.tick_params(labelsize=7.5)
+        axis.set_title(short(name, LONGEST), fontsize=8.0, pad=1.5)
+    for axis in grid[-1]:
+        time_axis(axis, record)
+        axis.tick_params(labelbottom=True)
+    return axes[: record.robots]
 
 
 def _mark_turns(axis: Any, record: Record) -> list[Any]:
@@ -135,7 +155,7 @@ def _mark_turns(axis: Any, record: Record) -> list[Any]:
         near = np.flatnonzero(np.abs(station[:, 0] - turn) <= 2.0)
         if len(near):
             ends = time[near[[0, -1]]]
-            label = "sharp turn of\nthe path ± 2 m"
+            label = "sharp turn of the path ± 2 m"
             shades.append(axis.axvspan(*ends, color=RULE, alpha=0.7, linewidth=0.0, label=label))
     return shades[:1]
 
@@ -152,9 +172,9 @@ def sharp_turns(points: FloatArray) -> list[float]:
     ]
 
 
-def formation(record: Record) -> Any:
+def formation(record: Record, paper: Paper = USUAL) -> Any:
     """Figure: formation errors [m] above the formation energy W [m^2], over time [s]."""
-    figure = framed(record, "Formation errors", "Figs. 2b, 7a", height=4.0)
+    figure = framed(record, "Formation errors", "Figs. 2b, 7a", paper=paper, height=3.6)
     above, below = figure.subplots(2, 1, sharex=True, height_ratios=(5, 2))
     above.set_ylabel("formation error [m]\nbehind its place positive")
     below.set_ylabel("energy W (9)\n[m²]")
@@ -169,22 +189,19 @@ def formation(record: Record) -> Any:
         nothing(below, why)
         return figure
     zero_line(above)
-    handles = draw_courses(above, record, *course)
+    handles = draw_courses(above, record, *course) + _mark_parts([above, below], record)
     k = int(np.argmin(np.abs(course.time - peak.time)))
-    signed = float(course.values[k, peak.a])
+    value = float(np.copysign(peak.value, course.values[k, peak.a]))
     above.margins(y=0.2)
-    value = float(np.copysign(peak.value, signed))
     text = f"{decimal(value, 2)} m ({names_of(record, [peak.a])})"
     mark(above, peak.time, value, text, below=value < 0.0)
     above.set_title(f"within {final.value:.2f} m of zero at the end", loc="right", fontsize=8.5)
     energy = formation_energy(record)
-    parts = _mark_parts([above, below], record)
     if energy is not None:
         below.fill_between(energy.time, 0.0, energy.values, color=INK, alpha=0.15, linewidth=0.0)
         below.plot(energy.time, energy.values, color=INK, linewidth=1.0)
         below.set_ylim(bottom=0.0)
-    legend_beside(figure, [*handles, *parts])
-    return figure
+    return finished(figure, handles)
 
 
 def _mark_parts(axes: list[Any], record: Record) -> list[Any]:
@@ -195,7 +212,7 @@ def _mark_parts(axes: list[Any], record: Record) -> list[Any]:
     is_apart = np.concatenate([[False], course.values > 1.0, [False]])
     ends = np.flatnonzero(np.diff(is_apart)).reshape(-1, 2)
     last = len(course.time) - 1
-    label = "not all connected:\nW omits errors\nbetween the parts"
+    label = "not all connected: W omits\nerrors between the parts"
     shades = [
         axis.axvspan(*course.time[[first, min(end, last)]], color=RULE, alpha=0.7, linewidth=0.0,
                      label=label, gid="parts")
@@ -204,48 +221,35 @@ def _mark_parts(axes: list[Any], record: Record) -> list[Any]:
     return shades[:1]
 
 
-def speeds(record: Record) -> Any:
-    """Figure: averaged rotational [rad/s] above averaged forward speed [m/s] over time [s]."""
-    found, each = averaged_speeds(record), apart(record)
-    known = bool(np.isfinite(found.forward).any())
-    tall, wide = (height(record, 1), WIDTH) if each and known else (4.3, NARROW)
+def speeds(record: Record, paper: Paper = USUAL) -> Any:
+    """Figure: averaged rotational [rad/s] above averaged forward speed [m/s] over time [s].
+
+    With steady speed and limits of the formation, where the world has one.
+    """
+    found = Figures(record).averaged
     title = f"Speeds averaged over {WINDOW:.0f} s"
-    figure = framed(record, title, "Figs. 1c, 7b, 7c", height=tall, width=wide)
-    if each and known:
-        turning = Quantity(
-            "turning [rad/s], left positive", found.time, found.rotational, 0.2, True
-        )
-        forward = Quantity("forward [m/s]", found.time, found.forward, 0.2)
-        for axis in draw_apart(figure, record, [turning, forward])[:, 1]:
-            _limits(axis, record, told=False)
-        return figure
+    figure = framed(record, title, "Figs. 1c, 7b, 7c", paper=paper, height=3.9, width=NARROW)
     above, below = figure.subplots(2, 1, sharex=True)
     above.set_ylabel("rotational speed [rad/s]\nleft turn positive")
     below.set_ylabel("forward speed [m/s]")
     time_axis(below, record)
-    if not known:
+    if not np.isfinite(found.forward).any():
         for axis in (above, below):
             nothing(axis, f"no robot was under way for {WINDOW:.0f} s")
         return figure
     zero_line(above)
-    _limits(below, record)
-    draw_courses(above, record, found.time, found.rotational)
-    legend_beside(figure, draw_courses(below, record, found.time, found.forward))
-    for axis in (above, below):
-        keep_span(axis, 0.2)
-    return figure
-
-
-def _limits(axis: Any, record: Record, told: bool = True) -> None:
-    """Steady speed and limits of the formation, where the world has one, ``told`` in a title."""
     plan = record.world_settings.get("formation")
-    if not isinstance(plan, Mapping):
-        return
-    limits = plan.get("limits")
-    for value in (*(limits if isinstance(limits, list) else ()), plan.get("speed")):
-        if isinstance(value, int | float) and not isinstance(value, bool):
-            axis.axhline(value, color=QUIET, linewidth=0.8, linestyle=(0, (5, 3)), zorder=1.5)
-    if told:
-        axis.set_title(
-            "dashed: steady speed and limits of (7)", loc="right", fontsize=8.0, color=QUIET
-        )
+    if isinstance(plan, Mapping):
+        limits = plan.get("limits")
+        for value in (*(limits if isinstance(limits, list) else ()), plan.get("speed")):
+            if isinstance(value, int | float) and not isinstance(value, bool):
+                below.axhline(value, color=QUIET, linewidth=0.8, linestyle=(0, (5, 3)), zorder=1.5)
+        words = "dashed: steady speed and limits of (7)"
+        below.set_title(words, loc="right", fontsize=8.0, color=QUIET)
+    draw_courses(above, record, found.time, found.rotational)
+    handles = draw_courses(below, record, found.time, found.forward)
+    for axis in (above, below):
+        low, high = axis.get_ylim()
+        more = max(SPAN - (high - low), 0.0) / 2.0
+        axis.set_ylim(low - more, high + more)
+    return finished(figure, handles)

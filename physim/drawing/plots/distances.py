@@ -8,21 +8,15 @@ from typing import Any
 import numpy as np
 
 from physim import tolerances
-from physim.analysis.metrics import (
-    contact_episodes,
-    farthest_pair,
-    grazes,
-    pair_distances,
-    shortest_boundary_distance,
-    shortest_distance,
-)
+from physim.analysis.metrics import Figures, pair_distances
 from physim.drawing.labels import plain, true_minus
 from physim.drawing.plots.curves import draw_bands
 from physim.drawing.plots.frame import (
     LONGEST_NAME,
-    clear_marks,
+    USUAL,
+    Paper,
+    finished,
     framed,
-    legend_beside,
     mark,
     names_of,
     nothing,
@@ -36,34 +30,43 @@ from physim.record import Record
 MOST_BANDS = 12
 """Contacts that have a band and a line each; more would cover the curves."""
 STRIP = 0.035
-"""Share of an axis, at its top, that shows when there is any contact."""
+"""Share of an axis, above its top, that shows when there is any contact."""
 NARROWEST = 0.003
 """Share of the axis: spans are at least as wide, and gaps as narrow are closed."""
+FEW_PAIRS, MOST_PAIRS = 6, 66
+"""Pairs that have a line each, those of 4 robots; and a band, those of 12. Of more robots there are
+bands of the distances to the nearest other"""
 
 
 def mark_contacts(axes: Sequence[Any], record: Record) -> list[Any]:
-    """A strip at the top of each axis, filled for as long as there is any contact.
+    """A strip above each axis, filled for as long as there is any contact.
 
     Of few contacts each has a pale band and a line where it begins, too; swept contacts have a
     dotted line, or of many a mark in the strip. All lie under the curves. Returns the handles of a
     legend.
     """
-    episodes, between = contact_episodes(record), grazes(record)
-    ends = [(e.time, e.time + (e.samples - 1) * record.dt) for e in episodes]
-    least = NARROWEST * max(record.steps_run, 1) * record.dt
+    run = Figures(record)
+    ends = [(e.time, e.time + (e.samples - 1) * record.dt) for e in run.episodes]
+    spans = merged(ends, NARROWEST * max(record.steps_run, 1) * record.dt)
     handles: list[Any] = []
     for axis in axes:
         handles = []
-        if ends:
-            label = f"contact ({len(ends)})"
-            handles.append(_strip(axis, merged(ends, least), label))
+        outside = {"transform": axis.get_xaxis_transform(), "clip_on": False}
+        if spans:
+            bars = axis.broken_barh(
+                [(begin, end - begin) for begin, end in spans], (1.0, STRIP), facecolor=CONTACT,
+                linewidth=0.0, label=f"contact ({len(ends)})", gid="contacts", **outside,
+            )  # fmt: skip
+            handles.append(bars)
         for begin, end in ends if len(ends) <= MOST_BANDS else ():
             axis.axvspan(begin, end, color=CONTACT, alpha=0.15, linewidth=0.0, zorder=0.5)
             axis.axvline(begin, color=CONTACT, linewidth=1.1, zorder=0.6)
-        low = 0.0 if len(between) <= MOST_BANDS else 1.0 - STRIP
-        style: dict[str, Any] = {"color": CONTACT, "linewidth": 1.1, "zorder": 0.6}
-        label = f"between samples ({len(between)})"
-        dots = [axis.axvline(g.time, low, linestyle=":", label=label, **style) for g in between]
+        low = 0.0 if len(run.grazes) <= MOST_BANDS else 1.0 - STRIP
+        dots = [
+            axis.axvline(graze.time, low, linestyle=":", color=CONTACT, linewidth=1.1, zorder=0.6,
+                         label=f"between samples ({len(run.grazes)})")
+            for graze in run.grazes
+        ]  # fmt: skip
         handles += dots[:1]
     return handles
 
@@ -83,53 +86,31 @@ def merged(spans: Sequence[tuple[float, float]], least: float) -> list[tuple[flo
     return joined
 
 
-def _strip(axis: Any, spans: list[tuple[float, float]], label: str) -> Any:
-    """The spans in a strip just above the axis; outside, so that it covers no curve."""
-    from matplotlib.collections import PolyCollection
-
-    low, high = 1.0, 1.0 + STRIP
-    corners = [[(a, low), (b, low), (b, high), (a, high)] for a, b in spans]
-    strip = PolyCollection(
-        corners, facecolor=CONTACT, linewidth=0.0, transform=axis.get_xaxis_transform(),
-        clip_on=False, label=label, gid="contacts",
-    )  # fmt: skip
-    return axis.add_collection(strip, autolim=False)
-
-
-FEW_PAIRS, MOST_PAIRS = 6, 66
-"""Pairs that have a line each, those of 4 robots; and a band, those of 12. Of more robots there are
-bands of the distances to the nearest other"""
-
-
-def distances(record: Record) -> Any:
+def distances(record: Record, paper: Paper = USUAL) -> Any:
     """Figure: the least distances above those of all pairs of robots [m], over time [s].
 
     Above: the least of all robots to another and to a wall, down to 0; below 0 are depths. Below:
     each pair, or a band of all, and the largest; of many robots bands of each robot's distance to
     its nearest other.
     """
-    figure = framed(record, "Distances", "Figs. 3b, 6c", height=4.4)
+    figure = framed(record, "Distances", "Figs. 3b, 6c", paper=paper, height=4.1)
     above, below = figure.subplots(2, 1, sharex=True, height_ratios=(3, 2))
     above.set_ylabel("least of all [m]")
     below.set_ylabel("between robots [m]")
     time_axis(below, record)
     handles = _least(above, record) + _pairs(below, record)
-    handles += mark_contacts((above, below), record)
-    legend_beside(figure, handles)
-    clear_marks(figure)
-    return figure
+    return finished(figure, handles + mark_contacts((above, below), record), 3)
 
 
 def _pairs(axis: Any, record: Record) -> list[Any]:
     """Distances of every pair with the largest marked; bands of a crowd."""
-    farthest = farthest_pair(record)
     if record.robots < 2 or not record.samples:
         nothing(axis, "one robot alone" if record.robots == 1 else "no sample was recorded")
         return []
     if record.robots * (record.robots - 1) // 2 > MOST_PAIRS:
         rows = np.unique(np.linspace(0, record.samples - 1, 1000).astype(int))
         handles = draw_bands(
-            axis, record.time[rows], record.clearance[rows], "nearest-robot\ndistances"
+            axis, record.time[rows], record.clearance[rows], "nearest-robot distances"
         )
         axis.set_ylabel("to the nearest robot [m]")
     else:
@@ -140,6 +121,7 @@ def _pairs(axis: Any, record: Record) -> list[Any]:
         else:
             ends, how = (values.min(axis=1), values.max(axis=1)), {"color": BAND, "alpha": 0.25}
             handles = [axis.fill_between(time, *ends, linewidth=0.0, label="all pairs", **how)]
+        farthest = Figures(record).farthest
         if farthest is not None:
             who = names_of(record, [farthest.a, farthest.b])
             mark(axis, farthest.time, farthest.value, f"farthest {plain(farthest.value)} m ({who})")
@@ -149,22 +131,24 @@ def _pairs(axis: Any, record: Record) -> list[Any]:
 
 def _least(axis: Any, record: Record) -> list[Any]:
     """Least distance over all robots to another robot and to a wall; a ring is at each minimum."""
-    wall = shortest_boundary_distance(record)
+    run = Figures(record)
     curves = (
-        (record.clearance, INK, "-", "robot to robot", shortest_distance(record)),
-        (record.boundary_clearance, WIDTHS, "-", "robot to wall", wall),
+        (record.clearance, INK, "robot to robot", run.nearest),
+        (record.boundary_clearance, WIDTHS, "robot to wall", run.nearest_wall),
     )
     handles: list[Any] = []
-    for values, colour, dash, label, shortest in curves:
+    for values, colour, label, shortest in curves:
         least = values.min(axis=1) if values.size else np.zeros(0)
         if np.isfinite(least).any():
             time, least = thinned(np.asarray(record.time), least)
-            handles += axis.plot(time, least, dash, color=colour, label=label, linewidth=1.0)
+            handles += axis.plot(time, least, color=colour, label=label, linewidth=1.0)
             if shortest is not None:
                 who = names_of(record, [shortest.a, shortest.b])
-                who = who if len(who) <= LONGEST_NAME else who.replace(" and ", "\nand ")
-                least_of = _metres(shortest.value)
-                handles[-1].set_label(f"{label},\nleast {least_of}\n({who})")
+                apart = " " if len(who) <= LONGEST_NAME else "\n"
+                # bodies that touch within the tolerance are 0 apart
+                value = shortest.value if abs(shortest.value) > tolerances.CONTACT else 0.0
+                text = true_minus(f"least {plain(value)} m")
+                handles[-1].set_label(f"{label}, {text}{apart}({who})")
                 axis.plot(
                     shortest.time, shortest.value, "o", color=colour, markersize=4.5,
                     markerfacecolor="white", zorder=5, clip_on=False,
@@ -175,8 +159,3 @@ def _least(axis: Any, record: Record) -> list[Any]:
     zero_line(axis)
     axis.margins(y=0.08)
     return handles
-
-
-def _metres(value: float) -> str:
-    """A distance as labels have it; of bodies that touch within the tolerance 0."""
-    return true_minus(f"{plain(value if abs(value) > tolerances.CONTACT else 0.0)} m")

@@ -1,15 +1,25 @@
-"""What every figure has: title, source, legend, and a word where there is nothing to draw."""
+"""What every figure has: its width in print, title and source, a legend below it, and words beside
+what they name.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
-from itertools import pairwise, product
-from typing import TYPE_CHECKING, Any
+from collections.abc import Sequence
+from itertools import pairwise
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from physim.drawing.labels import covered, shortened
+from physim.drawing.labels import (
+    DISC,
+    TURNS,
+    Label,
+    around,
+    covered,
+    overlaps,
+    places,
+    shortened,
+)
 from physim.drawing.plots.style import DPI, INK, NARROW, QUIET
 from physim.drawing.scene_model import pieces_of
 from physim.geometry.shapes import FloatArray
@@ -19,57 +29,107 @@ if TYPE_CHECKING:
 
 LONGEST_NAME = 18
 """Characters of a name in a legend."""
-FEW_CURVES = 4
-"""Curves on one axis off which the words of a mark are kept; of more there is no free place."""
-LONGEST_RUN = 40
-"""Characters of the name of a run."""
-GAP = 16.0
-"""[px] between a title and what stands beside it, in a picture as it is saved"""
+SHORTEST_RUN = 12
+"""Characters of the name of a run that are shown rather than what to compare it with."""
+HEAD = 0.36
+"""[in] of title and source"""
+COLUMNS = 5
+"""of a legend, at most"""
+TALLEST = 6.2
+"""[in] of a map"""
 MOST_POINTS = 4000
 """Points of a curve; of more samples the least of each stretch is drawn, so no dip is lost."""
-ROW = 0.17
-"""[in] of a legend below a figure"""
-LEGEND_ROWS = 16
-"""Rows of a legend beside a figure."""
+
+
+class Paper(NamedTuple):
+    """How a figure is printed."""
+
+    width: float | None = None
+    """[in]; without, that of the figure"""
+    title: bool = True
+    """whether it has a title and names the run; in a paper the caption does"""
 
 
 def framed(
     record: Record,
     title: str,
-    paper: str = "",
+    compare: str = "",
     *,
+    paper: Paper = Paper(),  # noqa: B008
     width: float = NARROW,
-    height: float = 2.9,
-    source_on_top: bool = False,
+    height: float = 2.6,
 ) -> Any:
-    """Figure with a title, the run, and the figures of the paper to compare it with.
+    """Figure [in] with a title, the run, and the figures of the paper to ``compare`` it with.
 
-    The run stands at the foot, or beside the title where a legend takes the foot.
+    ``height`` is without the title. It shrinks with the width in print, by a tenth at most.
     """
     from matplotlib.figure import Figure
+    from matplotlib.transforms import ScaledTranslation
 
-    figure = Figure(figsize=(width, height))
-    head = figure.suptitle(title, x=0.01, ha="left", fontsize=10.5, fontweight="bold",
-                           parse_math=False)  # fmt: skip
-    source = figure.text(
-        0.99, 0.995 if source_on_top else 0.0, "",
-        ha="right", va="top" if source_on_top else "bottom", fontsize=7.5, color=QUIET,
-        gid="source", parse_math=False,
-    )  # fmt: skip
-    before, figure.dpi = figure.dpi, DPI  # widths of letters depend on it
-    left = head.get_window_extent().x1 + GAP if source_on_top else 0.0
-    compare = f"; compare {paper} of the paper" if paper else ""
+    wide = paper.width or width
+    figure = Figure((wide, height * max(wide / width, 0.9) + HEAD * paper.title), dpi=DPI)
+    if paper.title:
 
-    def clear(name: str) -> bool:
-        source.set_text(f"{name}, seed {record.seed}{compare}")
-        return len(name) <= LONGEST_RUN and source.get_window_extent().x0 >= left
+        def line(down: float, words: str, **style: Any) -> Any:
+            lower = ScaledTranslation(0.0, -down, figure.dpi_scale_trans)
+            return figure.text(
+                0.01, 1.0, words, va="top", parse_math=False,
+                transform=figure.transFigure + lower, **style,
+            )  # fmt: skip
 
-    clear(shortened(record.name, clear))
-    figure.dpi = before
-    foot = 0.0 if source_on_top else 0.17 / height
-    room = (0.0, foot, 1.0, 1.0 - foot)
-    figure.set_layout_engine("constrained", w_pad=0.03, h_pad=0.03, rect=room)
+        line(0.03, title, fontsize=10.5, fontweight="bold")
+        source = line(0.2, "", fontsize=7.5, color=QUIET, gid="source")
+        for more in (f"; compare {compare} of the paper", "")[not compare :]:
+
+            def fits(name: str, more: str = more) -> bool:
+                source.set_text(f"{name}, seed {record.seed}{more}")
+                return bool(source.get_window_extent().x1 <= figure.bbox.width)
+
+            name = shortened(record.name, fits)
+            fits(name)
+            if len(name) >= min(SHORTEST_RUN, len(record.name)):
+                break
+    _lay_out(figure)
     return figure
+
+
+def _lay_out(figure: Any) -> None:
+    head = HEAD / figure.get_figheight() if figure.texts else 0.0
+    room = (0.0, 0.0, 1.0, 1.0 - head)
+    figure.set_layout_engine("constrained", w_pad=0.03, h_pad=0.03, rect=room)
+
+
+def finished(figure: Any, handles: Sequence[Any] = (), columns: int = COLUMNS) -> Any:
+    """The figure with a legend below, its map as high as that needs, and words clear of curves."""
+    _fit_map(figure)
+    while handles:
+        legend = figure.legend(
+            handles=list(handles), loc="outside lower left", ncols=columns, handlelength=1.5,
+            borderaxespad=0.2, labelspacing=0.35, columnspacing=1.4,
+        )  # fmt: skip
+        box = legend.get_window_extent()
+        if columns == 1 or box.width <= 0.97 * figure.bbox.width:
+            figure.set_figheight(figure.get_figheight() + box.height / figure.dpi)
+            break
+        legend.remove()
+        columns -= 1
+    _lay_out(figure)
+    settle_marks(figure)
+    return figure
+
+
+def _fit_map(figure: Any) -> None:
+    """Give a map, of which x and y have one scale, the height that its width asks for."""
+    maps = [axis for axis in figure.axes if axis.get_aspect() != "auto"]
+    if not maps:
+        return
+    figure.draw_without_rendering()
+    wide, high = figure.get_size_inches()
+    heights = [high * axis.get_position(original=True).height for axis in figure.axes]
+    shape = np.ptp(maps[0].get_ylim()) / np.ptp(maps[0].get_xlim())
+    wanted = float(np.clip(wide * maps[0].get_position(original=True).width * shape, 0.6, TALLEST))
+    maps[0].get_subplotspec().get_gridspec().set_height_ratios((wanted, *heights[1:]))
+    figure.set_figheight(high + wanted - heights[0])
 
 
 def short(name: str, most: int = LONGEST_NAME) -> str:
@@ -102,42 +162,6 @@ def nothing_in(figure: Any) -> str | None:
     return " ".join(said[0][0].removeprefix("none: ").split())
 
 
-def legend_beside(figure: Any, handles: Sequence[Any], marks: float = 1.0) -> None:
-    """Legend at the right of the figure, marks ``marks`` times as large."""
-    if handles:
-        figure.legend(
-            handles=list(handles), loc="outside right upper", handlelength=1.5,
-            ncols=-(-len(handles) // LEGEND_ROWS),
-            borderaxespad=0.2, labelspacing=0.35, markerscale=marks,
-        )  # fmt: skip
-
-
-def legend_below(figure: Any, handles: Sequence[Any], columns: int, lifted: bool = False) -> int:
-    """Legend below the figure, in the order of reading; returns its number of rows.
-
-    It has ``columns``, or as many as the figure is wide enough for; ``lifted`` by a line of text.
-    """
-    while handles:
-        listed = [handles[k] for k in in_rows(len(handles), columns)]
-        legend = figure.legend(
-            handles=listed, loc="outside lower left", ncols=columns, handlelength=1.5,
-            borderaxespad=1.7 if lifted else 0.2, labelspacing=0.35, columnspacing=1.4,
-        )  # fmt: skip
-        legend.set_gid(f"columns {columns}")
-        if columns == 1 or legend.get_window_extent().width <= 0.97 * figure.bbox.width:
-            break
-        legend.remove()
-        columns -= 1
-    return -(-len(handles) // columns)
-
-
-def in_rows(count: int, columns: int) -> list[int]:
-    """Order in which entries are given to a legend that fills columns but is read in rows."""
-    rows = -(-count // columns)
-    order = [r * columns + c for c in range(columns) for r in range(rows)]
-    return [k for k in order if k < count]
-
-
 def time_axis(axis: Any, record: Record) -> None:
     """Time from start to end of the run."""
     axis.set_xlabel("time [s]")
@@ -147,14 +171,6 @@ def time_axis(axis: Any, record: Record) -> None:
 def zero_line(axis: Any) -> None:
     """Line at 0."""
     axis.axhline(0.0, color=INK, linewidth=0.8, zorder=1.5)
-
-
-def keep_span(axis: Any, least: float) -> None:
-    """Widen the y axis to ``least`` where it spans less: noise must not look like an event."""
-    low, high = axis.get_ylim()
-    if high - low < least:
-        middle = (low + high) / 2.0
-        axis.set_ylim(middle - least / 2.0, middle + least / 2.0)
 
 
 def name_rows(axis: Any, record: Record, named: int, size: float, most: int = LONGEST_NAME) -> None:
@@ -191,125 +207,127 @@ def thinned(
     return time[at], values[at]
 
 
-def clear_marks(figure: Any) -> None:
-    """Move the words of marks into their axes and, where another side is freer, off the curves.
+# Words beside what they name
 
-    To be called when all is drawn. Words that are inside, cover no curve and stand nearer their
-    own mark than another stay.
-    """
-    found = {
-        axis: marks
-        for axis in figure.axes
-        if (marks := [text for text in axis.texts if text.get_gid() == "mark"])
-    }
-    if not found:
-        return
-    figure.draw_without_rendering()
-    for axis, marks in found.items():
-        lines = [line.get_xydata() for line in axis.lines if len(line.get_xydata()) > 2]
-        curves = [axis.transData.transform(line) for line in lines if len(lines) <= FEW_CURVES]
-        _settle(axis, marks, pieces_of(curves))
-        for text in marks:
-            box, room = text.get_window_extent(), axis.get_window_extent()
-            over = max(box.x1 - room.x1, 0.0) - max(room.x0 - box.x0, 0.0)
-            if over:
-                x, y = text.xyann
-                text.xyann = (x - over * 72.0 / figure.dpi, y)
+DOT = 3.0
+"""[pt] radius of a mark"""
+FEW_CURVES = 4
+"""Curves on one axis off which the words of a mark are kept; of more there is no free place."""
+GAPS = (2.0, 6.0, 12.0, 20.0, 32.0, 48.0)
+"""[pt] between what is named and its words"""
+PRICES = (0.0, 1.0, 2.5, 4.0, 7.0, 11.0)
+"""What these gaps cost; a direction costs up to 1."""
+NEAR = 4.0
+"""[pt] Words farther off than this have a line to what they name."""
+ASTRAY = 50.0
+"""What it costs to stand beside something else: more than all lines together"""
+CLEARER, FAR = 5.0, 10.0
+"""[pt] by which words are nearer to their own than to others; or they are so far from the others
+and have a line to their own"""
+AIR = np.array((2.0, 0.6))
+"""[pt] round words"""
 
 
-AWAY = (7.0, 17.5, 26.0)
-"""[pt] from a mark to its words, across and up"""
-MOST_SIDES = 12
-"""Sides of a mark that are tried together with those of others."""
-WORSE = 1000.0
-"""[px] of a curve that words would rather cover than leave their axis or be taken for others"""
-_Side = tuple[float, float, str, str]
-"""Where words stand from their mark (x, y) [pt], and which of their corners does"""
+class Note(NamedTuple):
+    """Words to be placed, and what they name."""
+
+    words: Any
+    """an annotation"""
+    reach: float = DOT
+    """[pt] to keep free round its point"""
+    shape: FloatArray | None = None
+    """(n, 2) [pt] outline round the point to keep free instead"""
 
 
-def _settle(axis: Any, marks: Sequence[Any], curves: FloatArray) -> None:
-    """Put the words of all marks of an axis on the sides that are best together, rather as now.
-
-    They cover the least of the pieces of curves (s, 2, 2) [px] there.
-    """
-    points = axis.transData.transform([text.xy for text in marks])
-    room = axis.get_window_extent().extents
-    tried: list[list[tuple[_Side, FloatArray, float]]] = []
-    for text in marks:
-        sides = _sides(text)
-        boxes = np.array([_stand(text, side) for side in sides])
-        prices = covered(boxes, curves) + WORSE * _leaves(boxes, room)
-        prices += [0.0, *(0.01 * np.hypot(x, y) for x, y, *_ in sides[1:])]
-        best = np.argsort(prices, kind="stable")[:MOST_SIDES].tolist()
-        tried.append([(sides[k], boxes[k], float(prices[k])) for k in best])
-
-    def price(chosen: Iterable[tuple[_Side, FloatArray, float]]) -> float:
-        boxes = np.array([box for _, box, _ in chosen])
-        return sum(own for *_, own in chosen) + WORSE * _mixed_up(boxes, points)
-
-    for text, (side, *_) in zip(marks, min(product(*tried), key=price), strict=True):
-        _stand(text, side)
+def note(axis: Any, at: Sequence[float] | FloatArray, words: str, **style: Any) -> Any:
+    """Words about a point of an axis, with a line to it that is not seen yet."""
+    how = {
+        "ha": "center", "va": "center", "fontsize": 8.0, "zorder": 6,
+        "bbox": {"boxstyle": "square,pad=0.1", "facecolor": "white", "linewidth": 0, "alpha": 0.75},
+    }  # fmt: skip
+    line = {"arrowstyle": "-", "color": QUIET, "linewidth": 0.5, "shrinkA": 0.0, "shrinkB": 0.0}
+    text = axis.annotate(
+        words, (at[0], at[1]), (0.0, 0.0), textcoords="offset points", annotation_clip=False,
+        arrowprops=line, **(how | style),
+    )  # fmt: skip
+    text.arrow_patch.set_visible(False)
+    return text
 
 
-def _sides(text: Any) -> list[_Side]:
-    """Where the words of a mark stand, and where else they may."""
-    ways = product(AWAY, AWAY, ((1.0, "left"), (-1.0, "right")), ((1.0, "bottom"), (-1.0, "top")))
-    others = [(right * x, up * y, ha, va) for x, y, (right, ha), (up, va) in ways]
-    return [(*text.xyann, text.get_ha(), text.get_va()), *others]
-
-
-def _stand(text: Any, side: _Side) -> FloatArray:
-    """Put words on a side of their mark; returns the box (4,) [px] that they then take."""
-    x, y, ha, va = side
-    text.xyann = (x, y)
-    text.set(ha=ha, va=va)
-    return np.asarray(text.get_window_extent().extents)
-
-
-def _leaves(boxes: FloatArray, room: FloatArray) -> NDArray[np.bool_]:
-    """(n,) Whether boxes (n, 4) reach out of another (4,)."""
-    low, high = boxes[:, :2] < room[:2], boxes[:, 2:] > room[2:]
-    return np.asarray((low | high).any(axis=1))
-
-
-def _mixed_up(boxes: FloatArray, points: FloatArray) -> int:
-    """How many of the words in boxes (n, 4) cover others, or stand nearer another point (n, 2)."""
-    low, high = boxes[:, None, :2], boxes[:, None, 2:]
-    covering = ((low < boxes[:, 2:]) & (high > boxes[:, :2])).all(axis=2)
-    beside = np.maximum(np.maximum(low - points, points - high), 0.0)
-    away = np.hypot(beside[..., 0], beside[..., 1])
-    astray = away < away.diagonal()[:, None] - 1.0
-    return int((covering.sum() - len(boxes)) + astray.sum())
-
-
-def mark(
-    axis: Any,
-    x: float,
-    y: float,
-    text: str,
-    *,
-    below: bool = False,
-    colour: str = INK,
-    row: int = 0,
-    inside: bool = False,
-) -> None:
-    """Mark a point of a curve, with its value written toward the middle of the axis.
-
-    ``row`` puts the words as many lines further away, clear of those of another mark; on a small
-    axis they stand beside the point, ``inside``.
-    """
+def mark(axis: Any, x: float, y: float, text: str, *, below: bool = False, colour: str = INK) -> None:
+    """Mark a point of a curve, with its value written toward the middle of the axis."""
     low, high = axis.get_xlim()
-    away = 7.0 + 10.5 * row
     right = (x - low) > 0.55 * (high - low)
     axis.plot(
         [x], [y], "o", color=colour, markersize=4.5, markerfacecolor="white", zorder=5,
         clip_on=False,
     )  # fmt: skip
-    axis.annotate(
-        text, (x, y), xytext=(-7 if right else 7, 0.0 if inside else -away if below else away),
-        textcoords="offset points", ha="right" if right else "left",
-        va="center" if inside else "top" if below else "bottom", fontsize=8.0,
-        color=colour, zorder=6, gid="mark",
-        bbox={"boxstyle": "square,pad=0.15", "facecolor": "white", "linewidth": 0,
-              "alpha": 0.0 if inside else 0.8},
-    )  # fmt: skip
+    words = note(axis, (x, y), text, color=colour, gid="mark", va="top" if below else "bottom",
+                 ha="right" if right else "left")  # fmt: skip
+    words.xyann = (-7.0 if right else 7.0, -7.0 if below else 7.0)
+
+
+def settle_marks(figure: Any) -> None:
+    """Move the words of marks within their axes off the curves; to be called when all is drawn."""
+    figure.draw_without_rendering()
+    for axis in figure.axes:
+        notes = [Note(text) for text in axis.texts if text.get_gid() == "mark"]
+        lines = [line.get_xydata() for line in axis.lines if len(line.get_xydata()) > 2]
+        curves = [pointed(axis, line) for line in lines if len(lines) <= FEW_CURVES]
+        pieces = pieces_of(curves)
+        if notes:
+            settle(axis, notes, (pieces, np.full(len(pieces), 0.3)))
+
+
+def pointed(axis: Any, places: FloatArray) -> FloatArray:
+    """Places (n, 2) of an axis in [pt] of its figure."""
+    return np.asarray(axis.transData.transform(places)) * 72.0 / axis.figure.dpi
+
+
+def settle(
+    axis: Any,
+    notes: Sequence[Note],
+    lines: tuple[FloatArray, FloatArray],
+    taken: FloatArray = np.zeros((0, 4)),  # noqa: B008
+    anchors: FloatArray | None = None,
+) -> list[bool]:
+    """Place words where they cover no words before them; returns which have found a place.
+
+    They stand within the axis, cover none of the boxes ``taken`` (m, 4) and little of the pieces
+    (s, 2, 2), of which each [pt] has a price (s,), and are nearer to their own point than to other
+    ``anchors`` (a, 2), by default those of the other words, or have a line to it.
+    """
+    scale = 72.0 / axis.figure.dpi
+    room = scale * axis.get_window_extent().extents
+    points = pointed(axis, np.array([one.words.xy for one in notes]))
+    anchors = points if anchors is None else anchors
+    found = []
+    for (words, reach, shape), at in zip(notes, points, strict=True):
+        box = words.get_window_extent()
+        size = scale * np.array((box.width, box.height)) + AIR
+        label = Label((at[0], at[1]), reach, (size[0], size[1]), shape)
+        middles = places(label, GAPS)
+        boxes = around(middles, label.size)
+        inside = ((boxes[:, :2] >= room[:2]) & (boxes[:, 2:] <= room[2:])).all(axis=1)
+        free = inside & (overlaps(boxes, taken).max(axis=1, initial=0.0) <= 0.0)
+        others = anchors[(np.abs(anchors - at) > 1e-6).any(axis=1)]
+        own, other = _away(boxes, at[None]), _away(boxes, others)
+        cost = np.add.outer(PRICES, TURNS).ravel() + covered(boxes, *lines)
+        cost += ASTRAY * (other < np.minimum(own + CLEARER, FAR))
+        best = int(np.argmin(np.where(free, cost, np.inf)))
+        found.append(bool(free[best]))
+        if free[best]:
+            words.set(ha="center", va="center")
+            words.xyann = tuple(middles[best] - at)
+            taken = np.concatenate((taken, boxes[best : best + 1]))
+            is_joined = own[best] > reach + NEAR or other[best] < own[best] + CLEARER
+            words.arrow_patch.set_visible(is_joined and shape is None)
+            words.arrow_patch.shrinkB = DISC * reach
+    return found
+
+
+def _away(boxes: FloatArray, points: FloatArray) -> FloatArray:
+    """Distances (n,) of boxes (n, 4) to the nearest of points (m, 2)."""
+    beyond = np.maximum(boxes[:, None, :2] - points, points - boxes[:, None, 2:])
+    apart = np.hypot(*np.maximum(beyond, 0.0).transpose(2, 0, 1))
+    return np.asarray(apart.min(axis=1, initial=np.inf))

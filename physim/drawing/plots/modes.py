@@ -9,8 +9,10 @@ from numpy.typing import NDArray
 
 from physim.analysis.metrics import danger_time_share, mode_spans, share_of_modes
 from physim.drawing.plots.frame import (
+    USUAL,
+    Paper,
+    finished,
     framed,
-    legend_below,
     name_rows,
     nothing,
     row_ends,
@@ -36,15 +38,15 @@ BLANK = 0.002
 """Share of the run without a mode from which on the legend says what a blank stretch means."""
 
 
-def modes(record: Record) -> Any:
+def modes(record: Record, paper: Paper = USUAL) -> Any:
     """Figure: a row a robot, coloured by mode over time [s], its share out of danger at the end.
 
     Of more than `MOST_ROWS` robots: above, how many are in each mode; below, the rows, thin.
     """
     few = record.robots <= MOST_ROWS
-    row = 0.21 if few else max(0.03, (8.4 - COUNTS) / record.robots)
-    tall = min(9.0, max(2.0, 1.25 + (0.0 if few else COUNTS) + row * record.robots))
-    figure = framed(record, "Modes", "Fig. 8", height=tall, width=5.6, source_on_top=True)
+    row = 0.21 if few else max(0.03, (8.0 - COUNTS) / record.robots)
+    tall = min(8.6, max(1.5, 0.8 + (0.0 if few else COUNTS) + row * record.robots))
+    figure = framed(record, "Modes", "Fig. 8", paper=paper, height=tall, width=5.6)
     if few:
         above = axis = figure.subplots()
     else:
@@ -52,24 +54,30 @@ def modes(record: Record) -> Any:
     axis.grid(False)
     time_axis(axis, record)
     spans = mode_spans(record)
-    why = "the controller gives no modes" if len(spans) else "no decision was recorded"
     if (spans["mode"] == NO_NUMBER).all():
+        why = "the controller gives no modes" if len(spans) else "no decision was recorded"
         for empty in {above, axis}:
             nothing(empty, why)
         return figure
     _rows(axis, record, spans, 0.76 if few else 1.0)
     axis.set_ylim(record.robots - 0.4, -0.6)
     name_rows(axis, record, MOST_ROWS, 8.0 if few else 6.5)
-    if few:
-        _shares(axis, record)
-    else:
-        _counts(above, record, spans)
+    safe = share_of_modes(record, danger=False)
+    if few and safe is not None:
+        words = [None if share is None else f"{share:.0%}" for share in safe.robots]
+        bold = [share is not None and share < 0.5 for share in safe.robots]
+        row_ends(axis, "safe", words, bold, "share")
+    if not few:
+        times, counts = mode_counts(record, spans)
+        order = sorted(range(len(record.modes)), key=lambda k: not record.modes[k].danger)
+        colours = [record.modes[k].colour for k in order]  # those of danger at the bottom
+        above.stackplot(times, counts[order], colors=colours, step="post", linewidth=0.0)
+        above.set(ylim=(0.0, record.robots), ylabel="robots in\neach mode")
     share = danger_time_share(record)
     if share is not None:
-        words = f"out of danger: {1.0 - share:.1%} of all robots' time under way"
-        above.set_title(words, loc="right", fontsize=8.0, color=QUIET)
-    _legend(figure, record, spans)
-    return figure
+        words_ = f"out of danger: {1.0 - share:.1%} of all robots' time under way"
+        above.set_title(words_, loc="right", fontsize=8.0, color=QUIET)
+    return finished(figure, _handles(record, spans), 4)
 
 
 def _rows(axis: Any, record: Record, spans: NDArray[np.void], height: float) -> None:
@@ -86,17 +94,6 @@ def _rows(axis: Any, record: Record, spans: NDArray[np.void], height: float) -> 
         )
 
 
-def _counts(axis: Any, record: Record, spans: NDArray[np.void]) -> None:
-    """How many robots are in each mode, one upon the other; those of danger at the bottom."""
-    times, counts = mode_counts(record, spans)
-    order = sorted(range(len(record.modes)), key=lambda k: not record.modes[k].danger)
-    axis.stackplot(
-        times, counts[order], colors=[record.modes[k].colour for k in order], step="post",
-        linewidth=0.0,
-    )  # fmt: skip
-    axis.set(ylim=(0.0, record.robots), ylabel="robots in\neach mode")
-
-
 def mode_counts(record: Record, spans: NDArray[np.void]) -> tuple[FloatArray, IntArray]:
     """Moments (T,) [s] and how many robots are in each of the M modes then (M, T)."""
     times = np.linspace(0.0, record.steps_run * record.dt, MOMENTS)
@@ -110,16 +107,8 @@ def mode_counts(record: Record, spans: NDArray[np.void]) -> tuple[FloatArray, In
     return times, np.array(found)
 
 
-def _shares(axis: Any, record: Record) -> None:
-    """Share of time out of danger at the end of each row, bold where it is less than half."""
-    found = share_of_modes(record, danger=False)
-    if found is not None:
-        words = [None if share is None else f"{share:.0%}" for share in found.robots]
-        bold = [share is not None and share < 0.5 for share in found.robots]
-        row_ends(axis, "safe", words, bold, "share")
-
-
-def _legend(figure: Any, record: Record, spans: NDArray[np.void]) -> None:
+def _handles(record: Record, spans: NDArray[np.void]) -> list[Any]:
+    """Of the modes that last, and of blank stretches."""
     from matplotlib.patches import Patch
 
     lasting = spans["mode"][spans["end"] > spans["begin"]]
@@ -134,4 +123,4 @@ def _legend(figure: Any, record: Record, spans: NDArray[np.void]) -> None:
     )
     if filled.min() < record.steps_run * record.dt * (1.0 - BLANK):
         handles.append(Patch(facecolor="white", edgecolor=QUIET, label="blank: no mode given"))
-    legend_below(figure, handles, 4)
+    return handles

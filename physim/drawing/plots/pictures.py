@@ -26,12 +26,10 @@ from physim.analysis.metrics.registered import taken_name
 from physim.drawing.plots.collision_times import collision_times, prediction
 from physim.drawing.plots.curves import deviation, formation, speeds
 from physim.drawing.plots.distances import distances
-from physim.drawing.plots.frame import nothing_in
-from physim.drawing.plots.loading import load_matplotlib
-from physim.drawing.plots.maps import trajectories, width
+from physim.drawing.plots.frame import Paper, nothing_in
+from physim.drawing.plots.map import trajectories, width
 from physim.drawing.plots.modes import modes
-from physim.drawing.plots.paper import fitted
-from physim.drawing.plots.style import save_figure
+from physim.drawing.plots.style import load_matplotlib, save_figure
 from physim.drawing.printed import printed_width
 from physim.errors import PhysimError, RecordError, WorldError, nearest
 from physim.parts.user_code import asked, broken_by
@@ -40,7 +38,7 @@ from physim.record import Record, check_record
 __all__ = ["FORMATS", "NAMES", "draw", "names", "not_replaced"]
 
 FORMATS = ("png", "svg", "pdf")
-PICTURES: dict[str, Callable[[Record], Any]] = {
+PICTURES: dict[str, Callable[..., Any]] = {
     "trajectories": trajectories,
     "deviation": deviation,
     "speeds": speeds,
@@ -51,7 +49,7 @@ PICTURES: dict[str, Callable[[Record], Any]] = {
     "modes": modes,
     "prediction": prediction,
 }
-"""Each makes a figure of a record."""
+"""Each makes a figure of a record, and of the paper it is for."""
 NAMES = tuple(PICTURES)
 
 
@@ -104,7 +102,10 @@ def draw(
             close = nearest(name[:100], list(known))
             raise PhysimError(f'no picture is called "{name}"; there are {", ".join(known)}{close}')
     own = {name: _own_part(name) for name in only if name not in PICTURES}
-    inches = None if width is None else _inches(width)
+    try:
+        paper = Paper(None if width is None else printed_width(width), title)
+    except ValueError as allowed:
+        raise PhysimError(f"width {width!r} given; allowed: {allowed}") from None
     if format not in FORMATS:
         raise PhysimError(f'format "{format}" given; allowed: {", ".join(FORMATS)}')
     paths = tuple(Path(folder) / f"{name}.{format}" for name in dict.fromkeys(only))
@@ -114,17 +115,25 @@ def draw(
                 f"{path}: exists; use --force (force=True) to overwrite it, or -o for another "
                 "folder"
             )
+
+    def figure(name: str) -> Any:
+        """A picture by name; None of one of all pictures in which there is nothing to see."""
+        if name in own:
+            return _own_figure(name, own[name], record, paper)
+        more = {"every": snapshots} if name == "trajectories" else {}
+        drawn = PICTURES[name](record, paper=paper, **more)
+        why = nothing_in(drawn) if every else None
+        if why is not None and left_out is not None:
+            left_out(name, why)
+        return drawn if why is None else None
+
     drawn: list[Path] = []
     try:
         for path in paths:
-            make = partial(_figure, record, path.stem, snapshots, own.get(path.stem))
-            try:
-                save_figure(path, format, lambda: _worth_it(fitted(make, title, inches), every))  # noqa: B023
+            if save_figure(path, format, partial(figure, path.stem)):
                 drawn.append(path)
-            except NothingToSeeError as empty:
+            else:
                 path.unlink(missing_ok=True)
-                if left_out is not None:
-                    left_out(path.stem, str(empty))
             if stop is not None and stop():
                 break
     except (RecordError, WorldError):  # of a record that is refused nothing is left
@@ -134,26 +143,6 @@ def draw(
     except OSError as error:
         raise PhysimError(f"{folder}: cannot be written ({error.strerror})") from None
     return tuple(drawn)
-
-
-def _inches(width: float | str) -> float:
-    """[in] of a width as it was given; PhysimError unless it is one."""
-    try:
-        return printed_width(width)
-    except ValueError as allowed:
-        raise PhysimError(f"width {width!r} given; allowed: {allowed}") from None
-
-
-class NothingToSeeError(Exception):
-    """A figure in which there is nothing to see; why."""
-
-
-def _worth_it(figure: Any, every: bool) -> Any:
-    """Return a figure. Raises NothingToSeeError of one of ``every`` that shows nothing."""
-    why = nothing_in(figure) if every else None
-    if why is not None:
-        raise NothingToSeeError(why)
-    return figure
 
 
 def _plot() -> Any:
@@ -168,7 +157,7 @@ def _own_part(name: str) -> Any:
     return own_part(_plot(), name, NAMES)
 
 
-def _own_figure(name: str, part: Any, record: Record) -> Any:
+def _own_figure(name: str, part: Any, record: Record, paper: Paper) -> Any:
     """Figure of a registered picture. Raises PhysimError, one line, where it fails."""
     try:
         figure = asked(part.draw, "draw(record)", record)
@@ -180,11 +169,9 @@ def _own_figure(name: str, part: Any, record: Record) -> Any:
         raise PhysimError(
             f'plot "{name}" gives a {type(figure).__name__}; it must give a matplotlib Figure'
         )
+    if paper.width is not None:
+        wide, high = figure.get_size_inches()
+        figure.set_size_inches(paper.width, high * max(paper.width / wide, 0.9))
+    if not paper.title:
+        figure.suptitle("")
     return figure
-
-
-def _figure(record: Record, name: str, snapshots: float | None, own: Any) -> Any:
-    """Figure of a picture by name, ``own`` where a package registered it."""
-    if own is not None:
-        return _own_figure(name, own, record)
-    return trajectories(record, snapshots) if name == "trajectories" else PICTURES[name](record)

@@ -7,16 +7,17 @@ no state of matplotlib's is read or changed outside `styled`.
 from __future__ import annotations
 
 import os
+import sys
 import warnings
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
 from physim.drafts import discard, draft_of
 from physim.drawing import palette
 from physim.drawing.palette import hexed
-from physim.drawing.plots.loading import load_matplotlib
+from physim.stray_settings import MATPLOTLIB, unseen
 
 INK = hexed(palette.INK)
 QUIET = hexed(palette.QUIET)
@@ -37,8 +38,40 @@ WIDTH = 6.9
 NARROW = 5.0
 """[in] curves: their writing can still be read when set to one column of 3.4 in"""
 DPI = 200
+BACKEND = "MPLBACKEND"
+"""Variable that names a backend for windows and notebooks; all that a notebook starts inherits it,
+and `import matplotlib` ends in a ValueError where that backend is not installed"""
+DATE = "SOURCE_DATE_EPOCH"
+"""Variable by which builds date their files; one that is no whole number is an error in matplotlib
+"""
 OF_THE_PROCESS = ("backend", "backend_fallback", "interactive", "toolbar", "timezone", "date.epoch")
 """Settings that are no matter of one picture"""
+
+
+def load_matplotlib() -> Any:
+    """The module, loaded whatever the environment asks of it; a backend that exists is taken over.
+
+    physim draws into files, for which matplotlib takes a backend by their format.
+    """
+    if "matplotlib" in sys.modules:
+        return sys.modules["matplotlib"]
+    with _without(BACKEND) as wanted, unseen(MATPLOTLIB):
+        import matplotlib
+    if wanted:
+        with suppress(ValueError):  # no such backend: the one that matplotlib finds
+            matplotlib.rcParams["backend"] = wanted
+    return matplotlib
+
+
+@contextmanager
+def _without(variable: str) -> Iterator[str | None]:
+    """The value of a variable of the environment, which is not there meanwhile."""
+    value = os.environ.pop(variable, None)
+    try:
+        yield value
+    finally:
+        if value is not None:
+            os.environ[variable] = value
 
 
 @contextmanager
@@ -83,39 +116,26 @@ def styled() -> Iterator[None]:
         yield
 
 
-DATE = "SOURCE_DATE_EPOCH"
-"""Variable by which builds date their files"""
-
-
-def save_figure(path: Path, format: str, make: Callable[[], Any], **options: Any) -> None:
-    """Write the figure that ``make()`` gives, whole or not at all.
+def save_figure(path: Path, format: str, make: Callable[[], Any], **options: Any) -> bool:
+    """Write the figure that ``make()`` gives, whole or not at all; False where that is None.
 
     Without the date that would make files differ; ``options`` are those of ``Figure.savefig``.
     Raises OSError where it cannot be written.
     """
     dates = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}
     part = draft_of(path)
-    with styled(), _undated(), warnings.catch_warnings():
+    with styled(), _without(DATE), warnings.catch_warnings():
         warnings.filterwarnings("ignore", "Glyph .* missing from font")  # names in any script
         figure = make()
+        if figure is None:
+            return False
         try:
             path.parent.mkdir(parents=True, exist_ok=True)
             figure.savefig(part, format=format, metadata=dates.get(format, {}), **options)
             part.replace(path)
         finally:  # of an error or Ctrl-C nothing is left
             discard(part)
-
-
-@contextmanager
-def _undated() -> Iterator[None]:
-    """Without the variable by which files are dated: no date is written, and one that is no whole
-    number would end in an error of matplotlib."""
-    date = os.environ.pop(DATE, None)
-    try:
-        yield
-    finally:
-        if date is not None:
-            os.environ[DATE] = date
+    return True
 
 
 def robot_mark(index: int) -> tuple[str, str]:

@@ -19,7 +19,7 @@ numba = load_numba()
 numba.config.reload_config()  # as before each kernel is compiled
 assert numba.config.CACHE_DIR == "", numba.config.CACHE_DIR
 assert not numba.config.DUMP_BYTECODE
-from physim.drawing.plots.loading import load_matplotlib
+from physim.drawing.plots.style import load_matplotlib
 from physim.drawing.plots.style import styled
 assert load_matplotlib().rcParams["lines.linewidth"] == 1.5
 with styled():

@@ -15,7 +15,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from physim.drawing.plots.loading import load_matplotlib
+from physim.drawing.plots.style import load_matplotlib
 from physim.geometry.shapes import FloatArray
 from physim.randomness import stream
 

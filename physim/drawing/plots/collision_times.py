@@ -118,7 +118,7 @@ LARGEST = 1000.0
 """[s] A longer collision time is a controller's word for none."""
 TICKS = tuple(float(f"{digit}e{power}") for power in range(-2, 3) for digit in (1, 2, 5))
 MOST_SINGLE = 4
-"""Robots whose decisions are drawn one by one; those of more would cover each other."""
+"""Robots whose decisions can be told apart without a row each."""
 STRETCHES = 240
 """Stretches of the run of which many robots have one value each."""
 
@@ -126,9 +126,8 @@ STRETCHES = 240
 def collision_times(record: Record, paper: Paper = USUAL) -> Any:
     """Figure: collision times [s] of the decisions that foresaw one, over time [s], log axis.
 
-    Of up to `MOST_SINGLE` robots every decision. Of more: above, the shortest of all robots and a
-    band of nine tenths of the decisions; below, a row a robot in shades of its shortest, with the
-    least of the run at the end. The shortest of all is marked.
+    A mark a decision. Of more than `MOST_SINGLE` robots, below: a row a robot in shades of its
+    shortest, with the least of the run at the end. The shortest of all is marked.
     """
     times = record.column("collision_time", absent=np.nan)
     rows = record.updates[times <= LARGEST]
@@ -148,7 +147,7 @@ def collision_times(record: Record, paper: Paper = USUAL) -> Any:
         why = "the controller reports none" if unknown else "no decision foresaw a collision"
         nothing(axis, why)
         return figure
-    handles = _together(axis, record, rows) if many else _one_by_one(axis, record, rows)
+    handles = _decisions(axis, record, rows)
     _seconds(axis, shortest.value, float(rows["collision_time"].max()))
     handles += mark_contacts([axis], record)
     if many:
@@ -173,44 +172,22 @@ def _seconds(axis: Any, shortest: float, longest: float) -> None:
     axis.minorticks_off()
 
 
-def _one_by_one(axis: Any, record: Record, rows: Any) -> list[Any]:
-    """A mark a decision, in the colours of the robots."""
+def _decisions(axis: Any, record: Record, rows: Any) -> list[Any]:
+    """A mark a decision, in the colours of the robots; of a crowd in one."""
+    kinds = [(short(record.names[k]), rows["robot"] == k, *robot_mark(k))
+             for k in range(record.robots)]  # fmt: skip
+    if record.robots > MOST_NAMED:
+        kinds = [(f"decisions of {record.robots} robots", rows["robot"] >= 0, BAND, "o")]
     handles = []
-    for robot in range(record.robots):
-        mine = rows[rows["robot"] == robot]
-        if not len(mine):
-            continue
-        colour, marker = robot_mark(robot)
-        time, values = thinned(mine["step"] * record.dt, mine["collision_time"])
-        handles += axis.plot(
-            time, np.maximum(values, FLOOR), marker, color=colour, markersize=2.4,
-            markeredgewidth=0.0, rasterized=True, linestyle="none",
-            label=short(record.names[robot]),
-        )  # fmt: skip
+    for label, which, colour, marker in kinds:
+        mine = np.sort(rows[which], order="step")
+        if len(mine):
+            time, values = thinned(mine["step"] * record.dt, mine["collision_time"])
+            handles += axis.plot(
+                time, np.maximum(values, FLOOR), marker, color=colour, markersize=2.4,
+                markeredgewidth=0.0, rasterized=True, linestyle="none", label=label,
+            )  # fmt: skip
     return handles
-
-
-def _together(axis: Any, record: Record, rows: Any) -> list[Any]:
-    """The shortest of all robots in each stretch of the run, and where most decisions lie."""
-    _, row, place = stretches(record, rows, STRETCHES)
-    edges, least = least_of_stretches(record, rows, STRETCHES)
-    held = rows["collision_time"][row]
-    order = np.lexsort((held, place))
-    counts = np.bincount(place, minlength=STRETCHES)
-    first = np.concatenate(([0], np.cumsum(counts)[:-1]))
-    values, known = held[order], counts > 0
-    low, high = (
-        np.where(known, values[np.minimum(first + at, len(values) - 1)], np.nan)
-        for at in ((0.05 * (counts - 1)).astype(int), np.ceil(0.95 * (counts - 1)).astype(int))
-    )
-    time, shortest = edges * record.dt, np.fmin.reduce(least, axis=0)
-    how = {"step": "post", "linewidth": 0.0, "alpha": 0.3, "color": BAND}
-    floored = (np.maximum(v, FLOOR) for v in (low, high))
-    band = axis.fill_between(time, *(np.append(v, v[-1]) for v in floored), **how)
-    band.set_label("middle 90 % of the decisions")
-    line = axis.stairs(np.maximum(shortest, FLOOR), time, color=INK, linewidth=1.0, baseline=None)
-    line.set_label("shortest of all robots")
-    return [line, band]
 
 
 MOST_NAMED = 12

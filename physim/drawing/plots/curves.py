@@ -46,7 +46,7 @@ from physim.record import Record
 
 MOST_TOGETHER = 4
 """Robots whose deviations share an axis; those of more would tangle."""
-ROW = 0.52
+ROW = 0.62
 """[in] height of an axis of one robot"""
 LONGEST = 9
 """Characters of its name."""
@@ -122,7 +122,7 @@ def deviation(record: Record, paper: Paper = USUAL) -> Any:
         handles = _mark_turns(axes[0], record) if record.robots == 1 else []
         zero_line(axes[0])
         handles = draw_courses(axes[0], record, time, values) + handles
-    axes[0].margins(y=0.2)
+    axes[0].margins(y=0.35 if apart else 0.2)
     who = "" if apart else f" ({names_of(record, [peak.a])})"
     mark(axes[(peak.a or 0) if apart else 0], peak.time, peak.value, f"{signed(peak.value)} m{who}",
          below=peak.value < 0.0)  # fmt: skip

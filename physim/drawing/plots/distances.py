@@ -27,8 +27,6 @@ from physim.drawing.plots.frame import (
 from physim.drawing.plots.style import BAND, CONTACT, INK, QUIET, WIDTHS
 from physim.record import Record
 
-MOST_BANDS = 12
-"""Contacts that have a band and a line each; more would cover the curves."""
 STRIP = 0.035
 """Share of an axis, above its top, that shows when there is any contact."""
 NARROWEST = 0.003
@@ -39,35 +37,30 @@ bands of the distances to the nearest other"""
 
 
 def mark_contacts(axes: Sequence[Any], record: Record) -> list[Any]:
-    """A strip above each axis, filled for as long as there is any contact.
+    """A strip above each axis, filled for as long as there is any contact, outside of the curves.
 
-    Of few contacts each has a pale band and a line where it begins, too; swept contacts have a
-    dotted line, or of many a mark in the strip. All lie under the curves. Returns the handles of a
-    legend.
+    Swept contacts have a mark there. Returns the handles of a legend.
     """
+    from matplotlib.collections import PolyCollection
+
     run = Figures(record)
     ends = [(e.time, e.time + (e.samples - 1) * record.dt) for e in run.episodes]
     spans = merged(ends, NARROWEST * max(record.steps_run, 1) * record.dt)
+    low, high = 1.0, 1.0 + STRIP
+    corners = [[(a, low), (b, low), (b, high), (a, high)] for a, b in spans]
     handles: list[Any] = []
     for axis in axes:
-        handles = []
-        outside = {"transform": axis.get_xaxis_transform(), "clip_on": False}
-        if spans:
-            bars = axis.broken_barh(
-                [(begin, end - begin) for begin, end in spans], (1.0, STRIP), facecolor=CONTACT,
-                linewidth=0.0, label=f"contact ({len(ends)})", gid="contacts", **outside,
+        outside = {"transform": axis.get_xaxis_transform(), "clip_on": False, "color": CONTACT}
+        strip = PolyCollection(corners, linewidth=0.0, label=f"contact ({len(ends)})",
+                               gid="contacts", **outside)  # fmt: skip
+        axis.add_collection(strip, autolim=False)
+        handles = [strip] * bool(ends)
+        times = [graze.time for graze in run.grazes]
+        if times:
+            handles += axis.plot(
+                times, [1.0 + STRIP / 2.0] * len(times), "D", markersize=3.0,
+                label=f"contact between samples ({len(times)})", **outside,
             )  # fmt: skip
-            handles.append(bars)
-        for begin, end in ends if len(ends) <= MOST_BANDS else ():
-            axis.axvspan(begin, end, color=CONTACT, alpha=0.15, linewidth=0.0, zorder=0.5)
-            axis.axvline(begin, color=CONTACT, linewidth=1.1, zorder=0.6)
-        low = 0.0 if len(run.grazes) <= MOST_BANDS else 1.0 - STRIP
-        dots = [
-            axis.axvline(graze.time, low, linestyle=":", color=CONTACT, linewidth=1.1, zorder=0.6,
-                         label=f"between samples ({len(run.grazes)})")
-            for graze in run.grazes
-        ]  # fmt: skip
-        handles += dots[:1]
     return handles
 
 

@@ -50,12 +50,15 @@ class Paper(NamedTuple):
     """whether it has a title and names the run; in a paper the caption does"""
 
 
+USUAL = Paper()
+
+
 def framed(
     record: Record,
     title: str,
     compare: str = "",
     *,
-    paper: Paper = Paper(),  # noqa: B008
+    paper: Paper = USUAL,
     width: float = NARROW,
     height: float = 2.6,
 ) -> Any:
@@ -101,7 +104,6 @@ def _lay_out(figure: Any) -> None:
 
 def finished(figure: Any, handles: Sequence[Any] = (), columns: int = COLUMNS) -> Any:
     """The figure with a legend below, its map as high as that needs, and words clear of curves."""
-    _fit_map(figure)
     while handles:
         legend = figure.legend(
             handles=list(handles), loc="outside lower left", ncols=columns, handlelength=1.5,
@@ -114,22 +116,27 @@ def finished(figure: Any, handles: Sequence[Any] = (), columns: int = COLUMNS) -
         legend.remove()
         columns -= 1
     _lay_out(figure)
+    _fit_map(figure)
     settle_marks(figure)
     return figure
 
 
 def _fit_map(figure: Any) -> None:
     """Give a map, of which x and y have one scale, the height that its width asks for."""
-    maps = [axis for axis in figure.axes if axis.get_aspect() != "auto"]
-    if not maps:
-        return
-    figure.draw_without_rendering()
-    wide, high = figure.get_size_inches()
-    heights = [high * axis.get_position(original=True).height for axis in figure.axes]
-    shape = np.ptp(maps[0].get_ylim()) / np.ptp(maps[0].get_xlim())
-    wanted = float(np.clip(wide * maps[0].get_position(original=True).width * shape, 0.6, TALLEST))
-    maps[0].get_subplotspec().get_gridspec().set_height_ratios((wanted, *heights[1:]))
-    figure.set_figheight(high + wanted - heights[0])
+    for axis in figure.axes:
+        if axis.get_aspect() == "auto":
+            continue
+        axis.set_aspect("auto")  # fills its box, so that what stands round it is known
+        figure.draw_without_rendering()
+        axis.set_aspect("equal")
+        wide, high = figure.get_size_inches()
+        boxes = [one.get_position(original=True) for one in figure.axes]
+        shape = np.ptp(axis.get_ylim()) / np.ptp(axis.get_xlim())
+        wanted = float(np.clip(wide * boxes[0].width * shape, 0.6, TALLEST))
+        others = [high * box.height for box in boxes[1:]]
+        axis.get_subplotspec().get_gridspec().set_height_ratios((wanted, *others))
+        figure.set_figheight(high + wanted - high * boxes[0].height)
+        _lay_out(figure)
 
 
 def short(name: str, most: int = LONGEST_NAME) -> str:
@@ -219,7 +226,7 @@ PRICES = (0.0, 1.0, 2.5, 4.0, 7.0, 11.0)
 """What these gaps cost; a direction costs up to 1."""
 NEAR = 4.0
 """[pt] Words farther off than this have a line to what they name."""
-ASTRAY = 50.0
+ASTRAY = 1000.0
 """What it costs to stand beside something else: more than all lines together"""
 CLEARER, FAR = 5.0, 10.0
 """[pt] by which words are nearer to their own than to others; or they are so far from the others
@@ -237,6 +244,8 @@ class Note(NamedTuple):
     """[pt] to keep free round its point"""
     shape: FloatArray | None = None
     """(n, 2) [pt] outline round the point to keep free instead"""
+    up: float = 1.0
+    """-1 for words that stand below rather than above"""
 
 
 def note(axis: Any, at: Sequence[float] | FloatArray, words: str, **style: Any) -> Any:
@@ -254,7 +263,9 @@ def note(axis: Any, at: Sequence[float] | FloatArray, words: str, **style: Any) 
     return text
 
 
-def mark(axis: Any, x: float, y: float, text: str, *, below: bool = False, colour: str = INK) -> None:
+def mark(
+    axis: Any, x: float, y: float, text: str, *, below: bool = False, colour: str = INK
+) -> None:
     """Mark a point of a curve, with its value written toward the middle of the axis."""
     low, high = axis.get_xlim()
     right = (x - low) > 0.55 * (high - low)
@@ -271,48 +282,57 @@ def settle_marks(figure: Any) -> None:
     """Move the words of marks within their axes off the curves; to be called when all is drawn."""
     figure.draw_without_rendering()
     for axis in figure.axes:
-        notes = [Note(text) for text in axis.texts if text.get_gid() == "mark"]
+        notes = [
+            Note(text, up=-1.0 if text.get_va() == "top" else 1.0)
+            for text in axis.texts
+            if text.get_gid() == "mark"
+        ]
         lines = [line.get_xydata() for line in axis.lines if len(line.get_xydata()) > 2]
         curves = [pointed(axis, line) for line in lines if len(lines) <= FEW_CURVES]
         pieces = pieces_of(curves)
         if notes:
-            settle(axis, notes, (pieces, np.full(len(pieces), 0.3)))
+            settle(axis, notes, (pieces, np.ones(len(pieces))), slack=4.0)
 
 
 def pointed(axis: Any, places: FloatArray) -> FloatArray:
     """Places (n, 2) of an axis in [pt] of its figure."""
-    return np.asarray(axis.transData.transform(places)) * 72.0 / axis.figure.dpi
+    return np.asarray(axis.transData.transform(places), dtype=np.float64) * 72.0 / axis.figure.dpi
 
 
 def settle(
     axis: Any,
     notes: Sequence[Note],
     lines: tuple[FloatArray, FloatArray],
-    taken: FloatArray = np.zeros((0, 4)),  # noqa: B008
+    taken: FloatArray | None = None,
     anchors: FloatArray | None = None,
+    slack: float = 0.0,
 ) -> list[bool]:
     """Place words where they cover no words before them; returns which have found a place.
 
-    They stand within the axis, cover none of the boxes ``taken`` (m, 4) and little of the pieces
-    (s, 2, 2), of which each [pt] has a price (s,), and are nearer to their own point than to other
-    ``anchors`` (a, 2), by default those of the other words, or have a line to it.
+    They stand within the axis, which they may leave by ``slack`` [pt], cover none of the boxes
+    ``taken`` (m, 4) and little of the pieces (s, 2, 2), of which each [pt] has a price (s,). They
+    are nearer to their own point than to other ``anchors`` (a, 2), by default those of the other
+    words, or have a line to it.
     """
+    from matplotlib.text import Text
+
     scale = 72.0 / axis.figure.dpi
     room = scale * axis.get_window_extent().extents
     points = pointed(axis, np.array([one.words.xy for one in notes]))
     anchors = points if anchors is None else anchors
+    taken = np.zeros((0, 4)) if taken is None else taken
     found = []
-    for (words, reach, shape), at in zip(notes, points, strict=True):
-        box = words.get_window_extent()
+    for (words, reach, shape, up), at in zip(notes, points, strict=True):
+        box = Text.get_window_extent(words)  # without the line
         size = scale * np.array((box.width, box.height)) + AIR
         label = Label((at[0], at[1]), reach, (size[0], size[1]), shape)
-        middles = places(label, GAPS)
+        middles = places(label, GAPS, up)
         boxes = around(middles, label.size)
-        inside = ((boxes[:, :2] >= room[:2]) & (boxes[:, 2:] <= room[2:])).all(axis=1)
-        free = inside & (overlaps(boxes, taken).max(axis=1, initial=0.0) <= 0.0)
+        over = np.maximum(room[:2] - boxes[:, :2], boxes[:, 2:] - room[2:]).max(axis=1).clip(0.0)
+        free = (over <= slack) & (overlaps(boxes, taken).max(axis=1, initial=0.0) <= 0.0)
         others = anchors[(np.abs(anchors - at) > 1e-6).any(axis=1)]
         own, other = _away(boxes, at[None]), _away(boxes, others)
-        cost = np.add.outer(PRICES, TURNS).ravel() + covered(boxes, *lines)
+        cost = np.add.outer(PRICES, TURNS).ravel() + covered(boxes, *lines) + 10.0 * over
         cost += ASTRAY * (other < np.minimum(own + CLEARER, FAR))
         best = int(np.argmin(np.where(free, cost, np.inf)))
         found.append(bool(free[best]))

@@ -33,6 +33,17 @@ CYCLE = tuple(hexed(colour) for colour in palette.ROBOTS)
 MARKERS = ("o", "s", "^", "D", "v", "P", "X", "*")
 """robots, by index: colour is never the only mark"""
 
+FONT = "DejaVu Sans"
+OTHER_FONTS = (
+    "Noto Sans CJK SC", "Noto Sans CJK JP", "Noto Sans SC", "Noto Sans JP", "Noto Sans KR",
+    "Source Han Sans SC", "WenQuanYi Zen Hei", "WenQuanYi Micro Hei", "Droid Sans Fallback",
+    "PingFang SC", "Hiragino Sans", "Apple SD Gothic Neo", "Microsoft YaHei", "Yu Gothic",
+    "Malgun Gothic", "Arial Unicode MS", "Noto Sans", "Noto Sans Devanagari", "Noto Sans Bengali",
+    "Noto Sans Thai", "Noto Sans Tamil", "Noto Sans Ethiopic", "Nirmala UI", "Leelawadee UI",
+    "Segoe UI Symbol", "Noto Sans Symbols2", "Noto Emoji", "Unifont",
+)  # fmt: skip
+"""Fonts for scripts that the first lacks, on Linux, macOS and Windows."""
+
 WIDTH = 6.9
 """[in] two columns of a paper"""
 NARROW = 5.0
@@ -78,7 +89,7 @@ def _without(variable: str) -> Iterator[str | None]:
 def styled() -> Iterator[None]:
     """Settings of matplotlib for one picture, whatever the user's are; restored afterwards."""
     settings: Any = {
-        "font.family": "DejaVu Sans",
+        "font.family": FONT,
         "font.size": 9.0,
         "axes.titlesize": 9.5,
         "axes.titlelocation": "left",
@@ -146,3 +157,21 @@ def robot_mark(index: int) -> tuple[str, str]:
 def robot_colour(index: int) -> str:
     """Colour of a robot; it repeats after ten."""
     return hexed(palette.robot_colour(index))
+
+
+def families(words: str) -> tuple[list[str], frozenset[int]]:
+    """Fonts that together have the most signs for some words, and the signs they have.
+
+    Most words need the first alone; others are looked for among those installed.
+    """
+    from matplotlib.font_manager import findfont, fontManager, get_font
+
+    chosen, wanted = [FONT], set(map(ord, words))
+    signs = set(get_font(findfont(FONT)).get_charmap())
+    installed = {entry.name for entry in fontManager.ttflist} if wanted - signs else set()
+    for family in filter(installed.__contains__, OTHER_FONTS):
+        more = set(get_font(findfont(family)).get_charmap())
+        if more & (wanted - signs):
+            chosen.append(family)
+            signs |= more
+    return chosen, frozenset(signs)

@@ -27,7 +27,7 @@ from tests.helpers.records import make_record
 
 LEAST, signed = inside("physim.drawing", "LEAST", "signed")
 DATE, DPI, PICTURES = inside("physim.drawing.plots", "DATE", "DPI", "PICTURES")
-deviation, fitted = inside("physim.drawing.plots", "deviation", "fitted")
+Paper, deviation = inside("physim.drawing.plots", "Paper", "deviation")
 robot_colour, styled = inside("physim.drawing.plots", "robot_colour", "styled")
 trajectories = inside("physim.drawing.plots", "trajectories")
 
@@ -78,7 +78,7 @@ def test_from_five_robots_on_each_has_an_axis_for_its_deviation(seven: Record) -
 def test_a_figure_for_a_paper(width: float, seven: Record) -> None:
     for name in NAMES if width > 5.0 else ("trajectories", "distances", "modes"):
         with styled():
-            figure = fitted(lambda name=name: PICTURES[name](seven), False, width)
+            figure = PICTURES[name](seven, paper=Paper(width, title=False))
             figure.draw_without_rendering()
         assert figure.get_size_inches()[0] == width
         shown = [text.get_text() for text in figure.texts if text.get_visible()]
@@ -109,7 +109,7 @@ def test_another_width_is_refused_in_words(seven: Record, tmp_path: Path, width:
 @pytest.mark.parametrize("name", NAMES)
 def test_titles_of_the_narrowest_figure_do_not_overlap(name: str, seven: Record) -> None:
     with styled():
-        figure = fitted(lambda: PICTURES[name](seven), True, LEAST)
+        figure = PICTURES[name](seven, paper=Paper(LEAST))
         figure.set_dpi(DPI)
         figure.draw_without_rendering()
         titles = [(a.title, a._left_title, a._right_title) for a in figure.axes]
@@ -145,7 +145,7 @@ def to_and_fro() -> Record:
 @pytest.mark.parametrize("width", [3.5, pytest.param(7.16, marks=pytest.mark.deep)])
 def test_times_on_a_map_do_not_lie_over_each_other(width: float) -> None:
     with to_and_fro() as record, styled():
-        figure = fitted(lambda: trajectories(record, 0.5), False, width)
+        figure = trajectories(record, 0.5, Paper(width, title=False))
         figure.draw_without_rendering()
         (axis,) = figure.axes
         boxes = [text.get_window_extent() for text in axis.texts if text.get_gid() == "time"]

@@ -10,6 +10,9 @@ from physim import build_scene, simulate
 from physim.analysis import metrics
 from physim.world.file import load_world, parse_world
 from tests.drawing.preview.worlds import NARROW, shown, world
+from tests.helpers import inside
+
+items = inside("physim.drawing", "items")
 
 
 @pytest.mark.parametrize("name", ["three_robots", "nonconvex"])
@@ -42,20 +45,23 @@ def test_the_safe_area_is_that_of_the_run(name: str) -> None:
 
 def test_paths_are_parted_at_the_edge_of_the_safe_area() -> None:
     seen = shown(NARROW)
-    (route,) = seen.routes
-    assert route.robots == (0, 1)
-    line = shapely.LineString(seen.reference)
+    routes = [item for item in items(seen.scene) if item.what == "path"]
+    assert {route.robots for route in routes} == {(0, 1)}
+    safe, danger = (
+        next(r.lines for r in routes if (r.dash is None) is solid) for solid in (True, False)
+    )
+    line = shapely.LineString(seen.scene.reference)
     near = shapely.MultiLineString(seen.scene.boundaries).buffer(seen.scene.safe_distance)
-    for pieces, within in ((route.safe, False), (route.danger, True)):
+    for pieces, within in ((safe, False), (danger, True)):
         for piece in pieces:
             middle = shapely.LineString(piece).interpolate(0.5, normalized=True)
             obstacle = (
                 shapely.Polygon(seen.scene.obstacles[0]).distance(middle) < seen.scene.safe_distance
             )
             assert (near.covers(middle) or obstacle) is within
-    drawn = sum(shapely.LineString(p).length for p in (*route.safe, *route.danger))
+    drawn = sum(shapely.LineString(p).length for p in (*safe, *danger))
     assert drawn == pytest.approx(line.length)
-    assert route.danger
+    assert danger
 
 
 def test_obstacles_narrow_the_width_and_that_without_them_is_kept() -> None:
@@ -77,11 +83,11 @@ def test_a_preview_and_a_run_have_one_width() -> None:
     told = metrics.corridor_width(simulate(loaded))
     same = np.interp(told.station, seen.widths.station, seen.widths.width)
     assert np.allclose(told.width, same, atol=0.02, rtol=0.0)
-    assert seen.course_length == pytest.approx(told.station[-1], abs=0.1)
+    assert seen.widths.station[-1] == pytest.approx(told.station[-1], abs=0.1)
     assert seen.widths.width.min() == pytest.approx(np.nanmin(told.width), abs=0.02)
-    assert not np.allclose(seen.course[0], seen.reference[0])
+    assert not np.allclose(seen.course[0], seen.scene.reference[0])
 
 
 def test_a_path_along_the_edge_of_the_safe_area_is_safe() -> None:
     text = world(width=6.0).replace('"offset": 0.0', '"offset": 2.0')
-    assert all(not route.danger for route in shown(text).routes)
+    assert all(item.what != "path" or item.dash is None for item in items(shown(text).scene))

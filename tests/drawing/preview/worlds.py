@@ -5,10 +5,10 @@ from __future__ import annotations
 import json
 from collections.abc import Sequence
 
+from physim.drawing.preview import Contents, preview_of
 from physim.world.file import parse_world
 from tests.helpers import inside
 
-Contents, preview_of = inside("physim.drawing.preview", "Contents", "preview_of")
 lay_out = inside("physim.world.layout", "lay_out")
 
 

@@ -78,30 +78,28 @@ export class Plots {
     context.setTransform(ratio, 0, 0, ratio, 0, 0);
     context.fillStyle = colours.paper;
     context.fillRect(0, 0, this.width, this.height);
-    const shares = this.rows.map((row) => row.share);
-    const all = shares.reduce((sum, share) => sum + share, 0);
-    const room = this.height - AXIS - 2;
+    const all = this.rows.reduce((sum, row) => sum + row.share, 0);
     let top = 2;
-    this.rows.forEach((row, k) => {
-      const high = (room * shares[k]) / all;
+    for (const row of this.rows) {
+      const high = ((this.height - AXIS - 2) * row.share) / all;
       this.drawRow(context, row, top, high, colours, active, chosen);
       top += high;
-    });
+    }
     this.drawAxis(context, colours);
     this.drawContacts(context, colours, this.runs[active]);
   }
 
   drawRow(context, row, top, high, colours, active, chosen) {
     const box = { left: LEFT, top: top + HEAD, width: this.width - LEFT - RIGHT, height: high - HEAD - 4 };
-    context.font = "11.5px system-ui, sans-serif";
-    context.textAlign = "left";
-    context.textBaseline = "alphabetic";
+    const run = this.runs[active];
+    Object.assign(context, { font: "11.5px system-ui, sans-serif", textAlign: "left", textBaseline: "alphabetic" });
     context.fillStyle = colours.quiet;
-    const of = row.ofOne && this.runs.length > 1 ? `, ${this.runs[active].label}` : "";
-    const whole = [`${row.title}${of}`, row.note].filter(Boolean).join("; ");
+    const title = row.title + (row.ofOne && this.runs.length > 1 ? `, ${run.label}` : "");
+    const whole = [title, row.note].filter(Boolean).join("; ");
     const fits = context.measureText(whole).width <= box.width;
-    context.fillText(fits ? whole : row.title + of, LEFT, top + 11, box.width);
-    if (row.named) this.nameLines(context, row, top + 11, colours);
+    context.fillText(fits ? whole : title, LEFT, top + 11, box.width);
+    const names = run.names.slice(0, run.robots);
+    if (row.named) this.nameLines(context, names, LEFT + context.measureText(`${title}  `).width, top + 11, colours);
     if (box.height < 6) return;
     context.fillStyle = colours.faint;
     context.fillRect(box.left, box.top, box.width, box.height);
@@ -110,7 +108,7 @@ export class Plots {
       const [low, top_] = row.limits;
       frame.y = (value) =>
         box.top + box.height * (1 - (Math.min(Math.max(value, low), top_) - low) / (top_ - low));
-      this.drawTicks(context, row, frame, colours);
+      this.drawTicks(context, frame, colours);
     }
     context.save();
     context.beginPath();
@@ -118,13 +116,12 @@ export class Plots {
     context.clip();
     row.draw(context, frame, { colours, active, chosen });
     context.restore();
-    if (row.ofOne && !row.limits) this.nameRows(context, this.runs[active], frame, colours);
+    if (row.ofOne && !row.limits) this.nameRows(context, names, frame, colours);
   }
 
   /** Names of the robots in the colours of their lines, after the title. */
-  nameLines(context, row, y, colours) {
-    let x = LEFT + context.measureText(`${row.title}  `).width;
-    this.runs[0].names.slice(0, this.runs[0].robots).forEach((name, k) => {
+  nameLines(context, names, x, y, colours) {
+    names.forEach((name, k) => {
       const wide = context.measureText(`${name}  `).width;
       context.fillStyle = colours.robots[k % colours.robots.length];
       if (x + wide < this.width - RIGHT) context.fillText(name, x, y);
@@ -145,23 +142,20 @@ export class Plots {
   }
 
   /** Names of the robots before their rows, where there is room. */
-  nameRows(context, run, frame, colours) {
-    const high = frame.height / run.robots;
+  nameRows(context, names, frame, colours) {
+    const high = frame.height / names.length;
     if (high < TICK - 2) return;
-    context.textAlign = "right";
-    context.textBaseline = "middle";
-    context.fillStyle = colours.quiet;
-    run.names.slice(0, run.robots).forEach((name, k) => {
+    Object.assign(context, { textAlign: "right", textBaseline: "middle", fillStyle: colours.quiet });
+    names.forEach((name, k) => {
       const words = name.length > 8 ? `${name.slice(0, 7)}…` : name;
       context.fillText(words, LEFT - 5, frame.top + (k + 0.5) * high, LEFT - 8);
     });
   }
 
-  drawTicks(context, row, frame, colours) {
-    const [low, high] = row.limits;
+  drawTicks(context, frame, colours) {
+    const [low, high] = frame.limits;
     const step = roundAbove(((high - low) * TICK) / frame.height);
-    context.textAlign = "right";
-    context.textBaseline = "middle";
+    Object.assign(context, { textAlign: "right", textBaseline: "middle" });
     for (let k = Math.ceil(low / step - 1e-9); k * step <= high + 1e-9; k++) {
       const y = frame.y(k * step);
       context.fillStyle = colours.quiet;

@@ -102,10 +102,10 @@ export class View {
       }
     }
     const robots = layers.names || few ? seen.map((robot) => this.placed(robot, pose, lens)) : [];
-    const leaders = writeLabels(context, labels, colours, size, robots);
+    writeLabels(context, labels, colours, size, robots);
     drawScale(context, roundBelow(130 / lens.scale), lens, size[1], colours);
     if (lens.scale > 1.25 * camera.wholeScale) this.drawOverview(context, pose, lens, at, size, colours, seen);
-    this.drawn = { time: at, pose: pose.slice(), lens, ratio, shown, size, leaders };
+    this.drawn = { time: at, pose: pose.slice(), lens, ratio, shown, size };
   }
 
   discOf(robot, pose, lens) {

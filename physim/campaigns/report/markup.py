@@ -5,9 +5,9 @@ from __future__ import annotations
 import html
 from pathlib import Path
 
-from physim.drawing.page.bundle import still_policy
 from physim.drawing.page.colours import styles
 from physim.escaping import escaped
+from physim.html import policy as still_policy
 
 GENERATOR = "physim report"
 """By which the page of a report is known: the next report takes its place."""

@@ -10,7 +10,7 @@ from physim.drawing.crowd import MOST_LINES, NAMED, quantiles
 from physim.drawing.distances import Distances
 from physim.drawing.page.packing import Pack
 from physim.drawing.timeline import Timeline
-from physim.geometry.shapes import FloatArray, IntArray
+from physim.geometry.shapes import IntArray
 
 BINS = 3000
 """Least values at most; of longer runs each is that of a stretch of time"""
@@ -27,31 +27,19 @@ ERROR = 1e-3
 
 def pack_curves(timeline: Timeline, pack: Pack) -> dict[str, Any]:
     """Add the courses; returns what the header says of them."""
-    record = timeline.record
-    first = _bins(timeline)
+    record, samples = timeline.record, len(timeline.time)
+    bins = np.linspace(0, samples, min(samples, BINS), endpoint=False)
+    first = np.unique(bins.astype(np.int64))
     pack.whole("bin", record.steps[first])
     clearance, walls = record.clearance, record.boundary_clearance
-    pair, wall = _least(clearance, first), _least(walls, first)
     if timeline.robots > 1:
-        pack.real("pair", clearance[pair].min(axis=1), LENGTH)
-    if np.isfinite(walls).any():
-        pack.real("wall", walls[wall].min(axis=1), LENGTH)
-    _pack_now(timeline, pack)
-    return {
-        "pair": timeline.robots > 1,
-        "wall": bool(np.isfinite(walls).any()),
-        "times": _pack_times(timeline, first, pack),
-        "error": _pack_errors(timeline, pack),
-        "modes": _pack_modes(timeline, pack),
-    }
-
-
-def _pack_now(timeline: Timeline, pack: Pack) -> None:
-    """Add the least distances at single moments, and of which robots: no bins, as they are told
-    beside a picture of that moment."""
-    record = timeline.record
-    count = min(len(record.steps), MOST_NOW, max(BINS, MOST_LOOKED_AT // timeline.robots))
-    at = np.unique(np.linspace(0, len(record.steps) - 1, count).astype(np.int64))
+        pack.real("pair", np.minimum.reduceat(clearance.min(axis=1), first), LENGTH)
+    has_walls = bool(np.isfinite(walls).any())
+    if has_walls:
+        pack.real("wall", np.minimum.reduceat(walls.min(axis=1), first), LENGTH)
+    # and of single moments, told beside a picture of that moment, with the two that are closest
+    count = min(samples, MOST_NOW, max(BINS, MOST_LOOKED_AT // timeline.robots))
+    at = np.unique(np.linspace(0, samples - 1, count).astype(np.int64))
     pack.whole("now", record.steps[at])
     clearance, walls = Distances(record).at(at)
     if timeline.robots > 1:
@@ -60,21 +48,13 @@ def _pack_now(timeline: Timeline, pack: Pack) -> None:
         pack.whole("now_a", nearest[:, 0])
         pack.whole("now_b", nearest[:, 1])
     pack.real("now_wall", walls.min(axis=1), LENGTH)
-
-
-def _bins(timeline: Timeline) -> IntArray:
-    """(T,) first sample of each bin, increasing from 0."""
-    samples = len(timeline.time)
-    return np.unique(np.linspace(0, samples, min(samples, BINS), endpoint=False).astype(np.int64))
-
-
-def _least(values: FloatArray, first: IntArray) -> IntArray:
-    """(T,) sample of each bin that has the least of values (K, N)."""
-    least = values.min(axis=1)
-    edges = [*first.tolist(), len(least)]
-    return np.array(
-        [low + int(np.argmin(least[low:high])) for low, high in zip(edges, edges[1:], strict=False)]
-    )
+    return {
+        "pair": timeline.robots > 1,
+        "wall": has_walls,
+        "times": _pack_times(timeline, first, pack),
+        "error": _pack_errors(timeline, pack),
+        "modes": _pack_modes(timeline, pack),
+    }
 
 
 def _pack_times(timeline: Timeline, first: IntArray, pack: Pack) -> bool:
@@ -103,7 +83,9 @@ def _pack_errors(timeline: Timeline, pack: Pack) -> dict[str, Any]:
     pack.whole("error_step", timeline.record.steps[at])
     pack.real("error", curves.values[at].T, ERROR)
     if bands:
-        levels = quantiles(curves.values[timeline.shown(_moments(timeline))])
+        levels = quantiles(
+            curves.values[timeline.shown(np.linspace(0.0, timeline.duration, MOMENTS))]
+        )
         pack.real("bands", levels, ERROR)
     return {"title": curves.title, "name": curves.name, "bands": bands}
 
@@ -112,13 +94,8 @@ def _pack_modes(timeline: Timeline, pack: Pack) -> bool:
     """Add how many robots of a crowd have each mode (modes + 1, T); the last have none."""
     if timeline.robots <= NAMED:
         return False
-    modes = timeline.modes(timeline.decisions(_moments(timeline)))
+    modes = timeline.modes(timeline.decisions(np.linspace(0.0, timeline.duration, MOMENTS)))
     known = len(timeline.scene.modes)
     counts = [(modes == mode).sum(axis=1) for mode in (*range(known), -1)]
     pack.whole("mode_counts", np.array(counts))
     return True
-
-
-def _moments(timeline: Timeline) -> FloatArray:
-    """(T,) [s] from the start to the end."""
-    return np.linspace(0.0, timeline.duration, MOMENTS)

@@ -6,28 +6,32 @@ to a hundredth) of their units; what is left out is told in the page.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
 
+from physim.analysis.metrics import Metric
 from physim.analysis.summary import Summary
+from physim.analysis.validation import Validation
+from physim.compiled import is_cached
 from physim.drawing.crowd import MOST_LINES, NAMED
-from physim.drawing.labels import clean
-from physim.drawing.page.contacts import pack_contacts
+from physim.drawing.items import Level, items
+from physim.drawing.labels import clean, metres
 from physim.drawing.page.curves import pack_curves
 from physim.drawing.page.decisions import pack_decisions
-from physim.drawing.page.events import pack_events
 from physim.drawing.page.knots import find_knots
-from physim.drawing.page.moments import moments
 from physim.drawing.page.packing import Pack
-from physim.drawing.page.place import place
 from physim.drawing.page.why import explanations
-from physim.drawing.timeline import Timeline
+from physim.drawing.scene_model import SceneModel
+from physim.drawing.timeline import Episodes, Timeline
 from physim.drawing.video.ground import ground
 from physim.drawing.video.layout import SHORT_TRAIL, TRAIL
 from physim.drawing.video.legend import signs
-from physim.errors import RecordError
+from physim.errors import PhysimError, RecordError
+from physim.geometry.shapes import FloatArray, IntArray
 from physim.record import Record
+from physim.simulation.arrival import STILL_TIME, still_distances
 
 TOLERANCE, CROWD_TOLERANCE = 0.002, 0.005
 """[m] by which a point of a robot is drawn beside where it was at a sample, at most; of a crowd"""
@@ -41,7 +45,28 @@ TURN, CROWD_TURN = 2e-4, 5e-4
 """[rad] that headings are rounded to"""
 
 
-def run_data(record: Record, summary: Summary) -> str:
+DECIMALS = 3
+"""of lengths [m] of the scene"""
+MOMENTS = (
+    ("shortest_distance", "shortest distance"),
+    ("shortest_boundary_distance", "nearest to a wall"),
+    ("shortest_collision_time", "shortest collision time"),
+    ("first_contact", "first contact"),
+    ("deepest_contact", "deepest contact"),
+    ("formation_error_peak", "largest formation error"),
+    ("farthest_distance", "farthest pair"),
+)
+"""Metrics that are of a moment, and what they are called."""
+CONTACTS = ("first_contact", "deepest_contact")
+MOST_TOLD = 100
+"""Contacts, the first of the run, that have a paragraph each."""
+MOVED = 0.02
+"""[m] by which the mark of a contact moves at least"""
+LEAST = 1.0
+"""[s] for which a robot stands at least"""
+
+
+def run_data(record: Record, summary: Summary, validation: Validation | None = None) -> str:
     """Everything the page draws of a record, as text for `assets/decode.js`.
 
     Raises RecordError for a record without samples or robots, or with robots too far apart or
@@ -50,6 +75,8 @@ def run_data(record: Record, summary: Summary) -> str:
     timeline, pack = Timeline(record), Pack()
     _check_room(record)
     crowd = timeline.robots > NAMED
+    tolerance = CROWD_TOLERANCE if crowd else TOLERANCE
+    why = explanations(record)
     header = {
         "name": clean(record.name),
         "seed": record.seed,
@@ -60,8 +87,8 @@ def run_data(record: Record, summary: Summary) -> str:
         "crowd": crowd,
         "lines": timeline.robots <= MOST_LINES,
         "trail": SHORT_TRAIL if crowd else TRAIL,
-        "tolerance": CROWD_TOLERANCE if crowd else TOLERANCE,
-        "scene": _cleaned(place(timeline.scene)),
+        "tolerance": tolerance,
+        "scene": place(timeline.scene),
         "modes": [
             {"name": mode.name, "words": str(mode), "colour": mode.colour, "danger": mode.danger}
             for mode in timeline.scene.modes
@@ -71,14 +98,20 @@ def run_data(record: Record, summary: Summary) -> str:
         "columns": [vars(column) for column in record.declared.columns],
         "signs": signs(timeline, ground(timeline)),
         "range": _range(record),
-        "why": (why := explanations(record)),
+        "why": why,
         "decisions": pack_decisions(record, pack, why["thresholds"]),
-        "contacts": pack_contacts(timeline, pack),
+        "contacts": _pack_contacts(timeline, pack, validation),
         "moments": moments(timeline, summary),
         "curves": pack_curves(timeline, pack),
     }
-    _pack_poses(timeline, pack, crowd)
-    pack_events(record, pack)
+    grid, turn = (CROWD_GRID, CROWD_TURN) if crowd else (GRID, TURN)
+    quanta = np.array((grid, grid, turn))
+    knots = find_knots(record.pose, timeline.time, quanta, tolerance, timeline.scene.reach)
+    pack.whole("knots", knots.counts)
+    pack.whole("knot_step", record.steps[knots.row])
+    for k, name in enumerate(("knot_x", "knot_y", "knot_heading")):
+        pack.whole(name, knots.pose[:, k], float(quanta[k]), far=True)
+    _pack_events(record, pack)
     pack.whole("arrived", record.arrived)
     return pack.to_base64(header)
 
@@ -98,31 +131,199 @@ def _check_room(record: Record) -> None:
         )
 
 
-def _pack_poses(timeline: Timeline, pack: Pack, crowd: bool) -> None:
-    grid, turn = (CROWD_GRID, CROWD_TURN) if crowd else (GRID, TURN)
-    quanta = np.array((grid, grid, turn))
-    knots = find_knots(
-        timeline.record.pose, timeline.time, quanta,
-        CROWD_TOLERANCE if crowd else TOLERANCE, timeline.scene.reach,
-    )  # fmt: skip
-    pack.whole("knots", knots.counts)
-    pack.whole("knot_step", timeline.record.steps[knots.row])
-    for k, name in enumerate(("knot_x", "knot_y", "knot_heading")):
-        pack.whole(name, knots.pose[:, k], float(quanta[k]), far=True)
-
-
-def _cleaned(scene: dict[str, Any]) -> dict[str, Any]:
-    """The scene with names on one line each."""
-    for body in scene["bodies"]:
-        body["name"] = clean(body["name"])
-    return scene
-
-
 def _range(record: Record) -> float | None:
     """Sensing range [m]; None where the world inside is faulty."""
-    from physim.errors import PhysimError
-
     try:
         return float(record.world.sensing_range)
     except PhysimError:
         return None
+
+
+def place(scene: SceneModel) -> dict[str, Any]:
+    """What does not move as plain values, lengths [m], world frame unless said.
+
+    Each path is there once: who follows it, -1 for all of a crowd, and its pieces in the safe area
+    and outside of it. So is every different footprint, in the robot's frame.
+    """
+    drawn = items(scene)
+    paths: dict[tuple[int, ...], dict[str, Any]] = {}
+    for item in drawn:
+        if item.what == "path":
+            robots = list(item.robots) if len(item.robots) <= NAMED else [-1]
+            pieces = paths.setdefault(item.robots, {"robots": robots, "safe": [], "danger": []})
+            pieces["danger" if item.dash else "safe"] += map(_points, item.lines)
+    shapes = list(dict.fromkeys(scene.shapes))
+    number = {shape: k for k, shape in enumerate(shapes)}
+    return {
+        "areas": [
+            {"name": item.what, "key": item.key, "rings": [_points(ring) for ring in item.lines]}
+            for item in drawn
+            if item.level == Level.AREA
+        ],
+        "walls": [_points(line) for line in scene.boundaries],
+        "obstacles": [_points(ring) for ring in scene.solid_rings],
+        "reference": _points(scene.reference),
+        "paths": list(paths.values()),
+        "stops": _points(scene.stops),
+        "shapes": [
+            {
+                "rings": [_points(ring) for ring in one.rings],
+                "mark": _points(one.mark),
+                "eccentric": bool(one.eccentric),
+            }
+            for one in shapes
+        ],
+        "shape": [number[shape] for shape in scene.shapes],
+        "extent": _points(scene.extent),
+        "bodies": [{"kind": body.kind, "name": clean(body.name)} for body in scene.bodies],
+    }
+
+
+def _points(line: Iterable[FloatArray]) -> list[list[float]]:
+    return [[round(float(value), DECIMALS) + 0.0 for value in point] for point in line]
+
+
+def moments(timeline: Timeline, summary: Summary) -> list[dict[str, Any]]:
+    """What there is to look at: label, words, time [s], and the robot or contact to ask why.
+
+    Of two robots the one that was behind along the reference path.
+    """
+    found = []
+    for name, label in MOMENTS:
+        metric = summary.metrics.get(name)
+        if metric is None or metric.time is None:
+            continue
+        words = metres(metric.value) if metric.unit == "m" else f"{metric.value:.2f} {metric.unit}"
+        words += f" ({' and '.join(map(clean, summary.names_of(*metric.bodies)))})"
+        if metric.value != metric.time:
+            words += f" at {metric.time:.2f} s"
+        one: dict[str, Any] = {"label": label, "time": float(metric.time), "words": words}
+        contact = _contact(timeline, metric) if name in CONTACTS else None
+        robots = [body for body in metric.bodies if body < timeline.robots]
+        stations = timeline.record.course[int(timeline.sample(metric.time)), :, 2]
+        who = min(robots, key=lambda i: (stations[i], -i), default=None)
+        found.append(one | ({"robot": who} if contact is None else {"contact": contact}))
+    return found
+
+
+def _contact(timeline: Timeline, metric: Metric) -> int | None:
+    """Number of the contact of these bodies that lasts at that time."""
+    contacts, time = timeline.contacts, metric.time or 0.0
+    same = (contacts.bodies == metric.bodies).all(axis=1) & ~contacts.swept
+    same &= (contacts.began <= time + 1e-6) & (time < contacts.ended - 1e-6)
+    rows = np.flatnonzero(same)
+    return int(rows[0]) if len(rows) else None
+
+
+def is_warm() -> bool:
+    """Whether the kernels for the paragraphs lie compiled on disk; one stands for all."""
+    from physim.analysis.validation.analytic_contacts import scan_walls
+
+    return is_cached(scan_walls)
+
+
+def _pack_contacts(timeline: Timeline, pack: Pack, validation: Validation | None) -> dict[str, Any]:
+    """Add all contacts by the time they begin; returns what the header says of them.
+
+    Of the places of a contact those are kept where it has moved.
+    """
+    found, dt = timeline.contacts, timeline.record.dt
+    rows: list[int] = []
+    count = []
+    for first, last in zip(found.first.tolist(), found.last.tolist(), strict=True):
+        kept = [first]
+        for row in range(first + 1, last + 1):
+            if np.abs(found.places[row] - found.places[kept[-1]]).max() > MOVED:
+                kept.append(row)
+        rows += kept
+        count.append(len(kept))
+    deep = np.where(np.isfinite(found.deep), found.deep / dt, -1.0)
+    for name, values in (
+        ("contact_step", found.began / dt), ("contact_samples", (found.ended - found.began) / dt),
+        ("contact_a", found.bodies[:, 0]), ("contact_b", found.bodies[:, 1]),
+        ("contact_swept", found.swept), ("contact_deep", deep), ("contact_places", count),
+        ("place_step", found.times[rows] / dt),
+    ):  # fmt: skip
+        pack.whole(name, np.rint(np.asarray(values, dtype=np.float64)))
+    pack.real("place_x", found.places[rows, 0], 1e-3)
+    pack.real("place_y", found.places[rows, 1], 1e-3)
+    return {
+        "recorded": "contacts" in timeline.record.tables,
+        "count": len(found.began),
+        "told": {} if found.swept.all() else _told(timeline.record, found, validation),
+    }
+
+
+def _told(
+    record: Record, found: Episodes, validation: Validation | None
+) -> dict[int, dict[str, Any]]:
+    """What a validation says of contacts by their number in ``found``; none where poses or tables
+    lack."""
+    from physim.analysis.validation.analytic_contacts import analytic_contacts
+    from physim.analysis.validation.contact import contacts_of
+    from physim.analysis.validation.decisions import DecisionTable
+    from physim.analysis.validation.prediction import Predictor
+    from physim.analysis.validation.told import sentences
+    from physim.analysis.validation.validation import check_complete
+
+    if validation is not None:
+        contacts = validation.contacts[:MOST_TOLD]
+    else:
+        try:
+            check_complete(record)
+        except RecordError:
+            return {}
+        table = DecisionTable(record)
+        contacts = contacts_of(
+            record, analytic_contacts(record), table, Predictor(record, table), MOST_TOLD
+        )
+    names = [body.name for body in record.bodies]
+    began = np.rint(found.began / record.dt).astype(int).tolist()
+    number = {
+        key: k
+        for k, key in enumerate(zip(began, *found.bodies.T.tolist(), strict=True))
+        if not found.swept[k]
+    }
+    return {
+        number[(round(one.time / record.dt), one.a, one.b)]: {
+            "lines": sentences(one, names),
+            "responsible": list(one.responsible),
+            "safe": None if not one.warning else round(one.time - one.warning, 6),
+        }
+        for one in contacts
+    }
+
+
+def _pack_events(record: Record, pack: Pack) -> None:
+    """Add the closest moments of each robot, and the spans in which it stood before it arrived."""
+    found = record.extremes
+    for name, column, prefix in (
+        ("near", "clearance", "clearance"), ("near_wall", "boundary_clearance", "boundary")
+    ):  # fmt: skip
+        pack.real(name, found[column], 1e-3)
+        pack.whole(f"{name}_step", found[f"{prefix}_step"])
+        pack.whole(f"{name}_body", found[f"{prefix}_other"])
+    stood = stands(record)
+    for k, name in enumerate(("stand_robot", "stand_from", "stand_to")):
+        pack.whole(name, stood[:, k])
+
+
+def stands(record: Record) -> IntArray:
+    """Spans (S, 3) in which robots stood for `LEAST` or longer: robot, first and last step.
+
+    It ends where the robot arrives.
+    """
+    steps = np.asarray(record.steps, dtype=np.int64)
+    spans: list[tuple[int, int, int]] = []
+    still = still_distances(record.shapes.radius[: record.robots]) / STILL_TIME
+    """[m/s] A robot that moves slower from sample to sample stands."""
+    took = np.diff(steps) * record.dt
+    for robot in range(record.robots):
+        moved = np.hypot(*np.diff(record.pose[:, robot, :2], axis=0).T)
+        edges = np.diff(np.concatenate(([0], moved < still[robot] * took, [0])).astype(np.int8))
+        arrived = int(np.searchsorted(steps, record.arrived[robot]))  # the sample
+        for first, end in zip(np.flatnonzero(edges > 0), np.flatnonzero(edges < 0), strict=True):
+            last = end if record.arrived[robot] < 0 else min(int(end), arrived)
+            if (steps[last] - steps[first]) * record.dt >= LEAST - 1e-9:
+                spans.append((robot, int(steps[first]), int(steps[last])))
+    return np.array(spans, dtype=np.int64).reshape(-1, 3)

@@ -58,7 +58,10 @@ def pack_decisions(
     }
     for column in record.declared.columns:
         values = rows[column.name]
-        fine = _quantum(values, quantum)
+        # finer than usual where all of it is small
+        largest = float(np.abs(values[np.isfinite(values)]).max(initial=0.0))
+        is_small = 0.0 < largest < 10.0 * quantum
+        fine = max(largest * 1e-3, float(np.finfo(np.float64).tiny)) if is_small else quantum
         for below, bound in bounds.get(column.name, ()):
             values = _on_its_side(values, fine, below, bound)
         pack.real(f"own:{column.name}", values, fine)
@@ -69,15 +72,6 @@ def pack_decisions(
         "others": _pack_others(record, rows, pack),
         "commands": _pack_commands(record, pack),
     }
-
-
-def _quantum(values: NDArray[Any], usual: float) -> float:
-    """What a column is rounded to: as usual, finer where all of it is small."""
-    size = np.abs(values[np.isfinite(values)])
-    largest = float(size.max()) if len(size) else 0.0
-    if largest == 0.0 or largest >= 10.0 * usual:
-        return usual
-    return max(largest * 1e-3, float(np.finfo(np.float64).tiny))
 
 
 def _on_its_side(values: FloatArray, quantum: float, below: np.ufunc, bound: float) -> FloatArray:

@@ -12,17 +12,16 @@ from pathlib import Path
 from typing import Any
 
 from physim._version import __version__
-from physim.analysis.summary import Summary, summarise, table_rows
+from physim.analysis.summary import summarise, table_rows
 from physim.analysis.validation import Validation
 from physim.drafts import discard, draft_of
 from physim.drawing.labels import clean
-from physim.drawing.page.bundle import asset, policy, script
-from physim.drawing.page.colours import schemes, styles
+from physim.drawing.page.colours import asset, schemes, script, styles
 from physim.drawing.page.data import run_data
-from physim.drawing.page.findings import findings_section, opening
-from physim.drawing.page.tables import contact_table
+from physim.drawing.page.findings import contact_table, findings_section, opening
 from physim.errors import PhysimError, plural
-from physim.escaping import html_table, html_text
+from physim.html import Html, table, tag, text, together
+from physim.html import page as whole_page
 from physim.record import Record
 from physim.world.differences import differences
 
@@ -89,33 +88,35 @@ def page(*records: Record, validation: Validation | None = None) -> Page:
     if validation is not None and not validation.is_of(records[0]):
         raise PhysimError(f"{validation!r} is of another run than {records[0]!r}; validate that")
     summaries = [summarise(record) for record in records]
-    runs = [run_data(*pair) for pair in zip(records, summaries, strict=True)]
+    packed = [run_data(*pair, validation) for pair in zip(records, summaries, strict=True)]
+    runs = [tag("script", Html(run), type="text/plain", class_="run") for run in packed]
     labels = _labels(records)
-    code = script()
-    css = styles("page.css")
     name = ", ".join(dict.fromkeys(clean(record.name) for record in records))
+    tables = [] if validation is None else [findings_section(validation, summaries[0])]
+    for run, (label, summary) in enumerate(zip(labels, summaries, strict=True)):
+        rows = ((tag("th", label, scope="row"), words) for label, words in table_rows(summary))
+        tables += [
+            tag("h2", label if len(labels) > 1 else "Summary"),
+            table([], rows, caption=tag("span", "What was measured", class_="unseen")),
+            contact_table(summary, run, len(labels)),
+        ]
+    parts = {
+        "verdict": Html() if validation is None else opening(validation, summaries[0]),
+        "heading": text(name), "about": text(_about(records)), "tables": together(tables),
+        "schemes": _json(schemes()), "labels": _json(labels), "runs": together(runs, "\n"),
+    }  # fmt: skip
     return Page(
-        _filled(
-            policy=policy(code, css), version=__version__, title=html_text(f"{name} – physim"),
-            style=css, heading=html_text(name), about=_about(records), script=code,
-            verdict="" if validation is None else opening(validation, summaries[0]),
-            tables=_tables(labels, summaries, validation), schemes=_json(schemes()),
-            labels=_json(labels),
-            runs="\n".join(
-                f'<script type="text/plain" class="run">{run}</script>' for run in runs
-            ),
+        whole_page(
+            f"{name} – physim", Html(MARK.sub(lambda found: parts[found[1]], asset("page.html"))),
+            style=styles("page.css"), script=script(), generator=f"physim {__version__}",
+            head=tag("link", rel="icon", href="data:,"),
         )
     )  # fmt: skip
 
 
-def _filled(**parts: str) -> str:
-    """The page with its parts; what they hold is not looked at again."""
-    return MARK.sub(lambda found: parts[found[1]], asset("page.html"))
-
-
-def _json(value: Any) -> str:
+def _json(value: Any) -> Html:
     """JSON that ends no element and begins none."""
-    return json.dumps(value, ensure_ascii=True).replace("<", "\\u003c")
+    return Html(json.dumps(value, ensure_ascii=True).replace("<", "\\u003c"))
 
 
 def _labels(records: Sequence[Record]) -> list[str]:
@@ -138,27 +139,20 @@ def _labels(records: Sequence[Record]) -> list[str]:
     ]
 
 
-def _differences(records: Sequence[Record]) -> str:
-    """In what the worlds of two runs differ; empty where that is much or not known."""
-    if len(records) != 2:
-        return ""
-    try:
-        found = differences(records[0].world, records[1].world)
-    except PhysimError:
-        return ""
-    told = [f"{key}: {a} / {b}" for key, (a, b) in found.items()]
-    return "; ".join(told) if len(told) <= MOST_DIFFERENCES else f"{len(told)} values differ"
-
-
 def _about(records: Sequence[Record]) -> str:
-    between = f"; {drawn_between(records)}" if drawn_between(records) else ""
+    """How many robots or runs, and in what two runs differ where that is known."""
+    first, told = records[0], []
+    words = [f"{plural(first.robots, 'robot')}, seed {first.seed}, {first.setup.controller.name}"]
     if len(records) > 1:
-        differ = _differences(records)
-        words = plural(len(records), "run") + (f"; {differ}" if differ else "")
-        return html_text(words + between)
-    record = records[0]
-    count = plural(record.robots, "robot")
-    return html_text(f"{count}, seed {record.seed}, {record.setup.controller.name}{between}")
+        words = [plural(len(records), "run")]
+    if len(records) == 2:
+        try:
+            found = differences(records[0].world, records[1].world)
+            told = [f"{key}: {a} / {b}" for key, (a, b) in found.items()]
+        except PhysimError:  # of a world that cannot be read nothing is known
+            pass
+    words += told if len(told) <= MOST_DIFFERENCES else [f"{len(told)} values differ"]
+    return "; ".join(filter(None, [*words, drawn_between(records)]))
 
 
 def drawn_between(records: Sequence[Record]) -> str:
@@ -167,18 +161,3 @@ def drawn_between(records: Sequence[Record]) -> str:
     if all(record.record_every == 1 for record in records):
         return ""
     return f"samples every {every:g} s (time.record_every), robots on arcs between them"
-
-
-def _tables(
-    labels: Sequence[str], summaries: Sequence[Summary], validation: Validation | None
-) -> str:
-    parts = [] if validation is None else [findings_section(validation, summaries[0])]
-    for run, (label, summary) in enumerate(zip(labels, summaries, strict=True)):
-        title = f"<h2>{html_text(label)}</h2>" if len(labels) > 1 else "<h2>Summary</h2>"
-        table = html_table(table_rows(summary)).removeprefix("<table>")
-        measured = (
-            '<div class="wide"><table><caption class="unseen">What was measured</caption>'
-            f"{table}</div>"
-        )
-        parts += [title, measured, contact_table(summary, run, len(labels))]
-    return "".join(parts)

@@ -1,58 +1,51 @@
-"""What a validation found, as a part of the page of its run; each finding leads to its moment."""
+"""What a validation found, and the contacts of a run, as parts of its page; each line leads to its
+moment.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
-from html import escape
+from typing import Any, NamedTuple
 from urllib.parse import urlencode
 
 from physim.analysis.summary import Summary
 from physim.analysis.validation import Validation, report
 from physim.analysis.validation.told import sentences
-from physim.drawing.page.tables import numbered
-from physim.errors import amount_text
-from physim.escaping import escaped_lines, html_text
+from physim.html import Html, lines, table, tag
+from physim.units import amount
 
 MOST_FINDINGS = 300
 """that have a line; others are counted, and told in the JSON of the validation"""
+MOST_CONTACTS = 200
+"""Contacts that have a line; others are counted."""
+OPEN = 12
+"""Contacts up to which their table is open from the start."""
 
 
-@dataclass(frozen=True)
-class Finding:
-    """One line: of what kind, when [s], of which bodies, and what is said of it."""
+class Row(NamedTuple):
+    """A contact at samples or, without a duration and an impulse, between two of them."""
 
-    kind: str
-    time: float | None
-    bodies: tuple[int, ...]
-    text: str
-    contact: int | None = None
-    """its number in the page"""
-    robot: int | None = None
-    """to ask why"""
+    step: int
+    a: int
+    b: int
+    time: float
+    lasts: float | None
+    depth: float
+    impulse: float | None
 
 
-def opening(found: Validation, summary: Summary) -> str:
-    """The verdict, and the severest contact with a link to it, at which the page opens."""
-    worst, at = "", summary.metrics.get("closing_speed")
-    for one in found.contacts:
-        if at is not None and (one.a, one.b, one.time) == (*at.bodies, at.time):
-            hit, place = one.severity, f"{one.time:.2f} s, {_names(found, one.a, one.b)}"
-            how = f"closing at {hit.closing:.3f} m/s"
-            if hit.energy is not None:
-                how += f", {amount_text(hit.energy, 1)} J lost"
-            link = _link(one.time, {"contact": _numbers(summary)[one.a, one.b, round(one.time, 6)]})
-            worst = f' Severest: <a class="worst" href="{link}">{html_text(place)}</a>, {how}.'
-    bad = " bad" if found.code else ""
-    return f'<p class="verdict{bad}">Validation: {html_text(found.verdict)}.{worst}</p>'
-
-
-def _names(found: Validation, *bodies: int) -> str:
-    return " and ".join(found.names[body] for body in bodies)
-
-
-def _link(time: float, asked: dict[str, object]) -> str:
-    return f"#{escape(urlencode({'t': f'{time:.3f}', **asked}))}"
+def numbered(summary: Summary) -> list[Row]:
+    """All contacts of a run in the order in which the page numbers them, from 1."""
+    if summary.contacts is None:
+        return []
+    found = [
+        Row(one.step, one.a, one.b, one.time, one.samples * summary.dt, one.depth, one.impulse)
+        for one in summary.contacts.episodes
+    ]
+    found += [
+        Row(one.step, one.a, one.b, one.time, None, one.depth, None) for one in summary.grazes
+    ]
+    return sorted(found, key=lambda one: one[:3])
 
 
 def _numbers(summary: Summary) -> dict[tuple[int, int, float], int]:
@@ -60,86 +53,131 @@ def _numbers(summary: Summary) -> dict[tuple[int, int, float], int]:
     return {(row.a, row.b, round(row.time, 6)): k for k, row in enumerate(numbered(summary), 1)}
 
 
-def findings_section(found: Validation, summary: Summary) -> str:
-    """The verdict, a table of all findings, and the whole report, as HTML."""
-    lines = list(_findings(found, summary))
-    left = len(lines) - MOST_FINDINGS
-    more = f"<p>and {left} more (physim validate --json has all)</p>" if left > 0 else ""
-    head = "".join(f'<th scope="col">{word}</th>' for word in ("finding", "moment", "who", "what"))
-    body = "".join(_row(one, found) for one in lines[:MOST_FINDINGS])
-    table = (
-        '<div class="wide"><table class="findings">'
-        "<caption>Findings, each with its moment</caption>"
-        f"<thead><tr>{head}</tr></thead><tbody>{body}</tbody></table></div>{more}"
+def _link(words: str, time: float, asked: dict[str, Any], **attributes: Any) -> Html:
+    return tag("a", words, href=f"#{urlencode({'t': f'{time:.3f}', **asked})}", **attributes)
+
+
+def contact_table(summary: Summary, run: int, runs: int) -> Html:
+    """The contacts of a run, each with a link to its moment; nothing where there are none."""
+    found = numbered(summary)
+    if not found:
+        return Html()
+    which = {"run": run + 1} if runs > 1 else {}
+    rows = (
+        (
+            _link(f"{one.time:.2f} s", one.time, {**which, "contact": number}),
+            " and ".join(summary.names_of(one.a, one.b)),
+            "between samples" if one.lasts is None else f"{one.lasts:.2f} s",
+            f"{1e3 * one.depth:.2f} mm",
+            "–" if one.impulse is None else amount(one.impulse, "N s", 1),
+        )
+        for number, one in enumerate(found[:MOST_CONTACTS], 1)
     )
-    return (
-        '<section id="validation" aria-label="validation"><h2>Validation</h2>'
-        f'<p class="verdict{" bad" if found.code else ""}">{html_text(found.verdict)}</p>'
-        f"{table if lines else ''}"
-        "<details><summary>The whole report</summary>"
-        f"<pre>{escape(escaped_lines(report(found, full=True)))}</pre></details></section>"
+    left = len(found) - MOST_CONTACTS
+    return tag(
+        "details",
+        tag("summary", f"Contacts: {len(found)}"),
+        table(
+            ("moment", "bodies", "in contact", "deepest", "impulse"), rows,
+            caption="Contacts, each with its moment",
+        ),
+        tag("p", f"and {left} more, which the record holds") if left > 0 else None,
+        open=len(found) <= OPEN,
+    )  # fmt: skip
+
+
+def opening(found: Validation, summary: Summary) -> Html:
+    """The verdict, and the severest contact with a link to it, at which the page opens."""
+    worst: list[Any] = []
+    at = summary.metrics.get("closing_speed")
+    for one in found.contacts:
+        if at is not None and (one.a, one.b, one.time) == (*at.bodies, at.time):
+            place = f"{one.time:.2f} s, {_names(found, one.a, one.b)}"
+            number = _numbers(summary)[one.a, one.b, round(one.time, 6)]
+            how = f", closing at {one.severity.closing:.3f} m/s"
+            if one.severity.energy is not None:
+                how += f", {amount(one.severity.energy, 'J', 1)} lost"
+            link = _link(place, one.time, {"contact": number}, class_="worst")
+            worst = [" Severest: ", link, f"{how}."]
+    words = f"Validation: {found.verdict}."
+    return tag("p", words, worst, class_="verdict bad" if found.code else "verdict")
+
+
+def _names(found: Validation, *bodies: int | None) -> str:
+    return " and ".join(found.names[body] for body in bodies if body is not None)
+
+
+def findings_section(found: Validation, summary: Summary) -> Html:
+    """The verdict, a table of all findings, and the whole report."""
+    rows = list(_findings(found, summary))
+    left = len(rows) - MOST_FINDINGS
+    told = table(
+        ("finding", "moment", "who", "what"), rows[:MOST_FINDINGS], class_="findings",
+        caption="Findings, each with its moment",
+    )  # fmt: skip
+    return tag(
+        "section",
+        tag("h2", "Validation"),
+        tag("p", found.verdict, class_="verdict bad" if found.code else "verdict"),
+        told if rows else None,
+        tag("p", f"and {left} more (physim validate --json has all)") if left > 0 else None,
+        tag("details", tag("summary", "The whole report"), lines(report(found, full=True))),
+        id="validation",
+        aria_label="validation",
     )
 
 
-def _row(one: Finding, found: Validation) -> str:
-    names = found.names
-    moment = "–" if one.time is None else f"{one.time:.2f} s"
-    if one.time is not None:
-        asked: dict[str, object] = {}
-        robot = one.robot if one.robot is not None else min(one.bodies, default=found.run.robots)
-        if one.contact is not None:
-            asked["contact"] = one.contact
-        elif robot < found.run.robots:
-            asked["robot"] = names[robot]
-        moment = f'<a href="{_link(one.time, asked)}">{moment}</a>'
-    who = html_text(_names(found, *one.bodies))
-    cells = (html_text(one.kind), moment, who, html_text(one.text))
-    return "<tr>" + "".join(f"<td>{cell}</td>" for cell in cells) + "</tr>"
+def _findings(found: Validation, summary: Summary) -> Iterator[tuple[object, ...]]:
+    """Cells of a line each: what is wrong with the record, contacts, what was missed, near misses.
 
+    A moment leads to its contact, or to the robot to ask.
+    """
+    names, number = found.names, _numbers(summary)
 
-def _findings(found: Validation, summary: Summary) -> Iterator[Finding]:
-    """What is wrong with the record first, then contacts, what was missed, and near misses."""
-    yield from _disagreements(found)
-    yield from _contacts(found, summary)
-    for missed in found.missed:
-        yield Finding("not as expected", None, (), f"{missed.key}: {missed}")
-    near, names = found.near_misses, found.names
-    for what, unit, digits, some in (
-        ("distance", "m", 4, near.distances), ("collision time", "s", 3, near.times)
-    ):  # fmt: skip
-        for one in some:
-            duty = "" if one.behind is None else f"; {names[one.behind]} had to give way"
-            text = f"{what} {one.value:.{digits}f} {unit}{duty}"
-            yield Finding("near miss", one.time, (one.a, one.b), text, robot=one.behind)
+    def row(
+        kind: str,
+        time: float | None,
+        bodies: tuple[int | None, ...],
+        words: str,
+        contact: int | None = None,
+        robot: int | None = None,
+    ) -> tuple[object, ...]:
+        moment: object = "–"
+        if time is not None:
+            who = min((b for b in bodies if b is not None), default=found.run.robots)
+            who = who if robot is None else robot
+            asked: dict[str, Any] = {"robot": names[who]} if who < found.run.robots else {}
+            asked = asked if contact is None else {"contact": contact}
+            moment = _link(f"{time:.2f} s", time, asked)
+        return kind, moment, _names(found, *bodies), words
 
-
-def _disagreements(found: Validation) -> Iterator[Finding]:
     for line in found.origin.differences:
-        yield Finding("disagreement", None, (), line)
+        yield row("disagreement", None, (), line)
     wrong = list(found.recomputed.mismatches)
     if found.rerun is not None and found.rerun.difference is not None:
         wrong.insert(0, found.rerun.difference)
     for value in wrong:
-        who = () if value.robot is None else (value.robot,)
-        yield Finding("disagreement", value.time, who, value.line(found.names))
+        yield row("disagreement", value.time, (value.robot,), value.line(names))
     for stray in found.motion.strays:
-        yield Finding("disagreement", stray.time, (stray.robot,), stray.sentence)
+        yield row("disagreement", stray.time, (stray.robot,), stray.sentence)
     for one in found.comparison.disagreements:
-        bodies = (one.a,) if one.b is None else (one.a, one.b)
-        yield Finding("disagreement", one.time, bodies, f"{one.cause} ({one.what})")
+        yield row("disagreement", one.time, (one.a, one.b), f"{one.cause} ({one.what})")
     for p in found.mispredicted:
-        yield Finding(
-            "disagreement", p.found, (p.a, p.b), "first touch in another step than was predicted"
-        )
-
-
-def _contacts(found: Validation, summary: Summary) -> Iterator[Finding]:
-    number, names = _numbers(summary), found.names
+        words = "first touch in another step than was predicted"
+        yield row("disagreement", p.found, (p.a, p.b), words)
     deep = {(one.a, one.b): one.sentence(names) for one in found.deep}
-
-    for one in (*found.contacts, *found.grazes):
-        said = " ".join([*sentences(one, names)[:3], deep.pop((one.a, one.b), "")]).rstrip()
-        place = number.get((one.a, one.b, round(one.time, 6)))
-        yield Finding(
-            "contact", one.time, (one.a, one.b), said, place, min(one.responsible, default=None)
-        )
+    for hit in (*found.contacts, *found.grazes):
+        pair = (hit.a, hit.b)
+        words = " ".join([*sentences(hit, names)[:3], deep.pop(pair, "")]).rstrip()
+        place, blamed = number.get((*pair, round(hit.time, 6))), min(hit.responsible, default=None)
+        yield row("contact", hit.time, pair, words, place, blamed)
+    for missed in found.missed:
+        yield row("not as expected", None, (), f"{missed.key}: {missed}")
+    near = found.near_misses
+    for what, unit, digits, some in (
+        ("distance", "m", 4, near.distances), ("collision time", "s", 3, near.times)
+    ):  # fmt: skip
+        for miss in some:
+            duty = "" if miss.behind is None else f"; {names[miss.behind]} had to give way"
+            words = f"{what} {miss.value:.{digits}f} {unit}{duty}"
+            yield row("near miss", miss.time, (miss.a, miss.b), words, robot=miss.behind)

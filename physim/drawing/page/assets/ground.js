@@ -15,8 +15,8 @@ export class Ground {
     this.reference = shape([scene.reference], false);
     const dashed = scene.paths.some(({ danger }) => danger.length);
     this.paths = scene.paths.flatMap(({ robots, safe, danger }) => [
-      { robot: robots[0], robots, path: shape(safe, false), dashed: false },
-      ...(dashed ? [{ robot: robots[0], robots, path: shape(danger, false), dashed: true }] : []),
+      { robot: robots.length > 1 ? -1 : robots[0], robots, path: shape(safe, false), dashed: false },
+      ...(dashed ? [{ robot: robots.length > 1 ? -1 : robots[0], robots, path: shape(danger, false), dashed: true }] : []),
     ]);
   }
 

@@ -296,7 +296,8 @@ def settle_marks(figure: Any) -> None:
 
 def pointed(axis: Any, places: FloatArray) -> FloatArray:
     """Places (n, 2) of an axis in [pt] of its figure."""
-    return np.asarray(axis.transData.transform(places), dtype=np.float64) * 72.0 / axis.figure.dpi
+    points: FloatArray = np.asarray(axis.transData.transform(places), dtype=np.float64)
+    return np.asarray(points * (72.0 / axis.figure.dpi))
 
 
 def settle(

@@ -343,10 +343,11 @@ def draw_widths(above: Any, below: Any, widths: Widths, name: str) -> list[Any]:
         text = f"{word} {significant(value)} m at {significant(station)} m"
         mark(below, station, value, text, below=k == least, colour=colour)
     bar = np.array([widths.left_foot[least], widths.point[least], widths.right_foot[least]])
-    return handles + above.plot(
+    handles += above.plot(
         *bar.T, color=WIDTHS, linewidth=1.8, zorder=4, gid="narrowest", marker="o", markersize=3.4,
         markevery=2, label="narrowest place",
     )  # fmt: skip
+    return handles
 
 
 # Before the run

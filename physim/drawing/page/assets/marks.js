@@ -8,7 +8,7 @@ const FLASH = 0.5; // [s of the reader's time] that a ring grows round a new con
 const still = matchMedia("(prefers-reduced-motion: reduce)");
 const FULL = 2 * Math.PI;
 
-function disc(context, x, y, radius, fill, edge, width = 1) {
+export function disc(context, x, y, radius, fill, edge, width = 1) {
   context.beginPath();
   context.arc(x, y, radius, 0, FULL);
   if (fill) {

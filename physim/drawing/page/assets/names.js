@@ -1,4 +1,4 @@
-// Labels of a view: the least distance, and the names of robots, each above or below its own.
+// Labels of a view: the least distance, and the names of robots, each beside its own.
 
 import { nearestOn } from "./robots.js";
 
@@ -44,7 +44,8 @@ export function writeLabels(context, labels, colours, [width, height], robots) {
     const isFree = ([px, py]) =>
       px - half > 0 && px + half < width && py > 8 && py < height - 8 &&
       taken.every(([ox, oy, wide]) => Math.abs(px - ox) > half + wide || Math.abs(py - oy) > 14);
-    const places = [[x, y - up], [x, y + up]];
+    const aside = half + up;
+    const places = [[x, y - up], [x, y + up], [x + aside, y], [x - aside, y]];
     const place = places.find((one) => isFree(one) && isClear(one, half, own, robots)) ?? (bold ? places[0] : null);
     if (!place) continue;
     taken.push([...place, half]);

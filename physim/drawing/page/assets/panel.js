@@ -1,20 +1,21 @@
 // Figures of the moment and the legend, beside the view; the words are those of the video.
 
 import { button, el, say } from "./dom.js";
-import { drawContact } from "./marks.js";
-import { Fleet, nowAt } from "./robots.js";
+import { disc, drawContact, line } from "./marks.js";
+import { nowAt } from "./robots.js";
 import { decimal, metres } from "./words.js";
 
 /** The table of figures, one column a run; `update` shows another time. */
 export function figures(views) {
   const labels = ["contacts so far", "touching now", "closest now", "wall, closest now", "finished"];
   const cells = labels.map(() => views.map(() => el("td", {})));
-  const many = views.length > 1;
-  const top = many
-    ? [el("thead", {}, el("tr", {}, el("td", {}), views.map(({ run }) => el("th", { scope: "col" }, run.label))))]
-    : [];
-  const rows = labels.map((label, k) => el("tr", {}, el("th", { scope: "row" }, label), cells[k]));
-  const table = el("table", { class: "figures" }, el("caption", { class: "unseen" }, "Figures of this moment"), top, el("tbody", {}, rows));
+  const heads = views.map(({ run }) => el("th", { scope: "col" }, run.label));
+  const table = el(
+    "table", { class: "figures" },
+    el("caption", { class: "unseen" }, "Figures of this moment"),
+    views.length > 1 ? el("thead", {}, el("tr", {}, el("td", {}), heads)) : null,
+    el("tbody", {}, labels.map((label, k) => el("tr", {}, el("th", { scope: "row" }, label), cells[k]))),
+  );
   const update = (time) => {
     views.forEach((view, column) => {
       momentOf(view, Math.min(time, view.run.duration)).forEach(([words, isBad], k) => {
@@ -34,12 +35,11 @@ function momentOf(view, time) {
   const touching = now.length ? both(now.at(-1).k) + (now.length > 1 ? ` + ${now.length - 1}` : "") : "none";
   const pair = view.closest(time);
   const closest = pair ? `${run.names[pair.a]} – ${run.names[pair.b]} ${metres(pair.distance)}` : "–";
-  const walls = run.header.curves.wall ? (view.walls ??= run.array("now_wall")) : null;
-  const wall = walls ? walls[nowAt(run, time)] : Infinity;
-  const isKnown = run.header.contacts.recorded;
+  const wall = run.header.curves.wall ? (view.walls ??= run.array("now_wall"))[nowAt(run, time)] : Infinity;
+  const known = (words) => (run.header.contacts.recorded ? words : "not recorded");
   return [
-    [isKnown ? contacts.length ? `${count} of ${contacts.length}` : "none" : "not recorded", count > 0],
-    [isKnown ? touching : "not recorded", now.length > 0],
+    [known(contacts.length ? `${count} of ${contacts.length}` : "none"), count > 0],
+    [known(touching), now.length > 0],
     [closest, pair !== null && pair.distance <= 0],
     [Number.isFinite(wall) ? metres(wall) : "–", wall <= 0],
     [run.finished(time) ? "yes" : "no", false],
@@ -75,61 +75,50 @@ export function legend(view, colours) {
   return { list, update };
 }
 
-const BOX = new Float64Array([-8, -5, 8, -5, 8, 5, -8, 5]);
+const across = (context, colour, width, dash = []) => {
+  context.setLineDash(dash);
+  line(context, [-12, 0], [12, 0], colour, width);
+  context.setLineDash([]);
+};
+const area = (key) => (context, colours) => {
+  Object.assign(context, { fillStyle: colours[key], strokeStyle: colours.quiet, lineWidth: 0.5 });
+  context.fillRect(-12, -6, 24, 12);
+  context.strokeRect(-12, -6, 24, 12);
+};
+/** By the first words of a line of the legend: how a small drawing of it is made. */
+const SIGNS = [
+  ["safe area", area("safe")],
+  ["danger area", area("danger")],
+  ["accessible area", area("floor")],
+  ["obstacle", area("obstacle")],
+  ["contact between", (context, colours) => drawContact(context, 0, 0, { swept: true }, colours)],
+  ["contact", (context, colours) => drawContact(context, 0, 0, {}, colours)],
+  ["too deep", (context, colours) => drawContact(context, 0, 0, { deep: true }, colours, true)],
+  ["a contact begins", (context, colours) => disc(context, 0, 0, 7, null, colours.contact, 1.5)],
+  ["closest pair", (context, colours) => {
+    across(context, colours.ink, 2);
+    for (const x of [-11, 11]) disc(context, x, 0, 2.5, colours.ink);
+  }],
+  ["target", (context, colours) => {
+    across(context, colours.quiet, 1);
+    disc(context, 9, 0, 3, colours.paper, colours.ink, 1.5);
+  }],
+  ["trail", (context, colours) => across(context, colours.robots[0], 2)],
+  ["path", (context, colours, words) => across(context, colours.robots[0], 1.2, words.includes("dashed") ? [9, 3, 3, 3] : [])],
+  ["reference", (context, colours) => across(context, colours.reference, 2)],
+  ["boundary", (context, colours) => across(context, colours.wall, 3)],
+  ["", (context, colours) => { // a robot
+    context.fillStyle = colours.robots[0];
+    context.fillRect(-8, -5, 16, 10);
+  }],
+];
 
 /** A small drawing of what some words of the legend stand for. */
 function sign(words, colours) {
   const canvas = el("canvas", { width: 60, height: 40, "aria-hidden": "true" });
   const context = canvas.getContext("2d");
   context.setTransform(2, 0, 0, 2, 30, 20);
-  const stroke = (colour, width, dash = []) => {
-    context.setLineDash(dash);
-    context.strokeStyle = colour;
-    context.lineWidth = width;
-    context.beginPath();
-    context.moveTo(-12, 0);
-    context.lineTo(12, 0);
-    context.stroke();
-    context.setLineDash([]);
-  };
-  const ring = (radius, fill, edge, x = 0) => {
-    context.beginPath();
-    context.arc(x, 0, radius, 0, 7);
-    context.fillStyle = fill;
-    if (fill) context.fill();
-    context.strokeStyle = edge;
-    context.lineWidth = 1.5;
-    context.stroke();
-  };
-  const key = Object.entries({ "safe area": "safe", "danger area": "danger", "accessible area": "floor", obstacle: "obstacle" })
-    .find(([name]) => name === words)?.[1];
-  if (key) {
-    context.fillStyle = colours[key];
-    context.fillRect(-12, -6, 24, 12);
-    context.strokeStyle = colours.quiet;
-    context.lineWidth = 0.5;
-    context.strokeRect(-12, -6, 24, 12);
-  } else if (words === "contact") drawContact(context, 0, 0, {}, colours);
-  else if (words.startsWith("too deep")) drawContact(context, 0, 0, { deep: true }, colours, true);
-  else if (words.startsWith("contact between")) drawContact(context, 0, 0, { swept: true }, colours);
-  else if (words === "a contact begins") ring(7, null, colours.contact);
-  else if (words === "closest pair") {
-    stroke(colours.ink, 2);
-    for (const x of [-11, 11]) ring(2, colours.ink, colours.ink, x);
-  } else if (words === "target") {
-    stroke(colours.quiet, 1);
-    ring(3, colours.paper, colours.ink, 9);
-  } else if (words.startsWith("trail")) stroke(colours.robots[0], 2);
-  else if (words.startsWith("path")) stroke(colours.robots[0], 1.2, words.includes("dashed") ? [9, 3, 3, 3] : []);
-  else if (words.startsWith("reference")) stroke(colours.reference, 2);
-  else if (words === "boundary") stroke(colours.wall, 3);
-  else {
-    const path = new Path2D();
-    const corners = Fleet.placed(BOX, [0, 0, 0], 0, { scale: 1, x: 0, y: 0 });
-    for (let k = 0; k < 8; k += 2) path.lineTo(corners[k], corners[k + 1]);
-    context.fillStyle = colours.robots[0];
-    context.fill(path);
-  }
+  SIGNS.find(([start]) => words.startsWith(start))[1](context, colours, words);
   return canvas;
 }
 

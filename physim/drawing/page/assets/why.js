@@ -27,14 +27,12 @@ export function whyRobot(view, robot, time, go) {
   return [
     head(name, mode),
     el("p", { class: "because" }, because(view, robot, row, mode, rule)),
-    rule ? ruleLine(rule) : null,
+    rule ? el("p", { class: "rule" }, el("strong", {}, rule.words), rule.prose ? `: ${rule.prose}` : "") : null,
     seenTable(run, row, mode),
     story(view, robot, go),
     factTable(run, robot, row, go, time),
   ];
 }
-
-const caption = (words) => el("caption", { class: "unseen" }, words);
 
 function head(name, mode) {
   const chip = mode && el("span", { class: "chip" }, mode.words);
@@ -42,47 +40,46 @@ function head(name, mode) {
   return el("h2", {}, name, " ", chip);
 }
 
-function ruleLine(rule) {
-  return el("p", { class: "rule" }, el("strong", {}, rule.words), rule.prose ? `: ${rule.prose}` : "");
+/** A table of rows: their class, label and cells. */
+function tableOf(name, caption, rows, top = null) {
+  const lines = rows.map(([kind, label, ...cells]) =>
+    el("tr", { class: kind }, el("th", { scope: "row" }, label), cells.map((cell) => el("td", {}, cell))));
+  return el("table", { class: name }, el("caption", { class: "unseen" }, caption), top, el("tbody", {}, lines));
 }
 
 /** One or two sentences: what made it decide as it did. */
 export function because(view, robot, row, mode, rule) {
   const { run } = view;
-  const at = `At ${decimal(run.step[row] * run.dt, 2)} s ${run.names[robot]}`;
-  const [v, omega] = ["nominal_v", "nominal_omega"].map((column) => run.column(column)[row]);
-  const does = `${at} decided to ${motion(v, omega)}`;
+  const at = `At ${seconds(run.step[row] * run.dt)} ${run.names[robot]}`;
+  const does = `${at} decided to ${motion(...["nominal_v", "nominal_omega"].map((column) => run.column(column)[row]))}`;
   const states = limits(run, row);
   if (!states.length || !mode) return `${does}${run.header.why.avoids ? "" : "; its avoidance is off"}.`;
-  if (mode.danger) {
-    const near = states.filter((one) => one.isShort && one.column !== "collision_time")
-      .map((one) => told(one, one.column === "distance" ? nearest(view, robot, row) : ""));
-    const time = states.find((one) => one.column === "collision_time");
-    if (!near.length && time) {
-      const until = time.wasDanger ? "no later than" : "in less than";
-      near.push(
-        `by the command it would take in safe mode it would touch a robot or wall ${until} ` +
-          `${seconds(time.limit)} from then`,
-      );
-    }
-    if (!states[0].wasDanger) return `${does}, because ${near.join(" and ")}.`;
-    const clear = states.map(({ column, limit }) => `${SEEN[column]} above ${amount(limit, column === "collision_time" ? "s" : "m")}`);
-    return `${does}. It stays in danger until all are clear (${clear.join(", ")}): ${near.join(" and ")}.`;
+  if (!mode.danger) {
+    if (rule?.name === "stop") return `${at} stands at its stop.`;
+    const seen = states.filter((one) => !Number.isNaN(one.value)).map((one) => `${SEEN[one.column]} ${saw(run, one)}`);
+    return seen.length ? `${does}; nothing was near: ${seen.join(", ")}.` : `${does}.`;
   }
-  if (rule?.name === "stop") return `${at} stands at its stop.`;
-  const seen = states.filter((one) => !Number.isNaN(one.value));
-  if (!seen.length) return `${does}.`;
-  return `${does}; nothing was near: ${seen.map((one) => `${SEEN[one.column]} ${saw(run, one)}`).join(", ")}.`;
+  const near = states.filter((one) => one.isShort && one.column !== "collision_time")
+    .map((one) => told(one, one.column === "distance" ? nearest(view, robot, row) : ""));
+  const time = states.find((one) => one.column === "collision_time");
+  if (!near.length && time) {
+    const until = `${time.wasDanger ? "no later than" : "in less than"} ${seconds(time.limit)} from then`;
+    near.push(`by the command it would take in safe mode it would touch a robot or wall ${until}`);
+  }
+  if (!states[0].wasDanger) return `${does}, because ${near.join(" and ")}.`;
+  const clear = states.map(({ column, limit }) => `${SEEN[column]} above ${amount(limit, unitOf(column))}`);
+  return `${does}. It stays in danger until all are clear (${clear.join(", ")}): ${near.join(" and ")}.`;
 }
 
+const unitOf = (column) => (column === "collision_time" ? "s" : "m");
+
 /** A command as people say it. */
-function motion(v, omega) {
-  [v, omega] = [v, omega].map((one) => (Math.abs(one) < 5e-3 ? 0 : one)); // as they are shown
-  if (!v && !omega) return "stand still";
-  const turn = !omega ? "straight" : omega > 0 ? "turning left" : "turning right";
-  if (!v) return `turn ${omega > 0 ? "left" : "right"} where it stands`;
-  const on = turn === "straight" ? "" : `, ${turn}`;
-  return `${v > 0 ? `drive at ${decimal(v, 2)} m/s` : `back up at ${decimal(-v, 2)} m/s`}${on || " straight on"}`;
+function motion(...command) {
+  const [v, omega] = command.map((one) => (Math.abs(one) < 5e-3 ? 0 : one)); // as they are shown
+  const side = omega > 0 ? "left" : "right";
+  if (!v) return omega ? `turn ${side} where it stands` : "stand still";
+  const drive = v > 0 ? `drive at ${decimal(v, 2)} m/s` : `back up at ${decimal(-v, 2)} m/s`;
+  return drive + (omega ? `, turning ${side}` : " straight on");
 }
 
 function told({ column, value, enter, leave }, who) {
@@ -133,92 +130,77 @@ function seenTable(run, row, mode) {
   const states = limits(run, row);
   if (!states.length) return null;
   const rows = states.map((one) => {
-    const unit = one.column === "collision_time" ? "s" : "m";
-    const bound = amount(one.limit, unit) + (one.ofWall ? " (a boundary)" : "");
-    const note = one.column === "collision_time" && mode?.danger ? " (under its new command)" : "";
-    const known = !(one.column === "collision_time" && mode?.danger);
-    return el(
-      "tr", { class: one.isShort && known ? "short" : "" },
-      el("th", { scope: "row" }, SEEN[one.column] + note),
-      el("td", {}, saw(run, one)), el("td", {}, bound),
-    );
+    const isNew = one.column === "collision_time" && mode?.danger;
+    const bound = amount(one.limit, unitOf(one.column)) + (one.ofWall ? " (a boundary)" : "");
+    return [one.isShort && !isNew ? "short" : "", SEEN[one.column] + (isNew ? " (under its new command)" : ""), saw(run, one), bound];
   });
-  const bounds = states[0].wasDanger ? "safe again above" : "danger below";
-  const top = el("tr", {}, ...["", "it saw", bounds].map((words) => (words ? el("th", { scope: "col" }, words) : el("td", {}))));
-  return el("table", { class: "seen" }, caption("What it saw, and its thresholds"), el("thead", {}, top), el("tbody", {}, rows));
+  const heads = ["it saw", states[0].wasDanger ? "safe again above" : "danger below"];
+  const top = el("thead", {}, el("tr", {}, el("td", {}), heads.map((words) => el("th", { scope: "col" }, words))));
+  return tableOf("seen", "What it saw, and its thresholds", rows, top);
 }
 
 function factTable(run, robot, row, go, time) {
-  const facts = [];
-  const add = (label, ...content) => facts.push([label, content]);
-  const next = run.step[row] + run.hold[row];
+  const rows = [];
+  const add = (label, ...content) => rows.push(["", label, content.flatMap((one) => [one, " "])]);
+  const at = (name) => run.column(name)[row];
+  const next = (run.step[row] + run.hold[row]) * run.dt;
   const { why, range } = run.header;
   const others = run.considered(row);
-  const count = run.column("considered")[row];
   if (others) {
     const buttons = others.slice(0, MOST_OTHERS).map((other) =>
-      button(run.names[other], () => go({ robot: other }), { class: "link" }),
-    );
-    const more = others.length > MOST_OTHERS ? ` and ${others.length - MOST_OTHERS} more` : "";
-    add("considered", others.length ? buttons : "no robot", more);
-  } else if (count >= 0) {
-    add("considered", plural(count, "robot"));
-  }
+      button(run.names[other], () => go({ robot: other }), { class: "link" }));
+    const more = others.length > MOST_OTHERS ? [`and ${others.length - MOST_OTHERS} more`] : [];
+    add("considered", ...(others.length ? [...buttons, ...more] : ["no robot"]));
+  } else if (at("considered") >= 0) add("considered", plural(at("considered"), "robot"));
   if (range) add("range", `${decimal(range, 1)} m${why.priority ? `. ${why.priority}` : ""}`);
-  const [x, y] = ["own:target_x", "own:target_y"].map((name) => run.column(name)[row]);
+  const [x, y] = PLACES.map((name) => at(`own:${name}`));
   if (Number.isFinite(x + y)) add("target", `(${decimal(x, 2)}, ${decimal(y, 2)}) m`);
   const given = run.commands(robot, time);
-  const words = ["nominal", "filtered", "applied"].map((stage) => command(given[stage]));
-  if (words.every((one) => one === words[0])) {
-    add("command", `${words[0]} (nominal, filtered and applied)`);
+  const stages = ["nominal", "filtered", "applied"].map((stage) => [stage, command(given[stage])]);
+  if (stages.every(([, words]) => words === stages[0][1])) {
+    add("command", `${stages[0][1]} (nominal, filtered and applied)`);
   } else {
-    ["nominal", "filtered", "applied"].forEach((stage, k) => add(stage, words[k]));
-    if (given.apart > 0) add("", `(this page keeps these every ${decimal(given.apart, 2)} s)`);
+    for (const one of stages) add(...one);
+    if (given.apart > 0) add("", `(this page keeps these every ${seconds(given.apart)})`);
   }
-  const rest = [];
-  const station = run.column("station")[row];
-  if (Number.isFinite(station)) rest.push(`${decimal(station, 1)} m along its path`);
-  const off = run.column("deviation")[row];
-  if (Number.isFinite(off)) rest.push(`${metres(Math.abs(off))} ${off < 0 ? "right" : "left"} of it`);
-  if (rest.length) add("place", rest.join(", "));
-  const error = run.column("formation_error")[row];
+  const [station, off] = [at("station"), at("deviation")];
+  const place = [
+    Number.isFinite(station) ? `${decimal(station, 1)} m along its path` : "",
+    Number.isFinite(off) ? `${metres(Math.abs(off))} ${off < 0 ? "right" : "left"} of it` : "",
+  ].filter(Boolean);
+  if (place.length) add("place", place.join(", "));
+  const error = at("formation_error");
   const formed = run.header.curves.error.name === "formation_error";
   if (Number.isFinite(error) && formed) add("formation error", metres(error));
-  const isTold = (name) => limits(run, row).some((one) => one.column === name);
-  for (const { name, unit, words: meaning } of run.header.columns) {
-    if (PLACES.includes(name) || isTold(name)) continue;
-    const value = run.column(`own:${name}`)[row];
-    if (!Number.isNaN(value)) add(SEEN[name] ?? (meaning || name), amount(value, unit));
+  const shown = [...PLACES, ...limits(run, row).map((one) => one.column)];
+  for (const { name, unit, words } of run.header.columns) {
+    const value = at(`own:${name}`);
+    if (!shown.includes(name) && !Number.isNaN(value)) add(SEEN[name] ?? (words || name), amount(value, unit));
   }
   const rule = why.next ? `: ${why.next.words} ${why.next.equation}` : "";
-  add("next decision", next * run.dt > run.duration ? "after the end" : `${decimal(next * run.dt, 2)} s${rule}`);
-  const body = facts.map(([label, content]) =>
-    el("tr", {}, el("th", { scope: "row" }, label), el("td", {}, content.flat().flatMap((one) => [one, " "]))),
-  );
-  return el("table", { class: "facts" }, caption("Its last decision"), el("tbody", {}, body));
+  add("next decision", next > run.duration ? "after the end" : `${seconds(next)}${rule}`);
+  return tableOf("facts", "Its last decision", rows);
 }
 
 /** The panel of one contact: what `physim validate` says of it. */
 export function whyContact(view, k, go) {
   const { run, contacts } = view;
-  const told_ = contacts.told[k];
+  const said = contacts.told[k];
+  const names = contacts.bodies(k).map((body) => run.names[body]);
+  const title = el("h2", {}, `Contact at ${seconds(contacts.time(k))}: ${names.join(" and ")}`);
   const robots = contacts.bodies(k).filter((body) => body < run.robots);
-  const jump = el(
-    "p", {}, ...robots.flatMap((robot) => [
-      button(`What did ${run.names[robot]} decide?`, () => go({ robot, contact: -1 }), { class: "link" }), " ",
-    ]),
-  );
-  const [a, b] = contacts.bodies(k).map((body) => run.names[body]);
-  const title = el("h2", {}, `Contact at ${decimal(contacts.time(k), 2)} s: ${a} and ${b}`);
-  if (!told_) {
-    const where = contacts.place(k, contacts.began[k]);
+  const jump = el("p", {}, robots.flatMap((robot) => [
+    button(`What did ${run.names[robot]} decide?`, () => go({ robot, contact: -1 }), { class: "link" }), " ",
+  ]));
+  if (!said) {
+    const { x, y } = contacts.place(k, contacts.began[k]);
     const how = contacts.swept[k] ? "between two samples" : plural(contacts.samples[k], "sample");
-    return [title, el("p", {}, `At (${decimal(where.x, 2)}, ${decimal(where.y, 2)}) m, ${how}.`), jump];
+    return [title, el("p", {}, `At (${decimal(x, 2)}, ${decimal(y, 2)}) m, ${how}.`), jump];
   }
-  const safe = told_.safe === null ? null : el(
+  const safe = said.safe === null ? null : el(
     "p", {}, "Last safe moment: just before ",
-    button(seconds(told_.safe), () => go({ time: told_.safe }), { class: "link" }),
+    button(seconds(said.safe), () => go({ time: said.safe }), { class: "link" }),
     ". From there on the contact lay ahead at every decision.",
   );
-  return [title, ...told_.lines.map((line) => el("p", {}, line)), safe, jump];
+  return [title, ...said.lines.map((line) => el("p", {}, line)), safe, jump];
 }

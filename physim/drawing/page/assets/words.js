@@ -3,34 +3,21 @@
 export const decimal = (value, decimals) =>
   (Number(value.toFixed(decimals)) + 0).toFixed(decimals).replace("-", "\u2212");
 
-/** A distance: two decimals, three below 0.1 m. */
-export function metres(length) {
-  if (Number.isNaN(length)) return "not reported";
-  if (!Number.isFinite(length)) return "none";
-  return `${decimal(length, Math.abs(length) < 0.0995 ? 3 : 2)} m`;
-}
-
-export function seconds(time, decimals = 2) {
-  if (Number.isNaN(time)) return "not reported";
-  return Number.isFinite(time) ? `${decimal(time, decimals)} s` : "none";
-}
-
-/** Any number a controller reports, with its unit. */
+/** Any number that a controller reports, with its unit; a distance has three decimals below 0.1 m. */
 export function amount(value, unit) {
-  if (unit === "m") return metres(value);
-  if (unit === "s") return seconds(value);
   if (!Number.isFinite(value)) return Number.isNaN(value) ? "not reported" : "none";
-  const written = Number.isInteger(value) ? decimal(value, 0) : decimal(value, 3);
-  return unit === "-" ? written : `${written} ${unit}`;
+  if (unit === "m") return `${decimal(value, Math.abs(value) < 0.0995 ? 3 : 2)} m`;
+  if (unit === "s") return `${decimal(value, 2)} s`;
+  return `${decimal(value, Number.isInteger(value) ? 0 : 3)} ${unit === "-" ? "" : unit}`.trim();
 }
+
+export const metres = (length) => amount(length, "m");
+
+export const seconds = (time) => amount(time, "s");
 
 export const command = ([v, omega]) => `${decimal(v, 2)} m/s, ${decimal(omega, 2)} rad/s`;
 
 export const plural = (count, one, many = `${one}s`) => `${count} ${count === 1 ? one : many}`;
-
-/** "a, b and c" */
-export const listed = (words) =>
-  words.length < 2 ? words.join("") : `${words.slice(0, -1).join(", ")} and ${words.at(-1)}`;
 
 /** A round length at most `most`: 1, 2 or 5 times a power of ten. */
 export function roundBelow(most) {

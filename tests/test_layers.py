@@ -68,7 +68,6 @@ LAYERS = {
     "physim.drawing.scene_model": (5, 0),
     "physim.drawing.items": (5, 1),
     "physim.drawing.timeline": (5, 1),
-    "physim.drawing.distances": (5, 1),
     "physim.drawing.video": (5, 2),
     "physim.drawing.plots": (5, 2),
     "physim.drawing.page": (5, 3),
@@ -223,7 +222,7 @@ def test_third_parties_stay_where_they_belong() -> None:
         "tinycss2": ("physim.authoring",),
         "av": ("physim.drawing.video",),
         "matplotlib": ("physim.drawing.plots", "physim.drawing.preview", "physim.reproduction"),
-        "imageio": ("physim.drawing.video",),
+        "PIL": ("physim.drawing.video", "physim.reproduction"),
         "rich": ("physim.cli",),
         "numba": (
             "physim.compiled",

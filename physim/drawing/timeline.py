@@ -17,7 +17,9 @@ from physim.drawing.crowd import NAMED
 from physim.drawing.palette import BAND, INK, Colour
 from physim.drawing.scene_model import SceneModel
 from physim.errors import RecordError
+from physim.geometry.clearance import ClearanceFinder
 from physim.geometry.shapes import FloatArray, IntArray
+from physim.geometry.wall_grid import build_wall_grid
 from physim.parts.declarations import NO_NUMBER
 from physim.record import check_record
 
@@ -31,6 +33,10 @@ NO_ROW = -1
 COARSE = 0.1
 """[s] between two samples from which on a picture shows the sample before, and that sample's time:
 the clock has so many seconds, and all of a picture is of one moment"""
+REACH, CELL = 10.0, 2.0
+"""[m] of the look-up of walls: a matter of speed, not of values"""
+MOST_POSES = 100_000
+"""whose distances are worked out in one go"""
 COLUMNS = ("target_x", "target_y")
 """Columns of the decisions that pictures show."""
 
@@ -200,6 +206,30 @@ class Timeline:
             return Curves("formation error [m]", "formation_error", errors, *lines)
         title = "deviation left of the path [m]"
         return Curves(title, "deviation", self.record.course[:, :, 1], *lines)
+
+    def distances_at(self, samples: IntArray) -> tuple[FloatArray, FloatArray]:
+        """Return the distances (M, N) [m] to robots and to walls at M samples, given by index.
+
+        Negative: depth. A record of every step has them. Those of one with fewer samples are the
+        least since the sample before, which is another moment: they are worked out from the poses.
+        """
+        record = self.record
+        if record.record_every == 1:
+            return record.clearance[samples], record.boundary_clearance[samples]
+        block = max(1, MOST_POSES // self.robots)
+        found = [
+            self._finder.find(record.pose[samples[first : first + block]])
+            for first in range(0, len(samples), block)
+        ]
+        return (
+            np.concatenate([one.clearance for one in found]),
+            np.concatenate([one.boundary_clearance for one in found]),
+        )
+
+    @cached_property
+    def _finder(self) -> ClearanceFinder:
+        walls = self.record.walls
+        return ClearanceFinder(self.record.shapes, walls, build_wall_grid(walls, REACH, CELL))
 
     @cached_property
     def distances(self) -> Curves:

@@ -31,9 +31,11 @@ def crowd(tmp_path_factory: pytest.TempPathFactory, changed: Callable[..., Any])
     pose[:, :, 0] += 0.1 * np.arange(len(pose))[:, None]
     pose[..., 2] = 0.0
     pose[:, 9, 0] += 1.0  # closest to 10
+    clearance = np.full(made.clearance.shape, 1.2)
+    clearance[:, 9:11] = 0.2
     course = made.course.copy()
     course[:, :, 2] = made.lead - robots / 1000.0
-    return changed(made, pose=pose, course=course, contacts=made.contacts[:0])
+    return changed(made, pose=pose, clearance=clearance, course=course, contacts=made.contacts[:0])
 
 
 def test_quantiles_are_those_of_the_known_values() -> None:

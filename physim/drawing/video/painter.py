@@ -12,34 +12,38 @@ import numpy as np
 from physim.drawing import palette
 from physim.drawing.palette import rgb
 from physim.drawing.timeline import Timeline
-from physim.drawing.video.camera import Camera, common_scale
-from physim.drawing.video.ground import Overview, ground, plain
-from physim.drawing.video.layout import HEIGHT, TEXT, TITLE, WIDTH, Box, Image, arrange
-from physim.drawing.video.legend import (
-    CONTACT,
-    ROW,
-    SIGN,
-    draw_ground_signs,
-    draw_modes,
-    draw_signs,
-    signs,
+from physim.drawing.video.canvas import (
+    BOLD,
+    HEIGHT,
+    PANEL,
+    STRIP,
+    TEXT,
+    TITLE,
+    VIEW,
+    WIDTH,
+    Box,
+    Image,
+    draw_progress,
+    draw_scale,
+    shorten,
+    width,
+    write,
 )
-from physim.drawing.video.panel import Panel, draw_progress
-from physim.drawing.video.scale import draw_scale
+from physim.drawing.video.ground import ground
+from physim.drawing.video.panel import GROUND, ROW, SIGN, Panel, draw_signs, mode_signs, signs
 from physim.drawing.video.strip import Strip
-from physim.drawing.video.text import BOLD, shorten, width, write
-from physim.drawing.video.view import View
+from physim.drawing.video.view import SHORT, Camera, View, smallest_length
+from physim.drawing.video.whole import Whole
 from physim.world.differences import differences
 
 if TYPE_CHECKING:
     from physim.parts.declarations import Mode
     from physim.world import World
 
-
 DISTANCES = 0.5
 """Share of the strip for the least distances, where there are any"""
-LEAST_OVERVIEW = 24
-"""[px] height below which the overview is left out"""
+LEAST_WHOLE = 24
+"""[px] height below which the whole world is not shown beside the view"""
 
 
 class Painter:
@@ -49,24 +53,19 @@ class Painter:
     """
 
     def __init__(self, timeline: Timeline, speed: float, fps: float) -> None:
-        self.timeline = timeline
+        self.timeline, world = timeline, ground(timeline)
         self._image: Image = np.empty((HEIGHT, WIDTH, 3), np.uint8)
-        view, beside, below = arrange()
-        world = ground(timeline)
-        self._view = View(timeline, world, view, speed, fps)
-        camera, entries = self._view.camera, signs(timeline, world)
-        panel = beside.of(self._image)
-        self._panel = Panel(timeline, panel, self._view.scales, speed, entries)
-        free = self._panel.free
-        self._overview_image = free.of(panel)
-        crowded = camera.whole or free.height < LEAST_OVERVIEW
-        modes = timeline.scene.modes
-        self._overview = None if crowded else Overview(plain(timeline, world), free, modes)
-        distances, strip = timeline.distances, below.of(self._image)
-        split = round(DISTANCES * below.width) if distances.names else 0
+        self._view = View(timeline, world, VIEW, speed, fps)
+        panel, strip = PANEL.of(self._image), STRIP.of(self._image)
+        self._panel = Panel(timeline, world, panel, self._view.scales, speed)
+        free, self._whole = self._panel.free, None
+        self._whole_image = free.of(panel)
+        if not self._view.camera.whole and free.height >= LEAST_WHOLE:
+            self._whole = Whole(timeline, world, free, 5.0, small=True)
+        split = round(DISTANCES * STRIP.width) if timeline.distances.names else 0
         self._strips = [Strip(timeline, timeline.curves, strip[:, split:])]
         if split:
-            self._strips.append(Strip(timeline, distances, strip[:, :split]))
+            self._strips.append(Strip(timeline, timeline.distances, strip[:, :split]))
 
     def frame(self, time: float) -> Image:
         """Return the picture (720, 1280, 3) uint8 RGB at ``time`` [s]."""
@@ -77,9 +76,10 @@ class Painter:
         now = self.timeline.at(time)
         pair = self._view.paint(self._image, now)
         self._panel.paint(now, pair)
-        if self._overview is not None:
-            corners = self._view.corners(now.time)
-            self._overview.paint(self._overview_image, corners, now)
+        if self._whole is not None:
+            over = self.timeline.over(now.time)
+            corners = None if over else self._view.camera.corners(now.time)
+            self._whole.paint_small(self._whole_image, now, corners)
         for strip in self._strips:
             strip.paint(now)
         return self._image
@@ -102,8 +102,6 @@ BANNER = (33, 57)
 """[px] from top to bottom of what marks the header of such a run"""
 PALE = 0.45
 """Share of white in its picture"""
-SAMPLE = "shown at {:.1f} s: "
-"""Before what is said of a coarse record, of which a sample before the clock's time is shown"""
 MOST_NAMED = 2
 """Differing values of the two worlds that the titles name."""
 
@@ -118,17 +116,17 @@ class Beside:
 
     def __init__(self, left: Timeline, right: Timeline, speed: float, fps: float) -> None:
         timelines = left, right
-        self.duration = max(timeline.duration for timeline in timelines)
+        self.duration = max(left.duration, right.duration)
         self._speed = speed
         half, high = (WIDTH - GAP) // 2, HEIGHT - HEADER - BARS - FOOTER
         boxes = Box(0, HEADER, half, high), Box(WIDTH - half, HEADER, half, high)
         self._grounds = [ground(timeline) for timeline in timelines]
         shown = [*zip(timelines, self._grounds, boxes, strict=True)]
-        cameras = [Camera(one, world.extent, box, speed) for one, world, box in shown]
-        most = common_scale(cameras, timelines)
+        # the largest scale that both can have, unless a robot would be too small
+        most = min(Camera(one, world.extent, box, speed).scale for one, world, box in shown)
+        if min(map(smallest_length, timelines)) * most < SHORT:
+            most = np.inf
         self._views = [View(one, world, box, speed, fps, most) for one, world, box in shown]
-        self._titles = titles(left.record.world, right.record.world)
-        self._names = file_names(left.record.path, right.record.path)
         self._still = self._draw_still()
         self._image = np.empty_like(self._still)
 
@@ -141,8 +139,7 @@ class Beside:
         image = self._image
         image[:] = self._still
         for view in self._views:
-            end = view.timeline.duration
-            then = min(time, end)
+            then = min(time, view.timeline.duration)
             held = view.timeline.over(time) and time < self.duration - 1e-9
             now = view.timeline.at(then)
             view.paint(image, now, held)
@@ -163,64 +160,67 @@ class Beside:
         ``time`` is that of the view, told where the ``clock`` is ahead of it.
         """
         timeline, right = view.timeline, view.box.left + view.box.width - PAD
-        count, arrived = timeline.contacts.count(time), timeline.arrived(time)
+        count, end = timeline.contacts.count(time), timeline.duration
         colour = palette.CONTACT if count else palette.INK
         words = f"{count} contacts so far" if count != 1 else "1 contact so far"
         write(image, words, (right, 26), TITLE, colour=colour, weight=BOLD, anchor="right")
-        words, end = f"{arrived} of {timeline.robots} arrived", timeline.duration
+        words = f"{timeline.arrived(time)} of {timeline.robots} finished"
         if held:
-            draw_ended(image, right, f"ended at {end:.1f} s, its last picture: {words}")
+            words = f"ended at {end:.1f} s, its last picture: {words}"
+            words = shorten(words, TEXT, ENDED - PAD, BOLD)
+            left, (top, bottom) = right - width(words, TEXT, BOLD) - PAD // 2, BANNER
+            image[top:bottom, left : right + PAD // 2] = palette.INK
+            write(image, words, (right, 50), TEXT, colour=palette.WHITE, weight=BOLD,
+                  anchor="right")  # fmt: skip
             return
-        if timeline.over(time) and self._ends_first(timeline):
+        if timeline.over(time) and end < self.duration:
             words = f"ended at {end:.1f} s, {words}"
         if time < clock - 1e-6:
-            words = SAMPLE.format(time) + words
+            words = f"shown at {time:.1f} s: {words}"
         write(image, words, (right, 48), TEXT, colour=palette.QUIET, anchor="right")
-
-    def _ends_first(self, timeline: Timeline) -> bool:
-        """Whether a run is over before the other."""
-        return timeline.duration < self.duration
 
     def _draw_still(self) -> Image:
         image = np.full((HEIGHT, WIDTH, 3), 255, np.uint8)
-        for view, title, name in zip(self._views, self._titles, self._names, strict=True):
+        records = [view.timeline.record for view in self._views]
+        named = titles(records[0].world, records[1].world)
+        files = file_names(records[0].path, records[1].path)
+        for view, title, name in zip(self._views, named, files, strict=True):
             record, left = view.timeline.record, view.box.left + PAD
-            room = view.box.width - 2 * PAD - OUTCOME
+            room = view.box.width - 2 * PAD
             words = f"{record.name}, seed {record.seed}"
             if title and name:
                 words = f"{name}: {words}"
-            write(image, shorten(title or name, TITLE, room, BOLD), (left, 26), TITLE,
-                  weight=BOLD)  # fmt: skip
-            beside = ENDED if self._ends_first(view.timeline) else OUTCOME
-            words = shorten(words, TEXT, view.box.width - 2 * PAD - beside)
+            head = shorten(title or name, TITLE, room - OUTCOME, BOLD)
+            write(image, head, (left, 26), TITLE, weight=BOLD)
+            beside = ENDED if view.timeline.duration < self.duration else OUTCOME
+            words = shorten(words, TEXT, room - beside)
             write(image, words, (left, 48), TEXT, colour=palette.QUIET)
-        middle = WIDTH // 2
+        middle, top = WIDTH // 2, HEIGHT - FOOTER + 48
         cv2.line(image, (middle, 0), (middle, HEIGHT - FOOTER), palette.RULE, GAP)
-        at = PAD + 190, HEIGHT - FOOTER + 31
-        write(image, f"×{self._speed:g}", at, 17, colour=palette.QUIET, weight=BOLD, anchor="right")
-        self._draw_legend(image)
-        return image
-
-    def _draw_legend(self, image: Image) -> None:
-        """The modes: of both runs in one row, or of each below its view where they would mix up."""
-        top = HEIGHT - FOOTER + 48
-        draw_signs(image, BAR_END + 2 * PAD, HEIGHT - FOOTER + 14, ROW, [CONTACT])
+        write(image, f"×{self._speed:g}", (PAD + 190, HEIGHT - FOOTER + 31), 17,
+              colour=palette.QUIET, weight=BOLD, anchor="right")  # fmt: skip
+        both: list[list[Mode]] = []
         for view, world in zip(self._views, self._grounds, strict=True):
+            timeline = view.timeline
+            both.append([timeline.scene.modes[k] for k in timeline.explained_modes])
+            entries = signs(timeline, world)
+            contact = [("contact", entries["contact"])]
+            draw_signs(image, BAR_END + 2 * PAD, HEIGHT - FOOTER + 14, ROW, contact)
             left, right = view.box.left + BESIDE, view.box.left + view.box.width - PAD
-            entries = signs(view.timeline, world)
-            draw_ground_signs(image, left, right, BARS_TOP + (BARS - ROW) // 2, ROW, entries)
-        both = [
-            [view.timeline.scene.modes[k] for k in view.timeline.explained_modes]
-            for view in self._views
-        ]
+            for words in (word for word in reversed(GROUND) if word in entries):
+                wide = SIGN + width(words, TEXT)
+                if left + wide <= right:  # of what stands still as many as have the room
+                    entry = [(words, entries[words])]
+                    draw_signs(image, left, BARS_TOP + (BARS - ROW) // 2, ROW, entry)
+                    left += wide + PAD
         if shared := one_legend(*both):
             _draw_row(image, shared, PAD, WIDTH - PAD, top)
-            return
-        middle = WIDTH // 2
+            return image
         cv2.line(image, (middle, top), (middle, top + ROW), palette.RULE, GAP)
         for view, modes in zip(self._views, both, strict=True):
             left = view.box.left + PAD
             _draw_row(image, modes, left, left + view.box.width - 2 * PAD, top)
+        return image
 
 
 def one_legend(left: Sequence[Mode], right: Sequence[Mode]) -> list[Mode]:
@@ -240,19 +240,9 @@ def _draw_row(image: Image, modes: Sequence[Mode], left: int, right: int, top: i
     most = max(lengths, default=0)
     while most > LEAST_WORDS and sum(min(length, most) for length in lengths) > room:
         most -= 1
-    for mode, length in zip(modes, lengths, strict=True):
-        draw_modes(image, left, top, ROW, [mode], SIGN + most)
+    for entry, length in zip(mode_signs(modes), lengths, strict=True):
+        draw_signs(image, left, top, ROW, [entry], SIGN + most)
         left += SIGN + min(length, most) + 2 * PAD
-
-
-def draw_ended(image: Image, right: int, words: str) -> None:
-    """Write in a header, up to ``right`` [px], light on dark, that a run is over."""
-    top, bottom = BANNER
-    words = shorten(words, TEXT, ENDED - PAD, BOLD)
-    left = right - round(width(words, TEXT, BOLD)) - PAD // 2
-    image[top:bottom, left : right + PAD // 2] = palette.INK
-    white = (255, 255, 255)
-    write(image, words, (right, 50), TEXT, colour=white, weight=BOLD, anchor="right")
 
 
 def titles(left: World, right: World) -> tuple[str, str]:
@@ -265,23 +255,19 @@ def titles(left: World, right: World) -> tuple[str, str]:
     found = differences(left, right)
     if len(found) > MOST_NAMED and left.name != right.name:
         return left.name, right.name
-    words = [_word(key.removesuffix(".type")) for key in found]
+    words = []
+    for key in found:  # of filters.0 not 0 alone
+        parts = key.removesuffix(".type").split(".")
+        last = max((k for k, part in enumerate(parts) if not part.isdigit()), default=0)
+        words.append(".".join(parts[last:]))
     if len(set(words)) < len(words):
         words = list(found)
     named = list(zip(words, found.values(), strict=True))[:MOST_NAMED]
-    more = len(found) - len(named)
-    many = f"{len(found)} values, " if more else ""
+    many = f"{len(found)} values, " if len(found) > len(named) else ""
     first, second = (
         many + ", ".join(f"{word}: {pair[side]}" for word, pair in named) for side in (0, 1)
     )
     return first, second
-
-
-def _word(key: str) -> str:
-    """The end of a dotted key from its last name on: ``filters.0``, not ``0``."""
-    parts = key.split(".")
-    first = max((k for k, part in enumerate(parts) if not part.isdigit()), default=0)
-    return ".".join(parts[first:])
 
 
 def file_names(left: Path | None, right: Path | None) -> tuple[str, str]:

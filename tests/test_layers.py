@@ -26,6 +26,8 @@ ROOT = Path(__file__).parents[1]
 LAYERS = {
     "physim.errors": (0, 0),
     "physim.escaping": (0, 0),
+    "physim.html": (0, 1),
+    "physim.units": (0, 0),
     "physim.tolerances": (0, 0),
     "physim.streams": (0, 1),
     "physim.stray_settings": (0, 0),

@@ -10,8 +10,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from physim.analysis.metrics import Episode, Graze, contact_episodes, deep_contacts, grazes
-from physim.analysis.metrics.motion import sampled_errors
+from physim.analysis.metrics import Episode, Figures, Graze
 from physim.contacts import Phase
 from physim.drawing.crowd import NAMED
 from physim.drawing.palette import BAND, INK, Colour
@@ -201,7 +200,8 @@ class Timeline:
     @cached_property
     def curves(self) -> Curves:
         """What to show over time: formation errors, in a run without formation deviations."""
-        errors, lines = sampled_errors(self.record), (self.record.names, self.scene.colours)
+        errors = Figures(self.record).formation_errors
+        lines = self.record.names, self.scene.colours
         if errors is not None:
             return Curves("formation error [m]", "formation_error", errors, *lines)
         title = "deviation left of the path [m]"
@@ -314,7 +314,8 @@ class Episodes:
 
 def episodes(record: Record) -> Episodes:
     """Contact episodes and swept contacts of a record, with the places of their contacts."""
-    found: list[Episode | Graze] = [*contact_episodes(record), *grazes(record)]
+    run = Figures(record)
+    found: list[Episode | Graze] = [*run.episodes, *run.grazes]
     found.sort(key=lambda one: (one.step, one.a, one.b))
     swept = [isinstance(one, Graze) for one in found]
     columns = [(e.a, e.b, e.step, 1 if isinstance(e, Graze) else e.samples) for e in found]
@@ -326,7 +327,7 @@ def episodes(record: Record) -> Episodes:
     row = {key: k for k, key in enumerate(table[["a", "b", "step"]].tolist())}
     first = np.array([row[key[:3]] for key in columns], dtype=np.int64)
     deep = np.full(len(columns), np.inf)
-    for one in deep_contacts(record):
+    for one in run.deep:
         for k in np.flatnonzero((a == one.a) & (b == one.b)).tolist():
             mine = table[first[k] : first[k] + samples[k]]
             beyond = mine["step"][mine["depth"] > one.allowed]

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -10,7 +9,6 @@ import cv2
 import numpy as np
 
 from physim.drawing import palette
-from physim.drawing.palette import rgb
 from physim.drawing.timeline import Timeline
 from physim.drawing.video.canvas import (
     BOLD,
@@ -37,7 +35,6 @@ from physim.drawing.video.whole import Whole
 from physim.world.differences import differences
 
 if TYPE_CHECKING:
-    from physim.parts.declarations import Mode
     from physim.world import World
 
 DISTANCES = 0.5
@@ -67,12 +64,8 @@ class Painter:
         if split:
             self._strips.append(Strip(timeline, timeline.distances, strip[:, :split]))
 
-    def frame(self, time: float) -> Image:
-        """Return the picture (720, 1280, 3) uint8 RGB at ``time`` [s]."""
-        return self.paint(time).copy()
-
     def paint(self, time: float) -> Image:
-        """Return the picture at ``time`` [s] as it is until the next is asked for."""
+        """Return the picture (720, 1280, 3) uint8 RGB at ``time`` [s], until the next is drawn."""
         now = self.timeline.at(time)
         pair = self._view.paint(self._image, now)
         self._panel.paint(now, pair)
@@ -130,12 +123,8 @@ class Beside:
         self._still = self._draw_still()
         self._image = np.empty_like(self._still)
 
-    def frame(self, time: float) -> Image:
-        """Return the picture (720, 1280, 3) uint8 RGB at ``time`` [s]."""
-        return self.paint(time).copy()
-
     def paint(self, time: float) -> Image:
-        """Return the picture at ``time`` [s] as it is until the next is asked for."""
+        """Return the picture (720, 1280, 3) uint8 RGB at ``time`` [s], until the next is drawn."""
         image = self._image
         image[:] = self._still
         for view in self._views:
@@ -197,52 +186,36 @@ class Beside:
             write(image, words, (left, 48), TEXT, colour=palette.QUIET)
         middle, top = WIDTH // 2, HEIGHT - FOOTER + 48
         cv2.line(image, (middle, 0), (middle, HEIGHT - FOOTER), palette.RULE, GAP)
+        cv2.line(image, (middle, top), (middle, top + ROW), palette.RULE, GAP)
         write(image, f"×{self._speed:g}", (PAD + 190, HEIGHT - FOOTER + 31), 17,
               colour=palette.QUIET, weight=BOLD, anchor="right")  # fmt: skip
-        both: list[list[Mode]] = []
         for view, world in zip(self._views, self._grounds, strict=True):
-            timeline = view.timeline
-            both.append([timeline.scene.modes[k] for k in timeline.explained_modes])
-            entries = signs(timeline, world)
+            timeline, left = view.timeline, view.box.left + PAD
+            right, entries = view.box.left + view.box.width - PAD, signs(timeline, world)
+            _draw_row(image, timeline, left, right, top)
             contact = [("contact", entries["contact"])]
             draw_signs(image, BAR_END + 2 * PAD, HEIGHT - FOOTER + 14, ROW, contact)
-            left, right = view.box.left + BESIDE, view.box.left + view.box.width - PAD
+            left = view.box.left + BESIDE
             for words in (word for word in reversed(GROUND) if word in entries):
                 wide = SIGN + width(words, TEXT)
                 if left + wide <= right:  # of what stands still as many as have the room
                     entry = [(words, entries[words])]
                     draw_signs(image, left, BARS_TOP + (BARS - ROW) // 2, ROW, entry)
                     left += wide + PAD
-        if shared := one_legend(*both):
-            _draw_row(image, shared, PAD, WIDTH - PAD, top)
-            return image
-        cv2.line(image, (middle, top), (middle, top + ROW), palette.RULE, GAP)
-        for view, modes in zip(self._views, both, strict=True):
-            left = view.box.left + PAD
-            _draw_row(image, modes, left, left + view.box.width - 2 * PAD, top)
         return image
 
 
-def one_legend(left: Sequence[Mode], right: Sequence[Mode]) -> list[Mode]:
-    """The modes of two runs, each once; none where a colour or a name stands for two."""
-    mixed = any(
-        (str(one) == str(other)) != (rgb(one.colour) == rgb(other.colour))
-        for one in left
-        for other in right
-    )
-    return [] if mixed else [*{str(mode): mode for mode in (*left, *right)}.values()]
-
-
-def _draw_row(image: Image, modes: Sequence[Mode], left: int, right: int, top: int) -> None:
+def _draw_row(image: Image, timeline: Timeline, left: int, right: int, top: int) -> None:
     """Draw modes side by side, the longest cut so that all end before ``right`` [px]."""
-    lengths = [width(str(mode), TEXT) for mode in modes]
-    room = right - left - len(modes) * (SIGN + 2 * PAD) + 2 * PAD
+    entries = mode_signs([timeline.scene.modes[k] for k in timeline.explained_modes])
+    lengths = [width(words, TEXT) for words, _ in entries]
+    room = right - left - len(entries) * (SIGN + PAD) + PAD
     most = max(lengths, default=0)
     while most > LEAST_WORDS and sum(min(length, most) for length in lengths) > room:
         most -= 1
-    for entry, length in zip(mode_signs(modes), lengths, strict=True):
+    for entry, length in zip(entries, lengths, strict=True):
         draw_signs(image, left, top, ROW, [entry], SIGN + most)
-        left += SIGN + min(length, most) + 2 * PAD
+        left += SIGN + min(length, most) + PAD
 
 
 def titles(left: World, right: World) -> tuple[str, str]:

@@ -10,7 +10,6 @@ import numpy as np
 from physim.drawing import palette
 from physim.drawing.crowd import NAMED
 from physim.drawing.items import Item
-from physim.drawing.labels import metres
 from physim.drawing.palette import Colour, rgb
 from physim.drawing.scene_model import shape
 from physim.drawing.timeline import Moment, Timeline
@@ -44,6 +43,7 @@ from physim.drawing.video.marks import (
 from physim.drawing.video.view import Pair
 from physim.geometry.shapes import FloatArray
 from physim.parts.declarations import Mode
+from physim.units import amount, true_minus
 
 Sign = Callable[[Image, Lens], None]
 """Draws a sign with ``lens``, whose origin is the middle of its left edge [px]."""
@@ -58,8 +58,6 @@ CLOCK, FIGURES = 70, 142
 """[px] tops of the clock and the figures"""
 FIGURE, HEAD, SETTINGS = 22, 18, 15
 """[px] height of a line of figures, of the words above the modes, and of a line of settings"""
-ROOMS = (90, 72, 60, 48, 40, 34, 28)
-"""[px] for each of two names, the first with which they fit beside words and a value"""
 BELOW = 134
 """[px] room below the legend for the scale bar and a small overview"""
 NO_MODES, DEEP = "robot; no modes are given", "too deep: not physical"
@@ -211,19 +209,17 @@ class Panel:
         self._bar = self._top + rows * self._row + 12 * (1 + bool(self._modes))
         self.free = Box(PAD, self._bar + 36, self._right - PAD, high - self._bar - 50)
         """the part of the panel, in its own pixels, that is left for the whole map"""
-        self._stills = [
-            self._draw_still(speed, scale, legend)
-            for scale, legend in zip(scales, legends, strict=True)
-        ]
+        self._speed, self._scales, self._legends = speed, scales, legends
         self._over: bool | None = None
+        self._still: Image = image[:0]
         self._shown: dict[Box, object] = {}
 
-    def _draw_still(self, speed: float, scale: float, legend: dict[str, Sign]) -> Image:
+    def _draw_still(self, over: bool) -> Image:
         image = np.full(self._image.shape, 255, np.uint8)
         record, room = self._timeline.record, self._right - PAD
         cv2.line(image, (0, 0), (0, len(image)), palette.RULE, 1)
         write(image, shorten(record.name, TITLE, room, BOLD), (PAD, 32), TITLE, weight=BOLD)
-        write(image, f"×{speed:g}", (self._right, CLOCK + 31), 20, colour=palette.QUIET,
+        write(image, f"×{self._speed:g}", (self._right, CLOCK + 31), 20, colour=palette.QUIET,
               weight=BOLD, anchor="right")  # fmt: skip
         count = self._timeline.robots
         robots = "1 robot" if count == 1 else f"{count} robots"
@@ -240,8 +236,8 @@ class Panel:
             legend_top += 12
         for y in rules:
             cv2.line(image, (PAD, y), (self._right, y), palette.RULE, 1)
-        draw_signs(image, PAD, legend_top, self._row, legend.items())
-        draw_scale(image, PAD, self._bar + 14, scale)
+        draw_signs(image, PAD, legend_top, self._row, self._legends[over].items())
+        draw_scale(image, PAD, self._bar + 14, self._scales[over])
         return image
 
     def paint(self, now: Moment, pair: Pair | None) -> None:
@@ -249,7 +245,7 @@ class Panel:
         over = self._timeline.over(now.time)
         if over != self._over:
             self._over, self._shown = over, {}
-            self._image[:] = self._stills[over]
+            self._image[:] = self._still = self._draw_still(over)
         words = f"{now.time:.1f} s"
         if self._is_new(Box(PAD, CLOCK + 4, self._right - 60 - PAD, 38), words):
             write(self._image, words, (PAD, CLOCK + 32), 30, weight=BOLD)
@@ -284,7 +280,7 @@ class Panel:
         if self._shown.get(box) == content:
             return False
         self._shown[box] = content
-        box.of(self._image)[:] = box.of(self._stills[bool(self._over)])
+        box.of(self._image)[:] = box.of(self._still)
         return True
 
     def _figures(self, now: Moment, pair: Pair | None) -> Iterator[tuple[str, str, Colour]]:
@@ -309,20 +305,21 @@ class Panel:
                 value = self._both(a, b, words, more) + more
             yield words, value, alarm[len(present) > 0]
         if pair is not None:
-            words, value = "closest now: ", metres(pair.distance)
+            words, value = "closest now: ", true_minus(amount(pair.distance, "m"))
             words += self._both(pair.a, pair.b, words, value)
             yield words, value, alarm[pair.distance <= 0.0]
         wall = float(self._timeline.distances_at(np.array([now.sample]))[1].min())
         if np.isfinite(wall):
-            yield "wall, closest now", metres(wall), alarm[wall <= 0.0]
+            yield "wall, closest now", true_minus(amount(wall, "m")), alarm[wall <= 0.0]
         if pair is None:
             deviation = float(self._timeline.record.course[now.sample, 0, 1])
             side = "left" if deviation >= 0.0 else "right"
-            yield f"off its path now, {side}", metres(abs(deviation)), palette.INK
+            yield f"off its path now, {side}", amount(abs(deviation), "m"), palette.INK
 
     def _both(self, a: int, b: int, *beside: str) -> str:
         """Names of two bodies, cut so that they fit in one line with what stands ``beside``."""
-        bodies = self._timeline.record.bodies
-        free = self._right - PAD - 12 - sum(width(words, TEXT, BOLD) for words in beside)
-        tried = (" – ".join(shorten(bodies[k].name, TEXT, room) for k in (a, b)) for room in ROOMS)
-        return next((names for names in tried if width(names, TEXT, BOLD) <= free), "…")
+        names, dash = [self._timeline.record.bodies[k].name for k in (a, b)], " – "
+        free = self._right - PAD - 12 - sum(width(words, TEXT, BOLD) for words in (dash, *beside))
+        one = shorten(names[0], TEXT, free // 2, BOLD)
+        other = shorten(names[1], TEXT, free - width(one, TEXT, BOLD), BOLD)
+        return one + dash + other

@@ -155,7 +155,7 @@ def frame_at(
     timelines = _timelines(record, beside)
     duration = _duration(timelines)
     painter = _painter(timelines, _speed(speed, duration, MP4.longest), rate(MP4, fps))
-    return painter.frame(min(max(float(time), 0.0), duration))
+    return painter.paint(min(max(float(time), 0.0), duration))
 
 
 def close_up(record: Record, time: float, between: tuple[int, int] | None = None) -> Image:

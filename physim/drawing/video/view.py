@@ -19,7 +19,7 @@ from physim.analysis.metrics.walls import nearest_points
 from physim.drawing import palette
 from physim.drawing.crowd import NAMED
 from physim.drawing.items import Level
-from physim.drawing.labels import Label, grown, leader, metres
+from physim.drawing.labels import Label, grown, leader
 from physim.drawing.scene_model import pieces_of
 from physim.drawing.timeline import Moment, Timeline
 from physim.drawing.video.canvas import (
@@ -54,6 +54,7 @@ from physim.drawing.video.marks import (
 from physim.drawing.video.names import Labels
 from physim.drawing.video.whole import Whole, notes, write_corner
 from physim.geometry.shapes import FloatArray, IntArray
+from physim.units import amount
 
 if TYPE_CHECKING:
     from physim.record import Record
@@ -335,7 +336,7 @@ class View:
         labels: dict[int, Label] = {}
         if pair is not None:
             span = float(np.hypot(*(pair.points[1] - pair.points[0]))) * lens.scale / 2.0
-            text = metres(pair.distance) if pair.distance > 0.0 else "contact"
+            text = amount(pair.distance, "m") if pair.distance > 0.0 else "contact"
             key = -1 - pair.a * self.timeline.robots - pair.b  # another pair chooses anew
             x, y = lens.pixels(pair.points).mean(axis=0)
             pictures[key] = sprite(text, TEXT, palette.INK)

@@ -12,7 +12,7 @@ import cv2
 import numpy as np
 import shapely
 
-from physim.analysis.metrics import absent
+from physim.analysis.metrics import Figures
 from physim.drawing import palette
 from physim.drawing.crowd import NAMED
 from physim.drawing.labels import grown, overlaps
@@ -145,7 +145,7 @@ def write_corner(view: Image, lines: Sequence[str], bodies: FloatArray) -> None:
 def notes(timeline: Timeline) -> list[str]:
     """Return at most `MOST_NOTES` lines about robots, by index: what is odd at the end, and why."""
     record = timeline.record
-    missing = {one.robot: one for one in absent(record)}
+    missing = {one.robot: one for one in Figures(record).absent}
     found: list[tuple[int, str]] = []
     for robot, angle in enumerate(_across(timeline).tolist()):
         name = record.names[robot]

@@ -66,7 +66,6 @@ LAYERS = {
     "physim.drawing.labels": (0, 5),
     "physim.drawing.crowd": (0, 5),
     "physim.drawing.printed": (0, 0),
-    "physim.drawing.split_line": (0, 5),
     "physim.drawing.scene_model": (5, 0),
     "physim.drawing.items": (5, 1),
     "physim.drawing.timeline": (5, 1),

@@ -124,7 +124,7 @@ def study_plot(study: Study, arms: Sequence[Runs]) -> Any:
 
 
 def _scale(axis: Any, shown: Shown) -> None:
-    axis.set_xlabel(textwrap.fill(f"{shown.words} [{shown.unit or '–'}]", 26))
+    axis.set_xlabel(textwrap.fill(f"{shown.words}\xa0[{shown.unit or '–'}]", 26))
     if shown.line is not None:
         axis.axvline(shown.line, color=INK, linewidth=0.8, linestyle=(0, (4, 2)), zorder=1.5)
     if not shown.logarithmic:

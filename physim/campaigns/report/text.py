@@ -1,168 +1,330 @@
-"""A report as text for the terminal, and as values for `--json`."""
+"""What reports, comparisons and sweeps say: sentences, tables, and values for `--json`."""
 
 from __future__ import annotations
 
+import io
 import math
-from collections.abc import Iterator
+import shlex
+import shutil
+import sys
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict
-from typing import Any
+from typing import Any, NamedTuple
 
-from physim.campaigns.report.contents import (
-    SEVERITY,
-    CellReport,
-    Failure,
-    Rate,
-    Report,
-    Unfinished,
-    title_of,
-)
-from physim.campaigns.report.wording import (
-    RATE_NAMES,
-    decision_words,
-    interval,
-    measured,
-    method,
-    missing_words,
-    note_of,
-    number,
-    of_cells,
-    over_seeds,
-    pair_and_time,
-    percent,
-    robots_words,
-    severity_words,
-)
+from physim.campaigns.asked import Missing
+from physim.campaigns.measures import MEASURES, RATE_TITLES, SEVERITY, TOLD, measure_of
+from physim.campaigns.outcomes import CELL, Cell, Outcomes
+from physim.campaigns.report.contents import SHOWN, CellReport, Rate, Report, Robots
 from physim.errors import plural
 from physim.escaping import escaped
+from physim.statistics.goal import Decision, Goal
+from physim.units import amount, count, interval, percent
 
-LONGEST_REASON = 160
-MOST_SEEDS = 5
-TOLD = ("least_distance", "closing_speed", "finish_time", "deviation", "formation_error")
-"""Measures that the text tells; the page and the values have all."""
-
-
-def report_text(report: Report, commands: list[str]) -> str:
-    """All cells, what did not finish or crashed, and the worst, whose ``commands`` show them."""
-    lines = [*opening(report), ""]
-    for one in report.cells:
-        lines += [*_cell(report, one), ""]
-    if report.unfinished:
-        lines.append("runs that did not finish, with the robots that had not arrived (runs):")
-        lines += [f"  {unfinished_line(one)}" for one in report.unfinished]
-        lines.append("")
-    if report.failures:
-        lines.append("runs that crashed, each counted above as neither contact-free nor finished:")
-        lines += [f"  {failure_line(one)}" for one in report.failures]
-        lines.append("")
-    if report.worst:
-        lines.append(f"the severest contacts, then the least distances{of_cells(report)}:")
-        for index, again in zip(report.worst, commands, strict=False):  # then those of the stuck
-            row = report.outcomes.row(index)
-            lines.append(
-                f"  {severity_words(row):>9}  {escaped(where(row))}, "
-                f"{escaped(run_name(row))}: {escaped(again)}"
-            )
-        lines.append("")
-    lines.append(method(report.goal))
-    return "\n".join(lines) + "\n"
+MOST_ROWS = 200
+"""Rows of a table; of more it is told how many, and `--json` has all"""
+LONGEST_REASON, MOST_SEEDS, MOST_ROBOTS, MOST_MISSING = 400, 5, 6, 3
+LEAST_KEY, LONGEST_ROW_NUMBER = 6, 8
+"""Digits of a run that are shown; and of the number of a row, which no digits of a run may be"""
+TO_THE_RIGHT = {"runs", "median", "middle half", "least", "most", "of", "A", "B", "B - A [95 %]"}
+"""Heads of columns of numbers"""
+EXACT = (
+    "95 % intervals are exact (Clopper and Pearson), for a number of runs fixed in advance. They "
+    "do not hold where a campaign was stopped because of what it showed; those of physim sweep "
+    "--until do. Each holds for itself, not all at once. Where no run went wrong, the bound is "
+    "one-sided."
+)
+SEQUENCE = (
+    "95 % intervals are a confidence sequence (beta-binomial mixture), which holds at every look. "
+    "This campaign (sweep --until) was looked at after every run; exact intervals, for a number of "
+    "runs fixed in advance, would be narrower and would not hold. Of each cell the first runs that "
+    "decide count, in the order of seeds."
+)
 
 
-def opening(report: Report) -> list[str]:
-    """How many runs of how many cells, and what made them."""
-    failed = sum(one.failed for one in report.cells)
-    seeds = report.outcomes.seed
+class Table(NamedTuple):
+    """A table for people, on terminals and pages."""
+
+    title: str
+    head: tuple[str, ...]
+    rows: Sequence[tuple[str, ...]]
+
+    def some(self) -> Iterator[tuple[str, ...]]:
+        """Rows that are shown."""
+        yield from self.rows[:MOST_ROWS]
+        if (more := len(self.rows) - MOST_ROWS) > 0:
+            yield f"… and {count(more)} more: --json has all", *[""] * (len(self.head) - 1)
+
+    def __str__(self) -> str:
+        """In columns, as wide as it needs to be; in a terminal as wide as that."""
+        from rich.console import Console
+        from rich.table import Table as Columns
+
+        columns = Columns(box=None, pad_edge=False, show_header=any(self.head))
+        for name in self.head:
+            columns.add_column(name, justify="right" if name in TO_THE_RIGHT else "left")
+        for row in self.some():
+            columns.add_row(*map(escaped, row))
+        out = io.StringIO()
+        width = shutil.get_terminal_size().columns if sys.stdout.isatty() else 10_000
+        Console(
+            file=out, width=width, color_system=None, markup=False, emoji=False, highlight=False
+        ).print(columns)
+        lines = [line.rstrip() for line in out.getvalue().splitlines()]
+        return "\n".join([f"{self.title}:", *lines] if self.title else lines)
+
+
+def report_text(report: Report, explain: bool = False) -> str:
+    """A sentence on each cell, then measures, what did not finish or crashed, and the worst."""
+    parts = [escaped(f"{report.title}: {opening(report)}")]
+    if report.missing:
+        parts[0] += f"\n{escaped(missing_words(report.missing))}"
+    parts.append(
+        "\n".join(
+            escaped(f"{one.cell.name}: {'; '.join(verdict(report, one))}")
+            for one in report.cells
+        )
+    )
+    tables = [measure_table(report, (*TOLD, *report.outcomes.own)), late_table(report),
+              crash_table(report), _worst_table(report)]  # fmt: skip
+    parts += [str(table) for table in tables if table.rows]
+    method = EXACT if report.goal is None else SEQUENCE
+    parts.append(method if explain else method.partition(". ")[0])
+    return "\n\n".join(parts) + "\n"
+
+
+def opening(report: Report) -> str:
+    """``32 runs of 4 cells, seeds 1 to 8, which draw the starts; physim 0.1.0, pymunk 7.3.1``."""
+    failed, seeds = sum(one.failed for one in report.cells), report.outcomes.seed
     between = f", seeds {seeds.min()} to {seeds.max()}" if len(seeds) else ""
-    line = f"{number(report.runs)} runs of {plural(len(report.cells), 'cell')}{between}"
-    if failed:
-        line += f"; {plural(failed, 'run')} crashed"
-    lines = [f"{escaped(report.title)}: {line}", escaped(", ".join(report.versions()))]
-    return [*lines, escaped(missing_words(report.missing))] if report.missing else lines
-
-
-def _cell(report: Report, one: CellReport) -> Iterator[str]:
-    counts = {
-        "with contacts": one.touched, "did not finish": one.unfinished, "crashed": one.failed,
-    }  # fmt: skip
-    some = [f"{number(count)} {what}" for what, count in counts.items() if count]
-    of = f", of which {', '.join(some)}" if some else ""
-    yield f"{escaped(one.cell.name)}: {plural(one.cell.count, 'run')}{of}"
-    if over := over_seeds(one.cell.count, one.draws):
-        yield f"  {escaped(over)}"
-    told = ""
-    for rate in one.rates:
-        yield f"  {RATE_NAMES[rate.name]:<26}{rate_text(rate)}"
-        if one.decision is not None and report.goal is not None and rate.name == report.goal.rate:
-            yield f"  {'':<26}{decision_words(one.decision, report.goal)}"
-        note = note_of(rate)
-        if note and note != told:  # one line stands for rates that have the same
-            yield f"  {'':<26}{note}"
-        told = note
-    for name in (*TOLD, *report.outcomes.own):
-        spread = one.spread(name)
-        if spread.count:
-            what, unit = title_of(name)
-            values = [measured(name, x, unit) for x in (spread.median, spread.least, spread.most)]
-            of = "" if spread.count == one.cell.count else f", of {spread.count} that have one"
-            yield f"  {what:<26}median {values[0]}, {values[1]} to {values[2]}{of}"
-
-
-def rate_text(rate: Rate) -> str:
-    """``98 of 100 = 98.0 % [92.9 %, 99.8 %]``."""
+    if draws := _drawn(report):
+        between += f", which draw {draws}"
+    crashed = f"; {plural(failed, 'run')} crashed" if failed else ""
     return (
-        f"{number(rate.good)} of {number(rate.of)} = {percent(rate.share)} "
-        f"{interval(rate.low, rate.high)}"
+        f"{count(len(seeds))} runs of {plural(len(report.cells), 'cell')}{between}{crashed}; "
+        f"{', '.join(report.versions())}"
     )
 
 
-def where(row: dict[str, Any]) -> str:
+def _drawn(report: Report) -> str:
+    """What the seed draws, where that is the same in all cells."""
+    draws = {one.draws if one.cell.count > 1 else "" for one in report.cells}
+    return draws.pop() if len(draws) == 1 else ""
+
+
+def verdict(report: Report, one: CellReport) -> list[str]:
+    """What came of a cell: first how often it went well, then all else; an interval once."""
+    said: list[str] = []
+    seen: set[tuple[int, int]] = set()
+    for rate in one.rates:
+        decided = one.decision if report.goal and report.goal.rate == rate.name else None
+        if (rate.good, rate.of) not in seen or decided:
+            said.append(
+                f"{count(rate.good)} of {plural(rate.of, 'run')} {RATE_TITLES[rate.name]}, "
+                f"{percent(rate.share)} {interval(rate.low, rate.high)}"
+            )
+        if decided and report.goal:
+            said.append(decision_words(decided, report.goal))
+        seen.add((rate.good, rate.of))
+    counts = {"with contacts": one.touched, "did not finish": len(one.unfinished),
+              "crashed": one.failed}  # fmt: skip
+    said += [f"{count(number)} {what}" for what, number in counts.items() if number]
+    draws = "" if _drawn(report) else over_seeds(one.cell.count, one.draws)
+    return [*said, *filter(None, (note_of(one.rates[0]), draws))]
+
+
+def note_of(rate: Rate) -> str:
+    """What a single run tells, or what it means that none went wrong; else empty."""
+    if rate.of == 1:
+        return (
+            "one run: where nothing in the world is random it is all there is, and the interval "
+            "tells nothing"
+        )
+    if rate.at_most is None or rate.needed is None:
+        return ""
+    more, shown = rate.needed - rate.of, percent(SHOWN)
+    few = f"at most {percent(rate.at_most, None, 1)} go wrong"
+    if more > 0:
+        return f"{few} ({count(more)} more, none of which does, would show {shown})"
+    return f"{few}, which shows {shown}"
+
+
+def over_seeds(runs: int, draws: str) -> str:
+    """``over 100 seeds, which draw the starts``; empty where nothing is drawn."""
+    return f"over {count(runs)} seeds, which draw {draws}" if draws and runs > 1 else ""
+
+
+def measure_table(report: Report, names: Iterable[str]) -> Table:
+    """Medians of measures over the runs of each cell, and between what they lie."""
+    rows = []
+    for name in names:
+        title, unit, _ = measure_of(name)
+        first = f"{title} [{unit}]" if unit not in ("", "%") else title
+        for one in report.cells:
+            found = one.spreads[name]
+            if not found.count:
+                continue
+            median, low, high, least, most = (
+                bare(value, unit)
+                for value in (found.median, found.quarter, found.three_quarters, found.least,
+                              found.most)
+            )  # fmt: skip
+            few = count(found.count) if found.count < one.cell.count else ""
+            rows.append((first, brief(report, one.cell), median, f"{low} to {high}", least, most,
+                         few))  # fmt: skip
+            first = ""
+    head = ("over runs", "", "median", "middle half", "least", "most", "of")
+    return Table("", head, rows)
+
+
+def bare(value: float, unit: str) -> str:
+    """A measured value without its unit; a share as a percentage."""
+    return percent(value) if unit == "%" else amount(value, unit).removesuffix(f" {unit}")
+
+
+def brief(report: Report, cell: Cell) -> str:
+    """The name of a cell without what all have in common."""
+    every = zip(*(one.cell.names for one in report.cells), strict=True)
+    varies = [len(set(names)) > 1 for names in every]
+    return ", ".join(name for name, told in zip(cell.names, varies, strict=True) if told and name)
+
+
+def late_table(report: Report) -> Table:
+    """Cells with runs that did not finish."""
+    return Table(
+        "runs that did not finish, with the robots that had not arrived (runs)",
+        ("cell", "runs", "robots", "seeds"),
+        [
+            (one.cell.name, count(len(one.unfinished)),
+             robots_words(one.stood, one.moved, len(one.unfinished)), seeds_text(one.unfinished))
+            for one in report.cells if one.unfinished
+        ],
+    )  # fmt: skip
+
+
+def crash_table(report: Report) -> Table:
+    """Kinds of crashes."""
+    return Table(
+        "runs that crashed, each counted above as neither contact-free nor finished",
+        ("cell", "runs", "ended by", "reason", "seeds"),
+        [
+            (one.cell.name, count(len(one.seeds)), one.ended,
+             one.reason[:LONGEST_REASON] + "…" * (len(one.reason) > LONGEST_REASON),
+             seeds_text(one.seeds))
+            for one in report.failures
+        ],
+    )  # fmt: skip
+
+
+def _worst_table(report: Report) -> Table:
+    rows = []
+    for one in report.cells:
+        for index in one.worst:
+            row = report.outcomes.row(index)
+            seed = f"seed {row['seed']}"
+            rows.append((", ".join(filter(None, (brief(report, one.cell), seed))),
+                         severity_words(row), where(row), again(report, row)))  # fmt: skip
+    return Table("the worst runs of each cell", ("", "", "", ""), rows)
+
+
+def again(report: Report, row: Mapping[str, Any]) -> str:
+    """How to make a run again, with its record and video, by as many digits as it takes."""
+    return replay(report.title, report.outcomes, row)
+
+
+def replay(folder: str, outcomes: Outcomes, row: Mapping[str, Any]) -> str:
+    """The command that makes a run again; code of one's own is run only when named."""
+    from pyarrow import compute
+
+    keys, key, digits = outcomes.table["run"], str(row["run"]), LEAST_KEY
+    while digits < len(key) and (
+        compute.sum(compute.starts_with(keys, key[:digits])).as_py() > 1
+        or (digits <= LONGEST_ROW_NUMBER and key[:digits].isdecimal())
+    ):
+        digits += 1
+    own = row["controller"] if ":" in row["controller"] else ""
+    named = ["--controller", own] if own else []
+    return shlex.join(["physim", "replay", f"{folder}:{key[:digits]}", *named])
+
+
+def severity_words(row: Mapping[str, Any]) -> str:
+    """How hard the severest contact of a run was, or how near anything came."""
+    known = [(row[name], MEASURES[name].unit) for name in SEVERITY if row[name] is not None]
+    if known:
+        return ", ".join(amount(float(f"{value:.3g}"), unit) for value, unit in known)
+    return "contact" if row["contacts"] or row["grazes"] else amount(row["least_distance"], "m")
+
+
+def pair_and_time(row: Mapping[str, Any]) -> tuple[str, float | None]:
+    """Whose the severest contact of a run was and when [s], or else the least distance."""
+    of = "least_distance" if row["severest_contact_time"] is None else "severest_contact"
+    return row[f"{of}_pair"] or "", row[f"{of}_time"]
+
+
+def where(row: Mapping[str, Any]) -> str:
     """``r1, r2 at 3.20 s``: of the severest contact, or else of the least distance."""
     pair, time = pair_and_time(row)
     return f"{pair} at {time:.2f} s" if time is not None else pair
 
 
-def run_name(row: dict[str, Any]) -> str:
+def run_name(row: Mapping[str, Any]) -> str:
     """World, settings, controller and seed of a run."""
-    names = [row[name] for name in ("world", "settings", "controller") if row[name]]
-    return f"{', '.join(names)}, seed {row['seed']}"
+    return ", ".join([*(row[name] for name in CELL if row[name]), f"seed {row['seed']}"])
 
 
-def unfinished_line(one: Unfinished) -> str:
-    """Runs of a cell that did not finish, in one line."""
-    return (
-        f"{plural(len(one.seeds), 'run')} of {escaped(one.cell.name)}, {seeds_text(one.seeds)}: "
-        f"{escaped(robots_words(one.stood, one.moved, len(one.seeds)))}"
-    )
+def robots_words(stood: Robots, moved: Robots, runs: int) -> str:
+    """Which robots stood short of their stops and which still moved, each in how many runs."""
+    parts = []
+    for verb, names in (("stood", stood), ("still moved", moved)):
+        said = [name if runs == 1 else f"{name} ({count(often)})" for name, often in names]
+        more = len(said) - MOST_ROBOTS
+        rest = f" and {count(more)} more" if more > 0 else ""
+        parts += [f"{verb}: {', '.join(said[:MOST_ROBOTS])}{rest}"] if said else []
+    return "; ".join(parts) or "robots not known"
 
 
-def failure_line(one: Failure) -> str:
-    """Runs of a cell that crashed alike, in one line."""
-    reason = escaped(one.reason)
-    if len(reason) > LONGEST_REASON:
-        reason = reason[: LONGEST_REASON - 1] + "…"
-    return (
-        f"{plural(len(one.seeds), 'run')} of {escaped(one.cell.name)}, {seeds_text(one.seeds)}: "
-        f"{escaped(one.ended)}{': ' if reason else ''}{reason}"
-    )
-
-
-def seeds_text(seeds: tuple[int, ...]) -> str:
-    """``seeds 3, 8, 9 and 12 more``."""
-    shown = ", ".join(str(seed) for seed in seeds[:MOST_SEEDS])
+def seeds_text(seeds: Sequence[int]) -> str:
+    """``3, 8, 9 and 12 more``."""
     more = len(seeds) - MOST_SEEDS
-    return f"seed{'s' if len(seeds) > 1 else ''} {shown}" + (
-        f" and {more} more" if more > 0 else ""
+    return ", ".join(map(str, seeds[:MOST_SEEDS])) + (f" and {more} more" if more > 0 else "")
+
+
+def missing_words(missing: Sequence[Missing]) -> str:
+    """What a campaign was asked for and has no rows of; empty where it has all."""
+    if not missing:
+        return ""
+    few = "; ".join(
+        f"{', '.join(filter(None, one.cell))}: {count(one.runs)} of {count(one.of)}"
+        for one in missing[:MOST_MISSING]
     )
+    more = len(missing) - MOST_MISSING
+    rest = f"; {plural(more, 'further cell')}" if more > 0 else ""
+    return (
+        f"Not complete: {count(sum(one.runs for one in missing))} of the runs that were asked for "
+        f"have no row ({few}{rest}). The sweep is under way, was interrupted or lacks a shard; the "
+        "same command does the rest."
+    )
+
+
+def decision_words(decision: Decision, goal: Goal) -> str:
+    """What came of a goal in a cell."""
+    runs = plural(decision.runs, "run")
+    if not decision.decided:
+        return f"undecided after {runs}"
+    if decision.holds is None:
+        return f"narrow enough after {runs}"
+    than = "above" if (goal.sign == ">") == decision.holds else "below"
+    return f"decided after {runs}: {RATE_TITLES[goal.rate]} {than} {percent(goal.number)}"
 
 
 def report_values(report: Report) -> dict[str, Any]:
     """All figures, in types that JSON knows; nan is null. Units: m, s; shares from 0 to 1."""
-    near = report.outcomes.column("least_distance")
-    return {
+    rows = [report.outcomes.row(index) for one in report.cells for index in one.worst]
+    values: dict[str, Any] = plain({
         "format": "physim-campaign-report",
         "version": 1,
         "units": "m, s; shares from 0 to 1",
         "title": report.title,
-        "runs": report.runs,
+        "runs": len(report.outcomes),
         "missing": [
             {"cell": ", ".join(filter(None, one.cell)), "runs": one.runs, "of": one.of}
             for one in report.missing
@@ -173,48 +335,39 @@ def report_values(report: Report) -> dict[str, Any]:
         "until": None if report.goal is None else str(report.goal),
         "cells": [
             {
-                "world": one.cell.world,
-                "settings": one.cell.settings,
-                "controller": one.cell.controller,
+                **dict(zip(CELL, one.cell.names, strict=True)),
                 "runs": one.cell.count,
                 "failed": one.failed,
                 "with_contacts": one.touched,
-                "unfinished": one.unfinished,
+                "unfinished": len(one.unfinished),
                 "draws": one.draws,
-                "rates": [
-                    {"share": plain(rate.share), **{k: plain(v) for k, v in asdict(rate).items()}}
-                    for rate in one.rates
-                ],
-                "measures": {
-                    spread.name: {
-                        k: plain(v) for k, v in asdict(spread).items() if k != "name"
-                    }
-                    for spread in one.spreads
-                },
+                "rates": [{"share": rate.share, **asdict(rate)} for rate in one.rates],
+                "measures": {name: asdict(spread) for name, spread in one.spreads.items()},
                 "decision": None if one.decision is None else asdict(one.decision),
             }
             for one in report.cells
         ],
         "worst": [
-            {"run": (row := report.outcomes.row(index))["run"], "name": run_name(row),
-             "least_distance": plain(near[index]), **{name: row[name] for name in SEVERITY}}
-            for index in report.worst
+            {"run": row["run"], "name": run_name(row),
+             **{name: row[name] for name in ("least_distance", *SEVERITY)}}
+            for row in rows
         ],
         "unfinished": [
-            {"cell": one.cell.name, "seeds": list(one.seeds), "stood": dict(one.stood),
+            {"cell": one.cell.name, "seeds": one.unfinished, "stood": dict(one.stood),
              "moved": dict(one.moved)}
-            for one in report.unfinished
+            for one in report.cells if one.unfinished
         ],
-        "failures": [
-            {"cell": one.cell.name, "ended": one.ended, "reason": one.reason,
-             "seeds": list(one.seeds)}
-            for one in report.failures
-        ],
-    }  # fmt: skip
+        "failures": [{**asdict(one), "cell": one.cell.name} for one in report.failures],
+    })  # fmt: skip
+    return values
 
 
 def plain(value: Any) -> Any:
-    """A number that JSON knows; nan and infinity are null."""
+    """Values that JSON knows; nan and infinity are null."""
+    if isinstance(value, dict):
+        return {key: plain(one) for key, one in value.items()}
+    if isinstance(value, list | tuple):
+        return [plain(one) for one in value]
     if isinstance(value, float):
         return float(value) if math.isfinite(value) else None
     return value

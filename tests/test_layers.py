@@ -68,6 +68,7 @@ LAYERS = {
     "physim.drawing.printed": (0, 0),
     "physim.drawing.split_line": (0, 5),
     "physim.drawing.scene_model": (5, 0),
+    "physim.drawing.items": (5, 1),
     "physim.drawing.timeline": (5, 1),
     "physim.drawing.distances": (5, 1),
     "physim.drawing.video": (5, 2),

@@ -28,11 +28,11 @@ MEASURES = MappingProxyType(
         "energy_lost": Measure("energy lost in contacts", "J", -1),
         "impulse": Measure("impulse of contacts", "N s", -1),
         "shortest_collision_time": Measure("least collision time", "s", 1),
-        "finish_time": Measure("finish time", "s", -1),
-        "deviation": Measure("largest deviation", "m", -1),
-        "formation_error": Measure("largest formation error", "m", -1),
+        "time_to_finish": Measure("finish time", "s", -1),
+        "deviation_peak": Measure("largest deviation", "m", -1),
+        "formation_error_peak": Measure("largest formation error", "m", -1),
         "danger_share": Measure("in danger modes", "%", -1),
-        "updates": Measure("decisions", "", 0),
+        "decisions": Measure("decisions", "", 0),
         "messages": Measure("messages", "", -1),
         "cpu_seconds": Measure("processor time", "s", -1),
     }
@@ -42,7 +42,7 @@ RATE_TITLES = MappingProxyType(
 )
 NEAREST, SEVERITY = "least_distance", ("closing_speed", "energy_lost", "impulse")
 """By which runs are ranked: the worst contact of a run first, then how near anything came"""
-TOLD = (NEAREST, "closing_speed", "finish_time", "deviation", "formation_error")
+TOLD = (NEAREST, "closing_speed", "time_to_finish", "deviation_peak", "formation_error_peak")
 """What the terminal tells; pages and values have all"""
 DIRECTIONS = MappingProxyType(
     dict.fromkeys(RATES, 1) | {name: one.better for name, one in MEASURES.items() if one.better}
@@ -51,7 +51,7 @@ DIRECTIONS = MappingProxyType(
 USUAL = MappingProxyType(
     {
         name: DIRECTIONS[name]
-        for name in (*RATES, NEAREST, "finish_time", "deviation", "formation_error")
+        for name in (*RATES, NEAREST, "time_to_finish", "deviation_peak", "formation_error_peak")
     }
 )
 """What is compared where nothing else is asked for"""

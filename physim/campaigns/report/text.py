@@ -80,8 +80,7 @@ def report_text(report: Report, explain: bool = False) -> str:
         parts[0] += f"\n{escaped(missing_words(report.missing))}"
     parts.append(
         "\n".join(
-            escaped(f"{one.cell.name}: {'; '.join(verdict(report, one))}")
-            for one in report.cells
+            escaped(f"{one.cell.name}: {'; '.join(verdict(report, one))}") for one in report.cells
         )
     )
     tables = [measure_table(report, (*TOLD, *report.outcomes.own)), late_table(report),

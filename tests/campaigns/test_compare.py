@@ -70,7 +70,7 @@ def test_the_test_and_the_verdict_are_of_the_same_question() -> None:
     gains = [0.0] * 41 + [0.1] * 57 + [-0.1] * 2
     rows = [row(seed, controller=name, deviation_peak=1.0 - gain * (name == "other"))
             for seed, gain in enumerate(gains) for name in ("good", "other")]  # fmt: skip
-    found = compare(by(Outcomes(table(rows)), "controller"), ("deviation_peak",))
+    found = compare(by(Outcomes(table(rows)), "controller"), {"deviation_peak": -1})
     one = finding(found, "deviation_peak")
     assert (one.better, one.only_a, one.only_b, one.ties) == ("b", 2, 57, 41)
     assert one.corrected < 1e-4
@@ -78,7 +78,7 @@ def test_the_test_and_the_verdict_are_of_the_same_question() -> None:
 
 def test_p_values_are_those_of_the_tests_corrected_together() -> None:
     outcomes = campaign(shift=0.01, hits=7)
-    (one,) = compare(by(outcomes, "controller"), ("contact_free", "least_distance"))
+    (one,) = compare(by(outcomes, "controller"), {"contact_free": 1, "least_distance": 1})
     free, near = one.findings
     a, b = one.values("least_distance")
     assert near.p == sign_test(b - a)
@@ -95,7 +95,7 @@ def test_too_few_pairs_to_show_a_difference_count_in_no_correction(few: int) -> 
         by(campaign(hits=6), "controller"),
         by(campaign(seeds=few, hits=few), "controller"),
     )
-    names = ("contact_free", "least_distance")
+    names = {"contact_free": 1, "least_distance": 1}
     alone, (both, other) = compare(large, names), compare([*large, *small], names)
     unchanged = [f.corrected for f in both.findings] == [f.corrected for f in alone[0].findings]
     assert unchanged == (few < FEWEST_PAIRS)
@@ -105,7 +105,7 @@ def test_too_few_pairs_to_show_a_difference_count_in_no_correction(few: int) -> 
 
 def test_a_difference_that_does_not_survive_the_correction_is_not_shown() -> None:
     outcomes = campaign(hits=6)
-    (alone,) = compare(by(outcomes, "controller"), ("contact_free",))
+    (alone,) = compare(by(outcomes, "controller"), {"contact_free": 1})
     assert alone.findings[0].better == "a"
     (among,) = compare(by(outcomes, "controller"))
     free = next(f for f in among.findings if f.name == "contact_free")

@@ -36,7 +36,7 @@ def test_a_report_has_pictures_of_the_worst(made: Path, capsys) -> None:
     done = physim("report", made, capture=capsys)
     assert done.code == 0
     for name in CONTROLLERS:
-        assert f"small, {name}: 4 runs" in done.out
+        assert f"small, {name}: 0 of 4 runs" in done.out
     assert f"physim replay {made}:" in done.out
     page = Elements((made / "report.html").read_text(encoding="utf-8"))
     assert page.tags.count("img") == 16

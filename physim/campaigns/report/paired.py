@@ -39,7 +39,8 @@ def comparison_text(
         common = f" ({one.common})" if one.common else ""
         lines = [f"{headline(one)}{common}", f"  {sides(one)}: {told(one)}"]
         lines += [f"  note: {difference}" for difference in one.unlike]
-        parts.append("\n".join([*map(escaped, lines), str(finding_table(one))]))
+        table = [str(finding_table(one))] if one.findings else []
+        parts.append("\n".join([*map(escaped, lines), *table]))
     parts += [PAIRED] * explain + [LOOKED] * looked
     return "\n\n".join(parts) + "\n"
 

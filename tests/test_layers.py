@@ -226,7 +226,7 @@ def test_third_parties_stay_where_they_belong() -> None:
         "av": ("physim.drawing.video",),
         "matplotlib": ("physim.drawing.plots", "physim.drawing.preview", "physim.reproduction"),
         "imageio": ("physim.drawing.video",),
-        "rich": ("physim.cli",),
+        "rich": ("physim.cli", "physim.campaigns"),
         "numba": (
             "physim.compiled",
             "physim.frontend",

@@ -28,6 +28,7 @@ MEASURES = MappingProxyType(
         "energy_lost": Measure("energy lost in contacts", "J", -1),
         "impulse": Measure("impulse of contacts", "N s", -1),
         "shortest_collision_time": Measure("least collision time", "s", 1),
+        "shortest_pair_collision_time": Measure("least collision time of two robots", "s", 1),
         "time_to_finish": Measure("finish time", "s", -1),
         "deviation_peak": Measure("largest deviation", "m", -1),
         "formation_error_peak": Measure("largest formation error", "m", -1),

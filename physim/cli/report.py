@@ -71,7 +71,7 @@ def report(options: Options) -> int:
     from physim.campaigns.reading import read
     from physim.campaigns.report.contents import report_of
     from physim.campaigns.report.page import is_report, report_page
-    from physim.campaigns.report.pictures import pictures, remake
+    from physim.campaigns.report.pictures import pictures
     from physim.campaigns.report.text import report_text, report_values
     from physim.campaigns.until import read_until
 
@@ -94,11 +94,10 @@ def report(options: Options) -> int:
     until = read_until(folder)
     goal, first = (None, None) if until is None else (until.goal, until.first)
     found = report_of(Outcomes(read(folder)), str(folder), goal, first, asked, draws)
-    own = options.controllers
     with interrupts() as interrupt, Bar("pictures", 1.0, "runs", options.quiet) as bar:
         shown = pictures(
-            found, folder, page, lambda row: remake(folder, row, own), videos=options.videos,
-            pages=options.pages, stills=not options.no_pictures, progress=bar.count, stop=interrupt,
+            found, folder, page, options.controllers, videos=options.videos, pages=options.pages,
+            stills=not options.no_pictures, progress=bar.count, stop=interrupt,
         )  # fmt: skip
         write_text(page, report_page(found, shown))
         if options.json is not None:

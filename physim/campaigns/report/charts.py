@@ -16,8 +16,8 @@ BINS = 36
 """Bars of a distribution, about"""
 LARGEST, LEAST = 1e300, 1e-300
 """what a plot tells from infinity, and from 0: metrics of one's own may be any number"""
-LONGEST_LABEL, DIGIT = 8, 6.5
-"""Characters of a label beyond which it has an exponent; [px] width of one"""
+LONGEST_LABEL = 8
+"""Characters of a label beyond which it has an exponent"""
 
 
 @dataclass(frozen=True)
@@ -161,9 +161,7 @@ def paired_plot(a: FloatArray, b: FloatArray, label: str, what: str, side: float
     low, high = float(both.min()), float(both.max())
     spread = max(high - low, 0.01 * max(abs(low), abs(high)))  # labels stay short
     high = max(high, low + (spread if spread > LEAST else 1.0))
-    longest = max(len(axis_of.label(t)) for axis_of in [Axis.around(low, high, 4, 0.0, 1.0)]
-                  for t in axis_of.ticks)  # fmt: skip
-    axis = Axis.around(low, high, 4, max(44.0, 8.0 + DIGIT * longest), side - 10.0)
+    axis = Axis.around(low, high, 4, 62.0, side - 10.0)
     floor, right = axis.length + 10.0, axis.start + axis.length
 
     def up(value: float) -> float:

@@ -120,6 +120,8 @@ class Report:
     cells: tuple[CellReport, ...]
     missing: tuple[Missing, ...]
     """cells that lack rows of runs that were asked for"""
+    draws: str
+    """what the seed draws, where that is the same in all cells"""
 
     @property
     def pictured(self) -> list[tuple[int, str]]:
@@ -175,7 +177,11 @@ def report_of(
         )  # fmt: skip
 
     cells = tuple(map(report, outcomes.cells))
-    return Report(title, outcomes, goal, cells, missing(asked or {}, outcomes))
+    same = {one.draws if one.cell.count > 1 else "" for one in cells}
+    return Report(
+        title, outcomes, goal, cells, missing(asked or {}, outcomes),
+        same.pop() if len(same) == 1 else "",
+    )  # fmt: skip
 
 
 def _rates(

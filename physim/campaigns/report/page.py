@@ -13,41 +13,8 @@ import numpy as np
 from physim.campaigns.compare import Comparison, Finding
 from physim.campaigns.measures import MEASURES, NEAREST, measure_of
 from physim.campaigns.outcomes import Cell
-from physim.campaigns.report.charts import (
-    distribution,
-    interval_plot,
-    paired_plot,
-    rate_axis,
-    shares,
-    shift_axis,
-    spread_axis,
-)
+from physim.campaigns.report import charts, paired, text
 from physim.campaigns.report.contents import MOST_PICTURED, Report, who_stood
-from physim.campaigns.report.paired import (
-    LOOKED,
-    PAIRED,
-    finding_table,
-    headline,
-    sides,
-    told,
-)
-from physim.campaigns.report.text import (
-    EXACT,
-    MOST_ROWS,
-    SEQUENCE,
-    TO_THE_RIGHT,
-    Table,
-    again,
-    crash_table,
-    late_table,
-    measure_table,
-    missing_words,
-    opening,
-    robots_words,
-    severity_words,
-    verdict,
-    where,
-)
 from physim.drawing.page.colours import styles
 from physim.errors import plural
 from physim.html import Html, page, table, tag
@@ -57,7 +24,7 @@ REPORT, COMPARISON = "physim report", "physim compare"
 """By which a page is known: the next report takes the place of a report alone"""
 PLOT_WIDTH, INTERVAL_WIDTH = 320.0, 200.0
 """[px]"""
-MOST_PLOTS, MOST_POINTS = 60, 400
+MOST_PLOTS, MOST_DRAWN, MOST_POINTS = 60, 10, 400
 """What a page shows of a large campaign"""
 
 
@@ -69,12 +36,10 @@ class Shown:
     """PNG of the moment; empty where there is none"""
     video: str = ""
     """link to its video, relative to the page"""
-    fault: str = ""
-    """why there is no still"""
     page: str = ""
     """link to its page for the browser, relative, at the moment"""
-    left_out: str = ""
-    """why there is no page"""
+    fault: str = ""
+    """why there is no still"""
 
 
 def is_report(file: Path) -> bool:
@@ -95,8 +60,8 @@ def report_page(report: Report, shown: Sequence[Shown]) -> Html:
     few = f" (of the first {MOST_PICTURED} cells)" if len(report.cells) > MOST_PICTURED else ""
     parts = [
         tag("h1", report.title),
-        tag("p", f"{opening(report)}; {cpu} of processor time", class_="quiet"),
-        tag("p", missing_words(report.missing), class_="bad") if report.missing else None,
+        tag("p", f"{text.opening(report)}; {cpu} of processor time", class_="quiet"),
+        tag("p", text.missing_words(report.missing), class_="bad") if report.missing else None,
         _verdicts(report),
         _section(
             f"The worst runs of each cell{few}",
@@ -110,13 +75,13 @@ def report_page(report: Report, shown: Sequence[Shown]) -> Html:
             "Their time was up before all robots had arrived. Named are those that had not, with "
             "the number of runs: they stood short of their stops, or still moved. Each picture is "
             "the end of a run.",
-            _stacked(late_table(report)), _tiles(report, late),
+            _stacked(text.late_table(report)), _tiles(report, late),
         ) if late else None,
         _section(
             "Runs that crashed",
             "By an error, the limit of time or a killed worker. They count in every rate, as "
             "neither contact-free nor finished.",
-            _stacked(crash_table(report)),
+            _stacked(text.crash_table(report)),
         ) if report.failures else None,
         _section(
             "How close do robots come to each other and to walls?",
@@ -128,9 +93,9 @@ def report_page(report: Report, shown: Sequence[Shown]) -> Html:
         _section(
             "Times and other measures",
             "Over runs that have a value; of how many, where not of all.",
-            _stacked(measure_table(report, (*MEASURES, *report.outcomes.own))),
+            _stacked(text.measure_table(report, (*MEASURES, *report.outcomes.own))),
         ),
-        _section("How this was found", EXACT if report.goal is None else SEQUENCE),
+        _section("How this was found", text.EXACT if report.goal is None else text.SEQUENCE),
     ]  # fmt: skip
     return _page(f"{report.title}: campaign", parts, REPORT)
 
@@ -144,19 +109,20 @@ def _section(title: str, words: str, *parts: object) -> Html:
     return Html(tag("h2", title) + tag("p", words) + "".join(tag("div", one) for one in parts))
 
 
-def _stacked(shown: Table, plots: Mapping[int, Sequence[Html]] = MappingProxyType({})) -> Html:
+def _stacked(shown: text.Table, plots: Mapping[int, Sequence[Html]] = MappingProxyType({})) -> Html:
     """A table whose cells stand below one another on a phone.
 
     ``plots`` are further columns, each before that of its number.
     """
 
     def cell(name: str, place: int, words: str) -> Html:
-        if name in TO_THE_RIGHT:
+        if name in text.TO_THE_RIGHT:
             return tag("td", true_minus(words), data_name=name, class_="number")
         return tag("td", words, data_name=name or None, class_=None if place else "name")
 
     head = [
-        tag("th", name, class_="number" if name in TO_THE_RIGHT else None) for name in shown.head
+        tag("th", name, class_="number" if name in text.TO_THE_RIGHT else None)
+        for name in shown.head
     ]
     rows = [
         [cell(name, k, words) for k, (name, words) in enumerate(zip(shown.head, line, strict=True))]
@@ -176,19 +142,19 @@ def _name(cell: Cell) -> Html:
 
 def _verdicts(report: Report) -> Html:
     """A row for each cell: how often it went well, on one axis, and what else came of it."""
-    cells = report.cells[:MOST_ROWS]
-    axis = rate_axis([one.rates[0].low for one in cells], INTERVAL_WIDTH)
+    cells = report.cells[: text.MOST_ROWS]
+    axis = charts.rate_axis([one.rates[0].low for one in cells], INTERVAL_WIDTH)
     ends = percent(axis.low, 0), percent(axis.high, 0)
 
     def rows() -> Iterator[list[Html]]:
         for one in cells:
             rate = one.rates[0]
-            first, *others = verdict(report, one)
-            plot = interval_plot(rate.share, rate.low, rate.high, axis, ends, first)
+            first, *others = text.verdict(report, one)
+            plot = charts.interval_plot(rate.share, rate.low, rate.high, axis, ends, first)
             small = ([tag("br"), tag("small", words)] for words in others)
             yield [_name(one.cell), tag("td", plot), tag("td", tag("b", first), small)]
 
-    more = len(report.cells) - MOST_ROWS
+    more = len(report.cells) - text.MOST_ROWS
     left = tag("p", f"and {plural(more, 'further cell')}: --json has all") if more > 0 else ""
     return Html(table((), rows(), class_="stack") + left)
 
@@ -206,12 +172,12 @@ def _tiles(report: Report, shown: Mapping[tuple[int, str], Shown]) -> Iterator[H
 
 def _tile(report: Report, index: int, moment: str, shown: Shown) -> Iterator[Html | None]:
     row, is_end = report.outcomes.row(index), moment == "end"
-    said = robots_words(*who_stood([row]), 1) if is_end else where(row)
+    said = text.robots_words(*who_stood([row]), 1) if is_end else text.where(row)
     if shown.still:
         data = base64.b64encode(shown.still).decode("ascii")
         alt = f"{row['world']}, seed {row['seed']}: {said}"
         yield tag("img", src=f"data:image/png;base64,{data}", alt=alt)
-    severity = "" if is_end else f": {true_minus(severity_words(row))}"
+    severity = "" if is_end else f": {true_minus(text.severity_words(row))}"
     bad = " bad" if report.outcomes.touched[index] else ""
     yield tag("p", f"seed {row['seed']}{severity}", class_=f"big{bad}")
     kinds = {
@@ -224,8 +190,7 @@ def _tile(report: Report, index: int, moment: str, shown: Shown) -> Iterator[Htm
     lines += [f"no picture: {shown.fault}"] if shown.fault else []
     links = {"watch this moment, and ask why": shown.page, "video": shown.video}
     lines += [tag("a", words, href=to) for words, to in links.items() if to]
-    lines += [f"no page: {shown.left_out}"] if shown.left_out else []
-    lines.append(tag("code", again(report, row)))
+    lines.append(tag("code", text.replay(report.title, report.outcomes, row)))
     yield tag("figcaption", (tag("div", line) for line in lines))
 
 
@@ -234,9 +199,9 @@ def _distances(report: Report) -> Iterator[Html]:
     near, cells = report.outcomes.column(NEAREST), report.cells[:MOST_PLOTS]
     for one in cells:
         alike = [near[other.cell.rows] for other in cells if other.cell.world == one.cell.world]
-        axis = spread_axis(np.concatenate(alike), PLOT_WIDTH)
-        top = max(float(shares(values, axis)[0].max()) for values in alike)
-        found, what = one.spreads[NEAREST], f"least distances of {one.cell.name}"
+        axis = charts.spread_axis(np.concatenate(alike), PLOT_WIDTH)
+        top = max(float(charts.shares(values, axis)[0].max()) for values in alike)
+        found, what = one.spreads[NEAREST], "least distance of a run [m]"
         ends = [amount(value, "m") for value in (found.median, found.least, found.most)]
         said = f"median {ends[0]}, from {ends[1]} to {ends[2]}"
         if found.count < one.cell.count:
@@ -246,7 +211,9 @@ def _distances(report: Report) -> Iterator[Html]:
             "figure",
             tag("h3", one.cell.world),
             tag("p", label, class_="quiet"),
-            distribution(near[one.cell.rows], axis, top, "least distance of a run [m]", what),
+            charts.distribution(
+                near[one.cell.rows], axis, top, "least distance of a run [m]", what
+            ),
             tag("figcaption", true_minus(said) if found.count else "no run has one"),
             class_="tile",
         )
@@ -262,26 +229,23 @@ def comparison_page(comparisons: Sequence[Comparison], name: str, looked: bool =
         tag("h1", name),
         tag("p", f"{looks} looked at; {better} of them show a difference", class_="quiet"),
     ]
-    room = MOST_PLOTS
-    for one in comparisons:
-        parts += _comparison(one, max(0, room))
-        room -= sum(not f.is_rate for f in one.findings)
-    if room < 0:
-        parts.append(tag("p", f"Pairs are shown of the first {MOST_PLOTS}.", class_="quiet"))
-    parts.append(_section("How this was found", PAIRED + f" {LOOKED}" * looked))
+    for place, one in enumerate(comparisons):
+        parts += _comparison(one, place < MOST_DRAWN)
+    if len(comparisons) > MOST_DRAWN:
+        parts.append(tag("p", f"Pairs are drawn of the first {MOST_DRAWN}.", class_="quiet"))
+    parts.append(_section("How this was found", paired.PAIRED + f" {paired.LOOKED}" * looked))
     return _page(name, parts, COMPARISON)
 
 
-def _comparison(one: Comparison, room: int) -> Iterator[Html]:
-    yield tag("h2", f"{sides(one)}{': ' if one.common else ''}{one.common}")
-    yield tag("p", tag("b", headline(one)))
-    yield tag("p", told(one), class_="quiet")
+def _comparison(one: Comparison, drawn: bool) -> Iterator[Html]:
+    yield tag("h2", f"{paired.sides(one)}{': ' if one.common else ''}{one.common}")
+    yield tag("p", tag("b", paired.headline(one)))
+    yield tag("p", paired.told(one), class_="quiet")
     yield from (tag("p", tag("b", "Note: "), difference) for difference in one.unlike)
-    yield _stacked(finding_table(one), {3: [_shift(found) for found in one.findings]})
-    yield tag(
-        "div", (_points(one, f) for f in [f for f in one.findings if not f.is_rate][:room]),
-        class_="tiles",
-    )  # fmt: skip
+    yield _stacked(paired.finding_table(one), {3: [_shift(found) for found in one.findings]})
+    if drawn:
+        points = (_points(one, found) for found in one.findings if not found.is_rate)
+        yield tag("div", points, class_="tiles")
 
 
 def _shift(found: Finding) -> Html:
@@ -289,9 +253,9 @@ def _shift(found: Finding) -> Html:
     title, unit, _ = measure_of(found.name)
     unit, scale = ("points", 100.0) if unit == "%" else (unit, 1.0)
     value, low, high = (scale * each for each in (found.difference, found.low, found.high))
-    axis = shift_axis([value, low, high], INTERVAL_WIDTH)
+    axis = charts.shift_axis([value, low, high], INTERVAL_WIDTH)
     ends = [f"{sign}{axis.label(end)} {unit}" for sign, end in (("", axis.low), ("+", axis.high))]
-    return interval_plot(value, low, high, axis, ends, title)
+    return charts.interval_plot(value, low, high, axis, ends, title)
 
 
 def _points(one: Comparison, found: Finding) -> Html:
@@ -305,7 +269,7 @@ def _points(one: Comparison, found: Finding) -> Html:
     return tag(
         "figure",
         tag("h3", title),
-        paired_plot(a[some], b[some], label, f"{title} of A and B, {pairs}"),
+        charts.paired_plot(a[some], b[some], label, f"{title} of A and B, {pairs}"),
         tag("figcaption", f"B upward, A to the right, {pairs}; above the line B is larger."),
         class_="tile",
     )

@@ -9,11 +9,12 @@ import shutil
 import sys
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict
+from itertools import compress
 from typing import Any, NamedTuple
 
 from physim.campaigns.asked import Missing
 from physim.campaigns.measures import MEASURES, RATE_TITLES, SEVERITY, TOLD, measure_of
-from physim.campaigns.outcomes import CELL, Cell, Outcomes
+from physim.campaigns.outcomes import CELL, Outcomes
 from physim.campaigns.report.contents import SHOWN, CellReport, Rate, Report, Robots
 from physim.errors import plural
 from physim.escaping import escaped
@@ -22,7 +23,7 @@ from physim.units import amount, count, interval, percent
 
 MOST_ROWS = 200
 """Rows of a table; of more it is told how many, and `--json` has all"""
-LONGEST_REASON, MOST_SEEDS, MOST_ROBOTS, MOST_MISSING = 400, 5, 6, 3
+MOST_SEEDS, MOST_ROBOTS, MOST_MISSING = 5, 6, 3
 LEAST_KEY, LONGEST_ROW_NUMBER = 6, 8
 """Digits of a run that are shown; and of the number of a row, which no digits of a run may be"""
 TO_THE_RIGHT = {"runs", "median", "middle half", "least", "most", "of", "A", "B", "B - A [95 %]"}
@@ -83,9 +84,14 @@ def report_text(report: Report, explain: bool = False) -> str:
             escaped(f"{one.cell.name}: {'; '.join(verdict(report, one))}") for one in report.cells
         )
     )
-    tables = [measure_table(report, (*TOLD, *report.outcomes.own)), late_table(report),
-              crash_table(report), _worst_table(report)]  # fmt: skip
-    parts += [str(table) for table in tables if table.rows]
+    parts += [
+        str(table)
+        for table in (
+            measure_table(report, (*TOLD, *report.outcomes.own)),
+            *(tell(report) for tell in (late_table, crash_table, worst_table)),
+        )
+        if table.rows
+    ]
     method = EXACT if report.goal is None else SEQUENCE
     parts.append(method if explain else method.partition(". ")[0])
     return "\n\n".join(parts) + "\n"
@@ -95,19 +101,12 @@ def opening(report: Report) -> str:
     """``32 runs of 4 cells, seeds 1 to 8, which draw the starts; physim 0.1.0, pymunk 7.3.1``."""
     failed, seeds = sum(one.failed for one in report.cells), report.outcomes.seed
     between = f", seeds {seeds.min()} to {seeds.max()}" if len(seeds) else ""
-    if draws := _drawn(report):
-        between += f", which draw {draws}"
+    between += f", which draw {report.draws}" if report.draws else ""
     crashed = f"; {plural(failed, 'run')} crashed" if failed else ""
     return (
         f"{count(len(seeds))} runs of {plural(len(report.cells), 'cell')}{between}{crashed}; "
         f"{', '.join(report.versions())}"
     )
-
-
-def _drawn(report: Report) -> str:
-    """What the seed draws, where that is the same in all cells."""
-    draws = {one.draws if one.cell.count > 1 else "" for one in report.cells}
-    return draws.pop() if len(draws) == 1 else ""
 
 
 def verdict(report: Report, one: CellReport) -> list[str]:
@@ -127,7 +126,7 @@ def verdict(report: Report, one: CellReport) -> list[str]:
     counts = {"with contacts": one.touched, "did not finish": len(one.unfinished),
               "crashed": one.failed}  # fmt: skip
     said += [f"{count(number)} {what}" for what, number in counts.items() if number]
-    draws = "" if _drawn(report) else over_seeds(one.cell.count, one.draws)
+    draws = "" if report.draws else over_seeds(one.cell.count, one.draws)
     return [*said, *filter(None, (note_of(one.rates[0]), draws))]
 
 
@@ -154,25 +153,21 @@ def over_seeds(runs: int, draws: str) -> str:
 
 def measure_table(report: Report, names: Iterable[str]) -> Table:
     """Medians of measures over the runs of each cell, and between what they lie."""
-    rows = []
+    rows, cells = [], brief_names(report)
     for name in names:
         title, unit, _ = measure_of(name)
         first = f"{title} [{unit}]" if unit not in ("", "%") else title
-        for one in report.cells:
-            found = one.spreads[name]
-            if not found.count:
-                continue
-            median, low, high, least, most = (
-                bare(value, unit)
-                for value in (found.median, found.quarter, found.three_quarters, found.least,
-                              found.most)
-            )  # fmt: skip
-            few = count(found.count) if found.count < one.cell.count else ""
-            rows.append((first, brief(report, one.cell), median, f"{low} to {high}", least, most,
-                         few))  # fmt: skip
-            first = ""
-    head = ("over runs", "", "median", "middle half", "least", "most", "of")
-    return Table("", head, rows)
+        for one, cell in zip(report.cells, cells, strict=True):
+            if (found := one.spreads[name]).count:
+                median, low, high, least, most = (
+                    bare(value, unit)
+                    for value in (found.median, found.quarter, found.three_quarters, found.least,
+                                  found.most)
+                )  # fmt: skip
+                few = count(found.count) if found.count < one.cell.count else ""
+                rows.append((first, cell, median, f"{low} to {high}", least, most, few))
+                first = ""
+    return Table("", ("over runs", "", "median", "middle half", "least", "most", "of"), rows)
 
 
 def bare(value: float, unit: str) -> str:
@@ -180,11 +175,11 @@ def bare(value: float, unit: str) -> str:
     return percent(value) if unit == "%" else amount(value, unit).removesuffix(f" {unit}")
 
 
-def brief(report: Report, cell: Cell) -> str:
-    """The name of a cell without what all have in common."""
-    every = zip(*(one.cell.names for one in report.cells), strict=True)
-    varies = [len(set(names)) > 1 for names in every]
-    return ", ".join(name for name, told in zip(cell.names, varies, strict=True) if told and name)
+def brief_names(report: Report) -> list[str]:
+    """Names of the cells without what all have in common."""
+    names = [one.cell.names for one in report.cells]
+    varies = [len(set(column)) > 1 for column in zip(*names, strict=True)]
+    return [", ".join(word for word in compress(one, varies) if word) for one in names]
 
 
 def late_table(report: Report) -> Table:
@@ -207,27 +202,21 @@ def crash_table(report: Report) -> Table:
         ("cell", "runs", "ended by", "reason", "seeds"),
         [
             (one.cell.name, count(len(one.seeds)), one.ended,
-             one.reason[:LONGEST_REASON] + "…" * (len(one.reason) > LONGEST_REASON),
-             seeds_text(one.seeds))
+             one.reason, seeds_text(one.seeds))
             for one in report.failures
         ],
     )  # fmt: skip
 
 
-def _worst_table(report: Report) -> Table:
+def worst_table(report: Report) -> Table:
+    """The worst runs of each cell, with the commands that make them again."""
     rows = []
-    for one in report.cells:
-        for index in one.worst:
-            row = report.outcomes.row(index)
-            seed = f"seed {row['seed']}"
-            rows.append((", ".join(filter(None, (brief(report, one.cell), seed))),
-                         severity_words(row), where(row), again(report, row)))  # fmt: skip
+    for one, cell in zip(report.cells, brief_names(report), strict=True):
+        for row in map(report.outcomes.row, one.worst):
+            run = ", ".join(filter(None, (cell, f"seed {row['seed']}")))
+            again = replay(report.title, report.outcomes, row)
+            rows.append((run, severity_words(row), where(row), again))
     return Table("the worst runs of each cell", ("", "", "", ""), rows)
-
-
-def again(report: Report, row: Mapping[str, Any]) -> str:
-    """How to make a run again, with its record and video, by as many digits as it takes."""
-    return replay(report.title, report.outcomes, row)
 
 
 def replay(folder: str, outcomes: Outcomes, row: Mapping[str, Any]) -> str:

@@ -7,7 +7,7 @@ common, the difficulty of a seed, cancels in the differences of its two runs.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from itertools import combinations
 
 import numpy as np
@@ -39,12 +39,21 @@ class Arm:
     label: str
     outcomes: Outcomes
     cell: Cell
+    rows: NDArray[np.int64] = field(default_factory=lambda: np.zeros(0, np.int64))
+    """of the seeds that both arms have, in ascending order"""
+    alone: tuple[int, ...] = ()
+    """seeds that the other has not, which are left out"""
+
+    @property
+    def failed(self) -> int:
+        """Of its rows, how many failed."""
+        return int(np.count_nonzero(self.outcomes.failed[self.rows]))
 
     def values(self, name: str) -> FloatArray:
-        """A measure of all runs of the campaign, nan where a run has none; of a rate 1 or 0."""
+        """A measure of its rows, nan where a run has none; of a rate 1 or 0."""
         if name in RATE_TITLES:
-            return self.outcomes.successes(name).astype(float)
-        return self.outcomes.column(name)
+            return self.outcomes.successes(name)[self.rows].astype(float)
+        return self.outcomes.column(name)[self.rows]
 
 
 Pair = tuple[Arm, Arm, str]
@@ -110,31 +119,21 @@ class Comparison:
     b: Arm
     common: str
     """what both are the same in, for people"""
-    seeds: int
-    only_a: tuple[int, ...]
-    """seeds that A alone has, which are left out"""
-    only_b: tuple[int, ...]
-    failed_a: int
-    """of the common seeds, runs that failed"""
-    failed_b: int
     findings: tuple[Finding, ...]
-    rows: tuple[NDArray[np.int64], NDArray[np.int64]]
-    """rows of the common seeds, in A's and B's outcomes"""
     unlike: tuple[str, ...] = ()
     """in what else A and B differ, though they are called alike; a text each"""
 
-    def values(self, name: str) -> tuple[FloatArray, FloatArray]:
-        """A measure of both arms, pair by pair: pairs that have it on both sides."""
-        a, b = self.a.values(name)[self.rows[0]], self.b.values(name)[self.rows[1]]
-        known = ~(np.isnan(a) | np.isnan(b))
-        return a[known], b[known]
+    @property
+    def seeds(self) -> int:
+        """Number of seeds that both have."""
+        return len(self.a.rows)
 
 
 def by(outcomes: Outcomes, dimension: str, order: Sequence[Label] = ()) -> list[Pair]:
     """All pairs of cells of a campaign that differ in ``dimension`` (one of `CELL`) alone.
 
     A is the one that comes first in ``order``, cells as they were asked for; others follow by name.
-    Raises PhysimError where there is none, or more than can be looked at.
+    Raises PhysimError where there is none.
     """
     place = CELL.index(dimension)
     groups: dict[tuple[str, ...], list[Cell]] = {}
@@ -156,7 +155,7 @@ def by(outcomes: Outcomes, dimension: str, order: Sequence[Label] = ()) -> list[
             f"--by {dimension}: no two cells differ in it alone; given: "
             f"{', '.join(value or 'none' for value in values)}"
         )
-    return _not_too_many(found)
+    return found
 
 
 def between(a: Outcomes, b: Outcomes, names: tuple[str, str]) -> list[Pair]:
@@ -180,19 +179,15 @@ def between(a: Outcomes, b: Outcomes, names: tuple[str, str]) -> list[Pair]:
         if (rest := _without(cell, sole)) in matching
     ]
     if not found:
-        first, second = (
-            "; ".join(cell.name for cell in side.cells[:3])
-            + (" ..." if len(side.cells) > 3 else "")
-            for side in (a, b)
-        )
+        first, second = ("; ".join(cell.name for cell in side.cells[:3]) for side in (a, b))
         raise PhysimError(
             f"{names[0]}, {names[1]}: no cell of one is like a cell of the other: {first} "
             f"beside {second}"
         )
-    return _not_too_many(found)
+    return found
 
 
-def compare(pairs: Sequence[Pair], names: Mapping[str, int] = USUAL) -> list[Comparison]:
+def compare(arms: Sequence[Pair], names: Mapping[str, int] = USUAL) -> list[Comparison]:
     """Compare arms in rates and measures; all p values are corrected together, after Holm.
 
     Of each of ``names`` it says which is better: 1 where more is, -1 where less is. Findings of
@@ -200,9 +195,12 @@ def compare(pairs: Sequence[Pair], names: Mapping[str, int] = USUAL) -> list[Com
     whatever they are: they are not tested, and do not count in the correction.
 
     A rate or measure that no pair has on both sides is left out. Raises PhysimError where two arms
-    have no seed in common, and for a metric of one's own that no row has.
+    have no seed in common, for a metric of one's own that no row has, and for too many pairs.
     """
-    known = sorted({column for a, b, _ in pairs for arm in (a, b) for column in arm.outcomes.own})
+    if len(arms) > MOST_PAIRS_OF_CELLS:
+        most = f"allowed: at most {MOST_PAIRS_OF_CELLS}"
+        raise PhysimError(f"there are {len(arms)} pairs of cells to compare; {most}")
+    known = sorted({column for a, b, _ in arms for arm in (a, b) for column in arm.outcomes.own})
     for column in names:
         if column.startswith(PREFIX) and column not in known:
             name, *there = (one.removeprefix(PREFIX) for one in (column, *known))
@@ -210,34 +208,33 @@ def compare(pairs: Sequence[Pair], names: Mapping[str, int] = USUAL) -> list[Com
                 f'no row has a metric "{name}"; rows have {", ".join(there) or "none"}; runs that '
                 "were made before it was installed have none"
             )
-    made = [_compared(*pair, names) for pair in pairs]
-    tested = [f.p for comparison in made for f in comparison.findings if f.is_tested]
-    corrected = iter(holm(tested))
-    return [
-        replace(
-            one,
-            findings=tuple(
-                replace(f, corrected=next(corrected)) if f.is_tested else f for f in one.findings
-            ),
-        )
-        for one in made
-    ]
+    made = [_compared(*pair, names) for pair in arms]
+    corrected = iter(holm([f.p for one in made for f in one.findings if f.is_tested]))
+
+    def after_holm(found: Finding) -> Finding:
+        return replace(found, corrected=next(corrected)) if found.is_tested else found
+
+    return [replace(one, findings=tuple(map(after_holm, one.findings))) for one in made]
 
 
 def _compared(a: Arm, b: Arm, common: str, names: Mapping[str, int]) -> Comparison:
-    seeds_a, seeds_b = (arm.outcomes.seed[arm.cell.rows] for arm in (a, b))
-    both, at_a, at_b = np.intersect1d(seeds_a, seeds_b, assume_unique=True, return_indices=True)
+    seeds = [arm.outcomes.seed[arm.cell.rows] for arm in (a, b)]
+    both, *places = np.intersect1d(seeds[0], seeds[1], assume_unique=True, return_indices=True)
     if not len(both):
         raise PhysimError(f"{a.cell.name} and {b.cell.name}: have no seed in common")
-    rows = at_a + a.cell.start, at_b + b.cell.start
-    only_a, only_b = (tuple(np.setdiff1d(seeds, both).tolist()) for seeds in (seeds_a, seeds_b))
-    failed_a, failed_b = (
-        int(np.count_nonzero(arm.outcomes.failed[mine]))
-        for arm, mine in zip((a, b), rows, strict=True)
+    a, b = (
+        replace(arm, rows=place + arm.cell.start, alone=tuple(np.setdiff1d(mine, both).tolist()))
+        for arm, mine, place in zip((a, b), seeds, places, strict=True)
     )
-    one = Comparison(a, b, common, len(both), only_a, only_b, failed_a, failed_b, (), rows)
-    valued = ((name, better, *one.values(name)) for name, better in names.items())
-    return replace(one, findings=tuple(_finding(*each) for each in valued if len(each[-1])))
+    valued = ((name, better, *pairs(a, b, name)) for name, better in names.items())
+    return Comparison(a, b, common, tuple(_finding(*each) for each in valued if len(each[-1])))
+
+
+def pairs(a: Arm, b: Arm, name: str) -> tuple[FloatArray, FloatArray]:
+    """A measure of both arms, pair by pair: pairs that have it on both sides."""
+    of_a, of_b = a.values(name), b.values(name)
+    known = ~(np.isnan(of_a) | np.isnan(of_b))
+    return of_a[known], of_b[known]
 
 
 def _finding(name: str, better: int, a: FloatArray, b: FloatArray) -> Finding:
@@ -258,12 +255,3 @@ def _without(cell: Cell, places: Sequence[int]) -> tuple[str, ...]:
 
 def _together(names: Sequence[str]) -> str:
     return ", ".join(filter(None, names))
-
-
-def _not_too_many(pairs: list[Pair]) -> list[Pair]:
-    if len(pairs) > MOST_PAIRS_OF_CELLS:
-        raise PhysimError(
-            f"there are {len(pairs)} pairs of cells to compare; allowed: at most "
-            f"{MOST_PAIRS_OF_CELLS}"
-        )
-    return pairs

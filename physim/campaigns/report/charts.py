@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -69,7 +69,21 @@ def _line(kind: str, x1: float, x2: float, y1: float, y2: float) -> Html:
 
 
 def _text(words: str, x: float, y: float, anchor: str) -> Html:
-    return tag("text", words, x=x, y=y, text_anchor=anchor)
+    return tag("text", words, x=round(x, 1), y=round(y, 1), text_anchor=anchor)
+
+
+def _framed(x: Axis, y: Axis, unit: str, *drawn: object, size: str, what: str) -> Html:
+    """What is drawn on two axes, with a line at each tick of ``y`` and labels at all."""
+    left, right, floor = x.start, x.start + x.length, y.start
+    return tag(
+        "svg",
+        (_line("grid", left, right, y.at(t), y.at(t)) for t in y.ticks),
+        (_text(f"{y.label(t)}{unit}", left - 4, y.at(t) + 4, "end") for t in y.ticks),
+        drawn,
+        _line("axis", left, right, floor, floor),
+        (_text(x.label(t), x.at(t), floor + 16, "middle") for t in x.ticks),
+        class_="whole", viewBox=size, role="img", aria_label=what,
+    )  # fmt: skip
 
 
 def interval_plot(
@@ -129,29 +143,23 @@ def distribution(values: FloatArray, axis: Axis, top: float, unit_text: str, wha
     Upright: the share of runs, up to ``top`` at least.
     """
     floor, right = 98.0, axis.start + axis.length
-    up = Axis.around(0.0, max(top, 1e-4), 2, floor, 8.0)
+    up = Axis.around(0.0, max(100.0 * top, 0.01), 2, floor, 8.0)
 
     def bars() -> Iterator[Html]:
         found, edges = shares(values, axis)
         for share, low, high in zip(found.tolist(), edges[:-1], edges[1:], strict=True):
             if share:
-                tall, x = max(1.0, floor - up.at(share)), axis.at(low)
+                tall, x = max(1.0, floor - up.at(100.0 * share)), axis.at(low)
                 yield tag(
                     "rect", class_="contact" if high <= 0.0 else "free", x=round(x + 0.5, 1),
                     y=round(floor - tall, 1), width=round(max(0.8, axis.at(high) - x - 1), 1),
                     height=round(tall, 1),
                 )  # fmt: skip
 
-    return tag(
-        "svg",
-        (_line("grid", axis.start, right, up.at(t), up.at(t)) for t in up.ticks),
-        (_text(f"{100 * t:.3g}%", axis.start - 4, up.at(t) + 4, "end") for t in up.ticks),
-        bars(),
-        _line("axis", axis.start, right, floor, floor),
-        (_text(axis.label(t), axis.at(t), floor + 16, "middle") for t in axis.ticks),
-        _text(unit_text, right, floor + 33, "end"),
-        _line("zero", axis.at(0.0), axis.at(0.0), 8.0, floor) if axis.low < 0.0 else None,
-        class_="whole", viewBox=f"0 0 {right + 10:g} 136", role="img", aria_label=what,
+    zero = _line("zero", axis.at(0.0), axis.at(0.0), 8.0, floor) if axis.low < 0.0 else None
+    return _framed(
+        axis, up, "%", bars(), zero, _text(unit_text, right, floor + 33, "end"),
+        size=f"0 0 {right + 10:g} 136", what=what,
     )  # fmt: skip
 
 
@@ -162,22 +170,15 @@ def paired_plot(a: FloatArray, b: FloatArray, label: str, what: str, side: float
     spread = max(high - low, 0.01 * max(abs(low), abs(high)))  # labels stay short
     high = max(high, low + (spread if spread > LEAST else 1.0))
     axis = Axis.around(low, high, 4, 62.0, side - 10.0)
-    floor, right = axis.length + 10.0, axis.start + axis.length
-
-    def up(value: float) -> float:
-        return round(floor - (axis.at(value) - axis.start), 1)
-
-    ends = axis.at(axis.low), axis.at(axis.high), up(axis.low), up(axis.high)
-    return tag(
-        "svg",
-        (_line("grid", *ends[:2], up(t), up(t)) for t in axis.ticks),
-        (_line("grid", axis.at(t), axis.at(t), *ends[2:]) for t in axis.ticks),
-        (_text(axis.label(t), axis.start - 5, up(t) + 4, "end") for t in axis.ticks),
-        (_text(axis.label(t), axis.at(t), floor + 15, "middle") for t in axis.ticks),
-        _line("axis", *ends),
-        (tag("circle", class_="point", cx=axis.at(x), cy=up(y), r=3)
+    low, high = axis.low, axis.high
+    floor = axis.length + 10.0
+    up = replace(axis, start=floor, length=-axis.length)
+    return _framed(
+        axis, up, "",
+        (_line("grid", axis.at(t), axis.at(t), up.at(low), up.at(high)) for t in axis.ticks),
+        _line("axis", axis.at(low), axis.at(high), up.at(low), up.at(high)),
+        (tag("circle", class_="point", cx=axis.at(x), cy=up.at(y), r=3)
          for x, y in zip(a.tolist(), b.tolist(), strict=True)),
-        _text(f"A: {label}", right, floor + 31, "end"),
-        _text(f"B: {label}", 4, ends[3] - 8, "start"),
-        class_="whole", viewBox=f"0 -12 {side:g} {floor + 48:g}", role="img", aria_label=what,
+        _text(f"A: {label}", side - 10.0, floor + 31, "end"), _text(f"B: {label}", 4, 2, "start"),
+        size=f"0 -12 {side:g} {floor + 48:g}", what=what,
     )  # fmt: skip

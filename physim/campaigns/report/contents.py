@@ -188,26 +188,23 @@ def _rates(
     outcomes: Outcomes, cell: Cell, goal: Goal | None, first: int | None
 ) -> tuple[Decision | None, tuple[Rate, Rate, Rate]]:
     good = {name: outcomes.successes(name)[cell.rows] for name in RATES}
-    if goal is None:
-        both, free, finished = (
-            exact(name, int(np.count_nonzero(hits)), cell.count) for name, hits in good.items()
-        )
-        return None, (both, free, finished)
-    alone = cell.count == 1  # where nothing is random a cell has one run, of whatever seed
-    seeds = outcomes.seed[cell.rows]
-    start = seeds[0] if alone or first is None else first
-    gaps = np.flatnonzero(seeds != np.arange(len(seeds)) + start)
-    decision = decide(goal, good[goal.rate][: int(gaps[0]) if len(gaps) else len(seeds)])
-    both, free, finished = (at_any_look(name, hits[: decision.runs]) for name, hits in good.items())
+    decision, runs, rate = None, cell.count, exact
+    if goal is not None:
+        seeds = outcomes.seed[cell.rows]
+        alone = cell.count == 1  # where nothing is random a cell has one run, of whatever seed
+        start = seeds[0] if alone or first is None else first
+        gaps = np.flatnonzero(seeds != np.arange(len(seeds)) + start)
+        decision = decide(goal, good[goal.rate][: int(gaps[0]) if len(gaps) else len(seeds)])
+        runs, rate = decision.runs, at_any_look
+    both, free, finished = (rate(name, hits[:runs]) for name, hits in good.items())
     return decision, (both, free, finished)
 
 
-def exact(name: str, good: int, of: int) -> Rate:
+def exact(name: str, hits: NDArray[np.bool_]) -> Rate:
     """Rate with the exact interval, which is for a number of runs fixed beforehand."""
-    low, high = clopper_pearson(good, of)
-    if good < of or not of:
-        return Rate(name, good, of, low, high)
-    return Rate(name, good, of, low, high, failure_bound(of), runs_needed(SHOWN))
+    good, of = int(np.count_nonzero(hits)), len(hits)
+    none_failed = (failure_bound(of), runs_needed(SHOWN)) if good == of > 0 else (None, None)
+    return Rate(name, good, of, *clopper_pearson(good, of), *none_failed)
 
 
 def at_any_look(name: str, hits: NDArray[np.bool_]) -> Rate:

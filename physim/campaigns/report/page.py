@@ -10,7 +10,7 @@ from types import MappingProxyType
 
 import numpy as np
 
-from physim.campaigns.compare import Comparison, Finding
+from physim.campaigns.compare import Comparison, Finding, pairs
 from physim.campaigns.measures import MEASURES, NEAREST, measure_of
 from physim.campaigns.outcomes import Cell
 from physim.campaigns.report import charts, paired, text
@@ -260,16 +260,16 @@ def _shift(found: Finding) -> Html:
 
 def _points(one: Comparison, found: Finding) -> Html:
     """Every pair as a point, A to the right, B upward."""
-    a, b = one.values(found.name)
+    a, b = pairs(one.a, one.b, found.name)
     some = np.linspace(0, len(a) - 1, min(len(a), MOST_POINTS)).astype(int)
     title, unit, _ = measure_of(found.name)
     label = f"{title} [{unit}]" if unit not in ("", "%") else title
     thinned = f" of {len(a)}, evenly chosen" if len(some) < len(a) else ""
-    pairs = f"{plural(len(some), 'pair')}{thinned}"
+    drawn = f"{plural(len(some), 'pair')}{thinned}"
     return tag(
         "figure",
         tag("h3", title),
-        charts.paired_plot(a[some], b[some], label, f"{title} of A and B, {pairs}"),
-        tag("figcaption", f"B upward, A to the right, {pairs}; above the line B is larger."),
+        charts.paired_plot(a[some], b[some], label, f"{title} of A and B, {drawn}"),
+        tag("figcaption", f"B upward, A to the right, {drawn}; above the line B is larger."),
         class_="tile",
     )

@@ -70,13 +70,12 @@ def told(one: Comparison) -> str:
     text = f"{plural(one.seeds, 'seed')} in common"
     if one.seeds == 1:
         text += ": where nothing in the world is random it is all there is"
-    for name, seeds in (("A", one.only_a), ("B", one.only_b)):
-        if seeds:
-            only = f"{count(len(seeds))} that only {name} has are left out"
-            text += f"; {only} ({seeds_text(seeds)})"
-    for name, failed in (("A", one.failed_a), ("B", one.failed_b)):
-        if failed:
-            text += f"; {plural(failed, 'run')} of {name} crashed"
+    for name, arm in (("A", one.a), ("B", one.b)):
+        if arm.alone:
+            only = f"{count(len(arm.alone))} that only {name} has are left out"
+            text += f"; {only} ({seeds_text(arm.alone)})"
+        if arm.failed:
+            text += f"; {plural(arm.failed, 'run')} of {name} crashed"
     return text
 
 
@@ -138,10 +137,10 @@ def comparison_values(comparisons: Sequence[Comparison], looked: bool = False) -
                     for key, arm in (("a", one.a), ("b", one.b))
                 },
                 "seeds": one.seeds,
-                "seeds_only_a": one.only_a,
-                "seeds_only_b": one.only_b,
-                "failed_a": one.failed_a,
-                "failed_b": one.failed_b,
+                "seeds_only_a": one.a.alone,
+                "seeds_only_b": one.b.alone,
+                "failed_a": one.a.failed,
+                "failed_b": one.b.failed,
                 "unlike": one.unlike,
                 "findings": [
                     {

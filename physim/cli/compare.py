@@ -160,7 +160,7 @@ def _write_out(options: Options, found: list[Comparison], name: str) -> None:
     """Write page, JSON and table of what was found in the pairs called ``name``."""
     from physim.campaigns.own_metrics import PREFIX
     from physim.campaigns.report.page import comparison_page
-    from physim.campaigns.report.paired import comparison_text, comparison_values
+    from physim.campaigns.report.text import comparison_text, comparison_values
 
     looked = options.seeds is None and any(map(_looked_at, _folders(options)))
     if options.output is not None:

@@ -179,6 +179,6 @@ def paired_plot(a: FloatArray, b: FloatArray, label: str, what: str, side: float
         _line("axis", axis.at(low), axis.at(high), up.at(low), up.at(high)),
         (tag("circle", class_="point", cx=axis.at(x), cy=up.at(y), r=3)
          for x, y in zip(a.tolist(), b.tolist(), strict=True)),
-        _text(f"A: {label}", side - 10.0, floor + 31, "end"), _text(f"B: {label}", 4, 2, "start"),
+        _text(f"A: {label}", side - 10.0, floor + 31, "end"), _text(f"B: {label}", 4, 0, "start"),
         size=f"0 -12 {side:g} {floor + 48:g}", what=what,
     )  # fmt: skip

@@ -13,7 +13,7 @@ import numpy as np
 from physim.campaigns.compare import Comparison, Finding, pairs
 from physim.campaigns.measures import MEASURES, NEAREST, measure_of
 from physim.campaigns.outcomes import Cell
-from physim.campaigns.report import charts, paired, text
+from physim.campaigns.report import charts, text
 from physim.campaigns.report.contents import MOST_PICTURED, Report, who_stood
 from physim.drawing.page.colours import styles
 from physim.errors import plural
@@ -233,16 +233,16 @@ def comparison_page(comparisons: Sequence[Comparison], name: str, looked: bool =
         parts += _comparison(one, place < MOST_DRAWN)
     if len(comparisons) > MOST_DRAWN:
         parts.append(tag("p", f"Pairs are drawn of the first {MOST_DRAWN}.", class_="quiet"))
-    parts.append(_section("How this was found", paired.PAIRED + f" {paired.LOOKED}" * looked))
+    parts.append(_section("How this was found", text.PAIRED + f" {text.LOOKED}" * looked))
     return _page(name, parts, COMPARISON)
 
 
 def _comparison(one: Comparison, drawn: bool) -> Iterator[Html]:
-    yield tag("h2", f"{paired.sides(one)}{': ' if one.common else ''}{one.common}")
-    yield tag("p", tag("b", paired.headline(one)))
-    yield tag("p", paired.told(one), class_="quiet")
+    yield tag("h2", f"{text.sides(one)}{': ' if one.common else ''}{one.common}")
+    yield tag("p", tag("b", text.headline(one)))
+    yield tag("p", text.told(one), class_="quiet")
     yield from (tag("p", tag("b", "Note: "), difference) for difference in one.unlike)
-    yield _stacked(paired.finding_table(one), {3: [_shift(found) for found in one.findings]})
+    yield _stacked(text.finding_table(one), {3: [_shift(found) for found in one.findings]})
     if drawn:
         points = (_points(one, found) for found in one.findings if not found.is_rate)
         yield tag("div", points, class_="tiles")

@@ -1,4 +1,4 @@
-"""What reports, comparisons and sweeps say: sentences, tables, and values for `--json`."""
+"""What reports and comparisons say: sentences, tables, and values for `--json`."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ from itertools import compress
 from typing import Any, NamedTuple
 
 from physim.campaigns.asked import Missing
+from physim.campaigns.compare import ALPHA, FEWEST_PAIRS, Comparison
 from physim.campaigns.measures import MEASURES, RATE_TITLES, SEVERITY, TOLD, measure_of
 from physim.campaigns.outcomes import CELL, Outcomes
 from physim.campaigns.report.contents import SHOWN, CellReport, Rate, Report, Robots
@@ -39,6 +40,20 @@ SEQUENCE = (
     "This campaign (sweep --until) was looked at after every run; exact intervals, for a number of "
     "runs fixed in advance, would be narrower and would not hold. Of each cell the first runs that "
     "decide count, in the order of seeds."
+)
+PAIRED = (
+    "Differences are B minus A on the same seeds, with 95 % intervals that hold each for itself, "
+    "for a number of seeds fixed in advance: of rates in percentage points (conservative, from "
+    "exact parts), of measures the median of the differences (order statistics). The better one is "
+    "that which succeeds alone (rates) or has the better value (measures) with more seeds; ties "
+    "are left out. That is tested, exactly and on two sides (McNemar's test, the sign test). "
+    f"p is corrected for all findings that {FEWEST_PAIRS} pairs or more tell of (Holm), and a "
+    f"difference is shown where it is at most {ALPHA:g} (and the interval of a rate leaves out 0). "
+    "That none is shown does not mean that there is none: the interval says how large it may be."
+)
+LOOKED = (
+    "A campaign was stopped because of what it showed (sweep --until): intervals and p values are "
+    "then too sure; compare campaigns of a number of runs fixed in advance."
 )
 
 
@@ -359,3 +374,122 @@ def plain(value: Any) -> Any:
     if isinstance(value, float):
         return float(value) if math.isfinite(value) else None
     return value
+
+
+def comparison_text(
+    comparisons: Sequence[Comparison], looked: bool = False, explain: bool = False
+) -> str:
+    """All comparisons: which is better in what, then by how much."""
+    parts = []
+    for one in comparisons:
+        common = f" ({one.common})" if one.common else ""
+        lines = [f"{headline(one)}{common}", f"  {sides(one)}: {told(one)}"]
+        lines += [f"  note: {difference}" for difference in one.unlike]
+        table = [str(finding_table(one))] if one.findings else []
+        parts.append("\n".join([*map(escaped, lines), *table]))
+    parts += [PAIRED] * explain + [LOOKED] * looked
+    return "\n\n".join(parts) + "\n"
+
+
+def sides(one: Comparison) -> str:
+    """Which is A, and which is B."""
+    return f"A {one.a.label}, B {one.b.label}"
+
+
+def headline(one: Comparison) -> str:
+    """Which arm is better in what; one sentence."""
+    if not any(f.is_tested for f in one.findings):
+        return "too few pairs to tell"
+    said = [
+        f"{arm.label} ({side.upper()}) is better in {', '.join(names)}"
+        for side, arm in (("a", one.a), ("b", one.b))
+        if (names := [measure_of(f.name).title for f in one.findings if f.better == side])
+    ]
+    rest = ", ".join(measure_of(f.name).title for f in one.findings if not f.better)
+    if not said:
+        return "no difference shown"
+    return "; ".join([*said, *([f"no difference shown in {rest}"] if rest else [])])
+
+
+def told(one: Comparison) -> str:
+    """How many seeds are compared, and what is left out."""
+    text = f"{plural(one.seeds, 'seed')} in common"
+    if one.seeds == 1:
+        text += ": where nothing in the world is random it is all there is"
+    for name, arm in (("A", one.a), ("B", one.b)):
+        if arm.alone:
+            only = f"{count(len(arm.alone))} that only {name} has are left out"
+            text += f"; {only} ({seeds_text(arm.alone)})"
+        if arm.failed:
+            text += f"; {plural(arm.failed, 'run')} of {name} crashed"
+    return text
+
+
+def finding_table(one: Comparison) -> Table:
+    """A row for each rate and measure: both sides, by how much, with how many seeds."""
+    rows = []
+    for found in one.findings:
+        title, unit, _ = measure_of(found.name)
+        name = title if unit in ("", "%") else f"{title} [{unit}]"
+        if found.pairs < one.seeds:
+            name += f", {plural(found.pairs, 'pair')}"
+        shift, low, high = (_signed(x, unit) for x in (found.difference, found.low, found.high))
+        p, verdict = "", f"not tested: {plural(found.pairs, 'pair')}; it takes {FEWEST_PAIRS}"
+        if found.is_tested:
+            shift += f" [{low}, {high}]"
+            p = f"{found.corrected:.2g}" if found.corrected < 0.1 else f"{found.corrected:.2f}"
+            p = "< 0.0001" if found.corrected < 1e-4 else p
+            verdict = f"{found.better.upper()} is better" if found.better else "no difference shown"
+        won = f"A {found.only_a}, B {found.only_b}" if found.only_a or found.only_b else ""
+        rows.append((name, bare(found.a, unit), bare(found.b, unit),
+                     f"{shift} points" if unit == "%" else shift, won, p, verdict))  # fmt: skip
+    return Table("", ("", "A", "B", "B - A [95 %]", "seeds won", "corrected p", ""), rows)
+
+
+def _signed(value: float, unit: str) -> str:
+    """A difference without its unit; of shares in percentage points."""
+    if math.isinf(value):
+        return "unbounded"
+    text = f"{100.0 * abs(value):.1f}" if unit == "%" else bare(abs(value), unit)
+    sign = "" if not text.strip("0.,") else "-" if value < 0.0 else "+"  # rounded to 0
+    return f"{sign}{text}"
+
+
+def comparison_values(comparisons: Sequence[Comparison], looked: bool = False) -> dict[str, Any]:
+    """All comparisons in types that JSON knows; what is infinite or has no value is null."""
+    values: dict[str, Any] = plain({
+        "format": "physim-comparison",
+        "version": 1,
+        "units": "m, s; shares from 0 to 1; differences are b minus a",
+        "confidence": 0.95,
+        "number_of_runs_fixed_in_advance": not looked,
+        "tests": {"rates": "McNemar, exact", "measures": "sign", "correction": "Holm"},
+        "comparisons": [
+            {
+                "common": one.common,
+                "verdict": headline(one),
+                **{
+                    key: {"label": arm.label, **dict(zip(CELL, arm.cell.names, strict=True))}
+                    for key, arm in (("a", one.a), ("b", one.b))
+                },
+                "seeds": one.seeds,
+                "seeds_only_a": one.a.alone,
+                "seeds_only_b": one.b.alone,
+                "failed_a": one.a.failed,
+                "failed_b": one.b.failed,
+                "unlike": one.unlike,
+                "findings": [
+                    {
+                        "name": f.name, "pairs": f.pairs, "a": f.a, "b": f.b,
+                        "difference": f.difference, "low": f.low, "high": f.high,
+                        "only_a": f.only_a, "only_b": f.only_b, "ties": f.ties,
+                        "tested": f.is_tested, "p": f.p, "p_corrected": f.corrected,
+                        "better": f.better or None,
+                    }
+                    for f in one.findings
+                ],
+            }
+            for one in comparisons
+        ],
+    })  # fmt: skip
+    return values

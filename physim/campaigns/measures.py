@@ -18,6 +18,11 @@ class Measure(NamedTuple):
     better: int
     """1 where more is better, -1 where less is, 0 where neither is"""
 
+    @property
+    def label(self) -> str:
+        """``least distance [m]``."""
+        return f"{self.title} [{self.unit}]" if self.unit else self.title
+
 
 MEASURES = MappingProxyType(
     {

@@ -262,8 +262,7 @@ def _points(one: Comparison, found: Finding) -> Html:
     """Every pair as a point, A to the right, B upward."""
     a, b = pairs(one.a, one.b, found.name)
     some = np.linspace(0, len(a) - 1, min(len(a), MOST_POINTS)).astype(int)
-    title, unit, _ = measure_of(found.name)
-    label = f"{title} [{unit}]" if unit not in ("", "%") else title
+    title, label = measure_of(found.name).title, measure_of(found.name).label
     thinned = f" of {len(a)}, evenly chosen" if len(some) < len(a) else ""
     drawn = f"{plural(len(some), 'pair')}{thinned}"
     return tag(

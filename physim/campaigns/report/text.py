@@ -8,7 +8,7 @@ import shlex
 import shutil
 import sys
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import asdict
+from dataclasses import asdict, astuple
 from itertools import compress
 from typing import Any, NamedTuple
 
@@ -27,8 +27,11 @@ MOST_ROWS = 200
 MOST_SEEDS, MOST_ROBOTS, MOST_MISSING = 5, 6, 3
 LEAST_KEY, LONGEST_ROW_NUMBER = 6, 8
 """Digits of a run that are shown; and of the number of a row, which no digits of a run may be"""
-TO_THE_RIGHT = {"runs", "median", "middle half", "least", "most", "of", "A", "B", "B - A [95 %]"}
+TO_THE_RIGHT = {"runs", "median", "middle half", "least", "most", "of", "A", "B", "B - A [95 %]",
+                "p", "won A:B"}  # fmt: skip
 """Heads of columns of numbers"""
+LEAST_WIDTH = 80
+"""Signs that a table may take in the narrowest terminal"""
 EXACT = (
     "95 % intervals are exact (Clopper and Pearson), for a number of runs fixed in advance. They "
     "do not hold where a campaign was stopped because of what it showed; those of physim sweep "
@@ -77,11 +80,13 @@ class Table(NamedTuple):
 
         columns = Columns(box=None, pad_edge=False, show_header=any(self.head))
         for name in self.head:
-            columns.add_column(name, justify="right" if name in TO_THE_RIGHT else "left")
+            number = name in TO_THE_RIGHT
+            columns.add_column(name, justify="right" if number else "left", no_wrap=number)
         for row in self.some():
             columns.add_row(*map(escaped, row))
         out = io.StringIO()
-        width = shutil.get_terminal_size().columns if sys.stdout.isatty() else 10_000
+        width = max(LEAST_WIDTH, shutil.get_terminal_size().columns)
+        width = width if sys.stdout.isatty() else 10_000
         Console(
             file=out, width=width, color_system=None, markup=False, emoji=False, highlight=False
         ).print(columns)
@@ -168,26 +173,26 @@ def over_seeds(runs: int, draws: str) -> str:
 
 def measure_table(report: Report, names: Iterable[str]) -> Table:
     """Medians of measures over the runs of each cell, and between what they lie."""
-    rows, cells = [], brief_names(report)
+    rows: list[tuple[str, ...]] = []
+    several, cells = len(report.cells) > 1, brief_names(report)
     for name in names:
-        title, unit, _ = measure_of(name)
-        first = f"{title} [{unit}]" if unit not in ("", "%") else title
-        for one, cell in zip(report.cells, cells, strict=True):
-            if (found := one.spreads[name]).count:
-                median, low, high, least, most = (
-                    bare(value, unit)
-                    for value in (found.median, found.quarter, found.three_quarters, found.least,
-                                  found.most)
-                )  # fmt: skip
-                few = count(found.count) if found.count < one.cell.count else ""
-                rows.append((first, cell, median, f"{low} to {high}", least, most, few))
-                first = ""
-    return Table("", ("over runs", "", "median", "middle half", "least", "most", "of"), rows)
+        measure, found = measure_of(name), [one.spreads[name] for one in report.cells]
+        if several and any(spread.count for spread in found):
+            rows.append((measure.label, *[""] * 5))
+        for one, cell, spread in zip(report.cells, cells, found, strict=True):
+            if spread.count:
+                least, low, median, high, most = (
+                    bare(value, measure.unit) for value in astuple(spread)[1:]
+                )
+                first = f"· {cell}" if several else measure.label
+                few = count(spread.count) if spread.count < one.cell.count else ""
+                rows.append((first, median, f"{low} to {high}", least, most, few))
+    return Table("", ("over runs", "median", "middle half", "least", "most", "of"), rows)
 
 
 def bare(value: float, unit: str) -> str:
-    """A measured value without its unit; a share as a percentage."""
-    return percent(value) if unit == "%" else amount(value, unit).removesuffix(f" {unit}")
+    """A measured value without its unit; a share in percent."""
+    return (percent(value) if unit == "%" else amount(value, unit)).removesuffix(f" {unit}")
 
 
 def brief_names(report: Report) -> list[str]:
@@ -225,12 +230,12 @@ def crash_table(report: Report) -> Table:
 
 def worst_table(report: Report) -> Table:
     """The worst runs of each cell, with the commands that make them again."""
-    rows = []
+    rows: list[tuple[str, ...]] = []
     for one, cell in zip(report.cells, brief_names(report), strict=True):
+        rows += [(cell, "", "", "")] if cell and one.worst else []
         for row in map(report.outcomes.row, one.worst):
-            run = ", ".join(filter(None, (cell, f"seed {row['seed']}")))
             again = replay(report.title, report.outcomes, row)
-            rows.append((run, severity_words(row), where(row), again))
+            rows.append((f"· seed {row['seed']}", severity_words(row), where(row), again))
     return Table("the worst runs of each cell", ("", "", "", ""), rows)
 
 
@@ -429,21 +434,21 @@ def finding_table(one: Comparison) -> Table:
     """A row for each rate and measure: both sides, by how much, with how many seeds."""
     rows = []
     for found in one.findings:
-        title, unit, _ = measure_of(found.name)
-        name = title if unit in ("", "%") else f"{title} [{unit}]"
-        if found.pairs < one.seeds:
-            name += f", {plural(found.pairs, 'pair')}"
-        shift, low, high = (_signed(x, unit) for x in (found.difference, found.low, found.high))
-        p, verdict = "", f"not tested: {plural(found.pairs, 'pair')}; it takes {FEWEST_PAIRS}"
+        measure = measure_of(found.name)
+        a, b = bare(found.a, measure.unit), bare(found.b, measure.unit)
+        shift, low, high = (
+            _signed(value, measure.unit) for value in (found.difference, found.low, found.high)
+        )
+        p, better = "", "not tested"
         if found.is_tested:
             shift += f" [{low}, {high}]"
             p = f"{found.corrected:.2g}" if found.corrected < 0.1 else f"{found.corrected:.2f}"
-            p = "< 0.0001" if found.corrected < 1e-4 else p
-            verdict = f"{found.better.upper()} is better" if found.better else "no difference shown"
-        won = f"A {found.only_a}, B {found.only_b}" if found.only_a or found.only_b else ""
-        rows.append((name, bare(found.a, unit), bare(found.b, unit),
-                     f"{shift} points" if unit == "%" else shift, won, p, verdict))  # fmt: skip
-    return Table("", ("", "A", "B", "B - A [95 %]", "seeds won", "corrected p", ""), rows)
+            p, better = "< 0.0001" if found.corrected < 1e-4 else p, found.better.upper()
+        if found.pairs < (one.seeds if found.is_tested else FEWEST_PAIRS):
+            better += f"{': ' if better else ''}{plural(found.pairs, 'pair')}"
+        won = f"{found.only_a}:{found.only_b}" if found.only_a or found.only_b else ""
+        rows.append((measure.label, a, b, shift, won, p, better))
+    return Table("", ("", "A", "B", "B - A [95 %]", "won A:B", "p", "better"), rows)
 
 
 def _signed(value: float, unit: str) -> str:

@@ -12,7 +12,6 @@ import numpy as np
 
 from physim.campaigns.compare import Comparison, Finding, pairs
 from physim.campaigns.measures import MEASURES, NEAREST, measure_of
-from physim.campaigns.outcomes import Cell
 from physim.campaigns.report import charts, text
 from physim.campaigns.report.contents import MOST_PICTURED, Report, who_stood
 from physim.drawing.page.colours import styles
@@ -135,11 +134,6 @@ def _stacked(shown: text.Table, plots: Mapping[int, Sequence[Html]] = MappingPro
     return table(head, rows, class_="stack")
 
 
-def _name(cell: Cell) -> Html:
-    below = (tag("span", words) for words in (cell.controller, cell.settings) if words)
-    return tag("td", tag("b", cell.world), below, class_="name")
-
-
 def _verdicts(report: Report) -> Html:
     """A row for each cell: how often it went well, on one axis, and what else came of it."""
     cells = report.cells[: text.MOST_ROWS]
@@ -152,7 +146,9 @@ def _verdicts(report: Report) -> Html:
             first, *others = text.verdict(report, one)
             plot = charts.interval_plot(rate.share, rate.low, rate.high, axis, ends, first)
             small = ([tag("br"), tag("small", words)] for words in others)
-            yield [_name(one.cell), tag("td", plot), tag("td", tag("b", first), small)]
+            parts = (tag("span", words) for words in one.cell.names[:0:-1] if words)
+            name = tag("td", tag("b", one.cell.world), parts, class_="name")
+            yield [name, tag("td", plot), tag("td", tag("b", first), small)]
 
     more = len(report.cells) - text.MOST_ROWS
     left = tag("p", f"and {plural(more, 'further cell')}: --json has all") if more > 0 else ""

@@ -104,14 +104,9 @@ def report_text(report: Report, explain: bool = False) -> str:
             escaped(f"{one.cell.name}: {'; '.join(verdict(report, one))}") for one in report.cells
         )
     )
-    parts += [
-        str(table)
-        for table in (
-            measure_table(report, (*TOLD, *report.outcomes.own)),
-            *(tell(report) for tell in (late_table, crash_table, worst_table)),
-        )
-        if table.rows
-    ]
+    tables = (measure_table(report, (*TOLD, *report.outcomes.own)), late_table(report),
+              crash_table(report), worst_table(report))  # fmt: skip
+    parts += [str(table) for table in tables if table.rows]
     method = EXACT if report.goal is None else SEQUENCE
     parts.append(method if explain else method.partition(". ")[0])
     return "\n\n".join(parts) + "\n"
@@ -131,20 +126,20 @@ def opening(report: Report) -> str:
 
 def verdict(report: Report, one: CellReport) -> list[str]:
     """What came of a cell: first how often it went well, then all else; an interval once."""
-    said: list[str] = []
-    seen: set[tuple[int, int]] = set()
-    for rate in one.rates:
-        decided = one.decision if report.goal and report.goal.rate == rate.name else None
-        if (rate.good, rate.of) not in seen or decided:
-            said.append(
-                f"{count(rate.good)} of {plural(rate.of, 'run')} {RATE_TITLES[rate.name]}, "
-                f"{percent(rate.share)} {interval(rate.low, rate.high)}"
-            )
-        if decided and report.goal:
-            said.append(decision_words(decided, report.goal))
-        seen.add((rate.good, rate.of))
-    counts = {"with contacts": one.touched, "did not finish": len(one.unfinished),
-              "crashed": one.failed}  # fmt: skip
+    said = [
+        f"{count(rate.good)} of {plural(rate.of, 'run')} {RATE_TITLES[rate.name]}, "
+        f"{percent(rate.share)} {interval(rate.low, rate.high)}"
+        for k, rate in enumerate(one.rates)
+        if (rate.good, rate.of) not in [(before.good, before.of) for before in one.rates[:k]]
+    ]
+    if one.decision and report.goal:
+        said.append(decision_words(one.decision, report.goal))
+    counts = {
+        "runs in all": one.cell.count if one.decision else 0,
+        "with contacts": one.touched,
+        "did not finish": len(one.unfinished),
+        "crashed": one.failed,
+    }
     said += [f"{count(number)} {what}" for what, number in counts.items() if number]
     draws = "" if report.draws else over_seeds(one.cell.count, one.draws)
     return [*said, *filter(None, (note_of(one.rates[0]), draws))]
@@ -153,10 +148,7 @@ def verdict(report: Report, one: CellReport) -> list[str]:
 def note_of(rate: Rate) -> str:
     """What a single run tells, or what it means that none went wrong; else empty."""
     if rate.of == 1:
-        return (
-            "one run: where nothing in the world is random it is all there is, and the interval "
-            "tells nothing"
-        )
+        return "one run: all there is where nothing is random; the interval tells nothing"
     if rate.at_most is None or rate.needed is None:
         return ""
     more, shown = rate.needed - rate.of, percent(SHOWN)
@@ -221,8 +213,7 @@ def crash_table(report: Report) -> Table:
         "runs that crashed, each counted above as neither contact-free nor finished",
         ("cell", "runs", "ended by", "reason", "seeds"),
         [
-            (one.cell.name, count(len(one.seeds)), one.ended,
-             one.reason, seeds_text(one.seeds))
+            (one.cell.name, count(len(one.seeds)), one.ended, one.reason, seeds_text(one.seeds))
             for one in report.failures
         ],
     )  # fmt: skip
@@ -231,7 +222,7 @@ def crash_table(report: Report) -> Table:
 def worst_table(report: Report) -> Table:
     """The worst runs of each cell, with the commands that make them again."""
     rows: list[tuple[str, ...]] = []
-    for one, cell in zip(report.cells, brief_names(report), strict=True):
+    for one, cell in zip(report.cells[:MOST_ROWS], brief_names(report), strict=False):
         rows += [(cell, "", "", "")] if cell and one.worst else []
         for row in map(report.outcomes.row, one.worst):
             again = replay(report.title, report.outcomes, row)

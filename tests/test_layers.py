@@ -224,7 +224,7 @@ def test_third_parties_stay_where_they_belong() -> None:
         "av": ("physim.drawing.video",),
         "matplotlib": ("physim.drawing.plots", "physim.drawing.preview", "physim.reproduction"),
         "PIL": ("physim.drawing.video", "physim.reproduction"),
-        "rich": ("physim.cli",),
+        "rich": ("physim.cli", "physim.campaigns"),
         "numba": (
             "physim.compiled",
             "physim.frontend",

@@ -1,7 +1,8 @@
-"""Values of a record that are not those computed anew: one for each robot and column."""
+"""Values of a record that are not those computed anew, or of the same run simulated again."""
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -11,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from physim.errors import plural
 from physim.parts.declarations import NO_NUMBER
 from physim.record import Record
+from physim.record.layout import ARRIVED, EXTREMES, FIXED, OTHERS, STEPS, TABLES
 from physim.tolerances import LENGTH, TIME
 
 Value = bool | int | float | str
@@ -59,9 +61,10 @@ class Mismatch:
         robot: int | None = None,
         step: int | None = None,
     ) -> Mismatch:
-        """One value; its time follows from the step."""
+        """One value; its time follows from the step, modes and rules are told by their names."""
         time = None if step is None else step * record.dt
-        return cls(table, column, row, robot, step, time, plain(recorded), plain(exact), by)
+        told, due = (_value(record, column, one) for one in (recorded, exact))
+        return cls(table, column, row, robot, step, time, told, due, by)
 
     def line(self, names: list[str]) -> str:
         """One line: when, who, where in the record, both values; ``names`` of the robots."""
@@ -84,6 +87,25 @@ class Mismatch:
         return ", ".join(part for part in (self.table, row, self.column) if part)
 
 
+def _value(record: Record, column: str | None, value: Any) -> Value:
+    if column in ("mode", "rule") and not isinstance(value, str):
+        some = record.modes if column == "mode" else record.declared.rules
+        if value == NO_NUMBER:
+            return "none"
+        if 0 <= value < len(some):
+            return some[int(value)].name
+    if isinstance(value, np.ndarray):
+        return f"({', '.join(f'{one:.10g}' for one in value.tolist())})"
+    if isinstance(value, bytes):  # texts of a record
+        return value.decode("utf-8", "replace")
+    made: Value = value.item() if isinstance(value, np.generic) else value
+    return made
+
+
+def _text(value: Value) -> str:
+    return f"{value:.9g}" if isinstance(value, float) else str(value)
+
+
 class Mismatches:
     """Gathers mismatches: the first of each robot and column, with how many there are."""
 
@@ -98,62 +120,38 @@ class Mismatches:
         return tuple(order)
 
     def add(
-        self,
-        table: str,
-        column: str | None,
-        recorded: Value,
-        exact: Value,
-        by: str,
-        *,
-        row: int | None = None,
-        robot: int | None = None,
-        step: int | None = None,
+        self, table: str, column: str | None, recorded: Any, exact: Any, by: str, **place: int
     ) -> None:
-        """Note one value."""
-        key = (table, column, robot)
+        """Note one value; ``place`` is its row, robot and step, as for `Mismatch.of`."""
+        key = (table, column, place.get("robot"))
         before = self._found.get(key)
         if before is not None:
             self._found[key] = replace(before, count=before.count + 1)
-            return
-        self._found[key] = Mismatch.of(
-            self._record, table, column, recorded, exact, by, row=row, robot=robot, step=step
-        )
+        else:
+            made = Mismatch.of(self._record, table, column, recorded, exact, by, **place)
+            self._found[key] = made
 
     def add_rows(
         self,
         table: str,
         column: str,
         rows: NDArray[np.void],
-        first: int,
-        wrong: NDArray[np.bool_],
         exact: ArrayLike,
         by: str,
+        wrong: NDArray[np.bool_] | None = None,
     ) -> None:
-        """Note rows (M,) of a table, from number ``first`` on, whose column is wrong.
+        """Note rows (M,) of a whole table whose column is not ``exact``, (M,) or one value.
 
-        ``exact`` (M,) or one value is what it should be.
+        Which these are says ``wrong`` (M,); without it those beyond the slack of the column.
         """
-        if not wrong.any():
-            return
         values = np.broadcast_to(np.asarray(exact), len(rows))
+        if wrong is None:
+            wrong = differs(rows[column], values, SLACKS.get(column, SLACK))
         for k in np.flatnonzero(wrong).tolist():
             self.add(
-                table, column, rows[column][k], values[k], by, row=first + k,
+                table, column, rows[column][k], values[k], by, row=k,
                 robot=int(rows["robot"][k]), step=int(rows["step"][k]),
             )  # fmt: skip
-
-    def add_columns(
-        self,
-        table: str,
-        rows: NDArray[np.void],
-        first: int,
-        exact: dict[str, NDArray[Any]],
-        by: str,
-    ) -> None:
-        """Hold columns of rows (M,) against those computed, each within its slack."""
-        for column, values in exact.items():
-            wrong = differs(rows[column], values, SLACKS.get(column, SLACK))
-            self.add_rows(table, column, rows, first, wrong, values, by)
 
 
 def differs(recorded: ArrayLike, exact: ArrayLike, slack: float) -> NDArray[np.bool_]:
@@ -164,24 +162,82 @@ def differs(recorded: ArrayLike, exact: ArrayLike, slack: float) -> NDArray[np.b
         return np.asarray(~(alike | (np.abs(np.subtract(recorded, exact)) <= slack)))
 
 
-def words(record: Record, column: str | None, value: Any) -> Value:
-    """A value of a table as it is told: modes and rules by name."""
-    if column not in ("mode", "rule"):
-        return plain(value)
-    names = [one.name for one in (record.modes if column == "mode" else record.declared.rules)]
-    if value == NO_NUMBER:
-        return "none"
-    return names[int(value)] if 0 <= value < len(names) else plain(value)
+def first_difference(
+    record: Record,
+    path: str,
+    rows: NDArray[Any],
+    others: NDArray[Any],
+    by: str,
+    exact: bool,
+    steps: NDArray[np.int64] | None = None,
+) -> Mismatch | None:
+    """First row of a dataset that differs from others, or that one of the two lacks.
+
+    ``exact``: to the bit, otherwise within the slack of a column. ``steps`` are those of samples.
+    """
+    names = rows.dtype.names or (None,)
+    for name in names:
+        if name is not None and name not in (others.dtype.names or ()):
+            return Mismatch.of(record, path, name, "there", "not", by)
+    common = min(len(rows), len(others))
+    unlike = {}
+    for name in names:
+        some, more = (one[:common] if name is None else one[name][:common] for one in (rows, others))
+        unlike[name] = _unlike(some, more, exact, SLACKS.get(name or "", SLACK))
+    wrong = [one.any(axis=tuple(range(1, one.ndim))) for one in unlike.values()]
+    first = min((int(np.argmax(one)) for one in wrong if one.any()), default=common)
+    if first == common == max(len(rows), len(others)):
+        return None
+    row = (rows if first < len(rows) else others)[first]
+    step = None if steps is None else int(steps[first])
+    column, robot, told = None, first if path in (ARRIVED, EXTREMES) else None, ("there", "not")
+    if path in TABLES or path == OTHERS:
+        step, robot = int(row["step"]), int(row["a" if "a" in row.dtype.names else "robot"])
+    if first == common:
+        told = told if first < len(rows) else ("not there", "there")
+        return Mismatch.of(record, path, None, *told, by, row=first, robot=robot, step=step)
+    column = next(name for name, one in zip(names, wrong, strict=True) if one[first])
+    both = [one[first] if column is None else one[column][first] for one in (rows, others)]
+    if path in STEPS:
+        robot, *part = np.argwhere(unlike[None][first])[0].tolist()
+        both = [one[(robot, *part)] for one in both]
+        column = ("x", "y", "heading")[part[0]] if part else None
+    return Mismatch.of(record, path, column, *both, by, row=first, robot=robot, step=step)
 
 
-def plain(value: Any) -> Value:
-    """A value as Python has it."""
-    if isinstance(value, bytes):  # texts of a record
-        return value.decode("utf-8", "replace")
-    made: Value = value.item() if isinstance(value, np.generic) else value
-    return made
+def _unlike(some: NDArray[Any], others: NDArray[Any], exact: bool, slack: float) -> NDArray[Any]:
+    if some.dtype.kind != "f":
+        return np.asarray(some != others)
+    if not exact:
+        return differs(some, others, slack)
+    bits = [np.ascontiguousarray(one).view(np.int64) for one in (some, others)]
+    return np.asarray(bits[0] != bits[1])
 
 
-def _text(value: Value) -> str:
-    """A value as people read it."""
-    return f"{value:.9g}" if isinstance(value, float) else str(value)
+def unlike_attributes(
+    record: Record, other: Record, names: Iterable[str], by: str
+) -> Iterator[Mismatch]:
+    """Attributes that are not those of the other record; of the world its first line."""
+    for name in names:
+        recorded, repeated = (
+            getattr(one, "world_text" if name == "world" else name) for one in (record, other)
+        )
+        if recorded != repeated and name == "world":
+            lines, others = recorded.splitlines(), repeated.splitlines()
+            both = zip(lines, others, strict=False)
+            counts = f"{len(lines)} lines", f"{len(others)} lines"
+            recorded, repeated = next((two for two in both if two[0] != two[1]), counts)
+        if recorded != repeated:
+            yield Mismatch.of(record, "attribute", name, recorded, repeated, by)
+
+
+def unlike_scene(
+    record: Record, other: Record, by: str, exact: bool, left_out: tuple[str, ...] = ()
+) -> Iterator[Mismatch]:
+    """What stands still and is not as in the other record, each dataset by its first row."""
+    for path in (path for path in FIXED if not path.startswith(left_out or "\0")):
+        rows, others = record.read(path), other.read(path)
+        if rows.shape != others.shape:
+            yield Mismatch.of(record, path, None, f"{len(rows)} rows", f"{len(others)} rows", by)
+        elif found := first_difference(record, path, rows, others, by, exact):
+            yield found

@@ -1,5 +1,9 @@
 """Commands and decisions of a record, held against its tables, its poses and its own controller.
 
+A row of ``/commands`` stands where the stages of a command differ, or where the nominal one is not
+that of the last decision; where there is none, the nominal command of the last decision was
+applied. So each row must say something, and what stages there were must explain it.
+
 Where the run cannot be simulated again to the bit, decisions are made again by the world's own
 controller, from what it saw according to the record. Poses and held commands are those of the
 record, stations follow from them, and the controller's memory is carried along; so each decision
@@ -8,25 +12,20 @@ is made again as it was made, whatever moved the robots.
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from physim.analysis.validation.consistency import check_commands, check_counts
-from physim.analysis.validation.decisions import DecisionTable, SampleBlock, sample_blocks
-from physim.analysis.validation.mismatch import (
-    SLACK,
-    SLACKS,
-    Mismatch,
-    Mismatches,
-    differs,
-    words,
-)
+from physim.analysis.validation.analytic_contacts import pose_blocks
+from physim.analysis.validation.decisions import DecisionTable
+from physim.analysis.validation.mismatch import Mismatch, Mismatches
 from physim.analysis.validation.origin import Inside
 from physim.errors import ControllerError
 from physim.geometry.shapes import FloatArray, IntArray, read_only
+from physim.geometry.tracking import Tracking
 from physim.parts.controller import (
     LONGEST_HOLD,
     BatchCapable,
@@ -36,135 +35,15 @@ from physim.parts.controller import (
     Snapshot,
 )
 from physim.parts.declarations import Declared
-from physim.parts.registry import CONTROLLER, SENSING, shipped_parts
+from physim.parts.registry import CONTROLLER, DISTURBANCE, FILTER, SENSING, shipped_parts
 from physim.parts.stages import everybody, shared
 from physim.record import Record
+from physim.record.layout import COMMAND_STAGES, OPTIONAL
 from physim.simulation.decisions import PerRobotAdapter
 from physim.tolerances import SHARE
 from physim.world.scene import Scene
 
-Rows = NDArray[np.void]
-
-
-class Considered:
-    """The table of considered robots, by decision."""
-
-    def __init__(self, record: Record) -> None:
-        table = record.considered
-        key, decided = (
-            rows["step"] * record.robots + rows["robot"] for rows in (table, record.updates)
-        )
-        order = np.lexsort((table["other"], key))
-        self.other = table["other"][order].astype(np.int64)
-        self.start = np.searchsorted(key[order], decided).astype(np.int64)
-        """(M,) first of each decision in ``other``, and one past its last:"""
-        self.end = np.searchsorted(key[order], decided, side="right").astype(np.int64)
-
-
-class Replay:
-    """A controller that decides again, step by step."""
-
-    def __init__(self, record: Record, scene: Scene, controller: Controller) -> None:
-        self.record, self.scene, self.considered = record, scene, Considered(record)
-        self.declared = Declared.of(controller)
-        self.by = f"decided again by {scene.world.controller.type}"
-        self.batch = (
-            controller.batch(scene)
-            if isinstance(controller, BatchCapable)
-            else PerRobotAdapter(controller, scene, self.declared)
-        )
-        self.memory = self.batch.memory()
-        self.shared = shared(scene.robots)
-        self.broken = ""
-        """what the controller said where it could not decide; nothing is checked from there on"""
-        self.decided = 0
-
-    def take(self, block: SampleBlock, found: Mismatches) -> None:
-        """Make the decisions of a stretch again and hold the record against them."""
-        rows = block.rows
-        if not len(rows) or self.broken:
-            return
-        order = np.lexsort((rows["robot"], rows["step"]))
-        edges = np.flatnonzero(np.diff(rows["step"][order], prepend=-1))
-        decisions = []
-        for low, high in zip(edges, [*edges[1:], len(order)], strict=True):
-            some = order[low:high]
-            due = rows["robot"][some].astype(np.int64)
-            k = int(rows["step"][some[0]]) - block.first
-            try:
-                decisions.append(self.batch.decide_due(self._sensed(block, k), due, self.memory))
-            except ControllerError as error:
-                self.broken = str(error).splitlines()[0]
-                order = order[:low]
-                break
-        if decisions:
-            self.decided += len(order)
-            self._hold(rows[order], block.row + order, decisions, found)
-
-    def _sensed(self, block: SampleBlock, k: int) -> Sensed:
-        """What everybody knows at sample ``k`` of a block."""
-        # Laid out as in the loop: for arrays of another kind kernels are compiled anew.
-        course = read_only(np.ascontiguousarray(block.course[k].T))
-        truth = Snapshot(block.first + k, block.pose[k], block.held[k], *course)
-        return everybody(truth, self.shared)
-
-    def _hold(
-        self, rows: Rows, number: IntArray, decisions: list[Decisions], found: Mismatches
-    ) -> None:
-        """Hold rows (M,) of the update table against the same decisions made again."""
-        command = np.concatenate([d.command for d in decisions])
-        hold = np.concatenate([d.hold for d in decisions])
-        exact: dict[str, NDArray[Any]] = {
-            "nominal_v": command[:, 0],
-            "nominal_omega": command[:, 1],
-            "mode": np.concatenate([d.mode for d in decisions]),
-            "rule": np.concatenate([d.rule for d in decisions]),
-            "next_step": rows["step"] + whole_steps(hold, self.scene.dt),
-        }
-        report = np.concatenate([d.report for d in decisions])
-        for c, one in enumerate(self.declared.columns):
-            exact[one.name] = report[:, c]
-        for column, values in exact.items():
-            wrong = np.flatnonzero(differs(rows[column], values, SLACKS.get(column, SLACK)))
-            for k in wrong.tolist():
-                told, due = (words(self.record, column, some[k]) for some in (rows[column], values))
-                found.add(
-                    "/updates", column, told, due, self.by,
-                    row=int(number[k]), robot=int(rows["robot"][k]), step=int(rows["step"][k]),
-                )  # fmt: skip
-        self._hold_considered(rows, number, decisions, found)
-
-    def _hold_considered(
-        self, rows: Rows, number: IntArray, decisions: list[Decisions], found: Mismatches
-    ) -> None:
-        again = np.concatenate([d.considered for d in decisions])
-        count = np.concatenate([np.diff(d.considered_start) for d in decisions])
-        first, last = self.considered.start[number], self.considered.end[number]
-        ends = np.cumsum(count)
-        alike = count == last - first
-        sure = np.repeat(alike, count)
-        place = np.arange(len(again)) + np.repeat(first - (ends - count), count)
-        order = np.lexsort((again, np.repeat(np.arange(len(rows)), count)))
-        unlike = again[order][sure] != self.considered.other[place[sure]]
-        wrong = ~alike
-        wrong[np.repeat(np.arange(len(rows)), count)[sure][unlike]] = True
-        names = self.record.names
-        for k in np.flatnonzero(wrong).tolist():
-            theirs = self.considered.other[first[k] : last[k]]
-            ours = np.sort(again[ends[k] - count[k] : ends[k]])
-            recorded, exact = (
-                ", ".join(names[j] for j in some) or "nobody" for some in (theirs, ours)
-            )
-            found.add(
-                "/considered", "other", recorded, exact, self.by,
-                robot=int(rows["robot"][k]), step=int(rows["step"][k]),
-            )  # fmt: skip
-
-
-def whole_steps(hold: FloatArray, dt: float) -> IntArray:
-    """Steps that decisions hold: rounded down, one at least (14)."""
-    steps = np.clip(np.floor(hold / dt + SHARE), 1.0, LONGEST_HOLD)
-    return np.asarray(steps, dtype=np.int64)
+PARTS = ("v", "omega")
 
 
 @dataclass(frozen=True)
@@ -184,46 +63,213 @@ def recompute(record: Record, inside: Inside, table: DecisionTable, again: bool)
 
     Where the run was not simulated ``again`` to the bit, its decisions are made again.
     """
-    found, left_out, replayed = Mismatches(record), [], 0
-    check_commands(record, table, inside, found)
+    found, replayed, why_not = Mismatches(record), 0, ""
+    _check_commands(record, table, inside, found)
     check_counts(record, found)
     if not again:
-        replay, why_not = _replay(record, inside)
-        for block in sample_blocks(record):
-            _stations(record, block, found)
-            if replay is not None:
-                replay.take(block, found)
+        replayed, why_not = _check_decisions(record, inside, found)
+    left_out = (f"decisions made again: {why_not}",) if why_not else ()
+    return Recomputed(len(record.updates), replayed, left_out, found.found)
+
+
+def _check_commands(
+    record: Record, table: DecisionTable, inside: Inside, found: Mismatches
+) -> None:
+    """Hold both tables of commands against each other, the limits and the stages there were."""
+    rows, commands, stages = record.updates, record.commands, inside.stages
+    keys = [some["step"] * record.robots + some["robot"] for some in (rows, commands)]
+    _, at_decision, listed = np.intersect1d(*keys, assume_unique=True, return_indices=True)
+    last = table.last_rows(commands["robot"], commands["step"])
+    alike = np.ones(len(commands), dtype=np.bool_)
+    for part in PARTS:
+        exact = rows[f"nominal_{part}"].copy()
+        decided = np.append(exact, 0.0)[last]  # row -1: 0 before the first decision
+        exact[at_decision] = commands[f"applied_{part}"][listed]
+        column, by = f"applied_{part}", "by the table /commands and the nominal command"
+        found.add_rows("/updates", column, rows, exact, by, rows[column] != exact)
+        values = [decided, *(commands[f"{stage}_{part}"] for stage in COMMAND_STAGES)]
+        for k, (stage, due, by) in enumerate((
+            ("nominal", len(rows) > 0, "by the last decision of that robot"),
+            ("filtered", FILTER.word not in stages,
+             "by the nominal command: there is no filter"),
+            ("applied", DISTURBANCE.word not in stages,
+             "by the filtered command: there is no disturbance"),
+        )):  # fmt: skip
+            wrong = values[k + 1] != values[k]
+            alike &= ~wrong
+            if due:
+                found.add_rows("/commands", f"{stage}_{part}", commands, values[k], by, wrong)
+    for k in np.flatnonzero(alike).tolist():
+        found.add(
+            "/commands", None, "there", "not", "as all stages are the command last decided",
+            row=k, robot=int(commands["robot"][k]), step=int(commands["step"][k]),
+        )  # fmt: skip
+    by = "at most either way, by the limits of that robot in the world inside"
+    for name, some, held in (
+        ("/updates", rows, ("nominal",)), ("/commands", commands, ("nominal", "filtered"))
+    ):  # fmt: skip
+        for k, part in enumerate(PARTS if inside.fits(record) else ()):
+            limit = inside.scene.limits[some["robot"], k]
+            for stage in held:
+                column = f"{stage}_{part}"
+                wrong = ~(np.abs(some[column]) <= limit * (1.0 + SHARE))
+                found.add_rows(name, column, some, limit, by, wrong)
+
+
+def check_counts(record: Record, found: Mismatches) -> None:
+    """Hold counts and lists in attributes against the tables."""
+    if "false_contacts" in record.tables:
+        killed = record.ended == "running"  # it would have counted them in the end
+        count = 0 if killed else len(record.false_contacts)
+        if record.rejected_contacts != count:
+            found.add(
+                "attribute", "rejected_contacts", record.rejected_contacts, count,
+                "by the table /false_contacts",
+            )  # fmt: skip
+    for table in OPTIONAL:
+        if table not in record.tables and (rows := len(record.read(f"/{table}"))):
+            found.add(
+                "attribute", "tables", f"without {table}", f"with {table}",
+                f"by that table, which has {rows} rows",
+            )  # fmt: skip
+    apart = np.diff(record.steps[:-1])  # the last sample may be nearer
+    for wrong in apart[apart != record.record_every][:1].tolist():
+        found.add("attribute", "record_every", record.record_every, wrong, "by the recorded steps")
+
+
+# Decided again
+
+
+def _check_decisions(record: Record, inside: Inside, found: Mismatches) -> tuple[int, str]:
+    """Stations against poses, and decisions made again: how many, and why others are not."""
+    scene, own, why_not = inside.scene, inside.controller, inside.why_not
+    kind, replay = scene.world.controller.type, None
+    if SENSING.word in inside.stages:
+        why_not = "what robots sensed is not in the record"
+    elif own is not None and kind not in shipped_parts(CONTROLLER):
+        why_not = f"{kind} is not shipped with physim, and need not decide alike twice"
+    elif own is not None and record.declared != Declared.of(own):
+        why_not = "the record declares others"
+    elif own is not None:
+        replay = _Replay(scene, own)
+    rows, lead = record.updates, record.lead
+    stations = np.zeros((4, len(rows)))
+    for truth, due, at in _moments(record):
+        station, deviation, reference = truth.station, truth.deviation, truth.reference_station
+        error = (reference.mean() - reference[due]) - (lead.mean() - lead[due])
+        stations[:, at] = station[due], deviation[due], reference[due], error
         if replay is not None:
-            replayed, why_not = replay.decided, replay.broken
-        if why_not:
-            left_out.append(f"decisions made again: {why_not}")
-    return Recomputed(len(record.updates), replayed, tuple(left_out), found.found)
+            replay.decide(truth, due, at)
+    names = ("station", "deviation", "reference_station", "formation_error")
+    for name, exact in zip(names, stations, strict=True):
+        found.add_rows("/updates", name, rows, exact, "by the poses")
+    if replay is None or not replay.made:
+        return 0, why_not
+    replay.hold(record, found, f"decided again by {kind}")
+    return sum(map(len, replay.rows)), replay.broken
 
 
-def _replay(record: Record, inside: Inside) -> tuple[Replay | None, str]:
-    """What makes decisions again, or why nothing does."""
-    own, scene, why = inside.controller, inside.scene, inside.why_not
-    if SENSING.word in (inside.stages or ()):
-        why = "what robots sensed is not in the record"
-    elif own is not None and scene is not None:
-        kind = scene.world.controller.type
-        if kind not in shipped_parts(CONTROLLER):
-            why = f"{kind} is not shipped with physim, and need not decide alike twice"
-        elif record.declared != Declared.of(own):
-            why = "the record declares others"
-        else:
-            return Replay(record, scene, own), ""
-    return None, why
+def _moments(record: Record) -> Iterator[tuple[Snapshot, IntArray, IntArray]]:
+    """Each step at which robots decided: what was so, who they were, their rows."""
+    updates, tracking = record.updates, None
+    for pose, first in pose_blocks(record):
+        if tracking is None:
+            tracking = Tracking(record.paths, record.reference, record.shapes.radius, pose[0])
+        course = tracking.course(pose)  # its first sample is the last of the block before: it stays
+        last = first + len(pose)
+        end = last if last >= record.samples else last - 1
+        held = read_only(record.commands_over("nominal", first - 1, last - 1))
+        low, high = np.searchsorted(updates["step"], (first, end))
+        rows = updates[low:high]
+        order = np.lexsort((rows["robot"], rows["step"]))
+        edges = np.flatnonzero(np.diff(rows["step"][order], prepend=-1))
+        for at in np.split(order, edges[1:]) if len(rows) else ():
+            k = int(rows["step"][at[0]]) - first
+            # Laid out as in the loop: for arrays of another kind kernels are compiled anew.
+            columns = read_only(np.ascontiguousarray(course[k].T))
+            truth = Snapshot(first + k, pose[k], held[k], *columns)
+            yield truth, rows["robot"][at].astype(np.int64), low + at
 
 
-def _stations(record: Record, block: SampleBlock, found: Mismatches) -> None:
-    """Stations and formation errors of decisions against the poses."""
-    rows, lead = block.rows, record.lead
-    station, deviation, reference = block.course[block.at, rows["robot"]].T
-    mean = block.reference_station[block.at].mean(axis=1)
-    error = (mean - reference) - (lead.mean() - lead[rows["robot"]])
-    exact = {"station": station, "deviation": deviation, "reference_station": reference}
-    found.add_columns("/updates", rows, block.row, exact, "by its pose")
-    found.add_columns(
-        "/updates", rows, block.row, {"formation_error": np.asarray(error)}, "by all poses"
-    )
+class _Replay:
+    """A controller that decides again, step by step."""
+
+    def __init__(self, scene: Scene, controller: Controller) -> None:
+        self.scene, self.declared = scene, Declared.of(controller)
+        self.batch = (
+            controller.batch(scene)
+            if isinstance(controller, BatchCapable)
+            else PerRobotAdapter(controller, scene, self.declared)
+        )
+        self.memory, self.shared = self.batch.memory(), shared(scene.robots)
+        self.made: list[Decisions] = []
+        self.rows: list[IntArray] = []
+        """numbers of their rows"""
+        self.broken = ""
+        """what the controller said where it could not decide; nothing is checked from there on"""
+
+    def decide(self, truth: Snapshot, due: IntArray, rows: IntArray) -> None:
+        """Make the decisions of a step again."""
+        if self.broken:
+            return
+        sensed: Sensed = everybody(truth, self.shared)
+        try:
+            self.made.append(self.batch.decide_due(sensed, due, self.memory))
+            self.rows.append(rows)
+        except ControllerError as error:
+            self.broken = str(error).splitlines()[0]
+
+    def hold(self, record: Record, found: Mismatches, by: str) -> None:
+        """Hold the update table, and who was considered, against the decisions made again."""
+        number, rows = np.concatenate(self.rows), record.updates
+
+        def column(values: Callable[[Decisions], NDArray[Any]]) -> NDArray[Any]:
+            made = np.concatenate([values(one) for one in self.made])
+            whole = np.zeros((len(rows), *made.shape[1:]), dtype=made.dtype)
+            whole[number] = made
+            return whole
+
+        command, report = column(lambda d: d.command), column(lambda d: d.report)
+        exact: dict[str, NDArray[Any]] = {
+            "nominal_v": command[:, 0],
+            "nominal_omega": command[:, 1],
+            "mode": column(lambda d: d.mode),
+            "rule": column(lambda d: d.rule),
+            "next_step": rows["step"] + whole_steps(column(lambda d: d.hold), self.scene.dt),
+            **{one.name: report[:, c] for c, one in enumerate(self.declared.columns)},
+        }
+        last = int(rows["step"][number].max())
+        known = rows["step"] <= last
+        for name, values in exact.items():
+            found.add_rows("/updates", name, rows[known], values[known], by)
+        self._hold_considered(record, record.considered, number, last, found, by)
+
+    def _hold_considered(
+        self,
+        record: Record,
+        table: NDArray[np.void],
+        number: IntArray,
+        last: int,
+        found: Mismatches,
+        by: str,
+    ) -> None:
+        n = record.robots
+        rows = record.updates[number]
+        count = np.concatenate([np.diff(d.considered_start) for d in self.made])
+        decision = np.repeat(rows["step"] * n + rows["robot"], count)
+        ours = decision * n + np.concatenate([d.considered for d in self.made])
+        theirs = (table["step"] * n + table["robot"]) * n + table["other"]
+        theirs = theirs[table["step"] <= last]
+        for key in np.unique(np.setxor1d(ours, theirs) // n).tolist():
+            told, due = (
+                ", ".join(record.names[j] for j in np.sort(some[some // n == key] % n)) or "nobody"
+                for some in (theirs, ours)
+            )
+            place = {"robot": key % n, "step": key // n}
+            found.add("/considered", "other", told, due, by, **place)
+
+
+def whole_steps(hold: FloatArray, dt: float) -> IntArray:
+    """Steps that decisions hold: rounded down, one at least (14)."""
+    steps = np.clip(np.floor(hold / dt + SHARE), 1.0, LONGEST_HOLD)
+    return np.asarray(steps, dtype=np.int64)

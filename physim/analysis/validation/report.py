@@ -8,7 +8,7 @@ from math import isfinite
 import numpy as np
 
 from physim.analysis.validation.contact import Contact
-from physim.analysis.validation.disagreements import UNEXPLAINED
+from physim.analysis.validation.comparison import UNEXPLAINED
 from physim.analysis.validation.mismatch import SLACK
 from physim.analysis.validation.near_misses import LOOK, PARTED, TOGETHER, NearMiss
 from physim.analysis.validation.prediction import AGREES, DISAGREES, Early, Prediction

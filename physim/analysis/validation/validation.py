@@ -9,8 +9,7 @@ import numpy as np
 from physim.analysis.expectations import Held, expectations
 from physim.analysis.metrics import Deep, contact_episodes, deep_contacts
 from physim.analysis.validation.analytic_contacts import analytic_contacts
-from physim.analysis.validation.comparison import Comparison, Confusion, compare
-from physim.analysis.validation.consistency import check_counts
+from physim.analysis.validation.comparison import Comparison, Confusion, compare, exact_distances
 from physim.analysis.validation.contact import Contact, contacts_of, swept_contacts
 from physim.analysis.validation.decisions import DecisionTable
 from physim.analysis.validation.mismatch import Mismatches
@@ -20,13 +19,18 @@ from physim.analysis.validation.origin import (
     Origin,
     compare_with_world,
     controller_name,
-    fitting,
     world_inside,
 )
 from physim.analysis.validation.prediction import DISAGREES, Prediction, Predictor
-from physim.analysis.validation.recomputed import Recomputed, recompute
-from physim.analysis.validation.recorded_distances import exact_distances
-from physim.analysis.validation.rerun import Rerun, compare_runs, simulated_again
+from physim.analysis.validation.recomputed import Recomputed, check_counts, recompute
+
+from physim.analysis.validation.rerun import (
+    AgainError,
+    Rerun,
+    compare_runs,
+    run_again,
+    simulation_again,
+)
 from physim.errors import RecordError, plural
 from physim.record import Record, check_record
 from physim.record.layout import OPTIONAL
@@ -181,9 +185,12 @@ def validate(record: Record, *, rerun: bool = True, source: str | None = None) -
     """
     check_record(record)
     check_complete(record)
-    again = simulated_again(record) if rerun else NOT_ASKED
-    if isinstance(again, str):
-        return judge(record, None, again, source=source)
+    if not rerun:
+        return judge(record, None, NOT_ASKED, source=source)
+    try:
+        again = run_again(record, simulation_again(record))
+    except AgainError as error:
+        return judge(record, None, error.why, source=source)
     with again:
         return judge(record, again, source=source)
 
@@ -198,21 +205,20 @@ def judge(
     check_record(record)
     check_complete(record)
     inside = world_inside(record)
-    fitted = fitting(record, inside)
     analytic = analytic_contacts(record)
     table = DecisionTable(record)
     exact = exact_distances(record)
     comparison = compare(record, analytic, exact)
     contacts = contacts_of(record, analytic, table, Predictor(record, table))
     rerun = None if again is None else compare_runs(record, again)
-    recomputed = recompute(record, fitted, table, rerun is not None and rerun.exact)
+    recomputed = recompute(record, inside, table, rerun is not None and rerun.exact)
     if why_not:
         left_out = (*recomputed.left_out, f"the run simulated again: {why_not}")
         recomputed = replace(recomputed, left_out=left_out)
     return Validation(
         _run(record, source), comparison, contacts, swept_contacts(record, table),
         near_misses(record, analytic, table, exact),
-        check_motion(record, table, None if fitted.scene is None else fitted.scene.mass),
+        check_motion(record, table, inside.scene.mass if inside.fits(record) else None),
         compare_with_world(record, inside), recomputed, tuple(expectations(record)),
         deep_contacts(record), rerun,
     )  # fmt: skip

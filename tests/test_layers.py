@@ -26,6 +26,8 @@ ROOT = Path(__file__).parents[1]
 LAYERS = {
     "physim.errors": (0, 0),
     "physim.escaping": (0, 0),
+    "physim.html": (0, 1),
+    "physim.units": (0, 0),
     "physim.tolerances": (0, 0),
     "physim.streams": (0, 1),
     "physim.stray_settings": (0, 0),
@@ -66,6 +68,7 @@ LAYERS = {
     "physim.drawing.printed": (0, 0),
     "physim.drawing.split_line": (0, 5),
     "physim.drawing.scene_model": (5, 0),
+    "physim.drawing.items": (5, 1),
     "physim.drawing.timeline": (5, 1),
     "physim.drawing.distances": (5, 1),
     "physim.drawing.video": (5, 2),

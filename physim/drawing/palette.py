@@ -9,6 +9,7 @@ are at least 9 hundredths of Oklab apart, seen with full vision and without red 
 from __future__ import annotations
 
 import functools
+from types import MappingProxyType
 
 Colour = tuple[int, int, int]
 
@@ -50,6 +51,35 @@ ROBOTS: tuple[Colour, ...] = (
     (60, 180, 225),
 )
 """Robots' own lines, by index; the first four are farthest apart."""
+
+
+KEYS = MappingProxyType(
+    {
+        "paper": WHITE,
+        "ink": INK,
+        "quiet": QUIET,
+        "rule": RULE,
+        "faint": FAINT,
+        "outside": OUTSIDE,
+        "floor": FLOOR,
+        "danger": DANGER_AREA,
+        "safe": SAFE_AREA,
+        "wall": WALL,
+        "obstacle": OBSTACLE,
+        "reference": REFERENCE,
+        "contact": CONTACT,
+        "undecided": UNDECIDED,
+        "band": BAND,
+    }
+)
+"""Names of colours, for what is drawn and for the page, which has others for some in the dark."""
+PATH_TINT = 0.42
+"""Share of white in the colour of a path."""
+
+
+def keyed(key: str | int) -> Colour:
+    """Return the colour of a name of `KEYS`, or a robot's own by its index."""
+    return robot_colour(key) if isinstance(key, int) else KEYS[key]
 
 
 def robot_colour(index: int) -> Colour:

@@ -16,15 +16,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 import shapely
 
-from physim.drawing.palette import (
-    DANGER_AREA,
-    FLOOR,
-    SAFE_AREA,
-    UNDECIDED,
-    Colour,
-    rgb,
-    robot_colour,
-)
+from physim.drawing.palette import UNDECIDED, Colour, keyed, rgb, robot_colour
 from physim.drawing.split_line import split_at
 from physim.geometry.area import united
 from physim.geometry.polygon import convex_parts
@@ -43,13 +35,35 @@ HAIR = 1e-6
 its very edge."""
 
 
+FAR = 0.2
+"""Distance of the reference point from the centroid, over the reach, from which it is shown."""
+
+
 class Area(NamedTuple):
     """An area of the ground."""
 
     name: str
-    colour: Colour
+    key: str
+    """of its colour, in `palette.KEYS`"""
     rings: tuple[FloatArray, ...]
     """(n, 2), even-odd"""
+
+    @property
+    def colour(self) -> Colour:
+        """Its colour, on white."""
+        return keyed(self.key)
+
+
+@dataclass(frozen=True, eq=False)
+class Shape:
+    """A robot's footprint made ready to draw, robot's frame [m]."""
+
+    rings: tuple[FloatArray, ...]
+    """outline and holes of the union of its parts"""
+    mark: FloatArray
+    """(3, 2) heading mark, a triangle pointing along x at the widest place of the footprint"""
+    eccentric: bool
+    """whether the reference point is far from the centroid, so that it must be shown"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -159,6 +173,16 @@ class SceneModel:
         return np.array([np.hypot(*np.concatenate(body).T).max() for body in self.footprints])
 
     @cached_property
+    def shapes(self) -> tuple[Shape, ...]:
+        """Shape of each robot; robots with equal footprints have the same one."""
+        keys = [tuple(part.tobytes() for part in parts) for parts in self.footprints]
+        each = {
+            key: shape(parts)
+            for key, parts in dict(zip(keys, self.footprints, strict=True)).items()
+        }
+        return tuple(each[key] for key in keys)
+
+    @cached_property
     def accessible_area(self) -> shapely.Geometry:
         """Inside of the accessible rings."""
         return region(self.accessible)
@@ -172,10 +196,10 @@ class SceneModel:
     def areas(self) -> tuple[Area, ...]:
         """Areas that there are, in the order of drawing: one, or danger and in it safe area."""
         if self.safe_distance <= 0.0:
-            areas = [Area("accessible area", FLOOR, self.accessible)]
+            areas = [Area("accessible area", "floor", self.accessible)]
         else:
-            danger = Area("danger area", DANGER_AREA, self.accessible)
-            areas = [danger, Area("safe area", SAFE_AREA, self.safe)]
+            danger = Area("danger area", "danger", self.accessible)
+            areas = [danger, Area("safe area", "safe", self.safe)]
         return tuple(area for area in areas if area.rings)
 
     @cached_property
@@ -229,6 +253,23 @@ def outline(parts: Sequence[FloatArray]) -> FloatArray:
     if len(parts) == 1:
         return np.asarray(parts[0], dtype=np.float64)
     return rings_of(largest(union(parts)))[0]
+
+
+def shape(parts: Sequence[FloatArray]) -> Shape:
+    """Prepare a footprint given as convex parts (n, 2)."""
+    whole = union(parts)
+    body = largest(whole)
+    # a disc about as large as any within it, round the centroid where that serves: a long shape
+    # has many such discs
+    middle, edge = shapely.get_coordinates(shapely.maximum_inscribed_circle(body))
+    radius = float(np.hypot(*(edge - middle)))
+    room = float(shapely.distance(body.centroid, body.boundary))
+    if body.contains(body.centroid) and room > 0.85 * radius:
+        middle, radius = shapely.get_coordinates(body.centroid)[0], room
+    mark = middle + 0.72 * radius * np.array([[0.95, 0.0], [-0.6, 0.72], [-0.6, -0.72]])
+    reach = np.hypot(*np.concatenate(parts).T).max()
+    eccentric = float(np.hypot(whole.centroid.x, whole.centroid.y)) > FAR * reach
+    return Shape(tuple(rings_of(whole)), mark, eccentric)
 
 
 def union(parts: Sequence[FloatArray]) -> shapely.Geometry:

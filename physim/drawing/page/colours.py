@@ -12,26 +12,7 @@ from physim.drawing import palette
 from physim.drawing.page.bundle import sheets
 from physim.drawing.palette import Colour, hexed, mix
 
-LIGHT = MappingProxyType(
-    {
-        "paper": palette.WHITE,
-        "ink": palette.INK,
-        "quiet": palette.QUIET,
-        "rule": palette.RULE,
-        "faint": palette.FAINT,
-        "outside": palette.OUTSIDE,
-        "floor": palette.FLOOR,
-        "danger": palette.DANGER_AREA,
-        "safe": palette.SAFE_AREA,
-        "wall": palette.WALL,
-        "obstacle": palette.OBSTACLE,
-        "reference": palette.REFERENCE,
-        "contact": palette.CONTACT,
-        "undecided": palette.UNDECIDED,
-        "band": palette.BAND,
-        "link": (11, 92, 173),
-    }
-)
+LIGHT = MappingProxyType({**palette.KEYS, "link": (11, 92, 173)})
 """By name, on white."""
 DARK: MappingProxyType[str, Colour] = MappingProxyType(
     {

@@ -6,8 +6,7 @@ from collections.abc import Iterable, Sequence
 from typing import Any
 
 from physim.drawing.crowd import NAMED
-from physim.drawing.scene_model import Area, SceneModel
-from physim.drawing.video.marks import figure
+from physim.drawing.scene_model import Area, SceneModel, shape
 from physim.geometry.shapes import FloatArray
 
 DECIMALS = 3
@@ -20,7 +19,7 @@ Points = list[list[float]]
 
 def place(scene: SceneModel) -> dict[str, Any]:
     """The scene as plain values, lengths [m], world frame unless said."""
-    shapes, shape = _shapes(scene.footprints)
+    shapes, which = _shapes(scene.footprints)
     low, high = scene.extent
     return {
         "areas": [_area(area) for area in scene.areas],
@@ -30,7 +29,7 @@ def place(scene: SceneModel) -> dict[str, Any]:
         "paths": _paths(scene),
         "stops": _points(scene.stops),
         "shapes": shapes,
-        "shape": shape,
+        "shape": which,
         "extent": [_point(low), _point(high)],
         "bodies": [{"kind": body.kind, "name": body.name} for body in scene.bodies],
     }
@@ -64,12 +63,12 @@ def _shapes(
     """Every different footprint once, in the robot's frame, and which of them each robot has."""
     number: dict[tuple[bytes, ...], int] = {}
     shapes: list[dict[str, Any]] = []
-    shape = []
+    which = []
     for parts in footprints:
         key = tuple(part.tobytes() for part in parts)
         if key not in number:
             number[key] = len(shapes)
-            drawn = figure(parts)
+            drawn = shape(parts)
             shapes.append(
                 {
                     "rings": [_points(ring) for ring in drawn.rings],
@@ -77,8 +76,8 @@ def _shapes(
                     "eccentric": bool(drawn.eccentric),
                 }
             )
-        shape.append(number[key])
-    return shapes, shape
+        which.append(number[key])
+    return shapes, which
 
 
 def _points(line: Iterable[FloatArray]) -> Points:

@@ -6,94 +6,48 @@ small, with the place of the view and of every robot.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
 from functools import lru_cache
 from itertools import chain
+from typing import NamedTuple
 
 import cv2
 import numpy as np
 
 from physim.drawing import palette
 from physim.drawing.crowd import NAMED
-from physim.drawing.palette import Colour
-from physim.drawing.scene_model import SceneModel, closed, pieces_of
+from physim.drawing.items import Item, Level, items
+from physim.drawing.scene_model import pieces_of
 from physim.drawing.timeline import Moment, Timeline
 from physim.drawing.video.layout import ONE, SHIFT, Box, Image, Lens, fixed
 from physim.geometry.shapes import FloatArray
 from physim.parts.declarations import Mode
 
-PATH_TINT = 0.42
-"""Share of white in the colour of a robot's own path."""
 
-
-@dataclass(frozen=True)
-class Stroke:
-    """Straight pieces (M, 2, 2) [m] of one colour; dashed over dash and gap [px] when given."""
-
-    pieces: FloatArray
-    colour: Colour
-    width: int
-    dash: tuple[float, float] | None = None
-
-
-@dataclass(frozen=True)
-class Ground:
+class Ground(NamedTuple):
     """What does not move, in the order of drawing; world frame [m]."""
 
-    fills: Sequence[tuple[Sequence[FloatArray], Colour]]
-    """rings (n, 2), filled by the even-odd rule, and their colour"""
-    strokes: Sequence[Stroke]
+    items: Sequence[Item]
     extent: tuple[FloatArray, FloatArray]
     """lowest and highest x, y [m] of all of it, and of every place a robot went"""
 
 
 def ground(timeline: Timeline) -> Ground:
     """Collect what does not move in a run."""
-    scene = timeline.scene
-    strokes = _paths(scene)
-    if scene.solid_rings:
-        strokes.append(Stroke(pieces_of(map(closed, scene.solid_rings)), palette.WALL, 1))
-    strokes.append(Stroke(pieces_of(scene.boundaries), palette.WALL, 3))
-    fills = [(area.rings, area.colour) for area in scene.areas]
-    return Ground([*fills, (scene.solid_rings, palette.OBSTACLE)], strokes, _extent(timeline))
+    still = [item for item in items(timeline.scene) if item.level <= Level.WALL]
+    return Ground(still, _extent(timeline))
 
 
 def plain(timeline: Timeline, whole: Ground) -> Ground:
     """Keep what can be distinguished when small: the accessible area, walls, the reference path."""
     scene = timeline.scene
-    strokes = [
-        Stroke(stroke.pieces, stroke.colour, 1)
-        for stroke in whole.strokes
-        if stroke.colour in (palette.WALL, palette.REFERENCE)
+    key = scene.areas[-1].key if scene.areas else "floor"
+    thin = [
+        item._replace(width=min(item.width, 1.0))
+        for item in whole.items
+        if item.level not in (Level.AREA, Level.PATH)
     ]
-    floor = scene.areas[-1].colour if scene.areas else palette.FLOOR
-    fills = ((scene.accessible, floor), (scene.solid_rings, palette.OBSTACLE))
-    return Ground(fills, strokes, whole.extent)
-
-
-def _paths(scene: SceneModel) -> list[Stroke]:
-    """The reference path, and over it the robots' own, dashed outside of the safe area.
-
-    In a crowd all have one colour, and a path that robots share is there once.
-    """
-    strokes = [Stroke(pieces_of([scene.reference]), palette.REFERENCE, 2)]
-    for own, (safe, danger) in _own_paths(scene):
-        colour = palette.mix(own, palette.WHITE, PATH_TINT)
-        for lines, dash in ((safe, None), (danger, (5.0, 5.0))):
-            if lines:
-                strokes.append(Stroke(pieces_of(lines), colour, 1, dash))
-    return strokes
-
-
-def _own_paths(scene: SceneModel) -> Iterable[tuple[Colour, tuple[list[FloatArray], ...]]]:
-    """Colour of each path, and its pieces in the safe area and elsewhere."""
-    if scene.robots <= NAMED:
-        return zip(scene.colours, scene.path_pieces, strict=True)
-    paths = zip(scene.paths, scene.path_pieces, strict=True)
-    each = {path.tobytes(): pieces for path, pieces in paths}.values()
-    together = tuple([line for pieces in each for line in pieces[k]] for k in (0, 1))
-    return [(palette.BAND, together)]
+    return Ground([Item("", scene.accessible, key, 0.0, Level.AREA), *thin], whole.extent)
 
 
 def _extent(timeline: Timeline) -> tuple[FloatArray, FloatArray]:
@@ -114,25 +68,23 @@ KEPT = 64
 def draw_ground(image: Image, ground: Ground, lens: Lens) -> None:
     """Draw the static content as seen through ``lens``."""
     image[:] = palette.OUTSIDE
-    for rings, colour in ground.fills:
-        if rings:
-            contours = [lens.fixed(ring) for ring in rings]
-            cv2.fillPoly(image, contours, colour, cv2.LINE_AA, SHIFT)
-    for stroke in ground.strokes:
-        _draw_stroke(image, stroke, lens)
+    for item in ground.items:
+        if item.width:
+            _draw_lines(image, item, lens)
+        elif item.lines:
+            rings = [lens.fixed(ring) for ring in item.lines]
+            cv2.fillPoly(image, rings, item.colour, cv2.LINE_AA, SHIFT)
 
 
-def _draw_stroke(image: Image, stroke: Stroke, lens: Lens) -> None:
-    pieces = lens.pixels(stroke.pieces)
-    low, high = pieces.min(axis=1), pieces.max(axis=1)
-    edge = np.array([image.shape[1], image.shape[0]]) + stroke.width + 2
-    seen = ((high >= -stroke.width - 2) & (low <= edge)).all(axis=1)
-    pieces = pieces[seen]
-    if stroke.dash is not None:
-        offset = _stations(lens.pixels(stroke.pieces))[seen]
-        pieces = _dashes(pieces, offset, *stroke.dash, edge)
-    lines = fixed(pieces)
-    cv2.polylines(image, list(lines), False, stroke.colour, stroke.width, cv2.LINE_AA, SHIFT)
+def _draw_lines(image: Image, item: Item, lens: Lens) -> None:
+    every, width = lens.pixels(pieces_of(item.lines)), round(item.width)
+    low, high = every.min(axis=1), every.max(axis=1)
+    edge = np.array([image.shape[1], image.shape[0]]) + width + 2
+    seen = ((high >= -width - 2) & (low <= edge)).all(axis=1)
+    pieces = every[seen]
+    if item.dash is not None:
+        pieces = _dashes(pieces, _stations(every)[seen], *item.dash, edge)
+    cv2.polylines(image, list(fixed(pieces)), False, item.colour, width, cv2.LINE_AA, SHIFT)
 
 
 def _stations(pieces: FloatArray) -> FloatArray:

@@ -10,9 +10,10 @@ import numpy as np
 from physim.drawing import palette
 from physim.drawing.crowd import NAMED
 from physim.drawing.palette import Colour, rgb
+from physim.drawing.scene_model import shape
 from physim.drawing.timeline import Timeline
 from physim.drawing.video.closest import Pair
-from physim.drawing.video.ground import PATH_TINT, Ground
+from physim.drawing.video.ground import Ground
 from physim.drawing.video.layout import SHORT_TRAIL, TEXT, TRAIL, Image, Lens
 from physim.drawing.video.marks import (
     Fleet,
@@ -53,7 +54,7 @@ def draw_modes(
     image: Image, left: int, top: int, row: int, modes: Sequence[Mode], room: int
 ) -> None:
     """Draw one line a mode: a robot in its colour, and its words, ``room`` [px] wide at most."""
-    fleet = Fleet([[_BOX]])
+    fleet = Fleet([shape([_BOX])])
     for k, mode in enumerate(modes):
         y = top + k * row + row / 2.0
         vertices = Lens(1.0, left + MIDDLE[0], y).fixed(fleet.placed(np.zeros((1, 3))))
@@ -64,7 +65,7 @@ def draw_modes(
 
 def signs(timeline: Timeline, ground: Ground) -> list[str]:
     """Return the words of the signs that can appear in the video of a record, in order."""
-    dashed = any(stroke.dash is not None for stroke in ground.strokes)
+    dashed = any(item.dash is not None for item in ground.items)
     scene, contacts, crowd = timeline.scene, timeline.contacts, timeline.robots > NAMED
     entries = {
         NO_MODES: timeline.modeless,
@@ -132,14 +133,14 @@ def _trail(colour: Colour) -> Callable[[Image, Lens], None]:
 
 
 def _robot(image: Image, lens: Lens) -> None:
-    fleet = Fleet([[_BOX]])
+    fleet = Fleet([shape([_BOX])])
     vertices = Lens(1.0, lens.x + MIDDLE[0], lens.y).fixed(fleet.placed(np.zeros((1, 3))))
     draw_robots(image, fleet.split(vertices), [_OWN], [False])
 
 
 _OWN = palette.robot_colour(0)
-_OWN_PATH = palette.mix(_OWN, palette.WHITE, PATH_TINT)
-_ALL_PATHS = palette.mix(palette.BAND, palette.WHITE, PATH_TINT)
+_OWN_PATH = palette.mix(_OWN, palette.WHITE, palette.PATH_TINT)
+_ALL_PATHS = palette.mix(palette.BAND, palette.WHITE, palette.PATH_TINT)
 _DASHES = (0, 9), (12, 15), (19, 22)
 _SIGNS: dict[str, Callable[[Image, Lens], None]] = {
     CONTACT: lambda image, lens: draw_contacts(image, lens.pixels(MIDDLE[None]), False),

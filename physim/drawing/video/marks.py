@@ -5,59 +5,19 @@ closest pair, contacts.
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
 from itertools import pairwise
 from typing import NamedTuple
 
 import cv2
 import numpy as np
-import shapely
 from numpy.typing import NDArray
 
 from physim.drawing import palette
 from physim.drawing.palette import Colour
-from physim.drawing.scene_model import largest, rings_of, union
+from physim.drawing.scene_model import Shape
 from physim.drawing.video.closest import Pair
 from physim.drawing.video.layout import FLASH, MARK, ONE, SHIFT, Image, Lens, fixed
 from physim.geometry.shapes import FloatArray
-
-FAR = 0.2
-"""Distance of the reference point from the centroid, over the reach, from which it is shown."""
-
-
-@dataclass(frozen=True)
-class Figure:
-    """A robot's footprint made ready to draw, robot's frame [m]."""
-
-    rings: tuple[FloatArray, ...]
-    """outline and holes of the union of its parts"""
-    mark: FloatArray
-    """(3, 2) heading mark, a triangle pointing along x at the widest place of the footprint"""
-    eccentric: bool
-    """whether the reference point is far from the centroid, so that it must be shown"""
-
-
-def figure(parts: Sequence[FloatArray]) -> Figure:
-    """Prepare a footprint given as convex parts (n, 2)."""
-    whole = union(parts)
-    middle, size = _widest(largest(whole))
-    mark = middle + 0.72 * size * np.array([[0.95, 0.0], [-0.6, 0.72], [-0.6, -0.72]])
-    reach = np.hypot(*np.concatenate(parts).T).max()
-    eccentric = float(np.hypot(whole.centroid.x, whole.centroid.y)) > FAR * reach
-    return Figure(tuple(rings_of(whole)), mark, eccentric)
-
-
-def _widest(shape: shapely.Geometry) -> tuple[FloatArray, float]:
-    """Return middle [m] and radius [m] of a disc about as large as any within ``shape``.
-
-    The centroid where that serves, since a long shape has many such discs.
-    """
-    middle, edge = shapely.get_coordinates(shapely.maximum_inscribed_circle(shape))
-    radius = float(np.hypot(*(edge - middle)))
-    room = float(shapely.distance(shape.centroid, shape.boundary))
-    if shape.contains(shape.centroid) and room > 0.85 * radius:
-        return shapely.get_coordinates(shape.centroid)[0], room
-    return middle, radius
 
 
 class Outline(NamedTuple):
@@ -70,9 +30,9 @@ class Outline(NamedTuple):
 class Fleet:
     """All robots: their vertices are placed together, in one go a frame."""
 
-    def __init__(self, footprints: Sequence[Sequence[FloatArray]]) -> None:
-        self.figures = [figure(parts) for parts in footprints]
-        pieces = [[*s.rings, s.mark] for s in self.figures]
+    def __init__(self, shapes: Sequence[Shape]) -> None:
+        self.shapes = shapes
+        pieces = [[*one.rings, one.mark] for one in shapes]
         flat = [piece for body in pieces for piece in body]
         self._points = np.concatenate(flat)
         self._owner = np.repeat(
@@ -94,7 +54,7 @@ class Fleet:
     ) -> list[Outline]:
         """Divide vertices (V, 2) into the outlines of all robots, or of some."""
         outlines = []
-        for robot in range(len(self.figures)) if robots is None else robots:
+        for robot in range(len(self.shapes)) if robots is None else robots:
             pieces = [vertices[a:b] for a, b in self._spans[robot]]
             outlines.append(Outline(pieces[:-1], pieces[-1]))
         return outlines

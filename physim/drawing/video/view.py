@@ -16,7 +16,9 @@ from numpy.typing import NDArray
 from physim.analysis.metrics.walls import nearest_points
 from physim.drawing import palette
 from physim.drawing.crowd import NAMED
+from physim.drawing.items import Level
 from physim.drawing.labels import Label, grown, leader, metres
+from physim.drawing.scene_model import pieces_of
 from physim.drawing.timeline import Moment, Timeline
 from physim.drawing.video.camera import Camera
 from physim.drawing.video.closest import Closest, Pair
@@ -86,14 +88,15 @@ class View:
         self._speed = speed
         self._lasts = max(mark_lasts(speed), timeline.spacing)
         self._background = Background(world, self.camera.scale)
-        footprints = timeline.record.footprints
-        self._fleet = Fleet(footprints)
-        self._closest = Closest(footprints, timeline.scene.reach)
+        scene = timeline.scene
+        self._fleet = Fleet(scene.shapes)
+        self._closest = Closest(scene.footprints, scene.reach)
         self._closing = None if self.camera.whole else Closing(timeline, world, box)
-        self._eccentric = np.array([figure.eccentric for figure in self._fleet.figures])
+        self._eccentric = np.array([one.eccentric for one in scene.shapes])
         self._labels = Labels()
-        solid = [stroke.pieces for stroke in world.strokes if stroke.colour == palette.WALL]
-        self._walls = np.concatenate(solid)
+        self._walls = pieces_of(
+            line for item in world.items if item.level == Level.WALL for line in item.lines
+        )
         self._names = [shorten(name, TEXT, 110) for name in timeline.record.names]
         self._between: tuple[int, int] | None = None
         self._crowd = timeline.robots > NAMED

@@ -16,9 +16,9 @@ from tests.helpers import inside
 from tests.helpers.records import make_record
 
 MOST_LINES, NAMED, QUANTILES = inside("physim.drawing", "MOST_LINES", "NAMED", "QUANTILES")
+items = inside("physim.drawing", "items")
 Timeline, quantiles = inside("physim.drawing", "Timeline", "quantiles")
-PATH_TINT, Painter, ground = inside("physim.drawing.video", "PATH_TINT", "Painter", "ground")
-signs = inside("physim.drawing.video", "signs")
+Painter, ground, signs = inside("physim.drawing.video", "Painter", "ground", "signs")
 
 
 @pytest.fixture(scope="module")
@@ -50,11 +50,13 @@ def test_quantiles_are_those_of_the_known_values() -> None:
 
 
 def test_a_crowd_has_paths_and_trails_of_one_colour(crowd: Any, made: Callable[..., Any]) -> None:
-    alike = palette.mix(palette.BAND, palette.WHITE, PATH_TINT)
-    known = {palette.WALL, palette.REFERENCE}
-    assert {stroke.colour for stroke in ground(Timeline(crowd)).strokes} - known == {alike}
-    few = {stroke.colour for stroke in ground(Timeline(made(3))).strokes} - known
-    assert few == {palette.mix(palette.robot_colour(i), palette.WHITE, PATH_TINT) for i in range(3)}
+    def colours(record: Any) -> set[palette.Colour]:
+        drawn = items(Timeline(record).scene)
+        return {item.colour for item in drawn if item.what == "path"}
+
+    assert colours(crowd) == {palette.mix(palette.BAND, palette.WHITE, palette.PATH_TINT)}
+    few = [palette.mix(palette.robot_colour(i), palette.WHITE, palette.PATH_TINT) for i in range(3)]
+    assert colours(made(3)) == set(few)
     words = signs(Timeline(crowd), ground(Timeline(crowd)))
     assert "target" not in words
     assert any(word.startswith("trails, last 2 s") for word in words)

@@ -20,7 +20,8 @@ metres, number, plain = inside("physim.drawing", "metres", "number", "plain")
 significant, spread, ticks = inside("physim.drawing", "significant", "spread", "ticks")
 Background, Camera, Closest = inside("physim.drawing.video", "Background", "Camera", "Closest")
 Fleet, Ground, LONGEST, Lens = inside("physim.drawing.video", "Fleet", "Ground", "LONGEST", "Lens")
-ONE, SMALL, Stroke, arrange = inside("physim.drawing.video", "ONE", "SMALL", "Stroke", "arrange")
+ONE, SMALL, arrange = inside("physim.drawing.video", "ONE", "SMALL", "arrange")
+Item, Level, shape = inside("physim.drawing", "Item", "Level", "shape")
 draw_ground, draw_scale = inside("physim.drawing.video", "draw_ground", "draw_scale")
 ground, shorten, signs = inside("physim.drawing.video", "ground", "shorten", "signs")
 sprite, width, wrapped = inside("physim.drawing.video", "sprite", "width", "wrapped")
@@ -168,10 +169,11 @@ def turned(part: FloatArray, pose: FloatArray) -> shapely.Polygon:
 @examples(25, deep=200)
 @given(poses)
 def test_robots_are_drawn_at_their_poses(rows: list[tuple[float, float, float]]) -> None:
-    fleet, pose = Fleet([ELL if i % 2 else (BOX,) for i in range(len(rows))]), np.array(rows)
+    fleet = Fleet([shape(ELL if i % 2 else (BOX,)) for i in range(len(rows))])
+    pose = np.array(rows)
     lens = Lens(100.0, 0.0, 0.0)
     for figure, outline, row in zip(
-        fleet.figures, fleet.split(lens.fixed(fleet.placed(pose))), pose, strict=True
+        fleet.shapes, fleet.split(lens.fixed(fleet.placed(pose))), pose, strict=True
     ):
         for own, drawn in zip((*figure.rings, figure.mark), (*outline.rings, outline.mark),
                               strict=True):  # fmt: skip
@@ -180,10 +182,12 @@ def test_robots_are_drawn_at_their_poses(rows: list[tuple[float, float, float]])
 
 
 def test_a_dashed_line_beyond_the_picture_takes_no_more_dashes_than_are_seen():
-    colour, corner = (10, 200, 30), np.zeros(2)
+    corner = np.zeros(2)
     lines = np.array([[[-1.0e12, 40.0], [1.0e12, 40.0]], [[-9.0e11, 1.0e3], [9.0e11, 1.0e3]]])
     image = np.zeros((80, 100, 3), np.uint8)
-    world = Ground((), (Stroke(lines, colour, 1, (5.0, 5.0)),), (corner, corner))
+    world = Ground(
+        [Item("path", list(lines), "band", 1.0, Level.PATH, (5.0, 5.0))], (corner, corner)
+    )
     draw_ground(image, world, Lens(1.0, 0.0, 80.0))
     drawn = (image[40] != palette.OUTSIDE).any(axis=1)
     assert 50 <= drawn.sum() <= 80  # five of ten pixels, and their soft ends

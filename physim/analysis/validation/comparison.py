@@ -18,9 +18,10 @@ computed anew at every sample of every robot.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
-from typing import NamedTuple
+from functools import partial
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -223,22 +224,17 @@ def _contacts(record: Record, analytic: AnalyticContacts) -> Iterator[Disagreeme
         "touching at the sample, but no contact in the step that led to it", near=True,
     )  # fmt: skip
     off = {name: np.abs(rows[name] - values) > DEPTH_SLACK for name, values in exact.items()}
-    depth = np.maximum(exact["depth"], 0.0)
-    for wrong, text in (
-        (
-            both & (np.abs(rows["depth"] - depth) > DEPTH_SLACK),
-            lambda k: f"depth {rows['depth'][k]:.3g} m in the record, {depth[k]:.3g} m",
-        ),
-        (
-            ended & off["depth"],
-            lambda k: (
-                f"gap after a contact {-rows['depth'][k]:.6g} m in the record, {distance[k]:.6g} m"
-            ),
-        ),
-        (off["x"] | off["y"], lambda k: _both("contact point", "xy", rows, exact, k)),
-        (off["nx"] | off["ny"], lambda k: _both("normal", ("nx", "ny"), rows, exact, k)),
-    ):
-        yield from _told(record, rows, distance, wrong, lambda k, t=text: f"{t(k)} by the shapes")
+    depth = {"depth": np.maximum(exact["depth"], 0.0)}
+    gap = {"depth": -rows["depth"]}, {"depth": distance}
+    for wrong, what, columns, recorded, true in (
+        (both & (np.abs(rows["depth"] - depth["depth"]) > DEPTH_SLACK), "depth", ("depth",), rows,
+         depth),
+        (ended & off["depth"], "gap after a contact", ("depth",), *gap),
+        (off["x"] | off["y"], "contact point", ("x", "y"), rows, exact),
+        (off["nx"] | off["ny"], "normal", ("nx", "ny"), rows, exact),
+    ):  # fmt: skip
+        text = partial(_values, what, columns, recorded, true)
+        yield from _told(record, rows, distance, wrong, text)
     lasting = theirs[~ended]
     pairs = len(record.bodies) ** 2
     before, after = np.isin(theirs - pairs, lasting), np.isin(theirs + pairs, theirs)
@@ -252,12 +248,13 @@ def _contacts(record: Record, analytic: AnalyticContacts) -> Iterator[Disagreeme
         yield from _told(record, rows, distance, np.asarray(wrong), what)
 
 
-def _both(
-    what: str, columns: str | tuple[str, str], rows: Rows, exact: dict[str, FloatArray], k: int
+def _values(
+    what: str, columns: tuple[str, ...], rows: Any, exact: Mapping[str, FloatArray], k: int
 ) -> str:
-    """Values of two columns in the record and by the shapes."""
-    texts = (f"({', '.join(f'{of[name][k]:.6g}' for name in columns)})" for of in (rows, exact))
-    return f"{what} {' in the record, '.join(texts)}"
+    """A length or a pair of numbers in the record, and by the shapes."""
+    texts = [", ".join(f"{of[name][k]:.6g}" for name in columns) for of in (rows, exact)]
+    told, true = (f"({text})" if len(columns) > 1 else f"{text} m" for text in texts)
+    return f"{what} {told} in the record, {true} by the shapes"
 
 
 def _exact(record: Record, rows: Rows) -> dict[str, FloatArray]:
@@ -398,14 +395,13 @@ def _extremes(record: Record, analytic: AnalyticContacts, exact: Exact) -> Itera
             if me < record.robots:
                 for column, value in zip(columns, (one.distance, one.step, other), strict=True):
                     due[column][me] = value
-    for i, (noted, true) in enumerate(zip(record.extremes, due, strict=True)):
+    for i, pair in enumerate(zip(record.extremes, due, strict=True)):
         for columns, what in SMALLEST:
-            values = ([row[column].item() for column in columns] for row in (noted, true))
-            yield from _moment(record, i, *values, f"smallest distance to the {what}")
-    noted, true = record.farthest.item(), exact.extremes.farthest.item()
-    who = max(noted[2], 0)
-    values = ([one[0], one[1], one[3]] for one in (noted, true))
-    yield from _moment(record, who, *values, "largest distance of robots")
+            noted, true = ([row[column].item() for column in columns] for row in pair)
+            yield from _moment(record, i, noted, true, f"smallest distance to the {what}")
+    (*noted, a, b), (*true, _, other) = record.farthest.item(), exact.extremes.farthest.item()
+    what = "largest distance of robots"
+    yield from _moment(record, max(a, 0), [*noted, b], [*true, other], what)
 
 
 def _moment(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -66,7 +66,7 @@ class Mismatch:
         told, due = (_value(record, column, one) for one in (recorded, exact))
         return cls(table, column, row, robot, step, time, told, due, by)
 
-    def line(self, names: list[str]) -> str:
+    def line(self, names: Sequence[str]) -> str:
         """One line: when, who, where in the record, both values; ``names`` of the robots."""
         when = [] if self.time is None else [f"{self.time:.4f} s"]
         who = [] if self.robot is None else [names[self.robot]]
@@ -180,32 +180,37 @@ def first_difference(
         if name is not None and name not in (others.dtype.names or ()):
             return Mismatch.of(record, path, name, "there", "not", by)
     common = min(len(rows), len(others))
-    unlike = {}
+    unlike: dict[str | None, NDArray[np.bool_]] = {}
     for name in names:
-        some, more = (one[:common] if name is None else one[name][:common] for one in (rows, others))
+        some, more = (
+            one[:common] if name is None else one[name][:common] for one in (rows, others)
+        )
         unlike[name] = _unlike(some, more, exact, SLACKS.get(name or "", SLACK))
-    wrong = [one.any(axis=tuple(range(1, one.ndim))) for one in unlike.values()]
+    wrong = [np.asarray(one.any(axis=tuple(range(1, one.ndim)))) for one in unlike.values()]
     first = min((int(np.argmax(one)) for one in wrong if one.any()), default=common)
     if first == common == max(len(rows), len(others)):
         return None
     row = (rows if first < len(rows) else others)[first]
     step = None if steps is None else int(steps[first])
-    column, robot, told = None, first if path in (ARRIVED, EXTREMES) else None, ("there", "not")
+    robot = first if path in (ARRIVED, EXTREMES) else None
     if path in TABLES or path == OTHERS:
         step, robot = int(row["step"]), int(row["a" if "a" in row.dtype.names else "robot"])
     if first == common:
-        told = told if first < len(rows) else ("not there", "there")
-        return Mismatch.of(record, path, None, *told, by, row=first, robot=robot, step=step)
+        told, due = ("there", "not") if first < len(rows) else ("not there", "there")
+        return Mismatch.of(record, path, None, told, due, by, row=first, robot=robot, step=step)
     column = next(name for name, one in zip(names, wrong, strict=True) if one[first])
     both = [one[first] if column is None else one[column][first] for one in (rows, others)]
     if path in STEPS:
         robot, *part = np.argwhere(unlike[None][first])[0].tolist()
         both = [one[(robot, *part)] for one in both]
         column = ("x", "y", "heading")[part[0]] if part else None
-    return Mismatch.of(record, path, column, *both, by, row=first, robot=robot, step=step)
+    told, due = both
+    return Mismatch.of(record, path, column, told, due, by, row=first, robot=robot, step=step)
 
 
-def _unlike(some: NDArray[Any], others: NDArray[Any], exact: bool, slack: float) -> NDArray[Any]:
+def _unlike(
+    some: NDArray[Any], others: NDArray[Any], exact: bool, slack: float
+) -> NDArray[np.bool_]:
     if some.dtype.kind != "f":
         return np.asarray(some != others)
     if not exact:

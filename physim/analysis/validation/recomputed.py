@@ -58,18 +58,20 @@ class Recomputed:
     mismatches: tuple[Mismatch, ...]
 
 
-def recompute(record: Record, inside: Inside, table: DecisionTable, again: bool) -> Recomputed:
-    """Hold commands and counts against tables and the world inside.
+def recompute(
+    record: Record, whole: Record, inside: Inside, table: DecisionTable, again: bool
+) -> Recomputed:
+    """Hold counts of a record against its tables, commands of its ``whole`` run against each other.
 
     Where the run was not simulated ``again`` to the bit, its decisions are made again.
     """
     found, replayed, why_not = Mismatches(record), 0, ""
-    _check_commands(record, table, inside, found)
-    check_counts(record, found)
+    _check_commands(whole, table, inside, found)
+    _check_counts(record, found)
     if not again:
-        replayed, why_not = _check_decisions(record, inside, found)
+        replayed, why_not = _check_decisions(whole, inside, found)
     left_out = (f"decisions made again: {why_not}",) if why_not else ()
-    return Recomputed(len(record.updates), replayed, left_out, found.found)
+    return Recomputed(len(whole.updates), replayed, left_out, found.found)
 
 
 def _check_commands(
@@ -77,8 +79,8 @@ def _check_commands(
 ) -> None:
     """Hold both tables of commands against each other, the limits and the stages there were."""
     rows, commands, stages = record.updates, record.commands, inside.stages
-    keys = [some["step"] * record.robots + some["robot"] for some in (rows, commands)]
-    _, at_decision, listed = np.intersect1d(*keys, assume_unique=True, return_indices=True)
+    key, listed_key = (some["step"] * record.robots + some["robot"] for some in (rows, commands))
+    _, at_decision, listed = np.intersect1d(key, listed_key, return_indices=True)
     last = table.last_rows(commands["robot"], commands["step"])
     alike = np.ones(len(commands), dtype=np.bool_)
     for part in PARTS:
@@ -116,7 +118,7 @@ def _check_commands(
                 found.add_rows(name, column, some, limit, by, wrong)
 
 
-def check_counts(record: Record, found: Mismatches) -> None:
+def _check_counts(record: Record, found: Mismatches) -> None:
     """Hold counts and lists in attributes against the tables."""
     if "false_contacts" in record.tables:
         killed = record.ended == "running"  # it would have counted them in the end

@@ -12,7 +12,6 @@ from itertools import chain
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from physim.analysis.validation.analytic_contacts import pair_distance
 from physim.analysis.validation.mismatch import (
@@ -259,18 +258,17 @@ def _after(
         least = again.read(f"/steps/{columns[0]}", 0, until + 1).min(axis=0, initial=np.inf)
         for k, row in enumerate(record.extremes):
             value, step, other = (row[column].item() for column in columns)
-            place = {"row": k, "robot": k}
             if value > least[k] + SLACK or (value < least[k] - SLACK and step <= until):
+                place = {"row": k, "robot": k}
                 yield Mismatch.of(record, EXTREMES, columns[0], value, least[k], BY, **place)
-            elif 0 <= step and (whole or step <= until):
-                moment = EXTREMES, columns[0], value, step, (k, other)
-                yield from _moment(record, again, *moment, **place)
+            elif step >= 0 and (whole or step <= until):
+                yield from _moment(again, EXTREMES, columns[0], value, step, k, other)
     value, step, a, b = record.farthest.item()
     far = again.farthest["farthest"]
     if value < far - SLACK and again.farthest["step"] <= until:
         yield Mismatch.of(record, EXTREMES_FARTHEST, "farthest", value, far, BY)
-    elif 0 <= step and (whole or step <= until):
-        yield from _moment(record, again, EXTREMES_FARTHEST, "farthest", value, step, (a, b))
+    elif step >= 0 and (whole or step <= until):
+        yield from _moment(again, EXTREMES_FARTHEST, "farthest", value, step, a, b)
     told, true = record.arrived, again.arrived
     wrong = told != true
     if not whole:
@@ -282,19 +280,12 @@ def _after(
 
 
 def _moment(
-    record: Record,
-    again: Record,
-    path: str,
-    column: str,
-    value: float,
-    step: int,
-    bodies: tuple[int, int],
-    **place: int,
+    again: Record, path: str, column: str, value: float, step: int, a: int, b: int
 ) -> Iterator[Mismatch]:
     """An extreme distance that was not that of its bodies at its step. Of equal ones another
     version may take either, so that they need not be those of the run simulated again."""
     pose = again.read("/steps/pose", step, step + 1)
-    true = pair_distance(again, pose[0], *bodies) if len(pose) else np.nan
+    true = pair_distance(again, pose[0], a, b) if len(pose) else np.nan
     if differs(value, true, SLACK):
         due = f"{true:.9g} of these bodies" if len(pose) else "after its end"
-        yield Mismatch.of(record, path, column, value, due, BY, step=step, **place)
+        yield Mismatch.of(again, path, column, value, due, BY, row=a, robot=a, step=step)

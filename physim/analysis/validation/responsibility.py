@@ -229,16 +229,20 @@ def _side(
     v, omega = table.held(i, step - 1) if step else (0.0, 0.0)
     bearing = math.atan2(py - y, px - x) - heading
     decided, mode, rule, considered = None, None, None, 0
-    reported = {name: math.nan for name in ("collision_time", "distance", "boundary_distance")}
+    reported = dict.fromkeys(("collision_time", "distance", "boundary_distance"), math.nan)
     if (row := table.last(i, step - 1)) is not None:
         decided, considered = float(row["step"]) * record.dt, int(row["considered"])
         mode, rule = (
             None if row[name] == NO_NUMBER else among[row[name]]
             for name, among in (("mode", record.modes), ("rule", record.declared.rules))
         )
-        reported |= {name: float(row[name]) for name in reported.keys() & set(row.dtype.names)}
+        known = reported.keys() & set(row.dtype.names or ())
+        reported |= {name: float(row[name]) for name in known}
     return RobotInContact(
-        i, PARTS[round(bearing / (math.pi / 4)) % 8], math.hypot(vx, vy),
-        table.reference_station(i, step), decided, mode, rule, v, omega, *reported.values(),
-        considered, behind, stands(table, i, step), pusher, responsible,
+        body=i, part=PARTS[round(bearing / (math.pi / 4)) % 8], speed=math.hypot(vx, vy),
+        station=table.reference_station(i, step), decided=decided, mode=mode, rule=rule, v=v,
+        omega=omega, reported_time=reported["collision_time"],
+        reported_distance=reported["distance"], reported_boundary=reported["boundary_distance"],
+        considered=considered, behind=behind, stands=stands(table, i, step), pushed_by=pusher,
+        responsible=responsible,
     )  # fmt: skip

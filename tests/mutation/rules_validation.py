@@ -169,15 +169,6 @@ def rows_are_held_against_themselves() -> None:
 
 
 @rule("validation")
-def intervals_are_rounded_up() -> None:
-    """The next decision is expected at the first step after its interval (14)."""
-    given(
-        "physim.analysis.validation.recomputed:whole_steps",
-        hold=lambda a: np.ceil(a.hold / a.dt - 1e-9) * a.dt,
-    )
-
-
-@rule("validation")
 def travel_leaves_out_turning() -> None:
     """How far a point of a robot moves in a step is how far its reference point does."""
     instead(

@@ -18,7 +18,7 @@ computed anew at every sample of every robot.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import partial
 from typing import Any, NamedTuple
@@ -128,14 +128,19 @@ class Exact:
     `DEPTH_SLACK`: one for each robot and block of samples"""
 
 
-def compare(record: Record, analytic: AnalyticContacts, exact: Exact) -> Comparison:
-    """Hold contacts and distances of a record against the shapes.
+def compare(
+    record: Record,
+    analytic: AnalyticContacts,
+    exact: Exact,
+    extremes: Iterable[Disagreement] = (),
+) -> Comparison:
+    """Hold contacts and distances of a record against the shapes; ``extremes`` are held already.
 
     Raises RecordError for a contact between samples before the start.
     """
     found = [
         *_contacts(record, analytic), *_swept_contacts(record, analytic), *_false_contacts(record),
-        *exact.disagreements, *_extremes(record, analytic, exact),
+        *exact.disagreements, *extremes,
     ]  # fmt: skip
     found.sort(key=lambda one: (one.step, one.a, -1 if one.b is None else one.b))
     samples = analytic.samples
@@ -382,12 +387,16 @@ def distance_at(record: Record, a: int, b: int, step: int) -> float:
     return pair_distance(record, record.pose_at(step), a, b)
 
 
-def _extremes(record: Record, analytic: AnalyticContacts, exact: Exact) -> Iterator[Disagreement]:
+def check_extremes(
+    record: Record, whole: Record, analytic: AnalyticContacts, exact: Exact
+) -> Iterator[Disagreement]:
     """Where ``/extremes`` and ``/extremes_farthest`` are not those of the shapes.
 
-    Smallest distances within reach of the analytic contacts are those of their approaches, which
-    another code finds than notes them during a run.
+    The shapes are those of the ``whole`` run, of every step. Smallest distances within reach of the
+    analytic contacts are those of their approaches, which another code finds than notes them during
+    a run. A killed run may have noted some of after its last sample, or not yet.
     """
+    killed = record.ended == "running"
     due = exact.extremes.rows.copy()
     for one in reversed(analytic.approaches):  # ends with the nearest
         columns, _ = SMALLEST[one.b >= record.robots]
@@ -395,34 +404,37 @@ def _extremes(record: Record, analytic: AnalyticContacts, exact: Exact) -> Itera
             if me < record.robots:
                 for column, value in zip(columns, (one.distance, one.step, other), strict=True):
                     due[column][me] = value
-    for i, pair in enumerate(zip(record.extremes, due, strict=True)):
-        for columns, what in SMALLEST:
+    for columns, what in SMALLEST:
+        least = due[columns[0]]
+        most = whole.read(f"/steps/{columns[0]}", 0, record.steps_run + 1).min(axis=0)
+        for i, pair in enumerate(zip(record.extremes, due, strict=True)):
             noted, true = ([row[column].item() for column in columns] for row in pair)
-            yield from _moment(record, i, noted, true, f"smallest distance to the {what}")
+            is_one = least[i] <= noted[0] <= most[i] if killed else False
+            yield from _moment(whole, i, noted, true, f"smallest distance to the {what}", is_one)
     (*noted, a, b), (*true, _, other) = record.farthest.item(), exact.extremes.farthest.item()
-    what = "largest distance of robots"
-    yield from _moment(record, max(a, 0), [*noted, b], [*true, other], what)
+    what, is_one = "largest distance of robots", killed and noted[0] <= true[0]
+    yield from _moment(whole, max(a, 0), [*noted, b], [*true, other], what, is_one)
 
 
 def _moment(
-    record: Record, i: int, noted: list[float], true: list[float], what: str
+    record: Record, i: int, noted: list[float], true: list[float], what: str, is_one: bool
 ) -> Iterator[Disagreement]:
-    """Whether an extreme distance, its step and other body are as noted. Of equal ones either may
-    be: their moment is held by the distance then."""
-    exact, at, other = true[0], int(noted[1]), int(noted[2])
-    if not differs(noted[0], exact, DEPTH_SLACK):
-        if not np.isfinite(exact):
+    """Whether an extreme distance, its step and other body are as noted, or of equal ones, or of
+    those of a part of the run where it ``is_one``, another: its moment is held by the distance."""
+    value, at, other = noted[0], int(noted[1]), int(noted[2])
+    if is_one or not differs(value, true[0], DEPTH_SLACK):
+        if not np.isfinite(value):
             return
         if 0 <= at < record.samples and other >= 0 and other != i:
             there = distance_at(record, min(i, other), max(i, other), at)
-            if abs(there - exact) > DEPTH_SLACK:
+            if abs(there - value) > DEPTH_SLACK:
                 text = "at this sample in the record, but the shapes are"
-                yield _at(record, i, other, at, exact, f"{what}: {text} {there:.9g} m apart then")
+                yield _at(record, i, other, at, value, f"{what}: {text} {there:.9g} m apart then")
             return
     recorded, shapes = (
-        f"{value:.9g} m"
+        f"{length:.9g} m"
         + (f" ({record.bodies[int(who)].name} at {step * record.dt:.2f} s)" if who >= 0 else "")
-        for value, step, who in (noted, true)
+        for length, step, who in (noted, true)
     )
     text = f"{what} {recorded} in the record, {shapes} by the shapes"
-    yield _at(record, i, int(true[2]), max(int(true[1]), 0), exact, text)
+    yield _at(record, i, int(true[2]), max(int(true[1]), 0), true[0], text)

@@ -5,45 +5,32 @@ that of the last decision; where there is none, the nominal command of the last 
 applied. So each row must say something, and what stages there were must explain it.
 
 Where the run cannot be simulated again to the bit, decisions are made again by the world's own
-controller, from what it saw according to the record. Poses and held commands are those of the
-record, stations follow from them, and the controller's memory is carried along; so each decision
-is made again as it was made, whatever moved the robots.
+controller, in a run that is led through the poses of the record: so each is made as it was made,
+whatever moved the robots.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from physim.analysis.validation.analytic_contacts import pose_blocks
 from physim.analysis.validation.decisions import DecisionTable
 from physim.analysis.validation.mismatch import Mismatch, Mismatches
 from physim.analysis.validation.origin import Inside
-from physim.errors import ControllerError
-from physim.geometry.shapes import FloatArray, IntArray, read_only
-from physim.geometry.tracking import Tracking
-from physim.parts.controller import (
-    LONGEST_HOLD,
-    BatchCapable,
-    Controller,
-    Decisions,
-    Sensed,
-    Snapshot,
-)
+from physim.analysis.validation.rerun import decided_again
 from physim.parts.declarations import Declared
 from physim.parts.registry import CONTROLLER, DISTURBANCE, FILTER, SENSING, shipped_parts
-from physim.parts.stages import everybody, shared
 from physim.record import Record
 from physim.record.layout import COMMAND_STAGES, OPTIONAL
-from physim.simulation.decisions import PerRobotAdapter
 from physim.tolerances import SHARE
-from physim.world.scene import Scene
 
 PARTS = ("v", "omega")
+HELD_ELSEWHERE = (
+    "step", "robot", "applied_v", "applied_omega", "station", "deviation", "reference_station",
+    "formation_error",
+)  # fmt: skip
+"""Columns of decisions that do not depend on the controller"""
 
 
 @dataclass(frozen=True)
@@ -139,139 +126,42 @@ def _check_counts(record: Record, found: Mismatches) -> None:
         found.add("attribute", "record_every", record.record_every, wrong, "by the recorded steps")
 
 
-# Decided again
-
-
 def _check_decisions(record: Record, inside: Inside, found: Mismatches) -> tuple[int, str]:
     """Stations against poses, and decisions made again: how many, and why others are not."""
-    scene, own, why_not = inside.scene, inside.controller, inside.why_not
-    kind, replay = scene.world.controller.type, None
+    rows, lead, own, why_not = record.updates, record.lead, inside.controller, inside.why_not
+    station, deviation, reference = record.course[rows["step"], rows["robot"]].T
+    mean = record.course[rows["step"], :, 2].mean(axis=1)
+    for name, exact in (
+        ("station", station), ("deviation", deviation), ("reference_station", reference),
+        ("formation_error", (mean - reference) - (lead.mean() - lead[rows["robot"]])),
+    ):  # fmt: skip
+        found.add_rows("/updates", name, rows, exact, "by the poses")
+    kind = inside.scene.world.controller.type
     if SENSING.word in inside.stages:
         why_not = "what robots sensed is not in the record"
     elif own is not None and kind not in shipped_parts(CONTROLLER):
         why_not = f"{kind} is not shipped with physim, and need not decide alike twice"
     elif own is not None and record.declared != Declared.of(own):
         why_not = "the record declares others"
-    elif own is not None:
-        replay = _Replay(scene, own)
-    rows, lead = record.updates, record.lead
-    stations = np.zeros((4, len(rows)))
-    for truth, due, at in _moments(record):
-        station, deviation, reference = truth.station, truth.deviation, truth.reference_station
-        error = (reference.mean() - reference[due]) - (lead.mean() - lead[due])
-        stations[:, at] = station[due], deviation[due], reference[due], error
-        if replay is not None:
-            replay.decide(truth, due, at)
-    names = ("station", "deviation", "reference_station", "formation_error")
-    for name, exact in zip(names, stations, strict=True):
-        found.add_rows("/updates", name, rows, exact, "by the poses")
-    if replay is None or not replay.made:
+    if why_not or own is None:
         return 0, why_not
-    replay.hold(record, found, f"decided again by {kind}")
-    return sum(map(len, replay.rows)), replay.broken
-
-
-def _moments(record: Record) -> Iterator[tuple[Snapshot, IntArray, IntArray]]:
-    """Each step at which robots decided: what was so, who they were, their rows."""
-    updates, tracking = record.updates, None
-    for pose, first in pose_blocks(record):
-        if tracking is None:
-            tracking = Tracking(record.paths, record.reference, record.shapes.radius, pose[0])
-        course = tracking.course(pose)  # its first sample is the last of the block before: it stays
-        last = first + len(pose)
-        end = last if last >= record.samples else last - 1
-        held = read_only(record.commands_over("nominal", first - 1, last - 1))
-        low, high = np.searchsorted(updates["step"], (first, end))
-        rows = updates[low:high]
-        order = np.lexsort((rows["robot"], rows["step"]))
-        edges = np.flatnonzero(np.diff(rows["step"][order], prepend=-1))
-        for at in np.split(order, edges[1:]) if len(rows) else ():
-            k = int(rows["step"][at[0]]) - first
-            # Laid out as in the loop: for arrays of another kind kernels are compiled anew.
-            columns = read_only(np.ascontiguousarray(course[k].T))
-            truth = Snapshot(first + k, pose[k], held[k], *columns)
-            yield truth, rows["robot"][at].astype(np.int64), low + at
-
-
-class _Replay:
-    """A controller that decides again, step by step."""
-
-    def __init__(self, scene: Scene, controller: Controller) -> None:
-        self.scene, self.declared = scene, Declared.of(controller)
-        self.batch = (
-            controller.batch(scene)
-            if isinstance(controller, BatchCapable)
-            else PerRobotAdapter(controller, scene, self.declared)
+    again, others, broken = decided_again(record, inside.scene, own)
+    key, ours = (some["step"] * record.robots + some["robot"] for some in (rows, again))
+    both, theirs_at, ours_at = np.intersect1d(key, ours, return_indices=True)
+    by = f"decided again by {kind}"
+    for name in (name for name in rows.dtype.names or () if name not in HELD_ELSEWHERE):
+        exact = rows[name].copy()
+        exact[theirs_at] = again[name][ours_at]
+        found.add_rows("/updates", name, rows, exact, by)
+    n, pairs = record.robots, []
+    for some in (record.considered, others):
+        decision = some["step"] * n + some["robot"]
+        pairs.append((decision * n + some["other"])[np.isin(decision, both)])
+    for wrong in np.unique(np.setxor1d(*pairs) // n).tolist():
+        told, due = (
+            ", ".join(record.names[j] for j in np.sort(some[some // n == wrong] % n)) or "nobody"
+            for some in pairs
         )
-        self.memory, self.shared = self.batch.memory(), shared(scene.robots)
-        self.made: list[Decisions] = []
-        self.rows: list[IntArray] = []
-        """numbers of their rows"""
-        self.broken = ""
-        """what the controller said where it could not decide; nothing is checked from there on"""
-
-    def decide(self, truth: Snapshot, due: IntArray, rows: IntArray) -> None:
-        """Make the decisions of a step again."""
-        if self.broken:
-            return
-        sensed: Sensed = everybody(truth, self.shared)
-        try:
-            self.made.append(self.batch.decide_due(sensed, due, self.memory))
-            self.rows.append(rows)
-        except ControllerError as error:
-            self.broken = str(error).splitlines()[0]
-
-    def hold(self, record: Record, found: Mismatches, by: str) -> None:
-        """Hold the update table, and who was considered, against the decisions made again."""
-        number, rows = np.concatenate(self.rows), record.updates
-
-        def column(values: Callable[[Decisions], NDArray[Any]]) -> NDArray[Any]:
-            made = np.concatenate([values(one) for one in self.made])
-            whole = np.zeros((len(rows), *made.shape[1:]), dtype=made.dtype)
-            whole[number] = made
-            return whole
-
-        command, report = column(lambda d: d.command), column(lambda d: d.report)
-        exact: dict[str, NDArray[Any]] = {
-            "nominal_v": command[:, 0],
-            "nominal_omega": command[:, 1],
-            "mode": column(lambda d: d.mode),
-            "rule": column(lambda d: d.rule),
-            "next_step": rows["step"] + whole_steps(column(lambda d: d.hold), self.scene.dt),
-            **{one.name: report[:, c] for c, one in enumerate(self.declared.columns)},
-        }
-        last = int(rows["step"][number].max())
-        known = rows["step"] <= last
-        for name, values in exact.items():
-            found.add_rows("/updates", name, rows[known], values[known], by)
-        self._hold_considered(record, record.considered, number, last, found, by)
-
-    def _hold_considered(
-        self,
-        record: Record,
-        table: NDArray[np.void],
-        number: IntArray,
-        last: int,
-        found: Mismatches,
-        by: str,
-    ) -> None:
-        n = record.robots
-        rows = record.updates[number]
-        count = np.concatenate([np.diff(d.considered_start) for d in self.made])
-        decision = np.repeat(rows["step"] * n + rows["robot"], count)
-        ours = decision * n + np.concatenate([d.considered for d in self.made])
-        theirs = (table["step"] * n + table["robot"]) * n + table["other"]
-        theirs = theirs[table["step"] <= last]
-        for key in np.unique(np.setxor1d(ours, theirs) // n).tolist():
-            told, due = (
-                ", ".join(record.names[j] for j in np.sort(some[some // n == key] % n)) or "nobody"
-                for some in (theirs, ours)
-            )
-            place = {"robot": key % n, "step": key // n}
-            found.add("/considered", "other", told, due, by, **place)
-
-
-def whole_steps(hold: FloatArray, dt: float) -> IntArray:
-    """Steps that decisions hold: rounded down, one at least (14)."""
-    steps = np.clip(np.floor(hold / dt + SHARE), 1.0, LONGEST_HOLD)
-    return np.asarray(steps, dtype=np.int64)
+        place = {"robot": wrong % n, "step": wrong // n}
+        found.add("/considered", "other", told, due, by, **place)
+    return len(both), broken

@@ -9,29 +9,41 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import chain
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
+from numpy.typing import NDArray
 
 from physim.analysis.validation.analytic_contacts import pair_distance
 from physim.analysis.validation.mismatch import (
     SLACK,
     Mismatch,
-    differs,
     first_difference,
     unlike_attributes,
     unlike_scene,
 )
 from physim.analysis.validation.origin import controller_name
-from physim.errors import PhysimError, RecordError, WorldError
+from physim.contacts import CONTACT_ROW, FALSE_CONTACT_ROW
+from physim.errors import ControllerError, PhysimError, RecordError, WorldError
+from physim.geometry.shapes import FloatArray
 from physim.record import Record
-from physim.record.layout import ARRIVED, EXTREMES, EXTREMES_FARTHEST, OTHERS, STEPS, TABLES
+from physim.record.layout import (
+    ARRIVED,
+    CONSIDERED,
+    EXTREMES,
+    EXTREMES_FARTHEST,
+    OTHERS,
+    STEPS,
+    TABLES,
+)
 
 if TYPE_CHECKING:
     from physim.parts.controller import Controller
     from physim.parts.stages import Disturbance, Filter, SensingStage
     from physim.simulation.loop import Simulation
+    from physim.world.scene import Scene
 
+Rows = NDArray[np.void]
 BY = "simulated again"
 BEFORE = ("name", "world", "seed", "dt", "steps_planned")
 AFTER = ("safe_distance", "steps_run", "rejected_contacts", "ended")
@@ -150,6 +162,55 @@ def rerun(record: Record, **parts: Any) -> Rerun:
         return compare_runs(record, again)
 
 
+class _Led:
+    """Stands in for the engine: robots go where a record says."""
+
+    def __init__(self, record: Record) -> None:
+        self.record, self.at = record, 0
+        self.contacts = np.zeros(0, CONTACT_ROW)
+        self.false_contacts = np.zeros(0, FALSE_CONTACT_ROW)
+
+    @property
+    def pose(self) -> FloatArray:
+        """(N, 3) at the present sample."""
+        return self.record.pose_at(self.at)
+
+    def step(self, _: FloatArray) -> None:
+        """Go to the next sample, whatever the commands."""
+        self.at += 1
+        self.contacts = self.contacts[:0]
+
+
+def decided_again(record: Record, scene: Scene, controller: Controller) -> tuple[Rows, Rows, str]:
+    """Decisions of a run that is led through the poses of a record, which has those of every step.
+
+    Rows of its update table and of considered robots, up to the end of the record or to where the
+    controller cannot decide, and what it says then.
+    """
+    from physim.simulation.loop import Simulation
+    from physim.simulation.recorder import considered_rows, update_rows
+
+    simulation = Simulation(scene, controller=controller)
+    simulation.physics = cast(Any, _Led(record))
+    made, broken = [], ""
+    try:
+        for _ in range(record.steps_run):
+            simulation.step()
+            if (last := simulation.last) is not None and last.decisions is not None:
+                made.append(last)
+    except ControllerError as error:
+        broken = str(error).splitlines()[0]
+    if not made:
+        return record.updates[:0], record.considered[:0], broken
+    rows = update_rows(scene, made, record.updates.dtype)
+    counts, others = considered_rows(made, rows)
+    considered = np.zeros(len(others), CONSIDERED)
+    for name in ("step", "robot"):
+        considered[name] = np.repeat(counts[name], counts["count"])
+    considered["other"] = others
+    return rows, considered, broken
+
+
 def compare_runs(record: Record, again: Record) -> Rerun:
     """Hold a record against the same run simulated again, which has every sample and table."""
     digest = record.digest()
@@ -239,36 +300,16 @@ def _samples(record: Record, again: Record, path: str, until: int, exact: bool) 
 def _after(
     record: Record, again: Record, until: int, exact: bool, whole: bool
 ) -> Iterator[Mismatch]:
-    """What sums up a run, where that can be compared. A killed run may have noted distances of
-    after its last sample, each at a time of its own."""
+    """What sums up a run, where that can be compared; how well extremes must agree otherwise is
+    held elsewhere. A killed run may have noted some of after its last sample."""
     killed = record.ended == "running"
     if whole and not killed:
         broken = record.ended == "error" and again.ended != "finished"
         yield from unlike_attributes(record, again, AFTER[: -1 if broken else None], BY)
-    if exact and not killed:
-        for path in (EXTREMES, EXTREMES_FARTHEST, ARRIVED):
-            rows, others = (np.atleast_1d(one.read(path)) for one in (record, again))
-            if found := first_difference(record, path, rows, others, BY, exact=True):
-                yield found
-        return
-    for columns in (
-        ("clearance", "clearance_step", "clearance_other"),
-        ("boundary_clearance", "boundary_step", "boundary_other"),
-    ):
-        least = again.read(f"/steps/{columns[0]}", 0, until + 1).min(axis=0, initial=np.inf)
-        for k, row in enumerate(record.extremes):
-            value, step, other = (row[column].item() for column in columns)
-            if value > least[k] + SLACK or (value < least[k] - SLACK and step <= until):
-                place = {"row": k, "robot": k}
-                yield Mismatch.of(record, EXTREMES, columns[0], value, least[k], BY, **place)
-            elif step >= 0 and (whole or step <= until):
-                yield from _moment(again, EXTREMES, columns[0], value, step, k, other)
-    value, step, a, b = record.farthest.item()
-    far = again.farthest["farthest"]
-    if value < far - SLACK and again.farthest["step"] <= until:
-        yield Mismatch.of(record, EXTREMES_FARTHEST, "farthest", value, far, BY)
-    elif step >= 0 and (whole or step <= until):
-        yield from _moment(again, EXTREMES_FARTHEST, "farthest", value, step, a, b)
+    for path in (EXTREMES, EXTREMES_FARTHEST) if exact and not killed else ():
+        rows, others = (np.atleast_1d(one.read(path)) for one in (record, again))
+        if found := first_difference(record, path, rows, others, BY, exact=True):
+            yield found
     told, true = record.arrived, again.arrived
     wrong = told != true
     if not whole:
@@ -277,15 +318,3 @@ def _after(
         wrong &= (told >= 0) | (true < record.steps_run)
     for k in np.flatnonzero(wrong).tolist():
         yield Mismatch.of(record, ARRIVED, None, told[k], true[k], BY, row=k, robot=k)
-
-
-def _moment(
-    again: Record, path: str, column: str, value: float, step: int, a: int, b: int
-) -> Iterator[Mismatch]:
-    """An extreme distance that was not that of its bodies at its step. Of equal ones another
-    version may take either, so that they need not be those of the run simulated again."""
-    pose = again.read("/steps/pose", step, step + 1)
-    true = pair_distance(again, pose[0], a, b) if len(pose) else np.nan
-    if differs(value, true, SLACK):
-        due = f"{true:.9g} of these bodies" if len(pose) else "after its end"
-        yield Mismatch.of(again, path, column, value, due, BY, row=a, robot=a, step=step)

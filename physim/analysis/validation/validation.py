@@ -15,7 +15,12 @@ import numpy as np
 from physim.analysis.expectations import Held, expectations
 from physim.analysis.metrics import Deep, contact_episodes, deep_contacts
 from physim.analysis.validation.analytic_contacts import analytic_contacts
-from physim.analysis.validation.comparison import Comparison, compare, exact_distances
+from physim.analysis.validation.comparison import (
+    Comparison,
+    check_extremes,
+    compare,
+    exact_distances,
+)
 from physim.analysis.validation.contact import Contact, contacts_of, swept_contacts
 from physim.analysis.validation.decisions import DecisionTable
 from physim.analysis.validation.motion import Motion, check_motion
@@ -218,12 +223,14 @@ def judge(
     rerun = None if again is None else compare_runs(record, again)
     is_again = whole is again or (rerun is not None and rerun.exact)
     recomputed = recompute(record, whole, inside, table, is_again)
+    parted = whole is again and rerun is not None and not rerun.whole
+    extremes = () if parted else check_extremes(record, whole, analytic, exact)
     if why_not:
         left_out = (*recomputed.left_out, f"the run simulated again: {why_not}")
         recomputed = replace(recomputed, left_out=left_out)
     return Validation(
         _run(record, whole, source or str(record.path or "in memory")),
-        compare(whole, analytic, exact),
+        compare(whole, analytic, exact, extremes),
         contacts_of(whole, analytic, table, Predictor(whole, table)),
         swept_contacts(whole, table), near_misses(whole, analytic, table, exact),
         check_motion(whole, table, inside.scene.mass if inside.fits(whole) else None),

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from physim.errors import plural
 from physim.parts.declarations import NO_NUMBER
 from physim.record import Record
-from physim.record.layout import ARRIVED, EXTREMES, FIXED, OTHERS, STEPS, TABLES
+from physim.record.layout import ARRIVED, EXTREMES, OTHERS, STEPS, TABLES
 from physim.tolerances import LENGTH, TIME
 
 Value = bool | int | float | str
@@ -60,11 +60,12 @@ class Mismatch:
         row: int | None = None,
         robot: int | None = None,
         step: int | None = None,
+        count: int = 1,
     ) -> Mismatch:
         """One value; its time follows from the step, modes and rules are told by their names."""
         time = None if step is None else step * record.dt
         told, due = (_value(record, column, one) for one in (recorded, exact))
-        return cls(table, column, row, robot, step, time, told, due, by)
+        return cls(table, column, row, robot, step, time, told, due, by, count)
 
     def line(self, names: Sequence[str]) -> str:
         """One line: when, who, where in the record, both values; ``names`` of the robots."""
@@ -106,52 +107,29 @@ def _text(value: Value) -> str:
     return f"{value:.9g}" if isinstance(value, float) else str(value)
 
 
-class Mismatches:
-    """Gathers mismatches: the first of each robot and column, with how many there are."""
+def unlike_rows(
+    record: Record,
+    table: str,
+    column: str | None,
+    rows: NDArray[np.void],
+    exact: ArrayLike,
+    by: str,
+    wrong: NDArray[np.bool_] | None = None,
+) -> Iterator[Mismatch]:
+    """The first row of each robot whose column is not ``exact``, (M,) or one value.
 
-    def __init__(self, record: Record) -> None:
-        self._record = record
-        self._found: dict[tuple[str, str | None, int | None], Mismatch] = {}
-
-    @property
-    def found(self) -> tuple[Mismatch, ...]:
-        """All of them: those about the whole run first, then by time."""
-        order = sorted(self._found.values(), key=lambda one: -1 if one.step is None else one.step)
-        return tuple(order)
-
-    def add(
-        self, table: str, column: str | None, recorded: Any, exact: Any, by: str, **place: int
-    ) -> None:
-        """Note one value; ``place`` is its row, robot and step, as for `Mismatch.of`."""
-        key = (table, column, place.get("robot"))
-        before = self._found.get(key)
-        if before is not None:
-            self._found[key] = replace(before, count=before.count + 1)
-        else:
-            made = Mismatch.of(self._record, table, column, recorded, exact, by, **place)
-            self._found[key] = made
-
-    def add_rows(
-        self,
-        table: str,
-        column: str,
-        rows: NDArray[np.void],
-        exact: ArrayLike,
-        by: str,
-        wrong: NDArray[np.bool_] | None = None,
-    ) -> None:
-        """Note rows (M,) of a whole table whose column is not ``exact``, (M,) or one value.
-
-        Which these are says ``wrong`` (M,); without it those beyond the slack of the column.
-        """
-        values = np.broadcast_to(np.asarray(exact), len(rows))
-        if wrong is None:
-            wrong = differs(rows[column], values, SLACKS.get(column, SLACK))
-        for k in np.flatnonzero(wrong).tolist():
-            self.add(
-                table, column, rows[column][k], values[k], by, row=k,
-                robot=int(rows["robot"][k]), step=int(rows["step"][k]),
-            )  # fmt: skip
+    ``rows`` (M,) are those of a whole table. Which are wrong says ``wrong`` (M,); without it those
+    beyond the slack of the column. Without a column rows are wrong that should not be there.
+    """
+    values = np.broadcast_to(np.asarray(exact), len(rows))
+    if wrong is None:
+        wrong = differs(rows[column or ""], values, SLACKS.get(column or "", SLACK))
+    some = np.flatnonzero(wrong)
+    robots, first, count = np.unique(rows["robot"][some], return_index=True, return_counts=True)
+    for robot, k, number in zip(robots.tolist(), some[first].tolist(), count.tolist(), strict=True):
+        recorded, step = "there" if column is None else rows[column][k], int(rows["step"][k])
+        place = {"row": k, "robot": robot, "step": step, "count": number}
+        yield Mismatch.of(record, table, column, recorded, values[k], by, **place)
 
 
 def differs(recorded: ArrayLike, exact: ArrayLike, slack: float) -> NDArray[np.bool_]:
@@ -237,10 +215,10 @@ def unlike_attributes(
 
 
 def unlike_scene(
-    record: Record, other: Record, by: str, exact: bool, left_out: tuple[str, ...] = ()
+    record: Record, other: Record, paths: Iterable[str], by: str, exact: bool
 ) -> Iterator[Mismatch]:
-    """What stands still and is not as in the other record, each dataset by its first row."""
-    for path in (path for path in FIXED if not path.startswith(left_out or "\0")):
+    """Datasets of what stands still that are not as in the other record, each by its first row."""
+    for path in paths:
         rows, others = record.read(path), other.read(path)
         if rows.shape != others.shape:
             yield Mismatch.of(record, path, None, f"{len(rows)} rows", f"{len(others)} rows", by)

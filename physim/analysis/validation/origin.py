@@ -24,6 +24,7 @@ from physim.parts.declarations import Declared, kept_distance
 from physim.parts.registry import CONTROLLER, DISTURBANCE, FILTER, SENSING, make_part
 from physim.record import Record, RecordWriter
 from physim.record.checks import unreadable_world
+from physim.record.layout import FIXED
 from physim.world import World
 from physim.world.differences import differences
 from physim.world.layout.scene_builder import build_scene
@@ -35,6 +36,7 @@ rounds in its own way."""
 LOOKED_AT = 20
 """Places of each edge of an area that are looked at: it may be drawn anew between two corners."""
 BY = "by the world inside it"
+PATHS = tuple(path for path in FIXED if not path.startswith("/areas"))
 SAME = ("name", "seed", "dt", "steps_planned", "safe_distance")
 """Attributes that follow from the world inside"""
 
@@ -126,7 +128,7 @@ def compare_with_world(record: Record, inside: Inside) -> Origin:
     with writer.record() as start:
         found = [
             *unlike_attributes(record, start, SAME, BY),
-            *unlike_scene(record, start, BY, exact=False, left_out=("/areas",)),
+            *unlike_scene(record, start, PATHS, BY, exact=False),
         ]
         if record.robots == start.robots and record.samples:
             pose = record.read("/steps/pose", 0, 1), scene.start[None]

@@ -11,12 +11,13 @@ whatever moved the robots.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
 
 from physim.analysis.validation.decisions import DecisionTable
-from physim.analysis.validation.mismatch import Mismatch, Mismatches
+from physim.analysis.validation.mismatch import Mismatch, unlike_rows
 from physim.analysis.validation.origin import Inside
 from physim.analysis.validation.rerun import decided_again
 from physim.parts.declarations import Declared
@@ -26,11 +27,6 @@ from physim.record.layout import COMMAND_STAGES, OPTIONAL
 from physim.tolerances import SHARE
 
 PARTS = ("v", "omega")
-HELD_ELSEWHERE = (
-    "step", "robot", "applied_v", "applied_omega", "station", "deviation", "reference_station",
-    "formation_error",
-)  # fmt: skip
-"""Columns of decisions that do not depend on the controller"""
 
 
 @dataclass(frozen=True)
@@ -52,18 +48,17 @@ def recompute(
 
     Where the run was not simulated ``again`` to the bit, its decisions are made again.
     """
-    found, replayed, why_not = Mismatches(record), 0, ""
-    _check_commands(whole, table, inside, found)
-    _check_counts(record, found)
+    found = [*_check_commands(whole, table, inside), *_check_counts(record)]
+    replayed, why_not = 0, ""
     if not again:
-        replayed, why_not = _check_decisions(whole, inside, found)
+        wrong, replayed, why_not = _check_decisions(whole, inside)
+        found += wrong
     left_out = (f"decisions made again: {why_not}",) if why_not else ()
-    return Recomputed(len(whole.updates), replayed, left_out, found.found)
+    found.sort(key=lambda one: -1 if one.step is None else one.step)
+    return Recomputed(len(whole.updates), replayed, left_out, tuple(found))
 
 
-def _check_commands(
-    record: Record, table: DecisionTable, inside: Inside, found: Mismatches
-) -> None:
+def _check_commands(record: Record, table: DecisionTable, inside: Inside) -> Iterator[Mismatch]:
     """Hold both tables of commands against each other, the limits and the stages there were."""
     rows, commands, stages = record.updates, record.commands, inside.stages
     key, listed_key = (some["step"] * record.robots + some["robot"] for some in (rows, commands))
@@ -75,7 +70,8 @@ def _check_commands(
         decided = np.append(exact, 0.0)[last]  # row -1: 0 before the first decision
         exact[at_decision] = commands[f"applied_{part}"][listed]
         column, by = f"applied_{part}", "by the table /commands and the nominal command"
-        found.add_rows("/updates", column, rows, exact, by, rows[column] != exact)
+        wrong = rows[column] != exact
+        yield from unlike_rows(record, "/updates", column, rows, exact, by, wrong)
         values = [decided, *(commands[f"{stage}_{part}"] for stage in COMMAND_STAGES)]
         for k, (stage, due, by) in enumerate((
             ("nominal", len(rows) > 0, "by the last decision of that robot"),
@@ -84,58 +80,56 @@ def _check_commands(
             ("applied", DISTURBANCE.word not in stages,
              "by the filtered command: there is no disturbance"),
         )):  # fmt: skip
-            wrong = values[k + 1] != values[k]
+            wrong, column = values[k + 1] != values[k], f"{stage}_{part}"
             alike &= ~wrong
             if due:
-                found.add_rows("/commands", f"{stage}_{part}", commands, values[k], by, wrong)
-    for k in np.flatnonzero(alike).tolist():
-        found.add(
-            "/commands", None, "there", "not", "as all stages are the command last decided",
-            row=k, robot=int(commands["robot"][k]), step=int(commands["step"][k]),
-        )  # fmt: skip
+                yield from unlike_rows(record, "/commands", column, commands, values[k], by, wrong)
+    by = "as all stages are the command last decided"
+    yield from unlike_rows(record, "/commands", None, commands, "not", by, alike)
     by = "at most either way, by the limits of that robot in the world inside"
     for name, some, held in (
         ("/updates", rows, ("nominal",)), ("/commands", commands, ("nominal", "filtered"))
     ):  # fmt: skip
         for k, part in enumerate(PARTS if inside.fits(record) else ()):
             limit = inside.scene.limits[some["robot"], k]
-            for stage in held:
-                column = f"{stage}_{part}"
+            for column in (f"{stage}_{part}" for stage in held):
                 wrong = ~(np.abs(some[column]) <= limit * (1.0 + SHARE))
-                found.add_rows(name, column, some, limit, by, wrong)
+                yield from unlike_rows(record, name, column, some, limit, by, wrong)
 
 
-def _check_counts(record: Record, found: Mismatches) -> None:
+def _check_counts(record: Record) -> Iterator[Mismatch]:
     """Hold counts and lists in attributes against the tables."""
     if "false_contacts" in record.tables:
         killed = record.ended == "running"  # it would have counted them in the end
         count = 0 if killed else len(record.false_contacts)
-        if record.rejected_contacts != count:
-            found.add(
-                "attribute", "rejected_contacts", record.rejected_contacts, count,
-                "by the table /false_contacts",
-            )  # fmt: skip
+        if (told := record.rejected_contacts) != count:
+            by = "by the table /false_contacts"
+            yield Mismatch.of(record, "attribute", "rejected_contacts", told, count, by)
     for table in OPTIONAL:
         if table not in record.tables and (rows := len(record.read(f"/{table}"))):
-            found.add(
-                "attribute", "tables", f"without {table}", f"with {table}",
-                f"by that table, which has {rows} rows",
-            )  # fmt: skip
+            by = f"by that table, which has {rows} rows"
+            both = f"without {table}", f"with {table}"
+            yield Mismatch.of(record, "attribute", "tables", *both, by)
     apart = np.diff(record.steps[:-1])  # the last sample may be nearer
     for wrong in apart[apart != record.record_every][:1].tolist():
-        found.add("attribute", "record_every", record.record_every, wrong, "by the recorded steps")
+        told, by = record.record_every, "by the recorded steps"
+        yield Mismatch.of(record, "attribute", "record_every", told, wrong, by)
 
 
-def _check_decisions(record: Record, inside: Inside, found: Mismatches) -> tuple[int, str]:
+def _check_decisions(record: Record, inside: Inside) -> tuple[list[Mismatch], int, str]:
     """Stations against poses, and decisions made again: how many, and why others are not."""
     rows, lead, own, why_not = record.updates, record.lead, inside.controller, inside.why_not
     station, deviation, reference = record.course[rows["step"], rows["robot"]].T
     mean = record.course[rows["step"], :, 2].mean(axis=1)
-    for name, exact in (
-        ("station", station), ("deviation", deviation), ("reference_station", reference),
-        ("formation_error", (mean - reference) - (lead.mean() - lead[rows["robot"]])),
-    ):  # fmt: skip
-        found.add_rows("/updates", name, rows, exact, "by the poses")
+    due = {
+        "station": station, "deviation": deviation, "reference_station": reference,
+        "formation_error": (mean - reference) - (lead.mean() - lead[rows["robot"]]),
+    }  # fmt: skip
+    found = [
+        one
+        for name, exact in due.items()
+        for one in unlike_rows(record, "/updates", name, rows, exact, "by the poses")
+    ]
     kind = inside.scene.world.controller.type
     if SENSING.word in inside.stages:
         why_not = "what robots sensed is not in the record"
@@ -144,24 +138,27 @@ def _check_decisions(record: Record, inside: Inside, found: Mismatches) -> tuple
     elif own is not None and record.declared != Declared.of(own):
         why_not = "the record declares others"
     if why_not or own is None:
-        return 0, why_not
+        return found, 0, why_not
     again, others, broken = decided_again(record, inside.scene, own)
     key, ours = (some["step"] * record.robots + some["robot"] for some in (rows, again))
     both, theirs_at, ours_at = np.intersect1d(key, ours, return_indices=True)
     by = f"decided again by {kind}"
-    for name in (name for name in rows.dtype.names or () if name not in HELD_ELSEWHERE):
+    left_out = ("step", "robot", "applied_v", "applied_omega", *due)  # which are held elsewhere
+    for name in (name for name in rows.dtype.names or () if name not in left_out):
         exact = rows[name].copy()
         exact[theirs_at] = again[name][ours_at]
-        found.add_rows("/updates", name, rows, exact, by)
+        found += unlike_rows(record, "/updates", name, rows, exact, by)
     n, pairs = record.robots, []
     for some in (record.considered, others):
         decision = some["step"] * n + some["robot"]
         pairs.append((decision * n + some["other"])[np.isin(decision, both)])
-    for wrong in np.unique(np.setxor1d(*pairs) // n).tolist():
-        told, due = (
-            ", ".join(record.names[j] for j in np.sort(some[some // n == wrong] % n)) or "nobody"
+    wrong = np.unique(np.setxor1d(*pairs) // n)
+    for robot in np.unique(wrong % n).tolist():
+        mine = wrong[wrong % n == robot]
+        told, true = (
+            ", ".join(record.names[j] for j in np.sort(some[some // n == mine[0]] % n)) or "nobody"
             for some in pairs
         )
-        place = {"robot": wrong % n, "step": wrong // n}
-        found.add("/considered", "other", told, due, by, **place)
-    return len(both), broken
+        place = {"robot": robot, "step": int(mine[0] // n), "count": len(mine)}
+        found.append(Mismatch.of(record, "/considered", "other", told, true, by, **place))
+    return found, len(both), broken

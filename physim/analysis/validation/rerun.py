@@ -32,6 +32,7 @@ from physim.record.layout import (
     CONSIDERED,
     EXTREMES,
     EXTREMES_FARTHEST,
+    FIXED,
     OTHERS,
     STEPS,
     TABLES,
@@ -247,7 +248,7 @@ def _first(record: Record, again: Record, until: int, exact: bool, whole: bool) 
     """First difference: what is known before the run, then by time, then what sums it up."""
     before = chain(
         unlike_attributes(record, again, BEFORE, BY),
-        unlike_scene(record, again, BY, exact) if exact else (),
+        unlike_scene(record, again, FIXED, BY, exact) if exact else (),
     )
     if found := next(before, None):
         return found

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import NamedTuple
 
-from physim.analysis import metrics
+from physim.analysis.metrics import Figures
 from physim.errors import RecordError
 from physim.record import Record
 
@@ -53,13 +53,13 @@ def expectations(record: Record) -> list[Held]:
     does not hold then. A distance that a run does not have (one robot, no walls) holds any bound.
     """
     cut = record.ended in ("running", "interrupted") and record.steps_run < record.steps_planned
-    wanted = _wanted(record)
+    run, wanted = Figures(record), _wanted(record)
     found: dict[str, Figure] = {
-        "contacts": len(metrics.contact_episodes(record)) + len(metrics.grazes(record)),
-        "min_distance": _value(metrics.shortest_distance(record)),
-        "min_boundary_distance": _value(metrics.shortest_boundary_distance(record)),
-        "max_distance": _value(metrics.farthest_pair(record)),
-        "finished": None if cut else metrics.finished(record),
+        "contacts": len(run.episodes) + len(run.grazes),
+        "min_distance": run.value("shortest_distance"),
+        "min_boundary_distance": run.value("shortest_boundary_distance"),
+        "max_distance": run.value("farthest_distance"),
+        "finished": None if cut else run.value("finished"),
     }
     return [
         Held(key, wanted[key], got, _holds(key, wanted[key], got))
@@ -74,10 +74,6 @@ def _holds(key: str, wanted: Figure, got: Figure) -> bool:
     if got is None or wanted is None:
         return True
     return got >= wanted if key.startswith("min_") else got <= wanted
-
-
-def _value(moment: metrics.Moment | None) -> float | None:
-    return None if moment is None else moment.value
 
 
 def _wanted(record: Record) -> Mapping[str, Figure]:

@@ -74,7 +74,7 @@ class Row(_Ended):
     """[s]"""
     first_contact_pair: str = ""
     """ "r1, r2" """
-    deepest: float | None = None
+    deepest_contact: float | None = None
     """[m]"""
     closing_speed: float | None = None
     """[m/s] of the severest contact, as the next four"""
@@ -99,18 +99,18 @@ class Row(_Ended):
     shortest_collision_time_pair: str = ""
     shortest_collision_time_time: float | None = None
     """[s]"""
-    formation_error: float | None = None
+    formation_error_peak: float | None = None
     """[m] greatest size"""
-    deviation: float | None = None
+    deviation_peak: float | None = None
     """[m] greatest size, from the path"""
-    finish_time: float | None = None
+    time_to_finish: float | None = None
     """[s]"""
     not_arrived: str = ""
     """ "r1, r3": robots that had not arrived at the end"""
     stood: str = ""
     """those of them that stood"""
     danger_share: float | None = None
-    updates: int | None = None
+    decisions: int | None = None
     messages: int | None = None
     cpu_seconds: float | None = None
     """[s] of the processor"""
@@ -224,7 +224,15 @@ SHOWN = 40
 OLD, DERIVED = "wall_contacts", "contact_free"
 """A column of earlier rows, whose ``contacts`` are of robots alone and whose ``shortest_distance``
 is of robots and walls; and what follows from other columns, which a line may say all the same"""
-_RENAMED = {
+RENAMED = {
+    "deepest": "deepest_contact",
+    "formation_error": "formation_error_peak",
+    "deviation": "deviation_peak",
+    "finish_time": "time_to_finish",
+    "updates": "decisions",
+}
+"""Columns of earlier rows that have the names of their metrics now"""
+_OLD_MEANING = {
     "contacts": "contacts_between_robots",
     OLD: "contacts_with_boundaries",
     "shortest_distance": "least_distance",
@@ -236,16 +244,18 @@ _RENAMED = {
 def row_of(tree: Any) -> Row:
     """Row of the values that a line holds; columns of a later version are left out.
 
-    Columns of a line with `OLD` that mean something else now get the names of what they mean.
+    Columns that earlier versions called otherwise get their names of now: `RENAMED`, and those of
+    a line with `OLD` that mean something else now.
     Raises ValueError with the column, what stands in it and what is allowed.
     """
     if not isinstance(tree, dict):
         raise ValueError("is no row: must be an object with columns")
     if OLD in tree:
         counts = tree.get("contacts"), tree[OLD]
-        tree = {_RENAMED.get(name, name): value for name, value in tree.items()}
+        tree = {_OLD_MEANING.get(name, name): value for name, value in tree.items()}
         if all(type(count) is int for count in counts):
             tree["contacts"] = sum(counts)
+    tree = {RENAMED.get(name, name): value for name, value in tree.items()}
     values: dict[str, Any] = {}
     for name, allowed in ALLOWED.items():
         value = tree.get(name)
@@ -302,6 +312,6 @@ def are_rows(table: pa.Table) -> bool:
 
 
 __all__ = [
-    "ALLOWED", "COLUMNS", "DERIVED", "FAILED", "OLD", "TIMES", "Brief", "Row", "are_rows", "briefs",
-    "row_of", "rows_of", "schema",
+    "ALLOWED", "COLUMNS", "DERIVED", "FAILED", "OLD", "RENAMED", "TIMES", "Brief", "Row",
+    "are_rows", "briefs", "row_of", "rows_of", "schema",
 ]  # fmt: skip

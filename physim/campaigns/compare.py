@@ -38,16 +38,16 @@ MEASURES = {
     "energy_lost": -1,
     "impulse": -1,
     "shortest_collision_time": 1,
-    "finish_time": -1,
-    "deviation": -1,
-    "formation_error": -1,
+    "time_to_finish": -1,
+    "deviation_peak": -1,
+    "formation_error_peak": -1,
     "danger_share": -1,
     "messages": -1,
     "cpu_seconds": -1,
 }
 """Columns that can be compared: 1 where more is better, -1 where less is."""
 DIRECTIONS = dict.fromkeys(RATES, 1) | MEASURES
-USUAL = (*RATES, "least_distance", "finish_time", "deviation", "formation_error")
+USUAL = (*RATES, "least_distance", "time_to_finish", "deviation_peak", "formation_error_peak")
 """What is compared where nothing else is asked for."""
 MOST_PAIRS_OF_CELLS = 200
 

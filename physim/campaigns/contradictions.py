@@ -30,7 +30,7 @@ def of_itself(table: pa.Table) -> tuple[int, str] | None:
     contacts, walls, first = map(number, ("contacts", "contacts_with_boundaries", "first_contact"))
     robots = number("contacts_between_robots")
     near, to_wall = number("shortest_distance"), number("shortest_boundary_distance")
-    least, finish = number("least_distance"), number("finish_time")
+    least, finish = number("least_distance"), number("time_to_finish")
     ended = np.array(table["ended"].to_pylist(), object)
     less = np.fmin(near, to_wall)
     named = np.array([bool(names) for names in table["not_arrived"].to_pylist()], bool)
@@ -43,7 +43,7 @@ def of_itself(table: pa.Table) -> tuple[int, str] | None:
         ("contacts_with_boundaries: 0 beside a distance below 0", (walls == 0) & (to_wall < 0)),
         ("contacts beside a least_distance above 0", (contacts > 0) & (least > ROUNDING)),
         ("first_contact beside contacts: 0", (contacts == 0) & ~np.isnan(first)),
-        ("finish_time beside ended: not finished", (ended != FINISHED) & ~np.isnan(finish)),
+        ("time_to_finish beside ended: not finished", (ended != FINISHED) & ~np.isnan(finish)),
         ("not_arrived beside ended: finished", (ended == FINISHED) & named),
     ]  # fmt: skip
     found = [(int(np.argmax(wrong)), words) for words, wrong in rules if wrong.any()]

@@ -11,10 +11,9 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from physim._version import __version__
-from physim.analysis.metrics import Metric, Moment, absent, measure
-from physim.analysis.metrics.distances import least_distance
+from physim.analysis.metrics import DEFINITIONS, Figures, Metric, Moment
 from physim.campaigns import own_metrics
-from physim.campaigns.columns import ERROR, Row
+from physim.campaigns.columns import COLUMNS, ERROR, Row
 from physim.campaigns.sources import changed_file, provide
 from physim.campaigns.spec import RunSpec, engine
 from physim.campaigns.worker import Stop
@@ -30,12 +29,8 @@ from physim.world.file.loading import load_world, parse_world
 from physim.world.layout.scene_builder import build_scene, reseeded
 from physim.world.scene import Scene
 
-METRICS = (
-    "contacts", "contacts_between_robots", "contacts_with_boundaries", "grazes", "first_contact",
-    "deepest_contact", "closing_speed", "energy_lost", "impulse", "shortest_distance",
-    "shortest_boundary_distance", "shortest_collision_time", "formation_error_peak",
-    "deviation_peak", "time_to_finish", "danger_share", "decisions", "messages",
-)  # fmt: skip
+METRICS = tuple(name for name in DEFINITIONS if name in COLUMNS)
+"""Those that have a column of their name"""
 KEEP = ("none", "failed", "all")
 """Which records are kept: those of no run, of runs that were not contact-free, of all"""
 ADDRESS = re.compile(r"\b0x[0-9a-fA-F]{6,16}\b")
@@ -151,53 +146,31 @@ def _keep(record: Record, spec: RunSpec, folder: Path | None) -> bytes | None:
 
 def figures(record: Record) -> dict[str, Any]:
     """Columns of a row that come from the record. PhysimError where one's own metric fails."""
-    found = measure(record, (*METRICS, *own_metrics.installed().definitions))
+    run, own = Figures(record), own_metrics.installed().definitions
+    metrics = {name: run.metric(name) for name in METRICS}
+    metrics |= {name: Metric.of(what, run) for name, what in own.items()}
+    found = {name: one for name, one in metrics.items() if one is not None}
     names = [body.name for body in record.bodies]
-
-    def value(name: str) -> Any:
-        return found[name].value if name in found else None
-
-    def size(name: str) -> float | None:
-        given = value(name)
-        return None if given is None else abs(float(given))
 
     def pair(of: Metric | Moment | None) -> str:
         return "" if of is None else ", ".join(names[i] for i in of.bodies)
 
-    first, time_left = found.get("first_contact"), found.get("shortest_collision_time")
-    severest, nearest, missing = found.get("closing_speed"), least_distance(record), absent(record)
+    severest, collision, least = run.metric("closing_speed"), run.collision_time, run.least
     return {
+        **{name: _plain(found[name].value) for name in METRICS if name in found},
         "ended": record.ended,
         "seconds": record.steps_run * record.dt,
         "robots": record.robots,
-        "contacts": value("contacts") or 0,
-        "contacts_between_robots": value("contacts_between_robots"),
-        "contacts_with_boundaries": value("contacts_with_boundaries"),
-        "grazes": value("grazes") or 0,
-        "first_contact": _finite(value("first_contact")),
-        "first_contact_pair": pair(first),
-        "deepest": _finite(value("deepest_contact")),
-        "closing_speed": _finite(value("closing_speed")),
-        "energy_lost": _finite(value("energy_lost")),
-        "impulse": _finite(value("impulse")),
+        "first_contact_pair": pair(run.metric("first_contact")),
         "severest_contact_pair": pair(severest),
         "severest_contact_time": None if severest is None else severest.time,
-        "shortest_distance": _finite(value("shortest_distance")),
-        "shortest_boundary_distance": _finite(value("shortest_boundary_distance")),
-        "least_distance": _finite(None if nearest is None else nearest.value),
-        "least_distance_pair": pair(nearest),
-        "least_distance_time": None if nearest is None else nearest.time,
-        "shortest_collision_time": _finite(value("shortest_collision_time")),
-        "shortest_collision_time_pair": pair(time_left),
-        "shortest_collision_time_time": None if time_left is None else time_left.time,
-        "formation_error": _finite(size("formation_error_peak")),
-        "deviation": _finite(size("deviation_peak")),
-        "finish_time": _finite(value("time_to_finish")) if record.ended == "finished" else None,
-        "not_arrived": ", ".join(names[one.robot] for one in missing),
-        "stood": ", ".join(names[one.robot] for one in missing if one.stands),
-        "danger_share": _finite(value("danger_share")),
-        "updates": value("decisions"),
-        "messages": value("messages"),
+        "least_distance": None if least is None else _plain(least.value),
+        "least_distance_pair": pair(least),
+        "least_distance_time": None if least is None else least.time,
+        "shortest_collision_time_pair": pair(collision),
+        "shortest_collision_time_time": None if collision is None else collision.time,
+        "not_arrived": ", ".join(names[one.robot] for one in run.absent),
+        "stood": ", ".join(names[one.robot] for one in run.absent if one.stands),
         "metrics": own_metrics.text_of(found),
     }
 
@@ -211,8 +184,9 @@ def one_line(error: BaseException) -> str:
     return ADDRESS.sub("0x...", told)
 
 
-def _finite(value: Any) -> float | None:
-    return None if value is None or not math.isfinite(value) else float(value)
+def _plain(value: float) -> float | None:
+    """A number as a row has it: none that is not finite."""
+    return value if math.isfinite(value) else None
 
 
 def _row(spec: RunSpec, **found: Any) -> Row:

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 from physim.campaigns import contradictions
-from physim.campaigns.columns import COLUMNS, DERIVED, OLD, Row, are_rows, row_of, schema
+from physim.campaigns.columns import COLUMNS, DERIVED, OLD, RENAMED, Row, are_rows, row_of, schema
 from physim.errors import PhysimError
 from physim.json_text import parse_json
 
@@ -78,7 +78,7 @@ def _in_bulk(data: bytes, lines: list[bytes]) -> pa.Table | None:
 
     if not _are_plain(data, lines):  # at the nested Arrow would break the whole process off
         return None
-    if any(f'"{name}"'.encode() in data for name in (OLD, DERIVED)):
+    if any(f'"{name}"'.encode() in data for name in (OLD, DERIVED, *RENAMED)):
         return None
     options = json.ParseOptions(explicit_schema=schema(), unexpected_field_behavior="ignore")
     try:

@@ -104,8 +104,8 @@ def compare(options: Options) -> int:
     tested, and corrected for how many are looked at. Seeds that only one has are left out.
 
     Rates (rate: contact-free and finished; contact_free; finished) are compared by McNemar's exact
-    test, measures (least_distance, finish_time, deviation, formation_error) by the sign test: with
-    how many seeds is which the better one? p values are corrected after Holm.
+    test, measures (least_distance, time_to_finish, deviation_peak, formation_error_peak) by the
+    sign test: with how many seeds is which the better one? p values are corrected after Holm.
 
     With --seeds the runs are made first, as physim sweep makes them, in a folder that goes on where
     it was left; compared is what is given several of: controllers, values, or two worlds. A is the
@@ -121,7 +121,7 @@ def compare(options: Options) -> int:
       physim compare ten_robots --seeds 1:101 --set formation.gain=0.02,0.1 -o gains.html
       physim compare runs/study --by controller
       physim compare runs/before runs/after -o compared.html
-      physim compare runs/study --by settings --only rate,finish_time --json -
+      physim compare runs/study --by settings --only rate,time_to_finish --json -
     """
     from physim.campaigns.compare import USUAL, by
     from physim.campaigns.compare import compare as compared

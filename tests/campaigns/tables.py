@@ -12,12 +12,13 @@ TEXTS = ("run", "world", "settings", "controller", "physim", "engine", "ended", 
          "shortest_collision_time_pair", "not_arrived", "stood", "metrics", "record",
          "world_hash")  # fmt: skip
 WHOLE = ("seed", "robots", "contacts", "contacts_between_robots", "contacts_with_boundaries",
-         "grazes", "updates", "messages")  # fmt: skip
-NUMBERS = ("seconds", "first_contact", "deepest", "closing_speed", "energy_lost", "impulse",
+         "grazes", "decisions", "messages")  # fmt: skip
+NUMBERS = ("seconds", "first_contact", "deepest_contact", "closing_speed", "energy_lost", "impulse",
            "severest_contact_time", "shortest_distance", "shortest_boundary_distance",
            "least_distance", "least_distance_time",
-           "shortest_collision_time", "shortest_collision_time_time", "formation_error",
-           "deviation", "finish_time", "danger_share", "cpu_seconds", "wall_seconds")  # fmt: skip
+           "shortest_collision_time", "shortest_collision_time_time", "formation_error_peak",
+           "deviation_peak", "time_to_finish", "danger_share", "cpu_seconds",
+           "wall_seconds")  # fmt: skip
 
 
 def row(seed: int = 1, **given: Any) -> dict[str, Any]:
@@ -27,15 +28,15 @@ def row(seed: int = 1, **given: Any) -> dict[str, Any]:
         "physim": "0.1.0", "engine": "pymunk 7.3.1", "ended": "finished", "reason": "",
         "seconds": 20.0, "robots": 3, "contacts": 0, "contacts_between_robots": 0,
         "contacts_with_boundaries": 0, "grazes": 0,
-        "first_contact": None, "first_contact_pair": "", "deepest": None,
+        "first_contact": None, "first_contact_pair": "", "deepest_contact": None,
         "closing_speed": None, "energy_lost": None, "impulse": None, "severest_contact_pair": "",
         "severest_contact_time": None, "shortest_distance": 0.4, "shortest_boundary_distance": 0.6,
         "least_distance": 0.4, "least_distance_pair": "r1, r2", "least_distance_time": 3.2,
         "not_arrived": "", "stood": "", "shortest_collision_time": 1.5,
         "shortest_collision_time_pair": "r1, r2", "shortest_collision_time_time": 3.0,
-        "formation_error": None, "deviation": 0.2, "finish_time": 18.0, "danger_share": 0.05,
-        "updates": 900, "messages": 1800, "cpu_seconds": 0.1, "wall_seconds": 0.12, "metrics": "",
-        "record": "", "world_hash": "0123456789ab",
+        "formation_error_peak": None, "deviation_peak": 0.2, "time_to_finish": 18.0,
+        "danger_share": 0.05, "decisions": 900, "messages": 1800, "cpu_seconds": 0.1,
+        "wall_seconds": 0.12, "metrics": "", "record": "", "world_hash": "0123456789ab",
     }  # fmt: skip
     made = {**usual, **given}
     words = "-".join(str(made[key]) for key in ("world", "settings", "controller", "seed"))
@@ -51,7 +52,8 @@ def failed(seed: int = 1, ended: str = "error", reason: str = "it broke", **give
 def hit(seed: int = 1, depth: float = 0.01, **given: Any) -> dict[str, Any]:
     """A run with a contact."""
     touched = {"contacts": 1, "contacts_between_robots": 1, "shortest_distance": -depth,
-               "least_distance": -depth, "deepest": depth, "first_contact": 3.1}  # fmt: skip
+               "least_distance": -depth, "deepest_contact": depth,
+               "first_contact": 3.1}  # fmt: skip
     return row(seed, **{**touched, **given})
 
 

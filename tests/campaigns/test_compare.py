@@ -38,11 +38,11 @@ def finding(comparisons: list[Comparison], name: str) -> Any:
 
 
 def test_a_planted_difference_is_found_with_its_size() -> None:
-    found = compare(by(campaign(shift=0.05, hits=20, finish_time=15.0), "controller"))
+    found = compare(by(campaign(shift=0.05, hits=20, time_to_finish=15.0), "controller"))
     near = finding(found, "least_distance")
     assert near.better == "a"
     assert near.low < -0.05 < near.high < 0.0
-    free, late = finding(found, "contact_free"), finding(found, "finish_time")
+    free, late = finding(found, "contact_free"), finding(found, "time_to_finish")
     assert free.better == "a"
     assert (late.better, late.difference) == ("b", -3.0)  # of times less is better
     assert (free.only_a, free.only_b, free.difference) == (20, 0, pytest.approx(-20 / 60))
@@ -68,10 +68,10 @@ def test_arms_that_do_not_differ_are_not_said_to_be_equal() -> None:
 def test_the_test_and_the_verdict_are_of_the_same_question() -> None:
     """Of 100 seeds 41 are equal, so the median of the differences is 0; B is better with 57."""
     gains = [0.0] * 41 + [0.1] * 57 + [-0.1] * 2
-    rows = [row(seed, controller=name, deviation=1.0 - gain * (name == "other"))
+    rows = [row(seed, controller=name, deviation_peak=1.0 - gain * (name == "other"))
             for seed, gain in enumerate(gains) for name in ("good", "other")]  # fmt: skip
-    found = compare(by(Outcomes(table(rows)), "controller"), ("deviation",))
-    one = finding(found, "deviation")
+    found = compare(by(Outcomes(table(rows)), "controller"), ("deviation_peak",))
+    one = finding(found, "deviation_peak")
     assert (one.better, one.only_a, one.only_b, one.ties) == ("b", 2, 57, 41)
     assert one.corrected < 1e-4
 

@@ -93,7 +93,7 @@ FALSE: list[dict[str, object]] = [
     {"contacts": 1, "least_distance": 0.2},
     {"contacts": 0, "first_contact": 3.0},
     {"least_distance": 0.3, "shortest_distance": 0.2, "shortest_boundary_distance": 0.4},
-    {"ended": "duration", "finish_time": 3.0},
+    {"ended": "duration", "time_to_finish": 3.0},
     {"not_arrived": "a"},
 ]
 

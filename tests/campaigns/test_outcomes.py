@@ -23,7 +23,7 @@ sweep_text, sweep_values = inside("physim.campaigns.report", "sweep_text", "swee
 
 def test_cells_are_sorted_and_have_their_rows_by_seed() -> None:
     rows = [
-        row(seed, world=world, settings=settings, controller=controller, deviation=float(seed))
+        row(seed, world=world, settings=settings, controller=controller, deviation_peak=float(seed))
         for seed in (5, 1, 3)
         for world in ("b", "a")
         for settings in ("", "gain=1")
@@ -39,14 +39,14 @@ def test_cells_are_sorted_and_have_their_rows_by_seed() -> None:
             cell.names
         ] * 3
         assert outcomes.seed[cell.rows].tolist() == [1, 3, 5]
-        assert outcomes.column("deviation")[cell.rows].tolist() == [1.0, 3.0, 5.0]
+        assert outcomes.column("deviation_peak")[cell.rows].tolist() == [1.0, 3.0, 5.0]
 
 
 @pytest.mark.parametrize(
     ("one", "free", "finished", "failed_"),
     [
         (row(), True, True, False),
-        (row(ended="duration", finish_time=None), True, False, False),
+        (row(ended="duration", time_to_finish=None), True, False, False),
         (hit(), False, True, False),
         (row(contacts=1, contacts_with_boundaries=1), False, True, False),
         (row(grazes=1), False, True, False),

@@ -108,7 +108,7 @@ def test_of_what_could_not_be_written_nothing_is_left(
 def test_results_open_elsewhere(folder: Path) -> None:
     one, two = specs(3)[1:]
     Folder(folder).open([one])
-    touched = replace(row_without_run(one, "finished", ""), contacts=3, deepest=0.01)
+    touched = replace(row_without_run(one, "finished", ""), contacts=3, deepest_contact=0.01)
     Shards(folder).write([row_without_run(two, "error", "x"), touched])
     write_results(folder)
     table = parquet.read_table(folder / "results.parquet")
@@ -118,7 +118,7 @@ def test_results_open_elsewhere(folder: Path) -> None:
     frame = pd.read_parquet(folder / "results.parquet")
     assert frame["seed"].tolist() == [1, 2]
     assert frame["contacts"].isna().tolist() == [False, True]
-    assert frame["deepest"][0] == 0.01
+    assert frame["deepest_contact"][0] == 0.01
     assert not list(folder.glob(".*"))
 
 
@@ -127,8 +127,9 @@ FAULTS: list[tuple[str, object]] = [
     ("world", 1), ("seed", "x"), ("seed", -1), ("seed", 1.5), ("seed", True), ("seed", 2**63),
     ("ended", "won"), ("ended", None), ("contacts", -1), ("grazes", "1"), ("robots", 2.5),
     ("shortest_distance", float("nan")), ("shortest_distance", float("-inf")),
-    ("deviation", float("inf")), ("finish_time", -0.5), ("danger_share", 1.5), ("seconds", "1"),
-    ("shortest_distance", 1e13), ("shortest_distance", -1.7e308), ("finish_time", 1e300),
+    ("deviation_peak", float("inf")), ("time_to_finish", -0.5), ("danger_share", 1.5),
+    ("seconds", "1"),
+    ("shortest_distance", 1e13), ("shortest_distance", -1.7e308), ("time_to_finish", 1e300),
     ("reason", 5), ("reason", ["x"]), ("record", "../record.h5"), ("world_hash", "../world"),
     ("digest", "no"), ("settings", {"a": 1}),
 ]  # fmt: skip
@@ -153,7 +154,7 @@ def test_columns_of_earlier_rows_have_the_names_of_what_they_mean(folder: Path) 
     earlier = {"run": "1" * 20, "world": "w", "seed": 1, "physim": "1", "engine": "e",
                "ended": "finished", "contacts": 1, "wall_contacts": 2, "grazes": 0,
                "shortest_distance": -0.01, "shortest_distance_pair": "r1, left wall",
-               "shortest_distance_time": 3.0}  # fmt: skip
+               "shortest_distance_time": 3.0, "deepest": 0.02, "updates": 7}  # fmt: skip
     (folder / "rows" / "5-2-x-1.jsonl").write_text(json.dumps(earlier) + "\n")
     (one,) = rows_in(folder)
     assert (one.contacts, one.contacts_between_robots, one.contacts_with_boundaries) == (3, 1, 2)
@@ -161,6 +162,7 @@ def test_columns_of_earlier_rows_have_the_names_of_what_they_mean(folder: Path) 
     assert (one.least_distance, one.least_distance_pair, one.least_distance_time) == (
         -0.01, "r1, left wall", 3.0,
     )  # fmt: skip
+    assert (one.deepest_contact, one.decisions) == (0.02, 7)
     assert not one.contact_free
 
 
@@ -242,8 +244,10 @@ def test_in_bulk_as_one_by_one(tmp_path: Path) -> None:
     for k in range(0, 500, 60):
         shards.write(given[k : k + 60])
     again = [replace(one, ended="finished", reason="") for one in given if one.failed][:3]
-    worse = [replace(one, ended="killed", finish_time=None) for one in given if not one.failed][:5]
-    later = [replace(one, formation_error=9.0) for one in given if not one.failed][5:9]
+    worse = [replace(one, ended="killed", time_to_finish=None) for one in given if not one.failed][
+        :5
+    ]
+    later = [replace(one, formation_error_peak=9.0) for one in given if not one.failed][5:9]
     shards.write([*again, *worse, *later])
     table = read(tmp_path)
     expected = one_by_one(tmp_path)

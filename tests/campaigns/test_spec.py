@@ -93,7 +93,7 @@ def test_a_run_of_a_spec_is_that_of_its_world() -> None:
     direct = physim.simulate(world, seed=3)
     assert record_run(simulation_of(spec)).digest() == direct.digest()
     row, found = run_one(spec), physim.summarise(direct)
-    assert row.updates == found.value("decisions")
+    assert row.decisions == found.value("decisions")
     assert (row.ended, row.seconds, row.robots) == ("duration", 1.0, 2)
 
 

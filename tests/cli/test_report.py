@@ -200,7 +200,7 @@ def test_compare_writes_a_page_and_values(made: Path, tmp_path: Path, capsys) ->
     assert "not tested: 4 pairs" in done.out
     assert "path_following" in Elements(page.read_text(encoding="utf-8")).said
     assert json.loads(values.read_text())["comparisons"][0]["seeds"] == 4
-    done = physim("compare", made, made, "--only", "rate,deviation", capture=capsys)
+    done = physim("compare", made, made, "--only", "rate,deviation_peak", capture=capsys)
     assert done.code == 0
     assert "least distance" not in done.out
 
@@ -240,8 +240,8 @@ def test_compare_runs_what_it_compares(tmp_path: Path, monkeypatch, capsys) -> N
     assert read(tmp_path / "sweeps/small").num_rows == 6 + 3
     assert physim("compare", *common, *two, capture=capsys).code == 0
     assert read(tmp_path / "sweeps/small").num_rows == 6 + 3
-    done = physim("compare", *common, *two, "--only", "rate,finish_time", capture=capsys)
-    assert "finish_time: not compared" in done.out  # none finished
+    done = physim("compare", *common, *two, "--only", "rate,time_to_finish", capture=capsys)
+    assert "time_to_finish: not compared" in done.out  # none finished
     axes = ("--set", "time.duration=0.5,1.0", "--runs", "other")
     done = physim("compare", *common, *axes, "-o", "c.html", capture=capsys)
     assert done.code == 0

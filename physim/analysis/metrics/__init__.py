@@ -41,6 +41,7 @@ from physim.analysis.metrics.distances import (
     shortest_collision_time,
     shortest_distance,
 )
+from physim.analysis.metrics.figures import Figures, measure
 from physim.analysis.metrics.metric import (
     DangerShare,
     Definition,
@@ -94,8 +95,6 @@ from physim.analysis.metrics.registry import (
     DEFINITIONS,
     definition,
     definitions,
-    measure,
-    measured,
 )
 
 __all__ = [
@@ -107,6 +106,7 @@ __all__ = [
     "Definition",
     "Each",
     "Episode",
+    "Figures",
     "Graze",
     "Metric",
     "Moment",
@@ -148,7 +148,6 @@ __all__ = [
     "masses",
     "mean_speed",
     "measure",
-    "measured",
     "messages",
     "mode_spans",
     "mode_switches",

@@ -37,12 +37,6 @@ def shortest_boundary_distance(record: Record) -> Moment | None:
     return _nearest(record, "boundary_clearance", "boundary_step", "boundary_other")
 
 
-def least_distance(record: Record) -> Moment | None:
-    """Shortest distance of a robot to anything [m], robot or wall; None where there is none."""
-    found = shortest_distance(record), shortest_boundary_distance(record)
-    return min((one for one in found if one is not None), key=lambda one: one.value, default=None)
-
-
 def farthest_pair(record: Record) -> Moment | None:
     """Largest distance that two robots ever had [m] (Fig. 6). None for one robot."""
     row = record.farthest

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from physim.geometry.shapes import FloatArray
 
 if TYPE_CHECKING:
-    from physim.analysis.metrics.registry import Courses
+    from physim.analysis.metrics.figures import Figures
 
 
 @dataclass(frozen=True)
@@ -86,7 +86,7 @@ class Definition:
     meaning: str
     source: str
     """equation or figure of the paper; "-" for none"""
-    find: Callable[[Courses], Found]
+    find: Callable[[Figures], Found]
 
 
 @dataclass(frozen=True)
@@ -108,7 +108,7 @@ class Metric:
     """value of each robot by index, where each has one; None where it has no meaning for it"""
 
     @classmethod
-    def of(cls, definition: Definition, run: Courses) -> Metric | None:
+    def of(cls, definition: Definition, run: Figures) -> Metric | None:
         """Take a metric of a run; None where it has no meaning."""
         found = definition.find(run)
         if found is None:

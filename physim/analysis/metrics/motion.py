@@ -160,13 +160,13 @@ def has_formation(record: Record) -> bool:
 def formation_error_peak(record: Record) -> Moment | None:
     """Largest absolute formation error at any sample, (10) [m] (Figs. 2, 7)."""
     errors = sampled_errors(record)
-    return None if errors is None else _sized(_extreme(record, errors))
+    return None if errors is None else sized(_extreme(record, errors))
 
 
 def formation_error_final(record: Record) -> Moment | None:
     """Largest absolute formation error at the last sample, (10) [m]."""
     errors = sampled_errors(record)
-    return None if errors is None else _sized(_extreme(record, errors, record.samples - 1))
+    return None if errors is None else sized(_extreme(record, errors, record.samples - 1))
 
 
 def formation_error_rms(record: Record) -> Each | None:
@@ -307,6 +307,6 @@ def _extreme(record: Record, values: FloatArray, first: int = 0) -> Moment | Non
     return Moment(float(values[first + k, robot]), step, step * record.dt, int(robot))
 
 
-def _sized(found: Moment | None) -> Moment | None:
+def sized(found: Moment | None) -> Moment | None:
     """An extreme without its sign."""
     return None if found is None else replace(found, value=abs(found.value))

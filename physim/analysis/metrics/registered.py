@@ -30,7 +30,7 @@ from physim.parts.user_code import asked, broken_by, kind_of
 from physim.record import Record
 
 if TYPE_CHECKING:
-    from physim.analysis.metrics.registry import Courses
+    from physim.analysis.metrics.figures import Figures
 
 
 def checked_value(value: Any, record: Record) -> Found:
@@ -171,7 +171,7 @@ def _definition(name: str, part: Any) -> Definition:
     return Definition(name, unit, meaning.rstrip("."), source, lambda run: _found(name, part, run))
 
 
-def _found(name: str, part: Any, run: Courses) -> Found:
+def _found(name: str, part: Any, run: Figures) -> Found:
     """Value of the metric for a run, in plain types."""
     try:
         value = asked(part.measure, "measure(record)", run.record)

@@ -7,28 +7,13 @@ deviations and formation errors. Over all decisions: collision times, modes.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
-from functools import cached_property
+from collections.abc import Callable
 from types import MappingProxyType
+from typing import TYPE_CHECKING
 
-from physim.analysis.metrics.contacts import Episode, Severity, contact_episodes, grazes, severest
-from physim.analysis.metrics.distances import (
-    Width,
-    corridor_width,
-    farthest_pair,
-    shortest_boundary_distance,
-    shortest_collision_time,
-    shortest_distance,
-    width_extreme,
-)
-from physim.analysis.metrics.metric import (
-    Definition,
-    Found,
-    Metric,
-    Moment,
-    Place,
-    Series,
-)
+from physim.analysis.metrics.contacts import Episode, Severity
+from physim.analysis.metrics.distances import width_extreme
+from physim.analysis.metrics.metric import Definition, Found, Moment, Place
 from physim.analysis.metrics.modes import (
     decisions,
     disturbed_steps,
@@ -40,72 +25,41 @@ from physim.analysis.metrics.modes import (
     updates_per_second,
 )
 from physim.analysis.metrics.motion import (
-    AveragedSpeeds,
     averaged_extreme,
-    averaged_speeds,
     deviation_peak,
     deviation_rms,
     formation_error_final,
     formation_error_peak,
     formation_error_rms,
     mean_speed,
-    sampled_energy,
+    sized,
 )
 from physim.analysis.metrics.progress import finished, stop_distance, time_to_finish
 from physim.analysis.metrics.registered import own_metrics
 from physim.errors import PhysimError, nearest
 from physim.geometry.shapes import FloatArray
-from physim.record import Record, check_record
+from physim.record import Record
+
+if TYPE_CHECKING:
+    from physim.analysis.metrics.figures import Figures
 
 
-class Courses:
-    """A record with what several metrics share, each worked out once."""
-
-    def __init__(self, record: Record) -> None:
-        self.record = record
-
-    @cached_property
-    def episodes(self) -> tuple[Episode, ...]:
-        """Contact episodes."""
-        return contact_episodes(self.record)
-
-    @cached_property
-    def severest(self) -> tuple[Episode, Severity] | None:
-        """The severest contact."""
-        return severest(self.record, self.episodes)
-
-    @cached_property
-    def averaged(self) -> AveragedSpeeds:
-        """Speeds averaged over 10 s."""
-        return averaged_speeds(self.record)
-
-    @cached_property
-    def energy(self) -> Series | None:
-        """Formation energy W at the samples."""
-        return sampled_energy(self.record)
-
-    @cached_property
-    def width(self) -> Width | None:
-        """Width along the first robot's path."""
-        return corridor_width(self.record) if self.record.robots else None
-
-
-def _contacts(run: Courses, robots: bool | None = None) -> int | None:
+def _contacts(run: Figures, robots: bool | None = None) -> int | None:
     if (robots and run.record.robots < 2) or "contacts" not in run.record.tables:
         return None
     return sum(robots is None or episode.robots is robots for episode in run.episodes)
 
 
-def _grazes(record: Record) -> int | None:
-    return len(grazes(record)) if "contacts" in record.tables else None
+def _grazes(run: Figures) -> int | None:
+    return len(run.grazes) if "contacts" in run.record.tables else None
 
 
-def _first_contact(run: Courses) -> Moment | None:
+def _first_contact(run: Figures) -> Moment | None:
     first = next(iter(run.episodes), None)
     return None if first is None else Moment(first.time, first.step, first.time, first.a, first.b)
 
 
-def _deepest_contact(run: Courses) -> Moment | None:
+def _deepest_contact(run: Figures) -> Moment | None:
     deepest = max(run.episodes, key=lambda episode: episode.depth, default=None)
     if deepest is None:
         return None
@@ -113,7 +67,7 @@ def _deepest_contact(run: Courses) -> Moment | None:
     return Moment(deepest.depth, deepest.depth_step, time, deepest.a, deepest.b)
 
 
-def _severest(run: Courses, figure: Callable[[Episode, Severity], float | None]) -> Moment | None:
+def _severest(run: Figures, figure: Callable[[Episode, Severity], float | None]) -> Moment | None:
     """A figure of the severest contact."""
     if run.severest is None or (value := figure(*run.severest)) is None:
         return None
@@ -121,23 +75,23 @@ def _severest(run: Courses, figure: Callable[[Episode, Severity], float | None])
     return Moment(value, one.step, one.time, one.a, one.b)
 
 
-def _energy(run: Courses, last: bool) -> float | None:
+def _energy(run: Figures, last: bool) -> float | None:
     course = run.energy
     if course is None or not len(course.values):
         return None
     return float(course.values[-1] if last else course.values.max())
 
 
-def _averaged(run: Courses, values: FloatArray, largest: bool) -> Moment | None:
+def _averaged(run: Figures, values: FloatArray, largest: bool) -> Moment | None:
     return averaged_extreme(run.averaged.time, values, run.record.dt, largest)
 
 
-def _width(run: Courses, largest: bool) -> Place | None:
+def _width(run: Figures, largest: bool) -> Place | None:
     return None if run.width is None else width_extreme(run.width, 0, largest)
 
 
-def _of(find: Callable[[Record], Found]) -> Callable[[Courses], Found]:
-    """Turn a function of a record into one of `Courses`."""
+def _of(find: Callable[[Record], Found]) -> Callable[[Figures], Found]:
+    """Turn a function of a record into one of `Figures`."""
     return lambda run: find(run.record)
 
 
@@ -173,7 +127,7 @@ _ALL = (
     ),
     Definition(
         "grazes", "-", "contacts between two samples: apart at both, touching within the step", "-",
-        _of(_grazes),
+        _grazes,
     ),
     Definition(
         "first_contact", "s", "time of the first sample of the first contact", "-", _first_contact,
@@ -195,20 +149,20 @@ _ALL = (
     ),
     Definition(
         "shortest_distance", "m", "shortest distance between two robots; negative = depth",
-        "(11), Figs. 3b, 6c", _of(shortest_distance),
+        "(11), Figs. 3b, 6c", lambda run: run.nearest,
     ),
     Definition(
         "shortest_boundary_distance", "m",
         "shortest distance of a robot to a boundary or obstacle; negative = depth", "(11)",
-        _of(shortest_boundary_distance),
+        lambda run: run.nearest_wall,
     ),
     Definition(
         "farthest_distance", "m", "largest distance between the shapes of two robots", "Fig. 6c",
-        _of(farthest_pair),
+        lambda run: run.farthest,
     ),
     Definition(
         "shortest_collision_time", "s", "shortest collision time that decided, at any decision",
-        "(11), Figs. 3c, 6d", _of(shortest_collision_time),
+        "(11), Figs. 3c, 6d", lambda run: run.collision_time,
     ),
     Definition(
         "formation_error_peak", "m", "largest size of a formation error at any sample",
@@ -233,8 +187,8 @@ _ALL = (
     ),
     Definition(
         "deviation_peak", "m",
-        "deviation of greatest size from the own path at any sample; left positive",
-        "Figs. 1b, 2c, 7d", _of(deviation_peak),
+        "largest size of a deviation from the own path at any sample", "Figs. 1b, 2c, 7d",
+        lambda run: sized(deviation_peak(run.record)),
     ),
     Definition(
         "deviation_rms", "m",
@@ -315,45 +269,6 @@ DEFINITIONS = MappingProxyType({one.name: one for one in _ALL})
 """Every metric by name, in the order of reports."""
 
 
-def measure(record: Record, names: Iterable[str] | None = None) -> dict[str, Metric]:
-    """Take metrics of a run from its record alone: all, or those of ``names``, in their order.
-
-    All are physim's own (`DEFINITIONS`) and those that packages registered. Metrics that have no
-    meaning for the run are left out. Raises PhysimError for an unknown name and for a registered
-    metric that fails, RecordError for a damaged record.
-    """
-    if names is None:
-        found, faults = measured(record)
-        if faults:
-            raise PhysimError(faults[0])
-        return found
-    check_record(record)
-    known, run = dict(DEFINITIONS), Courses(record)
-    wanted = list(names)
-    if not known.keys() >= set(wanted):
-        known = definitions()
-    taken = {name: Metric.of(_known(name, known), run) for name in wanted}
-    return {name: metric for name, metric in taken.items() if metric is not None}
-
-
-def measured(record: Record) -> tuple[dict[str, Metric], tuple[str, ...]]:
-    """Take all metrics of a run; with a line for each registered one that failed."""
-    check_record(record)
-    run, found, own = Courses(record), {}, own_metrics(DEFINITIONS)
-    faults = list(own.faults)
-    for name, what in (*DEFINITIONS.items(), *own.definitions.items()):
-        try:
-            metric = Metric.of(what, run)
-        except PhysimError as error:
-            if name in DEFINITIONS:
-                raise
-            faults.append(str(error))
-            continue
-        if metric is not None:
-            found[name] = metric
-    return found, tuple(faults)
-
-
 def definitions() -> dict[str, Definition]:
     """Every metric by name: physim's own, then those that packages registered and can be used."""
     return {**DEFINITIONS, **own_metrics(DEFINITIONS).definitions}
@@ -361,14 +276,13 @@ def definitions() -> dict[str, Definition]:
 
 def definition(name: str) -> Definition:
     """Definition of a metric. Raises PhysimError, with the nearest one, for an unknown name."""
-    return DEFINITIONS[name] if name in DEFINITIONS else _known(name, definitions())
-
-
-def _known(name: str, known: Mapping[str, Definition]) -> Definition:
-    if name in known:
-        return known[name]
-    for fault in own_metrics(DEFINITIONS).faults:
+    if name in DEFINITIONS:
+        return DEFINITIONS[name]
+    own = own_metrics(DEFINITIONS)
+    if name in own.definitions:
+        return own.definitions[name]
+    for fault in own.faults:
         if f'"{name}"' in fault:
             raise PhysimError(fault)
-    close = nearest(name[:100], list(known))
+    close = nearest(name[:100], [*DEFINITIONS, *own.definitions])
     raise PhysimError(f'no metric is called "{name[:100]}"{close} (physim summary --definitions)')

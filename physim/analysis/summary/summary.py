@@ -15,17 +15,11 @@ from physim.analysis.metrics import (
     DangerShare,
     Deep,
     Episode,
+    Figures,
     Graze,
     Metric,
-    absent,
-    contact_episodes,
-    danger_shares,
-    deep_contacts,
-    grazes,
-    measured,
-    shortest_boundary_distance,
 )
-from physim.analysis.metrics.walls import along_wall, near_wall, touched_wall
+from physim.analysis.metrics.walls import along_wall, touched_wall
 from physim.escaping import html_table
 from physim.record import Record
 from physim.record.setup import Setup
@@ -266,9 +260,8 @@ class Summary:
 
 def summarise(record: Record) -> Summary:
     """Compute the summary of a run from its record alone. Raises RecordError if it is damaged."""
-    found, faults = measured(record)
-    recorded = "contacts" in record.tables
-    between = grazes(record)
+    run, recorded = Figures(record), "contacts" in record.tables
+    found, faults = run.metrics()
     return Summary(
         name=record.name,
         seed=record.seed,
@@ -279,26 +272,19 @@ def summarise(record: Record) -> Summary:
         setup=record.setup,
         metrics=found,
         metric_faults=faults,
-        not_arrived=absent(record),
-        contacts=_contacts(record, contact_episodes(record)) if recorded else None,
-        grazes=between,
-        graze_places=tuple(along_wall(record, g.b, g.place) for g in between[:MOST_PLACED]),
-        deep_contacts=deep_contacts(record),
+        not_arrived=run.absent,
+        contacts=_contacts(record, run.episodes) if recorded else None,
+        grazes=run.grazes,
+        graze_places=tuple(along_wall(record, g.b, g.place) for g in run.grazes[:MOST_PLACED]),
+        deep_contacts=run.deep,
         no_safe_area=None if record.safe else record.safe_distance or None,
         rejected_contacts=record.rejected_contacts,
-        danger=danger_shares(record),
+        danger=run.danger,
         modes=tuple(str(mode) for mode in record.modes),
-        nearest_wall=_nearest_wall(record),
+        nearest_wall=run.where_nearest_wall,
         robot_steps=record.steps_run * record.robots,
         expectations=tuple(expectations(record)),
         wall_clock=record.wall_clock,
-    )
-
-
-def _nearest_wall(record: Record) -> str:
-    found = shortest_boundary_distance(record)
-    return (
-        "" if found is None or found.b is None else near_wall(record, found.a, found.b, found.step)
     )
 
 

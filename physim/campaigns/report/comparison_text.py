@@ -95,7 +95,7 @@ def pairs_text(one: Comparison, found: Finding) -> str:
     """Of how many pairs, where not of all."""
     if found.pairs == one.seeds:
         return ""
-    both = "both finished" if found.name == "finish_time" else "both have one"
+    both = "both finished" if found.name == "time_to_finish" else "both have one"
     return f" (medians of the {plural(found.pairs, 'pair')} in which {both})"
 
 

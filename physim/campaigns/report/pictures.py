@@ -11,8 +11,7 @@ from pathlib import Path
 from typing import Any
 from urllib.parse import urlencode
 
-from physim.analysis.metrics import Metric, Moment, measure
-from physim.analysis.metrics.distances import least_distance
+from physim.analysis.metrics import Figures, Metric, Moment
 from physim.campaigns.columns import COLUMNS, Row
 from physim.campaigns.folder import PAGES, STILLS, VIDEOS, Folder
 from physim.campaigns.one_run import simulation_of
@@ -192,9 +191,9 @@ def _draw_view(record: Record, path: Path, moment: str) -> None:
 
     one: Moment | Metric | None = None
     if moment == "contact":
-        one = measure(record, ["closing_speed"]).get("closing_speed")
+        one = Figures(record).metric("closing_speed")
     if moment != "end":
-        one = one or least_distance(record)
+        one = one or Figures(record).least
     time = record.steps_run * record.dt if one is None else one.time or 0.0
     within = max(0.0, min(time, (record.steps_run - 1) * record.dt))  # a film ends far away
     between = None if one is None or len(one.bodies) < 2 else (one.bodies[0], one.bodies[1])

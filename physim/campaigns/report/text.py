@@ -37,7 +37,13 @@ from physim.escaping import escaped
 
 LONGEST_REASON = 160
 MOST_SEEDS = 5
-TOLD = ("least_distance", "closing_speed", "finish_time", "deviation", "formation_error")
+TOLD = (
+    "least_distance",
+    "closing_speed",
+    "time_to_finish",
+    "deviation_peak",
+    "formation_error_peak",
+)
 """Measures that the text tells; the page and the values have all."""
 
 

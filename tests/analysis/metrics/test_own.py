@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from physim.analysis.metrics import DEFINITIONS, definition, measure, measured
+from physim.analysis.metrics import DEFINITIONS, Figures, definition, measure
 from physim.analysis.summary import summarise, table
 from physim.errors import PhysimError
 from physim.record import Record
@@ -125,7 +125,7 @@ def test_what_fails_is_told_in_one_line_and_the_rest_is_had(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     registered(tmp_path, monkeypatch, **{name: one, "latest": "Latest"})
-    found, faults = measured(record)
+    found, faults = Figures(record).metrics()
     assert "latest" in found
     assert set(found) >= {"contacts", "decisions"}
     assert len(faults) == 1

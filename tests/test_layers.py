@@ -98,7 +98,6 @@ OF_THEIR_OWN = (
     ("physim.analysis.validation.origin", "physim.world.layout.scene_builder"),
     ("physim.analysis.validation.origin", "physim.parts.registry"),
     ("physim.analysis.validation.recomputed", "physim.parts.registry"),
-    ("physim.analysis.validation.recomputed", "physim.simulation.decisions"),
     ("physim.analysis.validation.rerun", "physim.simulation.loop"),
     ("physim.analysis.validation.rerun", "physim.simulation.run"),
     ("physim.analysis.validation.rerun", "physim.simulation.recorder"),

@@ -38,12 +38,13 @@ def numbered(summary: Summary) -> list[Row]:
     """All contacts of a run in the order in which the page numbers them, from 1."""
     if summary.contacts is None:
         return []
+    dt = summary.run.record.dt
     found = [
-        Row(one.step, one.a, one.b, one.time, one.samples * summary.dt, one.depth, one.impulse)
-        for one in summary.contacts.episodes
+        Row(one.step, one.a, one.b, one.time, one.samples * dt, one.depth, one.impulse)
+        for one in summary.contacts
     ]
     found += [
-        Row(one.step, one.a, one.b, one.time, None, one.depth, None) for one in summary.grazes
+        Row(one.step, one.a, one.b, one.time, None, one.depth, None) for one in summary.run.grazes
     ]
     return sorted(found, key=lambda one: one[:3])
 

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from physim.analysis.metrics import danger_time_share, mode_spans, share_of_modes
+from physim.analysis.metrics import mode_spans, share_of_modes
 from physim.drawing.plots.frame import (
     USUAL,
     Paper,
@@ -73,10 +73,9 @@ def modes(record: Record, paper: Paper = USUAL) -> Any:
         colours = [record.modes[k].colour for k in order]  # those of danger at the bottom
         above.stackplot(times, counts[order], colors=colours, step="post", linewidth=0.0)
         above.set(ylim=(0.0, record.robots), ylabel="robots in\neach mode")
-    share = danger_time_share(record)
-    if share is not None:
-        words_ = f"out of danger: {1.0 - share:.1%} of all robots' time under way"
-        above.set_title(words_, loc="right", fontsize=8.0, color=QUIET)
+    if safe is not None:
+        title = f"out of danger: {safe.value:.1%} of all robots' time under way"
+        above.set_title(title, loc="right", fontsize=8.0, color=QUIET)
     return finished(figure, _handles(record, spans), 4)
 
 

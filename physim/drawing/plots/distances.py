@@ -53,8 +53,9 @@ def mark_contacts(axes: Sequence[Any], record: Record) -> list[Any]:
         outside = {"transform": axis.get_xaxis_transform(), "clip_on": False, "color": CONTACT}
         strip = PolyCollection(corners, linewidth=0.0, label=f"contact ({len(ends)})",
                                gid="contacts", **outside)  # fmt: skip
-        axis.add_collection(strip, autolim=False)
-        handles = [strip] * bool(ends)
+        handles = []
+        if ends:
+            handles.append(axis.add_collection(strip, autolim=False))
         times = [graze.time for graze in run.grazes]
         if times:
             handles += axis.plot(

@@ -128,8 +128,7 @@ def _make(record: Record, files: Collection[Path], moment: str) -> None:
 
 def _draw(record: Record, path: Path, moment: str) -> None:
     """A close-up at a moment of `Report.pictured`, with the two that it is of marked."""
-    from physim.drawing.video import close_up
-    from physim.drawing.video.animation import save_still
+    from physim.drawing.video import close_up, save_still
 
     one: Moment | Metric | None = None
     if moment == "contact":

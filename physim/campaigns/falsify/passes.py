@@ -3,20 +3,30 @@ straighter walls, rounder numbers.
 
 A pass yields trees, worlds as their files say them; where one is taken, the state has it when the
 pass goes on. A proposal may be no world at all: who takes it checks that.
+
+A run may start later, from where all robots were then. A robot has no inertia: it moves as it is
+told from the first step on, so where it was is all that a start needs of its motion. What else a
+run carries along begins anew: modes and what controllers remember, commands held, the states of
+stages, noise by its step. So a later start is another run, taken like any simpler world only where
+it fails in the same way; where the failure needs what came before, none is.
 """
 
 from __future__ import annotations
 
 import copy
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from math import ceil, floor
+from math import ceil, floor, pi, remainder
 from typing import Any, Protocol
 
+import numpy as np
 import yaml
 
-from physim.campaigns.falsify.robustness import Judged
+from physim.campaigns.falsify.evaluate import Judged, Moment
 from physim.campaigns.falsify.space import TURN
+from physim.campaigns.falsify.starts import starts_of
+from physim.errors import WorldError
 from physim.world import World
+from physim.world.layout.scene_builder import build_scene
 from physim.world.robot import Limits
 
 Tree = dict[str, Any]
@@ -54,13 +64,9 @@ def replaced(tree: Tree, values: Mapping[Place, Any]) -> Tree:
     return changed
 
 
-def without(tree: Tree, place: Place) -> Tree:
-    """Return a copy without the key at a place."""
-    changed = copy.deepcopy(tree)
-    del at(changed, place[:-1])[place[-1]]
-    return changed
-
-
+MARGIN, MOST = 1.5, 0.9
+"""[-] of the time that was left until the contact, and of that of the contact: the new run takes as
+long, so that the same failure may come a little later and the run is shorter all the same"""
 TENTH = 0.1
 """[s] to which times are rounded up"""
 OPTIONAL = (
@@ -96,6 +102,45 @@ def shorter(state: State) -> Iterator[Tree]:
             yield replaced(tree, {("time", "duration"): end})
             if state.tree is not tree:
                 return
+
+
+def later(state: State) -> Iterator[Tree]:
+    """Start as shortly before the first contact as can be, then earlier ones.
+
+    Starts keep the distances that starts of the search do: what begins all but in contact tells
+    nobody anything.
+    """
+    tree: Tree = {}
+    while state.tree is not tree:
+        tree = state.tree
+        try:
+            world = World(**tree)
+            starts = starts_of(world)
+        except WorldError:  # as where robots stand closer than a start may be judged
+            return
+        for moment in state.judged.before:
+            poses = np.array(moment.poses)
+            if len(tree["robots"]) == len(poses) and starts.fit(poses):
+                yield _from(state, world, moment)
+            if state.tree is not tree:
+                break
+
+
+def _from(state: State, world: World, moment: Moment) -> Tree:
+    """The tree of a world in which robots start where they were at a moment."""
+    touched = state.judged.touched
+    assert touched is not None
+    tree = copy.deepcopy(state.tree)
+    step = tree["time"]["step"]
+    end = min(MARGIN * (touched.time - moment.time), MOST * touched.time)
+    tree["time"]["duration"] = round(max(1, ceil(end / step - 1e-9)) * step, 10)
+    tree.pop("start", None)
+    for robot, (x, y, heading) in zip(tree["robots"], moment.poses, strict=True):
+        robot.pop("start", None)
+        robot["pose"] = [x, y, remainder(heading, 2.0 * pi)]
+    if world.formation is not None and world.formation.spacing == "initial":
+        tree["formation"]["spacing"] = build_scene(world).formation.lead.tolist()
+    return tree
 
 
 def fewer_robots(state: State) -> Iterator[Tree]:
@@ -144,7 +189,9 @@ def fewer_things(state: State) -> Iterator[Tree]:
     places += [("robots", k, key) for k in robots for key in OPTIONAL_OF_ROBOT]
     for place in places:
         if place[-1] in at(state.tree, place[:-1]) and not _loosens(state.tree, place):
-            yield without(state.tree, place)
+            changed = copy.deepcopy(state.tree)
+            del at(changed, place[:-1])[place[-1]]
+            yield changed
 
 
 def _loosens(tree: Tree, place: Place) -> bool:
@@ -158,35 +205,34 @@ def straighter(state: State) -> Iterator[Tree]:
     """Give roads one width, and walls and paths fewer points."""
     corridor = state.tree.get("corridor")
     if corridor is not None and "centreline" in corridor:  # not one that the seed draws
-        width = corridor["width"]
-        if isinstance(width, list):
-            middle = round(sum(width) / len(width), 1)
+        if isinstance(width := corridor["width"], list):
+            middle, tree = round(sum(width) / len(width), 1), state.tree
             for one in dict.fromkeys((round(max(width), 1), middle, round(min(width), 1))):
-                tree = state.tree
                 yield replaced(tree, {("corridor", "width"): one})
                 if state.tree is not tree:
                     break
         yield from fewer(state, ("corridor", "centreline"), 2, _with_centreline)
-    for place in _polylines(state.tree):
+    places: list[Place] = [("reference_path",)] if state.tree.get("reference_path") else []
+    for key in ("boundaries", "obstacles"):
+        places += [(key, k) for k in range(len(state.tree.get(key) or []))]
+    paths = enumerate(robot.get("path") for robot in state.tree["robots"])  # a group has several
+    places += [("robots", k, "path") for k, path in paths if isinstance(path, list)]
+    for place in places:
         yield from fewer(state, place, 2)
 
 
 def _with_centreline(tree: Tree, kept: Sequence[int]) -> Tree:
     """Return a world with some points of its centreline only, each with its width."""
-    corridor = copy.deepcopy(tree["corridor"])
-    for key in ("centreline", "width"):
-        if isinstance(corridor[key], list):
-            corridor[key] = [corridor[key][k] for k in kept]
-    return replaced(tree, {("corridor",): corridor})
-
-
-def _polylines(tree: Tree) -> list[Place]:
-    """Where lines of points stand, but for the centreline, whose points have widths."""
-    found: list[Place] = [("reference_path",)] if tree.get("reference_path") else []
-    for key in ("boundaries", "obstacles"):
-        found += [(key, k) for k in range(len(tree.get(key) or []))]
-    paths = enumerate(robot.get("path") for robot in tree["robots"])  # a group has several
-    return found + [("robots", k, "path") for k, path in paths if isinstance(path, list)]
+    corridor = tree["corridor"]
+    lists = {key: corridor[key] for key in ("centreline", "width")}
+    return replaced(
+        tree,
+        {
+            ("corridor", key): [given[k] for k in kept]
+            for key, given in lists.items()
+            if isinstance(given, list)
+        },
+    )
 
 
 def fewer(
@@ -202,10 +248,12 @@ def fewer(
     """
 
     def made(kept: Sequence[int]) -> Tree:
-        if make is not None:
-            return make(state.tree, kept)
         things = at(state.tree, place)
-        return replaced(state.tree, {place: [things[k] for k in kept]})
+        return (
+            make(state.tree, kept)
+            if make
+            else replaced(state.tree, {place: [things[k] for k in kept]})
+        )
 
     def count() -> int:
         return len(at(state.tree, place))
@@ -227,25 +275,22 @@ def fewer(
 def rounder(state: State) -> Iterator[Tree]:
     """Propose rounder numbers; headings that are nearly 0 may become so, too.
 
+    All numbers at once; those of one key of the world; of one robot; of one key of one; each.
     Farther off another failure would be told, and not the one that was found.
     """
     places = list(_numbers(state.tree, ()))
-    for group in _groups(places):
-        yield from _rounded(state, group)
-    for place in places:
-        if place[-2:] == ("pose", 2) and 0.0 < abs(at(state.tree, place)) <= TURN:
-            yield replaced(state.tree, {place: 0.0})
-        yield from _rounded(state, [place])
-
-
-def _groups(places: list[Place]) -> list[list[Place]]:
-    """All numbers; those of one key of the world; those of one robot; those of one key of one."""
     groups: dict[Place, list[Place]] = {}
     for depth in (0, 1, 2, 3):
         for place in places:
             if len(place) > depth:
                 groups.setdefault(place[:depth], []).append(place)
-    return [group for group in groups.values() if len(group) > 1]
+    for group in groups.values():
+        if len(group) > 1:
+            yield from _rounded(state, group)
+    for place in places:
+        if place[-2:] == ("pose", 2) and 0.0 < abs(at(state.tree, place)) <= TURN:
+            yield replaced(state.tree, {place: 0.0})
+        yield from _rounded(state, [place])
 
 
 def _rounded(state: State, places: list[Place]) -> Iterator[Tree]:

@@ -14,19 +14,20 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from typing import Any
 
-from physim.campaigns.falsify.evaluate import Accepts, Evaluate, StoppedError, never
-from physim.campaigns.falsify.later import later, starts_of
+from physim.campaigns.falsify.evaluate import Accepts, Evaluate, Judged, StoppedError
 from physim.campaigns.falsify.passes import (
     State,
     Tree,
     fewer_robots,
     fewer_things,
+    later,
     rounder,
     shorter,
     straighter,
     tree_of,
 )
-from physim.campaigns.falsify.robustness import Judged
+from physim.campaigns.falsify.starts import starts_of
+from physim.campaigns.one_run import never
 from physim.errors import WorldError
 from physim.world import World
 
@@ -36,10 +37,6 @@ PASSES: tuple[Callable[[State], Iterator[Tree]], ...] = (
     shorter, later, shorter, fewer_robots, fewer_things, straighter, shorter, rounder,
 )  # fmt: skip
 """In the order in which they are tried: what makes runs cheap comes first."""
-
-
-class _SpentError(Exception):
-    """All runs have been used."""
 
 
 @dataclass
@@ -78,46 +75,44 @@ def shrink(
     if result.touched is None:
         raise ValueError("only a world that fails can be shrunk")
     found = Shrunk(world, result, tree_of(world), _gap=_least_gap(world))
-    try:
-        while not found.is_least:
-            before = found.taken
-            for propose in PASSES:
-                for tree in propose(found):
-                    if stop():
-                        raise StoppedError
-                    _try(found, tree, evaluate, accepts, most_runs)
-                    progress(found)
-            found.is_least = found.taken == before
-    except _SpentError:
-        pass
-    except StoppedError:
-        found.stopped = True
+    while not found.is_least:
+        before = found.taken
+        for propose in PASSES:
+            for tree in propose(found):
+                candidate = _new(found, tree)
+                if candidate is None:
+                    continue
+                found.stopped = stop()
+                if found.stopped or found.runs >= most_runs:
+                    return found
+                found.runs += 1
+                try:
+                    run = next(iter(evaluate([candidate])))
+                except StoppedError:
+                    found.stopped = True
+                    return found
+                if _fails_alike(run, found.judged) and not accepts(candidate):
+                    found.world, found.judged, found.tree = candidate, run, tree
+                    found.taken += 1
+                progress(found)
+        found.is_least = found.taken == before
     return found
 
 
-def _try(found: Shrunk, tree: Tree, evaluate: Evaluate, accepts: Accepts, most_runs: int) -> None:
-    """Run a simpler world and take it if it fails in the same way."""
+def _new(found: Shrunk, tree: Tree) -> World | None:
+    """The world of a tree where it is another one that can start, which was not tried yet."""
     key = json.dumps(tree)
     if key in found._seen:
-        return
+        return None
     found._seen.add(key)
     try:
         world = World(**tree)
     except WorldError:
-        return
+        return None
     if world == found.world:  # what was left out says what holds anyway
         found.tree = tree
-        return
-    if _least_gap(world) < found._gap:
-        return
-    if found.runs >= most_runs:
-        raise _SpentError
-    found.runs += 1
-    result = next(iter(evaluate([world])))
-    if not _fails_alike(result, found.judged) or accepts(world):
-        return
-    found.world, found.judged, found.tree = world, result, tree
-    found.taken += 1
+        return None
+    return world if _least_gap(world) >= found._gap else None
 
 
 def _least_gap(world: World) -> float:

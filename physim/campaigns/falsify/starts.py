@@ -41,33 +41,32 @@ class Starts:
         self.free = [area if one is None else shapely.intersection(area, one) for one in regions]
         for one in self.free:
             shapely.prepare(one)
-        standing = self._standing(self.base)
         self.gap = np.zeros(len(self.base))
+        standing, gap = self._standing(self.base), self.gap.copy()
         for i, pose in enumerate(self.base):
             standing.leave([i])
-            room = float(standing.room(i, pose[None], self.free[i], 0.0)[0])
+            gap[i] = max(0.0, min(GAP, self._room(standing, i, pose)) - SLACK)
             standing.stand(i, pose, 0.0)
-            self.gap[i] = max(0.0, min(GAP, room) - SLACK)
+        self.gap = gap
 
-    def _standing(self, poses: FloatArray, gap: FloatArray | None = None) -> Occupancy:
+    def _standing(self, poses: FloatArray) -> Occupancy:
         occupied = Occupancy(self._footprints, self._walls)
         for i, pose in enumerate(poses):
-            occupied.stand(i, pose, 0.0 if gap is None else float(gap[i]))
+            occupied.stand(i, pose, float(self.gap[i]))
         return occupied
+
+    def _room(self, standing: Occupancy, i: int, pose: FloatArray) -> float:
+        return float(standing.room(i, pose[None], self.free[i], float(self.gap[i]))[0])
 
     def fit(self, poses: FloatArray) -> bool:
         """Whether robots may start at poses (N, 3)."""
-        standing = self._standing(poses, self.gap)
+        standing = self._standing(poses)
         for i, pose in enumerate(poses):
             standing.leave([i])
-            if not self._has_room(standing, i, pose):
+            if self._room(standing, i, pose) < 0.0:
                 return False
             standing.stand(i, pose, float(self.gap[i]))
         return True
-
-    def _has_room(self, standing: Occupancy, i: int, pose: FloatArray) -> bool:
-        gap = float(self.gap[i])
-        return float(standing.room(i, pose[None], self.free[i], gap)[0]) >= 0.0
 
     def repaired(self, poses: FloatArray) -> tuple[FloatArray, bool]:
         """Poses (N, 3) at which robots may start, and whether they are others than those given.
@@ -77,16 +76,18 @@ class Starts:
         """
         if self.fit(poses):
             return poses, False
-        standing, found = self._standing(self.base, self.gap), self.base.copy()
+        standing, found = self._standing(self.base), self.base.copy()
         for i, (base, wanted) in enumerate(zip(self.base, poses, strict=True)):
             standing.leave([i])
-            for share in SHARES:
-                pose = base + share * (wanted - base)
-                if self._has_room(standing, i, pose):
-                    found[i] = pose
-                    break
+            tried = (base + share * (wanted - base) for share in SHARES)
+            found[i] = next((p for p in tried if self._room(standing, i, p) >= 0.0), base)
             standing.stand(i, found[i], float(self.gap[i]))
         return found, True
+
+
+def starts_of(world: World) -> Starts:
+    """Where the robots of a world may start, its own starts first. Raises WorldError."""
+    return Starts(lay_out(world), [None] * len(world.robots))
 
 
 def pinned(world: World, seed: int | None = None) -> tuple[World, Layout]:

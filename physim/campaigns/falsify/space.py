@@ -10,7 +10,6 @@ from typing import Any, NamedTuple
 import numpy as np
 import shapely
 
-from physim.campaigns.falsify.starts import SHARES, Starts, pinned
 from physim.errors import PhysimError, plural
 from physim.geometry.shapes import FloatArray
 from physim.parts.registry import (
@@ -23,6 +22,9 @@ from physim.parts.registry import (
 )
 from physim.parts.world_checks import robot_faults, world_faults
 from physim.world import Robot, World
+from physim.world.layout.layout import lay_out
+from physim.world.layout.places import Occupancy
+from physim.world.scene import Layout
 
 POSE, HEADING, SPEED, SETTINGS = KINDS = ("pose", "heading", "speed", "settings")
 """What can be varied."""
@@ -41,6 +43,94 @@ PROBE = 1e-3
 """[-] A setting that cannot be changed by this share alone is tied to others, and stays."""
 HALVINGS = 20
 """of the span in which the least limit that the controller takes is looked for"""
+GAP = 0.3
+"""[m] that starts keep from all else at least, where the world itself keeps it"""
+SLACK = 1e-9
+"""[m] by which a gap that is kept may be smaller, so that the start as written is within bounds"""
+SHARES = (1.0, 0.75, 0.5, 0.25)
+"""[-] of the way from what the world has to what is asked for that starts and settings are tried
+at"""
+
+
+class Starts:
+    """Where N robots of a world may start: each at its own gap from all, in its own region.
+
+    ``base`` (N, 3) are their starts in the world [m, m, rad], ``free`` the polygons that must hold
+    their footprints. A robot keeps `GAP`, or as much as it has at the base where that is less.
+    """
+
+    def __init__(self, laid: Layout, regions: Sequence[shapely.Geometry | None]) -> None:
+        self.base = np.array(laid.start)
+        self._footprints = laid.footprints
+        self._walls = [
+            *(shapely.LineString(line) for line in laid.boundaries.values()),
+            *(shapely.Polygon(ring) for ring in laid.obstacles),
+        ]
+        area = laid.area.polygon
+        self.free = [area if one is None else shapely.intersection(area, one) for one in regions]
+        for one in self.free:
+            shapely.prepare(one)
+        self.gap = np.zeros(len(self.base))
+        standing, gap = self._standing(self.base), self.gap.copy()
+        for i, pose in enumerate(self.base):
+            standing.leave([i])
+            gap[i] = max(0.0, min(GAP, self._room(standing, i, pose)) - SLACK)
+            standing.stand(i, pose, 0.0)
+        self.gap = gap
+
+    def _standing(self, poses: FloatArray) -> Occupancy:
+        occupied = Occupancy(self._footprints, self._walls)
+        for i, pose in enumerate(poses):
+            occupied.stand(i, pose, float(self.gap[i]))
+        return occupied
+
+    def _room(self, standing: Occupancy, i: int, pose: FloatArray) -> float:
+        return float(standing.room(i, pose[None], self.free[i], float(self.gap[i]))[0])
+
+    def fit(self, poses: FloatArray) -> bool:
+        """Whether robots may start at poses (N, 3)."""
+        standing = self._standing(poses)
+        for i, pose in enumerate(poses):
+            standing.leave([i])
+            if self._room(standing, i, pose) < 0.0:
+                return False
+            standing.stand(i, pose, float(self.gap[i]))
+        return True
+
+    def repaired(self, poses: FloatArray) -> tuple[FloatArray, bool]:
+        """Poses (N, 3) at which robots may start, and whether they are others than those given.
+
+        Where these do not fit, each robot in turn goes as far towards its own as there is room
+        beside those before it and the starts in the world of those after it.
+        """
+        if self.fit(poses):
+            return poses, False
+        standing, found = self._standing(self.base), self.base.copy()
+        for i, (base, wanted) in enumerate(zip(self.base, poses, strict=True)):
+            standing.leave([i])
+            tried = (base + share * (wanted - base) for share in SHARES)
+            found[i] = next((p for p in tried if self._room(standing, i, p) >= 0.0), base)
+            standing.stand(i, found[i], float(self.gap[i]))
+        return found, True
+
+
+def starts_of(world: World) -> Starts:
+    """Where the robots of a world may start, its own starts first. Raises WorldError."""
+    return Starts(lay_out(world), [None] * len(world.robots))
+
+
+def pinned(world: World, seed: int | None = None) -> tuple[World, Layout]:
+    """The world with each robot by itself at the pose where ``seed`` puts it, and its layout.
+
+    Without ``seed`` the world's own. Groups become robots one by one. Raises WorldError where the
+    world cannot be run.
+    """
+    laid = lay_out(world, seed)
+    robots = tuple(
+        robot.model_copy(update={"pose": tuple(pose), "start": None})
+        for robot, pose in zip(laid.world.robots, laid.start.tolist(), strict=True)
+    )
+    return laid.world.changed(robots=robots, start=None), laid
 
 
 class Tunable(NamedTuple):
@@ -76,12 +166,19 @@ class Settings:
             value = getattr(made, key)
             if type(value) not in (int, float) or not value:
                 continue  # of 0 there is neither half nor double
-            low, high = declared_bounds(field.metadata)
-            if low is None or high is None:
-                ends = sorted((value / FACTOR, value * FACTOR))
-                low = ends[0] if low is None else max(low, ends[0])
-                high = ends[1] if high is None else min(high, ends[1])
-            yield Tunable(key, float(value), low, high, type(value) is int)
+            lows, highs = (
+                [
+                    float(x)
+                    for m in field.metadata
+                    for n in names
+                    if (x := getattr(m, n, None)) is not None
+                ]
+                for names in (("ge", "gt"), ("le", "lt"))
+            )
+            if not (lows and highs):
+                low, high = sorted((value / FACTOR, value * FACTOR))
+                lows, highs = [*lows, low], [*highs, high]
+            yield Tunable(key, float(value), max(lows), min(highs), type(value) is int)
 
     def _moves(self, one: Tunable) -> bool:
         """Whether it can be changed alone, a little up or down; others stay as they are."""
@@ -118,15 +215,6 @@ class Settings:
             each = ({**taken, one.key: value} for value in tried)
             taken = next(filter(self._fit, each), taken)
         return {**self.given, **taken}, True
-
-
-def declared_bounds(metadata: list[Any]) -> tuple[float | None, float | None]:
-    """Least and greatest value that a field declares; None where it has no such bound."""
-    lows = [getattr(one, name, None) for one in metadata for name in ("ge", "gt")]
-    highs = [getattr(one, name, None) for one in metadata for name in ("le", "lt")]
-    low = max((float(x) for x in lows if x is not None), default=None)
-    high = min((float(x) for x in highs if x is not None), default=None)
-    return low, high
 
 
 def least_limit(controller: Any, robot: Robot, key: str) -> float:

@@ -172,12 +172,12 @@ def each(names: Sequence[str], arms: Mapping[str, Sequence[Runs]]) -> str:
 
 def free_and_arrived(runs: Runs) -> str:
     """Note at the row of an arm."""
-    return f"{free_of_contact(runs)}\n{runs.arrived.good} finished"
+    return f"{runs.free.good} of {runs.free.of} free of contact,\n{runs.arrived.good} finished"
 
 
 def free_of_contact(runs: Runs) -> str:
     """Note at the row of an arm."""
-    return f"{runs.free.good} of {runs.free.of} free of contact"
+    return f"{runs.free.good} of {runs.free.of} free\nof contact"
 
 
 def falls(*courses: Sequence[Estimate]) -> Outcome:

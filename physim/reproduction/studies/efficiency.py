@@ -168,9 +168,7 @@ OPERATION = Study(
     measure=measure_group,
     conclude=conclude_operation,
     shown=of_group("time_to_finish", "formation_error_peak", "messages"),
-    note=lambda runs: (
-        f"{free_of_contact(runs)}\n{{}} finished".format(
-            *runs.share("time_to_finish", math.isfinite)
-        )
+    note=lambda runs: f"{free_of_contact(runs)}\n{{}} finished".format(
+        *runs.share("time_to_finish", math.isfinite)
     ),
 )

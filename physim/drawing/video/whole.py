@@ -7,6 +7,7 @@ follows the cluster would show little else than the end of the road.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import cached_property
 
 import cv2
 import numpy as np
@@ -57,14 +58,18 @@ class Whole:
         self, timeline: Timeline, ground: Ground, box: Box, margin: float, small: bool = False
     ) -> None:
         """``margin`` [px] is free round the world; ``small`` leaves out what would blur."""
-        self._timeline = timeline
+        self._timeline, self._ground, self._box, self._small = timeline, ground, box, small
         self.lens = Lens.whole(ground.extent, box.size, margin)
-        self._ground = np.empty((box.height, box.width, 3), np.uint8)
-        draw_ground(self._ground, ground, self.lens, small)
+
+    @cached_property
+    def _still(self) -> Image:
+        image = np.empty((self._box.height, self._box.width, 3), np.uint8)
+        draw_ground(image, self._ground, self.lens, self._small)
+        return image
 
     def paint_small(self, image: Image, now: Moment, corners: FloatArray | None) -> None:
         """Draw robots as dots, and what the view shows, two ``corners`` (2, 2) [m], as a box."""
-        image[:] = self._ground
+        image[:] = self._still
         order = np.arange(len(now.pose))
         if len(order) > NAMED:  # those in danger are over the others
             dangerous = np.array([*(mode.danger for mode in self._timeline.scene.modes), False])
@@ -80,7 +85,7 @@ class Whole:
     def paint_end(self, view: Image, now: Moment, fleet: Fleet) -> None:
         """Draw the last moment, all that came before it, and notes; ``fleet`` are the robots."""
         timeline, lens, record = self._timeline, self.lens, self._timeline.record
-        view[:] = self._ground
+        view[:] = self._still
         crowd = timeline.robots > NAMED
         rows = np.unique(np.linspace(0, len(record.pose) - 1, POINTS).astype(int))
         for robot, course in enumerate(record.pose[rows][:, :, :2].transpose(1, 0, 2)):

@@ -30,29 +30,26 @@ from physim.drawing.video.canvas import (
     TEXT,
     TRAIL,
     Box,
+    Fleet,
     Image,
     Lens,
     Sprite,
+    draw_closest,
+    draw_contacts,
     draw_disc,
     draw_lines,
+    draw_ring,
+    draw_robots,
+    draw_targets,
+    draw_trails,
     fixed,
     shorten,
     size_of,
     sprite,
     stamp,
 )
-from physim.drawing.video.ground import Background, Ground
-from physim.drawing.video.marks import (
-    Fleet,
-    draw_closest,
-    draw_contacts,
-    draw_ring,
-    draw_robots,
-    draw_targets,
-    draw_trails,
-)
+from physim.drawing.video.ground import Background, Ground, Whole, notes, write_corner
 from physim.drawing.video.names import Labels
-from physim.drawing.video.whole import Whole, notes, write_corner
 from physim.geometry.shapes import FloatArray, IntArray
 from physim.units import amount
 

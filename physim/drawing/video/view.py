@@ -286,13 +286,15 @@ class View:
         def places(rows: IntArray, time: float) -> FloatArray:
             return lens.pixels(np.array([contacts.place_at(k, time) for k in rows]).reshape(-1, 2))
 
-        recent = contacts.recent(time, lasts)
+        recent, present = contacts.recent(time, lasts), contacts.present(time)
+        if not len(recent) + len(present):
+            return
         for row in recent[contacts.apart[recent] > lasts]:
             began = float(contacts.began[row])
             share, place = (time - began) / (FLASH * self._speed), places(np.array([row]), began)[0]
             if share < 1.0 and np.isfinite(place).all():
                 draw_ring(view, place, 9.0 + 25.0 * share, 4)
-        shown = np.union1d(recent, contacts.present(time))
+        shown = np.union1d(recent, present)
         rows = contacts.latest(shown)
         for swept in (False, True):
             chosen = places(rows[contacts.swept[rows] == swept], time)

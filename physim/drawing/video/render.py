@@ -354,7 +354,10 @@ def render(
     film: VideoFile | Animation
     if kind.tick:
         check_length(len(np.unique(times)), width)
-        film = Animation(path, fps, width, _kept(timelines))
+        # colours that say something must not be lost
+        modes = [rgb(mode.colour) for one in timelines for mode in one.scene.modes]
+        kept = [*palette.KEYS.values(), *modes[:MOST_KEPT], *palette.ROBOTS]
+        film = Animation(path, fps, width, kept)
     else:
         film = VideoFile(path, fps, width)
     painter = _painter(timelines, speed, fps)
@@ -458,9 +461,3 @@ def _painter(timelines: list[Timeline], speed: float, fps: float) -> Painter | B
     if len(timelines) == 2:
         return Beside(timelines[0], timelines[1], speed, fps)
     return Painter(timelines[0], speed, fps)
-
-
-def _kept(timelines: list[Timeline]) -> list[palette.Colour]:
-    """Colours that say something: of areas, contacts, modes and robots."""
-    modes = [rgb(mode.colour) for one in timelines for mode in one.scene.modes]
-    return [*palette.KEYS.values(), *modes[:MOST_KEPT], *palette.ROBOTS]

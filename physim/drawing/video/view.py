@@ -6,7 +6,6 @@ robots that touch something have names: all others would hide what they name.
 
 from __future__ import annotations
 
-import itertools
 import math
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, NamedTuple
@@ -242,13 +241,13 @@ class View:
             return pair
         self._background.paint(view, lens)
         self._draw_trails(view, lens, now)
-        places, reach = lens.pixels(now.pose[:, :2]), timeline.scene.reach * lens.scale + 3.0
-        inside = (places >= -reach[:, None]) & (places <= self.box.size + reach[:, None])
-        seen = np.flatnonzero(inside.all(axis=1))
         if not self._crowd:
             draw_targets(view, lens, now.pose[:, :2], now.targets)
         touching = timeline.contacts.touching(now.time, timeline.robots)
         vertices = lens.fixed(self._fleet.placed(now.pose))
+        boxes = self._fleet.boxes(vertices)
+        inside = (boxes[:, 2:] >= 0.0) & (boxes[:, :2] <= self.box.size)
+        seen = np.flatnonzero(inside.all(axis=1))
         outlines = self._fleet.split(vertices, seen.tolist())
         colours = [now.colours[k] for k in seen.tolist()]
         draw_robots(view, outlines, colours, touching[seen].tolist())
@@ -258,18 +257,13 @@ class View:
         if pair is not None:
             draw_closest(view, lens, pair.points)
         self._mark_contacts(view, lens, now.time)
-        boxes = self._fleet.boxes(vertices)
-        named = np.arange(timeline.robots)
+        drawn = dict(zip(seen.tolist(), outlines, strict=True))
+        named = list(drawn)
         if self._crowd:
             first = [] if pair is None else [pair.a, pair.b]
-            named = np.array([*dict.fromkeys((*first, *np.flatnonzero(touching).tolist()))], int)
-        shown = (boxes[:, 2:] >= 0.0) & (boxes[:, :2] <= self.box.size)
-        of = dict(zip(seen.tolist(), outlines, strict=True))
-        chosen = (k for k in named.tolist() if k in of and shown[k].all())
-        shapes = {
-            robot: np.concatenate(of[robot].rings) / ONE
-            for robot in itertools.islice(chosen, MOST_NAMED if self._crowd else None)
-        }
+            those = dict.fromkeys((*first, *np.flatnonzero(touching).tolist()))
+            named = [robot for robot in those if robot in drawn][:MOST_NAMED]
+        shapes = {robot: np.concatenate(drawn[robot].rings) / ONE for robot in named}
         self._write_labels(view, lens, now, pair, shapes, boxes)
         if over and (lines := notes(timeline)):
             write_corner(view, ["at the end", *lines], boxes)

@@ -433,12 +433,9 @@ def finding_table(one: Comparison) -> Table:
         p, better = "", "not tested"
         if found.is_tested:
             shift += f" [{low}, {high}]"
-            p = (
-                f"{found.p_corrected:.2g}"
-                if found.p_corrected < 0.1
-                else f"{found.p_corrected:.2f}"
-            )
-            p, better = "< 0.0001" if found.p_corrected < 1e-4 else p, found.better.upper()
+            p, better = f"{found.p_corrected:.2f}", found.better.upper()
+            if found.p_corrected < 0.1:
+                p = f"{found.p_corrected:.2g}" if found.p_corrected >= 1e-4 else "< 0.0001"
         if found.pairs < (one.seeds if found.is_tested else FEWEST_PAIRS):
             better += f"{': ' if better else ''}{plural(found.pairs, 'pair')}"
         won = f"{found.only_a}:{found.only_b}" if found.only_a or found.only_b else ""

@@ -16,8 +16,8 @@ from pathlib import Path
 import numpy as np
 
 import physim
+from physim.campaigns.folder import read
 from physim.campaigns.outcomes import Cell, Outcomes
-from physim.campaigns.reading import read
 from physim.campaigns.report.contents import report_of
 from physim.campaigns.report.wording import interval
 from physim.errors import PhysimError

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from physim.campaigns.own_metrics import PREFIX, columns_of
+from physim.campaigns.folder import Asked
+from physim.campaigns.rows import DONE, FINISHED, PREFIX, columns_of
+from physim.campaigns.spec import Label
 
 if TYPE_CHECKING:
     import pyarrow as pa
@@ -19,8 +20,6 @@ FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
 
 CELL = ("world", "settings", "controller")
-DONE = ("finished", "duration")
-"""Ends of runs that ran as long as they were to; all others failed."""
 
 
 @dataclass(frozen=True)
@@ -90,14 +89,10 @@ class Outcomes:
         """How each run ended: a code, and the words by code."""
         return _codes(self.table["ended"])
 
-    def _ended_in(self, words: Sequence[str]) -> BoolArray:
-        codes, known = self.ended
-        return np.isin(codes, [k for k, word in enumerate(known) if word in words])
-
     @cached_property
     def failed(self) -> BoolArray:
         """Runs that did not come to an end of their own: error, timeout, killed, interrupted."""
-        return ~self._ended_in(DONE)
+        return ~self._ended_in(*DONE)
 
     @cached_property
     def touched(self) -> BoolArray:
@@ -113,12 +108,12 @@ class Outcomes:
     @cached_property
     def finished(self) -> BoolArray:
         """Runs in which all robots arrived."""
-        return self._ended_in(("finished",))
+        return self._ended_in(FINISHED)
 
     @cached_property
     def unfinished(self) -> BoolArray:
         """Runs whose time was up before all robots had arrived."""
-        return self._ended_in(("duration",))
+        return self._ended_in("duration")
 
     @cached_property
     def rate(self) -> BoolArray:
@@ -129,6 +124,32 @@ class Outcomes:
         """Runs that count as successes for ``rate``, ``contact_free`` or ``finished``."""
         found: BoolArray = getattr(self, rate)
         return found
+
+    def _ended_in(self, *words: str) -> BoolArray:
+        codes, known = self.ended
+        return np.isin(codes, [k for k, word in enumerate(known) if word in words])
+
+
+class Missing(NamedTuple):
+    """Runs of a cell that were asked for and have no row."""
+
+    cell: Label
+    runs: int
+    of: int
+    """how many were asked for"""
+
+
+def missing(asked: Asked, outcomes: Outcomes) -> tuple[Missing, ...]:
+    """Cells that lack rows, in the order in which they were asked for."""
+    there = {cell.names: outcomes.seed[cell.rows] for cell in outcomes.cells}
+    found = []
+    for label, ranges in asked.items():
+        seeds: Any = there.get(label, np.zeros(0, np.int64))
+        of = sum(one.stop - one.start for one in ranges)
+        have = sum(np.count_nonzero((seeds >= r.start) & (seeds < r.stop)) for r in ranges)
+        if have < of:
+            found.append(Missing(label, of - int(have), of))
+    return tuple(found)
 
 
 def _codes(column: Any) -> tuple[NDArray[np.int64], list[str]]:

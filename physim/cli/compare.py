@@ -41,7 +41,7 @@ def measures(text: str) -> dict[str, int]:
     Raises ValueError with those that there are.
     """
     from physim.campaigns.compare import DIRECTIONS
-    from physim.campaigns.own_metrics import PREFIX
+    from physim.campaigns.rows import PREFIX
 
     found = {}
     for name in (part.strip() for part in text.split(",")):
@@ -125,8 +125,8 @@ def compare(options: Options) -> int:
     """
     from physim.campaigns.compare import USUAL, by
     from physim.campaigns.compare import compare as compared
-    from physim.campaigns.folder import Folder, label_of
-    from physim.campaigns.own_metrics import PREFIX
+    from physim.campaigns.folder import Folder
+    from physim.campaigns.rows import PREFIX
     from physim.campaigns.unlike import with_unlike
 
     spare(options.json, *_folders(options), option="--json")
@@ -143,7 +143,7 @@ def compare(options: Options) -> int:
             return INTERRUPTED
         pairs, name = made
     elif options.by:
-        order = [label_of(cell) for cell in Folder(options.a).cells()]
+        order = [cell.label for cell in Folder(options.a).cells()]
         pairs = by(outcomes(options.a), options.by, order)
         name = f"{options.a}, by {options.by}"
     else:
@@ -159,9 +159,9 @@ def compare(options: Options) -> int:
 
 def _write_out(options: Options, found: list[Comparison], name: str) -> None:
     """Write page, JSON and table of what was found in the pairs called ``name``."""
-    from physim.campaigns.own_metrics import PREFIX
     from physim.campaigns.report.comparison_page import comparison_page
     from physim.campaigns.report.comparison_text import comparison_text, comparison_values
+    from physim.campaigns.rows import PREFIX
 
     looked = options.seeds is None and any(map(_looked_at, _folders(options)))
     if options.output is not None:
@@ -214,9 +214,9 @@ def _folders(options: Options) -> tuple[Path, ...]:
 def _made(options: Options) -> tuple[list[tuple[Arm, Arm, str]], str] | None:
     """Make the runs, and what of them is to be compared; None when that was interrupted."""
     from physim.campaigns.compare import by
+    from physim.campaigns.folder import read_part
     from physim.campaigns.grid import make_grid
     from physim.campaigns.outcomes import CELL, Outcomes
-    from physim.campaigns.reading import read_part
 
     worlds = _given(options)
     names = names_of(options.controller)
@@ -249,10 +249,8 @@ def _made(options: Options) -> tuple[list[tuple[Arm, Arm, str]], str] | None:
 
 def outcomes(folder: Path) -> Outcomes:
     """Rows of a campaign. Raises PhysimError where there is none, or it has no rows yet."""
-    from physim.campaigns.asked import missing
-    from physim.campaigns.folder import Folder
-    from physim.campaigns.outcomes import Outcomes
-    from physim.campaigns.reading import read
+    from physim.campaigns.folder import Folder, read
+    from physim.campaigns.outcomes import Outcomes, missing
     from physim.campaigns.report.wording import missing_words
     from physim.cli.simulating import tell_notices
 
@@ -272,6 +270,6 @@ def _two(a: Path, b: Path) -> list[tuple[Arm, Arm, str]]:
 
 def _looked_at(folder: Path) -> bool:
     """Whether the number of runs depends on their outcomes."""
-    from physim.campaigns.until import read_until
+    from physim.campaigns.sweep import read_until
 
     return read_until(folder) is not None

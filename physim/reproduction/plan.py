@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from physim.campaigns.runner import Job, Stop
+from physim.campaigns.pool import Job, Stop
 from physim.drawing.plots.maps import trajectories
 from physim.drawing.plots.pictures import PICTURES as PLOTS
 from physim.errors import PhysimError, nearest

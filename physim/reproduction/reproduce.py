@@ -10,7 +10,7 @@ from pathlib import Path
 
 from physim._version import __version__
 from physim.analysis.metrics.distances import shortest_pair_collision_time
-from physim.campaigns.runner import do_all
+from physim.campaigns.pool import do_all
 from physim.compiled import is_cached
 from physim.errors import plural
 from physim.geometry.queries import fill_times

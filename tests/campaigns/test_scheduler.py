@@ -42,7 +42,7 @@ def test_what_is_no_scheduler_is_told_and_nothing_is_written(
     here: Path, silent: str, address: str, capsys: pytest.CaptureFixture[str],
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:  # fmt: skip
-    monkeypatch.setattr("physim.campaigns.executors.CONNECT_SECONDS", 1)
+    monkeypatch.setattr("physim.campaigns.cluster.CONNECT_SECONDS", 1)
     before = tree(here)
     given = silent if address == "silent" else address
     done = physim("sweep", "small.yaml", "--scheduler", given, capture=capsys)

@@ -9,10 +9,8 @@ from pathlib import Path
 
 from physim.campaigns.falsify.robustness import Judged, judged
 from physim.campaigns.one_run import one_line, ready
-from physim.campaigns.runner import POLL_SECONDS, begin
-from physim.campaigns.sources import Source, own_parts, provide, sources_of
+from physim.campaigns.pool import POLL_SECONDS, Job, LostError, OverdueError, begin
 from physim.campaigns.spec import usual_limit
-from physim.campaigns.worker import Job, LostError, OverdueError
 from physim.errors import WorldError
 from physim.parts.controller import Controller
 from physim.parts.registry import CONTROLLER, make_part
@@ -80,16 +78,14 @@ def in_this_process(stop: Callable[[], bool] = never) -> Evaluate:
 def by_executor(executor: Executor, world: World, stop: Callable[[], bool] = never) -> Evaluate:
     """Evaluate worlds by the workers of an executor; a run that one of them does not survive, or
     that takes too long, is one that broke off. All have controller and stages of ``world``."""
-    sources = sources_of(own_parts(world))
+    code = world.controller.type
 
     def evaluate(worlds: Sequence[World]) -> Iterator[Judged]:
-        futures = [
-            begin(
-                executor,
-                Job("a run", judge_text, (world.to_yaml(), sources), usual_limit(world), ready),
-            )
-            for world in worlds
-        ]
+        jobs = (
+            Job("a run", judge_text, (one.to_yaml(),), usual_limit(one), ready, code)
+            for one in worlds
+        )
+        futures = [begin(executor, job) for job in jobs]
         try:
             for future in futures:
                 yield _result(future, stop)
@@ -100,11 +96,8 @@ def by_executor(executor: Executor, world: World, stop: Callable[[], bool] = nev
     return evaluate
 
 
-def judge_text(
-    text: str, sources: Sequence[Source], stop: Callable[[], bool] = never
-) -> Judged | None:
+def judge_text(text: str, stop: Callable[[], bool] = never) -> Judged | None:
     """Run a world that is given as text, in a worker; None when it was stopped."""
-    provide(sources)
     try:
         return judge_world(parse_world(text, check_controller=False), stop)
     except StoppedError:

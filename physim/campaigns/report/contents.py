@@ -9,9 +9,9 @@ from typing import Any
 
 import numpy as np
 
-from physim.campaigns import own_metrics
-from physim.campaigns.asked import Asked, Missing, missing
-from physim.campaigns.outcomes import Cell, FloatArray, Outcomes
+from physim.campaigns.folder import Asked
+from physim.campaigns.outcomes import Cell, FloatArray, Missing, Outcomes, missing
+from physim.campaigns.rows import title_of as own_title
 from physim.campaigns.spec import Label
 from physim.statistics.goal import RATES, Decision, Goal, decide
 from physim.statistics.proportion import clopper_pearson, failure_bound, runs_needed
@@ -43,7 +43,7 @@ SEVERITY = ("closing_speed", "energy_lost", "impulse")
 
 def title_of(column: str) -> tuple[str, str]:
     """What a column of numbers is, and its unit; of a metric of one's own its name."""
-    return MEASURES[column] if column in MEASURES else own_metrics.title_of(column)
+    return MEASURES[column] if column in MEASURES else own_title(column)
 
 
 @dataclass(frozen=True)

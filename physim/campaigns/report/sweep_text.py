@@ -11,9 +11,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from physim.campaigns.columns import FAILED
 from physim.campaigns.outcomes import Cell, Outcomes
 from physim.campaigns.report.wording import over_seeds
+from physim.campaigns.rows import FAILED
 from physim.campaigns.spec import Label
 from physim.campaigns.sweep import Tally
 from physim.errors import plural
@@ -131,7 +131,7 @@ def sweep_values(
         "asked": tally.asked,
         "there_before": tally.before,
         "run_now": tally.done,
-        "run_elsewhere_meanwhile": tally.elsewhere,
+        "run_elsewhere_meanwhile": 0,
         "interrupted": tally.interrupted,
         "cells": cells,
         "to_look_at": {

@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from physim.campaigns.asked import Missing
+from physim.campaigns.outcomes import Missing
 from physim.campaigns.report.contents import MEASURES, SEVERITY, SHOWN, Rate, Report, Robots
 from physim.errors import decimal_text, plural
 from physim.statistics.goal import Decision, Goal

@@ -1,18 +1,23 @@
-"""Who does the jobs: processes on this machine, or the workers of a Dask cluster."""
+"""Jobs for the workers of a Dask cluster, to which modules of one's own are uploaded."""
 
 from __future__ import annotations
 
 import asyncio
 import logging
+import os
 import re
 import socket
-from collections.abc import Iterator
-from concurrent.futures import Executor, ThreadPoolExecutor
+import tempfile
+import zipfile
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import Executor, Future, ThreadPoolExecutor
 from contextlib import contextmanager
+from dataclasses import replace
 from typing import Any
 
 from physim._version import __version__
-from physim.campaigns.processes import Processes, worker_count
+from physim.campaigns.pool import Job, Processes, elsewhere, worker_count
+from physim.campaigns.sources import Source, is_installed, source_hash
 from physim.campaigns.spec import engine
 from physim.errors import PhysimError
 
@@ -45,6 +50,43 @@ def executor(workers: int | None = None, scheduler: str | None = None) -> Iterat
         processes.shutdown(cancel_futures=True)
 
 
+class Cluster(Executor):
+    """The workers of a cluster; each does a job in a process of its own."""
+
+    def __init__(self, client: Any) -> None:
+        self.client = client
+        self.inner = client.get_executor(pure=False, retries=0)
+        self.workers = max(1, sum(client.nthreads().values()))
+        self.archive = ""
+
+    def carry(self, sources: Sequence[Source]) -> None:
+        """Upload modules that came with neither physim nor an installed package."""
+        mine = {one.module: one for one in sources if one.module and not is_installed(one.file)}
+        if not mine:
+            return
+        self.archive = f"physim-{source_hash(tuple(mine.values()))}.zip"
+        with tempfile.TemporaryDirectory() as folder:
+            path = os.path.join(folder, self.archive)
+            with zipfile.ZipFile(path, "w") as file:
+                for name, one in mine.items():
+                    end = "/__init__.py" if one.package else ".py"
+                    file.writestr(name.replace(".", "/") + end, one.text)
+            self.client.upload_file(path, load=False)
+
+    def submit(self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future[Any]:
+        """Have a job done, whatever ``fn`` is."""
+        found: Future[Any] = self.inner.submit(_there, args[0], self.archive)
+        return found
+
+
+def _there(job: Job, archive: str) -> Any:
+    """Do a job, in a worker of the cluster."""
+    from distributed import get_worker
+
+    place = os.path.join(get_worker().local_directory, archive) if archive else ""
+    return elsewhere(replace(job, archive=place))
+
+
 @contextmanager
 def _dask(address: str) -> Iterator[Executor]:
     try:
@@ -58,29 +100,22 @@ def _dask(address: str) -> Iterator[Executor]:
         client = Client(address, timeout=CONNECT_SECONDS, set_as_default=False)
     except Exception as error:
         raise _unreachable(address, error) from None
-    with _silent(), client:
-        try:
-            client.wait_for_workers(1, timeout=WORKERS_SECONDS)
-        except TimeoutError:
-            raise PhysimError(
-                f"--scheduler {address}: has no workers (dask worker {address} begins one)"
-            ) from None
-        _check_versions(address, client)
-        found = client.get_executor(pure=False, retries=0)
-        found.workers = max(1, sum(client.nthreads().values()))
-        yield found
-        found.shutdown(wait=False)
-
-
-@contextmanager
-def _silent() -> Iterator[None]:
-    """Let `LOGGERS` say nothing."""
     loggers = [logging.getLogger(name) for name in LOGGERS]
     before = [logger.disabled for logger in loggers]
     for logger in loggers:
         logger.disabled = True
     try:
-        yield
+        with client:
+            try:
+                client.wait_for_workers(1, timeout=WORKERS_SECONDS)
+            except TimeoutError:
+                raise PhysimError(
+                    f"--scheduler {address}: has no workers (dask worker {address} begins one)"
+                ) from None
+            _check_versions(address, client)
+            found = Cluster(client)
+            yield found
+            found.inner.shutdown(wait=False)
     finally:
         for logger, was in zip(loggers, before, strict=True):
             logger.disabled = was
@@ -148,6 +183,3 @@ def _check_versions(address: str, client: Any) -> None:
                 f"--scheduler {address}: its worker {worker} has physim {one[0]}, {one[1]}; here "
                 f"are physim {__version__}, {engine()}"
             )
-
-
-__all__ = ["executor"]

@@ -6,7 +6,6 @@ import asyncio
 import logging
 import os
 import re
-import socket
 import tempfile
 import zipfile
 from collections.abc import Callable, Iterator, Sequence
@@ -23,13 +22,11 @@ from physim.errors import PhysimError
 
 CONNECT_SECONDS = 5
 """[s] in which a scheduler must answer"""
-ADDRESS = re.compile(
-    r"(?:(?:tcp|tls|ws|wss)://)?(?P<host>\[[0-9A-Fa-f:.%\w]+\]|[^\s:/\[\]]+):(?P<port>\d{1,5})"
-)
-LOGGERS = ("distributed.client", "distributed.batched", "distributed.core", "tornado.application")
-"""of Dask and its loop, which tell a cluster that went in tracebacks"""
 WORKERS_SECONDS = 30
 """[s] in which a scheduler must have a worker"""
+ADDRESS = re.compile(r"(?:(?:tcp|tls|ws|wss)://)?(?:\[[0-9A-Fa-f:.%\w]+\]|[^\s:/\[\]]+):(\d{1,5})")
+LOGGERS = ("asyncio", "distributed", "tornado.application")
+"""of Dask and its loop, which tell a cluster that went, or is none, in tracebacks"""
 
 
 @contextmanager
@@ -40,8 +37,10 @@ def executor(workers: int | None = None, scheduler: str | None = None) -> Iterat
     cannot be reached, has no workers, or these have other versions.
     """
     if scheduler is not None:
-        with _dask(scheduler) as found:
+        with _silent(), _client(scheduler) as client:
+            found = Cluster(client)
             yield found
+            found.inner.shutdown(wait=False)
         return
     processes = Processes(workers or worker_count())
     try:
@@ -88,63 +87,67 @@ def _there(job: Job, archive: str) -> Any:
 
 
 @contextmanager
-def _dask(address: str) -> Iterator[Executor]:
+def _silent() -> Iterator[None]:
+    """Let `LOGGERS` say nothing."""
+    loggers = [logging.getLogger(name) for name in LOGGERS]
+    before = [logger.level for logger in loggers]
+    for logger in loggers:
+        logger.setLevel(logging.CRITICAL + 1)
+    try:
+        yield
+    finally:
+        for logger, level in zip(loggers, before, strict=True):
+            logger.setLevel(level)
+
+
+@contextmanager
+def _client(address: str) -> Iterator[Any]:
+    """A client of a scheduler that has workers of our versions. Raises PhysimError."""
     try:
         from distributed import Client
     except ImportError:
         raise PhysimError(
             "--scheduler: needs the package distributed (pip install 'physim[dask]')"
         ) from None
-    _check_scheduler(address)
-    try:
-        client = Client(address, timeout=CONNECT_SECONDS, set_as_default=False)
-    except Exception as error:
-        raise _unreachable(address, error) from None
-    loggers = [logging.getLogger(name) for name in LOGGERS]
-    before = [logger.disabled for logger in loggers]
-    for logger in loggers:
-        logger.disabled = True
-    try:
-        with client:
-            try:
-                client.wait_for_workers(1, timeout=WORKERS_SECONDS)
-            except TimeoutError:
-                raise PhysimError(
-                    f"--scheduler {address}: has no workers (dask worker {address} begins one)"
-                ) from None
-            _check_versions(address, client)
-            found = Cluster(client)
-            yield found
-            found.inner.shutdown(wait=False)
-    finally:
-        for logger, was in zip(loggers, before, strict=True):
-            logger.disabled = was
-
-
-def _check_scheduler(address: str) -> None:
-    """Raise PhysimError where no scheduler answers in time.
-
-    A `Client` that cannot connect takes its time to end, and tells it in tracebacks: it is made
-    only where a scheduler is known to be.
-    """
     found = ADDRESS.fullmatch(address)
-    if found is None or not 0 < int(found["port"]) < 65536:
+    if found is None or not 0 < int(found[1]) < 65536:
         raise PhysimError(
             f"--scheduler {address[:60]!r}: must be HOST:PORT or tcp://HOST:PORT, as "
             "tcp://10.0.0.1:8786"
         )
     try:
-        with socket.create_connection(
-            (found["host"].strip("[]"), int(found["port"])), CONNECT_SECONDS
-        ):
-            pass
-        # In a thread of its own: a notebook has its own loop, which runs.
+        # A `Client` may wait for ever. In a thread: a notebook has its own loop, which runs.
         with ThreadPoolExecutor(1) as aside:
             kind = aside.submit(asyncio.run, _kind(address)).result()
+        if kind != "Scheduler":
+            raise OSError(f"it is a {kind}")
+        client = Client(address, timeout=CONNECT_SECONDS, set_as_default=False)
     except Exception as error:
-        raise _unreachable(address, error) from None
-    if kind != "Scheduler":
-        raise PhysimError(f"--scheduler {address}: is a {kind} of Dask, not a scheduler")
+        reason = " ".join(str(error).split())[:200] or type(error).__name__
+        raise PhysimError(
+            f"--scheduler {address}: no scheduler of Dask answers in {CONNECT_SECONDS} s ({reason})"
+        ) from None
+    with client:
+        try:
+            client.wait_for_workers(1, timeout=WORKERS_SECONDS)
+        except TimeoutError:
+            raise PhysimError(
+                f"--scheduler {address}: has no workers (dask worker {address} begins one)"
+            ) from None
+        try:
+            there = client.run(versions)
+        except Exception as error:
+            raise PhysimError(
+                f"--scheduler {address}: physim cannot be used on its workers "
+                f"({type(error).__name__}: {' '.join(str(error).split())[:200]})"
+            ) from None
+        for worker, one in there.items():
+            if tuple(one) != versions():
+                raise PhysimError(
+                    f"--scheduler {address}: its worker {worker} has physim {one[0]}, {one[1]}; "
+                    f"here are physim {__version__}, {engine()}"
+                )
+        yield client
 
 
 async def _kind(address: str) -> str:
@@ -155,31 +158,6 @@ async def _kind(address: str) -> str:
         return str((await peer.identity())["type"])
 
 
-def _unreachable(address: str, error: Exception) -> PhysimError:
-    late = isinstance(error, TimeoutError)
-    reason = f"no answer in {CONNECT_SECONDS} s" if late else " ".join(str(error).split())[:200]
-    return PhysimError(
-        f"--scheduler {address}: no scheduler of Dask answers ({reason or type(error).__name__})"
-    )
-
-
 def versions() -> tuple[str, str]:
     """Versions of physim and its engine, in a worker."""
     return __version__, engine()
-
-
-def _check_versions(address: str, client: Any) -> None:
-    """Raise PhysimError where a worker would not do the same runs."""
-    try:
-        found = client.run(versions)
-    except Exception as error:
-        raise PhysimError(
-            f"--scheduler {address}: physim cannot be used on its workers ({type(error).__name__}: "
-            f"{' '.join(str(error).split())[:200]})"
-        ) from None
-    for worker, one in found.items():
-        if tuple(one) != versions():
-            raise PhysimError(
-                f"--scheduler {address}: its worker {worker} has physim {one[0]}, {one[1]}; here "
-                f"are physim {__version__}, {engine()}"
-            )

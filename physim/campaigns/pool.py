@@ -257,12 +257,11 @@ class Processes(Executor):
                     self._free.append(worker)
 
     def _worker_for(self, code: str) -> _Worker:
-        """A process without a job that has run no other code than this."""
+        """A process without a job that runs this code and no other."""
         late: _Worker | None = None
         with self._lock:
             self._free = [one for one in self._free if one.process.is_alive()]
-            fit = [one for one in self._free if one.code in (code, "")]
-            found = max(fit, key=lambda one: one.code == code, default=None)
+            found = next((one for one in self._free if one.code == code), None)
             if found is not None:
                 self._free.remove(found)
             elif len(self._free) > self.workers:
@@ -271,18 +270,17 @@ class Processes(Executor):
             late.end(LAST_SECONDS)
         if found is None:
             try:
-                found = _Worker(self._halt)
+                found = _Worker(self._halt, code)
             except OSError as error:  # of files, processes or memory there are no more
                 text = error.strerror or error
                 raise StartError(f"worker processes cannot be started ({text})") from None
-        found.code = code
         return found
 
 
 class _Worker:
     """A process and the pipe to it."""
 
-    def __init__(self, halt: Any) -> None:
+    def __init__(self, halt: Any, code: str) -> None:
         context = multiprocessing.get_context("spawn")
         self.pipe, theirs = context.Pipe()
         self.process: Any = context.Process(
@@ -291,9 +289,7 @@ class _Worker:
         with begun_apart():
             self.process.start()
         theirs.close()
-        self.halt = halt
-        self.code = ""
-        """that of its jobs so far, beside physim's"""
+        self.halt, self.code = halt, code
         self.began = False
         """whether it ever began a job"""
 

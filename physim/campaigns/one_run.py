@@ -12,6 +12,7 @@ from typing import Any, NamedTuple
 
 from physim._version import __version__
 from physim.analysis.metrics import DEFINITIONS, Figures, Metric, Moment
+from physim.analysis.metrics.distances import HORIZON, shortest_pair_collision_time
 from physim.campaigns.pool import Stop, never
 from physim.campaigns.rows import COLUMNS, ERROR, Row, installed
 from physim.campaigns.sources import changed_source
@@ -143,6 +144,8 @@ def figures(record: Record) -> dict[str, Any]:
     def pair(of: Metric | Moment | None) -> str:
         return "" if of is None else ", ".join(names[i] for i in of.bodies)
 
+    meeting = shortest_pair_collision_time(record)
+    soonest = HORIZON if meeting is None else meeting.value
     severest, collision, least = run.metric("closing_speed"), run.collision_time, run.least
     return {
         **{name: _finite(run.value(name)) for name in METRICS},
@@ -157,6 +160,7 @@ def figures(record: Record) -> dict[str, Any]:
         "least_distance_time": None if least is None else least.time,
         "shortest_collision_time_pair": pair(collision),
         "shortest_collision_time_time": None if collision is None else collision.time,
+        "shortest_pair_collision_time": soonest if record.robots > 1 else None,
         "not_arrived": ", ".join(names[one.robot] for one in run.absent),
         "stood": ", ".join(names[one.robot] for one in run.absent if one.stands),
         "metrics": {name: float(one.value) for name, one in own.items() if one is not None},

@@ -125,6 +125,8 @@ class Row:
     shortest_collision_time_pair: str = ""
     shortest_collision_time_time: Size | None = None
     """[s]"""
+    shortest_pair_collision_time: Annotated[float, Field(ge=0.0)] | None = None
+    """[s] of any two robots under the commands applied at decisions; 10 where none is shorter"""
     formation_error_peak: Size | None = None
     """[m] greatest size"""
     deviation_peak: Size | None = None

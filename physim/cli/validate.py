@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import shlex
 import sys
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -136,7 +136,7 @@ def _record(given: str) -> Path | None:
 
 def _validate_record(record: Record, options: Options) -> int:
     from physim.analysis.validation.origin import check_made_from
-    from physim.analysis.validation.validation import NOT_ASKED, missing, validate_again
+    from physim.analysis.validation.validation import NOT_ASKED, missing
     from physim.cli import simulating as rerun
 
     if options.world is not None:
@@ -157,10 +157,8 @@ def _validate_record(record: Record, options: Options) -> int:
     if isinstance(again, str):
         return _report(_judged(record, None, again, str(record.path), options), options, record)
     with again:
-        if lacking:
-            return _report(validate_again(record, again, str(record.path)), options, again)
         found = _judged(record, again, "", str(record.path), options)
-        return _report(found, options, record)
+        return _report(found, options, again if lacking else record)
 
 
 def _validate_world(world: World, document: Document, options: Options) -> int:
@@ -213,16 +211,18 @@ def _validate_seeds(world: World, document: Document, options: Options) -> int:
         Outcomes(table_of(rows)), world.name, asked={cell.label: (range(first, last),)},
         draws={cell.label: cell.draws},
     )  # fmt: skip
-    given = ["physim", "validate", options.given]
-    given += [word for one in options.overrides for word in ("--set", one)]
-    given += [] if options.controller is None else ["--controller", options.controller]
     if not options.quiet:
-        seeds = (found.outcomes.seed[row] for row, _ in found.pictured)
-        print(report_text(found, [shlex.join([*given, "--seed", str(one)]) for one in seeds]))
+        cells = tuple(replace(one, worst=()) for one in found.cells)  # there is nothing to replay
+        print(report_text(replace(found, cells=cells)))
     wrong = [row for row in rows if row.verdict.startswith("checks disagree")]
     told = wrong or [row for row in rows if row.verdict != "contact-free"]
     for row in told[:MOST_TOLD]:
         print(f"seed {row.seed}: {row.verdict or row.reason}")
+    if told and not options.quiet:
+        again = ["physim", "validate", options.given, "--seed", str(told[0].seed)]
+        again += [word for one in options.overrides for word in ("--set", one)]
+        again += ["--controller", options.controller] if options.controller else []
+        print(f"the first of them in full: {shlex.join(again)}")
     code = INTERRUPTED if interrupt() else DISAGREE if wrong else CONTACTS if told else FREE
     values = {**report_values(found), "exit_code": code, "seeds": [asdict(row) for row in rows]}
     write_json(options, json.dumps(values, indent=2, ensure_ascii=False, allow_nan=False) + "\n")
@@ -278,7 +278,7 @@ def _write_page(found: Validation, record: Record, options: Options) -> None:
 def _report(found: Validation, options: Options, record: Record | None = None) -> int:
     """Tell what was found; with a record its page is written first, where one is asked for."""
     from physim.analysis.validation import report, warning_lines
-    from physim.analysis.validation.as_json import json_of_validation
+    from physim.analysis.validation.validation import json_of_validation
 
     if record is not None:
         _write_page(found, record, options)

@@ -30,7 +30,7 @@ from physim.campaigns.spec import Label, RunSpec, engine, identity_of, key_of, s
 from physim.drafts import discard, draft_of
 from physim.errors import PhysimError
 from physim.escaping import escaped
-from physim.json_text import MOST_BYTES, file_json
+from physim.json_text import file_json
 from physim.world.file.files import file_text
 
 if TYPE_CHECKING:
@@ -139,12 +139,6 @@ class Folder:
         cells = list(cells)
         wanted = {spec.label: _described(spec) for spec in cells}
         texts = {spec.world_hash: spec.text for spec in cells}
-        for spec in cells:
-            if len(spec.text.encode()) > MOST_BYTES:  # it could not be read again
-                raise PhysimError(
-                    f"{spec.world}: is too large for a campaign: written out it has more than "
-                    f"{MOST_BYTES} bytes"
-                )
         known = {one.label: one for one in self.cells()} if self._is_there() else {}
         self._check(known, wanted)
         try:

@@ -57,12 +57,15 @@ class Outcomes:
     """All rows of a campaign, sorted by cell and seed, each column as an array (K,)."""
 
     def __init__(self, table: pa.Table) -> None:
-        keys = [_codes(table[name]) for name in CELL]
-        seed = table["seed"].to_numpy()
-        order = np.lexsort((seed, *(codes for codes, _ in reversed(keys))))
-        self.table: pa.Table = table.take(order)
-        self.seed: NDArray[np.int64] = seed[order]
-        self.cells = _cells([(codes[order], words) for codes, words in keys])
+        self.table = table.sort_by([(name, "ascending") for name in (*CELL, "seed")])
+        self.seed: NDArray[np.int64] = self.table["seed"].to_numpy()
+        groups = self.table.group_by(list(CELL), use_threads=False).aggregate([("seed", "count")])
+        found, start = [], 0
+        for one in groups.to_pylist():
+            stop = start + one["seed_count"]
+            found.append(Cell(one["world"], one["settings"], one["controller"], start, stop))
+            start = stop
+        self.cells = tuple(found)
 
     def __len__(self) -> int:
         """Number of runs."""
@@ -85,9 +88,9 @@ class Outcomes:
         return found
 
     @cached_property
-    def ended(self) -> tuple[NDArray[np.int64], list[str]]:
-        """How each run ended: a code, and the words by code."""
-        return _codes(self.table["ended"])
+    def ended(self) -> NDArray[np.object_]:
+        """How each run ended."""
+        return np.array(self.table["ended"].to_pylist(), object)
 
     @cached_property
     def failed(self) -> BoolArray:
@@ -126,8 +129,7 @@ class Outcomes:
         return found
 
     def _ended_in(self, *words: str) -> BoolArray:
-        codes, known = self.ended
-        return np.isin(codes, [k for k, word in enumerate(known) if word in words])
+        return np.asarray(np.any([self.ended == word for word in words], axis=0))
 
 
 class Missing(NamedTuple):
@@ -149,30 +151,4 @@ def missing(asked: Asked, outcomes: Outcomes) -> tuple[Missing, ...]:
         have = sum(np.count_nonzero((seeds >= r.start) & (seeds < r.stop)) for r in ranges)
         if have < of:
             found.append(Missing(label, of - int(have), of))
-    return tuple(found)
-
-
-def _codes(column: Any) -> tuple[NDArray[np.int64], list[str]]:
-    """Strings as numbers (K,) in the order of the words, and the words, sorted."""
-    encoded = column.combine_chunks().dictionary_encode()
-    words = [word or "" for word in encoded.dictionary.to_pylist()]
-    rank = np.empty(len(words) + 1, np.int64)
-    rank[np.argsort(np.array(words, object), kind="stable")] = np.arange(len(words))
-    rank[-1] = -1
-    codes = encoded.indices.fill_null(len(words)).to_numpy(zero_copy_only=False)
-    return rank[codes], sorted(words)
-
-
-def _cells(keys: list[tuple[NDArray[np.int64], list[str]]]) -> tuple[Cell, ...]:
-    """Cells of rows that are sorted by their keys."""
-    codes = np.stack([codes for codes, _ in keys])
-    count = codes.shape[1]
-    if not count:
-        return ()
-    starts = [0, *(1 + np.flatnonzero(np.any(np.diff(codes, axis=1), axis=0))).tolist()]
-    found = []
-    for start, stop in zip(starts, [*starts[1:], count], strict=True):
-        at = codes[:, start]
-        names = [known[k] if k >= 0 else "" for (_, known), k in zip(keys, at, strict=True)]
-        found.append(Cell(names[0], names[1], names[2], start, stop))
     return tuple(found)

@@ -6,6 +6,7 @@ ended; one that was cut off by a kill or a full disk is none, and its run is don
 
 from __future__ import annotations
 
+import errno
 import functools
 import json
 import os
@@ -262,6 +263,7 @@ def read_rows(file: Path) -> Iterator[list[Row]]:
                     yield found
                     found = []
         if len(line) == LONGEST_ROW:
+            number += 1
             raise ValueError(f"is no row: has {LONGEST_ROW} bytes or more")
     except ValidationError as error:
         raise PhysimError(f"{file}:{number}: {told(error)}") from None
@@ -298,7 +300,7 @@ class Rows:
                 before = stream.tell()
                 try:
                     if stream.write(data) < len(data):
-                        raise OSError(28, "No space left on device")
+                        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
                     os.fsync(stream.fileno())
                 except OSError:
                     stream.truncate(before)
@@ -323,18 +325,14 @@ def check_places(folder: Path) -> None:
     pipe would never end. Its own folders, one deep, hold regular files.
     """
     with suppress(FileNotFoundError, NotADirectoryError):  # whoever needs it says so
-        for entry in (one for place in _and_within(folder) for one in os.scandir(place)):
+        inside = [one.path for one in os.scandir(folder) if one.is_dir(follow_symlinks=False)]
+        for entry in (one for place in (str(folder), *inside) for one in os.scandir(place)):
             if not entry.is_file(follow_symlinks=False) and not entry.is_dir(follow_symlinks=False):
                 what = "a link" if entry.is_symlink() else "a pipe or a device"
                 raise PhysimError(
                     f"{entry.path}: is {what}; the folder of a campaign holds files and folders of "
                     "its own"
                 )
-
-
-def _and_within(folder: Path) -> Iterator[str | Path]:
-    yield folder
-    yield from (one.path for one in os.scandir(folder) if one.is_dir(follow_symlinks=False))
 
 
 def write_whole(path: Path, data: bytes) -> None:

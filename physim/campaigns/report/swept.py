@@ -88,10 +88,9 @@ def sweep_values(
 def counts_of(outcomes: Outcomes, draws: Mapping[Label, str]) -> list[dict[str, Any]]:
     """What came of every cell, with all rows that there are of it, and what the seed draws."""
     found = []
-    codes, words = outcomes.ended
     for label, drawn in draws.items():
         rows = _rows(outcomes, label)
-        ends = Counter(words[code] for code in codes[rows].tolist())
+        ends = Counter(outcomes.ended[rows].tolist())
         found.append({
             **dict(zip(CELL, label, strict=True)),
             "runs": len(rows),

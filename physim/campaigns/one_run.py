@@ -76,8 +76,8 @@ def take(
                 return None
             if name := changed_source(spec.sources, _world(spec.text, spec.controller)):
                 raise PhysimError(
-                    f"{name}: code, or a file that settings name, was changed since the runs were "
-                    "begun; a file that runs write to must not be there when they begin"
+                    f"{name}, which the run is made of, was changed since the runs were begun; a "
+                    "file that runs write to must not be there when they begin"
                 )
             found = figures(record)
             if judged:

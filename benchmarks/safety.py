@@ -16,8 +16,8 @@ from pathlib import Path
 import numpy as np
 
 import physim
+from physim.campaigns.folder import read
 from physim.campaigns.outcomes import Cell, Outcomes
-from physim.campaigns.reading import read
 from physim.campaigns.report.contents import report_of
 from physim.errors import PhysimError
 from physim.statistics.proportion import clopper_pearson

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from physim.campaigns.measures import RATE_TITLES, USUAL
 from physim.campaigns.outcomes import CELL, Cell, FloatArray, Outcomes
-from physim.campaigns.own_metrics import PREFIX
+from physim.campaigns.rows import PREFIX
 from physim.campaigns.spec import Label
 from physim.errors import PhysimError
 from physim.statistics.paired import (

@@ -10,9 +10,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from physim.campaigns.asked import Asked, Missing, missing
+from physim.campaigns.folder import Asked
 from physim.campaigns.measures import MEASURES, NEAREST, SEVERITY
-from physim.campaigns.outcomes import Cell, FloatArray, Outcomes
+from physim.campaigns.outcomes import Cell, FloatArray, Missing, Outcomes, missing
 from physim.campaigns.spec import Label
 from physim.statistics.goal import RATES, Decision, Goal, decide
 from physim.statistics.proportion import clopper_pearson, failure_bound, runs_needed

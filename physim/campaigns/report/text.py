@@ -12,10 +12,9 @@ from dataclasses import asdict, astuple
 from itertools import compress
 from typing import Any, NamedTuple
 
-from physim.campaigns.asked import Missing
 from physim.campaigns.compare import ALPHA, FEWEST_PAIRS, Comparison
 from physim.campaigns.measures import MEASURES, RATE_TITLES, SEVERITY, TOLD, measure_of
-from physim.campaigns.outcomes import CELL, Outcomes
+from physim.campaigns.outcomes import CELL, Missing, Outcomes
 from physim.campaigns.report.contents import SHOWN, CellReport, Rate, Report, Robots
 from physim.errors import plural
 from physim.escaping import escaped

@@ -214,21 +214,20 @@ class Folder:
 
     def _is_there(self) -> bool:
         """Whether it holds a campaign; PhysimError where it holds something else."""
-        if (self.path / CAMPAIGN).exists():
-            return True
-        if self.path.exists() and not self.path.is_dir():
-            raise PhysimError(f"{self.path}: is a file; rows take a folder")
         try:
             there = {one for one in os.listdir(self.path) if not one.startswith(".")}
         except FileNotFoundError:
             return False
+        except NotADirectoryError:
+            raise PhysimError(f"{self.path}: is a file; rows take a folder") from None
         except OSError as error:
             raise PhysimError(f"{self.path}: cannot be read: {error.strerror}") from None
-        if there - {ROWS, RECORDS, WORLDS}:  # another sweep may just be making it
+        is_one = CAMPAIGN in there
+        if not is_one and there - {ROWS, RECORDS, WORLDS}:  # another sweep may just be making it
             raise PhysimError(
                 f"{self.path}: is not empty and holds no campaign; give another folder"
             )
-        return False
+        return is_one
 
     def _check(self, known: dict[Label, Described], wanted: dict[Label, Described]) -> None:
         """Raise PhysimError where its campaign is another than the one that is wanted.

@@ -235,26 +235,19 @@ class Processes(Executor):
             if not future.set_running_or_notify_cancel():
                 continue
             try:
-                future.set_result(self._do(job))
+                worker = self._worker_for(job.code)
+                try:
+                    result = worker.do(job)
+                finally:
+                    with self._lock:
+                        self._free.append(worker)
+                future.set_result(result)
             except BaseException as error:
                 future.set_exception(error)
         with self._lock:
             left, self._free = self._free, []
         for one in left:
             one.end(LAST_SECONDS)
-
-    def _do(self, job: Job) -> Any:
-        try:
-            packed = ForkingPickler.dumps(job)
-        except Exception as error:
-            raise RuntimeError(f"{job.note} cannot be sent: {error}") from None
-        worker = self._worker_for(job.code)
-        try:
-            return worker.do(job, packed)
-        finally:
-            with self._lock:
-                if worker.process.is_alive():
-                    self._free.append(worker)
 
     def _worker_for(self, code: str) -> _Worker:
         """A process without a job that runs this code and no other."""
@@ -293,8 +286,12 @@ class _Worker:
         self.began = False
         """whether it ever began a job"""
 
-    def do(self, job: Job, packed: Any) -> Any:
+    def do(self, job: Job) -> Any:
         """Result of a job. Raises what it raised; where its process is lost, that."""
+        try:
+            packed = ForkingPickler.dumps(job)
+        except Exception as error:
+            raise RuntimeError(f"{job.note} cannot be sent: {error}") from None
         due = last = math.inf
         with suppress(OSError):
             self.pipe.send_bytes(packed)

@@ -18,8 +18,8 @@ from physim.campaigns.outcomes import CELL, Cell, FloatArray, Outcomes
 from physim.campaigns.own_metrics import PREFIX
 from physim.campaigns.spec import Label
 from physim.errors import PhysimError
-from physim.statistics.goal import RATES
-from physim.statistics.paired import (
+from physim.statistics import (
+    RATES,
     holm,
     mcnemar,
     median_difference,

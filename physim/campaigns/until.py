@@ -20,7 +20,7 @@ from physim.campaigns.sweep import Tally, sweep
 from physim.campaigns.worker import Stop
 from physim.errors import PhysimError
 from physim.json_text import file_json
-from physim.statistics.goal import Goal, Watch, read_goal
+from physim.statistics import Goal, Watch, read_goal
 
 FORMAT, VERSION = "physim-until", 1
 
@@ -110,7 +110,7 @@ def _sum(one: Tally, other: Tally) -> Tally:
 
 
 def succeeded(row: Brief | Row, rate: str) -> bool:
-    """Whether a run counts as a success for a rate of `physim.statistics.goal.RATES`."""
+    """Whether a run counts as a success for a rate of `physim.statistics.RATES`."""
     if rate == "rate":
         return row.safe
     return row.contact_free if rate == "contact_free" else row.ended == FINISHED

@@ -15,8 +15,7 @@ from physim.geometry.shapes import FloatArray
 from physim.record import Record
 from physim.reproduction.decided import formation_error_peak
 from physim.reproduction.study import Outcome, Runs
-from physim.statistics.paired import rank_beyond
-from physim.statistics.proportion import clopper_pearson
+from physim.statistics import clopper_pearson, rank_beyond
 
 
 @dataclass(frozen=True)

@@ -15,7 +15,7 @@ from physim.analysis.validation.validation import CONTACTS, DISAGREE, FREE, Vali
 from physim.errors import place_text, plural
 from physim.parts.declarations import Mode, Rule
 from physim.record.setup import Setup
-from physim.statistics.proportion import clopper_pearson
+from physim.statistics import clopper_pearson
 
 
 @dataclass(frozen=True)

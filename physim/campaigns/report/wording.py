@@ -9,7 +9,7 @@ from typing import Any
 from physim.campaigns.asked import Missing
 from physim.campaigns.report.contents import MEASURES, SEVERITY, SHOWN, Rate, Report, Robots
 from physim.errors import decimal_text, plural
-from physim.statistics.goal import Decision, Goal
+from physim.statistics import Decision, Goal
 
 RATE_NAMES = {
     "rate": "contact-free and finished",

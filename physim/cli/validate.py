@@ -134,7 +134,7 @@ def _record(given: str) -> Path | None:
 
 def _validate_record(record: Record, options: Options) -> int:
     from physim.analysis.validation.origin import check_made_from
-    from physim.analysis.validation.validation import NOT_ASKED, missing, validate_again
+    from physim.analysis.validation.validation import NOT_ASKED, missing
     from physim.cli import simulating as rerun
 
     if options.world is not None:
@@ -155,10 +155,8 @@ def _validate_record(record: Record, options: Options) -> int:
     if isinstance(again, str):
         return _report(_judged(record, None, again, str(record.path), options), options, record)
     with again:
-        if lacking:
-            return _report(validate_again(record, again, str(record.path)), options, again)
         found = _judged(record, again, "", str(record.path), options)
-        return _report(found, options, record)
+        return _report(found, options, again if lacking else record)
 
 
 def _validate_world(world: World, document: Document, options: Options) -> int:
@@ -282,7 +280,7 @@ def _write_page(found: Validation, record: Record, options: Options) -> None:
 def _report(found: Validation, options: Options, record: Record | None = None) -> int:
     """Tell what was found; with a record its page is written first, where one is asked for."""
     from physim.analysis.validation import report, warning_lines
-    from physim.analysis.validation.seeds import json_of_validation
+    from physim.analysis.validation.validation import json_of_validation
 
     if record is not None:
         _write_page(found, record, options)

@@ -10,14 +10,15 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from physim.analysis.metrics import Episode, Graze, contact_episodes, deep_contacts, grazes
-from physim.analysis.metrics.motion import sampled_errors
+from physim.analysis.metrics import Episode, Figures, Graze
 from physim.contacts import Phase
 from physim.drawing.crowd import NAMED
 from physim.drawing.palette import BAND, INK, Colour
 from physim.drawing.scene_model import SceneModel
 from physim.errors import RecordError
+from physim.geometry.clearance import ClearanceFinder
 from physim.geometry.shapes import FloatArray, IntArray
+from physim.geometry.wall_grid import build_wall_grid
 from physim.parts.declarations import NO_NUMBER
 from physim.record import check_record
 
@@ -31,6 +32,10 @@ NO_ROW = -1
 COARSE = 0.1
 """[s] between two samples from which on a picture shows the sample before, and that sample's time:
 the clock has so many seconds, and all of a picture is of one moment"""
+REACH, CELL = 10.0, 2.0
+"""[m] of the look-up of walls: a matter of speed, not of values"""
+MOST_POSES = 100_000
+"""whose distances are worked out in one go"""
 COLUMNS = ("target_x", "target_y")
 """Columns of the decisions that pictures show."""
 
@@ -195,11 +200,36 @@ class Timeline:
     @cached_property
     def curves(self) -> Curves:
         """What to show over time: formation errors, in a run without formation deviations."""
-        errors, lines = sampled_errors(self.record), (self.record.names, self.scene.colours)
+        errors = Figures(self.record).formation_errors
+        lines = self.record.names, self.scene.colours
         if errors is not None:
             return Curves("formation error [m]", "formation_error", errors, *lines)
         title = "deviation left of the path [m]"
         return Curves(title, "deviation", self.record.course[:, :, 1], *lines)
+
+    def distances_at(self, samples: IntArray) -> tuple[FloatArray, FloatArray]:
+        """Return the distances (M, N) [m] to robots and to walls at M samples, given by index.
+
+        Negative: depth. A record of every step has them. Those of one with fewer samples are the
+        least since the sample before, which is another moment: they are worked out from the poses.
+        """
+        record = self.record
+        if record.record_every == 1:
+            return record.clearance[samples], record.boundary_clearance[samples]
+        block = max(1, MOST_POSES // self.robots)
+        found = [
+            self._finder.find(record.pose[samples[first : first + block]])
+            for first in range(0, len(samples), block)
+        ]
+        return (
+            np.concatenate([one.clearance for one in found]),
+            np.concatenate([one.boundary_clearance for one in found]),
+        )
+
+    @cached_property
+    def _finder(self) -> ClearanceFinder:
+        walls = self.record.walls
+        return ClearanceFinder(self.record.shapes, walls, build_wall_grid(walls, REACH, CELL))
 
     @cached_property
     def distances(self) -> Curves:
@@ -284,7 +314,8 @@ class Episodes:
 
 def episodes(record: Record) -> Episodes:
     """Contact episodes and swept contacts of a record, with the places of their contacts."""
-    found: list[Episode | Graze] = [*contact_episodes(record), *grazes(record)]
+    run = Figures(record)
+    found: list[Episode | Graze] = [*run.episodes, *run.grazes]
     found.sort(key=lambda one: (one.step, one.a, one.b))
     swept = [isinstance(one, Graze) for one in found]
     columns = [(e.a, e.b, e.step, 1 if isinstance(e, Graze) else e.samples) for e in found]
@@ -296,7 +327,7 @@ def episodes(record: Record) -> Episodes:
     row = {key: k for k, key in enumerate(table[["a", "b", "step"]].tolist())}
     first = np.array([row[key[:3]] for key in columns], dtype=np.int64)
     deep = np.full(len(columns), np.inf)
-    for one in deep_contacts(record):
+    for one in run.deep:
         for k in np.flatnonzero((a == one.a) & (b == one.b)).tolist():
             mine = table[first[k] : first[k] + samples[k]]
             beyond = mine["step"][mine["depth"] > one.allowed]

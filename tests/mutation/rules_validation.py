@@ -10,11 +10,10 @@ import numpy as np
 from tests.mutation.rules import called, found, given, instead, rule
 
 BLAME = "physim.analysis.validation.responsibility:"
+COMPARISON = "physim.analysis.validation.comparison:"
 DECISIONS = "physim.analysis.validation.decisions:"
-DIFFERENCES = "physim.analysis.validation.disagreements:"
 PREDICTION = "physim.analysis.validation.prediction:"
-PUSHING = "physim.analysis.validation.pushing:"
-RECORDED = "physim.analysis.validation.recorded_contacts:"
+PUSHING = "physim.analysis.validation.motion:"
 
 
 # Responsibility
@@ -156,7 +155,7 @@ def whoever_touches_goes_anywhere() -> None:
 @rule("validation")
 def distances_are_held_with_their_sign_lost() -> None:
     """An overlap in the record may be a gap by the shapes."""
-    found(DIFFERENCES + "distance_at", lambda value, a: abs(value))
+    found(COMPARISON + "distance_at", lambda value, a: abs(value))
 
 
 @rule("validation")
@@ -166,16 +165,7 @@ def rows_are_held_against_themselves() -> None:
     def same(exact: Any, a: Any) -> Any:
         return {name: a.rows[name] for name in exact}
 
-    found(RECORDED + "_exact", same)
-
-
-@rule("validation")
-def intervals_are_rounded_up() -> None:
-    """The next decision is expected at the first step after its interval (14)."""
-    given(
-        "physim.analysis.validation.recomputed:whole_steps",
-        hold=lambda a: np.ceil(a.hold / a.dt - 1e-9) * a.dt,
-    )
+    found(COMPARISON + "_exact", same)
 
 
 @rule("validation")

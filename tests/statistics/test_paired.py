@@ -84,6 +84,10 @@ def test_a_test_without_any_difference() -> None:
     assert sign_test([0.0, 0.0]) == 1.0
 
 
+def test_differences_of_zero_say_nothing() -> None:
+    assert sign_test([1.0] * 6 + [0.0] * 40) == sign_test([1.0] * 6) == 2.0**-5
+
+
 def test_ranks_of_the_interval_of_the_median() -> None:
     """The tables of the sign test: Conover (1999), and by hand."""
     assert [rank_beyond(n) for n in (0, 5, 6, 8, 9, 20, 25, 100)] == [-1, -1, 0, 0, 1, 5, 7, 39]

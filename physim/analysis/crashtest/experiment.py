@@ -10,24 +10,24 @@ import os
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from pathlib import Path
-from typing import NamedTuple
 
 import numpy as np
 
-from physim.analysis.crashtest.case import STEPS, Case, build_store
-from physim.analysis.crashtest.drawing import (
-    KINDS,
+from physim.analysis.crashtest.cases import (
     TIME_STEPS,
-    Batch,
+    Case,
+    Packed,
     case_world,
     draw_case,
+    masses,
     pack,
     place_of,
 )
-from physim.analysis.crashtest.prediction import Prediction, approach, predict
+from physim.analysis.crashtest.drafts import KINDS, STEPS, build_store
+from physim.analysis.crashtest.prediction import approach, predict
 from physim.analysis.crashtest.report import (
     NEVER,
-    Classified,
+    ROW,
     CrashReport,
     Unexplained,
     Verdict,
@@ -35,46 +35,33 @@ from physim.analysis.crashtest.report import (
 )
 from physim.contacts import Phase
 from physim.errors import PhysimError
-from physim.geometry.shapes import IntArray
+from physim.geometry.shapes import FloatArray, IntArray
 from physim.simulation.engine import Physics
 from physim.tolerances import CLOSING_SPEED, CONTACT, TIME, chord
 
-
-class Simulated(NamedTuple):
-    """What the engine found in M cases."""
-
-    sample: IntArray
-    """(M,) of the first physical contact, or NEVER"""
-    rejected: int
-    """false contacts of the engine that were kept out"""
-
-
-def simulate_cases(batch: Batch) -> Simulated:
-    """Drive every robot for STEPS steps."""
-    physics = Physics(batch.shapes, batch.walls, batch.start, batch.mass, batch.dt)
-    case_of = np.repeat(np.arange(len(batch.cases)), np.diff(batch.first_robot))
-    sample = np.full(len(batch.cases), NEVER, dtype=np.int64)
-    command = batch.command.copy()
-    _note(physics, case_of, sample)
-    for _ in range(STEPS):
-        # What has touched goes back where it came from: a pile-up would only cost time.
-        command = np.where(sample[case_of, None] == NEVER, batch.command, -batch.command)
-        physics.step(command)
-        _note(physics, case_of, sample)
-    return Simulated(sample, physics.rejected)
-
-
-def _note(physics: Physics, case_of: IntArray, sample: IntArray) -> None:
-    """Note the cases that touch for the first time at the present sample."""
-    rows = physics.contacts
-    if not len(rows):
-        return
-    case = case_of[rows["a"][rows["phase"] == Phase.BEGAN]]
-    sample[case[sample[case] == NEVER]] = physics.step_number
-
-
 BLOCK = 2000
 """Cases drawn at a time; each time step among them gets a space of its own."""
+
+
+def simulate_cases(batch: Packed, mass: FloatArray) -> tuple[IntArray, int]:
+    """Drive every robot for STEPS steps; ``mass`` (N,) [kg].
+
+    Sample (M,) of the first physical contact of each case, or NEVER, and how many false contacts
+    of the engine were kept out.
+    """
+    physics = Physics(batch.shapes, batch.walls, batch.start, mass, batch.dt)
+    count = np.diff(batch.first_robot)
+    case_of = np.repeat(np.arange(len(count)), count)
+    sample = np.full(len(count), NEVER, dtype=np.int64)
+    for step in range(STEPS + 1):
+        if step:
+            # What has touched goes back where it came from: a pile-up would only cost time.
+            going = sample[case_of, None] == NEVER
+            physics.step(np.where(going, batch.command, -batch.command))
+        if len(rows := physics.contacts):
+            case = case_of[rows["a"][rows["phase"] == Phase.BEGAN]]
+            sample[case[sample[case] == NEVER]] = physics.step_number
+    return sample, physics.rejected
 
 
 def crash_test(
@@ -92,8 +79,8 @@ def crash_test(
     done; when ``stop`` returns True the test ends with the cases so far.
     """
     report = CrashReport(seed, cases)
-    for batch in _batches(seed, cases):
-        _compare(report, batch, simulate_cases(batch), predict(batch), folder)
+    for some in _batches(seed, cases):
+        _compare(report, some, folder)
         if progress is not None:
             progress(report.cases)
         if stop is not None and stop():
@@ -103,7 +90,7 @@ def crash_test(
     return report
 
 
-def _batches(seed: int, cases: int) -> Iterator[Batch]:
+def _batches(seed: int, cases: int) -> Iterator[tuple[Case, ...]]:
     """Cases, block after block, by time step; the place of a case is its place in the block."""
     store = build_store(seed)
     for first in range(0, cases, BLOCK):
@@ -111,74 +98,53 @@ def _batches(seed: int, cases: int) -> Iterator[Batch]:
         drawn = [draw_case(seed, k, place_of(k % BLOCK), store) for k in numbers]
         for dt in TIME_STEPS:
             if group := tuple(case for case in drawn if case.dt == dt):
-                yield pack(dt, group)
+                yield group
 
 
 def _compare(
-    report: CrashReport,
-    batch: Batch,
-    simulated: Simulated,
-    predicted: Prediction,
-    folder: str | os.PathLike[str] | None,
+    report: CrashReport, cases: tuple[Case, ...], folder: str | os.PathLike[str] | None
 ) -> None:
-    """Compare the cases of a batch; their verdicts go into the report."""
-    dt, xi, sample = batch.dt, predicted.time, simulated.sample
+    """Simulate and compare cases of one time step; what came of them goes into the report."""
+    dt = cases[0].dt
+    batch = pack(dt, cases)
+    (sample, rejected), predicted = simulate_cases(batch, masses(cases)), predict(batch)
+    xi = predicted.time
     seen = approach(batch, xi)  # by the true shapes and arcs, whoever predicted xi
-    classified = [
-        classify(dt, int(sample[k]), float(xi[k]), float(seen.gap[k]), predicted.distance[k])
-        for k in range(len(batch.cases))
-    ]
-    verdict = np.array([int(one.verdict) for one in classified])
-    names = tuple(KINDS)
-    report.kind.append(np.array([names.index(case.kind) for case in batch.cases]))
-    report.step.append(np.full(len(verdict), TIME_STEPS.index(dt)))
-    report.verdict.append(verdict)
-    report.rejected += simulated.rejected
-    same = verdict == Verdict.SAME_SAMPLE
-    report.lag.append(sample[same] - xi[same] / dt)
-    report.renewed += int((predicted.renewed > 0).sum())
-    chords = _chords(batch)
-    swept = same & (seen.swept < np.inf)
-    off = np.abs(seen.swept_gap[swept]) - chords[swept]
-    report.swept_beyond += int((off > 2.0 * CONTACT).sum())  # the swept check has a slack, too
-    firm = swept & (seen.closing >= CLOSING_SPEED)
-    report.swept.append(np.stack((np.abs(seen.swept[firm] - xi[firm]), chords[firm]), axis=1))
-    graze = verdict == Verdict.GRAZE
-    report.grazes.append(np.stack((seen.swept < np.inf, chords == 0.0), axis=1)[graze])
-    for k in np.flatnonzero(verdict == Verdict.UNEXPLAINED):
-        report.unexplained.append(
-            _unexplained(batch.cases[k], int(sample[k]), float(xi[k]), classified[k])
-        )
-        if folder is not None:
-            _write(report, batch.cases[k], Path(folder))
+    report.rejected += rejected
+    rows, names = np.zeros(len(cases), ROW), tuple(KINDS)
+    for k, case in enumerate(cases):
+        at, time = int(sample[k]), float(xi[k])
+        found = classify(dt, at, time, float(seen.gap[k]), predicted.distance[k])
+        rows["kind"][k], rows["verdict"][k] = names.index(case.kind), found.verdict
+        if found.verdict == Verdict.UNEXPLAINED:
+            known = time < math.inf
+            one = Unexplained(
+                case.number, case.kind, dt, None if at == NEVER else at, time if known else None,
+                max(0, math.ceil((time - TIME) / dt)) if known else None, found.reason,
+            )  # fmt: skip
+            world = None if folder is None else _write(case, report.seed, one, Path(folder))
+            report.unexplained.append(replace(one, world=world))
+    same, swept = rows["verdict"] == Verdict.SAME_SAMPLE, seen.swept < np.inf
+    # how far straight motion between samples is from the arcs, both robots together
+    off = np.array([chord(v, omega, dt) for v, omega in batch.command])
+    chords = np.add.reduceat(off, batch.first_robot[:-1])
+    firm = same & swept & (seen.closing >= CLOSING_SPEED)
+    beyond = np.abs(seen.swept_gap) - chords > 2.0 * CONTACT  # the swept check has a slack, too
+    rows["lag"] = rows["off"] = np.nan
+    rows["lag"][same] = sample[same] - xi[same] / dt
+    rows["off"][firm] = np.abs(seen.swept[firm] - xi[firm])
+    rows["beyond"] = beyond & same & swept
+    rows["step"], rows["chord"], rows["swept"] = TIME_STEPS.index(dt), chords, swept
+    rows["renewed"] = predicted.renewed > 0
+    report.batches.append(rows)
 
 
-def _chords(batch: Batch) -> np.ndarray:
-    """(M,) [m] how far straight motion between samples is from the arcs, both robots together."""
-    off = np.array([chord(v, omega, batch.dt) for v, omega in batch.command])
-    return np.add.reduceat(off, batch.first_robot[:-1])
-
-
-def _unexplained(case: Case, sample: int, xi: float, classified: Classified) -> Unexplained:
-    known = xi < math.inf
-    return Unexplained(
-        number=case.number,
-        kind=case.kind,
-        dt=case.dt,
-        physical_sample=None if sample == NEVER else sample,
-        collision_time=xi if known else None,
-        expected_sample=max(0, math.ceil((xi - TIME) / case.dt)) if known else None,
-        reason=classified.reason,
-    )
-
-
-def _write(report: CrashReport, case: Case, folder: Path) -> None:
-    """Write the world of the last unexplained case."""
-    last = report.unexplained[-1]
+def _write(case: Case, seed: int, one: Unexplained, folder: Path) -> str:
+    """Write the world of an unexplained case; returns its file."""
     path = folder / f"case-{case.number:06d}.yaml"
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise PhysimError(f"{folder}: cannot be made ({error.strerror})") from None
-    case_world(case, report.seed, last.reason).save(path)
-    report.unexplained[-1] = replace(last, world=str(path))
+    case_world(case, seed, one.reason).save(path)
+    return str(path)

@@ -7,8 +7,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from physim.analysis.crashtest.case import STEPS
-from physim.analysis.crashtest.drawing import Batch
+from physim.analysis.crashtest.cases import Packed
+from physim.analysis.crashtest.drafts import STEPS
 from physim.compiled import compiled, is_cached
 from physim.geometry.collision import collision_time_pair, collision_time_walls
 from physim.geometry.motion import arc
@@ -47,7 +47,7 @@ class Approach(NamedTuple):
 
 
 class PackedCase(NamedTuple):
-    """One case, for the kernels: robots ``first`` to ``last - 1`` and wall parts."""
+    """One case, for the kernels: robots ``first`` to ``last - 1``, two, or one and wall parts."""
 
     shapes: Shapes
     walls: Shapes
@@ -59,38 +59,25 @@ class PackedCase(NamedTuple):
     dt: float
 
 
-def predict(batch: Batch) -> Prediction:
+def predict(batch: Packed) -> Prediction:
     """Collision time and distances of every case."""
-    return Prediction(*_predict(*_arrays(batch), batch.dt, STEPS))
+    return Prediction(*_predict(batch, STEPS))
 
 
-def approach(batch: Batch, time: FloatArray) -> Approach:
+def approach(batch: Packed, time: FloatArray) -> Approach:
     """How every case stands at its time [s] (M,); nothing where that is inf."""
-    return Approach(*_approach(*_arrays(batch), batch.dt, STEPS, time))
-
-
-def _arrays(
-    batch: Batch,
-) -> tuple[Shapes, Shapes, FloatArray, FloatArray, IntArray, IntArray]:
-    return (
-        batch.shapes, batch.walls, batch.start, batch.command,
-        batch.first_robot, batch.first_wall,
-    )  # fmt: skip
+    return Approach(*_approach(batch, STEPS, time))
 
 
 @compiled
-def _case(
-    shapes: Shapes,
-    walls: Shapes,
-    start: FloatArray,
-    command: FloatArray,
-    first_robot: IntArray,
-    first_wall: IntArray,
-    dt: float,
-    k: int,
-) -> PackedCase:
-    parts = np.arange(walls.body_start[first_wall[k]], walls.body_start[first_wall[k + 1]])
-    return PackedCase(shapes, walls, parts, start, command, first_robot[k], first_robot[k + 1], dt)
+def packed_case(batch: Packed, k: int) -> PackedCase:
+    """Case k of a batch."""
+    bodies = batch.walls.body_start[batch.first_wall[k] : batch.first_wall[k + 1] + 1]
+    first, last = batch.first_robot[k], batch.first_robot[k + 1]
+    parts = np.arange(bodies[0], bodies[-1])
+    return PackedCase(
+        batch.shapes, batch.walls, parts, batch.start, batch.command, first, last, batch.dt
+    )
 
 
 @compiled
@@ -117,45 +104,26 @@ def point_speed(
 @compiled
 def state_at(case: PackedCase, t: float) -> tuple[float, float]:
     """Signed distance [m] of a case, and closing speed [m/s] of its closest points."""
-    shapes, command, first = case.shapes, case.command, case.first
+    shapes, i, j = case.shapes, case.first, case.first + 1
     pose = poses_at(case, t)
-    best = np.inf
-    closing = 0.0
-    for i in range(first, case.last):
-        one = pose[i - first]
-        if len(case.parts):
-            d, nx, ny, ax, ay, _, _ = wall_separation(shapes, i, one, case.walls, case.parts)
-            if d < best:
-                best = d
-                closing = point_speed(one, command[i], ax, ay, nx, ny)
-        for j in range(i + 1, case.last):
-            two = pose[j - first]
-            d, nx, ny, ax, ay, bx, by = body_separation(shapes, i, one, shapes, j, two)
-            if d < best:
-                best = d
-                closing = point_speed(one, command[i], ax, ay, nx, ny)
-                closing -= point_speed(two, command[j], bx, by, nx, ny)
-    return best, closing
+    if len(pose) == 1:
+        d, nx, ny, ax, ay, _, _ = wall_separation(shapes, i, pose[0], case.walls, case.parts)
+        return d, point_speed(pose[0], case.command[i], ax, ay, nx, ny)
+    d, nx, ny, ax, ay, bx, by = body_separation(shapes, i, pose[0], shapes, j, pose[1])
+    closing = point_speed(pose[0], case.command[i], ax, ay, nx, ny)
+    return d, closing - point_speed(pose[1], case.command[j], bx, by, nx, ny)
 
 
 @compiled
 def time_from(case: PackedCase, since: float, horizon: float) -> float:
     """Collision time [s] counted from ``since``, up to the horizon."""
-    shapes, command, first = case.shapes, case.command, case.first
+    shapes, i, j = case.shapes, case.first, case.first + 1
     pose = poses_at(case, since)
-    found = np.inf
-    for i in range(first, case.last):
-        one = pose[i - first]
-        twist = (command[i, 0], command[i, 1])
-        if len(case.parts):
-            xi = collision_time_walls(shapes, i, one, twist, case.walls, case.parts, horizon)
-            found = min(found, xi)
-        for j in range(i + 1, case.last):
-            two = pose[j - first]
-            other = (command[j, 0], command[j, 1])
-            xi = collision_time_pair(shapes, i, one, twist, j, two, other, horizon)
-            found = min(found, xi)
-    return found
+    twist = (case.command[i, 0], case.command[i, 1])
+    if len(pose) == 1:
+        return collision_time_walls(shapes, i, pose[0], twist, case.walls, case.parts, horizon)
+    other = (case.command[j, 0], case.command[j, 1])
+    return collision_time_pair(shapes, i, pose[0], twist, j, pose[1], other, horizon)
 
 
 @compiled
@@ -175,56 +143,32 @@ def collision_time_of(case: PackedCase, horizon: float) -> tuple[float, int]:
 @compiled
 def swept_step(case: PackedCase, step: int) -> float:
     """Time of the first contact in a step [s after its first sample], inf when there is none."""
-    first = case.first
-    before = poses_at(case, step * case.dt)
-    after = poses_at(case, (step + 1) * case.dt)
-    found = np.inf
-    for i in range(first, case.last):
-        a, b = before[i - first], after[i - first]
-        if len(case.parts):
-            t, _ = swept_walls(case.shapes, i, a, b, case.walls, case.parts, case.dt)
-            found = min(found, t)
-        for j in range(i + 1, case.last):
-            c, d = before[j - first], after[j - first]
-            found = min(found, swept_pair(case.shapes, i, a, b, j, c, d, case.dt))
-    return found
+    shapes, i = case.shapes, case.first
+    a = poses_at(case, step * case.dt)
+    b = poses_at(case, (step + 1) * case.dt)
+    if len(a) == 1:
+        return swept_walls(shapes, i, a[0], b[0], case.walls, case.parts, case.dt)[0]
+    return swept_pair(shapes, i, a[0], b[0], i + 1, a[1], b[1], case.dt)
 
 
 @compiled
-def _predict(
-    shapes: Shapes,
-    walls: Shapes,
-    start: FloatArray,
-    command: FloatArray,
-    first_robot: IntArray,
-    first_wall: IntArray,
-    dt: float,
-    steps: int,
-) -> tuple[FloatArray, IntArray, FloatArray]:
+def _predict(batch: Packed, steps: int) -> tuple[FloatArray, IntArray, FloatArray]:
     """Arrays of a `Prediction`."""
-    cases = len(first_robot) - 1
+    cases = len(batch.first_robot) - 1
     time = np.empty(cases)
     renewed = np.empty(cases, np.int64)
     distance = np.empty((cases, steps + 1))
     for k in range(cases):
-        case = _case(shapes, walls, start, command, first_robot, first_wall, dt, k)
-        time[k], renewed[k] = collision_time_of(case, steps * dt)
+        case = packed_case(batch, k)
+        time[k], renewed[k] = collision_time_of(case, steps * batch.dt)
         for n in range(steps + 1):
-            distance[k, n] = state_at(case, n * dt)[0]
+            distance[k, n] = state_at(case, n * batch.dt)[0]
     return time, renewed, distance
 
 
 @compiled
 def _approach(
-    shapes: Shapes,
-    walls: Shapes,
-    start: FloatArray,
-    command: FloatArray,
-    first_robot: IntArray,
-    first_wall: IntArray,
-    dt: float,
-    steps: int,
-    time: FloatArray,
+    batch: Packed, steps: int, time: FloatArray
 ) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
     """Arrays of an `Approach`."""
     cases = len(time)
@@ -235,13 +179,13 @@ def _approach(
     for k in range(cases):
         if not time[k] < np.inf:
             continue
-        case = _case(shapes, walls, start, command, first_robot, first_wall, dt, k)
+        case = packed_case(batch, k)
         gap[k], speed = state_at(case, time[k])
-        near = int(time[k] / dt)
+        near = int(time[k] / batch.dt)
         for n in range(max(0, near - 1), min(near + 2, steps)):
             t = swept_step(case, n)
             if t < np.inf:
-                swept[k] = n * dt + t
+                swept[k] = n * batch.dt + t
                 swept_gap[k], later = state_at(case, swept[k])
                 closing[k] = min(speed, later)
                 break

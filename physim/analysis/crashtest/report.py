@@ -18,6 +18,7 @@ xi, and lists every unexplained case.
 from __future__ import annotations
 
 import json
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import IntEnum
 from typing import Any, NamedTuple
@@ -25,8 +26,9 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from physim.analysis.crashtest.drawing import KINDS, TIME_STEPS
-from physim.geometry.shapes import FloatArray, IntArray
+from physim.analysis.crashtest.cases import TIME_STEPS
+from physim.analysis.crashtest.drafts import KINDS
+from physim.geometry.shapes import FloatArray
 from physim.tolerances import CONTACT, ROUNDING, TIME
 
 NEVER = -1
@@ -74,12 +76,22 @@ def classify(dt: float, physical: int, xi: float, gap: float, distance: FloatArr
         early = first == NEVER or NEVER < physical < first
         at = physical if early else first
         if abs(distance[at] - CONTACT) > ROUNDING:
-            return Classified(Verdict.UNEXPLAINED, _sample_reason(early, at, float(distance[at])))
+            says, shapes = ("contact", "are") if early else ("no contact", "overlap by")
+            there = f"{distance[at]:.3g} m apart" if early else f"{-distance[at]:.3g} m"
+            return Classified(
+                Verdict.UNEXPLAINED,
+                f"the engine reports {says} at sample {at}, where the shapes {shapes} {there}",
+            )
         tolerance = True
     before = distance[np.arange(len(distance)) * dt < xi - TIME]
     if len(before) and (least := float(before.min())) <= CONTACT:
         if least < -CONTACT:
-            return Classified(Verdict.UNEXPLAINED, _late_reason(before, xi))
+            sample, when = first_sample(before), f"{xi:.9g} s" if xi < np.inf else "never"
+            return Classified(
+                Verdict.UNEXPLAINED,
+                f"the collision time is late ({when}): the shapes overlap by "
+                f"{-before[sample]:.3g} m at sample {sample}",
+            )
         tolerance = True
     if xi < np.inf and not gap <= CONTACT + ROUNDING:
         return Classified(
@@ -93,27 +105,6 @@ def classify(dt: float, physical: int, xi: float, gap: float, distance: FloatArr
     if physical != NEVER and physical * dt < xi + dt:
         return Classified(Verdict.SAME_SAMPLE)
     return Classified(Verdict.GRAZE)
-
-
-def _sample_reason(early: bool, sample: int, distance: float) -> str:
-    if early:
-        return (
-            f"the engine reports contact at sample {sample}, where the shapes are "
-            f"{distance:.3g} m apart"
-        )
-    return (
-        f"the engine reports no contact at sample {sample}, where the shapes overlap by "
-        f"{-distance:.3g} m"
-    )
-
-
-def _late_reason(before: FloatArray, xi: float) -> str:
-    sample = first_sample(before)
-    when = f"{xi:.9g} s" if xi < np.inf else "never"
-    return (
-        f"the collision time is late ({when}): the shapes overlap by "
-        f"{-before[sample]:.3g} m at sample {sample}"
-    )
 
 
 QUANTILES = {"least": 0.0, "5 %": 0.05, "median": 0.5, "95 %": 0.95, "most": 1.0}
@@ -140,6 +131,19 @@ class Unexplained:
     """file of the world that replays it"""
 
 
+MOST_LISTED = 10
+"""Unexplained cases that are listed one by one; the JSON has them all."""
+ROW = np.dtype(
+    [("kind", "i1"), ("step", "i1"), ("verdict", "i1"), ("renewed", "?"), ("lag", "f8"),
+     ("off", "f8"), ("chord", "f8"), ("beyond", "?"), ("swept", "?")]
+)  # fmt: skip
+"""A case: numbers of its kind, time step and `Verdict`; whether the search for its collision time
+went on from a lower bound; share of a step by which the physical contact is later than xi, where
+in the same sample (else NaN); how far the swept contact is from xi [s], where the shapes close at
+CLOSING_SPEED or more (else NaN); chord tolerance [m]; whether at the swept contact the shapes, on
+the exact arcs, are farther from touching than that; whether there is a swept contact."""
+
+
 @dataclass
 class CrashReport:
     """Outcome of a crash test; equal for equal seed and number of cases."""
@@ -147,64 +151,57 @@ class CrashReport:
     seed: int
     asked: int
     """cases that were asked for"""
-    kind: list[IntArray] = field(default_factory=list)
-    step: list[IntArray] = field(default_factory=list)
-    verdict: list[IntArray] = field(default_factory=list)
-    lag: list[FloatArray] = field(default_factory=list)
-    """share of a step by which the physical contact is later than xi, where in the same sample"""
-    swept: list[FloatArray] = field(default_factory=list)
-    """(M, 2) how far the swept contact is from xi [s], and the chord tolerance [m]; where the
-    shapes close at CLOSING_SPEED or more"""
-    swept_beyond: int = 0
-    """swept contacts at which the shapes, on the exact arcs, are farther from touching than the
-    chord tolerance"""
-    grazes: list[NDArray[np.bool_]] = field(default_factory=list)
-    """(M, 2) of each graze: does the swept check find it, is all motion free of chords"""
+    batches: list[NDArray[np.void]] = field(default_factory=list)
+    """rows of `ROW`"""
     unexplained: list[Unexplained] = field(default_factory=list)
     rejected: int = 0
     """false contacts of the engine that were kept out"""
-    renewed: int = 0
-    """collision times whose search reached its cap and went on from the lower bound"""
     interrupted: bool = False
     """whether fewer cases were compared than were asked for"""
 
     @property
+    def rows(self) -> NDArray[np.void]:
+        """(M,) rows of `ROW`, of the cases that were compared."""
+        return np.concatenate([np.zeros(0, ROW), *self.batches])
+
+    @property
     def cases(self) -> int:
         """Cases compared."""
-        return sum(map(len, self.verdict))
+        return sum(map(len, self.batches))
 
     def count(self, verdict: Verdict) -> int:
         """Cases with a verdict."""
-        return sum(int((rows == verdict).sum()) for rows in self.verdict)
+        return int((self.rows["verdict"] == verdict).sum())
 
     def to_json(self) -> str:
         """JSON text: the same for the same seed and number of cases."""
         return json.dumps(_plain(self), indent=2, ensure_ascii=False) + "\n"
 
 
-def _joined(rows: list[Any], columns: int = 0) -> Any:
-    empty = np.zeros((0, columns) if columns else 0)
-    return np.concatenate(rows) if rows else empty
+def _counts(rows: NDArray[np.void]) -> dict[str, int]:
+    counted = np.bincount(rows["verdict"], minlength=len(WORDS)).tolist()
+    return dict(zip(WORDS, counted, strict=True))
 
 
-def _counts(verdict: IntArray) -> dict[str, int]:
-    return dict(zip(WORDS, np.bincount(verdict, minlength=len(WORDS)).tolist(), strict=True))
+def _tables(rows: NDArray[np.void]) -> tuple[dict[str, dict[str, int]], ...]:
+    """Verdicts by kind and by time step."""
+    kinds = {name: _counts(rows[rows["kind"] == k]) for k, name in enumerate(KINDS)}
+    steps = {f"{dt:g}": _counts(rows[rows["step"] == k]) for k, dt in enumerate(TIME_STEPS)}
+    return kinds, steps
 
 
-def quantiles(values: FloatArray) -> dict[str, float] | None:
-    """Named quantiles; None without values."""
-    if not len(values):
-        return None
-    return {name: float(np.quantile(values, share)) for name, share in QUANTILES.items()}
+def _spread(values: FloatArray) -> dict[str, Any]:
+    """How many values are known, and their quantiles."""
+    known = values[~np.isnan(values)]
+    shares = {name: float(np.quantile(known, at)) for name, at in QUANTILES.items() if len(known)}
+    return {"contacts": len(known), "quantiles": shares or None}
 
 
 def _plain(report: CrashReport) -> dict[str, Any]:
-    kind = _joined(report.kind).astype(int)
-    step = _joined(report.step).astype(int)
-    verdict = _joined(report.verdict).astype(int)
-    lag, swept = _joined(report.lag), _joined(report.swept, 2)
-    off, flat = swept[:, 0], swept[:, 1] == 0.0
-    seen, still = _joined(report.grazes, 2).astype(bool).T
+    rows = report.rows
+    kinds, steps = _tables(rows)
+    lag, flat = rows["lag"], rows["chord"] == 0.0
+    seen, grazes = rows["swept"], rows["verdict"] == Verdict.GRAZE
     return {
         "format": "physim-crashtest",
         "version": 1,
@@ -212,82 +209,39 @@ def _plain(report: CrashReport) -> dict[str, Any]:
         "cases": report.cases,
         "cases_asked": report.asked,
         "interrupted": report.interrupted,
-        "verdicts": _counts(verdict),
+        "verdicts": _counts(rows),
         "rejected_false_contacts": report.rejected,
-        "by_kind": {name: _counts(verdict[kind == k]) for k, name in enumerate(KINDS)},
-        "by_time_step": {f"{dt:g}": _counts(verdict[step == k]) for k, dt in enumerate(TIME_STEPS)},
+        "by_kind": kinds,
+        "by_time_step": steps,
         "contact_after_collision_time": {
             "unit": "share of a step",
-            "contacts": len(lag),
-            "quantiles": quantiles(lag),
-            "histogram": np.histogram(np.clip(lag, 0.0, 1.0), BINS, (0.0, 1.0))[0].tolist(),
+            **_spread(lag),
+            "histogram": np.histogram(
+                np.clip(lag[~np.isnan(lag)], 0.0, 1.0), BINS, (0.0, 1.0)
+            )[0].tolist(),
         },
         "swept_contact_against_collision_time": {
             "unit": "s",
-            "straight": {"contacts": int(flat.sum()), "quantiles": quantiles(off[flat])},
-            "arcs": {"contacts": int((~flat).sum()), "quantiles": quantiles(off[~flat])},
-            "beyond_chord_tolerance": report.swept_beyond,
+            "straight": _spread(rows["off"][flat]),
+            "arcs": _spread(rows["off"][~flat]),
+            "beyond_chord_tolerance": int(rows["beyond"].sum()),
         },
         "grazes_found_by_swept_check": {
-            "straight": {"found": int((seen & still).sum()), "of": int(still.sum())},
-            "arcs": {"found": int((seen & ~still).sum()), "of": int((~still).sum())},
+            name: {"found": int((seen & some).sum()), "of": int(some.sum())}
+            for name, some in (("straight", grazes & flat), ("arcs", grazes & ~flat))
         },
-        "searches_taken_up_again": report.renewed,
+        "searches_taken_up_again": int(rows["renewed"].sum()),
         "unexplained": [vars(one) for one in report.unexplained],
-    }
+    }  # fmt: skip
 
 
 def text(report: CrashReport) -> str:
-    """Table for people, with the verdict as its last line."""
-    found = _plain(report)
-    heads = ("same sample", "no contact", "graze", "tolerance", "unexplained")
-    rows = [("", "cases", *heads)]
-    for name, counts in [*found["by_kind"].items(), ("all", found["verdicts"])]:
-        rows.append((name, str(sum(counts.values())), *map(str, counts.values())))
-    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
-    lines = [
-        "  ".join(
-            cell.ljust(width) if k == 0 else cell.rjust(width)
-            for k, (cell, width) in enumerate(zip(row, widths, strict=True))
-        ).rstrip()
-        for row in rows
-    ]
-    lines.append("")
-    lines += _figures(found)
-    lines += _verdict(report)
-    return "\n".join(lines) + "\n"
-
-
-def _figures(found: dict[str, Any]) -> list[str]:
-    lines = []
-    lag = found["contact_after_collision_time"]["quantiles"]
-    if lag:
-        values = ", ".join(f"{name} {value:.3f}" for name, value in lag.items())
-        lines.append(f"physical contact after collision time, in steps: {values}")
-    swept = found["swept_contact_against_collision_time"]
-    for name in ("straight", "arcs"):
-        if swept[name]["quantiles"]:
-            values = ", ".join(f"{n} {v:.1e}" for n, v in swept[name]["quantiles"].items())
-            lines.append(f"swept contact off collision time, {name} [s]: {values}")
-    lines.append(f"swept contacts beyond the chord tolerance: {swept['beyond_chord_tolerance']}")
-    for name, share in found["grazes_found_by_swept_check"].items():
-        lines.append(
-            f"grazes that the swept check finds, {name}: {share['found']} of {share['of']}"
-        )
-    lines.append(
-        f"collision times that were lower bounds at first: {found['searches_taken_up_again']}"
-    )
-    lines.append(f"false contacts of the engine, rejected: {found['rejected_false_contacts']}")
-    return lines
-
-
-MOST_LISTED = 10
-"""Unexplained cases that are listed one by one; the JSON has them all."""
-
-
-def _verdict(report: CrashReport) -> list[str]:
+    """Verdicts by kind and by time step for people; the last line is that on all."""
+    kinds, steps = _tables(report.rows)
+    lines = _table({**kinds, "all": _counts(report.rows)})
+    lines += ["", *_table({f"step {dt} s": counts for dt, counts in steps.items()}), ""]
     missed = report.unexplained
-    lines = [
+    lines += [
         f"  case {one.number} ({one.kind}, step {one.dt:g} s): {one.reason}"
         + (f" -> {one.world}" if one.world else "")
         for one in missed[:MOST_LISTED]
@@ -295,11 +249,22 @@ def _verdict(report: CrashReport) -> list[str]:
     if len(missed) > MOST_LISTED:
         lines.append(f"  and {len(missed) - MOST_LISTED} more")
     of = f"of {report.cases} cases (seed {report.seed})"
-    verdict = (
-        f"checks disagree: {len(missed)} {of} unexplained"
-        if missed
-        else f"engine and analysis agree: 0 {of} unexplained"
-    )
+    verdict = f"engine and analysis agree: 0 {of} unexplained"
+    if missed:
+        verdict = f"checks disagree: {len(missed)} {of} unexplained"
     if report.interrupted:
         verdict += f"; interrupted before the other {report.asked - report.cases:,}"
-    return [*lines, verdict]
+    return "\n".join([*lines, verdict]) + "\n"
+
+
+def _table(counts: Mapping[str, Mapping[str, int]]) -> list[str]:
+    rows: list[tuple[str, ...]] = [
+        ("", "cases", "same sample", "no contact", "graze", "tolerance", "unexplained")
+    ]
+    for name, some in counts.items():
+        rows.append((name, str(sum(some.values())), *map(str, some.values())))
+    first, *widths = (max(map(len, column)) for column in zip(*rows, strict=True))
+    return [
+        "  ".join([name.ljust(first), *map(str.rjust, cells, widths)]).rstrip()
+        for name, *cells in rows
+    ]

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from physim.compiled import compiled
 from physim.errors import RecordError
 from physim.geometry.separation import body_distance, point_gap, wall_distance
-from physim.geometry.shapes import FloatArray, IntArray, Shapes
+from physim.geometry.shapes import FloatArray, IntArray, Shapes, read_only
 from physim.geometry.swept import swept_pair, swept_walls
 from physim.record import Record
 from physim.record.row_checks import Source
@@ -273,6 +273,15 @@ def analytic_contacts(record: Record) -> AnalyticContacts:
         reach, record.samples, record.robots * (record.robots - 1) // 2, record.robots * bodies,
         np.concatenate(touching), np.concatenate(grazes), done,
     )  # fmt: skip
+
+
+def pair_distance(record: Record, pose: FloatArray, a: int, b: int) -> float:
+    """Signed distance [m] of robot ``a`` and body ``b`` of a record at poses (N, 3)."""
+    shapes = record.shapes
+    if b < record.robots:
+        return float(body_distance(shapes, a, pose[a], shapes, b, pose[b]))
+    still = read_only(np.zeros(3))
+    return float(body_distance(shapes, a, pose[a], record.walls, b - record.robots, still))
 
 
 class Room:

@@ -1,4 +1,4 @@
-"""Physical contacts held against the analytic ones, step by step and pair by pair.
+"""Contacts and distances of a record held against the shapes, step by step and pair by pair.
 
 A disagreement has a cause. Explained are
 
@@ -10,39 +10,83 @@ A disagreement has a cause. Explained are
 - ``rejected false contact of the engine``: the engine reported a contact of shapes that are apart,
   and the exact check kept it out.
 
-Everything else is ``unexplained``: one of the two is wrong.
+Everything else is ``unexplained``: one of the two is wrong. Of each contact at a sample its point,
+its normal, its depth and, where it has ended, the gap are computed anew; its rows must make whole
+episodes: one that begins, one for every sample while it lasts, one that ends. Distances are
+computed anew at every sample of every robot.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
-from typing import NamedTuple
+from functools import partial
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from physim.analysis.validation.analytic_contacts import AnalyticContacts
-from physim.analysis.validation.disagreements import (
-    DEPTH_SLACK,
-    ROUNDING,
-    TOLERANCE,
-    UNEXPLAINED,
-    Disagreement,
-    distances_over,
-    distinct,
-    row_keys,
-    stretches,
+from physim.analysis.validation.analytic_contacts import (
+    AnalyticContacts,
+    pair_distance,
+    pose_blocks,
 )
-from physim.analysis.validation.recorded_contacts import (
-    check_contact_rows,
-    check_false_contacts,
-    check_swept_contacts,
-)
-from physim.analysis.validation.recorded_distances import Exact, check_extremes
-from physim.contacts import touching
-from physim.geometry.shapes import FloatArray, IntArray
+from physim.analysis.validation.mismatch import differs
+from physim.contacts import Kind, Phase, touching
+from physim.errors import RecordError
+from physim.geometry.clearance import clearances
+from physim.geometry.shapes import FloatArray, IntArray, joined_shapes
+from physim.geometry.solids import describe_contacts, solids_of
+from physim.geometry.swept import least_gap_pair, least_gap_walls
+from physim.geometry.wall_grid import build_wall_grid
 from physim.record import Record
+from physim.record.writer import Extremes
 from physim.tolerances import CONTACT
+
+TOLERANCE = "within tolerance"
+GRAZE = "graze between samples"
+REJECTED = "rejected false contact of the engine"
+UNEXPLAINED = "unexplained"
+
+ROUNDING = 1e-12
+"""[m] Two ways to compute one distance differ by less, up to 10 km from the origin."""
+DEPTH_SLACK = 1e-9
+"""[m] How well a recorded depth or distance must agree with the one computed here."""
+LEAST_SLACK = 1e-8
+"""[m] Two searches for the least distance of a step agree to this: each ends within 1e-9 m of it,
+from poses of one motion."""
+NEAR_TOUCH = 2.0 * CONTACT
+"""[m] A least distance within this of 0 may count as touching or not."""
+REACH, CELL = 10.0, 2.0
+"""[m] of the look-up of walls: a matter of speed, not of values"""
+SMALLEST = (
+    (("clearance", "clearance_step", "clearance_other"), "nearest robot"),
+    (("boundary_clearance", "boundary_step", "boundary_other"), "nearest boundary"),
+)
+"""Columns of a row of extremes: value, sample and other body; and what they are about."""
+
+Rows = NDArray[np.void]
+
+
+@dataclass(frozen=True)
+class Disagreement:
+    """A stretch of consecutive samples over which two sources disagree about a pair."""
+
+    a: int
+    b: int | None
+    """body ids; None where one body is concerned"""
+    step: int
+    """first sample"""
+    steps: int
+    """number of samples"""
+    time: float
+    """[s] of the first sample; of a swept contact, of its first touch"""
+    distance: float
+    """[m] signed, at the first sample, from the poses; of a swept contact the least between its
+    samples; NaN where no distance is in question"""
+    cause: str
+    what: str
+    """what each of the two says"""
 
 
 class Confusion(NamedTuple):
@@ -73,112 +117,324 @@ class Comparison:
         return sum(one.cause == UNEXPLAINED for one in self.disagreements)
 
 
-def compare(record: Record, analytic: AnalyticContacts, exact: Exact) -> Comparison:
-    """Hold contacts and distances of a record against the shapes.
+@dataclass(frozen=True)
+class Exact:
+    """What the shapes say at all samples."""
+
+    extremes: Extremes
+    """shortest and largest distances, when, of whom"""
+    disagreements: tuple[Disagreement, ...]
+    """where ``/steps/clearance`` or ``/steps/boundary_clearance`` differ by more than
+    `DEPTH_SLACK`: one for each robot and block of samples"""
+
+
+def compare(
+    record: Record,
+    analytic: AnalyticContacts,
+    exact: Exact,
+    extremes: Iterable[Disagreement] = (),
+) -> Comparison:
+    """Hold contacts and distances of a record against the shapes; ``extremes`` are held already.
 
     Raises RecordError for a contact between samples before the start.
     """
-    bodies = len(record.bodies)
-    physical = touching(record.contacts)
-    theirs = distinct(row_keys(physical, bodies))
-    ours = row_keys(analytic.touching, bodies)  # each once, in order
-    found = _at_samples(record, theirs, ours, analytic.touching["distance"])
-    found += check_swept_contacts(record, analytic)
-    found += check_false_contacts(record)
-    found += _lost_entries(record, analytic)
-    found += _depths(record, physical, analytic)
-    found += exact.disagreements
-    found += check_extremes(record, analytic, exact)
-    found += check_contact_rows(record)
+    found = [
+        *_contacts(record, analytic), *_swept_contacts(record, analytic), *_false_contacts(record),
+        *exact.disagreements, *extremes,
+    ]  # fmt: skip
     found.sort(key=lambda one: (one.step, one.a, -1 if one.b is None else one.b))
-    spread = _spread(ours, bodies, analytic.samples)
-    swept = distinct(np.concatenate((spread, row_keys(analytic.grazes, bodies))))
-    return Comparison(
-        _tables(record, analytic, theirs, ours, analytic.samples),
-        _tables(
-            record, analytic, _spread(theirs, bodies, analytic.samples), swept, analytic.samples - 1
-        ),
-        len(record.false_contacts),
-        tuple(found),
+    samples = analytic.samples
+    theirs, ours, grazes = (
+        np.unique(_keys(rows, record))
+        for rows in (touching(record.contacts), analytic.touching, analytic.grazes)
     )
+    theirs_over, ours_over = (_spread(keys, record, samples) for keys in (theirs, ours))
+    return Comparison(
+        _confusions(record, analytic, theirs, ours, samples),
+        _confusions(record, analytic, theirs_over, np.union1d(ours_over, grazes), samples - 1),
+        len(record.false_contacts), tuple(found),
+    )  # fmt: skip
 
 
-def _spread(keys: IntArray, bodies: int, samples: int) -> IntArray:
+def _keys(rows: Rows, record: Record) -> IntArray:
+    """One number for step and pair of each row, increasing with step, then a, then b."""
+    n = len(record.bodies)
+    return np.asarray((rows["step"] * n + rows["a"]) * n + rows["b"], dtype=np.int64)
+
+
+def _spread(keys: IntArray, record: Record, samples: int) -> IntArray:
     """Steps (numbered by the sample at their end) that have one of these samples at an end."""
-    step = keys // (bodies * bodies)
-    both = np.concatenate((keys[step > 0], keys[step < samples - 1] + bodies * bodies))
-    return distinct(both)
+    pairs = len(record.bodies) ** 2
+    step = keys // pairs
+    return np.union1d(keys[step > 0], keys[step < samples - 1] + pairs)
 
 
-def _tables(
+def _confusions(
     record: Record, analytic: AnalyticContacts, theirs: IntArray, ours: IntArray, times: int
 ) -> dict[str, Confusion]:
-    def table(pairs: int, robots: bool) -> Confusion:
-        n = len(record.bodies)
-        a, b = (keys[(keys % n < record.robots) == robots] for keys in (theirs, ours))
-        both = len(np.intersect1d(a, b, assume_unique=True))
-        total = pairs * max(0, times)
-        rest = total - len(a) - len(b) + both
-        return Confusion(both, len(a) - both, len(b) - both, rest)
-
-    return {
-        "robots": table(analytic.robot_pairs, True),
-        "boundaries": table(analytic.wall_pairs, False),
-    }
-
-
-def _at_samples(
-    record: Record, theirs: IntArray, ours: IntArray, distances: FloatArray
-) -> list[Disagreement]:
-    """Samples at which one says contact and the other apart; ours with their ``distances``."""
-    found = []
-    bodies = len(record.bodies)
-    claim = "contact in the record, shapes apart"
-    for a, b, step, steps in stretches(np.setdiff1d(theirs, ours, assume_unique=True), bodies):
-        exact = np.array(distances_over(record, a, b, step, steps))
-        found.append(_of_stretch(record, (a, b), step, steps, exact, claim))
-    claim = "no contact in the record, shapes overlap"
-    for a, b, step, steps in stretches(np.setdiff1d(ours, theirs, assume_unique=True), bodies):
-        keys = ((step + np.arange(steps)) * bodies + a) * bodies + b
-        exact = distances[np.searchsorted(ours, keys)]
-        found.append(_of_stretch(record, (a, b), step, steps, exact, claim))
-    return found
-
-
-def _of_stretch(
-    record: Record, pair: tuple[int, int], step: int, steps: int, exact: FloatArray, claim: str
-) -> Disagreement:
-    """Of a pair at so many samples, explained where all are as good as touching."""
-    close = bool((np.abs(exact) <= CONTACT + ROUNDING).all())
-    cause = TOLERANCE if close else UNEXPLAINED
-    return Disagreement.at(record, pair, step, exact[0], claim, steps=steps, cause=cause)
-
-
-def _lost_entries(record: Record, analytic: AnalyticContacts) -> list[Disagreement]:
-    """Contacts at a sample whose beginning the swept check did not find in the step before."""
-    what = "touching at the sample, but no contact in the step that led to it"
-    return [
-        Disagreement.at(
-            record, (int(row["a"]), int(row["b"])), row["step"], row["distance"], what,
-            cause=TOLERANCE if abs(row["distance"]) <= CONTACT + ROUNDING else UNEXPLAINED,
+    found = {}
+    for name, pairs in (("robots", analytic.robot_pairs), ("boundaries", analytic.wall_pairs)):
+        a, b = (
+            keys[(keys % len(record.bodies) < record.robots) == (name == "robots")]
+            for keys in (theirs, ours)
         )
-        for row in analytic.touching[np.isinf(analytic.touching["entry"])]
-    ]  # fmt: skip
-
-
-def _depths(
-    record: Record, physical: NDArray[np.void], analytic: AnalyticContacts
-) -> list[Disagreement]:
-    """Contacts whose recorded depth is not that of the shapes."""
-    n = len(record.bodies)
-    both, i, j = np.intersect1d(
-        row_keys(physical, n), row_keys(analytic.touching, n), return_indices=True
-    )
-    depth, distance = physical["depth"][i], analytic.touching["distance"][j]
-    wrong = np.abs(depth - np.maximum(-distance, 0.0)) > DEPTH_SLACK
-    found = []
-    for a, b, step, steps in stretches(both[wrong], n):
-        k = int(np.searchsorted(both, (step * n + a) * n + b))
-        what = f"depth {depth[k]:.3g} m in the record, {max(-distance[k], 0.0):.3g} m by the shapes"
-        found.append(Disagreement.at(record, (a, b), step, distance[k], what, steps=steps))
+        both = len(np.intersect1d(a, b, assume_unique=True))
+        rest = pairs * max(0, times) - len(a) - len(b) + both
+        found[name] = Confusion(both, len(a) - both, len(b) - both, rest)
     return found
+
+
+def _told(
+    record: Record,
+    rows: Rows,
+    distance: FloatArray,
+    wrong: NDArray[np.bool_],
+    what: str | Callable[[int], str],
+    cause: str = UNEXPLAINED,
+    near: bool = False,
+) -> Iterator[Disagreement]:
+    """What is wrong with rows (M,) of pairs that are ``distance`` (M,) [m] apart, one for each run
+    of consecutive steps of a pair; ``near``: explained where all of a run as good as touch."""
+    some = np.flatnonzero(wrong)
+    some = some[np.lexsort((rows["step"][some], rows["b"][some], rows["a"][some]))]
+    a, b, step = (rows[key][some] for key in ("a", "b", "step"))
+    cut = np.flatnonzero((np.diff(a) != 0) | (np.diff(b) != 0) | (np.diff(step) != 1)) + 1
+    for run in np.split(some, cut) if len(some) else ():
+        k = int(run[0])
+        close = near and (np.abs(distance[run]) <= CONTACT + ROUNDING).all()
+        at = int(rows["step"][k])
+        yield Disagreement(
+            int(rows["a"][k]), int(rows["b"][k]), at, len(run), at * record.dt, float(distance[k]),
+            TOLERANCE if close else cause, what if isinstance(what, str) else what(k),
+        )  # fmt: skip
+
+
+def _contacts(record: Record, analytic: AnalyticContacts) -> Iterator[Disagreement]:
+    """Contacts at samples: whether they are there, their rows, and whether they make episodes."""
+    rows = record.contacts[record.contacts["kind"] == Kind.PHYSICAL]
+    ours = analytic.touching
+    exact = _exact(record, rows)
+    distance, ended = -exact["depth"], rows["phase"] == Phase.ENDED
+    theirs, known = _keys(rows, record), _keys(ours, record)
+    both = np.isin(theirs, known) & ~ended
+    yield from _told(
+        record, rows, distance, ~both & ~ended, "contact in the record, shapes apart", near=True
+    )
+    yield from _told(
+        record, ours, ours["distance"], ~np.isin(known, theirs[~ended]),
+        "no contact in the record, shapes overlap", near=True,
+    )  # fmt: skip
+    yield from _told(
+        record, ours, ours["distance"], np.isinf(ours["entry"]),
+        "touching at the sample, but no contact in the step that led to it", near=True,
+    )  # fmt: skip
+    off = {name: np.abs(rows[name] - values) > DEPTH_SLACK for name, values in exact.items()}
+    depth = {"depth": np.maximum(exact["depth"], 0.0)}
+    gap = {"depth": -rows["depth"]}, {"depth": distance}
+    for wrong, what, columns, recorded, true in (
+        (both & (np.abs(rows["depth"] - depth["depth"]) > DEPTH_SLACK), "depth", ("depth",), rows,
+         depth),
+        (ended & off["depth"], "gap after a contact", ("depth",), *gap),
+        (off["x"] | off["y"], "contact point", ("x", "y"), rows, exact),
+        (off["nx"] | off["ny"], "normal", ("nx", "ny"), rows, exact),
+    ):  # fmt: skip
+        text = partial(_values, what, columns, recorded, true)
+        yield from _told(record, rows, distance, wrong, text)
+    lasting = theirs[~ended]
+    pairs = len(record.bodies) ** 2
+    before, after = np.isin(theirs - pairs, lasting), np.isin(theirs + pairs, theirs)
+    should = np.where(ended, Phase.ENDED, np.where(before, Phase.STAYS, Phase.BEGAN))
+    last = rows["step"] >= record.samples - 1
+    for wrong, what in (
+        (rows["phase"] != should, "a row that begins a contact or goes on with one, wrongly"),
+        (ended & ~before, "a contact that ends without having lasted"),
+        (~ended & ~after & ~last, "a contact whose end is not in the record"),
+    ):
+        yield from _told(record, rows, distance, np.asarray(wrong), what)
+
+
+def _values(
+    what: str, columns: tuple[str, ...], rows: Any, exact: Mapping[str, FloatArray], k: int
+) -> str:
+    """A length or a pair of numbers in the record, and by the shapes."""
+    texts = [", ".join(f"{of[name][k]:.6g}" for name in columns) for of in (rows, exact)]
+    told, true = (f"({text})" if len(columns) > 1 else f"{text} m" for text in texts)
+    return f"{what} {told} in the record, {true} by the shapes"
+
+
+def _exact(record: Record, rows: Rows) -> dict[str, FloatArray]:
+    """Columns of the rows (M,) by the shapes: point [m], normal, depth [m]."""
+    shapes, faces = joined_shapes(record.shapes, record.walls), solids_of(record.walls).faces
+    found = np.zeros((len(rows), 5))
+    pose = np.zeros((len(shapes.body_start) - 1, 3))
+    step, pairs = rows["step"], np.stack((rows["a"], rows["b"]), axis=1).astype(np.int64)
+    for poses, start in pose_blocks(record) if len(rows) else ():
+        first, last = np.searchsorted(step, (start + (start > 0), start + len(poses)))
+        edges = np.flatnonzero(np.diff(step[first:last], prepend=-1)) + first
+        for low, high in zip(edges, [*edges[1:], last], strict=True):
+            pose[: record.robots] = poses[step[low] - start]
+            found[low:high] = describe_contacts(shapes, faces, pose, pairs[low:high])
+    return dict(zip(("x", "y", "nx", "ny", "depth"), (*found.T[:4], -found[:, 4]), strict=True))
+
+
+def _swept_contacts(record: Record, analytic: AnalyticContacts) -> Iterator[Disagreement]:
+    """Contacts between two samples, which the engine cannot see: the record against the shapes.
+
+    Where only one of the two has it, their depths differ, or the row tells of more than one moment
+    without a force, it is unexplained. Raises RecordError for one before the start.
+    """
+    rows = record.contacts[record.contacts["kind"] == Kind.SWEPT]
+    if (rows["step"] == 0).any():
+        raise RecordError(
+            f"{record.where}: a contact between samples in the step that ends at 0; steps are 1 to "
+            f"{record.samples - 1}"
+        )
+    theirs, ours = (
+        {tuple(row[key].item() for key in ("step", "a", "b")): row for row in some}
+        for some in (rows, analytic.grazes)
+    )
+    for place in sorted({*theirs, *ours}):
+        step, a, b = place
+        row, graze, least = theirs.get(place), ours.get(place), _least(record, a, b, step)
+        cause, what = GRAZE, "touching between two samples, apart at both"
+        if row is None or graze is None:
+            cause = TOLERANCE if abs(least) <= NEAR_TOUCH else UNEXPLAINED
+            what += "; not in the record"
+            if graze is None:
+                what = "contact between samples in the record, shapes apart"
+        elif abs(row["depth"] - max(-least, 0.0)) > LEAST_SLACK:
+            cause = UNEXPLAINED
+            what = (
+                f"touching between two samples, depth {row['depth']:.3g} m in the record, "
+                f"{max(-least, 0.0):.3g} m by the shapes"
+            )
+        elif row["phase"] != Phase.BEGAN or row["impulse"] != 0.0:
+            cause = UNEXPLAINED
+            what = "touching between two samples, with a push or another phase than began"
+        time = (step - 1) * record.dt + (record.dt if graze is None else float(graze["entry"]))
+        yield Disagreement(a, b, step, 1, time, least, cause, what)
+
+
+def _least(record: Record, a: int, b: int, step: int) -> float:
+    """Least signed distance [m] of two bodies within the step that ends at a sample."""
+    shapes = record.shapes
+    old, new = record.pose_at(step - 1), record.pose_at(step)
+    if b < record.robots:
+        return float(least_gap_pair(shapes, a, old[a], new[a], b, old[b], new[b], record.dt)[0])
+    walls = record.walls
+    first, last = walls.body_start[b - record.robots : b - record.robots + 2]
+    parts: IntArray = np.arange(first, last)
+    return float(least_gap_walls(shapes, a, old[a], new[a], walls, parts, record.dt)[0])
+
+
+def _false_contacts(record: Record) -> Iterator[Disagreement]:
+    """Contacts that the engine reported and the exact check rejected: unexplained where the shapes
+    touch after all, or are not as far apart as recorded."""
+    rows = record.false_contacts
+    distance = -_exact(record, rows)["depth"]
+    touch = distance <= CONTACT - ROUNDING
+    off = ~touch & (np.abs(distance - rows["distance"]) > DEPTH_SLACK)
+    what = "contact by the engine, rejected, but the shapes touch"
+    yield from _told(record, rows, distance, touch, what)
+    yield from _told(
+        record, rows, distance, off,
+        lambda k: f"false contact at a distance of {rows['distance'][k]:.3g} m in the record",
+    )  # fmt: skip
+    what = "contact by the engine, shapes apart; not counted"
+    yield from _told(record, rows, distance, ~touch & ~off, what, REJECTED)
+
+
+# Distances
+
+
+def exact_distances(record: Record) -> Exact:
+    """Compute every distance of a record with the poses of every step, block by block."""
+    shapes, walls = record.shapes, record.walls
+    wall_grid = build_wall_grid(walls, REACH, CELL)
+    extremes = Extremes(record.robots)
+    found: list[Disagreement] = []
+    for poses, start in pose_blocks(record):
+        first, end = start + (start > 0), start + len(poses)
+        block = clearances(poses[first - start :], shapes, walls, wall_grid)
+        extremes.note(np.arange(first, end), block)
+        near = (block.clearance, block.other), (block.boundary_clearance, block.boundary_other)
+        for ((column, *_), what), (exact, others) in zip(SMALLEST, near, strict=True):
+            recorded = record.read(f"/steps/{column}", first, end)
+            wrong = differs(recorded, exact, DEPTH_SLACK)
+            for i in np.flatnonzero(wrong.any(axis=0)).tolist():
+                k = int(np.argmax(wrong[:, i]))
+                text = (
+                    f"distance to the {what} {recorded[k, i]:.9g} m in the record, "
+                    f"{exact[k, i]:.9g} m by the shapes"
+                )
+                other, steps = int(others[k, i]), int(np.count_nonzero(wrong[:, i]))
+                found.append(_at(record, i, other, first + k, exact[k, i], text, steps))
+    return Exact(extremes, tuple(found))
+
+
+def _at(
+    record: Record, i: int, other: int, step: int, distance: float, what: str, steps: int = 1
+) -> Disagreement:
+    """A disagreement about a distance of robot ``i`` to another body, if there is one (else -1)."""
+    a, b = (i, None) if other < 0 or other == i else (min(i, other), max(i, other))
+    return Disagreement(
+        a, b, int(step), steps, step * record.dt, float(distance), UNEXPLAINED, what
+    )  # fmt: skip
+
+
+def distance_at(record: Record, a: int, b: int, step: int) -> float:
+    """Signed distance [m] of bodies a < b at a sample, from the record's poses."""
+    return pair_distance(record, record.pose_at(step), a, b)
+
+
+def check_extremes(
+    record: Record, whole: Record, analytic: AnalyticContacts, exact: Exact
+) -> Iterator[Disagreement]:
+    """Where ``/extremes`` and ``/extremes_farthest`` are not those of the shapes.
+
+    The shapes are those of the ``whole`` run, of every step. Smallest distances within reach of the
+    analytic contacts are those of their approaches, which another code finds than notes them during
+    a run. A killed run may have noted some of after its last sample, or not yet.
+    """
+    killed = record.ended == "running"
+    due = exact.extremes.rows.copy()
+    for one in reversed(analytic.approaches):  # ends with the nearest
+        columns, _ = SMALLEST[one.b >= record.robots]
+        for me, other in ((one.a, one.b), (one.b, one.a)):
+            if me < record.robots:
+                for column, value in zip(columns, (one.distance, one.step, other), strict=True):
+                    due[column][me] = value
+    for columns, what in SMALLEST:
+        least = due[columns[0]]
+        most = whole.read(f"/steps/{columns[0]}", 0, record.steps_run + 1).min(axis=0)
+        for i, pair in enumerate(zip(record.extremes, due, strict=True)):
+            noted, true = ([row[column].item() for column in columns] for row in pair)
+            is_one = least[i] <= noted[0] <= most[i] if killed else False
+            yield from _moment(whole, i, noted, true, f"smallest distance to the {what}", is_one)
+    (*noted, a, b), (*true, _, other) = record.farthest.item(), exact.extremes.farthest.item()
+    what, is_one = "largest distance of robots", killed and noted[0] <= true[0]
+    yield from _moment(whole, max(a, 0), [*noted, b], [*true, other], what, is_one)
+
+
+def _moment(
+    record: Record, i: int, noted: list[float], true: list[float], what: str, is_one: bool
+) -> Iterator[Disagreement]:
+    """Whether an extreme distance, its step and other body are as noted, or of equal ones, or of
+    those of a part of the run where it ``is_one``, another: its moment is held by the distance."""
+    value, at, other = noted[0], int(noted[1]), int(noted[2])
+    if is_one or not differs(value, true[0], DEPTH_SLACK):
+        if not np.isfinite(value):
+            return
+        if 0 <= at < record.samples and other >= 0 and other != i:
+            there = distance_at(record, min(i, other), max(i, other), at)
+            if abs(there - value) > DEPTH_SLACK:
+                text = "at this sample in the record, but the shapes are"
+                yield _at(record, i, other, at, value, f"{what}: {text} {there:.9g} m apart then")
+            return
+    recorded, shapes = (
+        f"{length:.9g} m"
+        + (f" ({record.bodies[int(who)].name} at {step * record.dt:.2f} s)" if who >= 0 else "")
+        for length, step, who in (noted, true)
+    )
+    text = f"{what} {recorded} in the record, {shapes} by the shapes"
+    yield _at(record, i, int(true[2]), max(int(true[1]), 0), true[0], text)

@@ -4,8 +4,11 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
-from physim.analysis.metrics import Episode, Severity, contact_episodes, masses, severity
+import numpy as np
+
+from physim.analysis.metrics import Severity, contact_episodes, masses, severity
 from physim.analysis.metrics.contacts import first_row
 from physim.analysis.metrics.walls import along_wall
 from physim.analysis.validation.analytic_contacts import AnalyticContacts
@@ -18,9 +21,10 @@ from physim.record import Record
 
 MOST_EARLY = 100
 """Pairs whose earlier predictions are compared, too"""
+UNKNOWN = Severity(math.nan, math.nan, None, None)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Contact:
     """One contact: an episode at samples, or a touch between two samples, apart at both.
 
@@ -39,25 +43,25 @@ class Contact:
     """[m] of that place along s*"""
     normal: tuple[float, float]
     """from a to b"""
-    severity: Severity
+    severity: Severity = UNKNOWN
     """of the impact, see `physim.analysis.metrics.Severity`"""
     depth: float
     """[m] greatest"""
-    duration: float
+    duration: float = 0.0
     """[s]"""
-    lasting: bool
+    lasting: bool = False
     """still in contact at the end of the record"""
-    first_impulse: float
+    first_impulse: float = 0.0
     """[N s] at the first sample: the impact"""
-    impulse: float
+    impulse: float = 0.0
     """[N s] in all"""
     sides: tuple[RobotInContact, ...]
     """the robots, a first"""
-    also_touching: tuple[int, ...]
+    also_touching: tuple[int, ...] = ()
     """bodies that one of the two was touching already when this contact began"""
-    prediction: Prediction | None
+    prediction: Prediction | None = None
     """None between samples"""
-    warning: float | None
+    warning: float | None = None
     """[s] for how long before the contact it lay ahead without a break, under the commands of
     the moment; None where earlier decisions were not looked at"""
     responsible: tuple[int, ...]
@@ -75,26 +79,11 @@ class Contact:
 
 def swept_contacts(record: Record, table: DecisionTable) -> tuple[Contact, ...]:
     """Every recorded contact between two samples, in the order of time."""
-    unknown = Severity(math.nan, math.nan, None, None)
-    found: list[Contact] = []
-    for row in record.contacts[record.contacts["kind"] == Kind.SWEPT]:
-        a, b, step = (int(row[key]) for key in ("a", "b", "step"))
-        x, y, nx, ny, depth = (float(row[key]) for key in ("x", "y", "nx", "ny", "depth"))
-        sides, charged = robots_in_contact(record, table, Touch(a, b, step, (x, y), (nx, ny)))
-        found.append(
-            Contact(
-                len(found) + 1, a, b, step * record.dt, (x, y), _station(record, x, y), (nx, ny),
-                unknown, depth, 0.0, False, 0.0, 0.0, sides, (), None, None, charged,
-                along_wall(record, b, (x, y)),
-            )
-        )  # fmt: skip
-    return tuple(found)
-
-
-def _station(record: Record, x: float, y: float) -> float:
-    """[m] of a point along the reference path."""
-    path = record.reference
-    return float(project(path, 0, x, y, 0.0, path_length(path, 0))[0])
+    rows = record.contacts[record.contacts["kind"] == Kind.SWEPT]
+    return tuple(
+        _contact(record, table, row, number=k, depth=float(row["depth"]))
+        for k, row in enumerate(rows, 1)
+    )
 
 
 def contacts_of(
@@ -108,46 +97,47 @@ def contacts_of(
 
     Every one, or the first ``most``.
     """
-    episodes = contact_episodes(record)
-    key = (analytic.touching["step"], analytic.touching["a"], analytic.touching["b"])
-    entries = dict(
-        zip(zip(*(k.tolist() for k in key), strict=True), analytic.touching["entry"], strict=True)
-    )
+    episodes, mass, found = contact_episodes(record), masses(record), []
+    columns = (analytic.touching[name].tolist() for name in ("step", "a", "b", "entry"))
+    entries = {(step, a, b): entry for step, a, b, entry in zip(*columns, strict=True)}
     seen: set[tuple[int, int]] = set()
-    mass = masses(record)
-    found = []
-    for number, episode in enumerate(episodes[:most], 1):
-        a, b, step = episode.a, episode.b, episode.step
-        row = first_row(record, episode)
-        x, y, nx, ny = (float(row[column]) for column in ("x", "y", "nx", "ny"))
-        entry = float(entries.get((step, a, b), math.nan))
-        touched = episode.time + (entry - record.dt if math.isfinite(entry) else 0.0)
+    for number, one in enumerate(episodes[:most], 1):
+        a, b, step = one.a, one.b, one.step
+        entry = entries.get((step, a, b), math.nan)
+        touched = one.time + (entry - record.dt if math.isfinite(entry) else 0.0)
         earlier = (a, b) not in seen and len(seen) < MOST_EARLY
         seen.add((a, b))
-        hit = severity(record, episode, mass, table.held)
+        row, hit = first_row(record, one), severity(record, one, mass, table.held)
         prediction = predictor.predict(a, b, step, touched, hit.closing, earlier)
-        sides, charged = robots_in_contact(record, table, Touch(a, b, step, (x, y), (nx, ny)))
+        already = {
+            body
+            for other in episodes[: number - 1]
+            if other.step < step <= other.step + other.samples and {other.a, other.b} & {a, b}
+            for body in (other.a, other.b)
+        }
         found.append(
-            Contact(
-                number, a, b, episode.time, (x, y), _station(record, x, y), (nx, ny), hit,
-                episode.depth, episode.samples * record.dt,
-                step + episode.samples >= record.samples, float(row["impulse"]), episode.impulse,
-                sides, _touching_already(episodes, episode), prediction, _warning(prediction),
-                charged, along_wall(record, b, (x, y)),
+            _contact(
+                record, table, row, number=number, severity=hit, depth=one.depth,
+                duration=one.samples * record.dt, lasting=step + one.samples >= record.samples,
+                first_impulse=float(row["impulse"]), impulse=one.impulse,
+                also_touching=tuple(sorted(already - {a, b})), prediction=prediction,
+                warning=_warning(prediction),
             )
         )  # fmt: skip
     return tuple(found)
 
 
-def _touching_already(episodes: tuple[Episode, ...], one: Episode) -> tuple[int, ...]:
-    """Other bodies that touch one of the two at the sample before the contact begins."""
-    found = set()
-    for other in episodes:
-        if other.step >= one.step:
-            break
-        if other.step + other.samples >= one.step and {other.a, other.b} & {one.a, one.b}:
-            found |= {other.a, other.b}
-    return tuple(sorted(found - {one.a, one.b}))
+def _contact(record: Record, table: DecisionTable, row: np.void, **more: Any) -> Contact:
+    """The contact that begins with a row; ``more`` are fields that do not follow from it."""
+    touch = Touch.of(row)
+    sides, charged = robots_in_contact(record, table, touch)
+    path = record.reference
+    station = project(path, 0, *touch.point, 0.0, path_length(path, 0))[0]
+    return Contact(
+        a=touch.a, b=touch.b, time=touch.step * record.dt, place=touch.point,
+        station=float(station), normal=touch.normal, sides=sides, responsible=charged,
+        along=along_wall(record, touch.b, touch.point), **more,
+    )  # fmt: skip
 
 
 def _warning(prediction: Prediction) -> float | None:

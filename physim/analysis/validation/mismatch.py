@@ -1,8 +1,9 @@
-"""Values of a record that are not those computed anew: one for each robot and column."""
+"""Values of a record that are not those computed anew, or of the same run simulated again."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -11,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from physim.errors import plural
 from physim.parts.declarations import NO_NUMBER
 from physim.record import Record
+from physim.record.layout import ARRIVED, EXTREMES, OTHERS, STEPS, TABLES
 from physim.tolerances import LENGTH, TIME
 
 Value = bool | int | float | str
@@ -58,12 +60,14 @@ class Mismatch:
         row: int | None = None,
         robot: int | None = None,
         step: int | None = None,
+        count: int = 1,
     ) -> Mismatch:
-        """One value; its time follows from the step."""
+        """One value; its time follows from the step, modes and rules are told by their names."""
         time = None if step is None else step * record.dt
-        return cls(table, column, row, robot, step, time, plain(recorded), plain(exact), by)
+        told, due = (_value(record, column, one) for one in (recorded, exact))
+        return cls(table, column, row, robot, step, time, told, due, by, count)
 
-    def line(self, names: list[str]) -> str:
+    def line(self, names: Sequence[str]) -> str:
         """One line: when, who, where in the record, both values; ``names`` of the robots."""
         when = [] if self.time is None else [f"{self.time:.4f} s"]
         who = [] if self.robot is None else [names[self.robot]]
@@ -84,76 +88,48 @@ class Mismatch:
         return ", ".join(part for part in (self.table, row, self.column) if part)
 
 
-class Mismatches:
-    """Gathers mismatches: the first of each robot and column, with how many there are."""
+def _value(record: Record, column: str | None, value: Any) -> Value:
+    if column in ("mode", "rule") and not isinstance(value, str):
+        some = record.modes if column == "mode" else record.declared.rules
+        if value == NO_NUMBER:
+            return "none"
+        if 0 <= value < len(some):
+            return some[int(value)].name
+    if isinstance(value, np.ndarray):
+        return f"({', '.join(f'{one:.10g}' for one in value.tolist())})"
+    if isinstance(value, bytes):  # texts of a record
+        return value.decode("utf-8", "replace")
+    made: Value = value.item() if isinstance(value, np.generic) else value
+    return made
 
-    def __init__(self, record: Record) -> None:
-        self._record = record
-        self._found: dict[tuple[str, str | None, int | None], Mismatch] = {}
 
-    @property
-    def found(self) -> tuple[Mismatch, ...]:
-        """All of them: those about the whole run first, then by time."""
-        order = sorted(self._found.values(), key=lambda one: -1 if one.step is None else one.step)
-        return tuple(order)
+def _text(value: Value) -> str:
+    return f"{value:.9g}" if isinstance(value, float) else str(value)
 
-    def add(
-        self,
-        table: str,
-        column: str | None,
-        recorded: Value,
-        exact: Value,
-        by: str,
-        *,
-        row: int | None = None,
-        robot: int | None = None,
-        step: int | None = None,
-    ) -> None:
-        """Note one value."""
-        key = (table, column, robot)
-        before = self._found.get(key)
-        if before is not None:
-            self._found[key] = replace(before, count=before.count + 1)
-            return
-        self._found[key] = Mismatch.of(
-            self._record, table, column, recorded, exact, by, row=row, robot=robot, step=step
-        )
 
-    def add_rows(
-        self,
-        table: str,
-        column: str,
-        rows: NDArray[np.void],
-        first: int,
-        wrong: NDArray[np.bool_],
-        exact: ArrayLike,
-        by: str,
-    ) -> None:
-        """Note rows (M,) of a table, from number ``first`` on, whose column is wrong.
+def unlike_rows(
+    record: Record,
+    table: str,
+    column: str | None,
+    rows: NDArray[np.void],
+    exact: ArrayLike,
+    by: str,
+    wrong: NDArray[np.bool_] | None = None,
+) -> Iterator[Mismatch]:
+    """The first row of each robot whose column is not ``exact``, (M,) or one value.
 
-        ``exact`` (M,) or one value is what it should be.
-        """
-        if not wrong.any():
-            return
-        values = np.broadcast_to(np.asarray(exact), len(rows))
-        for k in np.flatnonzero(wrong).tolist():
-            self.add(
-                table, column, rows[column][k], values[k], by, row=first + k,
-                robot=int(rows["robot"][k]), step=int(rows["step"][k]),
-            )  # fmt: skip
-
-    def add_columns(
-        self,
-        table: str,
-        rows: NDArray[np.void],
-        first: int,
-        exact: dict[str, NDArray[Any]],
-        by: str,
-    ) -> None:
-        """Hold columns of rows (M,) against those computed, each within its slack."""
-        for column, values in exact.items():
-            wrong = differs(rows[column], values, SLACKS.get(column, SLACK))
-            self.add_rows(table, column, rows, first, wrong, values, by)
+    ``rows`` (M,) are those of a whole table. Which are wrong says ``wrong`` (M,); without it those
+    beyond the slack of the column. Without a column rows are wrong that should not be there.
+    """
+    values = np.broadcast_to(np.asarray(exact), len(rows))
+    if wrong is None:
+        wrong = differs(rows[column or ""], values, SLACKS.get(column or "", SLACK))
+    some = np.flatnonzero(wrong)
+    robots, first, count = np.unique(rows["robot"][some], return_index=True, return_counts=True)
+    for robot, k, number in zip(robots.tolist(), some[first].tolist(), count.tolist(), strict=True):
+        recorded, step = "there" if column is None else rows[column][k], int(rows["step"][k])
+        place = {"row": k, "robot": robot, "step": step, "count": number}
+        yield Mismatch.of(record, table, column, recorded, values[k], by, **place)
 
 
 def differs(recorded: ArrayLike, exact: ArrayLike, slack: float) -> NDArray[np.bool_]:
@@ -164,24 +140,87 @@ def differs(recorded: ArrayLike, exact: ArrayLike, slack: float) -> NDArray[np.b
         return np.asarray(~(alike | (np.abs(np.subtract(recorded, exact)) <= slack)))
 
 
-def words(record: Record, column: str | None, value: Any) -> Value:
-    """A value of a table as it is told: modes and rules by name."""
-    if column not in ("mode", "rule"):
-        return plain(value)
-    names = [one.name for one in (record.modes if column == "mode" else record.declared.rules)]
-    if value == NO_NUMBER:
-        return "none"
-    return names[int(value)] if 0 <= value < len(names) else plain(value)
+def first_difference(
+    record: Record,
+    path: str,
+    rows: NDArray[Any],
+    others: NDArray[Any],
+    by: str,
+    exact: bool,
+    steps: NDArray[np.int64] | None = None,
+) -> Mismatch | None:
+    """First row of a dataset that differs from others, or that one of the two lacks.
+
+    ``exact``: to the bit, otherwise within the slack of a column. ``steps`` are those of samples.
+    """
+    names = rows.dtype.names or (None,)
+    for name in names:
+        if name is not None and name not in (others.dtype.names or ()):
+            return Mismatch.of(record, path, name, "there", "not", by)
+    common = min(len(rows), len(others))
+    unlike: dict[str | None, NDArray[np.bool_]] = {}
+    for name in names:
+        some, more = (
+            one[:common] if name is None else one[name][:common] for one in (rows, others)
+        )
+        unlike[name] = _unlike(some, more, exact, SLACKS.get(name or "", SLACK))
+    wrong = [np.asarray(one.any(axis=tuple(range(1, one.ndim)))) for one in unlike.values()]
+    first = min((int(np.argmax(one)) for one in wrong if one.any()), default=common)
+    if first == common == max(len(rows), len(others)):
+        return None
+    row = (rows if first < len(rows) else others)[first]
+    step = None if steps is None else int(steps[first])
+    robot = first if path in (ARRIVED, EXTREMES) else None
+    if path in TABLES or path == OTHERS:
+        step, robot = int(row["step"]), int(row["a" if "a" in row.dtype.names else "robot"])
+    if first == common:
+        told, due = ("there", "not") if first < len(rows) else ("not there", "there")
+        return Mismatch.of(record, path, None, told, due, by, row=first, robot=robot, step=step)
+    column = next(name for name, one in zip(names, wrong, strict=True) if one[first])
+    both = [one[first] if column is None else one[column][first] for one in (rows, others)]
+    if path in STEPS:
+        robot, *part = np.argwhere(unlike[None][first])[0].tolist()
+        both = [one[(robot, *part)] for one in both]
+        column = ("x", "y", "heading")[part[0]] if part else None
+    told, due = both
+    return Mismatch.of(record, path, column, told, due, by, row=first, robot=robot, step=step)
 
 
-def plain(value: Any) -> Value:
-    """A value as Python has it."""
-    if isinstance(value, bytes):  # texts of a record
-        return value.decode("utf-8", "replace")
-    made: Value = value.item() if isinstance(value, np.generic) else value
-    return made
+def _unlike(
+    some: NDArray[Any], others: NDArray[Any], exact: bool, slack: float
+) -> NDArray[np.bool_]:
+    if some.dtype.kind != "f":
+        return np.asarray(some != others)
+    if not exact:
+        return differs(some, others, slack)
+    bits = [np.ascontiguousarray(one).view(np.int64) for one in (some, others)]
+    return np.asarray(bits[0] != bits[1])
 
 
-def _text(value: Value) -> str:
-    """A value as people read it."""
-    return f"{value:.9g}" if isinstance(value, float) else str(value)
+def unlike_attributes(
+    record: Record, other: Record, names: Iterable[str], by: str
+) -> Iterator[Mismatch]:
+    """Attributes that are not those of the other record; of the world its first line."""
+    for name in names:
+        recorded, repeated = (
+            getattr(one, "world_text" if name == "world" else name) for one in (record, other)
+        )
+        if recorded != repeated and name == "world":
+            lines, others = recorded.splitlines(), repeated.splitlines()
+            both = zip(lines, others, strict=False)
+            counts = f"{len(lines)} lines", f"{len(others)} lines"
+            recorded, repeated = next((two for two in both if two[0] != two[1]), counts)
+        if recorded != repeated:
+            yield Mismatch.of(record, "attribute", name, recorded, repeated, by)
+
+
+def unlike_scene(
+    record: Record, other: Record, paths: Iterable[str], by: str, exact: bool
+) -> Iterator[Mismatch]:
+    """Datasets of what stands still that are not as in the other record, each by its first row."""
+    for path in paths:
+        rows, others = record.read(path), other.read(path)
+        if rows.shape != others.shape:
+            yield Mismatch.of(record, path, None, f"{len(rows)} rows", f"{len(others)} rows", by)
+        elif found := first_difference(record, path, rows, others, by, exact):
+            yield found

@@ -7,8 +7,18 @@ eases it out of an overlap, and it may push them on its way though they touch no
 sample.
 
 A robot in contact moves as far as the contact allows, and where that leads the engine alone knows.
-But it takes nothing from nowhere: what robots that push each other may do in a step has no more
-energy than what they were commanded to do, and they are eased by no more than their overlaps.
+But it takes nothing from nowhere. The engine solves for velocities from rest, under forces that
+would give every robot its commanded one, with contacts that take energy and add none. So robots
+that push each other have no more energy than they were commanded to have, and one of them at most
+all of it:
+
+    m_i (v_i^2 + k_i^2 omega_i^2) <= sum over j of m_j (v_j^2 + k_j^2 omega_j^2)
+
+with radii of gyration k, and none is faster than `LEVER` times the fastest command among them: so
+fast is a light one that heavy ones squeeze out of a gap of 3 degrees between them. Twice a step
+each is eased out of overlaps, by a share of their depths.
+Pushing each other are robots that touch at either sample of the step, or that touched just before,
+and, where that does not explain a step, those within `PUSHED` of them, which they may meet in it.
 """
 
 from __future__ import annotations
@@ -16,20 +26,29 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
 
-from physim.analysis.validation.analytic_contacts import pose_blocks
+from physim.analysis.validation.analytic_contacts import pair_distance, pose_blocks
 from physim.analysis.validation.decisions import DecisionTable
-from physim.analysis.validation.pushing import Pushing, TooFar
 from physim.contacts import touching
 from physim.geometry.motion import arcs
-from physim.geometry.separation import body_distance
-from physim.geometry.shapes import FloatArray, IntArray, Shapes
+from physim.geometry.polygon import moment
+from physim.geometry.shapes import FloatArray, IntArray, body_parts
 from physim.record import Record
 from physim.tolerances import ONE_STEP, PUSHED, ULPS
+
+MOST_LOOKED_AT = 100
+"""Steps of a block in which robots near others are looked for; in no honest run there was one"""
+LEVER = 40.0
+"""[-] Without this what is said of masses would let a light robot go anywhere."""
+
+Strayed = tuple[IntArray, IntArray, FloatArray, FloatArray, FloatArray]
+"""Of M steps that robots made and may not have made: sample at the end, robot, gap [m], turn [rad],
+and what was allowed [m]; see `Stray`"""
 
 
 @dataclass(frozen=True)
@@ -76,131 +95,163 @@ class Motion:
     """in the order of time"""
 
 
-class _Off(NamedTuple):
-    """Steps (M,) of robots that end elsewhere than the arc."""
-
-    step: IntArray
-    robot: IntArray
-    gap: FloatArray
-    turn: FloatArray
-
-
 def check_motion(record: Record, table: DecisionTable, mass: FloatArray | None) -> Motion:
     """Hold every pose against the one before; see the module for what is left out.
 
     ``mass`` (N,) [kg] of the robots; without it robots in contact are left out, too.
     """
-    touched = _touched(record)
-    checked = held = 0
-    found, far = [], []
-    pushing = None if mass is None else Pushing(record, mass)
-    for poses, first in pose_blocks(record):
-        last = first + len(poses) - 1
-        command = record.commands_over("applied", first, last)
-        free = ~touched[first:last] & ~touched[first + 1 : last + 1]
-        checked += int(free.sum())
-        found.append(_off(poses, first, command, record.dt, free))
-        if pushing is not None:
-            held += int((~free).sum())
-            far.append(pushing.too_far(poses, first, command, ~free))
-    off = _Off(*(np.concatenate(column) for column in zip(*found, strict=True)))
-    strays = _strays(record, table, off, touched)
-    if far:
-        too_far = TooFar(*map(np.concatenate, zip(*far, strict=True)))
-        for i in np.unique(too_far.robot).tolist():
-            step, _, *sizes = (column[too_far.robot == i] for column in too_far)
-            strays += _stretches(record, i, step, *sizes)
-    return Motion(checked, held, tuple(sorted(strays, key=lambda one: (one.step, one.robot))))
-
-
-def _touched(record: Record) -> NDArray[np.bool_]:
-    """(K, N) whether a robot touches something at a sample."""
     touched = np.zeros((record.samples, record.robots), dtype=np.bool_)
     rows = touching(record.contacts)
     for who in ("a", "b"):
         mine = rows[rows[who] < record.robots]
         touched[mine["step"], mine[who]] = True
-    return touched
+    pushing = None if mass is None else Pushing(record, mass)
+    checked = held = 0
+    found: list[Stray] = []
+    off, far = [], []
+    for poses, first in pose_blocks(record):
+        last = first + len(poses) - 1
+        command = record.commands_over("applied", first, last)
+        free = ~touched[first:last] & ~touched[first + 1 : last + 1]
+        checked += int(free.sum())
+        off.append(_off(poses, first, command, record.dt, free))
+        if pushing is not None:
+            held += int((~free).sum())
+            far.append(pushing.too_far(poses, first, command, ~free))
+    for some, is_free in ((off, True), (far, False)):
+        if some:
+            step, robot, gap, turn, allowed = map(np.concatenate, zip(*some, strict=True))
+            kept = np.ones(len(step), dtype=np.bool_)
+            if is_free:
+                shift = np.maximum(gap, turn * table.radius[robot])
+                places = zip(robot.tolist(), step.tolist(), shift.tolist(), strict=True)
+                kept[:] = [not _pushed(record, table, touched, *place) for place in places]
+            strayed = (step[kept], robot[kept], gap[kept], turn[kept], allowed[kept])
+            found += _stretches(record.dt, strayed)
+    return Motion(checked, held, tuple(sorted(found, key=lambda one: (one.step, one.robot))))
 
 
 def _off(
     poses: FloatArray, first: int, command: FloatArray, dt: float, free: NDArray[np.bool_]
-) -> _Off:
-    steps, robots = free.shape
+) -> Strayed:
+    """Steps of ``free`` (B - 1, N) robots that end elsewhere than their arcs."""
     start = np.ascontiguousarray(poses[:-1].reshape(-1, 3))
-    ends = arcs(start, np.ascontiguousarray(command.reshape(-1, 2)), dt).reshape(steps, robots, 3)
+    ends = arcs(start, np.ascontiguousarray(command.reshape(-1, 2)), dt).reshape(*free.shape, 3)
     apart = np.abs(poses[1:] - ends)
     gap, turn = np.hypot(apart[..., 0], apart[..., 1]), apart[..., 2]
-    slack = ONE_STEP + ULPS * np.spacing(np.abs(poses[1:]).max(axis=2))
-    step, robot = np.nonzero(free & ~((gap <= slack) & (turn <= slack)))
-    return _Off(step + first + 1, robot, gap[step, robot], turn[step, robot])
+    slack = _slack(poses)
+    at = np.nonzero(free & ~((gap <= slack) & (turn <= slack)))
+    return at[0] + first + 1, at[1], gap[at], turn[at], np.full(len(at[0]), np.nan)
 
 
-def _strays(
-    record: Record, table: DecisionTable, off: _Off, touched: NDArray[np.bool_]
-) -> list[Stray]:
-    shapes = record.shapes
-    strays: list[Stray] = []
-    for i in range(record.robots):
-        mine = off.robot == i
-        step, gap, turn = off.step[mine], off.gap[mine], off.turn[mine]
-        shift = np.maximum(gap, turn * shapes.radius[i])
-        kept = np.array(
-            [
-                not _pushed(record, table, shapes, i, int(k), float(far), touched)
-                for k, far in zip(step, shift, strict=True)
-            ],
-            dtype=np.bool_,
-        )
-        step, gap, turn = step[kept], gap[kept], turn[kept]
-        strays += _stretches(record, i, step, gap, turn)
-    return strays
+def _slack(poses: FloatArray) -> FloatArray:
+    """(B - 1, N) [m, rad] that rounding may make of a step to each pose but the first."""
+    return np.asarray(ONE_STEP + ULPS * np.spacing(np.abs(poses[1:]).max(axis=2)))
 
 
-def _stretches(
-    record: Record,
-    robot: int,
-    step: IntArray,
-    gap: FloatArray,
-    turn: FloatArray,
-    allowed: FloatArray | None = None,
-) -> Iterator[Stray]:
-    """Steps of a robot in rising order, consecutive ones as one."""
-    cuts = np.flatnonzero(np.diff(step) != 1) + 1
+def _stretches(dt: float, strayed: Strayed) -> Iterator[Stray]:
+    """Consecutive steps of a robot as one."""
+    order = np.lexsort(strayed[:2])
+    step, robot, gap, turn, allowed = (column[order] for column in strayed)
+    cuts = np.flatnonzero((np.diff(step) != 1) | (np.diff(robot) != 0)) + 1
     for run in np.split(np.arange(len(step)), cuts) if len(step) else ():
-        at = int(step[run[0]])
+        at, most = int(step[run[0]]), float(allowed[run].max())
         yield Stray(
-            robot, at, len(run), at * record.dt, float(gap[run].max()), float(turn[run].max()),
-            None if allowed is None else float(allowed[run].max()),
+            int(robot[run[0]]), at, len(run), at * dt, float(gap[run].max()),
+            float(turn[run].max()), None if math.isnan(most) else most,
         )  # fmt: skip
 
 
 def _pushed(
-    record: Record,
-    table: DecisionTable,
-    shapes: Shapes,
-    robot: int,
-    step: int,
+    record: Record, table: DecisionTable, touched: NDArray[np.bool_], robot: int, step: int,
     shift: float,
-    touched: NDArray[np.bool_],
-) -> bool:
+) -> bool:  # fmt: skip
     """Whether a robot may have been shifted by ``shift`` [m] by one that is eased out of a contact.
 
     Eased are robots that touch something at the sample before. Within the step such a one may go
     forth and back: it reaches as far as its poses differ, and as its command would take it, and
     `PUSHED` more. What it meets is shifted by no more than twice that.
     """
-    if not touched[step - 1].any():
-        return False
     before, after = record.pose_at(step - 1), record.pose_at(step)
     for j in np.flatnonzero(touched[step - 1]).tolist():
         x, y, turn = np.abs(after[j] - before[j]).tolist()
         v, omega = table.held(j, step - 1)
-        radius = float(shapes.radius[j])
+        radius = float(table.radius[j])
         reach = PUSHED + math.hypot(x, y) + radius * turn
         reach += (abs(v) + radius * abs(omega)) * record.dt
-        if shift > 2.0 * reach:
-            continue
-        if body_distance(shapes, robot, before[robot], shapes, j, before[j]) <= reach:
+        if shift <= 2.0 * reach and pair_distance(record, before, robot, j) <= reach:
             return True
     return False
+
+
+class Pushing:
+    """Holds steps of robots in contact to the energy of their commands."""
+
+    def __init__(self, record: Record, mass: FloatArray) -> None:
+        """Sort the contacts of a record; ``mass`` (N,) [kg] of its robots."""
+        self.record, self.mass = record, mass
+        self.gyration = np.sqrt(
+            [moment(body_parts(record.shapes, i), 1.0) for i in range(record.robots)]
+        )
+
+    def too_far(
+        self, poses: FloatArray, first: int, command: FloatArray, held: NDArray[np.bool_]
+    ) -> Strayed:
+        """Steps of a block of poses (B, N, 3) that are longer than pushes and commands allow.
+
+        Looked at are robots that are ``held`` (B - 1, N). ``first`` is the sample of the first
+        pose, ``command`` (B - 1, N, 2) what was applied.
+        """
+        steps, robots = held.shape
+        rows = self.record.contacts_over(first, first + steps + 1)
+        before = rows[rows["step"] < first + steps]
+        after = touching(rows[rows["step"] > first])
+        at = (before["step"] - first) * robots
+        pairs = np.concatenate((
+            _between_robots(before, at, robots),
+            _between_robots(after, (after["step"] - first - 1) * robots, robots),
+        ))  # fmt: skip
+        rate = np.hypot(command[..., 0], self.gyration * command[..., 1]).ravel()
+        overlap = np.maximum(before["depth"], 0.0)
+        depth = np.bincount(at + before["a"], overlap, held.size).astype(np.float64)
+        allowed = self._allowed(_groups(pairs, held.size), rate, depth).reshape(held.shape)
+        moved = np.diff(poses, axis=0)
+        gap, turn = np.hypot(moved[..., 0], moved[..., 1]), np.abs(moved[..., 2])
+        shift, slack = np.hypot(gap, self.gyration * turn), _slack(poses)
+        far = held & ~(shift <= allowed * (1.0 + ONE_STEP) + slack)
+        for k in np.flatnonzero(far.any(axis=1))[:MOST_LOOKED_AT].tolist():
+            mine = pairs[pairs[:, 0] // robots == k] % robots
+            group = _groups(np.concatenate((mine, self._near(poses[k]))), robots)
+            part = slice(k * robots, (k + 1) * robots)
+            allowed[k] = self._allowed(group, rate[part], depth[part])
+        where = np.nonzero(far & ~(shift <= allowed + slack))
+        return where[0] + first + 1, where[1], gap[where], turn[where], allowed[where]
+
+    def _allowed(self, group: IntArray, rate: FloatArray, depth: FloatArray) -> FloatArray:
+        """[m] what robots may move that push each other in groups, commanded to ``rate`` [m/s]."""
+        mass, fastest = np.resize(self.mass, len(group)), np.zeros(len(group))
+        np.maximum.at(fastest, group, rate)
+        energetic = np.sqrt(np.bincount(group, mass * rate**2)[group] / mass)
+        eased = np.bincount(group, depth)[group]
+        speed = np.minimum(energetic, LEVER * fastest[group])
+        return np.asarray(speed * self.record.dt + 2.0 * eased)
+
+    def _near(self, pose: FloatArray) -> IntArray:
+        """Pairs (M, 2) of robots within `PUSHED` of each other."""
+        reach = self.record.shapes.radius[: len(pose)]
+        apart = np.hypot(*(pose[:, None, :2] - pose[None, :, :2]).T)
+        close = np.argwhere(np.triu(apart <= reach[:, None] + reach[None] + PUSHED, 1)).tolist()
+        near = [(a, b) for a, b in close if pair_distance(self.record, pose, a, b) <= PUSHED]
+        return np.array(near, dtype=np.int64).reshape(-1, 2)
+
+
+def _between_robots(rows: NDArray[np.void], at: IntArray, robots: int) -> IntArray:
+    """Pairs (M, 2) of rows between robots, numbered from ``at`` (K,) for the step of each row."""
+    some = rows["b"] < robots
+    return np.column_stack((at[some] + rows["a"][some], at[some] + rows["b"][some]))
+
+
+def _groups(pairs: IntArray, count: int) -> IntArray:
+    """(count,) the group of each, where those of the pairs (M, 2) belong together."""
+    linked = coo_array((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(count, count))
+    return np.asarray(connected_components(linked, directed=False)[1])

@@ -1,11 +1,10 @@
 """Near misses: the smallest distances and collision times that did not end in contact.
 
-Distances are over all samples, one for each episode of a pair, see `listed`, of approaches: a
+Distances are over all samples, one for each episode of a pair, see `_listed`, of approaches: a
 stretch of time over which a pair is nearer than the reach of the analytic contacts. Collision times
 are those of the deciding robot with every other body at every decision, under the commands that all
 hold from then on, computed here; one for each episode of a pair as well.
-Approaches that end in contact, at a sample or
-between two, are left out: they are contacts.
+Approaches that end in contact, at a sample or between two, are left out: they are contacts.
 """
 
 from __future__ import annotations
@@ -17,7 +16,6 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from physim.analysis.metrics import contact_episodes, grazes
 from physim.analysis.metrics.walls import farthest_between, near_wall
 from physim.analysis.validation.analytic_contacts import (
     FULL,
@@ -26,8 +24,8 @@ from physim.analysis.validation.analytic_contacts import (
     pose_blocks,
     walls_about,
 )
+from physim.analysis.validation.comparison import SMALLEST, Exact
 from physim.analysis.validation.decisions import DecisionTable
-from physim.analysis.validation.recorded_distances import SMALLEST, Exact
 from physim.analysis.validation.responsibility import has_priority
 from physim.compiled import compiled
 from physim.geometry.collision import collision_time_pair, collision_time_walls
@@ -88,67 +86,58 @@ def near_misses(
     record: Record, analytic: AnalyticContacts, table: DecisionTable, exact: Exact
 ) -> NearMisses:
     """Find the near misses of a record with the poses of every step; all by the shapes."""
-    grazed: dict[tuple[int, int], list[int]] = {}
-    for row in analytic.grazes:
-        grazed.setdefault((int(row["a"]), int(row["b"])), []).append(int(row["step"]))
+    dt, rows = record.dt, exact.extremes.rows
     distances = [
-        NearMiss(near.a, near.b, near.step, near.step * record.dt, near.distance)
+        NearMiss(near.a, near.b, near.step, near.step * dt, near.distance)
         for near in analytic.approaches
         if near.distance > CONTACT
-        and not any(near.first <= s <= near.last + 1 for s in grazed.get((near.a, near.b), ()))
+        and not _touched(analytic.grazes, near.a, near.b, near.first, near.last + 1)
     ]
+    smallest = []
+    for (value, when, other), _ in SMALLEST:
+        who = int(np.argmin(rows[value]))
+        body, step = int(rows[other][who]), int(rows[when][who])
+        along = near_wall(record, who, body, step)
+        least = NearMiss(who, body, step, step * dt, float(rows[value][who]), along=along)
+        smallest.append(None if body < 0 else least)
     return NearMisses(
-        tuple(_with_order(table, one) for one in listed(record, distances)),
-        tuple(_with_order(table, one) for one in listed(record, _times(record))),
-        analytic.reach,
-        *(_least(record, exact, columns) for columns, _ in SMALLEST),
+        _listed(table, distances), _listed(table, _times(record)), analytic.reach, *smallest
     )
 
 
-def listed(record: Record, some: Sequence[NearMiss]) -> list[NearMiss]:
+def _touched(rows: NDArray[np.void], a: int, b: int, first: int, last: int) -> bool:
+    """Whether one of the rows, in the order of steps, is of a pair in these steps."""
+    some = rows[slice(*np.searchsorted(rows["step"], (first, last + 1)))]
+    return bool(((some["a"] == a) & (some["b"] == b)).any())
+
+
+def _listed(table: DecisionTable, some: Sequence[NearMiss]) -> tuple[NearMiss, ...]:
     """The first `MOST_LISTED` of ``some``, the smallest first: one of each pair and episode.
 
     Two of a pair are one episode where less than `TOGETHER` lies between them, or where the pair
-    is never more than `PARTED` apart between them.
+    is never more than `PARTED` apart between them. Says who of two robots was behind (equal
+    stations: the higher index), or where a wall is.
     """
-    kept: list[NearMiss] = []
+    record, kept = table.record, list[NearMiss]()
     for one in some[:MOST_LOOKED_AT]:
         if len(kept) == MOST_LISTED:
             break
-        mine = [other for other in kept if (other.a, other.b) == (one.a, one.b)]
-        if not any(_same_episode(record, one, other) for other in mine):
+        for other in kept:
+            first, last = sorted((one.step, other.step))
+            if (other.a, other.b) == (one.a, one.b) and (
+                (last - first) * record.dt < TOGETHER
+                or farthest_between(record, one.a, one.b, (first, last)) <= PARTED
+            ):
+                break
+        else:
             kept.append(one)
-    return kept
-
-
-def _same_episode(record: Record, one: NearMiss, other: NearMiss) -> bool:
-    first, last = sorted((one.step, other.step))
-    if (last - first) * record.dt < TOGETHER:
-        return True
-    return farthest_between(record, one.a, one.b, (first, last)) <= PARTED
-
-
-def _with_order(table: DecisionTable, one: NearMiss) -> NearMiss:
-    """Say which of two robots was behind (equal stations: the higher index), or where a wall is."""
-    if one.b >= table.record.robots:
-        return replace(one, along=near_wall(table.record, one.a, one.b, one.step))
-    if not has_priority(table.record):
-        return one
-    ahead = table.reference_station(one.a, one.step) >= table.reference_station(one.b, one.step)
-    return replace(one, behind=one.b if ahead else one.a)
-
-
-def _least(record: Record, exact: Exact, columns: tuple[str, str, str]) -> NearMiss | None:
-    value, step, other = columns
-    rows = exact.extremes.rows
-    who = int(np.argmin(rows[value]))
-    row = rows[who]
-    if row[other] < 0:
-        return None
-    at = int(row[step])
-    body = int(row[other])
-    along = near_wall(record, who, body, at)
-    return NearMiss(who, body, at, at * record.dt, float(row[value]), along=along)
+    for k, one in enumerate(kept):
+        if one.b >= record.robots:
+            kept[k] = replace(one, along=near_wall(record, one.a, one.b, one.step))
+        elif has_priority(record):
+            a, b = (table.reference_station(i, one.step) for i in (one.a, one.b))
+            kept[k] = replace(one, behind=one.b if a >= b else one.a)
+    return tuple(kept)
 
 
 @compiled
@@ -198,44 +187,30 @@ def decision_times(
     return count
 
 
-def _times(record: Record) -> tuple[NearMiss, ...]:
-    shapes, walls = record.shapes, record.walls
+def _times(record: Record) -> list[NearMiss]:
+    """Smallest value of each stretch of decisions of a pair, but for those that end in contact."""
     decided = np.zeros(len(record.updates), dtype=DECIDED)
     for name in DECIDED.names or ():
         decided[name] = record.updates[name]
-    who, values, room = [np.zeros((0, 3), dtype=np.int64)], [np.zeros(0)], Room()
+    found, room = [(np.zeros((0, 3), dtype=np.int64), np.zeros((0, 1)))], Room()
     for poses, start in pose_blocks(record):
         end = start + len(poses) - 1
-        first, last = np.searchsorted(decided["step"], [start, end])
-        rows = decided[first:last]
+        rows = decided[slice(*np.searchsorted(decided["step"], [start, end]))]
         command = read_only(record.commands_over("applied", start, end))
-        scan = partial(decision_times, rows, poses, start, command, shapes, walls, LOOK)
-        some, times = room.filled(scan, 1)
-        who.append(some)
-        values.append(times[:, 0])
-    return _smallest(record, np.concatenate(who), np.concatenate(values))
-
-
-def _smallest(record: Record, who: IntArray, xi: FloatArray) -> tuple[NearMiss, ...]:
-    """Smallest value of each stretch of decisions of a pair, but for those that end in contact."""
+        scan = partial(
+            decision_times, rows, poses, start, command, record.shapes, record.walls, LOOK
+        )
+        found.append(room.filled(scan, 1))
+    who, values = (np.concatenate(some) for some in zip(*found, strict=True))
     order = np.lexsort((who[:, 0], who[:, 2], who[:, 1]))
-    who, xi = who[order], xi[order]
-    if not len(who):
-        return ()
-    gap = np.diff(who[:, 0]) * record.dt > APART
-    cut = np.flatnonzero(gap | (np.diff(who[:, 1]) != 0) | (np.diff(who[:, 2]) != 0)) + 1
-    touched: dict[tuple[int, int], list[tuple[int, int]]] = {}
-    for episode in contact_episodes(record):
-        span = episode.step, episode.step + episode.samples
-        touched.setdefault((episode.a, episode.b), []).append(span)
-    for graze in grazes(record):
-        touched.setdefault((graze.a, graze.b), []).append((graze.step - 1, graze.step))
-    found = []
-    for run in np.split(np.arange(len(who)), cut):
+    who, xi = who[order], values[order, 0]
+    apart = np.diff(who[:, 0]) * record.dt > APART
+    cut = np.flatnonzero(apart | (np.diff(who[:, 1:], axis=0) != 0).any(axis=1)) + 1
+    smallest = []
+    for run in np.split(np.arange(len(who)), cut) if len(who) else ():
         least = run[int(np.argmin(xi[run]))]
-        step, a, b = (int(v) for v in who[least])
-        first, last = int(who[run[0], 0]), int(who[run[-1], 0]) + round(APART / record.dt)
-        contact = any(begin <= last and end >= first for begin, end in touched.get((a, b), ()))
-        if not contact:
-            found.append(NearMiss(a, b, step, step * record.dt, float(xi[least])))
-    return tuple(sorted(found, key=lambda one: (one.value, one.step, one.a, one.b)))
+        step, a, b = who[least].tolist()
+        last = int(who[run[-1], 0]) + round(APART / record.dt)
+        if not _touched(record.contacts, a, b, int(who[run[0], 0]), last + 1):
+            smallest.append(NearMiss(a, b, step, step * record.dt, float(xi[least])))
+    return sorted(smallest, key=lambda one: (one.value, one.step, one.a, one.b))

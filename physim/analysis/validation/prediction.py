@@ -19,29 +19,29 @@ from dataclasses import dataclass
 import numpy as np
 
 from physim import tolerances
+from physim.analysis.validation.analytic_contacts import pair_distance
 from physim.analysis.validation.decisions import DecisionTable
 from physim.contacts import Kind, Phase
 from physim.geometry.collision import collision_time_pair, collision_time_walls
 from physim.geometry.motion import arc
-from physim.geometry.separation import body_distance
-from physim.geometry.shapes import FloatArray, Shapes
+from physim.geometry.shapes import FloatArray
 from physim.record import Record
 
 HORIZON = 10.0
 """[s] how far ahead one query looks; a contact later than that takes several"""
-
 MOST_SLACK = 10.0 * HORIZON
 """[s] A touch is not looked for longer than that after the step at which it was found: a forged
 command that turns 10^4 rad/s has a slack of hours."""
 AS_COMMANDED = 1e-7
 """[m, rad] A robot within this of the arc that it was to follow has moved as commanded."""
 
-AGREES = "same step"
-DISAGREES = "another step"
-NOT_AS_COMMANDED = "a robot did not move as commanded"
-STILL_TOUCHING = "they still touched at the last decision"
-TOUCHED_BEFORE = "a touch that was foretold came first"
-NO_DECISION = "no decision before it"
+AGREES = "agrees"
+DISAGREES = "disagrees"
+NOT_COMPARED = "cannot be compared: "
+"""begins the third verdict, which ends in why"""
+NOT_AS_COMMANDED = f"{NOT_COMPARED}pushed"
+TOUCHED_BEFORE = f"{NOT_COMPARED}touched before"
+NO_DECISION = f"{NOT_COMPARED}no decision"
 
 
 @dataclass(frozen=True)
@@ -74,7 +74,7 @@ class Prediction:
     slack: float
     """[s] by which chord and tolerance may shift the contact"""
     verdict: str
-    """`AGREES`, `DISAGREES`, or why the two cannot be compared"""
+    """`AGREES`, `DISAGREES`, or `NOT_COMPARED` and why"""
     early: tuple[Early, ...] = ()
     """earlier decisions, in the order of time"""
 
@@ -88,7 +88,6 @@ class Prediction:
 
 def pair_time(
     record: Record,
-    shapes: Shapes,
     a: int,
     b: int,
     pose: FloatArray,
@@ -96,6 +95,7 @@ def pair_time(
     twist_b: tuple[float, float],
 ) -> float:
     """Collision time (11) [s] of bodies a < b at ``pose`` (N, 3) under constant commands."""
+    shapes = record.shapes
     if b < record.robots:
         return float(collision_time_pair(shapes, a, pose[a], twist_a, b, pose[b], twist_b, HORIZON))
     walls, w = record.walls, b - record.robots
@@ -109,8 +109,6 @@ class Predictor:
     def __init__(self, record: Record, table: DecisionTable) -> None:
         self.record = record
         self.table = table
-        self.shapes = record.shapes
-        self.touches = record.contacts[record.contacts["phase"] == Phase.BEGAN]
 
     def due(self, a: int, b: int, step: int, until: float = HORIZON) -> float:
         """Collision time [s] from a step on, under the commands held from then on.
@@ -126,7 +124,7 @@ class Predictor:
             pose = start.copy()
             for i in (i for i in held if k and i < self.record.robots):
                 pose[i] = arc(tuple(start[i]), *held[i], later)
-            found = pair_time(self.record, self.shapes, a, b, pose, held[a], held[b])
+            found = pair_time(self.record, a, b, pose, held[a], held[b])
             if math.isfinite(found):
                 return later + found
         return math.inf
@@ -144,24 +142,25 @@ class Predictor:
         made = self.table.last_before(robots, step)
         if made is None:
             return Prediction(a, b, step, found, touched, None, None, 0.0, NO_DECISION)
-        gap = tolerances.CONTACT
-        for i in robots:
-            gap += tolerances.chord(*self.table.held(i, made), dt)
+        gap = tolerances.CONTACT + sum(
+            tolerances.chord(*self.table.held(i, made), dt) for i in robots
+        )
         slack = tolerances.TIME + gap / max(closing, tolerances.CLOSING_SPEED)
         until = found + dt + min(slack, MOST_SLACK) - made * dt
         predicted = made * dt + self.due(a, b, made, until)
-        verdict = AGREES if found - dt - slack <= predicted <= found + slack else DISAGREES
-        is_near = verdict == DISAGREES and self._is_near(a, b, step, predicted, gap)
-        if is_near and b < self.record.robots and predicted >= (step - 2) * dt:
-            verdict = AGREES  # they close slowly
-        if predicted == made * dt and verdict == DISAGREES:
-            verdict = STILL_TOUCHING
-        elif not all(self._as_commanded(i, made, step) for i in robots):
-            verdict = NOT_AS_COMMANDED
-        elif verdict == DISAGREES and (
-            is_near or self._touched_then(a, b, made, step, predicted, slack)
+        is_near = self._is_near(a, b, step, predicted, gap)
+        slow = is_near and b < self.record.robots and predicted >= (step - 2) * dt
+        verdict = DISAGREES
+        if slow or found - dt - slack <= predicted <= found + slack:
+            verdict = AGREES
+        elif (
+            predicted == made * dt  # they still touch
+            or is_near  # perhaps on the arc alone, by less than the chord is off it
+            or self._touched_then(a, b, made, step, predicted, slack)
         ):
-            verdict = TOUCHED_BEFORE  # perhaps on the arc alone, by less than the chord is off it
+            verdict = TOUCHED_BEFORE
+        if not all(self._as_commanded(i, made, step) for i in robots):
+            verdict = NOT_AS_COMMANDED
         early = self._earlier(a, b, robots, made, step, touched) if earlier else ()
         return Prediction(a, b, step, found, touched, made * dt, predicted, slack, verdict, early)
 
@@ -179,21 +178,15 @@ class Predictor:
         before = max(0, min(math.floor(place), self.record.samples - 2))
         start, end = self.record.pose_at(before), self.record.pose_at(before + 1)
         now = start + (place - before) * (end - start)
-        if b < self.record.robots:
-            apart = body_distance(self.shapes, a, now[a], self.shapes, b, now[b])
-        else:
-            wall, still = b - self.record.robots, np.zeros(3)
-            apart = body_distance(self.shapes, a, now[a], self.record.walls, wall, still)
-        return abs(apart) <= 2.0 * gap
+        return abs(pair_distance(self.record, now, a, b)) <= 2.0 * gap
 
     def _touched_then(
         self, a: int, b: int, made: int, step: int, predicted: float, slack: float
     ) -> bool:
         """Whether the two touched at the predicted time, in passing, before the contact."""
-        rows, dt = self.touches, self.record.dt
-        rows = rows[(rows["a"] == a) & (rows["b"] == b)]
+        rows, dt = self.record.contacts_over(made + 1, step + 1), self.record.dt
+        rows = rows[(rows["a"] == a) & (rows["b"] == b) & (rows["phase"] == Phase.BEGAN)]
         when = rows["step"][(rows["step"] < step) | (rows["kind"] == Kind.SWEPT)]
-        when = when[(when > made) & (when <= step)]
         came = (when * dt - dt - slack <= predicted) & (predicted <= when * dt + slack)
         return bool(came.any())
 

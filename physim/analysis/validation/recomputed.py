@@ -1,170 +1,32 @@
 """Commands and decisions of a record, held against its tables, its poses and its own controller.
 
+A row of ``/commands`` stands where the stages of a command differ, or where the nominal one is not
+that of the last decision; where there is none, the nominal command of the last decision was
+applied. So each row must say something, and what stages there were must explain it.
+
 Where the run cannot be simulated again to the bit, decisions are made again by the world's own
-controller, from what it saw according to the record. Poses and held commands are those of the
-record, stations follow from them, and the controller's memory is carried along; so each decision
-is made again as it was made, whatever moved the robots.
+controller, in a run that is led through the poses of the record: so each is made as it was made,
+whatever moved the robots.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from physim.analysis.validation.consistency import check_commands, check_counts
-from physim.analysis.validation.decisions import DecisionTable, SampleBlock, sample_blocks
-from physim.analysis.validation.mismatch import (
-    SLACK,
-    SLACKS,
-    Mismatch,
-    Mismatches,
-    differs,
-    words,
-)
+from physim.analysis.validation.decisions import DecisionTable
+from physim.analysis.validation.mismatch import Mismatch, unlike_rows
 from physim.analysis.validation.origin import Inside
-from physim.errors import ControllerError
-from physim.geometry.shapes import FloatArray, IntArray, read_only
-from physim.parts.controller import (
-    LONGEST_HOLD,
-    BatchCapable,
-    Controller,
-    Decisions,
-    Sensed,
-    Snapshot,
-)
+from physim.analysis.validation.rerun import decided_again
 from physim.parts.declarations import Declared
-from physim.parts.registry import CONTROLLER, SENSING, shipped_parts
-from physim.parts.stages import everybody, shared
+from physim.parts.registry import CONTROLLER, DISTURBANCE, FILTER, SENSING, shipped_parts
 from physim.record import Record
-from physim.simulation.decisions import PerRobotAdapter
+from physim.record.layout import COMMAND_STAGES, OPTIONAL
 from physim.tolerances import SHARE
-from physim.world.scene import Scene
 
-Rows = NDArray[np.void]
-
-
-class Considered:
-    """The table of considered robots, by decision."""
-
-    def __init__(self, record: Record) -> None:
-        table = record.considered
-        key, decided = (
-            rows["step"] * record.robots + rows["robot"] for rows in (table, record.updates)
-        )
-        order = np.lexsort((table["other"], key))
-        self.other = table["other"][order].astype(np.int64)
-        self.start = np.searchsorted(key[order], decided).astype(np.int64)
-        """(M,) first of each decision in ``other``, and one past its last:"""
-        self.end = np.searchsorted(key[order], decided, side="right").astype(np.int64)
-
-
-class Replay:
-    """A controller that decides again, step by step."""
-
-    def __init__(self, record: Record, scene: Scene, controller: Controller) -> None:
-        self.record, self.scene, self.considered = record, scene, Considered(record)
-        self.declared = Declared.of(controller)
-        self.by = f"decided again by {scene.world.controller.type}"
-        self.batch = (
-            controller.batch(scene)
-            if isinstance(controller, BatchCapable)
-            else PerRobotAdapter(controller, scene, self.declared)
-        )
-        self.memory = self.batch.memory()
-        self.shared = shared(scene.robots)
-        self.broken = ""
-        """what the controller said where it could not decide; nothing is checked from there on"""
-        self.decided = 0
-
-    def take(self, block: SampleBlock, found: Mismatches) -> None:
-        """Make the decisions of a stretch again and hold the record against them."""
-        rows = block.rows
-        if not len(rows) or self.broken:
-            return
-        order = np.lexsort((rows["robot"], rows["step"]))
-        edges = np.flatnonzero(np.diff(rows["step"][order], prepend=-1))
-        decisions = []
-        for low, high in zip(edges, [*edges[1:], len(order)], strict=True):
-            some = order[low:high]
-            due = rows["robot"][some].astype(np.int64)
-            k = int(rows["step"][some[0]]) - block.first
-            try:
-                decisions.append(self.batch.decide_due(self._sensed(block, k), due, self.memory))
-            except ControllerError as error:
-                self.broken = str(error).splitlines()[0]
-                order = order[:low]
-                break
-        if decisions:
-            self.decided += len(order)
-            self._hold(rows[order], block.row + order, decisions, found)
-
-    def _sensed(self, block: SampleBlock, k: int) -> Sensed:
-        """What everybody knows at sample ``k`` of a block."""
-        # Laid out as in the loop: for arrays of another kind kernels are compiled anew.
-        course = read_only(np.ascontiguousarray(block.course[k].T))
-        truth = Snapshot(block.first + k, block.pose[k], block.held[k], *course)
-        return everybody(truth, self.shared)
-
-    def _hold(
-        self, rows: Rows, number: IntArray, decisions: list[Decisions], found: Mismatches
-    ) -> None:
-        """Hold rows (M,) of the update table against the same decisions made again."""
-        command = np.concatenate([d.command for d in decisions])
-        hold = np.concatenate([d.hold for d in decisions])
-        exact: dict[str, NDArray[Any]] = {
-            "nominal_v": command[:, 0],
-            "nominal_omega": command[:, 1],
-            "mode": np.concatenate([d.mode for d in decisions]),
-            "rule": np.concatenate([d.rule for d in decisions]),
-            "next_step": rows["step"] + whole_steps(hold, self.scene.dt),
-        }
-        report = np.concatenate([d.report for d in decisions])
-        for c, one in enumerate(self.declared.columns):
-            exact[one.name] = report[:, c]
-        for column, values in exact.items():
-            wrong = np.flatnonzero(differs(rows[column], values, SLACKS.get(column, SLACK)))
-            for k in wrong.tolist():
-                told, due = (words(self.record, column, some[k]) for some in (rows[column], values))
-                found.add(
-                    "/updates", column, told, due, self.by,
-                    row=int(number[k]), robot=int(rows["robot"][k]), step=int(rows["step"][k]),
-                )  # fmt: skip
-        self._hold_considered(rows, number, decisions, found)
-
-    def _hold_considered(
-        self, rows: Rows, number: IntArray, decisions: list[Decisions], found: Mismatches
-    ) -> None:
-        again = np.concatenate([d.considered for d in decisions])
-        count = np.concatenate([np.diff(d.considered_start) for d in decisions])
-        first, last = self.considered.start[number], self.considered.end[number]
-        ends = np.cumsum(count)
-        alike = count == last - first
-        sure = np.repeat(alike, count)
-        place = np.arange(len(again)) + np.repeat(first - (ends - count), count)
-        order = np.lexsort((again, np.repeat(np.arange(len(rows)), count)))
-        unlike = again[order][sure] != self.considered.other[place[sure]]
-        wrong = ~alike
-        wrong[np.repeat(np.arange(len(rows)), count)[sure][unlike]] = True
-        names = self.record.names
-        for k in np.flatnonzero(wrong).tolist():
-            theirs = self.considered.other[first[k] : last[k]]
-            ours = np.sort(again[ends[k] - count[k] : ends[k]])
-            recorded, exact = (
-                ", ".join(names[j] for j in some) or "nobody" for some in (theirs, ours)
-            )
-            found.add(
-                "/considered", "other", recorded, exact, self.by,
-                robot=int(rows["robot"][k]), step=int(rows["step"][k]),
-            )  # fmt: skip
-
-
-def whole_steps(hold: FloatArray, dt: float) -> IntArray:
-    """Steps that decisions hold: rounded down, one at least (14)."""
-    steps = np.clip(np.floor(hold / dt + SHARE), 1.0, LONGEST_HOLD)
-    return np.asarray(steps, dtype=np.int64)
+PARTS = ("v", "omega")
 
 
 @dataclass(frozen=True)
@@ -179,51 +41,124 @@ class Recomputed:
     mismatches: tuple[Mismatch, ...]
 
 
-def recompute(record: Record, inside: Inside, table: DecisionTable, again: bool) -> Recomputed:
-    """Hold commands and counts against tables and the world inside.
+def recompute(
+    record: Record, whole: Record, inside: Inside, table: DecisionTable, again: bool
+) -> Recomputed:
+    """Hold counts of a record against its tables, commands of its ``whole`` run against each other.
 
     Where the run was not simulated ``again`` to the bit, its decisions are made again.
     """
-    found, left_out, replayed = Mismatches(record), [], 0
-    check_commands(record, table, inside, found)
-    check_counts(record, found)
+    found = [*_check_commands(whole, table, inside), *_check_counts(record)]
+    replayed, why_not = 0, ""
     if not again:
-        replay, why_not = _replay(record, inside)
-        for block in sample_blocks(record):
-            _stations(record, block, found)
-            if replay is not None:
-                replay.take(block, found)
-        if replay is not None:
-            replayed, why_not = replay.decided, replay.broken
-        if why_not:
-            left_out.append(f"decisions made again: {why_not}")
-    return Recomputed(len(record.updates), replayed, tuple(left_out), found.found)
+        wrong, replayed, why_not = _check_decisions(whole, inside)
+        found += wrong
+    left_out = (f"decisions made again: {why_not}",) if why_not else ()
+    found.sort(key=lambda one: -1 if one.step is None else one.step)
+    return Recomputed(len(whole.updates), replayed, left_out, tuple(found))
 
 
-def _replay(record: Record, inside: Inside) -> tuple[Replay | None, str]:
-    """What makes decisions again, or why nothing does."""
-    own, scene, why = inside.controller, inside.scene, inside.why_not
-    if SENSING.word in (inside.stages or ()):
-        why = "what robots sensed is not in the record"
-    elif own is not None and scene is not None:
-        kind = scene.world.controller.type
-        if kind not in shipped_parts(CONTROLLER):
-            why = f"{kind} is not shipped with physim, and need not decide alike twice"
-        elif record.declared != Declared.of(own):
-            why = "the record declares others"
-        else:
-            return Replay(record, scene, own), ""
-    return None, why
+def _check_commands(record: Record, table: DecisionTable, inside: Inside) -> Iterator[Mismatch]:
+    """Hold both tables of commands against each other, the limits and the stages there were."""
+    rows, commands, stages = record.updates, record.commands, inside.stages
+    key, listed_key = (some["step"] * record.robots + some["robot"] for some in (rows, commands))
+    _, at_decision, listed = np.intersect1d(key, listed_key, return_indices=True)
+    last = table.last_rows(commands["robot"], commands["step"])
+    alike = np.ones(len(commands), dtype=np.bool_)
+    for part in PARTS:
+        exact = rows[f"nominal_{part}"].copy()
+        decided = np.append(exact, 0.0)[last]  # row -1: 0 before the first decision
+        exact[at_decision] = commands[f"applied_{part}"][listed]
+        column, by = f"applied_{part}", "by the table /commands and the nominal command"
+        wrong = rows[column] != exact
+        yield from unlike_rows(record, "/updates", column, rows, exact, by, wrong)
+        values = [decided, *(commands[f"{stage}_{part}"] for stage in COMMAND_STAGES)]
+        for k, (stage, due, by) in enumerate((
+            ("nominal", len(rows) > 0, "by the last decision of that robot"),
+            ("filtered", FILTER.word not in stages,
+             "by the nominal command: there is no filter"),
+            ("applied", DISTURBANCE.word not in stages,
+             "by the filtered command: there is no disturbance"),
+        )):  # fmt: skip
+            wrong, column = values[k + 1] != values[k], f"{stage}_{part}"
+            alike &= ~wrong
+            if due:
+                yield from unlike_rows(record, "/commands", column, commands, values[k], by, wrong)
+    by = "as all stages are the command last decided"
+    yield from unlike_rows(record, "/commands", None, commands, "not", by, alike)
+    by = "at most either way, by the limits of that robot in the world inside"
+    for name, some, held in (
+        ("/updates", rows, ("nominal",)), ("/commands", commands, ("nominal", "filtered"))
+    ):  # fmt: skip
+        for k, part in enumerate(PARTS if inside.fits(record) else ()):
+            limit = inside.scene.limits[some["robot"], k]
+            for column in (f"{stage}_{part}" for stage in held):
+                wrong = ~(np.abs(some[column]) <= limit * (1.0 + SHARE))
+                yield from unlike_rows(record, name, column, some, limit, by, wrong)
 
 
-def _stations(record: Record, block: SampleBlock, found: Mismatches) -> None:
-    """Stations and formation errors of decisions against the poses."""
-    rows, lead = block.rows, record.lead
-    station, deviation, reference = block.course[block.at, rows["robot"]].T
-    mean = block.reference_station[block.at].mean(axis=1)
-    error = (mean - reference) - (lead.mean() - lead[rows["robot"]])
-    exact = {"station": station, "deviation": deviation, "reference_station": reference}
-    found.add_columns("/updates", rows, block.row, exact, "by its pose")
-    found.add_columns(
-        "/updates", rows, block.row, {"formation_error": np.asarray(error)}, "by all poses"
-    )
+def _check_counts(record: Record) -> Iterator[Mismatch]:
+    """Hold counts and lists in attributes against the tables."""
+    if "false_contacts" in record.tables:
+        killed = record.ended == "running"  # it would have counted them in the end
+        count = 0 if killed else len(record.false_contacts)
+        if (told := record.rejected_contacts) != count:
+            by = "by the table /false_contacts"
+            yield Mismatch.of(record, "attribute", "rejected_contacts", told, count, by)
+    for table in OPTIONAL:
+        if table not in record.tables and (rows := len(record.read(f"/{table}"))):
+            by = f"by that table, which has {rows} rows"
+            both = f"without {table}", f"with {table}"
+            yield Mismatch.of(record, "attribute", "tables", *both, by)
+    apart = np.diff(record.steps[:-1])  # the last sample may be nearer
+    for wrong in apart[apart != record.record_every][:1].tolist():
+        told, by = record.record_every, "by the recorded steps"
+        yield Mismatch.of(record, "attribute", "record_every", told, wrong, by)
+
+
+def _check_decisions(record: Record, inside: Inside) -> tuple[list[Mismatch], int, str]:
+    """Stations against poses, and decisions made again: how many, and why others are not."""
+    rows, lead, own, why_not = record.updates, record.lead, inside.controller, inside.why_not
+    station, deviation, reference = record.course[rows["step"], rows["robot"]].T
+    mean = record.course[rows["step"], :, 2].mean(axis=1)
+    due = {
+        "station": station, "deviation": deviation, "reference_station": reference,
+        "formation_error": (mean - reference) - (lead.mean() - lead[rows["robot"]]),
+    }  # fmt: skip
+    found = [
+        one
+        for name, exact in due.items()
+        for one in unlike_rows(record, "/updates", name, rows, exact, "by the poses")
+    ]
+    kind = inside.scene.world.controller.type
+    if SENSING.word in inside.stages:
+        why_not = "what robots sensed is not in the record"
+    elif own is not None and kind not in shipped_parts(CONTROLLER):
+        why_not = f"{kind} is not shipped with physim, and need not decide alike twice"
+    elif own is not None and record.declared != Declared.of(own):
+        why_not = "the record declares others"
+    if why_not or own is None:
+        return found, 0, why_not
+    again, others, broken = decided_again(record, inside.scene, own)
+    key, ours = (some["step"] * record.robots + some["robot"] for some in (rows, again))
+    both, theirs_at, ours_at = np.intersect1d(key, ours, return_indices=True)
+    by = f"decided again by {kind}"
+    left_out = ("step", "robot", "applied_v", "applied_omega", *due)  # which are held elsewhere
+    for name in (name for name in rows.dtype.names or () if name not in left_out):
+        exact = rows[name].copy()
+        exact[theirs_at] = again[name][ours_at]
+        found += unlike_rows(record, "/updates", name, rows, exact, by)
+    n, pairs = record.robots, []
+    for some in (record.considered, others):
+        decision = some["step"] * n + some["robot"]
+        pairs.append((decision * n + some["other"])[np.isin(decision, both)])
+    wrong = np.unique(np.setxor1d(*pairs) // n)
+    for robot in np.unique(wrong % n).tolist():
+        mine = wrong[wrong % n == robot]
+        told, true = (
+            ", ".join(record.names[j] for j in np.sort(some[some // n == mine[0]] % n)) or "nobody"
+            for some in pairs
+        )
+        place = {"robot": robot, "step": int(mine[0] // n), "count": len(mine)}
+        found.append(Mismatch.of(record, "/considered", "other", told, true, by, **place))
+    return found, len(both), broken

@@ -2,20 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from math import isfinite
+from collections.abc import Iterator
+from math import inf, isfinite
 
 import numpy as np
 
+from physim.analysis.validation.comparison import UNEXPLAINED, Disagreement
 from physim.analysis.validation.contact import Contact
-from physim.analysis.validation.disagreements import UNEXPLAINED
 from physim.analysis.validation.mismatch import SLACK
 from physim.analysis.validation.near_misses import LOOK, PARTED, TOGETHER, NearMiss
-from physim.analysis.validation.prediction import AGREES, DISAGREES, Early, Prediction
-from physim.analysis.validation.told import joined, length, sentences, short, wrapped
-from physim.analysis.validation.validation import Run, Validation, confusions
-from physim.errors import amount_text
+from physim.analysis.validation.prediction import AGREES, Early, Prediction
+from physim.analysis.validation.told import sentences, wrapped
+from physim.analysis.validation.validation import Validation
+from physim.errors import plural
 from physim.tolerances import CONTACT, ONE_STEP
+from physim.units import amount, joined, length, span
 
 MOST_LISTED = 20
 """Disagreements of one sort, and predictions, that are listed one by one"""
@@ -27,151 +28,13 @@ MOST_NAMED = 6
 """Boundaries and obstacles that are named"""
 LEADS = (0.0, 0.1, 0.5, 1.0, 2.0, 5.0, 10.0)
 """[s] edges of the table of lead times"""
-
-
-def check_lines(validation: Validation, full: bool) -> list[str]:
-    """What was checked, and the result; in full with the tables of the ledgers."""
-    comparison, run = validation.comparison, validation.run
-    lines = ["CHECKS: physical contacts against exact distances, every pair at every step"]
-    if full:
-        lines += [
-            f"  {'':<34}{'both':>10}{'physical':>10}{'analytic':>10}{'neither':>14}",
-            f"  {'':<34}{'contact':>10}{'only':>10}{'only':>10}",
-        ]
-        for label, row in confusions(validation):
-            cells = f"{row.both:>10,}{row.physical_only:>10,}{row.analytic_only:>10,}"
-            lines.append(f"  {label:<34}{cells}{row.neither:>14,}")
-    said = []
-    if comparison.rejected:
-        times = "once" if comparison.rejected == 1 else f"{comparison.rejected:,} times"
-        said.append(
-            f"The engine reported a contact of shapes that were apart {times}; the exact check "
-            "rejected it."
-        )
-    motion = validation.motion
-    off = sum(stray.allowed is None for stray in motion.strays)
-    far = len(motion.strays) - off
-    said.append(
-        f"Motion: {motion.checked:,} steps of robots that touch nothing, held against the arcs of "
-        f"their applied commands: {f'{off} DIFFER' if off else f'all agree within {ONE_STEP:g} m'}."
-    )
-    if motion.held:
-        said.append(
-            f"Motion in contact: {motion.held:,} steps held to the energy of the commands: "
-            f"{f'{far} TOO FAR' if far else 'none goes farther'}."
-        )
-    said += _decisions(validation)
-    if run.robots == 1:
-        said.append("A single robot: there are no pairs of robots.")
-    said += _again(validation)
-    return [*lines, *(line for text in said for line in wrapped(text, "  ", "    "))]
-
-
-def _decisions(validation: Validation) -> list[str]:
-    """What was held of decisions and commands, and what was not."""
-    found, made = validation.recomputed, ""
-    if found.replayed:
-        kind = validation.run.controller
-        made = f", {found.replayed:,} of them made again by {kind} from what it saw"
-    wrong = len(found.mismatches)
-    result = f"{wrong} {'DIFFER' if wrong > 1 else 'DIFFERS'}" if wrong else "all agree"
-    lines = [f"Decisions: {found.decisions:,}{made}. Commands, their limits and stages: {result}."]
-    return [*lines, *(f"Not computed: {what}." for what in found.left_out)]
-
-
-def _again(validation: Validation) -> list[str]:
-    """What came of simulating the run again."""
-    again, run = validation.rerun, validation.run
-    if again is None:
-        return []
-    if again.difference is not None:
-        return ["Simulated again: ANOTHER RUN, see below."]
-    if again.same_digest:
-        return [f"Simulated again: the same run to the bit, digest {again.digest}."]
-    if again.exact:
-        return [
-            f"Simulated again: the same values to the bit in all {again.until:.2f} s that are in "
-            "the record."
-        ]
-    up_to = "" if again.whole else f", up to the first contact after {again.until:.2f} s"
-    made = ", ".join(f"{name} {version}" for name, version in sorted(run.versions.items()))
-    return [
-        f"Simulated again by other versions than made the record ({made or 'unknown'}): the same "
-        f"within {SLACK:g}{up_to}."
-    ]
-
-
-def disagreement_lines(validation: Validation) -> list[str]:
-    """Every disagreement on a line of its own, `MOST_LISTED` of each sort."""
-    names = validation.names
-    sorts = [
-        [f"unexplained: {line}" for line in validation.origin.differences],
-        [f"unexplained: {one.line(names)}" for one in validation.recomputed.mismatches],
-        _rerun(validation, names),
-        _strays(validation, names),
-        _pairs(validation, names),
-        _mispredicted(validation, names),
-    ]
-    count = sum(len(sort) for sort in sorts)
-    if not count:
-        return ["DISAGREEMENTS: none"]
-    explained = sum(one.cause != UNEXPLAINED for one in validation.comparison.disagreements)
-    lines = [f"DISAGREEMENTS: {count}, of which {count - explained} unexplained"]
-    for sort in sorts:
-        for text in sort[:MOST_LISTED]:
-            lines += wrapped(text, "  ", 15 * " ")
-    left = sum(len(sort[MOST_LISTED:]) for sort in sorts)
-    return [*lines, f"  and {left} more (--json FILE has all)"] if left else lines
-
-
-def _rerun(validation: Validation, names: list[str]) -> list[str]:
-    again = validation.rerun
-    if again is None or again.difference is None:
-        return []
-    return [f"unexplained, the first difference of the run: {again.difference.line(names)}"]
-
-
-def _strays(validation: Validation, names: list[str]) -> list[str]:
-    lines = []
-    for stray in validation.motion.strays:
-        long = f" for {stray.steps} steps" if stray.steps > 1 else ""
-        lines.append(
-            f"{stray.time:9.4f} s  {names[stray.robot]}: unexplained ({stray.sentence}{long})"
-        )
-    return lines
-
-
-def _pairs(validation: Validation, names: list[str]) -> list[str]:
-    """Disagreements about contacts and distances, those without a cause first."""
-    lines = []
-    found = validation.comparison.disagreements
-    for one in sorted(found, key=lambda one: one.cause != UNEXPLAINED):
-        who = names[one.a] + ("" if one.b is None else f" and {names[one.b]}")
-        long = f" for {one.steps} samples" if one.steps > 1 else ""
-        apart = f", signed distance {one.distance:.3g} m" if isfinite(one.distance) else ""
-        lines.append(f"{one.time:9.4f} s  {who}{apart}{long}: {one.cause} ({one.what})")
-    return lines
-
-
-def _mispredicted(validation: Validation, names: list[str]) -> list[str]:
-    lines = []
-    for p in validation.mispredicted:
-        due = "none" if p.predicted is None or p.predicted > 1e9 else f"{p.predicted:.4f} s"
-        lines.append(
-            f"{p.found:9.4f} s  {names[p.a]} and {names[p.b]}: unexplained (first touch at "
-            f"{p.touched:.6f} s, but contact predicted at {p.made:.2f} s: {due})"
-        )
-    return lines
-
-
-def expectation_lines(validation: Validation, full: bool) -> list[str]:
-    """What the world expects and was not found, or all of it; nothing where it expects nothing."""
-    if not validation.expectations:
-        return []
-    missed = len(validation.missed)
-    head = f"EXPECTED: {missed} NOT HELD" if missed else "EXPECTED: all held"
-    shown = validation.expectations if full else validation.missed
-    return [head, *(f"  {one.key:<22} {one}" for one in shown)]
+ENDS = {
+    "finished": "all robots arrived",
+    "duration": "ran for its whole duration",
+    "interrupted": "INTERRUPTED: checked as far as it was recorded",
+    "error": "BROKE OFF WITH AN ERROR: checked as far as it was recorded",
+    "running": "KILLED: checked as far as it was recorded",
+}
 
 
 def report(validation: Validation, full: bool = False) -> str:
@@ -183,9 +46,9 @@ def report(validation: Validation, full: bool = False) -> str:
     parts = [
         _head(validation, full),
         _contacts(validation, full),
-        [*check_lines(validation, full), *disagreement_lines(validation)],
-        expectation_lines(validation, full),
-        *([prediction_lines(validation), _near_misses(validation)] if full else []),
+        [*_checks(validation, full), *_disagreements(validation)],
+        _expectations(validation, full),
+        *([_predictions(validation), _near_misses(validation)] if full else []),
         [*warning_lines(validation), f"verdict: {validation.verdict}"],
     ]
     return "\n\n".join("\n".join(part) for part in parts if part) + "\n"
@@ -202,34 +65,12 @@ def warning_lines(validation: Validation) -> list[str]:
 
 
 def _head(validation: Validation, full: bool) -> list[str]:
-    run = validation.run
-    robots = "1 robot" if run.robots == 1 else f"{run.robots} robots"
+    """What was run: world, controller and stages with their settings, and how it ended."""
+    run, setup, python = validation.run, validation.run.setup, ", given from Python"
     others = [body.name for body in run.bodies[run.robots :]]
-    walls = joined(others) or "no boundaries"
+    walls = joined(others) if others else "no boundaries"
     if len(others) > MOST_NAMED:
         walls = f"{len(others)} boundaries and obstacles"
-    ends = {
-        "finished": "all robots arrived",
-        "duration": "ran for its whole duration",
-        "interrupted": "INTERRUPTED: checked as far as it was recorded",
-        "error": "BROKE OFF WITH AN ERROR: checked as far as it was recorded",
-        "running": "KILLED: checked as far as it was recorded",
-    }
-    lines = [
-        "COLLISION SAFETY REPORT",
-        f"  run         {run.name}, seed {run.seed}: {robots}, {walls}",
-        f"  record      {run.source}",
-        *_parts(run),
-        f"  time        {run.seconds:.2f} s of at most {run.planned:g} s, step {run.dt:g} s; "
-        f"{ends.get(run.ended, run.ended)}",
-    ]
-    made = ", ".join(f"{name} {version}" for name, version in sorted(run.versions.items()))
-    return [*lines, f"  made by     {made}"] if made and full else lines
-
-
-def _parts(run: Run) -> list[str]:
-    """The controller and what stands between it and the robots, with their settings."""
-    setup, python = run.setup, ", given from Python"
     is_known = setup.controller.name == run.controller
     controller = str(setup.controller) if is_known else run.controller
     parts = [("controller", controller + (python if "controller" in dict(run.given) else ""))]
@@ -238,7 +79,20 @@ def _parts(run: Run) -> list[str]:
     for one in setup.others:
         kind, _, name = one.partition(" ")
         parts.append((kind, name + python))
-    return [line for kind, text in parts for line in wrapped(f"{kind:<11} {text}", "  ", 14 * " ")]
+    lines = [
+        "COLLISION SAFETY REPORT",
+        f"  run         {run.name}, seed {run.seed}: {plural(run.robots, 'robot')}, {walls}",
+        f"  record      {run.source}",
+        *(line for kind, text in parts for line in wrapped(f"{kind:<11} {text}", "  ", 14 * " ")),
+        f"  time        {run.seconds:.2f} s of at most {run.planned:g} s, step {run.dt:g} s; "
+        f"{ENDS.get(run.ended, run.ended)}",
+    ]
+    made = _versions(validation)
+    return [*lines, f"  made by     {made}"] if made and full else lines
+
+
+def _versions(validation: Validation) -> str:
+    return ", ".join(f"{name} {one}" for name, one in sorted(validation.run.versions.items()))
 
 
 def _contacts(validation: Validation, full: bool) -> list[str]:
@@ -248,17 +102,11 @@ def _contacts(validation: Validation, full: bool) -> list[str]:
         (*validation.contacts, *validation.grazes), key=lambda one: one.hardness, reverse=True
     )
     if not every:
-        near = validation.near_misses
-        nearest = [
-            f"{names[one.a]} and {names[one.b]} {_came(one.value)} at {one.time:.2f} s"
-            f"{one.along and f', {one.along}'}"
-            for one in (near.smallest_robots, near.smallest_boundary)
-            if one is not None
-        ]
-        lines = wrapped(f"nearest: {'; '.join(nearest) or 'nothing'}", "  ", "    ")
-        return [f"CONTACTS: none in {run.seconds:.2f} s", *lines]
-    robots = sum(one.b < run.robots for one in every)
-    first = min(one.time for one in every)
+        near, lead = validation.near_misses, f"CONTACTS: none in {run.seconds:.2f} s"
+        some = (near.smallest_robots, near.smallest_boundary)
+        nearest = "; ".join(_nearest(one, names) for one in some if one is not None)
+        return [lead, *wrapped(f"nearest: {nearest or 'nothing'}", "  ", "    ")]
+    robots, first = sum(one.b < run.robots for one in every), min(one.time for one in every)
     head = (
         f"CONTACTS: {robots} between robots, {len(every) - robots} with boundaries or obstacles, "
         f"in {run.seconds:.2f} s, the first at {first:.2f} s"
@@ -284,14 +132,17 @@ def _contacts(validation: Validation, full: bool) -> list[str]:
     return lines
 
 
-def _came(distance: float) -> str:
+def _nearest(one: NearMiss, names: list[str]) -> str:
     """How near two bodies came; a negative distance is an overlap."""
-    near = f"came within {length(distance)}"
-    return near if distance >= -CONTACT else f"overlapped by {length(-distance)}"
+    near = f"came within {length(one.value)}"
+    if one.value < -CONTACT:
+        near = f"overlapped by {length(-one.value)}"
+    along = one.along and f", {one.along}"
+    return f"{names[one.a]} and {names[one.b]} {near} at {one.time:.2f} s{along}"
 
 
 def _pair_rows(
-    pairs: dict[tuple[int, int], list[Contact]], names: Sequence[str], most: int
+    pairs: dict[tuple[int, int], list[Contact]], names: list[str], most: int
 ) -> list[str]:
     """A table of the pairs that touched; each has its worst contact first."""
     width = max(len(f"{names[a]} and {names[b]}") for a, b in pairs)
@@ -307,72 +158,189 @@ def _pair_rows(
             f"  {sum(one.duration for one in some):>8.2f} s"
             f"  {speed:>8}"
             f"  {length(max(one.depth for one in some)):>7}"
-            f"  {amount_text(sum(one.impulse for one in some), 0):>9} N s"
-            f"   {joined([names[i] for i in who])}".rstrip()
+            f"  {amount(sum(one.impulse for one in some), 'N s', 0):>13}"
+            f"   {joined([names[i] for i in who] or [''])}".rstrip()
         )
     left = len(pairs) - most
     return [*lines, f"  and {left} more pairs"] if left > 0 else lines
 
 
-def prediction_lines(validation: Validation) -> list[str]:
-    """Table of first contacts, errors at the last decision, errors by lead time."""
-    if not validation.contacts:
-        return []
-    predictions = [one.prediction for one in validation.contacts if one.prediction is not None]
-    return [
-        "FIRST CONTACT: predicted (collision time + time of prediction) against physical",
-        *_table(validation),
-        *_errors(predictions),
-        *_by_lead([early for one in predictions for early in one.early]),
+def _checks(validation: Validation, full: bool) -> list[str]:
+    """What was checked, and the result; in full with the tables of the ledgers."""
+    comparison, motion, done = validation.comparison, validation.motion, validation.recomputed
+    lines = ["CHECKS: physical contacts against exact distances, every pair at every step"]
+    if full:
+        lines += [
+            f"  {'':<34}{'both':>10}{'physical':>10}{'analytic':>10}{'neither':>14}",
+            f"  {'':<34}{'contact':>10}{'only':>10}{'only':>10}",
+        ]
+        for kind, label in (("robots", "robot and robot"), ("boundaries", "robot and boundary")):
+            for when, tables in (
+                ("at samples", comparison.at_samples), ("between, swept", comparison.over_steps)
+            ):  # fmt: skip
+                if sum(row := tables[kind]):
+                    cells = f"{row.both:>10,}{row.physical_only:>10,}{row.analytic_only:>10,}"
+                    lines.append(f"  {f'{label}, {when}':<34}{cells}{row.neither:>14,}")
+    said = []
+    if comparison.rejected:
+        times = "once" if comparison.rejected == 1 else f"{comparison.rejected:,} times"
+        said.append(
+            f"The engine reported a contact of shapes that were apart {times}; the exact check "
+            "rejected it."
+        )
+    off = sum(stray.allowed is None for stray in motion.strays)
+    far = len(motion.strays) - off
+    said.append(
+        f"Motion: {motion.checked:,} steps of robots that touch nothing, held against the arcs of "
+        f"their applied commands: {f'{off} DIFFER' if off else f'all agree within {ONE_STEP:g} m'}."
+    )
+    if motion.held:
+        said.append(
+            f"Motion in contact: {motion.held:,} steps held to the energy of the commands: "
+            f"{f'{far} TOO FAR' if far else 'none goes farther'}."
+        )
+    wrong, made = len(done.mismatches), ""
+    if done.replayed:
+        kind = validation.run.controller
+        made = f", {done.replayed:,} of them made again by {kind} from what it saw"
+    result = f"{wrong} {'DIFFER' if wrong > 1 else 'DIFFERS'}" if wrong else "all agree"
+    said.append(
+        f"Decisions: {done.decisions:,}{made}. Commands, their limits and stages: {result}."
+    )
+    said += [f"Not computed: {what}." for what in done.left_out]
+    if validation.run.robots == 1:
+        said.append("A single robot: there are no pairs of robots.")
+    said += _again(validation)
+    return [*lines, *(line for text in said for line in wrapped(text, "  ", "    "))]
+
+
+def _again(validation: Validation) -> Iterator[str]:
+    """What came of simulating the run again."""
+    again = validation.rerun
+    if again is None:
+        return
+    if again.difference is not None:
+        yield "Simulated again: ANOTHER RUN, see below."
+    elif again.same_digest:
+        yield f"Simulated again: the same run to the bit, digest {again.digest}."
+    elif again.exact:
+        yield (
+            f"Simulated again: the same values to the bit in all {again.until:.2f} s that are in "
+            "the record."
+        )
+    else:
+        up_to = "" if again.whole else f", up to the first contact after {again.until:.2f} s"
+        yield (
+            "Simulated again by other versions than made the record "
+            f"({_versions(validation) or 'unknown'}): the same within {SLACK:g}{up_to}."
+        )
+
+
+def _disagreements(validation: Validation) -> list[str]:
+    """Every disagreement on a line of its own, `MOST_LISTED` of each sort."""
+    names, again, pairs = validation.names, validation.rerun, validation.comparison.disagreements
+    first = [] if again is None or again.difference is None else [again.difference]
+    sorts = [
+        [f"unexplained: {line}" for line in validation.origin.differences],
+        [f"unexplained: {one.line(names)}" for one in validation.recomputed.mismatches],
+        [f"unexplained, the first difference of the run: {one.line(names)}" for one in first],
+        [
+            f"{one.time:9.4f} s  {names[one.robot]}: unexplained ({one.sentence}"
+            f"{_long(one.steps, 'steps')})"
+            for one in validation.motion.strays
+        ],
+        [_pair(one, names) for one in sorted(pairs, key=lambda one: one.cause != UNEXPLAINED)],
+        [
+            f"{one.found:9.4f} s  {names[one.a]} and {names[one.b]}: unexplained (first touch at "
+            f"{one.touched:.6f} s, but contact predicted at {one.made:.2f} s: {_due(one, 4)})"
+            for one in validation.mispredicted
+        ],
     ]
+    count = sum(map(len, sorts))
+    if not count:
+        return ["DISAGREEMENTS: none"]
+    explained = sum(one.cause != UNEXPLAINED for one in pairs)
+    lines = [f"DISAGREEMENTS: {count}, of which {count - explained} unexplained"]
+    for text in (text for sort in sorts for text in sort[:MOST_LISTED]):
+        lines += wrapped(text, "  ", 15 * " ")
+    left = sum(len(sort[MOST_LISTED:]) for sort in sorts)
+    return [*lines, f"  and {left} more (--json FILE has all)"] if left else lines
 
 
-def _table(validation: Validation) -> list[str]:
+def _pair(one: Disagreement, names: list[str]) -> str:
+    who = names[one.a] + ("" if one.b is None else f" and {names[one.b]}")
+    apart = f", signed distance {one.distance:.3g} m" if isfinite(one.distance) else ""
+    long = _long(one.steps, "samples")
+    return f"{one.time:9.4f} s  {who}{apart}{long}: {one.cause} ({one.what})"
+
+
+def _long(steps: int, what: str) -> str:
+    return f" for {steps} {what}" if steps > 1 else ""
+
+
+def _expectations(validation: Validation, full: bool) -> list[str]:
+    """What the world expects and was not found, or all of it; nothing where it expects nothing."""
+    if not validation.expectations:
+        return []
+    missed = len(validation.missed)
+    head = f"EXPECTED: {missed} NOT HELD" if missed else "EXPECTED: all held"
+    shown = validation.expectations if full else validation.missed
+    return [head, *(f"  {one.key:<22} {one}" for one in shown)]
+
+
+def _predictions(validation: Validation) -> list[str]:
+    """Table of first contacts, errors at the last decision, errors by lead time."""
+    every = [one.prediction for one in validation.contacts if one.prediction is not None]
+    if not every:
+        return []
     names = validation.names
     lines = [
+        "FIRST CONTACT: predicted (collision time + time of prediction) against physical",
         f"  {'':<4}{'predicted at':>13}{'contact due':>14}{'touched':>14}{'seen at':>10}"
-        f"{'error':>12}   pair"
+        f"{'error':>12}   pair",
     ]
     first: dict[tuple[int, int], tuple[int, Prediction]] = {}
-    for one in validation.contacts:
-        if one.prediction is not None:
-            first.setdefault((one.a, one.b), (one.number, one.prediction))
+    for number, p in enumerate(every, 1):
+        first.setdefault((p.a, p.b), (number, p))
     for number, p in list(first.values())[:MOST_LISTED]:
         made = "-" if p.made is None else f"{p.made:.2f} s"
-        due = "-" if p.predicted is None else "none"
-        if p.predicted is not None and isfinite(p.predicted):
-            due = f"{p.predicted:.6f} s"
-        error = "-" if p.error is None or not isfinite(p.error) else short(p.error)
+        error = "-" if p.error is None or not isfinite(p.error) else span(p.error)
         pair = f"{names[p.a]} and {names[p.b]}"
         note = "" if p.verdict == AGREES else f"  ({p.verdict})"
         lines.append(
-            f"  {number:<4}{made:>13}{due:>14}{p.touched:>12.6f} s{p.found:>8.2f} s"
+            f"  {number:<4}{made:>13}{_due(p, 6):>14}{p.touched:>12.6f} s{p.found:>8.2f} s"
             f"{error:>12}   {pair}{note}"
         )
-    return lines
-
-
-def _errors(all_of: list[Prediction]) -> list[str]:
-    compared = [p for p in all_of if p.verdict in (AGREES, DISAGREES)]
+    compared = [p for p in every if p.error is not None]
     if not compared:
-        return ["  At the last decision: none of them can be compared."]
-    same = sum(p.verdict == AGREES for p in compared)
-    errors = np.array([p.error for p in compared if p.error is not None and isfinite(p.error)])
-    lines = [
-        f"  Predicted by the last decision before contact: {same} of {len(compared)} in that step."
-    ]
-    if len(errors):
-        size = np.abs(errors)
-        lines.append(
-            f"  Error: median {short(float(np.median(size)))}, "
-            f"largest {short(float(size.max()))}; between samples robots move on chords."
-        )
-    left = len(all_of) - len(compared)
-    if left:
-        lines.append(
-            f"  {left} more cannot be compared: a robot in contact does not move as commanded."
-        )
-    return lines
+        lines.append("  At the last decision: none of them can be compared.")
+    else:
+        same = sum(p.verdict == AGREES for p in compared)
+        share = f"{same} of {len(compared)}"
+        lines.append(f"  Predicted by the last decision before contact: {share} in that step.")
+        median, largest = _sizes([p.error for p in compared])
+        if median:
+            lines.append(
+                f"  Error: median {median}, largest {largest}; between samples robots move on "
+                "chords."
+            )
+        if left := len(every) - len(compared):
+            lines.append(
+                f"  {left} more cannot be compared: a robot in contact does not move as commanded."
+            )
+    return [*lines, *_by_lead([early for one in every for early in one.early])]
+
+
+def _due(one: Prediction, digits: int) -> str:
+    if one.predicted is None:
+        return "-"
+    return f"{one.predicted:.{digits}f} s" if one.predicted < inf else "none"
+
+
+def _sizes(errors: list[float | None]) -> tuple[str, str]:
+    """Median and largest size [s] of those that are finite; empty where none is."""
+    size = np.abs([one for one in errors if one is not None and isfinite(one)])
+    return (span(float(np.median(size))), span(float(size.max()))) if len(size) else ("", "")
 
 
 def _by_lead(early: list[Early]) -> list[str]:
@@ -385,46 +353,39 @@ def _by_lead(early: list[Early]) -> list[str]:
         f"  {'lead time':>16}{'decisions':>11}{'foretold':>10}{'median error':>14}{'largest':>12}",
     ]
     for low, high in zip(LEADS[:-1], LEADS[1:], strict=True):
-        some = [e for e in early if low <= e.lead < high]
-        if some:
-            lines.append(_lead_row(low, high, some))
+        if some := [one.error for one in early if low <= one.lead < high]:
+            share = sum(map(isfinite, some)) / len(some)
+            median, largest = (text or "-" for text in _sizes([*some]))
+            lines.append(
+                f"  {f'{low:g} to {high:g} s':>16}{len(some):>11}{share:>10.0%}{median:>14}"
+                f"{largest:>12}"
+            )
     return lines
 
 
-def _lead_row(low: float, high: float, some: list[Early]) -> str:
-    size = np.abs([e.error for e in some if isfinite(e.error)])
-    errors = f"{'-':>14}{'-':>12}"
-    if len(size):
-        errors = f"{short(float(np.median(size))):>14}{short(float(size.max())):>12}"
-    return f"  {f'{low:g} to {high:g} s':>16}{len(some):>11}{len(size) / len(some):>10.0%}{errors}"
-
-
 def _near_misses(validation: Validation) -> list[str]:
-    near = validation.near_misses
+    near, names = validation.near_misses, validation.names
+
+    def rows(some: tuple[NearMiss, ...], unit: str, digits: int) -> Iterator[str]:
+        for one in some:
+            duty = one.along and f" {one.along}"
+            if one.behind is not None:
+                duty = f" ({names[one.behind]} had to give way)"
+            yield (
+                f"    {one.value:8.{digits}f} {unit}  at {one.time:8.2f} s  "
+                f"{names[one.a]} and {names[one.b]}{duty}"
+            )
+        if not some:
+            yield "    none"
+
     return [
         "NEAR MISSES (approaches that did not end in contact)",
         f"  (two of a pair only where {TOGETHER:g} s lie between them and it parted by more than "
         f"{PARTED:g} m)",
         f"  smallest distances, of approaches nearer than {near.reach:.2f} m",
-        *_near_rows(validation, near.distances, "m", 4),
+        *rows(near.distances, "m", 4),
         f"  smallest collision times of any two bodies under the commands that both hold, below "
         f"{LOOK:g} s",
         "  (that of a run's summary is of the robots considered, under the command chosen)",
-        *_near_rows(validation, near.times, "s", 3),
+        *rows(near.times, "s", 3),
     ]
-
-
-def _near_rows(
-    validation: Validation, some: tuple[NearMiss, ...], unit: str, digits: int
-) -> list[str]:
-    names = validation.names
-    lines = []
-    for one in some:
-        duty = one.along and f" {one.along}"
-        if one.behind is not None:
-            duty = f" ({names[one.behind]} had to give way)"
-        lines.append(
-            f"    {one.value:8.{digits}f} {unit}  at {one.time:8.2f} s  "
-            f"{names[one.a]} and {names[one.b]}{duty}"
-        )
-    return lines or ["    none"]

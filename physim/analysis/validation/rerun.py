@@ -8,18 +8,30 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from itertools import chain
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
-from physim.analysis.validation.mismatch import SLACK, Mismatch, words
+from physim.analysis.validation.analytic_contacts import pair_distance
+from physim.analysis.validation.mismatch import (
+    SLACK,
+    Mismatch,
+    first_difference,
+    unlike_attributes,
+    unlike_scene,
+)
 from physim.analysis.validation.origin import controller_name
-from physim.analysis.validation.sums import BLOCK, BY, bounds, sums, unlike
-from physim.errors import PhysimError, RecordError, WorldError
+from physim.contacts import CONTACT_ROW, FALSE_CONTACT_ROW
+from physim.errors import ControllerError, PhysimError, RecordError, WorldError
+from physim.geometry.shapes import FloatArray
 from physim.record import Record
 from physim.record.layout import (
-    ATTRIBUTES,
+    ARRIVED,
+    CONSIDERED,
+    EXTREMES,
+    EXTREMES_FARTHEST,
     FIXED,
     OTHERS,
     STEPS,
@@ -30,11 +42,15 @@ if TYPE_CHECKING:
     from physim.parts.controller import Controller
     from physim.parts.stages import Disturbance, Filter, SensingStage
     from physim.simulation.loop import Simulation
+    from physim.world.scene import Scene
 
-LAST = ("safe_distance", "ended", "steps_run", "rejected_contacts")
-"""Attributes that are compared last: how the run went, and what is drawn."""
-NOT_COMPARED = ("record_every", "tables", "given", "version")
-"""Attributes that do not say what happened: what was recorded, and how parts were named."""
+Rows = NDArray[np.void]
+BY = "simulated again"
+BEFORE = ("name", "world", "seed", "dt", "steps_planned")
+AFTER = ("safe_distance", "steps_run", "rejected_contacts", "ended")
+"""Attributes that are compared: what was to be run, and last of all how it went"""
+BLOCK = 4096
+"""Samples that are compared at a time"""
 
 
 @dataclass(frozen=True)
@@ -147,12 +163,53 @@ def rerun(record: Record, **parts: Any) -> Rerun:
         return compare_runs(record, again)
 
 
-def simulated_again(record: Record) -> Record | str:
-    """The run of a record simulated again, or why it is not."""
+class _Led:
+    """Stands in for the engine: robots go where a record says."""
+
+    def __init__(self, record: Record) -> None:
+        self.record, self.at = record, 0
+        self.contacts = np.zeros(0, CONTACT_ROW)
+        self.false_contacts = np.zeros(0, FALSE_CONTACT_ROW)
+
+    @property
+    def pose(self) -> FloatArray:
+        """(N, 3) at the present sample."""
+        return self.record.pose_at(self.at)
+
+    def step(self, _: FloatArray) -> None:
+        """Go to the next sample, whatever the commands."""
+        self.at += 1
+        self.contacts = self.contacts[:0]
+
+
+def decided_again(record: Record, scene: Scene, controller: Controller) -> tuple[Rows, Rows, str]:
+    """Decisions of a run that is led through the poses of a record, which has those of every step.
+
+    Rows of its update table and of considered robots, up to the end of the record or to where the
+    controller cannot decide, and what it says then.
+    """
+    from physim.simulation.loop import Simulation
+    from physim.simulation.recorder import considered_rows, update_rows
+
+    simulation = Simulation(scene, controller=controller)
+    simulation.physics = cast(Any, _Led(record))
+    made, broken = [], ""
     try:
-        return run_again(record, simulation_again(record))
-    except AgainError as error:
-        return error.why
+        for _ in range(record.steps_run):
+            simulation.step()
+            if (last := simulation.last) is not None and last.decisions is not None:
+                made.append(last)
+    except ControllerError as error:
+        broken = str(error).splitlines()[0]
+    if not made:
+        return record.updates[:0], record.considered[:0], broken
+    rows = update_rows(scene, made, record.updates.dtype)
+    counts, others = considered_rows(made, rows)
+    considered = np.zeros(len(others), CONSIDERED)
+    for name in ("step", "robot"):
+        considered[name] = np.repeat(counts[name], counts["count"])
+    considered["other"] = others
+    return rows, considered, broken
 
 
 def compare_runs(record: Record, again: Record) -> Rerun:
@@ -174,171 +231,91 @@ def compare_runs(record: Record, again: Record) -> Rerun:
 def _first_contact(record: Record, again: Record) -> Mismatch | None:
     """A first contact that one run has and the other has not, or later, and that is none to touch
     or miss by a rounding: up to it both agree within `SLACK`."""
-    claimed, repeated = (one.contacts for one in (record, again))
+    tables = record.contacts, again.contacts
     late = min(record.steps_run, again.steps_run) + 1  # contacts later than that are not compared
-    steps = [int(rows["step"][0]) if len(rows) else late for rows in (claimed, repeated)]
-    step = min(steps)
+    steps = [int(rows["step"][0]) if len(rows) else late for rows in tables]
+    step, which = min(steps), int(np.argmin(steps))
     if step >= late or steps[0] == steps[1]:
         return None
-    row = (claimed if steps[0] < steps[1] else repeated)[0]
-    who, column = int(row["a"]), "clearance" if row["b"] < record.robots else "boundary_clearance"
-    near = float(again.read(f"/steps/{column}", step, step + 1)[0, who])
-    if abs(near) <= SLACK:
+    a, b = (int(tables[which][key][0]) for key in "ab")
+    if abs(pair_distance(again, again.pose_at(step), a, b)) <= SLACK:
         return None
-    words, at = (("there", "not"), 0) if steps[0] < steps[1] else (("not there", "there"), None)
-    return Mismatch.of(record, "/contacts", None, *words, BY, row=at, robot=who, step=step)
+    words, row = (("there", "not"), 0) if which == 0 else (("not there", "there"), None)
+    return Mismatch.of(record, "/contacts", None, *words, BY, row=row, robot=a, step=step)
 
 
 def _first(record: Record, again: Record, until: int, exact: bool, whole: bool) -> Mismatch | None:
     """First difference: what is known before the run, then by time, then what sums it up."""
-    for found in _attributes(record, again, [k for k in ATTRIBUTES if k not in LAST]):
+    before = chain(
+        unlike_attributes(record, again, BEFORE, BY),
+        unlike_scene(record, again, FIXED, BY, exact) if exact else (),
+    )
+    if found := next(before, None):
         return found
-    found_at = [
-        *(
-            _table(record, again, path, _last(record, again, path, until, whole), exact)
-            for path in TABLES
-        ),
-        _others(record, again, _last(record, again, "/considered", until, whole)),
-        *(_samples(record, again, path, until, exact) for path in STEPS[1:]),
-    ]
-    if exact:
-        for found in _fixed(record, again):
-            return found
-    timed = [one for one in found_at if one is not None]
-    if timed:
-        return min(timed, key=lambda one: -1 if one.step is None else one.step)
-    killed = record.ended == "running"
-    broken = record.ended == "error" and again.ended != "finished"
-    last = [] if killed else [key for key in LAST if key != "ended" or not broken]
-    for found in (
-        (*_attributes(record, again, last), *sums(record, again, exact))
-        if whole else bounds(record, again, until)
-    ):  # fmt: skip
-        return found
-    return None
+    timed = [_table(record, again, path, until, exact, whole) for path in (*TABLES, OTHERS)]
+    timed += [_samples(record, again, path, until, exact) for path in STEPS[1:]]
+    if differences := [one for one in timed if one is not None]:
+        return min(differences, key=lambda one: -1 if one.step is None else one.step)
+    return next(_after(record, again, until, exact, whole), None)
 
 
-def _attributes(record: Record, again: Record, names: Sequence[str]) -> Iterator[Mismatch]:
-    for name in names:
-        key = "world_text" if name == "world" else name
-        if name in NOT_COMPARED or not hasattr(record, key):
-            continue
-        recorded, repeated = getattr(record, key), getattr(again, key)
-        if recorded != repeated:
-            if name == "world":
-                recorded, repeated = _first_line(recorded, repeated)
-            yield Mismatch.of(record, "attribute", name, recorded, repeated, BY)
-
-
-def _fixed(record: Record, again: Record) -> Iterator[Mismatch]:
-    """What stands still, to the bit; how well it must agree otherwise is held elsewhere."""
-    for path in FIXED:
-        rows, others = record.read(path), again.read(path)
-        if rows.shape != others.shape:
-            yield Mismatch.of(record, path, None, f"{len(rows)} rows", f"{len(others)} rows", BY)
-        elif (wrong := rows != others).any():
-            at = tuple(np.argwhere(wrong)[0])
-            yield Mismatch.of(record, path, None, rows[at], others[at], BY, row=int(at[0]))
-
-
-def _first_line(recorded: str, repeated: str) -> tuple[str, str]:
-    """First line of two texts that differs."""
-    lines, others = recorded.splitlines(), repeated.splitlines()
-    for line, other in zip(lines, others, strict=False):
-        if line != other:
-            return line.strip(), other.strip()
-    return f"{len(lines)} lines", f"{len(others)} lines"
-
-
-def _last(record: Record, again: Record, path: str, until: int, whole: bool) -> int:
-    """Last step of a table that is compared: what was decided at the last one may follow from
-    poses that are not compared any more, or a run was killed before all of it was written."""
-    if path.endswith("contacts"):
-        return until
-    if record.ended == "running":
-        there, wanted = (int((one.read(path)["step"] == until).sum()) for one in (record, again))
-        return until if there >= wanted else until - 1
-    return until if whole else until - 1
-
-
-def _table(record: Record, again: Record, path: str, last: int, exact: bool) -> Mismatch | None:
-    """First row of a table that differs, among those up to a step."""
-    if path[1:] not in record.tables and path != "/commands":
+def _table(
+    record: Record, again: Record, path: str, until: int, exact: bool, whole: bool
+) -> Mismatch | None:
+    """First row of a table that differs, as far as it is compared: what was decided at the last
+    step may follow from poses that are not, or a run was killed before all of it was written."""
+    name = "considered" if path == OTHERS else path[1:]
+    if name not in record.tables and path != "/commands":
         return None
-    rows, others = (one.read(path) for one in (record, again))
-    rows, others = rows[rows["step"] <= last], others[others["step"] <= last]
-    common = min(len(rows), len(others))
-    for column in rows.dtype.names or ():
-        if column not in (others.dtype.names or ()):
-            return Mismatch.of(record, path, column, "there", "not", BY)
-    wrong = np.zeros(common, dtype=np.bool_)
-    found = {}
-    for column in rows.dtype.names or ():
-        found[column] = unlike(rows[column][:common], others[column][:common], exact, column)
-        wrong |= found[column]
-    if wrong.any():
-        k = int(np.argmax(wrong))
-        column = next(name for name, values in found.items() if values[k])
-        return _row(record, path, column, k, rows, rows[column][k], others[column][k])
-    if len(rows) != len(others):
-        some = rows if len(rows) > common else others
-        words = ("there", "not") if some is rows else ("not there", "there")
-        return _row(record, path, None, common, some, *words)
-    return None
-
-
-def _others(record: Record, again: Record, last: int) -> Mismatch | None:
-    """First decision whose considered robots are others; how many they are is in a table."""
-    if "considered" not in record.tables:
-        return None
-    counts = record.read("/considered")
-    counts = counts[counts["step"] <= last]
-    ends = np.cumsum(counts["count"])
-    count = int(ends[-1]) if len(ends) else 0
-    rows, others = (one.read(OTHERS)[:count] for one in (record, again))
-    if len(rows) != len(others) or not (wrong := rows != others).any():
-        return None  # where the counts differ that is found
-    at = int(np.argmax(wrong))
-    k = int(np.searchsorted(ends, at, side="right"))
-    return _row(record, OTHERS, None, k, counts, rows[at], others[at])
-
-
-def _row(
-    record: Record, path: str, column: str | None, k: int, rows: NDArray[np.void],
-    recorded: Any, repeated: Any,
-) -> Mismatch:  # fmt: skip
-    step = int(rows["step"][k])
-    who = next((name for name in ("robot", "a") if name in (rows.dtype.names or ())), None)
-    robot = None if who is None else int(rows[who][k])
-    told, true = (words(record, column, value) for value in (recorded, repeated))
-    return Mismatch.of(record, path, column, told, true, BY, row=k, robot=robot, step=step)
+    tables = [one.considered if path == OTHERS else one.read(path) for one in (record, again)]
+    if not path.endswith("contacts"):
+        if record.ended == "running":
+            there, wanted = (int((rows["step"] == until).sum()) for rows in tables)
+            until -= there < wanted
+        else:
+            until -= not whole
+    rows, others = (rows[rows["step"] <= until] for rows in tables)
+    return first_difference(record, path, rows, others, BY, exact)
 
 
 def _samples(record: Record, again: Record, path: str, until: int, exact: bool) -> Mismatch | None:
     """First sample that differs; clearances of a coarse record are the least since the last one."""
-    steps = record.steps
-    count = int(np.searchsorted(steps, until, side="right"))
+    count = int(np.searchsorted(record.steps, until, side="right"))
     for low in range(0, count, BLOCK):
-        high = min(low + BLOCK, count)
-        first = int(steps[low - 1]) + 1 if low else 0
-        repeated = again.read(path, first, int(steps[high - 1]) + 1)
-        if len(repeated) <= steps[high - 1] - first:
-            step = first + len(repeated)
-            return Mismatch.of(record, path, None, "there", "at its end", BY, step=step)
+        steps = record.steps[low : min(low + BLOCK, count)]
+        begins = np.append(record.steps[low - 1] + 1 if low else 0, steps[:-1] + 1)
+        repeated = again.read(path, int(begins[0]), int(steps[-1]) + 1)
+        steps = steps[: np.searchsorted(steps, begins[0] + len(repeated))]
         if path == "/steps/pose":
-            repeated = repeated[steps[low:high] - first]
-        else:
-            begins = np.concatenate(([0], steps[low : high - 1] + 1 - first))
-            repeated = np.minimum.reduceat(repeated, begins, axis=0)
-        recorded = record.read(path, low, high)
-        wrong = unlike(recorded, repeated, exact, path)
-        if wrong.any():
-            k, robot, *rest = (int(v) for v in np.argwhere(wrong)[0])
-            step = int(steps[low + k])
-            column = ("x", "y", "heading")[rest[0]] if rest else None
-            at = (k, robot, *rest)
-            return Mismatch.of(
-                record, path, column, recorded[at], repeated[at], BY, row=low + k, robot=robot,
-                step=step,
-            )  # fmt: skip
+            repeated = repeated[steps - begins[0]]
+        elif len(steps):
+            least = np.minimum.reduceat(repeated, begins[: len(steps)] - begins[0], axis=0)
+            repeated = least[: len(steps)]
+        recorded = record.read(path, low, min(low + BLOCK, count))
+        steps = record.steps[low : low + len(recorded)]
+        if found := first_difference(record, path, recorded, repeated, BY, exact, steps):
+            return found
     return None
+
+
+def _after(
+    record: Record, again: Record, until: int, exact: bool, whole: bool
+) -> Iterator[Mismatch]:
+    """What sums up a run, where that can be compared; how well extremes must agree otherwise is
+    held elsewhere. A killed run may have noted some of after its last sample."""
+    killed = record.ended == "running"
+    if whole and not killed:
+        broken = record.ended == "error" and again.ended != "finished"
+        yield from unlike_attributes(record, again, AFTER[: -1 if broken else None], BY)
+    for path in (EXTREMES, EXTREMES_FARTHEST) if exact and not killed else ():
+        rows, others = (np.atleast_1d(one.read(path)) for one in (record, again))
+        if found := first_difference(record, path, rows, others, BY, exact=True):
+            yield found
+    told, true = record.arrived, again.arrived
+    wrong = told != true
+    if not whole:
+        wrong &= (told >= 0) & (told <= until) & (true <= until)
+    elif killed:
+        wrong &= (told >= 0) | (true < record.steps_run)
+    for k in np.flatnonzero(wrong).tolist():
+        yield Mismatch.of(record, ARRIVED, None, told[k], true[k], BY, row=k, robot=k)

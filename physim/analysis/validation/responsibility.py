@@ -18,9 +18,8 @@ not move.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TypeVar
+from typing import NamedTuple
 
 import numpy as np
 
@@ -28,11 +27,14 @@ from physim.analysis.metrics.contacts import point_velocity
 from physim.analysis.validation.decisions import DecisionTable
 from physim.contacts import touching
 from physim.geometry.motion import arcs
-from physim.geometry.shapes import FloatArray
 from physim.parts.declarations import NO_NUMBER, Mode, Rule
 from physim.record import Record
 from physim.tolerances import PUSH
 
+COLUMNS = ("x", "y", "nx", "ny")
+"""Columns of a contact row: point and normal"""
+PARTS = ("front", "front left", "left", "rear left", "rear", "rear right", "right", "front right")
+"""Where on a robot a point lies, seen from its reference point"""
 PRIORITY = "mode_switching"
 """Name of the controller that has the paper's rule of priority."""
 
@@ -42,8 +44,7 @@ def has_priority(record: Record) -> bool:
     return record.setup.controller.name == PRIORITY
 
 
-@dataclass(frozen=True)
-class Touch:
+class Touch(NamedTuple):
     """Where two bodies touch: a sample, a point [m], and the normal from a to b."""
 
     a: int
@@ -52,10 +53,11 @@ class Touch:
     point: tuple[float, float]
     normal: tuple[float, float]
 
-    def towards(self, robot: int) -> tuple[float, float]:
-        """Normal from a robot of the two to the other body."""
-        x, y = self.normal
-        return (x, y) if robot == self.a else (-x, -y)
+    @classmethod
+    def of(cls, row: np.void) -> Touch:
+        """That of a row of the contact table."""
+        a, b, step, x, y, nx, ny = (row[key].item() for key in ("a", "b", "step", *COLUMNS))
+        return cls(a, b, step, (x, y), (nx, ny))
 
 
 def pushed_by(record: Record, table: DecisionTable, robot: int, touch: Touch) -> int | None:
@@ -117,13 +119,13 @@ def _pusher(
 
 def _exceeds_command(record: Record, table: DecisionTable, robot: int, touch: Touch) -> bool:
     """Whether a robot closed on the other body by more than its command says."""
-    step = touch.step
+    step, sign = touch.step, 1.0 if robot == touch.a else -1.0
     before, now = record.pose_at(step - 1)[robot], record.pose_at(step)[robot]
     command = np.array([table.held(robot, step - 1)])
     x, y, turn = (now - arcs(before[None], command, record.dt)[0]) / record.dt
     across, along = touch.point[0] - now[0], touch.point[1] - now[1]
-    nx, ny = touch.towards(robot)
-    return bool((x - turn * along) * nx + (y + turn * across) * ny > PUSH)
+    nx, ny = touch.normal
+    return bool(sign * ((x - turn * along) * nx + (y + turn * across) * ny) > PUSH)
 
 
 def _contacts(record: Record, robot: int, step: int) -> list[Touch]:
@@ -131,16 +133,7 @@ def _contacts(record: Record, robot: int, step: int) -> list[Touch]:
     rows = touching(record.contacts_over(step - 1, step + 1))
     rows = rows[(rows["a"] == robot) | (rows["b"] == robot)]
     rows = rows[np.argsort(-rows["impulse"], kind="stable")]
-    return [
-        Touch(
-            int(row["a"]), int(row["b"]), step,
-            (float(row["x"]), float(row["y"])), (float(row["nx"]), float(row["ny"])),
-        )
-        for row in rows
-    ]  # fmt: skip
-
-
-T = TypeVar("T")
+    return [Touch.of(row)._replace(step=step) for row in rows]
 
 
 @dataclass(frozen=True)
@@ -230,46 +223,26 @@ def _side(
     pusher: int | None,
     responsible: bool,
 ) -> RobotInContact:
-    step, point = touch.step, touch.point
-    pose = record.pose_at(step)[i]
-    vx, vy = point_velocity(record, i, step, (float(pose[0]), float(pose[1])), table.held)
-    row = table.last(i, step - 1)
+    step, (px, py) = touch.step, touch.point
+    x, y, heading = record.pose_at(step)[i].tolist()
+    vx, vy = point_velocity(record, i, step, (x, y), table.held)
     v, omega = table.held(i, step - 1) if step else (0.0, 0.0)
+    bearing = math.atan2(py - y, px - x) - heading
+    decided, mode, rule, considered = None, None, None, 0
+    reported = dict.fromkeys(("collision_time", "distance", "boundary_distance"), math.nan)
+    if (row := table.last(i, step - 1)) is not None:
+        decided, considered = float(row["step"]) * record.dt, int(row["considered"])
+        mode, rule = (
+            None if row[name] == NO_NUMBER else among[row[name]]
+            for name, among in (("mode", record.modes), ("rule", record.declared.rules))
+        )
+        known = reported.keys() & set(row.dtype.names or ())
+        reported |= {name: float(row[name]) for name in known}
     return RobotInContact(
-        body=i,
-        part=_part(pose, point),
-        speed=math.hypot(vx, vy),
-        station=table.reference_station(i, step),
-        decided=None if row is None else float(row["step"]) * record.dt,
-        mode=_declared(row, "mode", record.modes),
-        rule=_declared(row, "rule", record.declared.rules),
-        v=v,
-        omega=omega,
-        reported_time=_reported(row, "collision_time"),
-        reported_distance=_reported(row, "distance"),
-        reported_boundary=_reported(row, "boundary_distance"),
-        considered=0 if row is None else int(row["considered"]),
-        behind=behind,
-        stands=stands(table, i, step),
-        pushed_by=pusher,
+        body=i, part=PARTS[round(bearing / (math.pi / 4)) % 8], speed=math.hypot(vx, vy),
+        station=table.reference_station(i, step), decided=decided, mode=mode, rule=rule, v=v,
+        omega=omega, reported_time=reported["collision_time"],
+        reported_distance=reported["distance"], reported_boundary=reported["boundary_distance"],
+        considered=considered, behind=behind, stands=stands(table, i, step), pushed_by=pusher,
         responsible=responsible,
-    )
-
-
-def _declared(row: np.void | None, field: str, among: Sequence[T]) -> T | None:
-    """Mode or rule of a decision; None where it gave none."""
-    return None if row is None or row[field] == NO_NUMBER else among[row[field]]
-
-
-def _reported(row: np.void | None, column: str) -> float:
-    """What a decision reported; NaN where its controller declares no such column."""
-    known = row is not None and column in (row.dtype.names or ())
-    return float(row[column]) if known and row is not None else math.nan
-
-
-def _part(pose: FloatArray, point: tuple[float, float]) -> str:
-    """Where on a robot a point lies: one of eight directions from its reference point."""
-    names = ("front", "front left", "left", "rear left", "rear", "rear right", "right",
-             "front right")  # fmt: skip
-    bearing = math.atan2(point[1] - pose[1], point[0] - pose[0]) - pose[2]
-    return names[round(bearing / (math.pi / 4)) % 8]
+    )  # fmt: skip

@@ -1,20 +1,19 @@
-"""The same world over many seeds: how often it is contact-free, and how sure that is; all as JSON.
-
-Units of the JSON: m, s, m/s, rad/s, N s; bodies by id, named in run.bodies.
-"""
+"""The same world over many seeds: how often it is contact-free, and how sure that is; as JSON."""
 
 from __future__ import annotations
 
-import json
 import math
-from dataclasses import dataclass, fields, is_dataclass
-from typing import Any
+from dataclasses import dataclass
 
-from physim.analysis.validation.told import sentences
-from physim.analysis.validation.validation import CONTACTS, DISAGREE, FREE, Validation
+from physim.analysis.validation.validation import (
+    CONTACTS,
+    DISAGREE,
+    FREE,
+    Validation,
+    json_text,
+    plain,
+)
 from physim.errors import place_text, plural
-from physim.parts.declarations import Mode, Rule
-from physim.record.setup import Setup
 from physim.statistics import clopper_pearson
 
 
@@ -167,33 +166,12 @@ def seeds_text(study: SeedStudy) -> str:
 
 
 INTERRUPTED = 130
-UNITS = "m, s, rad, m/s, rad/s, N s; world frame"
-
-
-def json_of_validation(validation: Validation) -> str:
-    """JSON of one run. Infinite values are the text "inf"; what was not looked at is null."""
-    values, names = plain(validation), validation.names
-    for key in ("contacts", "grazes"):
-        for one, said in zip(getattr(validation, key), values[key], strict=True):
-            said["sentences"] = sentences(one, names)
-    return _text(
-        {
-            "format": "physim-validation",
-            "version": 2,
-            "units": UNITS,
-            "verdict": validation.verdict,
-            "exit_code": validation.code,
-            "unexplained": validation.unexplained,
-            "pairs_in_contact": validation.pairs,
-            **values,
-        }
-    )
 
 
 def json_of_seeds(study: SeedStudy) -> str:
     """JSON of a study over seeds."""
     free, finished = study.rates
-    return _text(
+    return json_text(
         {
             "format": "physim-validation-seeds",
             "version": 2,
@@ -212,33 +190,3 @@ def json_of_seeds(study: SeedStudy) -> str:
             "seeds": plain(study.results),
         }
     )
-
-
-def plain(value: Any) -> Any:
-    """Value in types that JSON knows; modes and rules by their names."""
-    if isinstance(value, Mode | Rule):
-        return value.name
-    if isinstance(value, Setup):
-        return plain(value.to_dict())
-    if is_dataclass(value) and not isinstance(value, type):
-        return {
-            field.metadata.get("json", field.name): plain(getattr(value, field.name))
-            for field in fields(value)
-        }
-    if isinstance(value, tuple) and hasattr(value, "_asdict"):
-        return plain(value._asdict())
-    if isinstance(value, dict):
-        return {str(key): plain(item) for key, item in value.items()}
-    if isinstance(value, list | tuple):
-        return [plain(item) for item in value]
-    if isinstance(value, float):
-        if math.isnan(value):
-            return None
-        if math.isinf(value):
-            return "inf" if value > 0 else "-inf"
-        return float(value)
-    return value
-
-
-def _text(value: dict[str, Any]) -> str:
-    return json.dumps(value, indent=2, ensure_ascii=False, allow_nan=False) + "\n"

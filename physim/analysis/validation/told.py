@@ -8,13 +8,11 @@ from collections.abc import Sequence
 
 from physim.analysis.validation.contact import Contact
 from physim.analysis.validation.responsibility import RobotInContact
-from physim.errors import amount_text, place_text, plural
+from physim.errors import place_text, plural
 from physim.tolerances import PUSH
+from physim.units import amount, joined, length, span
 
 COLUMNS = 100
-HUGE = 1e6
-"""[m, s] from here on values are written in powers of ten: no run has such, a controller may
-report one."""
 
 
 def sentences(one: Contact, names: Sequence[str]) -> list[str]:
@@ -27,7 +25,7 @@ def sentences(one: Contact, names: Sequence[str]) -> list[str]:
     if one.warning is not None:
         ahead = "Contact did not lie ahead at the last decision."
         if one.warning > 0.0:
-            ahead = f"Contact lay ahead at every decision of the last {short(one.warning)}."
+            ahead = f"Contact lay ahead at every decision of the last {span(one.warning)}."
     said = [_what(one, names), _how_hard(one, names), _who(one, names), ahead]
     return [text for text in said if text] + [_decided(side, one, names) for side in one.sides]
 
@@ -56,8 +54,8 @@ def _how_hard(one: Contact, names: Sequence[str]) -> str:
     if one.lasting:
         lasts = f"It still lasts at the end, after {one.duration:.2f} s"
     said = (
-        f"{lasts}, {length(one.depth)} deep; impulse {amount_text(one.first_impulse, 1)} N s at "
-        f"first, {amount_text(one.impulse, 1)} N s in all"
+        f"{lasts}, {length(one.depth)} deep; impulse {amount(one.first_impulse, 'N s', 1)} at "
+        f"first, {amount(one.impulse, 'N s', 1)} in all"
     )
     hit = one.severity
     if hit.changes is None or hit.energy is None:
@@ -66,7 +64,7 @@ def _how_hard(one: Contact, names: Sequence[str]) -> str:
         f"{names[side.body]} {change:.2f} m/s"
         for side, change in zip(one.sides, hit.changes, strict=True)
     ]
-    return f"{said}; {amount_text(hit.energy, 1)} J lost, change of speed {joined(changes)}."
+    return f"{said}; {amount(hit.energy, 'J', 1)} lost, change of speed {joined(changes)}."
 
 
 def _who(one: Contact, names: Sequence[str]) -> str:
@@ -111,7 +109,7 @@ def _decided(side: RobotInContact, one: Contact, names: Sequence[str]) -> str:
         for what, value, text in (
             ("nearest", side.reported_distance, length),
             ("boundary", side.reported_boundary, length),
-            ("collision time", side.reported_time, short),
+            ("collision time", side.reported_time, span),
         )
         if not math.isnan(value)
     ]
@@ -119,38 +117,9 @@ def _decided(side: RobotInContact, one: Contact, names: Sequence[str]) -> str:
     if seen:
         saw = f"considered {plural(side.considered, 'robot')}: {', '.join(seen)}"
     return (
-        f"{moved}; decided {short(touched - side.decided)} before{mode}{rule}, "
+        f"{moved}; decided {span(touched - side.decided)} before{mode}{rule}, "
         f"v {side.v:.3f} m/s, omega {side.omega:.3f} rad/s; {saw}."
     )
-
-
-def joined(words: Sequence[str]) -> str:
-    """``a, b and c``."""
-    words = list(words)
-    return " and ".join([", ".join(words[:-1]), words[-1]] if len(words) > 1 else words)
-
-
-def length(metres: float) -> str:
-    """Length in metres, or in millimetres or micrometres where that reads better."""
-    if 1e-9 <= abs(metres) < 1e-5:
-        return f"{1e6 * metres:.2f} um"
-    if math.isfinite(metres) and abs(metres) < 0.1:
-        return f"{1e3 * metres:.2f} mm"
-    return f"{metres:.3g} m" if abs(metres) >= HUGE else f"{metres:.2f} m"
-
-
-def short(seconds: float) -> str:
-    """A time span: seconds, or ms, us where it is small; below a nanosecond 0."""
-    size = abs(seconds)
-    if size < 1e-9:
-        return "0 s"
-    if size >= HUGE:
-        return f"{seconds:.3g} s"
-    if size >= 0.1:
-        return f"{seconds:.3f} s"
-    if size >= 1e-4:
-        return f"{1e3 * seconds:.1f} ms"
-    return f"{1e6 * seconds:.3g} us"
 
 
 def wrapped(text: str, indent: str, hanging: str) -> list[str]:

@@ -1,33 +1,48 @@
-"""Validate a record: both kinds of contacts, their comparison, the reports, and the verdict."""
+"""Validate a record: both kinds of contacts, their comparison, the reports, and the verdict.
+
+Units of the JSON: m, s, m/s, rad/s, N s; bodies by id, named in run.bodies.
+"""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+import json
+import math
+from dataclasses import dataclass, fields, is_dataclass, replace
+from typing import Any
 
 import numpy as np
 
 from physim.analysis.expectations import Held, expectations
 from physim.analysis.metrics import Deep, contact_episodes, deep_contacts
 from physim.analysis.validation.analytic_contacts import analytic_contacts
-from physim.analysis.validation.comparison import Comparison, Confusion, compare
-from physim.analysis.validation.consistency import check_counts
+from physim.analysis.validation.comparison import (
+    Comparison,
+    check_extremes,
+    compare,
+    exact_distances,
+)
 from physim.analysis.validation.contact import Contact, contacts_of, swept_contacts
 from physim.analysis.validation.decisions import DecisionTable
-from physim.analysis.validation.mismatch import Mismatches
 from physim.analysis.validation.motion import Motion, check_motion
 from physim.analysis.validation.near_misses import NearMisses, near_misses
 from physim.analysis.validation.origin import (
     Origin,
     compare_with_world,
     controller_name,
-    fitting,
     world_inside,
 )
 from physim.analysis.validation.prediction import DISAGREES, Prediction, Predictor
 from physim.analysis.validation.recomputed import Recomputed, recompute
-from physim.analysis.validation.recorded_distances import exact_distances
-from physim.analysis.validation.rerun import Rerun, compare_runs, simulated_again
+from physim.analysis.validation.rerun import (
+    AgainError,
+    Rerun,
+    compare_runs,
+    run_again,
+    simulation_again,
+)
+from physim.analysis.validation.told import sentences
 from physim.errors import RecordError, plural
+from physim.parts.declarations import Mode, Rule
 from physim.record import Record, check_record
 from physim.record.layout import OPTIONAL
 from physim.record.setup import Setup
@@ -96,7 +111,7 @@ class Validation:
 
     def is_of(self, record: Record) -> bool:
         """Whether it is of this record, wherever that lies: the same run, with as many contacts."""
-        same = replace(_run(record, self.run.source), versions=self.run.versions)
+        same = replace(_run(record, record, self.run.source), versions=self.run.versions)
         return same == self.run and len(contact_episodes(record)) == len(self.contacts)
 
     @property
@@ -181,9 +196,12 @@ def validate(record: Record, *, rerun: bool = True, source: str | None = None) -
     """
     check_record(record)
     check_complete(record)
-    again = simulated_again(record) if rerun else NOT_ASKED
-    if isinstance(again, str):
-        return judge(record, None, again, source=source)
+    if not rerun:
+        return judge(record, None, NOT_ASKED, source=source)
+    try:
+        again = run_again(record, simulation_again(record))
+    except AgainError as error:
+        return judge(record, None, error.why, source=source)
     with again:
         return judge(record, again, source=source)
 
@@ -193,60 +211,31 @@ def judge(
 ) -> Validation:
     """Validate a record, with the same run simulated ``again``, or with the reason why it is not.
 
+    What the record lacks is taken from the run simulated again; what it has is held against that.
     Raises RecordError as `validate` does.
     """
     check_record(record)
-    check_complete(record)
+    whole = again if again is not None and missing(record) else record
+    check_complete(whole)
     inside = world_inside(record)
-    fitted = fitting(record, inside)
-    analytic = analytic_contacts(record)
-    table = DecisionTable(record)
-    exact = exact_distances(record)
-    comparison = compare(record, analytic, exact)
-    contacts = contacts_of(record, analytic, table, Predictor(record, table))
+    analytic, exact = analytic_contacts(whole), exact_distances(whole)
+    table = DecisionTable(whole)
     rerun = None if again is None else compare_runs(record, again)
-    recomputed = recompute(record, fitted, table, rerun is not None and rerun.exact)
+    is_again = whole is again or (rerun is not None and rerun.exact)
+    recomputed = recompute(record, whole, inside, table, is_again)
+    parted = whole is again and rerun is not None and not rerun.whole
+    extremes = () if parted else check_extremes(record, whole, analytic, exact)
     if why_not:
         left_out = (*recomputed.left_out, f"the run simulated again: {why_not}")
         recomputed = replace(recomputed, left_out=left_out)
     return Validation(
-        _run(record, source), comparison, contacts, swept_contacts(record, table),
-        near_misses(record, analytic, table, exact),
-        check_motion(record, table, None if fitted.scene is None else fitted.scene.mass),
-        compare_with_world(record, inside), recomputed, tuple(expectations(record)),
-        deep_contacts(record), rerun,
-    )  # fmt: skip
-
-
-def confusions(validation: Validation) -> list[tuple[str, Confusion]]:
-    """Rows of the confusion table with their labels; kinds of pairs that do not exist left out."""
-    comparison = validation.comparison
-    rows = []
-    for kind, label in (("robots", "robot and robot"), ("boundaries", "robot and boundary")):
-        for when, tables in (
-            ("at samples", comparison.at_samples), ("between, swept", comparison.over_steps)
-        ):  # fmt: skip
-            if sum(tables[kind]):
-                rows.append((f"{label}, {when}", tables[kind]))
-    return rows
-
-
-def validate_again(record: Record, again: Record, source: str) -> Validation:
-    """Validate a run by the same run simulated again, which has what its record lacks.
-
-    What the record does have is held against that.
-    """
-    found, counts = judge(again, None, source=source), Mismatches(record)
-    check_counts(record, counts)
-    run = replace(
-        found.run, ended=record.ended, versions=record.versions, given=record.given,
-        controller=_controller(record), setup=record.setup,
-    )  # fmt: skip
-    wrong = (*counts.found, *found.recomputed.mismatches)
-    return replace(
-        found, run=run, origin=compare_with_world(record, world_inside(record)),
-        recomputed=replace(found.recomputed, mismatches=wrong),
-        rerun=compare_runs(record, again),
+        _run(record, whole, source or str(record.path or "in memory")),
+        compare(whole, analytic, exact, extremes),
+        contacts_of(whole, analytic, table, Predictor(whole, table)),
+        swept_contacts(whole, table), near_misses(whole, analytic, table, exact),
+        check_motion(whole, table, inside.scene.mass if inside.fits(whole) else None),
+        compare_with_world(record, inside), recomputed, tuple(expectations(whole)),
+        deep_contacts(whole), rerun,
     )  # fmt: skip
 
 
@@ -262,37 +251,74 @@ def missing(record: Record) -> str:
 
 def check_complete(record: Record) -> None:
     """Raise RecordError unless all tables and the poses of every step of the run are there."""
-    where = record.where
     if lacking := missing(record):
         raise RecordError(
-            f"{where}: {lacking}; every step and all tables are needed (physim validate simulates "
-            "such a run again)"
+            f"{record.where}: {lacking}; every step and all tables are needed (physim validate "
+            "simulates such a run again)"
         )
-    steps = record.steps
-    if not len(steps):
-        raise RecordError(f"{where}: truncated: no samples; make the record again")
-    gap = np.flatnonzero(np.diff(steps) != 1)
-    if len(gap):
-        raise RecordError(
-            f"{where}: step {steps[gap[0]] + 1} has no sample, the record has those of steps "
-            f"{steps[gap[0]]} and {steps[gap[0] + 1]}; make the record again"
-        )
-    if len(steps) != record.steps_run + 1 or steps[0] != 0 or steps[-1] != record.steps_run:
-        raise RecordError(
-            f"{where}: truncated: {len(steps)} samples for {record.steps_run} steps; "
-            f"{record.steps_run + 1} are needed; make the record again"
-        )
+    for step in np.setdiff1d(np.arange(record.steps_run + 1), record.steps)[:1].tolist():
+        raise RecordError(f"{record.where}: step {step} has no sample; make the record again")
 
 
-def _run(record: Record, source: str | None) -> Run:
+def _run(record: Record, whole: Record, source: str) -> Run:
+    """What was run, as the record says; how long, as that says which has every sample."""
+    controller = controller_name(record) or "not named in the record"
     return Run(
-        record.name, source or str(record.path or "in memory"), record.seed, _controller(record),
-        record.bodies, record.robots, record.dt, record.samples, record.steps_run * record.dt,
-        record.steps_planned * record.dt, record.ended, record.versions, record.given,
-        record.setup,
+        record.name, source, record.seed, controller, record.bodies, record.robots, record.dt,
+        whole.samples, whole.steps_run * record.dt, record.steps_planned * record.dt, record.ended,
+        record.versions, record.given, record.setup,
     )  # fmt: skip
 
 
-def _controller(record: Record) -> str:
-    """Name of the controller that decided, as far as the record names it."""
-    return controller_name(record) or "not named in the record"
+UNITS = "m, s, rad, m/s, rad/s, N s; world frame"
+
+
+def json_of_validation(validation: Validation) -> str:
+    """JSON of one run. Infinite values are the text "inf"; what was not looked at is null."""
+    values, names = plain(validation), validation.names
+    for key in ("contacts", "grazes"):
+        for one, said in zip(getattr(validation, key), values[key], strict=True):
+            said["sentences"] = sentences(one, names)
+    return json_text(
+        {
+            "format": "physim-validation",
+            "version": 2,
+            "units": UNITS,
+            "verdict": validation.verdict,
+            "exit_code": validation.code,
+            "unexplained": validation.unexplained,
+            "pairs_in_contact": validation.pairs,
+            **values,
+        }
+    )
+
+
+def plain(value: Any) -> Any:
+    """Value in types that JSON knows; modes and rules by their names."""
+    if isinstance(value, Mode | Rule):
+        return value.name
+    if isinstance(value, Setup):
+        return plain(value.to_dict())
+    if is_dataclass(value) and not isinstance(value, type):
+        return {
+            field.metadata.get("json", field.name): plain(getattr(value, field.name))
+            for field in fields(value)
+        }
+    if isinstance(value, tuple) and hasattr(value, "_asdict"):
+        return plain(value._asdict())
+    if isinstance(value, dict):
+        return {str(key): plain(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [plain(item) for item in value]
+    if isinstance(value, float):
+        if math.isnan(value):
+            return None
+        if math.isinf(value):
+            return "inf" if value > 0 else "-inf"
+        return float(value)
+    return value
+
+
+def json_text(value: dict[str, Any]) -> str:
+    """JSON as it is written to files."""
+    return json.dumps(value, indent=2, ensure_ascii=False, allow_nan=False) + "\n"

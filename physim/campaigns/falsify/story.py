@@ -5,10 +5,11 @@ from __future__ import annotations
 import math
 
 from physim.analysis.validation import Validation
-from physim.analysis.validation.told import joined, length, sentences, wrapped
+from physim.analysis.validation.told import sentences, wrapped
 from physim.errors import place_text, plural
 from physim.geometry.shapes import FloatArray
 from physim.record import Record
+from physim.units import joined, length
 
 MOST_TOLD = 6
 """Robots whose starts are told one by one"""

@@ -6,16 +6,16 @@ import numpy as np
 
 from tests.helpers import inside
 
-Batch, Prediction, predict = inside("physim.analysis.crashtest", "Batch", "Prediction", "predict")
+Packed, Prediction, predict = inside("physim.analysis.crashtest", "Packed", "Prediction", "predict")
 
 
-def without_rotation(batch: Batch) -> Prediction:
+def without_rotation(batch: Packed) -> Prediction:
     """Collision times as if nobody turned; distances are right."""
     straight = batch._replace(command=batch.command * (1.0, 0.0))
     return predict(batch)._replace(time=predict(straight).time)
 
 
-def smaller(batch: Batch, by: float = 0.01) -> Prediction:
+def smaller(batch: Packed, by: float = 0.01) -> Prediction:
     """Every footprint drawn in by about 1 cm on all sides, in all that is analytic."""
     shapes = batch.shapes
     vertices = shapes.vertices.copy()
@@ -27,21 +27,21 @@ def smaller(batch: Batch, by: float = 0.01) -> Prediction:
     return predict(batch._replace(shapes=shapes._replace(vertices=vertices)))
 
 
-def shifted(batch: Batch, steps: float) -> Prediction:
+def shifted(batch: Packed, steps: float) -> Prediction:
     """Collision times later by some steps."""
     found = predict(batch)
     return found._replace(time=np.maximum(found.time + steps * batch.dt, 0.0))
 
 
-def two_steps_late(batch: Batch) -> Prediction:
+def two_steps_late(batch: Packed) -> Prediction:
     return shifted(batch, 2.0)
 
 
-def two_steps_early(batch: Batch) -> Prediction:
+def two_steps_early(batch: Packed) -> Prediction:
     return shifted(batch, -2.0)
 
 
-def contacts_dropped(batch: Batch) -> Prediction:
+def contacts_dropped(batch: Packed) -> Prediction:
     """No collision is ever predicted."""
     found = predict(batch)
     return found._replace(time=np.full_like(found.time, np.inf))

@@ -63,7 +63,7 @@ def test_a_report_depends_on_its_seed_and_a_case_on_its_number_alone(report: Cra
     assert fewer[0].to_json() == fewer[1].to_json() != fewer[2].to_json()
     step = np.arange(CASES) // len(KINDS) % len(TIME_STEPS)  # cases are compared by time step
     of_all, of_few = (
-        np.concatenate(one.verdict)[np.argsort(np.argsort(step[: one.cases], kind="stable"))]
+        one.rows["verdict"][np.argsort(np.argsort(step[: one.cases], kind="stable"))]
         for one in (report, fewer[0])
     )
     assert np.array_equal(of_all[:110], of_few)

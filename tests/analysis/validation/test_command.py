@@ -68,7 +68,7 @@ def test_json(run, folder):
     first = found["contacts"][0]
     assert [found["run"]["bodies"][first[key]]["name"] for key in "ab"] == ["slow", "fast"]
     assert [side["responsible"] for side in first["sides"]] == [False, False]
-    assert first["prediction"]["verdict"] == "same step"
+    assert first["prediction"]["verdict"] == "agrees"
     code, out, err = run("bad.h5", "--json", "-")  # it stands alone
     assert json.loads(out) == found
     assert err.splitlines()[-1].startswith("verdict: contacts: ")

@@ -124,7 +124,7 @@ def test_a_contact_long_after_the_last_decision_is_foretold(commands, seconds):
     found = validate(physim.simulate(world, controller=Once(*commands)))
     assert found.verdict.startswith("contacts: ")
     first = found.contacts[0].prediction
-    assert (first.made, first.verdict) == (0.0, "same step")
+    assert (first.made, first.verdict) == (0.0, "agrees")
     assert first.touched > 10.0
     assert abs(first.predicted - first.touched) <= first.slack
     assert f"at every decision of the last {first.touched:.3f} s" in " ".join(

@@ -12,6 +12,7 @@ from physim.simulation.engine import Physics
 from tests.helpers import inside
 
 pack_parts = inside("physim.geometry", "pack_parts")
+meeting = inside("physim.simulation.engine", "meeting")
 
 NO_WALLS = pack_parts([])
 
@@ -79,3 +80,15 @@ def test_a_row_that_is_pushed_stays_straight(row: str) -> None:
         made.step(command)
         assert np.abs(made.pose[:, 1:]).max() < 1e-6
     assert made.pose[-1, 0] > places[-1] + 0.1
+
+
+@pytest.mark.parametrize("turn", [0.0, 0.7, -2.1])
+@pytest.mark.parametrize("gap", [0.0, 0.01])
+def test_they_meet_in_the_middle_of_what_their_faces_have_in_common(turn, gap) -> None:
+    shapes = pack_parts([box(1.0, 1.0), box(1.0, 0.5)])
+    c, s = np.cos(turn), np.sin(turn)
+    there = np.array(((1.0 + gap) * c - 0.6 * s, (1.0 + gap) * s + 0.6 * c, turn))
+    nx, ny, *ends = meeting(shapes, 0, np.array((0.0, 0.0, turn)), 1, there)
+    assert (nx, ny) == pytest.approx((-c, -s), abs=1e-12)
+    faces = [(x * c - 0.425 * s, x * s + 0.425 * c) for x in (0.5, 0.5 + gap)]
+    assert ends == pytest.approx([*faces[0], *faces[1]], abs=1e-12)

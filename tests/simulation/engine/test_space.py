@@ -13,6 +13,8 @@ from tests.simulation.engine.hosts import box
 
 convex_parts, counter_clockwise = inside("physim.geometry", "convex_parts", "counter_clockwise")
 is_simple, moment, signed_area = inside("physim.geometry", "is_simple", "moment", "signed_area")
+pack_parts = inside("physim.geometry", "pack_parts")
+MOST_WALL_CELLS, cell_side = inside("physim.simulation.engine", "MOST_WALL_CELLS", "cell_side")
 
 
 @examples(25, deep=100)
@@ -32,3 +34,13 @@ def test_moment_of_a_box_is_the_textbook_one():
     rectangle = np.array(box(2.0, 1.0))
     assert moment([rectangle], 12.0) == pytest.approx(12.0 * (4.0 + 1.0) / 12.0)
     assert moment([rectangle + (3.0, 4.0)], 12.0) == pytest.approx(5.0 + 12.0 * 25.0)
+
+
+def test_a_long_wall_drawn_diagonally_fills_no_more_cells_than_allowed():
+    robots = pack_parts([[box(0.8, 0.6)]])
+    for far, steepness in ((300.0, 1.0), (1e5, 0.0), (1e6, 1.0)):
+        side = cell_side(robots, pack_parts([[[(-far, -steepness * far), (far, steepness * far)]]]))
+        if steepness * far > 1e3:
+            assert MOST_WALL_CELLS / 8 < (2.0 * far / side) ** 2 <= MOST_WALL_CELLS
+        else:
+            assert side == pytest.approx(3.0)  # of three lengths of the longest robot

@@ -16,6 +16,7 @@ from tests.simulation.engine.hosts import ELL, box, distances, drive, host, pair
 joined_shapes, pack_parts = inside("physim.geometry", "joined_shapes", "pack_parts")
 ACTS, APART, classify = inside("physim.simulation.engine", "ACTS", "APART", "classify")
 LEFT, segment_links, SIDE = inside("physim.simulation.engine", "LEFT", "segment_links", "SIDE")
+deepest, deepest_point = inside("physim.simulation.engine", "deepest", "deepest_point")
 
 ROBOTS = [[box()], ELL, [box(0.4, 0.4)], [[(-0.3, -0.3), (0.6, 0.0), (-0.3, 0.3)]], [box()], ELL]
 RING = [(-1.5, -1.5), (0.0, -1.5), (1.5, -1.5), (1.5, 1.5), (0.2, 1.2), (-1.5, 1.5), (-1.5, -1.5)]
@@ -154,3 +155,27 @@ def test_many_contacts_at_once_are_all_told():
         exact = distances(pack_parts(robots), pack_parts([]), physics.pose)
         assert pairs_in(physics.contacts) == {p for p, d in exact.items() if d <= CONTACT}
         physics.step(np.ones((60, 2)))
+
+
+def test_the_deepest_point_is_the_first_of_them():
+    """The kernel that stops at one point, and the plain one that gives two."""
+    rng = np.random.default_rng(0)
+    some = 0
+    for _ in range(100):
+        ends = rng.uniform(-1.0, 1.0, (4, 2)).round(2)
+        walls = [ends[k : k + 2].tolist() for k in range(3)]
+        corners = 0.7 * np.exp(1j * np.sort(rng.uniform(0.0, 2.0 * np.pi, rng.integers(3, 7))))
+        robot = np.column_stack((corners.real, corners.imag))
+        shapes = joined_shapes(pack_parts([[robot]]), pack_parts([walls]))
+        links = segment_links(shapes)
+        pose = np.array([*rng.uniform(-1.0, 1.0, 2), rng.uniform(-4.0, 4.0)])
+        for segment, (one, other) in enumerate(walls, 1):
+            ex, ey = np.subtract(other, one)
+            nx, ny = np.array([-ey, ex]) / np.hypot(ex, ey) * rng.choice([-1.0, 1.0])
+            plain = deepest(shapes, links, 0, pose, segment, nx, ny)
+            found = deepest_point(shapes, links, 0, pose, segment, nx, ny)
+            assert found[0] == bool(plain)
+            if plain:
+                some += 1
+                assert found[1:] == (*plain[0][0], *plain[0][1])
+    assert 100 < some < 280

@@ -1,0 +1,397 @@
+"""Layouts of two robots, or of one and something that stands: walls, corners, obstacles.
+
+Two robots meet at random, side by side, in rows, or graze each other. A layout is planned from
+the meeting: the poses at which the two would overlap or touch are chosen first, and each is
+taken back along its arc. All lengths [m], about the origin of the place.
+
+Footprints are random: convex, boxes, nonconvex. They come from a store that depends on the
+seed alone, since cutting an outline into convex parts costs more than the case itself.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from math import cos, pi, sin
+from typing import NamedTuple
+
+import numpy as np
+from numpy.random import Generator
+
+from physim.geometry.motion import arc
+from physim.geometry.polygon import (
+    circumscribed_radius,
+    convex_parts,
+    counter_clockwise,
+    is_simple,
+    signed_area,
+    smallest_width,
+)
+from physim.geometry.separation import body_separation
+from physim.geometry.shapes import FloatArray, Shapes, pack_parts
+from physim.randomness import stream
+from physim.tolerances import TUNNEL_FRACTION
+
+STEPS = 48
+"""Steps that a case lasts."""
+STORED = 200
+"""Footprints of each sort."""
+THINNEST = 0.05
+"""[m] least width of a convex part"""
+FASTEST = 3.0
+"""[m/s]"""
+TURNING = 4.0
+"""[rad/s] fastest turn"""
+ROOM = 0.96
+"""[-] share of the advance that the tunnelling rule allows, left for rounding"""
+
+Pose = tuple[float, float, float]
+Order = tuple[float, float]
+"""v [m/s], omega [rad/s], held"""
+
+
+class Footprint(NamedTuple):
+    """A robot's shape in its own frame [m]."""
+
+    outline: FloatArray
+    """(n, 2) counter-clockwise"""
+    parts: tuple[FloatArray, ...]
+    """convex, as a world with this outline has them"""
+    radius: float
+    """[m] of the disc about the reference point"""
+    width: float
+    """[m] least width of a part"""
+    area: float
+    """[m^2]"""
+    packed: Shapes
+    """the one body, for kernels"""
+
+
+class Solid(NamedTuple):
+    """An obstacle, world frame [m]."""
+
+    outline: FloatArray
+    """(n, 2)"""
+    parts: tuple[FloatArray, ...]
+    """convex"""
+
+
+class Layout(NamedTuple):
+    """What stands and moves, before it is known to be clear at the start."""
+
+    robots: tuple[Footprint, ...]
+    """two, or one where something stands"""
+    start: FloatArray
+    """(r, 3) x, y [m], heading [rad], world frame, at sample 0"""
+    command: FloatArray
+    """(r, 2) v [m/s], omega [rad/s], held"""
+    lines: tuple[FloatArray, ...] = ()
+    """boundaries as drawn, (n, 2) [m] each, world frame"""
+    solids: tuple[Solid, ...] = ()
+
+
+class Store(NamedTuple):
+    """Footprints to draw from."""
+
+    convex: tuple[Footprint, ...]
+    boxes: tuple[Footprint, ...]
+    nonconvex: tuple[Footprint, ...]
+
+
+def build_store(seed: int) -> Store:
+    """Footprints of one seed."""
+    sorts = (("convex", _convex), ("boxes", _box), ("nonconvex", _nonconvex))
+    return Store(
+        *(
+            tuple(_usable(stream(seed, f"crash test, {name}", k), draw) for k in range(STORED))
+            for name, draw in sorts
+        )
+    )
+
+
+def _usable(rng: Generator, draw: Callable[[Generator], FloatArray]) -> Footprint:
+    """A footprint that is simple and not too thin, cut exactly as a world would have it cut."""
+    while True:
+        if not is_simple(points := draw(rng)):
+            continue
+        outline = counter_clockwise(points)
+        parts = convex_parts(outline)
+        if (width := smallest_width(parts)) >= THINNEST:
+            radius, area = circumscribed_radius(outline), abs(signed_area(outline))
+            return Footprint(outline, parts, radius, width, area, pack_parts([parts]))
+
+
+def _box(rng: Generator) -> FloatArray:
+    """Box about its centre; one in four is 1.0 x 0.6 m, with which the engine was seen to err."""
+    length, width = (1.0, 0.6) if rng.random() < 0.25 else rng.uniform(0.2, 2.0, 2)
+    x, y = 0.5 * length, 0.5 * width
+    return np.array([(-x, -y), (x, -y), (x, y), (-x, y)])
+
+
+def _convex(rng: Generator) -> FloatArray:
+    """Corners on a turned ellipse; the reference point may lie off the middle, even outside."""
+    corners = rng.integers(3, 9)
+    angles = np.sort(rng.uniform(-pi, pi, corners))
+    points = np.stack((np.cos(angles), np.sin(angles)), axis=1) * rng.uniform(0.15, 1.0, 2)
+    turn = rng.uniform(-pi, pi)
+    c, s = np.cos(turn), np.sin(turn)
+    return np.asarray(points @ np.array([[c, s], [-s, c]]) + _shift(rng))
+
+
+def _nonconvex(rng: Generator) -> FloatArray:
+    a, b = rng.uniform(0.3, 1.2, 2)
+    s, t, u = rng.uniform(0.2, 0.8, 3)
+    sort = rng.integers(4)
+    if sort == 0:  # L
+        points = [(0, 0), (a, 0), (a, s * b), (t * a, s * b), (t * a, b), (0, b)]
+    elif sort == 1:  # U
+        low, high = sorted((0.1 + 0.8 * s, 0.1 + 0.8 * t))
+        points = [
+            (0, 0), (a, 0), (a, b), (high * a, b), (high * a, u * b), (low * a, u * b),
+            (low * a, b), (0, b),
+        ]  # fmt: skip
+    elif sort == 2:  # T
+        low, high = sorted((s, t))
+        points = [
+            (low * a, 0), (high * a, 0), (high * a, u * b), (a, u * b), (a, b), (0, b),
+            (0, u * b), (low * a, u * b),
+        ]  # fmt: skip
+    else:  # a star about the origin
+        corners = 2 * int(rng.integers(3, 6))
+        angles = np.arange(corners) * 2.0 * pi / corners + rng.uniform(-0.2, 0.2, corners)
+        radii = np.where(np.arange(corners) % 2, rng.uniform(0.2, 0.5), rng.uniform(0.5, 1.0))
+        points = list(zip(radii * np.cos(angles), radii * np.sin(angles), strict=True))
+    made = np.array(points, dtype=np.float64)
+    middle = 0.5 * (made.min(axis=0) + made.max(axis=0))
+    return np.asarray(made - middle + _shift(rng))
+
+
+def _shift(rng: Generator) -> FloatArray:
+    return np.asarray(rng.uniform(-0.3, 0.3, 2) if rng.random() < 0.5 else np.zeros(2))
+
+
+class Draft:
+    """One case in the making: its random numbers, its place and step, and robots to draw from."""
+
+    def __init__(
+        self, rng: Generator, origin: tuple[float, float], dt: float, store: Store
+    ) -> None:
+        self.rng, self.origin, self.dt, self.store = rng, origin, dt, store
+
+    def robot(self, sort: str = "") -> Footprint:
+        """A footprint of a sort, or of any."""
+        some = getattr(self.store, sort) if sort else self.store[int(self.rng.integers(3))]
+        found: Footprint = some[int(self.rng.integers(len(some)))]
+        return found
+
+    def pair(self, a: Footprint, b: Footprint) -> Layout:
+        """Two robots whose discs overlap at the meeting: most collide, some pass."""
+        most, time = self._most(a, b), self._time()
+        reach, bearing = self.rng.uniform(0.0, 1.05) * (a.radius + b.radius), self._angle()
+        (x, y), first, second = self.origin, self._angle(), self._angle()
+        poses = (x, y, first), (x + reach * cos(bearing), y + reach * sin(bearing), second)
+        return _back((a, b), poses, [self._order(a, most), self._order(b, most)], time)
+
+    def aligned(self, across: bool) -> Layout:
+        """Boxes with one heading, beside each other, so that their edges are collinear or parallel,
+        or one behind the other: their sides lie on one line."""
+        rng, a = self.rng, self.robot("boxes")
+        b = a if rng.random() < 0.7 else self.robot("boxes")
+        heading, most = self._angle(), self._most(a, b)
+        room = a.outline[2] + b.outline[2]  # half lengths and half widths of both
+        gap = rng.uniform(0.05, 0.5) if rng.random() < 0.6 else 10.0 ** rng.uniform(-7.0, -1.0)
+        shift = 0.0 if rng.random() < 0.5 else rng.uniform(-0.9, 0.9)
+        along, left = shift * room[0], room[1] + gap
+        if not across:
+            along, left = room[0] + gap, shift * room[1]
+        (x, y), c, s = self.origin, np.cos(heading), np.sin(heading)
+        second = (x + c * along - s * left, y + s * along + c * left, heading)
+        v, sort = rng.uniform(0.1, 0.9) * min(FASTEST, most), rng.integers(4)
+        if sort == 0:  # in step
+            orders = [(v, 0.0), (v, 0.0)]
+        elif sort == 1:  # at different speeds
+            orders = [(v, 0.0), (v * rng.uniform(-1.0, 1.0), 0.0)]
+        elif sort == 2:  # one turning into the other
+            omega = rng.uniform(-1.0, 1.0) * min(TURNING, 0.1 * most / max(a.radius, b.radius))
+            orders = [(v, omega), (v, 0.0)]
+        else:
+            orders = [self._order(robot, most) for robot in (a, b)]
+        return Layout((a, b), np.array([(x, y, heading), second]), np.array(orders))
+
+    def graze(self, a: Footprint, b: Footprint) -> Layout:
+        """Two robots that pass within a hair: at the meeting they touch and neither close nor
+        part."""
+        most, time = self._most(a, b), self._time()
+        reach, bearing = a.radius + b.radius, self._angle()
+        x, y = self.origin
+        first = np.array((x, y, self._angle()))
+        second = np.array((x + reach * cos(bearing), y + reach * sin(bearing), self._angle()))
+        d, nx, ny, ax, ay, _, _ = body_separation(a.packed, 0, first, b.packed, 0, second)
+        normal, point = np.array((nx, ny)), np.array((ax, ay))
+        second[:2] -= (d - self._hair()) * normal
+        one, two = self._order(a, most), self._order(b, most)
+        # The second robot's speed makes the relative velocity of the touching points tangential.
+        closing = normal @ (_velocity(first, one, point) - _velocity(second, (0.0, two[1]), point))
+        ahead = nx * cos(second[2]) + ny * sin(second[2])
+        v = float(closing / ahead) if abs(ahead) > 0.05 else two[0]
+        orders = [one, (v, two[1])]  # slowed alike, so that directions stay
+        fastest = max(abs(v) + r.radius * abs(w) for (v, w), r in zip(orders, (a, b), strict=True))
+        share = min(1.0, most / fastest)
+        orders = [(float(share * v), float(share * w)) for v, w in orders]
+        return _back((a, b), (tuple(first), tuple(second)), orders, time)
+
+    def wall(self) -> Layout:
+        """Straight wall near the meeting, drawn as one to four collinear segments."""
+        rng, robot = self.rng, self.robot()
+        direction, across = self._axes()
+        foot = np.array(self.origin) + rng.uniform(-0.5, 1.05) * robot.radius * across
+        ends = np.array((-rng.uniform(1.0, 5.0), rng.uniform(1.0, 5.0)))
+        inner = np.sort(rng.uniform(ends[0] + 0.1, ends[1] - 0.1, int(rng.integers(0, 4))))
+        along = np.concatenate((ends[:1], inner, ends[1:]))
+        along = along[np.concatenate(([True], np.diff(along) > 1e-3))]
+        return self._facing(robot, foot + along[:, None] * direction)
+
+    def corner(self) -> Layout:
+        """Two walls that meet at any angle from 20 to 340 degrees."""
+        rng, robot = self.rng, self.robot()
+        tip = self._near(robot)
+        first, opening = self._angle(), rng.uniform(pi / 9, 17 * pi / 9)
+        ends = [
+            tip + rng.uniform(0.5, 4.0) * np.array((cos(angle), sin(angle)))
+            for angle in (first, first + opening)
+        ]
+        return self._facing(robot, np.array((ends[0], tip, ends[1])))
+
+    def wall_end(self) -> Layout:
+        """Free end of a wall, or a stub with both ends near."""
+        rng, robot = self.rng, self.robot()
+        end = self._near(robot)
+        direction, _ = self._axes()
+        length = rng.uniform(1.0, 5.0) if rng.random() < 0.7 else rng.uniform(0.05, 0.5)
+        return self._facing(robot, np.array((end, end + length * direction)))
+
+    def wall_graze(self) -> Layout:
+        """Passing a wall, or the end of one, within a hair: along it, or turning away as it
+        touches."""
+        rng, robot = self.rng, self.robot()
+        pose = np.array((*self.origin, self._angle()))
+        direction, across = self._axes()
+        ends = (-rng.uniform(1.0, 5.0), rng.uniform(1.0, 5.0))
+        if rng.random() < 0.4:
+            ends = (rng.uniform(-1.0, 1.0) * robot.radius, 5.0)
+        line = np.array(self.origin) + 2.0 * robot.radius * across + np.outer(ends, direction)
+        solid = pack_parts([[line]])
+        d, nx, ny, ax, ay, _, _ = body_separation(robot.packed, 0, pose, solid, 0, np.zeros(3))
+        normal, point = np.array((nx, ny)), np.array((ax, ay))
+        line = line - (d - self._hair()) * normal
+        most, time = self._most(robot), self._time()
+        v = rng.uniform(0.1, 1.0) * min(FASTEST, most)
+        straight, turn = (
+            float(normal @ _velocity(pose, order, point)) for order in ((v, 0.0), (0.0, 1.0))
+        )
+        omega = -straight / turn if abs(turn) > 0.05 * robot.radius else 0.0
+        share = min(1.0, most / (v + robot.radius * abs(omega)), TURNING / max(abs(omega), 1e-9))
+        orders = [(float(share * v), float(share * omega))]
+        return _back((robot,), (tuple(pose),), orders, time)._replace(lines=(line,))
+
+    def obstacle(self) -> Layout:
+        """Solid polygon, convex or not."""
+        robot, solid = self.robot(), self.robot()
+        bearing, (direction, _) = self._angle(), self._axes()
+        reach = self.rng.uniform(0.0, 1.05) * (robot.radius + solid.radius)
+        middle = np.array(self.origin) + reach * np.array((cos(bearing), sin(bearing)))
+        x, y = direction
+        outline, *parts = (
+            middle
+            + np.stack((x * part[:, 0] - y * part[:, 1], y * part[:, 0] + x * part[:, 1]), axis=1)
+            for part in (solid.outline, *solid.parts)
+        )
+        return self._alone(robot)._replace(solids=(Solid(outline, tuple(parts)),))
+
+    def _facing(self, robot: Footprint, line: FloatArray) -> Layout:
+        return self._alone(robot)._replace(lines=(line,))
+
+    def _alone(self, robot: Footprint) -> Layout:
+        """A robot that is at the origin of the place at the meeting."""
+        order = self._order(robot, self._most(robot))
+        pose = (*self.origin, self._angle())
+        return _back((robot,), (pose,), [order], self._time())
+
+    def _most(self, *robots: Footprint) -> float:
+        """Largest speed [m/s] of any point that a world with these robots may have."""
+        return ROOM * TUNNEL_FRACTION * min(robot.width for robot in robots) / self.dt
+
+    def _time(self) -> float:
+        """Time of a planned meeting [s], anywhere between samples."""
+        return float(self.rng.uniform(4.0, STEPS - 6.0) * self.dt)
+
+    def _angle(self) -> float:
+        return self.rng.uniform(-pi, pi)
+
+    def _order(self, robot: Footprint, most: float) -> Order:
+        """Random (v, omega): straight, on an arc, or turning on the spot; one in ten is slow."""
+        rng = self.rng
+        v = rng.uniform(0.1, 1.0) * min(FASTEST, most) * (1.0 if rng.random() < 0.8 else -1.0)
+        omega = rng.uniform(-1.0, 1.0) * TURNING
+        sort = rng.random()
+        if sort < 0.4:
+            omega = 0.0
+        elif sort < 0.5:
+            v = 0.0
+        share = min(1.0, most / (abs(v) + robot.radius * abs(omega)))
+        if rng.random() < 0.1:
+            share *= 10.0 ** rng.uniform(-3.0, 0.0)
+        return float(share * v), float(share * omega)
+
+    def _hair(self) -> float:
+        """Gap or overlap [m] of a graze: from 1e-11 to 1e-2, one in twenty exactly 0."""
+        rng = self.rng
+        if rng.random() < 0.05:
+            return 0.0
+        return float(10.0 ** rng.uniform(-11.0, -2.0) * (1.0 if rng.random() < 0.5 else -1.0))
+
+    def _near(self, robot: Footprint) -> FloatArray:
+        """A point that the robot may reach at the meeting."""
+        bearing, reach = self._angle(), self.rng.uniform(0.0, 1.05) * robot.radius
+        return np.array(self.origin) + reach * np.array((cos(bearing), sin(bearing)))
+
+    def _axes(self) -> tuple[FloatArray, FloatArray]:
+        """A random direction, and the one to its left."""
+        angle = self._angle()
+        return np.array((cos(angle), sin(angle))), np.array((-sin(angle), cos(angle)))
+
+
+def _back(
+    robots: tuple[Footprint, ...],
+    poses: tuple[tuple[float, ...], ...],
+    orders: list[Order],
+    time: float,
+) -> Layout:
+    """Robots that are at ``poses`` a time later, on their arcs."""
+    start = [
+        arc((x, y, heading), *order, -time)
+        for (x, y, heading), order in zip(poses, orders, strict=True)
+    ]
+    return Layout(robots, np.array(start), np.array(orders))
+
+
+def _velocity(pose: FloatArray, order: Order, point: FloatArray) -> FloatArray:
+    """Velocity [m/s] of a point that is fixed to a robot."""
+    v, omega = order
+    x, y = point[0] - pose[0], point[1] - pose[1]
+    return np.array((v * cos(pose[2]) - omega * y, v * sin(pose[2]) + omega * x))
+
+
+KINDS: dict[str, Callable[[Draft], Layout]] = {
+    "convex": lambda draft: draft.pair(draft.robot("convex"), draft.robot("convex")),
+    "nonconvex": lambda draft: draft.pair(draft.robot("nonconvex"), draft.robot("nonconvex")),
+    "mixed": lambda draft: draft.pair(draft.robot(), draft.robot()),
+    "side by side": lambda draft: draft.aligned(across=True),
+    "in a row": lambda draft: draft.aligned(across=False),
+    "graze": lambda draft: draft.graze(draft.robot(), draft.robot()),
+    "wall": Draft.wall,
+    "corner": Draft.corner,
+    "wall end": Draft.wall_end,
+    "wall graze": Draft.wall_graze,
+    "obstacle": Draft.obstacle,
+}
+"""What is drawn, in turn."""

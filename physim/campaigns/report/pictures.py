@@ -53,9 +53,8 @@ def pictures(
             folder / place / f"{row['run']}{end}"
             for place, end in ((STILLS, f"-{moment}.png"), (VIDEOS, ".mp4"), (PAGES, ".html"))
         )
-        missing = [
-            file for file in (still, *[video] * videos, *[own] * pages) if not file.is_file()
-        ]
+        wanted = [still] + [video] * videos + [own] * pages
+        missing = [file for file in wanted if not file.is_file()]
         if missing:
             try:
                 record = record_of(folder, row, controllers)
@@ -65,9 +64,10 @@ def pictures(
             with closing(record):
                 _make(record, missing, moment)
         links = [
-            os.path.relpath(file, page.absolute().parent).replace(os.sep, "/") * file.is_file()
+            os.path.relpath(file, page.absolute().parent).replace(os.sep, "/")
+            if file.is_file() else ""
             for file in (video, own)
-        ]
+        ]  # fmt: skip
         links[1] += _opened_at(row, moment) if links[1] else ""
         found.append(Shown(still.read_bytes(), *links))
     progress(len(every), len(every), "")

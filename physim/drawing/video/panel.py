@@ -93,7 +93,7 @@ def signs(timeline: Timeline, ground: Ground, whole: bool = False) -> dict[str, 
             lambda image, lens: draw_closest(image, lens, np.array([[3.0, 0.0], [19.0, 0.0]])),
         ),
         "target": (
-            not crowd and timeline.has("target_x", "target_y"),
+            not crowd and timeline.aims,
             lambda image, lens: draw_targets(image, lens, START[None], END[None] - (4.0, 0.0)),
         ),
         course: (True, _line(own, 1 if crowd else 2) if whole else _trail(own)),

@@ -17,7 +17,6 @@ from physim.drawing.video.canvas import VIEW, WIDTH, Box, Image
 from physim.drawing.video.film import (
     MP4,
     Animation,
-    Film,
     VideoFile,
     check_length,
     check_still,
@@ -111,7 +110,7 @@ def render(
         )
     speed = _speed(speed, end - start, kind.longest)
     times = frame_times(start, end, fps, speed)
-    film: Film
+    film: VideoFile | Animation
     if kind.tick:
         check_length(len(np.unique(times)), width)
         film = Animation(path, fps, width, _kept(timelines))

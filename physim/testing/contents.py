@@ -8,13 +8,9 @@ they are made of. `StateWatch` compares so what a controller keeps beside its me
 from __future__ import annotations
 
 import functools
-import hashlib
-import random
 import sys
 import types
-from array import array
-from collections import deque
-from collections.abc import Iterator, Mapping, Set
+from collections.abc import Iterator, Set
 from dataclasses import dataclass
 from enum import Enum
 from typing import Any, NamedTuple
@@ -22,15 +18,10 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from physim.parts.controller import Controller
-from physim.parts.later import Later
 
 Contents = dict[str, Any]
 """Leaves by place, to compare with ``==``."""
 
-AS_PRINTED = ("datetime", "decimal", "fractions", "itertools", "pathlib", "uuid", "zoneinfo")
-"""Packages whose objects are described by what they print."""
-CLOSED = (sys.stdlib_module_names - {"collections", "types"}) | {"numba"}
-"""Packages whose other objects are not looked into: locks, files, loggers, compiled functions."""
 KERNELS = "physim.compiled"
 """Module of functions that are compiled: no more than names."""
 WIDEST = 40
@@ -147,49 +138,52 @@ def _leaf(value: Any) -> Any:
         return value.item()
     if isinstance(value, NAMED) or kind.__module__ == KERNELS:
         return Label(getattr(value, "__qualname__", getattr(value, "__name__", kind.__name__)))
-    if isinstance(value, range | bytearray | array) or _top(kind) in AS_PRINTED:
-        return Label(repr(value))
-    state: Any = None
-    if isinstance(value, random.Random):
-        state = value.getstate()
-    elif isinstance(value, np.random.Generator):
-        state = value.bit_generator.state
-    elif isinstance(value, np.random.RandomState):
-        state = value.get_state()
-    if state is None:
-        return None
-    return Label(f"state {hashlib.sha256(repr(state).encode()).hexdigest()[:16]}")
+    return None
 
 
 def _parts(value: Any) -> Iterator[tuple[str, Any]]:
-    """What a value is made of: how the place of each goes on, and the item."""
+    """What a value is made of: how the place of each goes on, and the item.
+
+    Of an object that is what is pickled of it; one that cannot be pickled is no more than its
+    class, as are locks, files and what each thread has of its own.
+    """
     kind = type(value)
-    if kind not in CONTAINERS:
-        yield ".__class__", kind
-    elif not value:
+    if kind in CONTAINERS and not value:
         yield "", Label(f"an empty {kind.__name__}")
     if isinstance(value, tuple) and hasattr(value, "_fields"):
         yield from zip((f".{field}" for field in value._fields), value, strict=True)
-    elif isinstance(value, list | tuple | deque):
+    elif kind in (list, tuple):
         yield from ((f"[{k}]", item) for k, item in enumerate(value))
-    elif isinstance(value, Mapping):
-        yield from ((f"[{_key(key, k)}]", item) for k, (key, item) in enumerate(value.items()))
     elif isinstance(value, Set):
         yield "", Label(f"{{{', '.join(sorted(map(repr, value)))}}}")
-    elif isinstance(value, np.ndarray):  # of objects
-        yield ".tolist()", value.tolist()
-    if kind in CONTAINERS or _top(kind) in CLOSED:
+    elif kind is dict:
+        yield from _items(value)
+    else:
+        yield ".__class__", kind
+        yield from _pickled(value)
+
+
+def _pickled(value: Any) -> Iterator[tuple[str, Any]]:
+    try:
+        made = value.__reduce_ex__(4)
+    except Exception:  # of code that is not ours
         return
-    own = value.made() if isinstance(value, Later) else getattr(value, "__dict__", None)
-    if isinstance(own, dict):
-        yield from ((f".{name}", item) for name, item in own.items())
-    for base in kind.__mro__:
-        slots = vars(base).get("__slots__", ())
-        for slot in (slots,) if isinstance(slots, str) else slots:
-            is_private = slot.startswith("__") and not slot.endswith("__")
-            name = f"_{base.__name__.lstrip('_')}{slot}" if is_private else slot
-            if name not in ("__dict__", "__weakref__") and hasattr(value, name):
-                yield f".{name}", getattr(value, name)
+    if isinstance(made, str):
+        return
+    args, state, items, pairs = (*made[1:], None, None, None)[:4]
+    yield from ((f"({k})", item) for k, item in enumerate(args) if item is not type(value))
+    both = isinstance(state, tuple) and all(isinstance(one, dict | None) for one in state)
+    for one in state if both else (state,):  # of the dictionary and of slots
+        if isinstance(one, dict):
+            yield from ((f".{name}", item) for name, item in one.items())
+        elif one is not None:
+            yield ".state", one
+    yield from ((f"[{k}]", item) for k, item in enumerate(items or ()))
+    yield from _items(dict(pairs or ()))
+
+
+def _items(value: dict[Any, Any]) -> Iterator[tuple[str, Any]]:
+    return ((f"[{_key(key, k)}]", item) for k, (key, item) in enumerate(value.items()))
 
 
 def _key(key: object, position: int) -> str:

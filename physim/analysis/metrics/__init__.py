@@ -76,7 +76,6 @@ from physim.analysis.metrics.progress import (
     active_steps,
     column_over_time,
     finished,
-    last_decisions,
     stop_distance,
     time_to_finish,
 )  # fmt: skip
@@ -91,7 +90,7 @@ __all__ = [
     "deep_contacts", "definition", "desired_leads", "deviation_peak", "deviation_rms", "deviations",
     "evaluations", "farthest_pair", "finished", "formation_energy", "formation_error_final",
     "formation_error_peak", "formation_error_rms", "formation_errors", "formation_parts", "grazes",
-    "has_formation", "last_decisions", "masses", "mean_speed", "measure", "messages", "mode_spans",
+    "has_formation", "masses", "mean_speed", "measure", "messages", "mode_spans",
     "mode_switches", "own_metrics", "own_part", "pair_distances", "placed", "severest", "severity",
     "share_of_modes", "shortest_boundary_distance", "shortest_collision_time", "shortest_distance",
     "stop_distance", "time_to_finish", "updates_per_second",

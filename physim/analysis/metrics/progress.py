@@ -214,13 +214,6 @@ def ratio(part: NDArray[Any], whole: NDArray[Any]) -> Each | None:
     return Each(float(part.sum() / whole.sum()), tuple(each))
 
 
-def last_decisions(record: Record) -> IntArray:
-    """Row of the last decision of each robot that has made one, by robot."""
-    robots = record.updates["robot"]
-    _, from_end = np.unique(robots[::-1], return_index=True)
-    return (len(robots) - 1 - from_end).astype(np.int64)
-
-
 def rows_of_robots(record: Record) -> list[Rows]:
     """Decisions of each of the N robots, in the order of time."""
     rows = record.updates

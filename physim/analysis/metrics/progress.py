@@ -255,13 +255,8 @@ def column_over_time(record: Record, name: str, every: float = GRID) -> Series:
 
     Exact at decisions, linear between them, held after the last; NaN for a robot without any.
     """
-    time = grid(record, every)
-    values = np.full((len(time), record.robots), np.nan)
-    for robot, rows in enumerate(rows_of_robots(record)):
-        rows = rows[np.isfinite(rows[name])]
-        if len(rows):
-            values[:, robot] = np.interp(time, rows["step"] * record.dt, rows[name])
-    return Series(time, values)
+    rows = [one[np.isfinite(one[name])] for one in rows_of_robots(record)]
+    return _over_time(record, every, [(one["step"] * record.dt, one[name]) for one in rows])
 
 
 def samples_over_time(record: Record, samples: FloatArray, every: float = GRID) -> Series:
@@ -269,9 +264,14 @@ def samples_over_time(record: Record, samples: FloatArray, every: float = GRID) 
 
     NaN in a record without samples.
     """
+    return _over_time(record, every, [(record.time, one) for one in samples.T])
+
+
+def _over_time(record: Record, every: float, known: list[tuple[FloatArray, FloatArray]]) -> Series:
+    """A course by what is known of each robot: times (M,) and values (M,)."""
     time = grid(record, every)
     values = np.full((len(time), record.robots), np.nan)
-    if record.samples:
-        for robot in range(record.robots):
-            values[:, robot] = np.interp(time, record.time, samples[:, robot])
+    for robot, (at, value) in enumerate(known):
+        if len(at):
+            values[:, robot] = np.interp(time, at, value)
     return Series(time, values)

@@ -20,7 +20,7 @@ from physim.campaigns.folder import read
 from physim.campaigns.outcomes import Cell, Outcomes
 from physim.campaigns.report.contents import report_of
 from physim.errors import PhysimError
-from physim.statistics.proportion import clopper_pearson
+from physim.statistics import clopper_pearson
 from physim.units import interval
 from physim.world.file.files import find_world
 from physim.world.layout.scene_builder import is_random

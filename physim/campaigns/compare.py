@@ -18,7 +18,7 @@ from physim.campaigns.outcomes import CELL, Cell, FloatArray, Outcomes
 from physim.campaigns.rows import PREFIX
 from physim.campaigns.spec import Label
 from physim.errors import PhysimError
-from physim.statistics.paired import (
+from physim.statistics import (
     holm,
     mcnemar,
     median_difference,

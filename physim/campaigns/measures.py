@@ -6,7 +6,7 @@ from types import MappingProxyType
 from typing import NamedTuple
 
 from physim.campaigns.rows import title_of
-from physim.statistics.goal import RATES
+from physim.statistics import RATES
 
 
 class Measure(NamedTuple):

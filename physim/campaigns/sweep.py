@@ -32,7 +32,7 @@ from physim.campaigns.rows import ERROR, KILLED, TIMEOUT, Came, Row, write_whole
 from physim.campaigns.spec import Label, RunSpec
 from physim.errors import PhysimError
 from physim.escaping import escaped
-from physim.statistics.goal import Goal, Watch, read_goal
+from physim.statistics import Goal, Watch, read_goal
 
 FLUSH_SECONDS = 0.2
 """[s] after which a row is on disk at the latest"""

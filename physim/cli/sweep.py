@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from physim.campaigns.grid import Grid
     from physim.campaigns.spec import Label
     from physim.campaigns.sweep import Tally
-    from physim.statistics.goal import Decision, Goal
+    from physim.statistics import Decision, Goal
 
 MOST_SHARDS = 100_000
 
@@ -35,7 +35,7 @@ def shard(text: str) -> tuple[int, int]:
 
 def goal(text: str) -> Goal:
     """Read a goal. Raises ValueError with what is allowed and where the fault is."""
-    from physim.statistics.goal import read_goal
+    from physim.statistics import read_goal
 
     return read_goal(text)
 

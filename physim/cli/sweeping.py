@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from physim.campaigns.grid import Grid
     from physim.campaigns.spec import Label
     from physim.campaigns.sweep import Tally
-    from physim.statistics.goal import Decision, Goal
+    from physim.statistics import Decision, Goal
 
 COMPILING = 30
 """[s] about, for all that runs need"""

@@ -21,8 +21,7 @@ from physim.geometry.shapes import FloatArray
 from physim.record import Record
 from physim.reproduction.measures import Measures, figures
 from physim.reproduction.model import Arm, Measure, Outcome, Verdict, outcome
-from physim.statistics.paired import rank_beyond
-from physim.statistics.proportion import clopper_pearson
+from physim.statistics import clopper_pearson, rank_beyond
 
 
 class Estimate(NamedTuple):

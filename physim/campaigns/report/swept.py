@@ -18,7 +18,7 @@ from physim.campaigns.rows import FAILED
 from physim.campaigns.spec import Label
 from physim.campaigns.sweep import Tally
 from physim.errors import plural
-from physim.statistics.goal import Decision
+from physim.statistics import Decision
 
 MOST_NAMED = 10
 """Runs that are named"""

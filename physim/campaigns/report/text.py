@@ -18,7 +18,7 @@ from physim.campaigns.outcomes import CELL, Missing, Outcomes
 from physim.campaigns.report.contents import SHOWN, CellReport, Rate, Report, Robots
 from physim.errors import plural
 from physim.escaping import escaped
-from physim.statistics.goal import Decision, Goal
+from physim.statistics import Decision, Goal
 from physim.units import amount, count, interval, percent
 
 MOST_ROWS = 200

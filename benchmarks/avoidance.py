@@ -24,14 +24,14 @@ import numpy as np
 
 import physim
 from physim.analysis import metrics
-from physim.campaigns.runner import Job
+from physim.campaigns.pool import Job, do_all
 from physim.cli.values import seed_range
 from physim.contacts import Phase
 from physim.errors import PhysimError
 from physim.record import Record
 from physim.reproduction.measures import figures
 from physim.reproduction.model import Arm
-from physim.reproduction.run import all_done, run
+from physim.reproduction.run import run
 from physim.reproduction.study import rule_shares
 from physim.world.file.files import shipped_worlds
 from physim.world.layout.scene_builder import is_random
@@ -76,7 +76,7 @@ def table(names: Sequence[str], seeds: tuple[int, int], jobs: int) -> dict[str, 
             for seed in drawn:
                 given = (arm, seed, (measure,))
                 work[name, arm.label, seed] = Job(f"{name} seed {seed}", run, given)
-    found = all_done(work.items(), jobs, lambda: False, progress)
+    found = do_all(work.items(), lambda *_: (), jobs, lambda: False, progress)
     rows = {}
     for name in names:
         arms = [

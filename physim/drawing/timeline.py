@@ -36,8 +36,6 @@ REACH, CELL = 10.0, 2.0
 """[m] of the look-up of walls: a matter of speed, not of values"""
 MOST_POSES = 100_000
 """whose distances are worked out in one go"""
-COLUMNS = ("target_x", "target_y")
-"""Columns of the decisions that pictures show."""
 
 
 class Moment(NamedTuple):
@@ -121,9 +119,10 @@ class Timeline:
         self._mode = np.append(record.updates["mode"].astype(np.int64), NO_NUMBER)
         known = len(self.scene.modes)
         self._colours = [self.scene.mode_colour(mode) for mode in (*range(known), NO_NUMBER)]
-        self._values = {
-            name: np.append(record.column(name, absent=np.nan), np.nan) for name in COLUMNS
-        }
+        targets = [record.column(name, absent=np.nan) for name in ("target_x", "target_y")]
+        self._targets = np.append(np.column_stack(targets), [[np.nan, np.nan]], axis=0)
+        self.aims = bool(np.isfinite(self._targets).all(axis=1).any())
+        """Whether any decision has a target."""
         self._arrived = np.where(record.arrived >= 0, record.arrived * record.dt, np.inf)
         self.contacts = episodes(record)
         self.modeless = len(self._rows) > 1 and bool((self._mode == NO_NUMBER).all())
@@ -140,9 +139,8 @@ class Timeline:
         if self.modeless:
             alike = self.robots > NAMED
             colours = [BAND] * self.robots if alike else list(self.scene.colours)
-        targets = np.column_stack((self.values("target_x", rows), self.values("target_y", rows)))
         pose = np.asarray(self.record.pose[sample], dtype=np.float64)
-        return Moment(time, sample, pose, rows, modes, colours, targets)
+        return Moment(time, sample, pose, rows, modes, colours, self._targets[rows])
 
     def sample(self, time: Any) -> Any:
         """Return the index of the sample nearest to ``time`` (of two, the earlier)."""
@@ -173,10 +171,6 @@ class Timeline:
         """Return the modes of decisions ``rows``; -1 where there is none."""
         return np.asarray(self._mode[rows])
 
-    def values(self, column: str, rows: IntArray) -> FloatArray:
-        """Return a column, one of `COLUMNS`, of decisions ``rows``; NaN where there is none."""
-        return np.asarray(self._values[column][rows])
-
     @cached_property
     def explained_modes(self) -> list[int]:
         """Numbers of the modes to explain: all that are declared, if any was ever given."""
@@ -191,11 +185,6 @@ class Timeline:
     def arrived(self, time: float) -> int:
         """Return how many robots have arrived at ``time``, judged by their motion."""
         return int((self._arrived <= time + 1e-9).sum())
-
-    def has(self, *columns: str) -> bool:
-        """Whether any decision has finite values in all these columns."""
-        values = np.array([self._values[column] for column in columns])
-        return bool(np.isfinite(values).all(axis=0).any())
 
     @cached_property
     def curves(self) -> Curves:
@@ -239,12 +228,10 @@ class Timeline:
             "robots": (record.clearance.min(axis=1), INK),
             "walls": (record.boundary_clearance.min(axis=1), BAND),
         }
-        known = {name: line for name, line in least.items() if np.isfinite(line[0]).any()}
-        values = (
-            np.array([line for line, _ in known.values()]).reshape(len(known), len(self.time)).T
-        )
-        colours = [colour for _, colour in known.values()]
-        return Curves("least distance [m]", "distance", values, list(known), colours)
+        names = [name for name, (line, _) in least.items() if np.isfinite(line).any()]
+        values = np.array([least[name][0] for name in names]).reshape(len(names), len(self.time)).T
+        colours = [least[name][1] for name in names]
+        return Curves("least distance [m]", "distance", values, names, colours)
 
 
 @dataclass(frozen=True)
@@ -334,10 +321,14 @@ def episodes(record: Record) -> Episodes:
             deep[k] = beyond[0] * record.dt if len(beyond) else np.inf
     began = np.asarray(step * record.dt, dtype=np.float64)
     ended = np.asarray((step + samples) * record.dt, dtype=np.float64)
+    order = np.lexsort((began, b, a))
+    again = (a[order[1:]] == a[order[:-1]]) & (b[order[1:]] == b[order[:-1]])
+    apart = np.full(len(found), np.inf)
+    apart[order[1:]] = np.where(again, began[order[1:]] - ended[order[:-1]], np.inf)
     return Episodes(
         began=began,
         ended=ended,
-        apart=_apart(np.column_stack((a, b)), began, ended),
+        apart=apart,
         bodies=np.column_stack((a, b)),
         swept=np.array(swept, dtype=bool),
         deep=deep,
@@ -346,12 +337,3 @@ def episodes(record: Record) -> Episodes:
         times=np.asarray(table["step"] * record.dt, dtype=np.float64),
         places=np.column_stack((table["x"], table["y"])).astype(np.float64),
     )
-
-
-def _apart(bodies: IntArray, began: FloatArray, ended: FloatArray) -> FloatArray:
-    """How long [s] each pair was apart before it touched (C,); inf where it had not before."""
-    order = np.lexsort((began, bodies[:, 1], bodies[:, 0]))
-    again = (bodies[order[1:]] == bodies[order[:-1]]).all(axis=1)
-    found = np.full(len(order), np.inf)
-    found[order[1:]] = np.where(again, began[order[1:]] - ended[order[:-1]], np.inf)
-    return found

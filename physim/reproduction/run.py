@@ -5,15 +5,14 @@ from __future__ import annotations
 import math
 import os
 import shlex
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NamedTuple
 
 from physim._version import __version__
 from physim.analysis.metrics.distances import shortest_pair_collision_time
-from physim.campaigns.executors import executor
-from physim.campaigns.runner import Job, Stop, outcomes
+from physim.campaigns.pool import Job, Stop, do_all
 from physim.compiled import is_cached
 from physim.drawing.plots.map import trajectories
 from physim.drawing.plots.pictures import PICTURES as PLOTS
@@ -226,32 +225,6 @@ def warm_up() -> None:
         shortest_pair_collision_time(record)
 
 
-def all_done(
-    jobs: Iterable[tuple[Any, Job]],
-    workers: int,
-    stop: Stop,
-    progress: Callable[[int, int, str], None],
-) -> dict[Any, Any]:
-    """Results of jobs by key; when ``stop`` says True, of those that are done by then.
-
-    ``progress`` gets done, total and a note. Raises the error of a job.
-    """
-    listed, done = list(jobs), dict[Any, Any]()
-    note = listed[0][1].note if listed else ""
-
-    def tell(_: int) -> None:
-        progress(len(done), len(listed), note)
-
-    with executor(min(workers, max(1, len(listed)))) as pool:
-        for outcome in outcomes(iter(listed), pool, stop, tell):
-            if outcome.error is not None:
-                raise outcome.error
-            note = outcome.job.note
-            if outcome.result is not None:
-                done[outcome.key] = outcome.result
-    return done
-
-
 def reproduce(
     plan: Plan,
     folder: Path,
@@ -265,7 +238,7 @@ def reproduce(
 
     Raises PhysimError when a run fails. When ``stop`` says True the report holds what is done.
     """
-    found = all_done(plan.jobs(folder), workers, stop, progress)
+    found = do_all(plan.jobs(folder), lambda *_: (), workers, stop, progress)
     sections = [_part_section(part, plan, found) for part in plan.parts]
     sections += [_study_section(study, plan, found, folder) for study in plan.studies]
     figures = {

@@ -11,14 +11,13 @@ from typing import Any
 from urllib.parse import urlencode
 
 from physim.analysis.metrics import Figures, Metric, Moment
-from physim.campaigns.columns import COLUMNS, Row
 from physim.campaigns.folder import PAGES, STILLS, VIDEOS, Folder
 from physim.campaigns.one_run import simulation_of
-from physim.campaigns.outcomes import DONE
 from physim.campaigns.replay import check, spec_of_row
 from physim.campaigns.report.contents import Report
 from physim.campaigns.report.page import Shown
 from physim.campaigns.report.text import pair_and_time
+from physim.campaigns.rows import COLUMNS, DONE, Row
 from physim.errors import PhysimError
 from physim.record import Record
 from physim.simulation.run import record_run
@@ -53,9 +52,8 @@ def pictures(
             folder / place / f"{row['run']}{end}"
             for place, end in ((STILLS, f"-{moment}.png"), (VIDEOS, ".mp4"), (PAGES, ".html"))
         )
-        missing = [
-            file for file in (still, *[video] * videos, *[own] * pages) if not file.is_file()
-        ]
+        wanted = [still] + [video] * videos + [own] * pages
+        missing = [file for file in wanted if not file.is_file()]
         if missing:
             try:
                 record = record_of(folder, row, controllers)
@@ -65,9 +63,10 @@ def pictures(
             with closing(record):
                 _make(record, missing, moment)
         links = [
-            os.path.relpath(file, page.absolute().parent).replace(os.sep, "/") * file.is_file()
+            os.path.relpath(file, page.absolute().parent).replace(os.sep, "/")
+            if file.is_file() else ""
             for file in (video, own)
-        ]
+        ]  # fmt: skip
         links[1] += _opened_at(row, moment) if links[1] else ""
         found.append(Shown(still.read_bytes(), *links))
     progress(len(every), len(every), "")

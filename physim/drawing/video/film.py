@@ -129,7 +129,7 @@ def size_at(width: int) -> tuple[int, int]:
     """
     if not (160 <= width <= WIDTH and width % 2 == 0):
         raise PhysimError(f"width: {width} given; allowed: an even number from 160 to {WIDTH}")
-    return width, 4 * round(width * HEIGHT / WIDTH / 4.0)  # PyAV divides others into wrong planes
+    return width, 2 * round(width * HEIGHT / WIDTH / 2.0)
 
 
 def check_length(frames: int, width: int) -> None:
@@ -193,14 +193,6 @@ class Film:
         """End the draft, which is kept where it is ``whole``."""
         raise NotImplementedError
 
-    def write(self, frame: Image) -> None:
-        """Take one frame, which may be changed afterwards. Raises what the encoder met."""
-        raise NotImplementedError
-
-    def hold(self) -> None:
-        """Take the last frame once more. Raises what the encoder met."""
-        raise NotImplementedError
-
 
 OPTIONS = {"preset": "ultrafast", "x264-params": "qp=25:bframes=3:b-adapt=0:weightb=0"}
 """Drawings are flat and mostly move as a whole: to search them for what could be saved costs more
@@ -218,7 +210,8 @@ class VideoFile(Film):
     """A film as MP4."""
 
     def _open(self) -> None:
-        wide, high = self._size
+        wide, high = self._size[0], self._size[1] // 4 * 4  # others PyAV divides into wrong planes
+        self._size = wide, high
         # planes of frames, and the frames of the encoder that read them, used again and again
         self._free: queue.SimpleQueue[tuple[Image, Any]] = queue.SimpleQueue()
         for _ in range(WAITING):

@@ -21,25 +21,23 @@ from physim.drawing.video.canvas import (
     TITLE,
     TRAIL,
     Box,
+    Fleet,
     Image,
     Lens,
+    draw_closest,
+    draw_contacts,
     draw_progress,
+    draw_ring,
+    draw_robots,
     draw_scale,
+    draw_targets,
+    draw_trails,
     shorten,
     width,
     wrapped,
     write,
 )
 from physim.drawing.video.ground import Ground
-from physim.drawing.video.marks import (
-    Fleet,
-    draw_closest,
-    draw_contacts,
-    draw_ring,
-    draw_robots,
-    draw_targets,
-    draw_trails,
-)
 from physim.drawing.video.view import Pair
 from physim.geometry.shapes import FloatArray
 from physim.parts.declarations import Mode
@@ -93,7 +91,7 @@ def signs(timeline: Timeline, ground: Ground, whole: bool = False) -> dict[str, 
             lambda image, lens: draw_closest(image, lens, np.array([[3.0, 0.0], [19.0, 0.0]])),
         ),
         "target": (
-            not crowd and timeline.has("target_x", "target_y"),
+            not crowd and timeline.aims,
             lambda image, lens: draw_targets(image, lens, START[None], END[None] - (4.0, 0.0)),
         ),
         course: (True, _line(own, 1 if crowd else 2) if whole else _trail(own)),

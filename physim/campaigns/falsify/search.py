@@ -24,7 +24,7 @@ import numpy as np
 from physim.campaigns.falsify.evaluate import Accepts, Evaluate, Judged, StoppedError
 from physim.campaigns.falsify.space import Drawn, Space
 from physim.campaigns.pool import never
-from physim.drawing.plots.loading import load_matplotlib
+from physim.drawing.plots.style import load_matplotlib
 from physim.errors import PhysimError
 from physim.geometry.shapes import FloatArray
 from physim.randomness import stream

@@ -284,14 +284,16 @@ def _told(
         for k, key in enumerate(zip(began, *found.bodies.T.tolist(), strict=True))
         if not found.swept[k]
     }
-    return {
-        number[(round(one.time / record.dt), one.a, one.b)]: {
-            "lines": sentences(one, names),
-            "responsible": list(one.responsible),
-            "safe": None if not one.warning else round(one.time - one.warning, 6),
-        }
-        for one in contacts
-    }
+    told = {}
+    for one in contacts:
+        row = number.get((round(one.time / record.dt), one.a, one.b))
+        if row is not None:  # the run simulated again may have others
+            told[row] = {
+                "lines": sentences(one, names),
+                "responsible": list(one.responsible),
+                "safe": None if not one.warning else round(one.time - one.warning, 6),
+            }
+    return told
 
 
 def _pack_events(record: Record, pack: Pack) -> None:

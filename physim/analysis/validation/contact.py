@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from physim.analysis.metrics import Severity, contact_episodes, masses, severity
+from physim.analysis.metrics import Figures, Severity, masses, severity
 from physim.analysis.metrics.contacts import first_row
 from physim.analysis.metrics.walls import along_wall
 from physim.analysis.validation.analytic_contacts import AnalyticContacts
@@ -97,7 +97,7 @@ def contacts_of(
 
     Every one, or the first ``most``.
     """
-    episodes, mass, found = contact_episodes(record), masses(record), []
+    episodes, mass, found = Figures(record).episodes, masses(record), []
     columns = (analytic.touching[name].tolist() for name in ("step", "a", "b", "entry"))
     entries = {(step, a, b): entry for step, a, b, entry in zip(*columns, strict=True)}
     seen: set[tuple[int, int]] = set()

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from physim.analysis.expectations import Held, expectations
-from physim.analysis.metrics import Deep, contact_episodes, deep_contacts
+from physim.analysis.metrics import Deep, Figures
 from physim.analysis.validation.analytic_contacts import analytic_contacts
 from physim.analysis.validation.comparison import (
     Comparison,
@@ -112,7 +112,7 @@ class Validation:
     def is_of(self, record: Record) -> bool:
         """Whether it is of this record, wherever that lies: the same run, with as many contacts."""
         same = replace(_run(record, record, self.run.source), versions=self.run.versions)
-        return same == self.run and len(contact_episodes(record)) == len(self.contacts)
+        return same == self.run and len(Figures(record).episodes) == len(self.contacts)
 
     @property
     def names(self) -> list[str]:
@@ -235,7 +235,7 @@ def judge(
         swept_contacts(whole, table), near_misses(whole, analytic, table, exact),
         check_motion(whole, table, inside.scene.mass if inside.fits(whole) else None),
         compare_with_world(record, inside), recomputed, tuple(expectations(whole)),
-        deep_contacts(whole), rerun,
+        Figures(whole).deep, rerun,
     )  # fmt: skip
 
 

@@ -29,9 +29,10 @@ from physim.cli.values import seed_range
 from physim.contacts import Phase
 from physim.errors import PhysimError
 from physim.record import Record
-from physim.reproduction.estimates import figures, rule_shares
-from physim.reproduction.plan import run
-from physim.reproduction.study import Arm
+from physim.reproduction.measures import figures
+from physim.reproduction.model import Arm
+from physim.reproduction.run import run
+from physim.reproduction.study import rule_shares
 from physim.world.file.files import shipped_worlds
 from physim.world.layout.scene_builder import is_random
 
@@ -73,7 +74,7 @@ def table(names: Sequence[str], seeds: tuple[int, int], jobs: int) -> dict[str, 
         drawn = range(*seeds) if is_random(world) else [world.seed]
         for arm in (Arm("with", name), Arm("without", name, (WITHOUT,))):
             for seed in drawn:
-                given = (arm, seed, (measure,), None)
+                given = (arm, seed, (measure,))
                 work[name, arm.label, seed] = Job(f"{name} seed {seed}", run, given)
     found = do_all(work.items(), lambda *_: (), jobs, lambda: False, progress)
     rows = {}

@@ -16,8 +16,7 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
 
 from physim import Decision, Observation, World
-from physim.campaigns.falsify.evaluate import controller_of
-from physim.campaigns.falsify.robustness import ROBOTS, Judged, Touched
+from physim.campaigns.falsify.evaluate import ROBOTS, Judged, Touched, controller_of
 from physim.geometry.clearance import clearances
 from physim.geometry.shapes import FloatArray, locked
 from physim.simulation.swept_contacts import SweptContactFinder

@@ -19,9 +19,9 @@ import physim
 from physim.campaigns.outcomes import Cell, Outcomes
 from physim.campaigns.reading import read
 from physim.campaigns.report.contents import report_of
-from physim.campaigns.report.wording import interval
 from physim.errors import PhysimError
 from physim.statistics.proportion import clopper_pearson
+from physim.units import interval
 from physim.world.file.files import find_world
 from physim.world.layout.scene_builder import is_random
 

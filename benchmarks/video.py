@@ -20,8 +20,8 @@ sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 
 import physim
 from physim.drawing.timeline import Timeline
-from physim.drawing.video.frames import Painter
-from physim.drawing.video.movie import VideoFile
+from physim.drawing.video.film import VideoFile
+from physim.drawing.video.painter import Painter
 from physim.drawing.video.render import frame_times, playback_speed
 from physim.record import Record
 

@@ -106,16 +106,18 @@ def page(
     script: str = "",
     generator: str = "",
     head: object = (),
+    beside: bool = False,
 ) -> Html:
     """A whole page that loads nothing: one style and at most one script, both within it.
 
     ``style`` and ``script`` are our own files, put in as they are; ``head`` is further markup.
+    ``beside``: it may show videos and pages that lie beside it.
     """
     meta = [
         tag("meta", charset="utf-8"),
         tag("meta", name="generator", content=generator) if generator else None,
         tag("meta", name="viewport", content="width=device-width, initial-scale=1"),
-        tag("meta", http_equiv="Content-Security-Policy", content=policy(style, script)),
+        tag("meta", http_equiv="Content-Security-Policy", content=policy(style, script, beside)),
         tag("title", title),
         head,
         Html(f"<style>{style}</style>"),
@@ -125,14 +127,16 @@ def page(
     return Html(f"<!DOCTYPE html>\n{whole}\n")
 
 
-def policy(style: str, script: str = "") -> str:
-    """Content-Security-Policy of such a page: pictures lie within it, nothing is loaded."""
+def policy(style: str, script: str = "", beside: bool = False) -> str:
+    """Content-Security-Policy of such a page: pictures lie within it, nothing is loaded but, with
+    ``beside``, videos and pages from its own place."""
 
     def digest(words: str) -> str:
         return f"'sha256-{base64.b64encode(hashlib.sha256(words.encode()).digest()).decode()}'"
 
     runs = f"script-src {digest(script)}; " if script else ""
+    loads = "media-src 'self' file:; frame-src 'self' file:; " if beside else ""
     return (
-        f"default-src 'none'; {runs}style-src {digest(style)}; img-src data:; base-uri 'none'; "
-        "form-action 'none'"
+        f"default-src 'none'; {loads}{runs}style-src {digest(style)}; img-src data:; "
+        "base-uri 'none'; form-action 'none'"
     )

@@ -19,7 +19,7 @@ from physim.errors import Notice
 from physim.escaping import escaped_lines
 
 OWN = (
-    "physim|numpy|scipy|shapely|numba|llvmlite|pymunk|h5py|cv2|matplotlib|PIL|imageio|av|yaml|"
+    "physim|numpy|scipy|shapely|numba|llvmlite|pymunk|h5py|cv2|matplotlib|PIL|av|yaml|"
     "pydantic|svgelements|click"
 )
 """Modules whose warnings are for those who work on physim."""

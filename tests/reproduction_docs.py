@@ -15,7 +15,7 @@ from pathlib import Path
 from physim.cli import main as physim
 from tests.helpers import inside
 
-markdown, Report, JSON = inside("physim.reproduction", "markdown", "Report", "JSON")
+Report, JSON, markdown = inside("physim.reproduction", "Report", "JSON", "markdown")
 Outcome = inside("physim.reproduction", "Outcome")
 
 DOCS = Path(__file__).parents[1] / "docs"

@@ -6,11 +6,11 @@ import pytest
 
 import physim
 from physim import build_scene
+from physim.analysis.summary import table
 from physim.analysis.validation import validate
 from tests.analysis.validation.runs import Drivers
 from tests.helpers import inside
 
-table = inside("physim.analysis.summary", "table")
 report = inside("physim.analysis.validation", "report")
 
 RING = """\

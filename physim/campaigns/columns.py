@@ -99,6 +99,8 @@ class Row(_Ended):
     shortest_collision_time_pair: str = ""
     shortest_collision_time_time: float | None = None
     """[s]"""
+    shortest_pair_collision_time: float | None = None
+    """[s] of any two robots under the commands applied at decisions; 10 where none is shorter"""
     formation_error_peak: float | None = None
     """[m] greatest size"""
     deviation_peak: float | None = None
@@ -193,6 +195,7 @@ _NUMBERS = {
     "shortest_boundary_distance": _DISTANCE,
     "least_distance": _DISTANCE,
     "shortest_collision_time": Allowed("float", "a finite number from 0, or null", least=0.0),
+    "shortest_pair_collision_time": Allowed("float", "a finite number from 0, or null", least=0.0),
     "danger_share": Allowed("float", "a number from 0 to 1", least=0.0, most=1.0),
 }
 _TEXTS = {

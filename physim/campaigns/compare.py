@@ -6,19 +6,18 @@ common, the difficulty of a seed, cancels in the differences of its two runs.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from itertools import combinations
-from types import MappingProxyType
 
 import numpy as np
 from numpy.typing import NDArray
 
+from physim.campaigns.measures import RATE_TITLES, USUAL
 from physim.campaigns.outcomes import CELL, Cell, FloatArray, Outcomes
 from physim.campaigns.own_metrics import PREFIX
 from physim.campaigns.spec import Label
 from physim.errors import PhysimError
-from physim.statistics.goal import RATES
 from physim.statistics.paired import (
     holm,
     mcnemar,
@@ -30,25 +29,6 @@ from physim.statistics.paired import (
 ALPHA = 0.05
 FEWEST_PAIRS = 6
 """Pairs from which on a test of two sides can reach `ALPHA`: at best its p is 2 / 2^pairs."""
-MEASURES = {
-    "least_distance": 1,
-    "shortest_distance": 1,
-    "shortest_boundary_distance": 1,
-    "closing_speed": -1,
-    "energy_lost": -1,
-    "impulse": -1,
-    "shortest_collision_time": 1,
-    "time_to_finish": -1,
-    "deviation_peak": -1,
-    "formation_error_peak": -1,
-    "danger_share": -1,
-    "messages": -1,
-    "cpu_seconds": -1,
-}
-"""Columns that can be compared: 1 where more is better, -1 where less is."""
-DIRECTIONS = dict.fromkeys(RATES, 1) | MEASURES
-USUAL = (*RATES, "least_distance", "time_to_finish", "deviation_peak", "formation_error_peak")
-"""What is compared where nothing else is asked for."""
 MOST_PAIRS_OF_CELLS = 200
 
 
@@ -59,6 +39,25 @@ class Arm:
     label: str
     outcomes: Outcomes
     cell: Cell
+    rows: NDArray[np.int64] = field(default_factory=lambda: np.zeros(0, np.int64))
+    """of the seeds that both arms have, in ascending order"""
+    alone: tuple[int, ...] = ()
+    """seeds that the other has not, which are left out"""
+
+    @property
+    def failed(self) -> int:
+        """Of its rows, how many failed."""
+        return int(np.count_nonzero(self.outcomes.failed[self.rows]))
+
+    def values(self, name: str) -> FloatArray:
+        """A measure of its rows, nan where a run has none; of a rate 1 or 0."""
+        if name in RATE_TITLES:
+            return self.outcomes.successes(name)[self.rows].astype(float)
+        return self.outcomes.column(name)[self.rows]
+
+
+Pair = tuple[Arm, Arm, str]
+"""A, B, and what both are the same in, for people"""
 
 
 @dataclass(frozen=True)
@@ -82,8 +81,6 @@ class Finding:
     only_a: int
     """seeds with which A alone succeeds, or A's value is the better one"""
     only_b: int
-    direction: int = 1
-    """1 where more is better, -1 where less is"""
     corrected: float = 1.0
     """p after the correction for all that is looked at"""
 
@@ -111,7 +108,7 @@ class Finding:
     @property
     def is_rate(self) -> bool:
         """Whether it is of a rate."""
-        return self.name in RATES
+        return self.name in RATE_TITLES
 
 
 @dataclass(frozen=True)
@@ -122,41 +119,33 @@ class Comparison:
     b: Arm
     common: str
     """what both are the same in, for people"""
-    seeds: int
-    only_a: tuple[int, ...]
-    """seeds that A alone has, which are left out"""
-    only_b: tuple[int, ...]
-    failed_a: int
-    """of the common seeds, runs that failed"""
-    failed_b: int
     findings: tuple[Finding, ...]
-    rows: tuple[NDArray[np.int64], NDArray[np.int64]]
-    """rows of the common seeds, in A's and B's outcomes"""
     unlike: tuple[str, ...] = ()
     """in what else A and B differ, though they are called alike; a text each"""
 
-    def values(self, name: str) -> tuple[FloatArray, FloatArray]:
-        """A measure of both arms, pair by pair; nan where a run has none."""
-        a, b = self.rows
-        return self.a.outcomes.column(name)[a], self.b.outcomes.column(name)[b]
+    @property
+    def seeds(self) -> int:
+        """Number of seeds that both have."""
+        return len(self.a.rows)
 
 
-def by(
-    outcomes: Outcomes, dimension: str, order: Sequence[Label] = ()
-) -> list[tuple[Arm, Arm, str]]:
+def by(outcomes: Outcomes, dimension: str, order: Sequence[Label] = ()) -> list[Pair]:
     """All pairs of cells of a campaign that differ in ``dimension`` (one of `CELL`) alone.
 
     A is the one that comes first in ``order``, cells as they were asked for; others follow by name.
-    Raises PhysimError where there is none, or more than can be looked at.
+    Raises PhysimError where there is none.
     """
     place = CELL.index(dimension)
     groups: dict[tuple[str, ...], list[Cell]] = {}
     turns = {label: turn for turn, label in enumerate(order)}
     for cell in sorted(outcomes.cells, key=lambda cell: turns.get(cell.names, len(turns))):
-        rest = tuple(name for k, name in enumerate(cell.names) if k != place)
-        groups.setdefault(rest, []).append(cell)
+        groups.setdefault(_without(cell, [place]), []).append(cell)
+
+    def arm(cell: Cell) -> Arm:
+        return Arm(cell.names[place] or "as it is", outcomes, cell)
+
     found = [
-        (_arm(outcomes, one, place), _arm(outcomes, other, place), _common(rest))
+        (arm(one), arm(other), _together(rest))
         for rest, cells in groups.items()
         for one, other in combinations(cells, 2)
     ]
@@ -166,158 +155,103 @@ def by(
             f"--by {dimension}: no two cells differ in it alone; given: "
             f"{', '.join(value or 'none' for value in values)}"
         )
-    return _not_too_many(found)
+    return found
 
 
-def between(a: Outcomes, b: Outcomes, names: tuple[str, str]) -> list[tuple[Arm, Arm, str]]:
+def between(a: Outcomes, b: Outcomes, names: tuple[str, str]) -> list[Pair]:
     """Pairs of cells of two campaigns that are the same in all but what is compared.
 
     That is what each campaign has a single value of, which is not that of the other. Raises
     PhysimError where no two cells match.
     """
+    values = [[{cell.names[k] for cell in side.cells} for side in (a, b)] for k in range(len(CELL))]
     sole = [
-        len(values := {c.names[k] for c in a.cells}) == 1
-        and len(others := {c.names[k] for c in b.cells}) == 1
-        and values != others
-        for k in range(len(CELL))
+        k for k, (one, other) in enumerate(values) if len(one) == len(other) == 1 and one != other
     ]
-    matching: dict[tuple[str, ...], Cell] = {}
-    for cell in b.cells:
-        matching[_key(cell, sole)] = cell
-    found = []
-    for cell in a.cells:
-        if (other := matching.get(_key(cell, sole))) is not None:
-            one = Arm(_differing(cell, sole) or names[0], a, cell)
-            another = Arm(_differing(other, sole) or names[1], b, other)
-            found.append((one, another, _common(_key(cell, sole))))
+    matching = {_without(cell, sole): cell for cell in b.cells}
+
+    def arm(campaign: Outcomes, cell: Cell, name: str) -> Arm:
+        return Arm(_together([cell.names[k] for k in sole]) or name, campaign, cell)
+
+    found = [
+        (arm(a, cell, names[0]), arm(b, matching[rest], names[1]), _together(rest))
+        for cell in a.cells
+        if (rest := _without(cell, sole)) in matching
+    ]
     if not found:
+        first, second = ("; ".join(cell.name for cell in side.cells[:3]) for side in (a, b))
         raise PhysimError(
-            f"{names[0]}, {names[1]}: no cell of one is like a cell of the other: {_list(a)} "
-            f"beside {_list(b)}"
+            f"{names[0]}, {names[1]}: no cell of one is like a cell of the other: {first} "
+            f"beside {second}"
         )
-    return _not_too_many(found)
+    return found
 
 
-def compare(
-    pairs: Sequence[tuple[Arm, Arm, str]],
-    names: Sequence[str] = USUAL,
-    own: Mapping[str, int] = MappingProxyType({}),
-) -> list[Comparison]:
+def compare(arms: Sequence[Pair], names: Mapping[str, int] = USUAL) -> list[Comparison]:
     """Compare arms in rates and measures; all p values are corrected together, after Holm.
 
-    Findings of fewer pairs than `FEWEST_PAIRS`, as of a world in which nothing is random, can show
-    nothing whatever they are: they are not tested, and do not count in the correction.
+    Of each of ``names`` it says which is better: 1 where more is, -1 where less is. Findings of
+    fewer pairs than `FEWEST_PAIRS`, as of a world in which nothing is random, can show nothing
+    whatever they are: they are not tested, and do not count in the correction.
 
-    ``own`` are directions of those of ``names`` that are metrics of one's own (`Outcomes.own`). A
-    rate or measure that no pair has on both sides is left out. Raises PhysimError where two arms
-    have no seed in common, and for a metric that no row has.
+    A rate or measure that no pair has on both sides is left out. Raises PhysimError where two arms
+    have no seed in common, for a metric of one's own that no row has, and for too many pairs.
     """
-    _check_own(pairs, own)
-    directions = {**DIRECTIONS, **own}
-    chosen = {name: directions[name] for name in names}
-    made = [_compared(a, b, common, chosen) for a, b, common in pairs]
-    tested = [f.p for comparison in made for f in comparison.findings if f.is_tested]
-    corrected = iter(holm(tested))
-    return [
-        replace(
-            one,
-            findings=tuple(
-                replace(f, corrected=next(corrected)) if f.is_tested else f for f in one.findings
-            ),
-        )
-        for one in made
-    ]
-
-
-def _check_own(pairs: Sequence[tuple[Arm, Arm, str]], own: Mapping[str, int]) -> None:
-    known = sorted({column for a, b, _ in pairs for arm in (a, b) for column in arm.outcomes.own})
-    for column in own:
-        if column not in known:
-            name, *names = (one.removeprefix(PREFIX) for one in (column, *known))
+    if len(arms) > MOST_PAIRS_OF_CELLS:
+        most = f"allowed: at most {MOST_PAIRS_OF_CELLS}"
+        raise PhysimError(f"there are {len(arms)} pairs of cells to compare; {most}")
+    known = sorted({column for a, b, _ in arms for arm in (a, b) for column in arm.outcomes.own})
+    for column in names:
+        if column.startswith(PREFIX) and column not in known:
+            name, *there = (one.removeprefix(PREFIX) for one in (column, *known))
             raise PhysimError(
-                f'no row has a metric "{name}"; rows have {", ".join(names) or "none"}; runs that '
+                f'no row has a metric "{name}"; rows have {", ".join(there) or "none"}; runs that '
                 "were made before it was installed have none"
             )
+    made = [_compared(*pair, names) for pair in arms]
+    corrected = iter(holm([f.p for one in made for f in one.findings if f.is_tested]))
+
+    def after_holm(found: Finding) -> Finding:
+        return replace(found, corrected=next(corrected)) if found.is_tested else found
+
+    return [replace(one, findings=tuple(map(after_holm, one.findings))) for one in made]
 
 
 def _compared(a: Arm, b: Arm, common: str, names: Mapping[str, int]) -> Comparison:
-    seeds_a, seeds_b = (arm.outcomes.seed[arm.cell.rows] for arm in (a, b))
-    both, at_a, at_b = np.intersect1d(seeds_a, seeds_b, assume_unique=True, return_indices=True)
+    seeds = [arm.outcomes.seed[arm.cell.rows] for arm in (a, b)]
+    both, *places = np.intersect1d(seeds[0], seeds[1], assume_unique=True, return_indices=True)
     if not len(both):
         raise PhysimError(f"{a.cell.name} and {b.cell.name}: have no seed in common")
-    rows = at_a + a.cell.start, at_b + b.cell.start
-    findings = list(_findings(a, b, rows, names))
-    return Comparison(
-        a, b, common, len(both), _seeds(np.setdiff1d(seeds_a, both)),
-        _seeds(np.setdiff1d(seeds_b, both)),
-        int(np.count_nonzero(a.outcomes.failed[rows[0]])),
-        int(np.count_nonzero(b.outcomes.failed[rows[1]])), tuple(findings), rows,
-    )  # fmt: skip
-
-
-def _findings(
-    a: Arm,
-    b: Arm,
-    rows: tuple[NDArray[np.int64], NDArray[np.int64]],
-    names: Mapping[str, int],
-) -> Iterator[Finding]:
-    for name, direction in names.items():
-        if name in RATES:
-            good_a = a.outcomes.successes(name)[rows[0]]
-            good_b = b.outcomes.successes(name)[rows[1]]
-            only_a = int(np.count_nonzero(good_a & ~good_b))
-            only_b = int(np.count_nonzero(good_b & ~good_a))
-            found = rate_difference(only_b, only_a, len(good_a))
-            yield Finding(
-                name, len(good_a), float(good_a.mean()), float(good_b.mean()), *found,
-                mcnemar(only_a, only_b), only_a, only_b,
-            )  # fmt: skip
-            continue
-        values_a, values_b = a.outcomes.column(name)[rows[0]], b.outcomes.column(name)[rows[1]]
-        known = ~(np.isnan(values_a) | np.isnan(values_b))
-        if not known.any():
-            continue
-        values_a, values_b = values_a[known], values_b[known]
-        difference = values_b - values_a
-        gain = difference * direction
-        yield Finding(
-            name, len(difference), float(np.median(values_a)), float(np.median(values_b)),
-            *median_difference(difference), sign_test(difference),
-            int(np.count_nonzero(gain < 0)), int(np.count_nonzero(gain > 0)), direction,
-        )  # fmt: skip
-
-
-def _arm(outcomes: Outcomes, cell: Cell, place: int) -> Arm:
-    return Arm(cell.names[place] or "as it is", outcomes, cell)
-
-
-def _key(cell: Cell, sole: Sequence[bool]) -> tuple[str, ...]:
-    return tuple(name for name, differs in zip(cell.names, sole, strict=True) if not differs)
-
-
-def _differing(cell: Cell, sole: Sequence[bool]) -> str:
-    return ", ".join(
-        name for name, differs in zip(cell.names, sole, strict=True) if differs and name
+    a, b = (
+        replace(arm, rows=place + arm.cell.start, alone=tuple(np.setdiff1d(mine, both).tolist()))
+        for arm, mine, place in zip((a, b), seeds, places, strict=True)
     )
+    valued = ((name, better, *pairs(a, b, name)) for name, better in names.items())
+    return Comparison(a, b, common, tuple(_finding(*each) for each in valued if len(each[-1])))
 
 
-def _common(names: tuple[str, ...]) -> str:
-    return ", ".join(name for name in names if name)
+def pairs(a: Arm, b: Arm, name: str) -> tuple[FloatArray, FloatArray]:
+    """A measure of both arms, pair by pair: pairs that have it on both sides."""
+    of_a, of_b = a.values(name), b.values(name)
+    known = ~(np.isnan(of_a) | np.isnan(of_b))
+    return of_a[known], of_b[known]
 
 
-def _list(outcomes: Outcomes) -> str:
-    names = [cell.name for cell in outcomes.cells]
-    return "; ".join(names[:3]) + (" ..." if len(names) > 3 else "")
+def _finding(name: str, better: int, a: FloatArray, b: FloatArray) -> Finding:
+    gain = (b - a) * better
+    only_a, only_b = int(np.count_nonzero(gain < 0)), int(np.count_nonzero(gain > 0))
+    if name in RATE_TITLES:
+        found, p = rate_difference(only_b, only_a, len(a)), mcnemar(only_a, only_b)
+        middle_a, middle_b = np.mean(a), np.mean(b)
+    else:
+        found, p = median_difference(b - a), sign_test(b - a)
+        middle_a, middle_b = np.median(a), np.median(b)
+    return Finding(name, len(a), float(middle_a), float(middle_b), *found, p, only_a, only_b)
 
 
-def _seeds(values: NDArray[np.int64]) -> tuple[int, ...]:
-    return tuple(int(value) for value in values)
+def _without(cell: Cell, places: Sequence[int]) -> tuple[str, ...]:
+    return tuple("" if k in places else name for k, name in enumerate(cell.names))
 
 
-def _not_too_many(pairs: list[tuple[Arm, Arm, str]]) -> list[tuple[Arm, Arm, str]]:
-    if len(pairs) > MOST_PAIRS_OF_CELLS:
-        raise PhysimError(
-            f"there are {len(pairs)} pairs of cells to compare; allowed: at most "
-            f"{MOST_PAIRS_OF_CELLS}"
-        )
-    return pairs
+def _together(names: Sequence[str]) -> str:
+    return ", ".join(filter(None, names))

@@ -12,6 +12,7 @@ from typing import Any, NamedTuple
 
 from physim._version import __version__
 from physim.analysis.metrics import DEFINITIONS, Figures, Metric, Moment
+from physim.analysis.metrics.distances import HORIZON, shortest_pair_collision_time
 from physim.campaigns import own_metrics
 from physim.campaigns.columns import COLUMNS, ERROR, Row
 from physim.campaigns.sources import changed_file, provide
@@ -155,6 +156,7 @@ def figures(record: Record) -> dict[str, Any]:
     def pair(of: Metric | Moment | None) -> str:
         return "" if of is None else ", ".join(names[i] for i in of.bodies)
 
+    meeting = shortest_pair_collision_time(record)
     severest, collision, least = run.metric("closing_speed"), run.collision_time, run.least
     return {
         **{name: _plain(found[name].value) for name in METRICS if name in found},
@@ -169,6 +171,11 @@ def figures(record: Record) -> dict[str, Any]:
         "least_distance_time": None if least is None else least.time,
         "shortest_collision_time_pair": pair(collision),
         "shortest_collision_time_time": None if collision is None else collision.time,
+        "shortest_pair_collision_time": None
+        if record.robots < 2
+        else HORIZON
+        if meeting is None
+        else meeting.value,
         "not_arrived": ", ".join(names[one.robot] for one in run.absent),
         "stood": ", ".join(names[one.robot] for one in run.absent if one.stands),
         "metrics": own_metrics.text_of(found),

@@ -40,7 +40,7 @@ def measures(text: str) -> dict[str, int]:
 
     Raises ValueError with those that there are.
     """
-    from physim.campaigns.compare import DIRECTIONS
+    from physim.campaigns.measures import DIRECTIONS
     from physim.campaigns.own_metrics import PREFIX
 
     found = {}
@@ -97,6 +97,7 @@ def measures(text: str) -> dict[str, int]:
 )
 @option("-o", "--output", type=PATH, metavar="FILE", help="write a page with all pairs as points")
 @option("--json", type=PATH, metavar="FILE", help="write all to FILE (-: standard output) as JSON")
+@flag("--explain", "tell how differences are estimated and tested")
 @flag("--force", "overwrite an existing FILE")
 @flag("--quiet", "print no table")  # fmt: skip
 def compare(options: Options) -> int:
@@ -123,10 +124,10 @@ def compare(options: Options) -> int:
       physim compare runs/before runs/after -o compared.html
       physim compare runs/study --by settings --only rate,time_to_finish --json -
     """
-    from physim.campaigns.compare import USUAL, by
+    from physim.campaigns.compare import by
     from physim.campaigns.compare import compare as compared
     from physim.campaigns.folder import Folder, label_of
-    from physim.campaigns.own_metrics import PREFIX
+    from physim.campaigns.measures import USUAL
     from physim.campaigns.unlike import with_unlike
 
     spare(options.json, *_folders(options), option="--json")
@@ -148,9 +149,7 @@ def compare(options: Options) -> int:
         name = f"{options.a}, by {options.by}"
     else:
         pairs, name = _two(options.a, options.b), f"{options.a} and {options.b}"
-    chosen = options.only or measures(",".join(USUAL))
-    own = {name: way for name, way in chosen.items() if name.startswith(PREFIX)}
-    found = compared(pairs, [*chosen], own)
+    found = compared(pairs, options.only or USUAL)
     if options.seeds is None and options.b is not None:
         found = with_unlike(found, Folder(options.a), Folder(options.b))
     _write_out(options, found, name)
@@ -160,8 +159,8 @@ def compare(options: Options) -> int:
 def _write_out(options: Options, found: list[Comparison], name: str) -> None:
     """Write page, JSON and table of what was found in the pairs called ``name``."""
     from physim.campaigns.own_metrics import PREFIX
-    from physim.campaigns.report.comparison_page import comparison_page
-    from physim.campaigns.report.comparison_text import comparison_text, comparison_values
+    from physim.campaigns.report.page import comparison_page
+    from physim.campaigns.report.text import comparison_text, comparison_values
 
     looked = options.seeds is None and any(map(_looked_at, _folders(options)))
     if options.output is not None:
@@ -171,7 +170,7 @@ def _write_out(options: Options, found: list[Comparison], name: str) -> None:
         write_json(options, json.dumps(values, indent=2, ensure_ascii=False, allow_nan=False))
     if options.quiet:
         return
-    sys.stdout.write(comparison_text(found, looked))
+    sys.stdout.write(comparison_text(found, looked, options.explain))
     known = {finding.name for one in found for finding in one.findings}
     for asked in [name for name in options.only or () if name not in known]:
         measure = escaped(asked.removeprefix(PREFIX))
@@ -253,7 +252,7 @@ def outcomes(folder: Path) -> Outcomes:
     from physim.campaigns.folder import Folder
     from physim.campaigns.outcomes import Outcomes
     from physim.campaigns.reading import read
-    from physim.campaigns.report.wording import missing_words
+    from physim.campaigns.report.text import missing_words
     from physim.cli.simulating import tell_notices
 
     found = Outcomes(read(folder))

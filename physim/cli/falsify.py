@@ -273,7 +273,7 @@ def _write(
 
 def _story(record: Record, options: Options) -> str:
     from physim.analysis.validation import is_warm, validate
-    from physim.campaigns.falsify.story import story
+    from physim.campaigns.falsify.results import story
     from physim.cli.warming import finish
 
     if not is_warm():

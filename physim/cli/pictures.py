@@ -242,7 +242,7 @@ def video(options: Options) -> int:
 
 def _check_kind(options: Options, output: Path) -> None:
     """Raise PhysimError where the file is of no kind there is, or of another than asked for."""
-    from physim.drawing.video.files import STILL, check_still, kind_of, named, rate
+    from physim.drawing.video.film import STILL, check_still, kind_of, named, rate
 
     suffix = output.suffix.lower()
     if options.at is None:

@@ -43,13 +43,14 @@ PAGE = "report.html"
     help="a class of yours that runs of DIR had, so that they can be run again for their pictures: "
     "code is only run when named (may be repeated)",
 )  # fmt: skip
+@flag("--explain", "tell which intervals these are, and when they hold")
 @flag("--force", "overwrite an existing FILE, or a DIR/report.html of another kind")
 @flag("--quiet", "print no table")  # fmt: skip
 def report(options: Options) -> int:
     """Report a campaign as a table and as one page of HTML: for each world, settings and
     controller how many runs were contact-free, finished, and both, with intervals; distances and
-    times; the ten worst runs, by the severity of their contacts, and runs that did not finish, with
-    pictures; runs that crashed.
+    times; the worst runs of each, by the severity of their contacts, and runs that did not finish,
+    with pictures; runs that crashed.
 
     intervals:
       Exact (Clopper-Pearson) for a campaign whose number of runs was fixed in advance; by a
@@ -69,9 +70,8 @@ def report(options: Options) -> int:
     from physim.campaigns.outcomes import Outcomes
     from physim.campaigns.reading import read
     from physim.campaigns.report.contents import report_of
-    from physim.campaigns.report.markup import is_ours
-    from physim.campaigns.report.page import report_page
-    from physim.campaigns.report.pictures import pictures, remake
+    from physim.campaigns.report.page import is_report, report_page
+    from physim.campaigns.report.pictures import pictures
     from physim.campaigns.report.text import report_text, report_values
     from physim.campaigns.until import read_until
 
@@ -89,23 +89,22 @@ def report(options: Options) -> int:
     asked = Folder(folder).asked()
     draws = {label_of(cell): cell["draws"] for cell in Folder(folder).cells()}
     check_regular(page)
-    if page.exists() and not is_ours(page):
+    if page.exists() and not is_report(page):
         new_file(page, options.force)
     until = read_until(folder)
     goal, first = (None, None) if until is None else (until.goal, until.first)
     found = report_of(Outcomes(read(folder)), str(folder), goal, first, asked, draws)
-    own = options.controllers
     with interrupts() as interrupt, Bar("pictures", 1.0, "runs", options.quiet) as bar:
         shown = pictures(
-            found, folder, page, lambda row: remake(folder, row, own), videos=options.videos,
-            pages=options.pages, stills=not options.no_pictures, progress=bar.count, stop=interrupt,
+            found, folder, page, options.controllers, videos=options.videos, pages=options.pages,
+            stills=not options.no_pictures, progress=bar.count, stop=interrupt,
         )  # fmt: skip
         write_text(page, report_page(found, shown))
         if options.json is not None:
             values = json.dumps(report_values(found), indent=2, ensure_ascii=False, allow_nan=False)
             write_json(options, values)
         if not options.quiet:
-            sys.stdout.write(report_text(found, [one.command for one in shown]))
+            sys.stdout.write(report_text(found, options.explain))
         if options.json != STDOUT or not options.quiet:
             sys.stdout.write(f"written to {page}\n")
         return INTERRUPTED if interrupt() else 0

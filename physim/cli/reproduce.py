@@ -19,8 +19,8 @@ from physim.cli.values import PATH, whole_from
 from physim.errors import PhysimError, plural
 
 if TYPE_CHECKING:
-    from physim.reproduction.plan import Plan
-    from physim.reproduction.report import Report
+    from physim.reproduction.model import Report
+    from physim.reproduction.run import Plan
 
 COMPILING = 30
 """[s] about, for all that its jobs need"""
@@ -78,14 +78,12 @@ def reproduce(options: Options) -> int:
     if options.figure is not None and options.study is not None:
         raise PhysimError("--study: cannot be combined with --figure")
     from physim.campaigns.runner import worker_count
-    from physim.cli.simulating import tell_notices
-    from physim.reproduction.plan import make_plan
-    from physim.reproduction.reproduce import PAGES, pages
-    from physim.reproduction.reproduce import reproduce as run_all
+    from physim.reproduction.page import PAGES, pages
+    from physim.reproduction.run import make_plan
+    from physim.reproduction.run import reproduce as run_all
 
     plan = make_plan(options.figure, options.study, options.quick, not options.no_video)
     with _new_results(options.output, plan, options.force) as new:
-        tell_notices(plan.notices())
         with interrupts() as interrupt:
             _warm_up(plan, options.quiet)
             with Bar("reproduce", 1.0, "jobs", options.quiet) as bar:
@@ -110,8 +108,8 @@ def _new_results(folder: Path, plan: Plan, force: bool) -> Iterator[Path]:
     another reproduction is writing there.
     """
     from physim.record.lock import WriteLock, check_unwritten
-    from physim.reproduction.plan import PICTURES
-    from physim.reproduction.reproduce import JSON, PAGES
+    from physim.reproduction.page import JSON, PAGES
+    from physim.reproduction.run import PICTURES
 
     check_unwritten(folder / JSON)
     empty_folder(folder, force, *(folder / name for name in (PICTURES, *plan.worlds, *PAGES)))
@@ -147,7 +145,7 @@ def _put(new: Path, folder: Path, interrupted: bool) -> Path:
 
     Returns where they are then.
     """
-    from physim.reproduction.plan import PICTURES
+    from physim.reproduction.run import PICTURES
 
     if new == folder:
         return folder
@@ -167,7 +165,7 @@ def _put(new: Path, folder: Path, interrupted: bool) -> Path:
 
 def _warm_up(plan: Plan, quiet: bool) -> None:
     """Compile the kernels once, before workers would each do so."""
-    from physim.reproduction.reproduce import is_warm, warm_up
+    from physim.reproduction.run import is_warm, warm_up
 
     cold = not is_warm()
     if cold:
@@ -188,7 +186,7 @@ def _command(options: Options) -> str:
 
 def _verdicts(report: Report) -> str:
     """A line for every claim that is not met, and the count of all."""
-    from physim.reproduction.study import Outcome
+    from physim.reproduction.model import Outcome
 
     lines = []
     for section in report.sections:

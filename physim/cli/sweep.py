@@ -136,7 +136,7 @@ def _tell(
     """Print what came of it: counts of each cell, and the runs to look at."""
     from physim.campaigns.outcomes import Outcomes
     from physim.campaigns.reading import read
-    from physim.campaigns.report.sweep_text import sweep_text, sweep_values
+    from physim.campaigns.report.swept import sweep_text, sweep_values
 
     draws, found = {cell.label: cell.draws for cell in grid.cells}, Outcomes(read(folder))
     if options.json:
@@ -160,7 +160,8 @@ def _check_goal(options: Options) -> None:
 
 def _decided(one: Decision, goal: Goal) -> str:
     """What came of the goal in a cell."""
-    from physim.campaigns.report.wording import decision_words, interval
+    from physim.campaigns.report.text import decision_words
+    from physim.units import interval
 
     text = f"{decision_words(one, goal)}, {goal.rate} in {interval(one.low, one.high)} at any look"
     return text if one.decided else f"{text}; more --seeds may decide it"

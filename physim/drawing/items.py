@@ -60,15 +60,15 @@ def items(scene: SceneModel) -> list[Item]:
     A path of one robot has that robot's colour, dashed outside of the safe area. Paths that
     robots share, and paths, stops and robots of a crowd, have one colour for all, each path once.
     """
-    found = [Item(one.name, one.rings, one.key, 0.0, Level.AREA) for one in scene.areas]
-    if scene.solid_rings:
-        found.append(Item("obstacle", scene.solid_rings, "obstacle", 0.0, Level.SOLID))
-    found.append(Item("reference path", (scene.reference,), "reference", 2.0, Level.REFERENCE))
-    found += _paths(scene)
-    if scene.solid_rings:
-        edges = [closed(ring) for ring in scene.solid_rings]
-        found.append(Item("obstacle", edges, "wall", 1.0, Level.WALL))
-    found.append(Item("boundary", scene.boundaries, "wall", 3.0, Level.WALL))
+    edges = [closed(ring) for ring in scene.solid_rings]
+    found = [
+        *(Item(one.name, one.rings, one.key, 0.0, Level.AREA) for one in scene.areas),
+        Item("obstacle", scene.solid_rings, "obstacle", 0.0, Level.SOLID),
+        Item("reference path", (scene.reference,), "reference", 2.0, Level.REFERENCE),
+        *_paths(scene),
+        Item("obstacle", edges, "wall", 1.0, Level.WALL),
+        Item("boundary", scene.boundaries, "wall", 3.0, Level.WALL),
+    ]
     stops, known = scene.stops, bool(np.isfinite(scene.start).all())
     for robots, key in _together(scene):
         places = [stops[i][None] for i in robots]
@@ -80,7 +80,7 @@ def items(scene: SceneModel) -> list[Item]:
             marks = [placed(scene.shapes[i].mark, scene.start[i]) for i in robots]
             found.append(Item("robot", bodies, key, 0.0, Level.ROBOT, robots=robots))
             found.append(Item("heading", marks, "paper", 0.0, Level.ROBOT, robots=robots))
-    return found
+    return [item for item in found if item.lines]
 
 
 def _together(scene: SceneModel) -> list[tuple[tuple[int, ...], str | int]]:
@@ -102,6 +102,5 @@ def _paths(scene: SceneModel) -> list[Item]:
         key: str | int = robots[0] if len(robots) == 1 else "band"
         for k, dash in ((0, None), (1, DASH)):
             lines = [line for one in each for line in scene.path_pieces[one[0]][k]]
-            if lines:
-                found.append(Item("path", lines, key, 1.0, Level.PATH, dash, robots))
+            found.append(Item("path", lines, key, 1.0, Level.PATH, dash, robots))
     return found

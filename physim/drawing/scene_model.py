@@ -17,7 +17,6 @@ import numpy as np
 import shapely
 
 from physim.drawing.palette import UNDECIDED, Colour, keyed, rgb, robot_colour
-from physim.drawing.split_line import split_at
 from physim.geometry.area import united
 from physim.geometry.polygon import convex_parts
 from physim.geometry.shapes import FloatArray, Polylines, Shapes
@@ -183,16 +182,6 @@ class SceneModel:
         return tuple(each[key] for key in keys)
 
     @cached_property
-    def accessible_area(self) -> shapely.Geometry:
-        """Inside of the accessible rings."""
-        return region(self.accessible)
-
-    @cached_property
-    def safe_area(self) -> shapely.Geometry:
-        """Inside of the safe rings."""
-        return region(self.safe)
-
-    @cached_property
     def areas(self) -> tuple[Area, ...]:
         """Areas that there are, in the order of drawing: one, or danger and in it safe area."""
         if self.safe_distance <= 0.0:
@@ -212,8 +201,9 @@ class SceneModel:
         """Own path of each robot in lines (n, 2): in the safe area (all if L = 0), and the rest."""
         if self.safe_distance <= 0.0:
             return tuple(([path], []) for path in self.paths)
+        nearly = region(self.safe).buffer(HAIR * self.safe_distance)
         each = {path.tobytes(): path for path in self.paths}  # robots may share one
-        pieces = {key: split_at(path, self._nearly_safe) for key, path in each.items()}
+        pieces = {key: split_at(path, nearly) for key, path in each.items()}
         return tuple(pieces[path.tobytes()] for path in self.paths)
 
     @property
@@ -234,12 +224,6 @@ class SceneModel:
         lines = [*self.boundaries, *self.obstacles, *self.paths, self.reference, *self.accessible]
         points = np.concatenate((*lines, *self.starting))
         return np.nanmin(points, axis=0), np.nanmax(points, axis=0)
-
-    @cached_property
-    def _nearly_safe(self) -> shapely.Geometry:
-        grown = self.safe_area.buffer(HAIR * self.safe_distance)
-        shapely.prepare(grown)
-        return grown
 
 
 def placed(points: FloatArray, pose: FloatArray) -> FloatArray:
@@ -281,21 +265,17 @@ def union(parts: Sequence[FloatArray]) -> shapely.Geometry:
     return shapely.buffer(whole, -SEAM, join_style="mitre")
 
 
-def polygons_of(area: shapely.Geometry) -> list[shapely.Polygon]:
-    """Polygons that an area consists of."""
-    parts = shapely.get_parts(area)
-    return [part for part in parts if part.geom_type == "Polygon" and not part.is_empty]
-
-
 def largest(area: shapely.Geometry) -> shapely.Polygon:
     """Largest polygon of an area."""
-    return max(polygons_of(area), key=lambda polygon: float(polygon.area))
+    polygons = [part for part in shapely.get_parts(area) if part.geom_type == "Polygon"]
+    return max(polygons, key=lambda polygon: float(polygon.area))
 
 
 def rings_of(area: shapely.Geometry) -> list[FloatArray]:
     """Outlines and holes (n, 2) of an area; an outline and its holes go in opposite senses."""
-    rings = [ring for part in polygons_of(area) for ring in (part.exterior, *part.interiors)]
-    return [shapely.get_coordinates(ring)[:-1] for ring in rings]
+    parts = [part for part in shapely.get_parts(area) if part.geom_type == "Polygon"]
+    rings = [ring for part in parts for ring in (part.exterior, *part.interiors)]
+    return [shapely.get_coordinates(ring)[:-1] for ring in rings if not ring.is_empty]
 
 
 def pieces_of(lines: Iterable[FloatArray]) -> FloatArray:
@@ -324,6 +304,40 @@ def region(rings: Iterable[FloatArray]) -> shapely.Geometry:
         parts = [*shapely.symmetric_difference(parts[: len(parts) - len(last) : 2], parts[1::2])]
         parts += last
     return parts[0] if parts else shapely.Polygon()
+
+
+def split_at(line: FloatArray, area: shapely.Geometry) -> tuple[list[FloatArray], list[FloatArray]]:
+    """Pieces (n, 2) of a line (m, 2) inside of an area, and outside, each as long as it goes.
+
+    Straight piece by straight piece: of a line as a whole shapely works out every crossing with
+    itself, of which a drawing by a stranger may have thousands of millions.
+    """
+    pieces = np.stack((line[:-1], line[1:]), axis=1)
+    pieces = pieces[(pieces[:, 0] != pieces[:, 1]).any(axis=1)]
+    lines = shapely.linestrings(pieces)
+    shapely.prepare(area)
+    inside, outside = shapely.covers(area, lines), shapely.disjoint(area, lines)
+    across = np.flatnonzero(~inside & ~outside)
+    found = []
+    for whole, cut in ((inside, shapely.intersection), (outside, shapely.difference)):
+        parts, index = shapely.get_parts(cut(lines[across], area), return_index=True)
+        long = shapely.length(parts) > 0.0
+        parts, which = parts[long], across[index[long]]
+        two = [shapely.get_coordinates(shapely.get_point(parts, k)) for k in (0, -1)]
+        ends = np.stack(two, axis=1)
+        along = pieces[which, 1] - pieces[which, 0]
+        far = ((ends - pieces[which, :1]) * along[:, None]).sum(axis=2)
+        back = far[:, 0] > far[:, 1]
+        ends[back] = ends[back, ::-1]
+        # whole pieces and parts of others in the order of the line, joined where one begins as
+        # the one before ends
+        which = np.concatenate((np.flatnonzero(whole), which))
+        before = np.concatenate((np.zeros(whole.sum()), far.min(axis=1)))
+        every = np.concatenate((pieces[whole], ends))[np.lexsort((before, which))]
+        apart = (every[1:, 0] != every[:-1, 1]).any(axis=1)
+        runs = np.split(every, np.flatnonzero(apart) + 1)
+        found.append([np.concatenate((run[:, 0], run[-1:, 1])) for run in runs if len(run)])
+    return found[0], found[1]
 
 
 def _bodies(shapes: Shapes) -> tuple[tuple[FloatArray, ...], ...]:

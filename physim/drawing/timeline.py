@@ -10,14 +10,15 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from physim.analysis.metrics import Episode, Graze, contact_episodes, deep_contacts, grazes
-from physim.analysis.metrics.motion import sampled_errors
+from physim.analysis.metrics import Episode, Figures, Graze
 from physim.contacts import Phase
 from physim.drawing.crowd import NAMED
 from physim.drawing.palette import BAND, INK, Colour
 from physim.drawing.scene_model import SceneModel
 from physim.errors import RecordError
+from physim.geometry.clearance import ClearanceFinder
 from physim.geometry.shapes import FloatArray, IntArray
+from physim.geometry.wall_grid import build_wall_grid
 from physim.parts.declarations import NO_NUMBER
 from physim.record import check_record
 
@@ -31,8 +32,10 @@ NO_ROW = -1
 COARSE = 0.1
 """[s] between two samples from which on a picture shows the sample before, and that sample's time:
 the clock has so many seconds, and all of a picture is of one moment"""
-COLUMNS = ("target_x", "target_y")
-"""Columns of the decisions that pictures show."""
+REACH, CELL = 10.0, 2.0
+"""[m] of the look-up of walls: a matter of speed, not of values"""
+MOST_POSES = 100_000
+"""whose distances are worked out in one go"""
 
 
 class Moment(NamedTuple):
@@ -116,9 +119,10 @@ class Timeline:
         self._mode = np.append(record.updates["mode"].astype(np.int64), NO_NUMBER)
         known = len(self.scene.modes)
         self._colours = [self.scene.mode_colour(mode) for mode in (*range(known), NO_NUMBER)]
-        self._values = {
-            name: np.append(record.column(name, absent=np.nan), np.nan) for name in COLUMNS
-        }
+        targets = [record.column(name, absent=np.nan) for name in ("target_x", "target_y")]
+        self._targets = np.append(np.column_stack(targets), [[np.nan, np.nan]], axis=0)
+        self.aims = bool(np.isfinite(self._targets).all(axis=1).any())
+        """Whether any decision has a target."""
         self._arrived = np.where(record.arrived >= 0, record.arrived * record.dt, np.inf)
         self.contacts = episodes(record)
         self.modeless = len(self._rows) > 1 and bool((self._mode == NO_NUMBER).all())
@@ -135,9 +139,8 @@ class Timeline:
         if self.modeless:
             alike = self.robots > NAMED
             colours = [BAND] * self.robots if alike else list(self.scene.colours)
-        targets = np.column_stack((self.values("target_x", rows), self.values("target_y", rows)))
         pose = np.asarray(self.record.pose[sample], dtype=np.float64)
-        return Moment(time, sample, pose, rows, modes, colours, targets)
+        return Moment(time, sample, pose, rows, modes, colours, self._targets[rows])
 
     def sample(self, time: Any) -> Any:
         """Return the index of the sample nearest to ``time`` (of two, the earlier)."""
@@ -168,10 +171,6 @@ class Timeline:
         """Return the modes of decisions ``rows``; -1 where there is none."""
         return np.asarray(self._mode[rows])
 
-    def values(self, column: str, rows: IntArray) -> FloatArray:
-        """Return a column, one of `COLUMNS`, of decisions ``rows``; NaN where there is none."""
-        return np.asarray(self._values[column][rows])
-
     @cached_property
     def explained_modes(self) -> list[int]:
         """Numbers of the modes to explain: all that are declared, if any was ever given."""
@@ -187,19 +186,39 @@ class Timeline:
         """Return how many robots have arrived at ``time``, judged by their motion."""
         return int((self._arrived <= time + 1e-9).sum())
 
-    def has(self, *columns: str) -> bool:
-        """Whether any decision has finite values in all these columns."""
-        values = np.array([self._values[column] for column in columns])
-        return bool(np.isfinite(values).all(axis=0).any())
-
     @cached_property
     def curves(self) -> Curves:
         """What to show over time: formation errors, in a run without formation deviations."""
-        errors, lines = sampled_errors(self.record), (self.record.names, self.scene.colours)
+        errors = Figures(self.record).formation_errors
+        lines = self.record.names, self.scene.colours
         if errors is not None:
             return Curves("formation error [m]", "formation_error", errors, *lines)
         title = "deviation left of the path [m]"
         return Curves(title, "deviation", self.record.course[:, :, 1], *lines)
+
+    def distances_at(self, samples: IntArray) -> tuple[FloatArray, FloatArray]:
+        """Return the distances (M, N) [m] to robots and to walls at M samples, given by index.
+
+        Negative: depth. A record of every step has them. Those of one with fewer samples are the
+        least since the sample before, which is another moment: they are worked out from the poses.
+        """
+        record = self.record
+        if record.record_every == 1:
+            return record.clearance[samples], record.boundary_clearance[samples]
+        block = max(1, MOST_POSES // self.robots)
+        found = [
+            self._finder.find(record.pose[samples[first : first + block]])
+            for first in range(0, len(samples), block)
+        ]
+        return (
+            np.concatenate([one.clearance for one in found]),
+            np.concatenate([one.boundary_clearance for one in found]),
+        )
+
+    @cached_property
+    def _finder(self) -> ClearanceFinder:
+        walls = self.record.walls
+        return ClearanceFinder(self.record.shapes, walls, build_wall_grid(walls, REACH, CELL))
 
     @cached_property
     def distances(self) -> Curves:
@@ -209,12 +228,10 @@ class Timeline:
             "robots": (record.clearance.min(axis=1), INK),
             "walls": (record.boundary_clearance.min(axis=1), BAND),
         }
-        known = {name: line for name, line in least.items() if np.isfinite(line[0]).any()}
-        values = (
-            np.array([line for line, _ in known.values()]).reshape(len(known), len(self.time)).T
-        )
-        colours = [colour for _, colour in known.values()]
-        return Curves("least distance [m]", "distance", values, list(known), colours)
+        names = [name for name, (line, _) in least.items() if np.isfinite(line).any()]
+        values = np.array([least[name][0] for name in names]).reshape(len(names), len(self.time)).T
+        colours = [least[name][1] for name in names]
+        return Curves("least distance [m]", "distance", values, names, colours)
 
 
 @dataclass(frozen=True)
@@ -284,7 +301,8 @@ class Episodes:
 
 def episodes(record: Record) -> Episodes:
     """Contact episodes and swept contacts of a record, with the places of their contacts."""
-    found: list[Episode | Graze] = [*contact_episodes(record), *grazes(record)]
+    run = Figures(record)
+    found: list[Episode | Graze] = [*run.episodes, *run.grazes]
     found.sort(key=lambda one: (one.step, one.a, one.b))
     swept = [isinstance(one, Graze) for one in found]
     columns = [(e.a, e.b, e.step, 1 if isinstance(e, Graze) else e.samples) for e in found]
@@ -296,17 +314,21 @@ def episodes(record: Record) -> Episodes:
     row = {key: k for k, key in enumerate(table[["a", "b", "step"]].tolist())}
     first = np.array([row[key[:3]] for key in columns], dtype=np.int64)
     deep = np.full(len(columns), np.inf)
-    for one in deep_contacts(record):
+    for one in run.deep:
         for k in np.flatnonzero((a == one.a) & (b == one.b)).tolist():
             mine = table[first[k] : first[k] + samples[k]]
             beyond = mine["step"][mine["depth"] > one.allowed]
             deep[k] = beyond[0] * record.dt if len(beyond) else np.inf
     began = np.asarray(step * record.dt, dtype=np.float64)
     ended = np.asarray((step + samples) * record.dt, dtype=np.float64)
+    order = np.lexsort((began, b, a))
+    again = (a[order[1:]] == a[order[:-1]]) & (b[order[1:]] == b[order[:-1]])
+    apart = np.full(len(found), np.inf)
+    apart[order[1:]] = np.where(again, began[order[1:]] - ended[order[:-1]], np.inf)
     return Episodes(
         began=began,
         ended=ended,
-        apart=_apart(np.column_stack((a, b)), began, ended),
+        apart=apart,
         bodies=np.column_stack((a, b)),
         swept=np.array(swept, dtype=bool),
         deep=deep,
@@ -315,12 +337,3 @@ def episodes(record: Record) -> Episodes:
         times=np.asarray(table["step"] * record.dt, dtype=np.float64),
         places=np.column_stack((table["x"], table["y"])).astype(np.float64),
     )
-
-
-def _apart(bodies: IntArray, began: FloatArray, ended: FloatArray) -> FloatArray:
-    """How long [s] each pair was apart before it touched (C,); inf where it had not before."""
-    order = np.lexsort((began, bodies[:, 1], bodies[:, 0]))
-    again = (bodies[order[1:]] == bodies[order[:-1]]).all(axis=1)
-    found = np.full(len(order), np.inf)
-    found[order[1:]] = np.where(again, began[order[1:]] - ended[order[:-1]], np.inf)
-    return found

@@ -1,7 +1,7 @@
-"""The report as a page: Markdown (the dialect of GitHub), and HTML made from it.
+"""The pages: `content` of a report, as Markdown (the dialect of GitHub) and as HTML.
 
-Verdicts first, then every figure and study. Every name is written so that it is only a name:
-nothing in it is read as markup. The HTML needs nothing beside it but videos and pages of runs.
+Verdicts first, then every figure and study. The HTML needs nothing beside it but videos and pages
+of runs.
 """
 
 from __future__ import annotations
@@ -9,36 +9,154 @@ from __future__ import annotations
 import base64
 import re
 from collections.abc import Iterator, Sequence
-from itertools import pairwise
 from pathlib import Path
-from urllib.parse import quote, unquote
+from typing import NamedTuple
+from urllib.parse import quote
 
-from markdown_it import MarkdownIt
-from markdown_it.common.utils import escapeHtml
-from markdown_it.renderer import RendererHTML
-from markdown_it.token import Token
-from markdown_it.utils import EnvType, OptionsDict
-
+from physim import html as markup
 from physim.drawing.page.colours import styles
 from physim.errors import plural
 from physim.escaping import escaped
-from physim.reproduction.plan import SEEDS
-from physim.reproduction.report import Report, Section
-from physim.reproduction.study import Outcome, Verdict
+from physim.html import Html, tag
+from physim.reproduction.model import Outcome, Part, Report, Section, Verdict
 
 TITLE = "The paper, reproduced"
+MARKDOWN, HTML, JSON = "REPRODUCTION.md", "reproduction.html", "reproduction.json"
+PAGES = (MARKDOWN, HTML, JSON)
 SPECIAL = re.compile(r"[\\`*_{}\[\]<>#|~$&]")
 """Characters that have a meaning in Markdown wherever they stand."""
-FIRST = re.compile(r"^\s*(\d*)([-+=.)])")
-"""What makes a list or a rule where it stands first."""
+WIDE = 1000
+"""[px] Wider pictures (maps) have a line for themselves."""
 
 
-def markdown(report: Report) -> str:
-    """Text of the page."""
-    blocks = [f"# {TITLE}", *_opening(report), *_overview(report)]
+class Words(NamedTuple):
+    """A part of a line that is not plain text."""
+
+    kind: str
+    """code, strong, or link"""
+    text: str
+    goal: str = ""
+    """of a link: title of a section"""
+
+
+Line = Sequence[str | Words]
+
+
+class Block(NamedTuple):
+    """A part of the page."""
+
+    kind: str
+    """h1, h2, h3, p, table, picture, run, commands"""
+    lines: Sequence[Line] = ()
+    """one; of commands several"""
+    rows: Sequence[Sequence[Line]] = ()
+    """of a table, its head first"""
+    file: str = ""
+    """of a picture or a run, relative to the page"""
+
+
+def _text(kind: str, *words: str | Words) -> Block:
+    return Block(kind, [words])
+
+
+def content(report: Report) -> Iterator[Block]:
+    """What the page says."""
+    physim = Words("code", "physim")
+    yield _text("h1", TITLE)
+    yield _text(
+        "p", "What the paper reports, beside what ", physim, f" {report.physim} measures: "
+        "every number and every verdict on this page was computed by ",
+        Words("code", report.command), ".",
+    )  # fmt: skip
+    if report.seeds < Part.seeds:
+        yield _text(
+            "p", Words("strong", "Preliminary."), " Verdicts rest on at most "
+            f"{plural(report.seeds, 'seed')} of each world; the whole page, without ",
+            Words("code", "--quick"), f", takes up to {Part.seeds} and may come to others.",
+        )  # fmt: skip
+    if report.interrupted:
+        yield _text("p", "It was interrupted: this page holds only what was done by then.")
+    rows = report.rows
+    if rows:
+        yield _text("p", f"{plural(len(rows), 'claim')}: ", *_counts(rows), ".")
+        differing: list[tuple[Line, ...]] = [
+            ([_claim(row)], [Words("link", section.short, section.title)], *_cells(row, True))
+            for section in report.sections
+            for row in section.rows
+            if row.outcome is not Outcome.MET
+        ]
+        if differing:
+            yield _text("h3", "Where we differ from the paper")
+            head = ("claim", "where", "reported", "measured", "verdict")
+            yield Block("table", rows=[[[name] for name in head], *differing])
+    yield _text("h2", "How to read it")
+    yield _text(
+        "p", "The paper aims at path following, formation control and collision avoidance that let "
+        "several robots move together through confined space, decentralised and cooperative; its "
+        "funding note is NSFC 62203133. Only its text, with the numbers of equations and figures, "
+        "is available to us; its title, its authors and its printed formulas are not, and the "
+        "formulas are restored from the text.",
+    )  # fmt: skip
+    yield _text(
+        "p", "The paper's waypoints, robot shapes and thresholds are unknown; worlds, footprints "
+        "and settings are ours, tuned so that the reported figures come out in the same range. A "
+        "measured figure is that of one run, the one in the pictures; beside it stand the median "
+        f"and, in parentheses, the range over other random headings (seeds 0 to {report.seeds - 1})"
+        " and the number of these runs that meet the claim. A claim is met when the run in the "
+        "pictures and nine tenths of the others meet it (all of them, where the paper says always "
+        "or never), partly met when only one of the two does or a weaker form of it holds. Claims "
+        "about avoidance are also tested on the same runs without it; one that holds there, too, "
+        "is marked as such: it is no evidence for avoidance.",
+    )  # fmt: skip
+    yield _text(
+        "p", "Two of our rules depart from the paper's: in a formation the speed pair of (5) is a "
+        "choice of omega alone, as (7) gives the forward speed; and in (11) boundaries count "
+        "within the sensing range only, so that a robot on its way into one beyond reports no "
+        "collision time. The modules of the controller list these and smaller departures.",
+    )  # fmt: skip
     for section in report.sections:
-        blocks += _section(section)
-    return "\n\n".join(blocks) + "\n"
+        yield from _section(section)
+
+
+def _counts(rows: Sequence[Verdict]) -> Iterator[str | Words]:
+    for k, one in enumerate(Outcome):
+        yield ", " if k else ""
+        yield Words("strong", one)
+        yield f" {sum(row.outcome is one for row in rows)}"
+
+
+def _section(section: Section) -> Iterator[Block]:
+    yield _text("h2", section.title)
+    for text in filter(None, (section.about, section.missing)):
+        yield _text("p", text)
+    if section.rows:
+        head = (
+            "claim", "reported", "measured", "median (range) over seeds", "met in",
+            "met without avoidance in", "verdict",
+        )  # fmt: skip
+        lines = [([_claim(row)], *_cells(row)) for row in section.rows]
+        kept = [k for k in range(len(head)) if any(line[k][0] for line in lines)]
+        table = [[[name] for name in head], *lines]
+        yield Block("table", rows=[[line[k] for k in kept] for line in table])
+    for file, caption in zip(section.pictures, section.captions, strict=True):
+        yield Block("picture", [[caption]], file=file)
+    for file in section.films:
+        words = "The run in the browser" if file.endswith(".html") else "Video of the run"
+        yield Block("run", [[words]], file=file)
+    if section.commands:
+        yield Block("commands", [[line] for line in section.commands])
+
+
+def _claim(row: Verdict) -> str:
+    end = "" if row.claim.endswith(".") else "."
+    return f"{row.claim}{end} {row.remark}" if row.remark else row.claim
+
+
+def _cells(row: Verdict, short: bool = False) -> tuple[Line, ...]:
+    """A verdict but for its claim; empty cells are those that a section may leave out."""
+    over_seeds = () if short else (row.spread, row.met, row.without)
+    texts = (row.reported, row.measured, *over_seeds)
+    return (*([text] for text in texts), [Words("strong", row.outcome)])
 
 
 def anchor_of(title: str) -> str:
@@ -47,220 +165,89 @@ def anchor_of(title: str) -> str:
     return "".join(kept).lower().replace(" ", "-")
 
 
-def _opening(report: Report) -> Iterator[str]:
-    yield (
-        f"What the paper reports, beside what {_code('physim')} {_plain(report.physim)} measures: "
-        "every number and every verdict on this page was computed by "
-        f"{_code(report.command)}."
-    )
-    if report.seeds < SEEDS:
-        yield (
-            f"**Preliminary.** Verdicts rest on at most {plural(report.seeds, 'seed')} of each "
-            f"world; the whole page, without {_code('--quick')}, takes up to {SEEDS} and may come "
-            "to others."
-        )
-    if report.interrupted:
-        yield "It was interrupted: this page holds only what was done by then."
-    yield (
-        "The paper aims at path following, formation control and collision avoidance that let "
-        "several robots move together through confined space, decentralised and cooperative; its "
-        "funding note is NSFC 62203133. Only its text, with the numbers of equations and figures, "
-        "is available to us; its title, its authors and its printed formulas are not, and the "
-        "formulas are restored from the text."
-    )
-    yield (
-        "The paper's waypoints, robot shapes and thresholds are unknown; worlds, footprints and "
-        "settings are ours, tuned so that the reported figures come out in the same range. A "
-        "measured figure is that of one run, the one in the pictures; beside it stand the median "
-        f"and, in parentheses, the range over other random headings (seeds 0 to {report.seeds - 1})"
-        " and the number of these runs that meet the claim. A claim is met when the run in the "
-        "pictures and nine tenths of the others meet it (all of them, where the paper says always "
-        "or never), partly met when only one of the two does or a weaker form of it holds. Claims "
-        "about avoidance are also tested on the same runs without it; one that holds there, too, "
-        "is marked as such: it is no evidence for avoidance."
-    )
-    yield (
-        "Two of our rules depart from the paper's: in a formation the speed pair of (5) is a "
-        "choice of omega alone, as (7) gives the forward speed; and in (11) boundaries count "
-        "within the sensing range only, so that a robot on its way into one beyond reports no"
-        " collision time. The modules of the controller list these and smaller departures."
-    )
-    yield (
-        "Deviations and formation errors in the tables are those at the decisions of the robots, "
-        f"which are up to 0.2 s apart; {_code('physim summary')} takes them at every sample."
-    )
+def markdown(report: Report) -> str:
+    """The page in the dialect of GitHub."""
+    return "\n\n".join(map(_marked, content(report))) + "\n"
 
 
-def _overview(report: Report) -> Iterator[str]:
-    rows = report.rows
-    if not rows:
-        return
-    count = (f"**{one}** {sum(row.outcome is one for row in rows)}" for one in Outcome)
-    yield f"{plural(len(rows), 'claim')}: {', '.join(count)}."
-    differing = [
-        (
-            _claim(row),
-            f"[{_plain(section.short)}](#{anchor_of(section.title)})",
-            _plain(row.reported), _plain(row.measured), f"**{row.outcome}**",
-        )
-        for section in report.sections
-        for row in section.rows
-        if row.outcome is not Outcome.MET
-    ]  # fmt: skip
-    if differing:
-        yield "### Where we differ from the paper"
-        yield _table(("claim", "where", "reported", "measured", "verdict"), differing)
+def _marked(block: Block) -> str:
+    lines = [_inline(line) for line in block.lines]
+    match block.kind:
+        case "p":
+            return lines[0]
+        case "table":
+            head, *rows = ([_inline(cell) for cell in row] for row in block.rows)
+            table = (head, ["---"] * len(head), *rows)
+            return "\n".join(f"| {' | '.join(cells)} |" for cells in table)
+        case "picture":
+            return f"![{lines[0]}]({quote(block.file)})"
+        case "run":
+            return f"[{lines[0]}]({quote(block.file)})"
+        case "commands":
+            return "\n".join(("```sh", *(escaped(str(line[0])) for line in block.lines), "```"))
+    return f"{'#' * int(block.kind[1])} {lines[0]}"
 
 
-def _section(section: Section) -> Iterator[str]:
-    yield f"## {_plain(section.title)}"
-    for text in (section.about, section.missing):
-        if text:
-            yield FIRST.sub(r"\1\\\2", _plain(text))
-    if section.rows:
-        yield _verdicts(section.rows)
-    for file, caption in zip(section.pictures, section.captions, strict=True):
-        yield f"![{_plain(caption)}]({quote(file)})"
-    for file in section.films:
-        words = "The run in the browser" if file.endswith(".html") else "Video of the run"
-        yield f"[{words}]({quote(file)})"
-    if section.commands:
-        lines = "\n".join(_one_line(line) for line in section.commands)
-        fence = _fence(lines, 3)
-        yield f"{fence}sh\n{lines}\n{fence}"
+def _inline(line: Line) -> str:
+    def part(words: str | Words) -> str:
+        if isinstance(words, str):
+            return SPECIAL.sub(r"\\\g<0>", escaped(words))
+        if words.kind == "code":
+            return f"`{escaped(words.text)}`"
+        text = part(words.text)
+        return f"[{text}](#{anchor_of(words.goal)})" if words.goal else f"**{text}**"
+
+    return "".join(map(part, line))
 
 
-def _verdicts(rows: Sequence[Verdict]) -> str:
-    """Table of a section: columns that all rows leave empty are left out."""
-    columns = {
-        "claim": [_claim(row) for row in rows],
-        "reported": [_plain(row.reported) for row in rows],
-        "measured": [_plain(row.measured) for row in rows],
-        "median (range) over seeds": [_plain(row.spread) for row in rows],
-        "met in": [_plain(row.met) for row in rows],
-        "met without avoidance in": [_plain(row.without) for row in rows],
-        "verdict": [f"**{row.outcome}**" for row in rows],
-    }
-    kept = {name: cells for name, cells in columns.items() if any(cells)}
-    return _table(tuple(kept), list(zip(*kept.values(), strict=True)))
+def html(report: Report, folder: Path) -> str:
+    """The page for browsers, with the pictures, which are read from ``folder``, in it."""
+    body = tag("main", (_element(block, folder) for block in content(report)), class_="sheet")
+    icon = tag("link", rel="icon", href="data:,")
+    style = styles("reproduction.css")
+    return markup.page(TITLE, body, style=style, head=icon, beside=True)
 
 
-def _table(header: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
-    lines = [header, ["---"] * len(header), *rows]
-    return "\n".join(f"| {' | '.join(cells)} |" for cells in lines)
-
-
-def _claim(row: Verdict) -> str:
-    end = "" if row.claim.endswith(".") else "."
-    return _plain(f"{row.claim}{end} {row.remark}" if row.remark else row.claim)
-
-
-def _one_line(text: str) -> str:
-    return escaped(re.sub(r"[\r\n]", " ", text))
-
-
-def _plain(text: str) -> str:
-    """One line of text in which nothing has a meaning of its own."""
-    return SPECIAL.sub(r"\\\g<0>", _one_line(text))
-
-
-def _code(text: str) -> str:
-    """Words to be typed or named exactly."""
-    text = escaped(" ".join(text.split()))
-    room = " " if text.startswith("`") or text.endswith("`") else ""
-    ticks = _fence(text, 1)
-    return f"{ticks}{room}{text}{room}{ticks}"
-
-
-def _fence(text: str, least: int) -> str:
-    longest = max((len(run) for run in re.findall("`+", text)), default=0)
-    return "`" * max(least, longest + 1)
-
-
-WIDE = 1000
-"""[px] Wider pictures (maps) have a line for themselves."""
-
-
-def html(text: str, title: str, folder: Path) -> str:
-    """Page made from Markdown; pictures are read from ``folder``. Raises OSError for a missing one.
-
-    Markup within the Markdown (raw HTML) is shown, not followed.
-    """
-    parser = MarkdownIt("js-default", {"html": False}, renderer_cls=_Renderer)
-    tokens = parser.parse(text)
-    for opening, inline, closing in zip(tokens, tokens[1:], tokens[2:], strict=False):
-        children = inline.children or []
-        if opening.type == "heading_open":
-            opening.attrSet("id", anchor_of("".join(child.content for child in children)))
-        for child, following in pairwise(children):
-            if child.type == "strong_open" and following.content in set(Outcome):
-                child.attrSet("class", f"outcome {following.content.replace(' ', '-')}")
-        if opening.type == "paragraph_open" and _is_figure(children):
-            opening.tag = closing.tag = "figure"
-            if _is_run(children[0]):
-                opening.attrSet("class", "whole")
-            if children[0].type == "image" and _embed(children[0], folder) > WIDE:
-                opening.attrSet("class", "whole")
-    return (
-        '<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n'
-        '<meta name="viewport" content="width=device-width, initial-scale=1">\n'
-        f'<link rel="icon" href="data:,">\n<title>{escapeHtml(escaped(title))}</title>\n'
-        f"<style>{styles('reproduction.css')}</style>\n"
-        '</head>\n<body>\n<main class="sheet">\n'
-        f"{parser.renderer.render(tokens, parser.options, {})}</main>\n</body>\n</html>\n"
-    )
-
-
-class _Renderer(RendererHTML):
-    """Tables that scroll, pictures with captions, videos that play."""
-
-    def table_open(
-        self, tokens: Sequence[Token], idx: int, options: OptionsDict, env: EnvType
-    ) -> str:
-        return f'<div class="wide">{self.renderToken(tokens, idx, options, env)}'
-
-    def table_close(
-        self, tokens: Sequence[Token], idx: int, options: OptionsDict, env: EnvType
-    ) -> str:
-        return f"{self.renderToken(tokens, idx, options, env).rstrip()}</div>\n"
-
-    def image(self, tokens: Sequence[Token], idx: int, options: OptionsDict, env: EnvType) -> str:
-        picture = super().image(tokens, idx, options, env)
-        return f"{picture}<figcaption>{escapeHtml(str(tokens[idx].attrs['alt']))}</figcaption>"
-
-    def link_open(
-        self, tokens: Sequence[Token], idx: int, options: OptionsDict, env: EnvType
-    ) -> str:
-        link = self.renderToken(tokens, idx, options, env)
-        file = escapeHtml(str(tokens[idx].attrs["href"]))
-        if _is_run(tokens[idx]):
-            return (
-                f"<details><summary>Watch the run here</summary>"
-                f'<iframe loading="lazy" src="{file}" title="the run in the browser"></iframe>'
-                f"</details>{link}"
+def _element(block: Block, folder: Path) -> Html:
+    lines = [markup.together(map(_words, line)) for line in block.lines]
+    match block.kind:
+        case "table":
+            head, *rows = (
+                [markup.together(map(_words, cell)) for cell in row] for row in block.rows
             )
-        if not _is_film(tokens[idx]):
-            return link
-        return f'<video controls preload="metadata" src="{file}"></video>{link}'
+            return markup.table(head, rows)
+        case "picture":
+            content = (folder / block.file).read_bytes()
+            width = int.from_bytes(content[16:20], "big")  # from the header of a PNG
+            data = f"data:image/png;base64,{base64.b64encode(content).decode('ascii')}"
+            image = tag("img", src=data, alt=block.lines[0][0])
+            whole = "whole" if width > WIDE else None
+            return tag("figure", image, tag("figcaption", lines), class_=whole)
+        case "run":
+            goal = quote(block.file)
+            frame = tag("iframe", loading="lazy", src=goal, title="the run in the browser")
+            shown = (
+                tag("details", tag("summary", "Watch the run here"), frame)
+                if goal.endswith(".html")
+                else tag("video", controls=True, preload="metadata", src=goal)
+            )
+            whole = "whole" if goal.endswith(".html") else None
+            return tag("figure", shown, tag("a", lines, href=goal), class_=whole)
+        case "commands":
+            return tag("pre", tag("code", markup.together(lines, "\n")))
+    anchor = anchor_of(str(block.lines[0][0])) if block.kind.startswith("h") else None
+    return tag(block.kind, lines, id=anchor)
 
 
-def _is_figure(children: Sequence[Token]) -> bool:
-    """Whether a paragraph is a picture, a video or a run in the browser."""
-    return (len(children) == 1 and children[0].type == "image") or any(
-        _is_film(child) or _is_run(child) for child in children[:1]
-    )
+def _words(words: str | Words) -> Html:
+    if isinstance(words, str):
+        return markup.text(words)
+    if words.kind == "link":
+        return tag("a", words.text, href=f"#{anchor_of(words.goal)}")
+    style = f"outcome {words.text.replace(' ', '-')}" if words.text in set(Outcome) else None
+    return tag(words.kind, words.text, class_=style)
 
 
-def _is_film(token: Token) -> bool:
-    return token.type == "link_open" and str(token.attrs["href"]).endswith(".mp4")
-
-
-def _is_run(token: Token) -> bool:
-    return token.type == "link_open" and str(token.attrs["href"]).endswith("/page.html")
-
-
-def _embed(picture: Token, folder: Path) -> int:
-    """Put the file of a picture into the page itself; returns its width [pixels]."""
-    content = (folder / unquote(str(picture.attrs["src"]))).read_bytes()
-    picture.attrSet("src", f"data:image/png;base64,{base64.b64encode(content).decode('ascii')}")
-    return int.from_bytes(content[16:20], "big")  # from the header of a PNG
+def pages(report: Report, folder: Path) -> dict[str, str]:
+    """Texts of the files that present the report, by name; pictures are read from ``folder``."""
+    return {MARKDOWN: markdown(report), HTML: html(report, folder), JSON: report.to_json()}

@@ -1,94 +1,197 @@
-"""What a reproduction consists of: claims of the paper by figure, studies, verdicts on both.
+"""A study: arms that differ in one thing, the same seeds in each, measures, and verdicts.
 
-A claim says what the paper reports, which figures of a run decide, and the grade. A study has
-arms that differ in one thing, seeds, measures, and verdicts of its own.
+What is measured is summed up by medians and shares with 95 % intervals; conclusions are drawn from
+these in a few words: `falls`, `same`, `outcome`.
 """
 
 from __future__ import annotations
 
 import math
-from collections import defaultdict
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
-from enum import StrEnum
-from typing import TYPE_CHECKING
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import pairwise
+from typing import NamedTuple
 
 import numpy as np
 
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
-    from physim.record import Record
-    from physim.world import World
-    from physim.world.file import Document
-
-
-Measures = Mapping[str, float]
-"""Figures of one run by name; nan where one has no meaning for it."""
-Runs = Sequence[Measures]
-"""Figures of an arm, a run a seed."""
-Table = Sequence[Runs]
-"""Figures of an experiment, for every arm in order."""
+from physim.analysis.metrics import evaluations
+from physim.analysis.metrics.progress import active_time
+from physim.geometry.shapes import FloatArray
+from physim.record import Record
+from physim.reproduction.measures import Measures, figures
+from physim.reproduction.model import Arm, Measure, Outcome, Verdict, outcome
+from physim.statistics.paired import rank_beyond
+from physim.statistics.proportion import clopper_pearson
 
 
-class Outcome(StrEnum):
-    """How what was measured stands to what was claimed."""
+class Estimate(NamedTuple):
+    """Median of a sample, with an interval for the median of what it was drawn from."""
 
-    MET = "met"
-    PARTLY = "partly met"
-    NOT_MET = "not met"
+    median: float
+    low: float
+    high: float
+    number: int
+    """values that have a meaning (are not nan)"""
 
+    def text(self, digits: int = 2, unit: str = "") -> str:
+        """ "1.23 [1.10, 1.31] m"; the median alone where all are equal, "none" of nothing."""
+        if not self.number:
+            return "none"
+        rounded = [_rounded(value, digits) for value in self[:3]]
+        text = rounded[0]
+        if len(set(rounded)) > 1:
+            text += f" [{rounded[1]}, {rounded[2]}]"
+        return text if text == "never" else f"{text} {unit}".strip()
 
-@dataclass(frozen=True)
-class Verdict:
-    """One claim, what was measured for it, and how the two agree; computed, never typed."""
-
-    claim: str
-    reported: str
-    measured: str
-    """of the pictured run; of all arms and seeds in a study"""
-    outcome: Outcome
-    remark: str = ""
-    """one sentence: why an exact match is impossible, or what the verdict takes for granted"""
-    spread: str = ""
-    """median and range over seeds; empty in a study"""
-    met: str = ""
-    """in how many seeds, "97 of 100"; empty in a study"""
-    without: str = ""
-    """in how many seeds without avoidance; empty where that was not tried"""
+    def is_below(self, other: Estimate) -> bool:
+        """Whether it is clearly smaller: the intervals are apart."""
+        return self.high < other.low
 
 
-@dataclass(frozen=True)
-class Arm:
-    """One way of running: a world, shipped or of the study's own, with some values changed.
+def estimate(values: Iterable[float]) -> Estimate:
+    """Median and its 95 % interval by order statistics, free of any distribution; nan is left out.
 
-    Arms that differ in their labels alone are equal: they are the same run.
+    The interval lies between the k-th smallest and the k-th largest value, with the largest k
+    whose coverage is 95 % or more. Fewer than six values cannot reach that: all of them then.
     """
+    given = np.sort([value for value in values if not math.isnan(value)])
+    n = len(given)
+    if not n:
+        return Estimate(math.nan, math.nan, math.nan, 0)
+    k = max(0, rank_beyond(n))
+    return Estimate(float(np.median(given)), float(given[k]), float(given[n - 1 - k]), n)
 
-    label: str = field(compare=False)
-    """as it stands on an axis or in a table"""
-    world: str
-    overrides: tuple[str, ...] = ()
-    """``KEY=VALUE`` as for ``physim run --set``"""
-    text: Callable[[int], str] | None = None
-    """where the study has a world of its own: module-level function from the seed to the text of
-    its world file, which ``world`` names"""
 
-    def read(self, seed: int) -> tuple[World, Document]:
-        """World of this arm for one seed, and its document, which holds what is to be noted.
+def _rounded(value: float, digits: int) -> str:
+    """Number with so many digits, never "-0.00"; "never" for a time that is inf."""
+    if math.isinf(value):
+        return "never"
+    text = f"{value:.{digits}f}"
+    return f"{0.0:.{digits}f}" if float(text) == 0.0 else text
 
-        Raises WorldError when its overrides don't fit.
-        """
-        from physim.world.file import read_document, read_world, world_of
 
-        if self.text is None:
-            return read_world(self.world, overrides=self.overrides)
-        document = read_document(self.text(seed), self.world)
-        return world_of(document, overrides=self.overrides)
+class Share(NamedTuple):
+    """How many runs of how many."""
 
-    def load(self, seed: int) -> World:
-        """World of this arm for one seed, without what is to be noted about it."""
-        return self.read(seed)[0]
+    good: int
+    of: int
+
+    @property
+    def rate(self) -> float:
+        """Share of 1."""
+        return self.good / self.of
+
+    @property
+    def text(self) -> str:
+        """ "19 of 20 [75 %, 100 %]", the interval by Clopper and Pearson."""
+        low, high = clopper_pearson(self.good, self.of)
+        return f"{self.good} of {self.of} [{100 * low:.0f} %, {100 * high:.0f} %]"
+
+
+@dataclass(frozen=True)
+class Runs:
+    """What an arm came to: the figures of its runs, in the order of seeds."""
+
+    runs: Sequence[Measures]
+
+    def column(self, name: str) -> list[float]:
+        """One measure of every run."""
+        return [float(run[name]) for run in self.runs]
+
+    def of(self, name: str) -> Estimate:
+        """Median and interval of one measure."""
+        return estimate(self.column(name))
+
+    def share(self, name: str, is_fine: Callable[[float], bool]) -> Share:
+        """Runs whose measure is fine."""
+        return Share(sum(map(is_fine, self.column(name))), len(self.runs))
+
+    @cached_property
+    def free(self) -> Share:
+        """Runs without any contact."""
+        return self.share("contacts", lambda value: value == 0.0)
+
+    @cached_property
+    def arrived(self) -> Share:
+        """Runs in which all robots arrived."""
+        return self.share("finished", lambda value: value > 0.0)
+
+
+class Shown(NamedTuple):
+    """How a measure is written, and drawn."""
+
+    words: str
+    unit: str = ""
+    digits: int = 2
+    logarithmic: bool = False
+    line: float | None = None
+    """what it is compared with in a plot"""
+
+
+FREE, ARRIVED = "free", "arrived"
+GROUP = {
+    "shortest_distance": Shown("shortest distance between robots", "m"),
+    "kept": Shown("shortest distance to anything", "m", 3),
+    "farthest_distance": Shown("largest distance", "m", 1),
+    "formation_error_peak": Shown("largest formation error", "m", 1),
+    "averaged_speed_min": Shown("slowest speed over 10 s", "m/s"),
+    "time_to_finish": Shown("time to finish", "s", 1),
+    "danger_share": Shown("share of time in danger mode"),
+    "mode_switches": Shown("mode switches of a robot", "1/min", 1),
+    "by_distance": Shown("share of decisions by (12)"),
+    "by_time": Shown("share of decisions by (13)"),
+    "updates": Shown("updates of a robot", "1/s", logarithmic=True),
+    "messages": Shown("messages of a robot", "1/s", 1),
+    "evaluations": Shown("collision times of a robot", "1/s", 0, logarithmic=True),
+}
+"""What experiments with a group compare (`measure_group`): safety, arrival, modes, formation and
+work. ``kept`` is of any robot to another or to a wall; what is a second is until it has arrived."""
+
+
+def told(names: Sequence[str], *arms: Runs) -> str:
+    """Measures of `GROUP`, and runs that are `FREE` or have `ARRIVED`, of an arm against others."""
+
+    def text(runs: Runs, name: str) -> str:
+        if name == FREE:
+            return runs.free.text
+        if name == ARRIVED:
+            return f"{runs.arrived.good} of {runs.arrived.of}"
+        return runs.of(name).text(GROUP[name].digits, GROUP[name].unit)
+
+    words = {FREE: "free of contact", ARRIVED: "finished", **{k: v.words for k, v in GROUP.items()}}
+    return ", ".join(
+        f"{words[name]} {' against '.join(text(runs, name) for runs in arms)}" for name in names
+    )
+
+
+def each(names: Sequence[str], arms: Mapping[str, Sequence[Runs]]) -> str:
+    """`told` of several arms, or of one against others, by a word for each."""
+    return "; ".join(f"{word}: {told(names, *some)}" for word, some in arms.items())
+
+
+def free_and_arrived(runs: Runs) -> str:
+    """Note at the row of an arm."""
+    return f"{free_of_contact(runs)}\n{runs.arrived.good} finished"
+
+
+def free_of_contact(runs: Runs) -> str:
+    """Note at the row of an arm."""
+    return f"{runs.free.good} of {runs.free.of} free of contact"
+
+
+def falls(*courses: Sequence[Estimate]) -> Outcome:
+    """Met where each course falls clearly from one to the next, partly where the median of any
+    does."""
+    clearly = [all(b.is_below(a) for a, b in pairwise(course)) for course in courses]
+    seen = [all(b.median < a.median for a, b in pairwise(course)) for course in courses]
+    return outcome(all(clearly), any(seen))
+
+
+def same(found: Iterable[Estimate], within: float) -> Outcome:
+    """Met where the medians of all ratios are 1 ``within`` a share, partly where any is."""
+    near = [abs(one.median - 1.0) <= within for one in found]
+    return outcome(all(near), any(near))
 
 
 @dataclass(frozen=True)
@@ -96,8 +199,7 @@ class Study:
     """An experiment: the same seeds in every arm.
 
     ``measure`` is a module-level function (it is sent to worker processes) from a record to
-    figures; it must not keep the record. ``conclude`` and ``draw`` get what was measured; ``draw``
-    also the figure to draw in, and the labels of the arms.
+    figures; it must not keep the record.
     """
 
     name: str
@@ -106,176 +208,65 @@ class Study:
     claim: str
     """the paper's claim in our words"""
     arms: tuple[Arm, ...]
-    measure: Callable[[Record], Measures]
-    conclude: Callable[[Table], Sequence[Verdict]]
-    draw: Callable[[Figure, Sequence[str], Table], None]
+    measure: Measure
+    conclude: Callable[[Sequence[Runs]], Sequence[Verdict]]
+    """of what the arms came to"""
+    shown: Mapping[str, Shown]
+    """measures, an axis each in its plot, which has a row for each arm"""
+    note: Callable[[Runs], str] = lambda runs: ""
+    """at the end of each row"""
     seeds: int = 20
     quick_seeds: int = 2
 
-    @property
-    def labels(self) -> tuple[str, ...]:
-        """Labels of the arms."""
-        return tuple(arm.label for arm in self.arms)
+
+FEWEST = 5
+"""Points that a fit needs."""
 
 
-MOST_SEEDS = 0.9
-"""[-] share of the seeds that must meet a claim before it is met."""
+def time_constant(time: FloatArray, values: FloatArray) -> float:
+    """Time constant [s] of values (K,) > 0 that die away: least squares on their logarithm.
 
-WORDS = "words"
-"""Stands in the place of a figure's number."""
-PAIR_TIMES = "pair_times"
-"""The picture that only a reproduction has: collision times of all pairs."""
-
-Grade = Callable[[Measures], Outcome]
-"""How one run stands to a claim."""
-
-
-@dataclass(frozen=True)
-class Quantity:
-    """One figure of a run, and how it is written."""
-
-    key: str
-    unit: str = ""
-    """"%" shows a share; "yes" shows 1 as yes and 0 as no"""
-    decimals: int = 2
-    label: str = ""
-    """stands before the figure"""
-
-    def text(self, value: float) -> str:
-        """The figure with its unit; "none" for one that has no meaning."""
-        if self.unit == "yes":
-            return self._labelled("none" if math.isnan(value) else "yes" if value > 0 else "no")
-        known = math.isfinite(value)
-        return self._labelled(self._number(value), self.unit if known else "")
-
-    def spread(self, values: Sequence[float]) -> str:
-        """Median and range over seeds, of those where the figure has a meaning."""
-        known = [v for v in values if not math.isnan(v)]
-        if not known:
-            return self._labelled("none")
-        if self.unit == "yes":
-            return self._labelled(f"yes in {sum(v > 0 for v in known)} of {len(known)}")
-        middle, low, high = (
-            self._number(v) for v in (float(np.median(known)), min(known), max(known))
-        )
-        several = middle if low == high else f"{middle} ({low} to {high})"
-        return self._labelled(several, self.unit)
-
-    def _labelled(self, text: str, unit: str = "") -> str:
-        return " ".join(part for part in (self.label, text, unit) if part)
-
-    def _number(self, value: float) -> str:
-        if math.isnan(value):
-            return "none"
-        if math.isinf(value):
-            return "never" if value > 0 else "-never"
-        return f"{100.0 * value if self.unit == '%' else value:,.{self.decimals}f}"
+    nan with fewer than `FEWEST` points; negative where the values grow.
+    """
+    if len(time) < FEWEST:
+        return math.nan
+    slope = float(np.polyfit(time - time[0], np.log(values), 1)[0])
+    return math.inf if slope == 0.0 else -1.0 / slope
 
 
-@dataclass(frozen=True)
-class Claim:
-    """One number or statement of the paper."""
-
-    claim: str
-    """in our words"""
-    reported: str
-    quantities: tuple[Quantity, ...]
-    grade: Grade
-    remark: str = ""
-    """one sentence: why an exact match is impossible, or what the grade takes for granted"""
-
-    needed: float = MOST_SEEDS
-    """[-] share of the seeds that must meet it; 1 where the paper says always"""
-
-    def measured(self, run: Measures) -> str:
-        """The figures of one run."""
-        return ", ".join(q.text(run.get(q.key, math.nan)) for q in self.quantities)
-
-    def spread(self, runs: Sequence[Measures]) -> str:
-        """The figures over seeds."""
-        return "; ".join(
-            q.spread([run.get(q.key, math.nan) for run in runs]) for q in self.quantities
-        )
-
-    def graded(self, run: Measures) -> Outcome:
-        """How one run stands to the claim; figures that it does not have never meet it."""
-        return self.grade(defaultdict(lambda: math.nan, run))
-
-    def met(self, runs: Sequence[Measures]) -> int:
-        """In how many runs the claim is met."""
-        return sum(self.graded(run) is Outcome.MET for run in runs)
-
-    def outcome(self, pictured: Measures, runs: Sequence[Measures]) -> Outcome:
-        """Grade of the pictured run, taken down to *partly* where too few seeds meet the claim.
-
-        And up to *partly* where the pictured run misses what nearly all seeds meet.
-        """
-        grade = self.graded(pictured)
-        if not runs:
-            return grade
-        most = self.met(runs) >= self.needed * len(runs)
-        if grade is Outcome.MET:
-            return Outcome.MET if most else Outcome.PARTLY
-        return Outcome.PARTLY if most else grade
-
-    def verdict(
-        self, pictured: Measures, runs: Sequence[Measures], bare: Sequence[Measures]
-    ) -> Verdict:
-        """How the pictured run and all others stand to it; ``bare`` are runs without avoidance."""
-        outcome, remark = self.outcome(pictured, runs), self.remark
-        if bare and outcome is Outcome.MET and self.met(bare) >= self.needed * len(bare):
-            remark = f"{remark} It holds without avoidance, too.".strip()
-        return Verdict(
-            self.claim, self.reported, self.measured(pictured), outcome, remark,
-            self.spread(runs) if runs else "",
-            f"{self.met(runs)} of {len(runs)}" if runs else "",
-            f"{self.met(bare)} of {len(bare)}" if bare else "",
-        )  # fmt: skip
+def root_mean_square(values: FloatArray) -> FloatArray:
+    """Root of the mean square over robots: (K,) of values (K, N)."""
+    return np.asarray(np.sqrt(np.square(values).mean(axis=1)))
 
 
-@dataclass(frozen=True)
-class Part:
-    """A figure of the paper, or its words: what it shows, the world, the pictures, the claims."""
-
-    figure: str
-    """number, or `WORDS`"""
-    title: str
-    world: str
-    pictures: tuple[str, ...]
-    """of `physim.drawing.plots`, or `PAIR_TIMES`"""
-    claims: tuple[Claim, ...]
-    bare: bool = False
-    """whether its claims are held against runs without avoidance, too"""
-    film: bool = False
-    snapshots: float | None = None
-    """[s] between the robots in the map"""
-
-    @property
-    def arms(self) -> tuple[Arm, ...]:
-        """Its world with every seed, and where asked the same without avoidance."""
-        bare = Arm("", self.world, ("controller.avoidance=none",))
-        return (Arm("", self.world), bare) if self.bare else (Arm("", self.world),)
+METRICS = (
+    "contacts", "shortest_distance", "shortest_boundary_distance", "farthest_distance", "finished",
+    "time_to_finish", "danger_share", "mode_switches", "averaged_speed_min", "updates_per_second",
+    "messages", "formation_error_peak",
+)  # fmt: skip
 
 
-def holds(condition: Callable[[Measures], bool]) -> Grade:
-    """Met where a condition holds, otherwise not met; figures without meaning never meet it."""
-    return lambda run: Outcome.MET if condition(run) else Outcome.NOT_MET
+def rule_shares(record: Record) -> dict[str, float]:
+    """Shares of decisions by (12) and by (13); nan where the controller has no such rule."""
+    names, given = [rule.name for rule in record.declared.rules], record.updates["rule"]
+
+    def share(name: str) -> float:
+        known = name in names and len(given)
+        return float(np.mean(given == names.index(name))) if known else math.nan
+
+    return {"by_distance": share("distance"), "by_time": share("time")}
 
 
-def steps(full: Callable[[Measures], bool], part: Callable[[Measures], bool]) -> Grade:
-    """Met where ``full`` holds, partly where ``part`` does."""
-
-    def grade(run: Measures) -> Outcome:
-        if full(run):
-            return Outcome.MET
-        return Outcome.PARTLY if part(run) else Outcome.NOT_MET
-
-    return grade
-
-
-def near(key: str, reported: float, same: float, order: float) -> Grade:
-    """Met within a share ``same`` of the reported figure, partly within a factor ``order``."""
-    return steps(
-        lambda run: abs(run[key] - reported) <= same * reported,
-        lambda run: reported / order <= run[key] <= reported * order,
-    )
+def measure_group(record: Record) -> dict[str, float]:
+    """Figures of a run of a group: those of `GROUP`, and contacts and arrival."""
+    found = figures(record, *METRICS)
+    distances = (found["shortest_distance"], found["shortest_boundary_distance"])
+    seconds, computed = float(active_time(record).sum()) or math.nan, evaluations(record)
+    return {
+        **found,
+        "kept": min((value for value in distances if not math.isnan(value)), default=math.nan),
+        "updates": found["updates_per_second"],
+        "messages": found["messages"] / seconds,
+        "evaluations": (math.nan if computed is None else computed) / seconds,
+        **rule_shares(record),
+    }

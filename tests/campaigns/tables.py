@@ -16,7 +16,8 @@ WHOLE = ("seed", "robots", "contacts", "contacts_between_robots", "contacts_with
 NUMBERS = ("seconds", "first_contact", "deepest_contact", "closing_speed", "energy_lost", "impulse",
            "severest_contact_time", "shortest_distance", "shortest_boundary_distance",
            "least_distance", "least_distance_time",
-           "shortest_collision_time", "shortest_collision_time_time", "formation_error_peak",
+           "shortest_collision_time", "shortest_collision_time_time",
+           "shortest_pair_collision_time", "formation_error_peak",
            "deviation_peak", "time_to_finish", "danger_share", "cpu_seconds",
            "wall_seconds")  # fmt: skip
 
@@ -34,6 +35,7 @@ def row(seed: int = 1, **given: Any) -> dict[str, Any]:
         "least_distance": 0.4, "least_distance_pair": "r1, r2", "least_distance_time": 3.2,
         "not_arrived": "", "stood": "", "shortest_collision_time": 1.5,
         "shortest_collision_time_pair": "r1, r2", "shortest_collision_time_time": 3.0,
+        "shortest_pair_collision_time": 2.0,
         "formation_error_peak": None, "deviation_peak": 0.2, "time_to_finish": 18.0,
         "danger_share": 0.05, "decisions": 900, "messages": 1800, "cpu_seconds": 0.1,
         "wall_seconds": 0.12, "metrics": "", "record": "", "world_hash": "0123456789ab",

@@ -14,6 +14,7 @@ from tests.helpers import facts, inside
 
 ALPHA, FEWEST_PAIRS, Comparison = inside("physim.campaigns", "ALPHA", "FEWEST_PAIRS", "Comparison")
 between, by, compare, Outcomes = inside("physim.campaigns", "between", "by", "compare", "Outcomes")
+pairs = inside("physim.campaigns", "pairs")
 comparison_page = inside("physim.campaigns.report", "comparison_page")
 comparison_text = inside("physim.campaigns.report", "comparison_text")
 mcnemar, median_difference = inside("physim.statistics", "mcnemar", "median_difference")
@@ -51,7 +52,7 @@ def test_a_planted_difference_is_found_with_its_size() -> None:
 def test_pairing_sees_what_the_arms_alone_do_not() -> None:
     """Seeds differ by 0.2 m, the arms by 0.03 m."""
     (one,) = compare(by(campaign(shift=0.03), "controller"))
-    a, b = one.values("least_distance")
+    a, b = pairs(one.a, one.b, "least_distance")
     near = next(f for f in one.findings if f.name == "least_distance")
     assert near.better == "a"
     assert median_difference(a).low < float(np.median(b)) < median_difference(a).high
@@ -70,7 +71,7 @@ def test_the_test_and_the_verdict_are_of_the_same_question() -> None:
     gains = [0.0] * 41 + [0.1] * 57 + [-0.1] * 2
     rows = [row(seed, controller=name, deviation_peak=1.0 - gain * (name == "other"))
             for seed, gain in enumerate(gains) for name in ("good", "other")]  # fmt: skip
-    found = compare(by(Outcomes(table(rows)), "controller"), ("deviation_peak",))
+    found = compare(by(Outcomes(table(rows)), "controller"), {"deviation_peak": -1})
     one = finding(found, "deviation_peak")
     assert (one.better, one.only_a, one.only_b, one.ties) == ("b", 2, 57, 41)
     assert one.corrected < 1e-4
@@ -78,9 +79,9 @@ def test_the_test_and_the_verdict_are_of_the_same_question() -> None:
 
 def test_p_values_are_those_of_the_tests_corrected_together() -> None:
     outcomes = campaign(shift=0.01, hits=7)
-    (one,) = compare(by(outcomes, "controller"), ("contact_free", "least_distance"))
+    (one,) = compare(by(outcomes, "controller"), {"contact_free": 1, "least_distance": 1})
     free, near = one.findings
-    a, b = one.values("least_distance")
+    a, b = pairs(one.a, one.b, "least_distance")
     assert near.p == sign_test(b - a)
     assert free.p == mcnemar(7, 0)
     small, large = sorted((free, near), key=lambda f: f.p)
@@ -95,7 +96,7 @@ def test_too_few_pairs_to_show_a_difference_count_in_no_correction(few: int) -> 
         by(campaign(hits=6), "controller"),
         by(campaign(seeds=few, hits=few), "controller"),
     )
-    names = ("contact_free", "least_distance")
+    names = {"contact_free": 1, "least_distance": 1}
     alone, (both, other) = compare(large, names), compare([*large, *small], names)
     unchanged = [f.corrected for f in both.findings] == [f.corrected for f in alone[0].findings]
     assert unchanged == (few < FEWEST_PAIRS)
@@ -105,7 +106,7 @@ def test_too_few_pairs_to_show_a_difference_count_in_no_correction(few: int) -> 
 
 def test_a_difference_that_does_not_survive_the_correction_is_not_shown() -> None:
     outcomes = campaign(hits=6)
-    (alone,) = compare(by(outcomes, "controller"), ("contact_free",))
+    (alone,) = compare(by(outcomes, "controller"), {"contact_free": 1})
     assert alone.findings[0].better == "a"
     (among,) = compare(by(outcomes, "controller"))
     free = next(f for f in among.findings if f.name == "contact_free")
@@ -118,7 +119,7 @@ def test_seeds_of_one_arm_alone_are_told_and_left_out() -> None:
     rows += [row(seed, controller="other", least_distance=0.1) for seed in range(4, 12)]
     found = compare(by(Outcomes(table(rows)), "controller"))
     (one,) = found
-    assert (one.seeds, one.only_a, one.only_b) == (6, (0, 1, 2, 3), (10, 11))
+    assert (one.seeds, one.a.alone, one.b.alone) == (6, (0, 1, 2, 3), (10, 11))
     assert all(f.pairs == 6 for f in one.findings)
 
 
@@ -180,7 +181,7 @@ def test_what_cannot_be_compared_is_refused() -> None:
         compare(between(one, Outcomes(table([row(2)])), ("A", "B")))
     crowd = Outcomes(table([row(1, controller=str(k)) for k in range(30)]))
     with pytest.raises(PhysimError, match=facts("435", "200")):
-        by(crowd, "controller")
+        compare(by(crowd, "controller"))
 
 
 def test_hostile_names_are_only_names() -> None:

@@ -12,16 +12,21 @@ import numpy as np
 import pytest
 
 import physim
+from physim.analysis.summary import table_rows
 from physim.campaigns import run_one, spec_of
 from physim.errors import PhysimError
+from physim.units import amount
 from physim.world.file import parse_world
 from tests.campaigns.samples import WORLD
 from tests.helpers import inside
+from tests.helpers.unpacking import unpack
 
 COLUMNS, make_grid = inside("physim.campaigns", "COLUMNS", "make_grid")
 simulation_of, sources_of = inside("physim.campaigns", "simulation_of", "sources_of")
 CONTROLLER = inside("physim.parts", "CONTROLLER")
 record_run = inside("physim.simulation", "record_run")
+run_data = inside("physim.drawing.page", "run_data")
+json_of_validation = inside("physim.analysis.validation", "json_of_validation")
 
 
 def test_what_makes_another_run(here: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -101,6 +106,7 @@ TOUCHING = """\
 name: touching
 seed: 1
 time: {step: 0.02, duration: 3.0}
+expect: {contacts: 0, min_distance: 0.05, min_boundary_distance: 0.05}
 corridor: {centreline: [[0, 0], [20, 0]], width: 8.0}
 controller: {type: constant, commands: [[1.0, 0.0], [1.0, 0.0], [1.0, 0.0]]}
 robots:
@@ -110,20 +116,43 @@ robots:
 """
 
 
-def test_what_a_row_and_a_summary_call_alike_is_the_same() -> None:
+def test_one_name_has_one_value_in_all_that_is_said_of_a_run() -> None:
+    """Summary, its table, the row of a sweep, validation and page."""
     world = parse_world(TOUCHING)
     row = run_one(spec_of(world, 1))
-    told = json.loads(physim.summarise(physim.simulate(world)).to_json())
+    record = physim.simulate(world)
+    summary, validation = physim.summarise(record), physim.validate(record)
+    told, found = json.loads(summary.to_json()), json.loads(json_of_validation(validation))
     metrics = {name: one["value"] for name, one in told["metrics"].items()}
     alike = metrics.keys() & set(COLUMNS)
     assert alike >= {"contacts", "contacts_between_robots", "contacts_with_boundaries", "grazes",
                      "shortest_distance", "shortest_boundary_distance", "closing_speed",
-                     "energy_lost", "impulse", "first_contact"}  # fmt: skip
+                     "energy_lost", "impulse", "first_contact", "deepest_contact", "decisions",
+                     "deviation_peak", "messages"}  # fmt: skip
     assert {name: getattr(row, name) for name in alike} == {name: metrics[name] for name in alike}
-    assert row.contacts == told["contacts"]["count"] == 2
-    assert told["contacts"]["between_robots"] == told["contacts"]["with_boundaries"] == 1
-    assert not row.contact_free
+    assert row.least_distance == min(row.shortest_distance, row.shortest_boundary_distance)
+    assert row.contacts == len(told["contacts"]) == len(found["contacts"]) == 2
     assert (row.not_arrived, row.closing_speed) == ("a, b, c", pytest.approx(2.0, abs=1e-3))
+    assert not row.contact_free
+
+    assert max(one["severity"]["closing"] for one in found["contacts"]) == row.closing_speed
+    assert found["contacts"][0]["time"] == row.first_contact
+    expected = {one["key"]: one["got"] for one in found["expectations"]}
+    assert expected == {
+        "contacts": row.contacts + row.grazes,
+        "min_distance": row.shortest_distance,
+        "min_boundary_distance": row.shortest_boundary_distance,
+    }
+    assert told["expectations"] == found["expectations"]
+    for rows in (dict(table_rows(summary)).values(), [summary._repr_html_()]):
+        for value in (row.shortest_distance, row.shortest_boundary_distance):
+            assert any(amount(value, "m", 4) in text for text in rows)
+    header, _ = unpack(run_data(record, summary))
+    times = {one["label"]: one["time"] for one in header["moments"]}
+    assert times["shortest distance"] == told["metrics"]["shortest_distance"]["time_s"]
+    assert times["first contact"] == row.first_contact
+    (contacts,) = [text for label, text in table_rows(summary) if label == "contacts"]
+    assert contacts.startswith("2 (1 between robots, 1 with boundaries)")
 
 
 def test_sources_of_a_package_with_relative_imports(

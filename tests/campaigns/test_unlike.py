@@ -18,7 +18,7 @@ from tests.helpers.packages import install
 
 between, compare = inside("physim.campaigns", "between", "compare")
 Outcomes, with_unlike = inside("physim.campaigns", "Outcomes", "with_unlike")
-remake = inside("physim.campaigns.report", "remake")
+record_of = inside("physim.campaigns.report", "record_of")
 
 Capture = pytest.CaptureFixture[str]
 
@@ -139,10 +139,10 @@ def test_a_run_made_again_for_its_picture_is_the_run_of_its_row(capsys: Capture)
     """Not so of a controller that draws numbers of its own, or reads a file that was changed."""
     swept("a", capsys)
     row = Outcomes(read("a")).row(0)
-    remake(Path("a"), row).close()
+    record_of(Path("a"), row).close()
     nearer = {**row, "shortest_distance": row["shortest_distance"] - 0.1}
     with pytest.raises(PhysimError, match="another run: shortest_distance"):
-        remake(Path("a"), nearer)
+        record_of(Path("a"), nearer)
 
 
 # a stage that draws by the seed makes runs of several seeds differ, in any world

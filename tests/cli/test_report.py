@@ -11,7 +11,6 @@ from pathlib import Path
 import pytest
 
 from physim.campaigns import Folder, read, spec_of
-from physim.campaigns.report import pictures
 from physim.world.file import parse_world
 from tests.campaigns.real import WORLD, campaign
 from tests.campaigns.test_report import Elements
@@ -36,7 +35,7 @@ def test_a_report_has_pictures_of_the_worst(made: Path, capsys) -> None:
     done = physim("report", made, capture=capsys)
     assert done.code == 0
     for name in CONTROLLERS:
-        assert f"small, {name}: 4 runs" in done.out
+        assert f"small, {name}: 0 of 4 runs" in done.out
     assert f"physim replay {made}:" in done.out
     page = Elements((made / "report.html").read_text(encoding="utf-8"))
     assert page.tags.count("img") == 16
@@ -87,7 +86,7 @@ def test_a_page_is_not_written_over_what_is_none(made: Path, tmp_path: Path, cap
     assert record.read_bytes() == b"kept"
 
 
-def test_the_worst_lead_to_pages_at_their_moments(made: Path, monkeypatch, capsys) -> None:
+def test_the_worst_lead_to_pages_at_their_moments(made: Path, capsys) -> None:
     assert physim("report", made, "--pages", "--quiet", capture=capsys).code == 0
     page = Elements((made / "report.html").read_text(encoding="utf-8"))
     links = [value for name, value in page.attributes if name == "href"]
@@ -101,29 +100,6 @@ def test_the_worst_lead_to_pages_at_their_moments(made: Path, monkeypatch, capsy
         )
     )
     assert all((made / link.partition("#")[0]).is_file() for link in links)
-    monkeypatch.setattr(pictures, "MOST_PAGE", 1000)
-    for file in (made / "pages").iterdir():
-        file.unlink()
-    assert physim("report", made, "--pages", "--quiet", capture=capsys).code == 0
-    page = Elements((made / "report.html").read_text(encoding="utf-8"))
-    assert not any(name == "href" for name, _ in page.attributes)
-    assert page.said.count("no page: ") == 2 * len(rows)
-
-
-def test_a_file_that_is_no_still_is_not_read_into_the_page(made: Path, capsys) -> None:
-    """It begins as a picture and claims a gigabyte, a few bytes of which are on the disk."""
-    assert physim("report", made, "--quiet", capture=capsys).code == 0
-    still = next((made / "stills").iterdir())
-    drawn = still.read_bytes()
-    try:
-        with still.open("r+b") as file:
-            file.truncate(1_000_000_000)
-        assert physim("report", made, "--quiet", capture=capsys).code == 0
-        page = (made / "report.html").read_text(encoding="utf-8")
-        assert f"{still.name} is no picture; delete it" in Elements(page).said
-        assert len(page) < 8_000_000
-    finally:
-        still.write_bytes(drawn)
 
 
 def test_a_kept_record_of_another_run_is_not_shown(tmp_path: Path, capsys) -> None:
@@ -203,6 +179,13 @@ def test_compare_writes_a_page_and_values(made: Path, tmp_path: Path, capsys) ->
     done = physim("compare", made, made, "--only", "rate,deviation_peak", capture=capsys)
     assert done.code == 0
     assert "least distance" not in done.out
+
+
+def test_collision_times_of_controllers_that_report_none_are_compared(made: Path, capsys) -> None:
+    compare = ("compare", made, "--by", "controller", "--json", "-", "--quiet", "--only")
+    for name, found in (("shortest_collision_time", []), ("shortest_pair_collision_time", [4])):
+        (one,) = json.loads(physim(*compare, name, capture=capsys).out)["comparisons"]
+        assert [finding["pairs"] for finding in one["findings"]] == found
 
 
 def test_a_page_of_ones_own_is_overwritten_by_force_alone(

@@ -190,9 +190,9 @@ def frame(run: physim.Record, time: float) -> dict[str, Any]:
 
 def forget_sprites() -> None:
     """Texts are drawn once and kept; they are to be drawn again."""
-    from physim.drawing.video import text
+    from physim.drawing.video import canvas
 
-    for one in vars(text).values():
+    for one in vars(canvas).values():
         if hasattr(one, "cache_clear") and one.__name__ == "sprite":
             one.cache_clear()
 

@@ -7,15 +7,13 @@ import math
 import numpy as np
 import pytest
 
-from physim.reproduction.claims import parts
 from tests.helpers import inside
 
-QUICK_SEEDS, SEEDS, make_plan = inside("physim.reproduction", "QUICK_SEEDS", "SEEDS", "make_plan")
+make_plan, parts = inside("physim.reproduction", "make_plan", "parts")
 Claim, Measures, Outcome = inside("physim.reproduction", "Claim", "Measures", "Outcome")
-Part, Quantity, holds, near = inside("physim.reproduction", "Part", "Quantity", "holds", "near")
-count, estimate, share_text = inside("physim.reproduction", "count", "estimate", "share_text")
+FIGURE, Part, near, shown = inside("physim.reproduction", "FIGURE", "Part", "near", "shown")
+Runs, Share, estimate = inside("physim.reproduction", "Runs", "Share", "estimate")
 time_constant = inside("physim.reproduction", "time_constant")
-steps = inside("physim.reproduction", "steps")
 
 AS_REPORTED: dict[str, float] = {
     "deviation_rms": 0.1, "finished": 1.0, "deviation_at_turns": 0.6, "deviation_elsewhere": 0.2,
@@ -52,14 +50,15 @@ def test_a_run_as_reported_meets_every_claim(part: Part, claim: Claim) -> None:
     run = as_reported(part)
     assert claim.graded(run) is Outcome.MET
     assert claim.outcome(run, [run] * 10) is Outcome.MET
-    assert "none" not in claim.measured(run)
+    assert "none" not in shown(claim.measured, [run])
 
 
 @each
 def test_every_claim_can_fail(part: Part, claim: Claim) -> None:
     """Some figure that is shown decides: far too large, far too small, or without meaning."""
     run = as_reported(part)
-    far = [{**run, q.key: value} for q in claim.quantities for value in (1e9, -1e9, math.nan)]
+    keys = [key for key, _ in FIGURE.findall(claim.measured)]
+    far = [{**run, key: value} for key in keys for value in (1e9, -1e9, math.nan)]
     assert any(claim.graded(one) is not Outcome.MET for one in far)
     assert claim.graded({}) is Outcome.NOT_MET
     assert claim.graded(dict.fromkeys(run, math.nan)) is Outcome.NOT_MET
@@ -86,32 +85,32 @@ def test_every_claim_can_fail(part: Part, claim: Claim) -> None:
     ],
 )
 def test_claims_fail_just_beyond_their_bounds(key: str, value: float, words: str) -> None:
-    found = [(part, claim) for part, claim in EVERY if words in claim.claim]
+    found = [(part, claim) for part, claim in EVERY if words in claim.words]
     assert found
     for part, claim in found:
         assert claim.graded({**as_reported(part), key: value}) is not Outcome.MET
 
 
 def test_near_is_met_in_the_same_order_partly() -> None:
-    grade = near("x", 0.1, same=0.05, order=3.0)
+    claim = Claim("1", "c", "r", "{x:2 m}", *near("x", 0.1, same=0.05, order=3.0))
     values = (0.1, 0.1049, 0.106, 0.0951, 0.29, 0.034, 0.31, 0.033, math.nan)
     met, partly, not_met = Outcome.MET, Outcome.PARTLY, Outcome.NOT_MET
     expected = [met, met, partly, met, partly, partly, not_met, not_met, not_met]
-    assert [grade({"x": value}) for value in values] == expected
+    assert [claim.graded({"x": value}) for value in values] == expected
 
 
 def test_seeds_take_a_verdict_down_and_up() -> None:
-    claim = Claim("c", "r", (Quantity("x"),), holds(lambda run: run["x"] > 0))
+    claim = Claim("1", "c", "r", "{x:2}", lambda run: run["x"] > 0)
     good, bad = {"x": 1.0}, {"x": -1.0}
     assert claim.outcome(good, [good] * 9 + [bad]) is Outcome.MET
     assert claim.outcome(good, [good] * 8 + [bad] * 2) is Outcome.PARTLY
     assert claim.outcome(bad, [good] * 9 + [bad]) is Outcome.PARTLY
     assert claim.outcome(bad, [good] * 8 + [bad] * 2) is Outcome.NOT_MET
     assert claim.outcome(bad, []) is Outcome.NOT_MET
-    always = Claim("c", "r", (), holds(lambda run: run["x"] > 0), needed=1.0)
+    always = Claim("1", "c", "r", "", lambda run: run["x"] > 0, needed=1.0)
     assert always.outcome(good, [good] * 99 + [bad]) is Outcome.PARTLY
     assert always.outcome(good, [good] * 100) is Outcome.MET
-    half = Claim("c", "r", (), steps(lambda run: run["x"] > 1, lambda run: run["x"] > 0))
+    half = Claim("1", "c", "r", "", lambda run: run["x"] > 1, lambda run: run["x"] > 0)
     assert half.outcome(good, [bad] * 3) is Outcome.PARTLY
 
 
@@ -120,7 +119,7 @@ def test_plan_of_one_figure() -> None:
     assert [part.figure for part in make_plan("3a").parts] == ["3a"]
     assert make_plan("Fig. 6").worlds == ("ten_robots",)
     assert not make_plan("6").studies
-    assert (make_plan().seeds, make_plan(quick=True).seeds) == (SEEDS, QUICK_SEEDS)
+    assert (make_plan().seeds, make_plan(quick=True).seeds) == (100, 5)
     assert len(make_plan().parts) == len(parts())
     assert make_plan().studies
 
@@ -142,12 +141,12 @@ def test_interval_covers_the_median_nineteen_times_in_twenty() -> None:
 def test_nan_is_left_out_and_nothing_is_none() -> None:
     assert estimate([math.nan, 2.0]).text(1, "m") == "2.0 m"
     assert estimate([math.nan]).text(1, "m") == "none"
-    assert estimate([]).count == 0
+    assert estimate([]).number == 0
 
 
 def test_shares() -> None:
-    assert count([{"a": 0.0}, {"a": 2.0}], "a", lambda value: value == 0.0) == (1, 2)
-    assert share_text(20, 20) == "20 of 20 [83 %, 100 %]"
+    assert Runs([{"contacts": 0.0}, {"contacts": 2.0}]).free == (1, 2)
+    assert Share(20, 20).text == "20 of 20 [83 %, 100 %]"
 
 
 def test_time_constant() -> None:

@@ -14,13 +14,13 @@ import re
 import pytest
 
 from physim import simulate
-from physim.reproduction.claims import measures, parts
 from physim.reproduction.studies import studies
 from physim.world.file import load_world
 from tests import reproduction_docs as docs
 from tests.helpers import inside
 
-ORDER = inside("physim.reproduction.claims", "ORDER")
+ORDER, measures = inside("physim.reproduction", "ORDER", "measures")
+parts, shown = inside("physim.reproduction", "parts", "shown")
 Report, Claim, Measures = inside("physim.reproduction", "Report", "Claim", "Measures")
 Outcome, Part, Verdict = inside("physim.reproduction", "Outcome", "Part", "Verdict")
 
@@ -90,12 +90,12 @@ def test_rows_are_those_of_the_claims(part: Part, report: Report) -> None:
     """Words, figures and verdict of each row follow from the figures that the report holds."""
     figures = report.figures[part.world]
     for claim, row in claims_of(part, report):
-        assert (row.claim, row.reported) == (claim.claim, claim.reported)
+        assert (row.claim, row.reported) == (claim.words, claim.reported)
         bare, _, of_bare = row.without.partition(" of ")
         too = bool(bare) and int(bare) >= claim.needed * int(of_bare) and row.outcome is Outcome.MET
         assert row.remark.startswith(claim.remark)
         assert ("holds without avoidance" in row.remark) == too
-        assert row.measured == claim.measured(figures)
+        assert row.measured == shown(claim.measured, [figures])
         met, _, of = row.met.partition(" of ")
         most = int(met) >= claim.needed * int(of)
         grade = claim.graded(figures)

@@ -31,9 +31,10 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from physim.contacts import Kind, Phase, touching
+from physim.analysis.metrics.walls import along_wall
+from physim.contacts import Kind, Phase, allowed_depth, touching
+from physim.errors import place_text
 from physim.geometry.motion import chord_velocity
 from physim.geometry.polygon import signed_area
 from physim.geometry.shapes import FloatArray
@@ -67,6 +68,8 @@ class Episode:
     """[N s] impulse of the first sample: the hit itself"""
     impulse: float
     """[N s] all that the two exchange: the hit and the pushing after it, until they are apart"""
+    place: tuple[float, float]
+    """[m] world frame, where it began"""
 
 
 @dataclass(frozen=True)
@@ -99,8 +102,20 @@ def contact_episodes(record: Record) -> tuple[Episode, ...]:
     ended = rows["phase"] == Phase.ENDED
     pair = (np.diff(rows["a"]) != 0) | (np.diff(rows["b"]) != 0)
     firsts = np.flatnonzero(pair | (np.diff(rows["step"]) > 1) | ended[:-1]) + 1
-    runs = [run for run in np.split(rows, firsts) if len(touching(run))]
-    episodes = [_episode(record, run) for run in runs]
+    episodes = []
+    for run in np.split(rows, firsts):
+        if not len(mine := touching(run)):
+            continue
+        a, b, step = (int(run[name][0]) for name in ("a", "b", "step"))
+        deepest = mine[int(np.argmax(mine["depth"]))]
+        episodes.append(
+            Episode(
+                a, b, b < record.robots, step, step * record.dt, len(mine),
+                float(deepest["depth"]), int(deepest["step"]),
+                float(run["impulse"][0]), float(run["impulse"].sum()),
+                (float(mine["x"][0]), float(mine["y"][0])),
+            )
+        )  # fmt: skip
     return tuple(sorted(episodes, key=lambda episode: (episode.step, episode.a, episode.b)))
 
 
@@ -114,15 +129,50 @@ def grazes(record: Record) -> tuple[Graze, ...]:
     )
 
 
-def _episode(record: Record, run: NDArray[np.void]) -> Episode:
-    a, b, step = int(run["a"][0]), int(run["b"][0]), int(run["step"][0])
-    rows = touching(run)
-    deepest = rows[int(np.argmax(rows["depth"]))]
-    return Episode(
-        a, b, b < record.robots, step, step * record.dt, len(rows),
-        float(deepest["depth"]), int(deepest["step"]),
-        float(run["impulse"][0]), float(run["impulse"].sum()),
-    )  # fmt: skip
+@dataclass(frozen=True)
+class Deep:
+    """A pair of bodies that sank into each other by more than `physim.contacts.allowed_depth`."""
+
+    a: int
+    """body ids, a < b"""
+    b: int
+    time: float
+    """[s] of the first sample deeper than allowed"""
+    allowed: float
+    """[m]"""
+    depth: float
+    """[m] greatest depth"""
+    depth_time: float
+    """[s] of the greatest depth"""
+    place: tuple[float, float]
+    """[m] world frame, where it is deepest"""
+    along: str
+    """where along a wall, `physim.analysis.metrics.walls.along_wall`; empty between robots"""
+
+    def sentence(self, names: Sequence[str]) -> str:
+        """Who, where, when, how deep, and what it means; ``names`` by body id."""
+        where = self.along.removeprefix("at ") or place_text(*self.place, 4)
+        return (
+            f"NOT PHYSICAL from {self.time:.2f} s on: {names[self.a]} and {names[self.b]} sink "
+            f"into each other by up to {1e3 * self.depth:.1f} mm (at {self.depth_time:.2f} s, "
+            f"{where}); allowed are {1e3 * self.allowed:.0f} mm. The engine could "
+            "not hold them apart: their motion from then on is not physical."
+        )
+
+
+def deep_contacts(record: Record) -> tuple[Deep, ...]:
+    """Contacts too deep to be true, a pair each, by time: the engine could not hold them apart."""
+    rows, allowed = touching(record.contacts), allowed_depth(record.shapes, record.dt)
+    rows = rows[rows["depth"] > allowed]
+    found = []
+    for a, b in np.unique(np.stack((rows["a"], rows["b"]), 1), axis=0).tolist():
+        mine = rows[(rows["a"] == a) & (rows["b"] == b)]
+        worst = mine[int(np.argmax(mine["depth"]))]
+        place = (float(worst["x"]), float(worst["y"]))
+        begins, at = (int(step) * record.dt for step in (mine["step"].min(), worst["step"]))
+        where = along_wall(record, b, place)
+        found.append(Deep(a, b, begins, allowed, float(worst["depth"]), at, place, where))
+    return tuple(sorted(found, key=lambda one: (one.time, one.a, one.b)))
 
 
 @dataclass(frozen=True)
@@ -161,7 +211,10 @@ def severity(
     if mass is None:
         return Severity(closing, sliding, None, None)
     changes = tuple(episode.impact / float(mass[i]) for i in (a, b) if i < record.robots)
-    energy = 0.5 * (1.0 - _elasticity(record)) * episode.impact * closing
+    physics = record.world_settings.get("physics")
+    given = physics.get("elasticity") if isinstance(physics, dict) else None
+    elasticity = given if isinstance(given, int | float) else 0.0
+    energy = 0.5 * (1.0 - elasticity) * episode.impact * closing
     return Severity(closing, sliding, changes, energy)
 
 
@@ -206,32 +259,20 @@ def point_velocity(
     if body >= record.robots or step == 0:
         return np.zeros(2)
     before, now = record.pose_at(step - 1)[body], record.pose_at(step)[body]
-    vx, vy, omega = _before_impact(record, body, step, (now - before) / record.dt, before, held)
+    moved = (now - before) / record.dt
+    rows = touching(record.contacts_over(step - 1, step))
+    touched = body in rows["a"] or body in rows["b"]
+    if not touched and (held is not None or "updates" in record.tables):
+        if held is None:
+            v, omega = record.commands_over("applied", step - 1, step)[0, body].tolist()
+        else:
+            v, omega = held(body, step - 1)
+        wanted = np.array((*chord_velocity(float(before[2]), v, omega, record.dt), omega))
+        if moved @ wanted < (wanted @ wanted) * (1.0 - STOPPED):
+            moved = wanted  # it was stopped within the step
+    vx, vy, omega = moved
     x, y = point[0] - now[0], point[1] - now[1]
     return np.array((vx - omega * y, vy + omega * x))
-
-
-def _before_impact(
-    record: Record,
-    body: int,
-    step: int,
-    moved: FloatArray,
-    before: FloatArray,
-    held: Held | None,
-) -> FloatArray:
-    """Velocity (3,) of a robot up to an impact within a step in which it ``moved`` (3,) by less."""
-    rows = touching(record.contacts_over(step - 1, step))
-    if body in rows["a"] or body in rows["b"]:
-        return moved
-    if held is None:
-        if "updates" not in record.tables:
-            return moved
-        v, omega = record.commands_over("applied", step - 1, step)[0, body].tolist()
-    else:
-        v, omega = held(body, step - 1)
-    wanted = np.array((*chord_velocity(float(before[2]), v, omega, record.dt), omega))
-    is_stopped = moved @ wanted < (wanted @ wanted) * (1.0 - STOPPED)
-    return wanted if is_stopped else moved
 
 
 def first_row(record: Record, episode: Episode) -> np.void:
@@ -239,9 +280,3 @@ def first_row(record: Record, episode: Episode) -> np.void:
     rows = touching(record.contacts_over(episode.step, episode.step + 1))
     found: np.void = rows[(rows["a"] == episode.a) & (rows["b"] == episode.b)][0]
     return found
-
-
-def _elasticity(record: Record) -> float:
-    physics = record.world_settings.get("physics")
-    value = physics.get("elasticity") if isinstance(physics, dict) else None
-    return float(value) if isinstance(value, int | float) else 0.0

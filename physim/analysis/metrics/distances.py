@@ -20,7 +20,7 @@ from physim.analysis.metrics.progress import blocks
 from physim.errors import PhysimError
 from physim.geometry.corridor import SIDES, width_spacing, widths_at
 from physim.geometry.queries import collision_times as times_of_pair
-from physim.geometry.shapes import FloatArray, IntArray
+from physim.geometry.shapes import FloatArray, IntArray, body_parts
 from physim.record import Record
 
 MOST_DISTANCES = 100_000
@@ -48,26 +48,12 @@ def farthest_pair(record: Record) -> Moment | None:
 
 def shortest_collision_time(record: Record) -> Moment | None:
     """Shortest collision time at a decision, (11) [s] (Figs. 3, 6). None if none was seen."""
-    times = record.column("collision_time", absent=np.nan)
-    times = np.where(np.isnan(times), np.inf, times)
+    times = np.nan_to_num(record.column("collision_time", absent=np.inf), nan=np.inf, posinf=np.inf)
     if not np.isfinite(times).any():
         return None
-    return _at(record, record.updates[int(np.argmin(times))], "collision_time")
-
-
-def collision_times(record: Record) -> Series | None:
-    """Least collision time (11) [s] at each step with decisions, over all robots (Figs. 3, 6).
-
-    Time (K,) of the steps, values (K,); inf where the decisions saw no collision coming. None where
-    the controller reports no collision times.
-    """
-    rows = record.updates
-    if np.isnan(record.column("collision_time", absent=np.nan)).all():
-        return None
-    steps, place = np.unique(rows["step"], return_inverse=True)
-    least = np.full(len(steps), np.inf)
-    np.fmin.at(least, place, rows["collision_time"])
-    return Series(steps * record.dt, least)
+    row = record.updates[k := int(np.argmin(times))]
+    step = int(row["step"])
+    return Moment(float(times[k]), step, step * record.dt, int(row["robot"]))
 
 
 def pair_distances(record: Record, most: int = MOST_DISTANCES) -> tuple[Series, IntArray]:
@@ -106,11 +92,6 @@ def _nearest(record: Record, value: str, step: str, other: str) -> Moment | None
     return Moment(float(row[value]), at, at * record.dt, who, int(row[other]))
 
 
-def _at(record: Record, row: np.void, value: str) -> Moment:
-    step = int(row["step"])
-    return Moment(float(row[value]), step, step * record.dt, int(row["robot"]))
-
-
 HORIZON = 10.0
 """[s] Later collisions are not looked for."""
 MOST_TIMES = 400_000
@@ -129,11 +110,14 @@ def pair_collision_times(record: Record, horizon: float = HORIZON) -> tuple[Seri
     if not len(steps) or not len(pairs):
         return Series(np.zeros(0), np.zeros(0)), np.zeros((0, 2))
     steps = steps[:: -(-len(steps) * len(pairs) // MOST_TIMES)]
-    twist = _commands(record, steps)
-    pose = record.pose[np.searchsorted(record.steps, steps)]
-    shapes = record.shapes
+    twist = np.zeros((len(steps), record.robots, 2))
+    for begin, end in blocks(record):
+        mine = slice(*np.searchsorted(steps, (begin, end)))
+        if mine.start < mine.stop:
+            twist[mine] = record.commands_over("applied", begin, end)[steps[mine] - begin]
+    pose, shapes = record.pose[np.searchsorted(record.steps, steps)], record.shapes
+    reach = np.abs(twist[:, :, 0]) * horizon + shapes.radius
     least, who = np.full(len(steps), np.inf), np.zeros((len(steps), 2))
-    reach = _reach(record, twist, horizon)
     for i, j in pairs:
         gap = np.hypot(*(pose[:, i, :2] - pose[:, j, :2]).T)
         near = np.flatnonzero(gap <= reach[:, i] + reach[:, j])
@@ -157,22 +141,6 @@ def shortest_pair_collision_time(record: Record, horizon: float = HORIZON) -> Mo
     k = int(np.argmin(least))
     a, b = (int(i) for i in who[k])
     return Moment(float(least[k]), round(float(time[k]) / record.dt), float(time[k]), a, b)
-
-
-def _commands(record: Record, steps: IntArray) -> FloatArray:
-    """Applied commands (K, N, 2) over the steps that begin at the samples (K,), increasing."""
-    twist = np.zeros((len(steps), record.robots, 2))
-    for first, last in blocks(record):
-        mine = slice(*np.searchsorted(steps, (first, last)))
-        if mine.start < mine.stop:
-            twist[mine] = record.commands_over("applied", first, last)[steps[mine] - first]
-    return twist
-
-
-def _reach(record: Record, twist: FloatArray, horizon: float) -> FloatArray:
-    """How far (K, N) [m] from its position any point of a robot comes within the horizon."""
-    radius = record.shapes.radius
-    return np.asarray(np.abs(twist[:, :, 0]) * horizon + radius)
 
 
 class Width(NamedTuple):
@@ -243,10 +211,8 @@ def sides_of(record: Record) -> tuple[tuple[FloatArray, FloatArray] | None, Floa
 
 
 def _segments(record: Record, body: int) -> FloatArray:
-    walls, k = record.walls, body - record.robots
     found = []
-    for part in range(walls.body_start[k], walls.body_start[k + 1]):
-        points = walls.vertices[walls.part_start[part] : walls.part_start[part + 1]]
+    for points in body_parts(record.walls, body - record.robots):
         ends = points[1:] if len(points) == 2 else np.roll(points, -1, axis=0)
         found.append(np.hstack((points[: len(ends)], ends)))
     return np.concatenate(found) if found else np.zeros((0, 4))

@@ -7,14 +7,15 @@ from functools import cached_property
 from typing import TypeVar
 
 from physim.analysis.metrics.contacts import (
+    Deep,
     Episode,
     Graze,
     Severity,
     contact_episodes,
+    deep_contacts,
     grazes,
     severest,
 )
-from physim.analysis.metrics.deep import Deep, deep_contacts
 from physim.analysis.metrics.distances import (
     Width,
     corridor_width,
@@ -23,8 +24,7 @@ from physim.analysis.metrics.distances import (
     shortest_collision_time,
     shortest_distance,
 )
-from physim.analysis.metrics.metric import DangerShare, Metric, Moment, Series
-from physim.analysis.metrics.modes import danger_shares
+from physim.analysis.metrics.metric import Metric, Moment, Series
 from physim.analysis.metrics.motion import (
     AveragedSpeeds,
     averaged_speeds,
@@ -82,8 +82,6 @@ class Figures:
     """Robots that have not arrived, `Absent`"""
     active_steps: cached_property[IntArray] = _shared(active_steps)
     """(N,) steps until each robot was at its stop station for good"""
-    danger: cached_property[tuple[DangerShare, ...]] = _shared(danger_shares)
-    """`DangerShare` of each robot"""
     averaged: cached_property[AveragedSpeeds] = _shared(averaged_speeds)
     """`AveragedSpeeds` over 10 s"""
     formation_errors: cached_property[FloatArray | None] = _shared(sampled_errors)

@@ -52,17 +52,6 @@ class Place:
     robot: int
 
 
-@dataclass(frozen=True)
-class DangerShare:
-    """How much of its active time a robot was in danger mode (Fig. 8); None without decisions."""
-
-    robot: int
-    decisions: float | None
-    """[-] share of its decisions"""
-    time: float | None
-    """[-] share of its time: each decision weighs as long as it held"""
-
-
 class Series(NamedTuple):
     """A figure over time."""
 
@@ -94,9 +83,7 @@ class Metric:
     """A metric of one run."""
 
     name: str
-    """in the registry"""
     unit: str
-    """of the value"""
     value: bool | int | float
     time: float | None = None
     """[s] when the value was taken, where it was at a moment"""
@@ -110,14 +97,15 @@ class Metric:
     @classmethod
     def of(cls, definition: Definition, run: Figures) -> Metric | None:
         """Take a metric of a run; None where it has no meaning."""
-        found = definition.find(run)
-        if found is None:
-            return None
-        name, unit = definition.name, definition.unit
-        if isinstance(found, Moment):
-            return cls(name, unit, found.value, time=found.time, bodies=found.bodies)
-        if isinstance(found, Place):
-            return cls(name, unit, found.value, station=found.station, bodies=(found.robot,))
-        if isinstance(found, Each):
-            return cls(name, unit, found.value, robots=found.robots)
-        return cls(name, unit, found)
+        found, (name, unit) = definition.find(run), (definition.name, definition.unit)
+        match found:
+            case None:
+                return None
+            case Moment():
+                return cls(name, unit, found.value, time=found.time, bodies=found.bodies)
+            case Place():
+                return cls(name, unit, found.value, station=found.station, bodies=(found.robot,))
+            case Each():
+                return cls(name, unit, found.value, robots=found.robots)
+            case _:
+                return cls(name, unit, found)

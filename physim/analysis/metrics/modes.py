@@ -1,6 +1,6 @@
 """Decisions: shares of safe and danger mode, switches between them (Fig. 8), and their cost (14).
 
-The cost is counted in updates, messages and collision times computed.
+The cost is counted in decisions, messages and collision times computed.
 """
 
 from __future__ import annotations
@@ -8,7 +8,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from physim.analysis.metrics.metric import DangerShare, Each
+from physim.analysis.metrics.metric import Each
 from physim.analysis.metrics.progress import (
     Rows,
     active_decisions,
@@ -24,36 +24,16 @@ SPAN = np.dtype([("robot", "<i4"), ("mode", "i1"), ("begin", "<f8"), ("end", "<f
 """A stretch of time [s] in which a robot's decisions all had one mode."""
 
 
-def danger_shares(record: Record) -> tuple[DangerShare, ...]:
-    """Share of danger mode of each robot, by decisions and by time (Fig. 8).
+def share_of_modes(record: Record, danger: bool) -> Each | None:
+    """Share of danger or of safe mode by active time [-], of all robots together and of each.
 
-    Danger is every mode that the controller declares as such; decisions of a robot at its stop
-    station, or that gave no mode, do not count at all. Without such modes every share is None.
+    Danger is every mode that the controller declares as such; each decision weighs as long as it
+    held. None where it declares none, and where no decision of a robot under way gave a mode.
     """
     rows, held = _with_mode(record)
-    none = Each(0.0, (None,) * record.robots)
-    by_decisions = _danger_share(record, rows, np.ones(len(rows))) or none
-    by_time = _danger_share(record, rows, held) or none
-    pairs = zip(by_decisions.robots, by_time.robots, strict=True)
-    return tuple(DangerShare(i, *pair) for i, pair in enumerate(pairs))
-
-
-def danger_time_share(record: Record) -> float | None:
-    """Share of danger mode of all robots together, by active time [-].
-
-    None where the controller declares no mode of danger, and where no decision gave a mode.
-    """
-    share = _danger_share(record, *_with_mode(record))
-    return None if share is None else share.value
-
-
-def share_of_modes(record: Record, danger: bool) -> Each | None:
-    """Share of danger or of safe mode by time [-], of all robots together and of each."""
-    share = _danger_share(record, *_with_mode(record))
-    if share is None or danger:
-        return share
-    each = (None if one is None else 1.0 - one for one in share.robots)
-    return Each(1.0 - share.value, tuple(each))
+    found = is_danger(record, rows) == danger
+    total = np.bincount(rows["robot"], held, record.robots)
+    return ratio(np.bincount(rows["robot"], held * found, record.robots), total)
 
 
 def mode_switches(record: Record) -> Each | None:
@@ -65,27 +45,25 @@ def mode_switches(record: Record) -> Each | None:
     rows, _ = _with_mode(record)
     if not len(rows):
         return None
-    count = np.zeros(record.robots)
-    for robot in range(record.robots):
-        mine = rows[rows["robot"] == robot]
-        count[robot] = np.count_nonzero(np.diff(is_danger(record, mine)))
+    rows = rows[np.argsort(rows["robot"], kind="stable")]
+    changes = np.diff(is_danger(record, rows)) & (np.diff(rows["robot"]) == 0)
+    count = np.bincount(rows["robot"][1:][changes], minlength=record.robots)
     return ratio(count, active_time(record) / 60.0)
 
 
 def mode_spans(record: Record) -> NDArray[np.void]:
     """Stretches of one mode, rows of `SPAN`, by robot and time; they fill the run (Fig. 8)."""
     end = record.steps_run * record.dt
-    spans = []
+    spans = [np.zeros(0, SPAN)]
     for robot, rows in enumerate(rows_of_robots(record)):
-        if not len(rows):
-            continue
-        first = np.flatnonzero(np.concatenate(([True], np.diff(rows["mode"]) != 0)))
+        first = np.flatnonzero(np.diff(rows["mode"], prepend=np.int8(-2)) != 0)
         mine = np.zeros(len(first), SPAN)
         mine["robot"], mine["mode"] = robot, rows["mode"][first]
         mine["begin"] = rows["step"][first] * record.dt
-        mine["end"] = np.append(mine["begin"][1:], max(end, float(mine["begin"][-1])))
+        mine["end"][:-1] = mine["begin"][1:]
+        mine["end"][-1:] = np.maximum(end, mine["begin"][-1:])
         spans.append(mine)
-    return np.concatenate(spans) if spans else np.zeros(0, SPAN)
+    return np.concatenate(spans)
 
 
 def is_danger(record: Record, rows: Rows) -> NDArray[np.bool_]:
@@ -104,12 +82,6 @@ def _with_mode(record: Record) -> tuple[Rows, FloatArray]:
     return rows[given], held[given]
 
 
-def _danger_share(record: Record, rows: Rows, weight: FloatArray) -> Each | None:
-    """Share of danger mode in decisions of these weights."""
-    total = np.bincount(rows["robot"], weight, record.robots)
-    return ratio(np.bincount(rows["robot"], weight * is_danger(record, rows), record.robots), total)
-
-
 def decisions(record: Record) -> int | None:
     """Number of decisions of all robots; None where they were not recorded."""
     return len(record.updates) if "updates" in record.tables else None
@@ -117,7 +89,7 @@ def decisions(record: Record) -> int | None:
 
 def messages(record: Record) -> int | None:
     """Messages that the decisions needed: one for each considered robot and decision, (14)."""
-    return None if decisions(record) is None else int(record.updates["considered"].sum())
+    return int(record.updates["considered"].sum()) if "updates" in record.tables else None
 
 
 def evaluations(record: Record) -> int | None:
@@ -128,17 +100,8 @@ def evaluations(record: Record) -> int | None:
     return int(total) if np.isfinite(count).any() and np.isfinite(total) else None
 
 
-def filtered_steps(record: Record) -> int:
-    """Robot-steps over which the filtered command differs from the nominal one."""
-    return _differing(record, "nominal", "filtered")
-
-
-def disturbed_steps(record: Record) -> int:
-    """Robot-steps over which the applied command differs from the filtered one."""
-    return _differing(record, "filtered", "applied")
-
-
-def _differing(record: Record, one: str, other: str) -> int:
+def differing_steps(record: Record, one: str, other: str) -> int:
+    """Robot-steps over which the commands of two stages differ."""
     rows = record.commands  # at every step at which any stage differs from another
     differ = rows[f"{one}_v"] != rows[f"{other}_v"]
     return int((differ | (rows[f"{one}_omega"] != rows[f"{other}_omega"])).sum())

@@ -14,24 +14,27 @@ from typing import Any, NamedTuple
 import numpy as np
 from scipy.sparse.csgraph import connected_components
 
-from physim.analysis.metrics.held import Held
 from physim.analysis.metrics.metric import Each, Moment, Series
 from physim.analysis.metrics.progress import (
     GRID,
     active_samples,
     active_steps,
+    blocks,
     check_positive,
     ratio,
     samples_over_time,
     spacing,
 )
-from physim.analysis.metrics.travelled import looked_at, travelled
 from physim.errors import RecordError
 from physim.geometry.shapes import FloatArray
 from physim.record import Record
 
 WINDOW = 10.0
 """[s] window of averaged speeds (paper)"""
+MOST_PAIRS = 30_000_000
+"""Pairs of robots and moments that `formation_energy` looks at, about: bounds its time."""
+RANGE = 10.0
+"""[m] `range` of a formation that does not give it (paper)"""
 
 
 class AveragedSpeeds(NamedTuple):
@@ -84,8 +87,7 @@ def _root_mean_square(values: FloatArray, steps: Any, spans: Any) -> Each | None
     mean = ratio(square.sum(axis=0), (steps * np.ones(first.shape)).sum(axis=0))
     if mean is None:
         return None
-    each = (None if one is None else sqrt(one) for one in mean.robots)
-    return Each(sqrt(mean.value), tuple(each))
+    return Each(sqrt(mean.value), tuple(None if x is None else sqrt(x) for x in mean.robots))
 
 
 def mean_speed(record: Record) -> float | None:
@@ -97,59 +99,51 @@ def mean_speed(record: Record) -> float | None:
     for rows in (record.updates, record.commands):
         np.minimum.at(begins, rows["robot"], rows["step"])
     distance = total = 0.0
-    held = Held(record)
-    for robot in range(record.robots):
-        at, applied = held.stretches(robot, begins[robot : robot + 1], ends[robot : robot + 1])
-        counts = (at[:-1] >= begins[robot]) & (at[:-1] < ends[robot])
-        steps = np.diff(at) * counts
-        distance += float(applied[:, 0] @ steps)
-        total += float(steps.sum())
+    for first, last in blocks(record):
+        steps = np.arange(first, last)[:, None]
+        counts = (steps >= begins) & (steps < ends)
+        distance += float(record.commands_over("applied", first, last)[counts, 0].sum())
+        total += float(counts.sum())
     return distance / total if total > 0 else None
 
 
 def averaged_speeds(record: Record, window: float = WINDOW, every: float = GRID) -> AveragedSpeeds:
     """Speeds averaged over ``window`` [s] about each moment (Figs. 1c, 7b, 7c).
 
-    As the robots moved (`physim.analysis.metrics.travelled`): the distance along the heading and
-    the turn between the ends of the window, over its length. Defined where the whole window lies
-    before the robot is at its stop station. Raises PhysimError for a window or spacing that is not
-    positive.
+    As the samples show the robots to have moved: chords between samples, lengthened to arcs, along
+    the heading in their middle; of a record with samples far apart they are approximate. Defined
+    where the whole window lies before the robot is at its stop station, and samples are no farther
+    apart than it is long. Raises PhysimError for a window or spacing that is not positive.
     """
     check_positive("window", window)
     end, every = record.steps_run * record.dt, spacing(record, every)
-    count = int((end - window) / every + 1e-9) + 1 if end >= window - 1e-9 else 0
-    if record.samples < 2 or not count:
-        return AveragedSpeeds(np.zeros(0), *np.zeros((2, 0, record.robots)))
-    middle: FloatArray = window / 2.0 + every * np.arange(float(count))
-    ends = middle - window / 2.0, middle + window / 2.0
-    steps = looked_at(record, ends)
-    courses = travelled(record, steps)
-    forward, rotational = (np.full((len(middle), record.robots), np.nan) for _ in range(2))
-    arrival = active_steps(record) * record.dt
-    for i in range(record.robots):
-        whole = ends[1] <= min(arrival[i], end) + 1e-9
-        for out, course in zip((forward, rotational), courses, strict=True):
-            first, last = (np.interp(one[whole], steps * record.dt, course[:, i]) for one in ends)
-            out[whole, i] = (last - first) / window
-    return AveragedSpeeds(middle, forward, rotational)
+    sampled = record.samples > 1 and record.record_every * record.dt <= window
+    count = int((end - window) / every + 1e-9) + 1 if sampled and end >= window - 1e-9 else 0
+    begins: FloatArray = every * np.arange(float(count))
+    found = np.full((2, count, record.robots), np.nan)
+    arrival = np.minimum(active_steps(record) * record.dt, end) + 1e-9
+    for i in range(record.robots if count else 0):
+        whole = begins[begins + window <= arrival[i]]
+        step, half = np.diff(record.pose[:, i, :2], axis=0).T, np.diff(record.pose[:, i, 2]) / 2.0
+        middle = record.pose[:-1, i, 2] + half
+        arc = np.sinc(np.minimum(np.abs(half) / np.pi, 0.5))  # beyond half a turn no chord tells
+        along = (step[0] * np.cos(middle) + step[1] * np.sin(middle)) / arc
+        for k, course in enumerate((np.append(0.0, np.cumsum(along)), record.pose[:, i, 2])):
+            first, last = (np.interp(at, record.time, course) for at in (whole, whole + window))
+            found[k, : len(whole), i] = (last - first) / window
+    return AveragedSpeeds(begins + window / 2.0, *found)
 
 
 def averaged_extreme(
-    time: FloatArray, values: FloatArray, dt: float, largest: bool
+    speeds: AveragedSpeeds, values: FloatArray, dt: float, largest: bool
 ) -> Moment | None:
     """Largest or smallest of the averaged speeds (K, N) of robots."""
     if not np.isfinite(values).any():
         return None
     place = int(np.nanargmax(values) if largest else np.nanargmin(values))
     k, robot = np.unravel_index(place, values.shape)
-    at = float(time[k])
+    at = float(speeds.time[k])
     return Moment(float(values[k, robot]), round(at / dt), at, int(robot))
-
-
-MOST_PAIRS = 30_000_000
-"""Pairs of robots and moments that `formation_energy` looks at, about: bounds its time."""
-RANGE = 10.0
-"""[m] `range` of a formation that does not give it (paper)"""
 
 
 def has_formation(record: Record) -> bool:
@@ -230,16 +224,6 @@ def formation_parts(record: Record, every: float = GRID) -> Series | None:
     return Series(found.time, np.full(len(found.time), float(count)))
 
 
-def _stations(record: Record, every: float) -> Series | None:
-    """Stations (K, N) [m] on s* of a run with a formation, at moments that bound the time."""
-    check_positive("every", every)
-    if not has_formation(record) or not record.samples:
-        return None
-    moments = record.steps_run * record.dt / every + 1.0
-    every *= max(1.0, np.ceil(moments * record.robots**2 / MOST_PAIRS))
-    return samples_over_time(record, record.course[:, :, 2], every)
-
-
 def sampled_energy(record: Record) -> Series | None:
     """Formation energy W as in `formation_energy`, but at the samples, the last one among them.
 
@@ -250,6 +234,16 @@ def sampled_energy(record: Record) -> Series | None:
     every = -(-record.samples * record.robots**2 // MOST_PAIRS)
     rows = np.append(np.arange(0, record.samples - 1, every), record.samples - 1)
     return Series(record.time[rows], _energies(record, record.course[rows, :, 2]))
+
+
+def _stations(record: Record, every: float) -> Series | None:
+    """Stations (K, N) [m] on s* of a run with a formation, at moments that bound the time."""
+    check_positive("every", every)
+    if not has_formation(record) or not record.samples:
+        return None
+    moments = record.steps_run * record.dt / every + 1.0
+    every *= max(1.0, np.ceil(moments * record.robots**2 / MOST_PAIRS))
+    return samples_over_time(record, record.course[:, :, 2], every)
 
 
 def _energies(record: Record, station: FloatArray) -> FloatArray:

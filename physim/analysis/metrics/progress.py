@@ -9,18 +9,16 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from itertools import pairwise
 from typing import Any
 
 import numpy as np
-import shapely
 from numpy.typing import NDArray
 
 from physim.analysis.metrics.metric import Each, Series
 from physim.errors import PhysimError
 from physim.geometry.shapes import FloatArray, IntArray
 from physim.record import Record
-from physim.simulation.arrival import STILL_TIME, most_beside, still_distances, still_steps
+from physim.simulation.arrival import STILL_TIME, most_beside, still_distances
 from physim.tolerances import LENGTH
 
 Rows = NDArray[np.void]
@@ -39,10 +37,21 @@ MOST_COMMANDS = 500_000
 
 def active_decisions(record: Record) -> tuple[Rows, FloatArray]:
     """Decisions of robots that are not at their stop station, and the steps that each held."""
-    rows = record.updates
-    rows = rows[~_at_stop(record, rows)]
+    rows, least = record.updates, record.stop_station - arrival_tolerance(record)
+    rows = rows[rows["station"] < least[rows["robot"]]]
     until = np.minimum(rows["next_step"], record.steps_run)
     return rows, np.maximum(until - rows["step"], 0).astype(np.float64)
+
+
+def active_time(record: Record) -> FloatArray:
+    """(N,) [s] that the decisions of each robot held before it was at its stop station."""
+    rows, held = active_decisions(record)
+    return np.asarray(np.bincount(rows["robot"], held, record.robots) * record.dt)
+
+
+def active_samples(record: Record) -> NDArray[np.bool_]:
+    """(K, N) whether each robot is not at its stop station at each sample."""
+    return np.asarray(record.course[:, :, 0] < record.stop_station - arrival_tolerance(record))
 
 
 def active_steps(record: Record) -> IntArray:
@@ -54,26 +63,22 @@ def active_steps(record: Record) -> IntArray:
     """
     if not record.samples:
         return np.asarray(np.where(record.arrived >= 0, record.arrived, record.steps_run))
-    station, least = record.course[:, :, 0], record.stop_station - arrival_tolerance(record)
-    away = active_samples(record)
-    last = np.where(away.any(axis=0), record.samples - 1 - np.argmax(away[::-1], axis=0), -1)
-    steps = np.where(last < 0, 0, record.steps_run)
-    (robots,) = np.nonzero((last >= 0) & (last < record.samples - 1))
+    away, least = active_samples(record), record.stop_station - arrival_tolerance(record)
+    found = np.full(record.robots, record.steps_run)
     decisions = rows_of_robots(record)
-    for i in robots.tolist():
-        rows, k = decisions[i], last[i]
-        rows = rows[(rows["step"] > record.steps[k]) & (rows["step"] < record.steps[k + 1])]
-        at = np.concatenate((record.steps[k : k + 1], rows["step"], record.steps[k + 1 : k + 2]))
-        known = np.concatenate((station[k : k + 1, i], rows["station"], station[k + 1 : k + 2, i]))
-        j = int(np.flatnonzero(known < least[i])[-1])
-        share = (least[i] - known[j]) / (known[j + 1] - known[j])
-        steps[i] = at[j] + np.ceil(share * (at[j + 1] - at[j]) - 1e-9)
-    return np.asarray(steps)
-
-
-def active_samples(record: Record) -> NDArray[np.bool_]:
-    """(K, N) whether each robot is not at its stop station at each sample."""
-    return np.asarray(record.course[:, :, 0] < record.stop_station - arrival_tolerance(record))
+    for i in range(record.robots):
+        samples = np.flatnonzero(away[:, i])[-1:]
+        if not len(samples):
+            found[i] = 0
+        elif (k := int(samples[0])) < record.samples - 1:
+            rows, ends = decisions[i], slice(k, k + 2)
+            rows = rows[(rows["step"] > record.steps[k]) & (rows["step"] < record.steps[k + 1])]
+            at = np.insert(record.steps[ends], 1, rows["step"])
+            known = np.insert(record.course[ends, i, 0], 1, rows["station"])
+            j = int(np.flatnonzero(known < least[i])[-1])
+            share = (least[i] - known[j]) / (known[j + 1] - known[j])
+            found[i] = at[j] + np.ceil(share * (at[j + 1] - at[j]) - 1e-9)
+    return found
 
 
 def finished(record: Record) -> bool:
@@ -93,13 +98,12 @@ def stop_distance(record: Record) -> Each | None:
     """
     if not finished(record):
         return None
-    paths = zip(pairwise(record.paths.start), record.stop_station.tolist(), strict=True)
-    stops = [
-        shapely.line_interpolate_point(shapely.LineString(record.paths.points[a:b]), station)
-        for (a, b), station in paths
-    ]
-    away = np.hypot(*(record.pose[-1, :, :2] - shapely.get_coordinates(stops)).T)
-    return Each(float(away.max()), tuple(away.tolist()))
+    lines, away = record.paths, []
+    for i, station in enumerate(record.stop_station):
+        mine = slice(*lines.start[i : i + 2])
+        stop = [np.interp(station, lines.station[mine], xy) for xy in lines.points[mine].T]
+        away.append(float(np.hypot(*(record.pose[-1, i, :2] - stop))))
+    return Each(max(away), tuple(away))
 
 
 @dataclass(frozen=True)
@@ -131,22 +135,19 @@ class Absent:
             return f"{name} is at its stop station, but has not stood there for {STILL_TIME:g} s"
         else:
             return f"{name} still moves at its stop station"
-        off, where = self._off(), f"{away} m {side} its stop station"
+        off = [f"{self.beside:.1f} m off its path"] if self.beside > ASTRAY else []
+        if self.turned > BACKWARDS:
+            off.append(f"turned {self.turned:.0f}° from its direction")
+        lies = f": it is {' and '.join(off)}" if off else ""
+        where = f"{away} m {side} its stop station"
         if self.stands:
-            return f"{name} stands {where} (tolerance {allowed} m){off}"
-        return f"{name} still moves, {where}{off}"
+            return f"{name} stands {where} (tolerance {allowed} m){lies}"
+        return f"{name} still moves, {where}{lies}"
 
     @property
     def is_astray(self) -> bool:
         """Whether it is so far off its path, or so turned, that it does not follow it."""
         return self.beside > ASTRAY or self.turned > BACKWARDS
-
-    def _off(self) -> str:
-        """How a robot that no longer follows its path lies to it; empty for others."""
-        where = [f"{self.beside:.1f} m off its path"] if self.beside > ASTRAY else []
-        if self.turned > BACKWARDS:
-            where.append(f"turned {self.turned:.0f}° from its direction")
-        return f": it is {' and '.join(where)}" if where else ""
 
 
 def _lengths(away: float, allowed: float) -> tuple[str, str]:
@@ -161,78 +162,37 @@ def absent(record: Record) -> tuple[Absent, ...]:
     """Robots that have not arrived at the end of the run, by index; none of a run without poses."""
     if not record.samples:
         return ()
-    still = _stood(record)
-    station, tolerance = last_stations(record), arrival_tolerance(record)
-    room = most_beside(record.shapes, record.course[0, :, 1])
-    found = []
+    stands, tolerance = _stood(record), arrival_tolerance(record)
+    room, lines, found = most_beside(record.shapes, record.course[0, :, 1]), record.paths, []
     for i in np.flatnonzero(record.arrived < 0).tolist():
-        past, beside, turned = _astray(record, i, float(station[i]))
-        short = float(record.stop_station[i] - station[i]) - past
-        found.append(Absent(i, short, tolerance, bool(still[i]), beside, turned, float(room[i])))
+        mine, station = slice(*lines.start[i : i + 2]), float(record.course[-1, i, 0])
+        points, at = lines.points[mine], lines.station[mine]
+        k = int(np.clip(np.searchsorted(at, station, side="right") - 1, 0, len(at) - 2))
+        along = (points[k + 1] - points[k]) / (at[k + 1] - at[k])
+        x, y, heading = record.pose[-1, i]
+        way = (x, y) - points[k] - (station - at[k]) * along
+        past = max(float(way @ along), 0.0) if station >= at[-1] - LENGTH else 0.0
+        turned = (heading - np.arctan2(along[1], along[0]) + np.pi) % (2.0 * np.pi) - np.pi
+        found.append(
+            Absent(
+                i, float(record.stop_station[i]) - station - past, tolerance, bool(stands[i]),
+                float(np.hypot(*(way - past * along))), float(np.degrees(abs(turned))),
+                float(room[i]),
+            )
+        )  # fmt: skip
     return tuple(found)
 
 
 def _stood(record: Record) -> NDArray[np.bool_]:
-    """(N,) whether robots stood for the last `STILL_TIME`, by its samples.
+    """(N,) whether all samples since the last one before the final `STILL_TIME` show robots there.
 
-    Where none begins it, samples being far apart: no sample since the one before shows a robot
-    elsewhere, or none within it does and no more was commanded; of a shorter run the share of it.
+    Samples may be far apart; a shorter run shows it from its start.
     """
     begin = record.time[-1] - STILL_TIME
-    first = int(np.searchsorted(record.time, begin - 1e-9))
-    off = record.pose[max(first - 1, 0) :, :, :2] - record.pose[-1, :, :2]
+    first = max(int(np.searchsorted(record.time, begin + 1e-9, side="right")) - 1, 0)
+    off = record.pose[first:, :, :2] - record.pose[-1, :, :2]
     most = still_distances(record.shapes.radius[: record.robots])
-    near = np.hypot(*off.transpose(2, 0, 1)) <= most
-    within = near[min(first, 1) :].all(axis=0)
-    if record.time[first] <= begin + 1e-9:
-        return np.asarray(within)
-    last, steps = record.steps_run, still_steps(record.dt)
-    applied = record.commands_over("applied", max(0, last - steps), last)
-    commanded = np.abs(applied[:, :, 0]).sum(axis=0) * record.dt
-    idle = commanded <= most * min(last, steps) / steps
-    return np.asarray((within & idle) | (near.all(axis=0) & (first > 0)))
-
-
-def _astray(record: Record, robot: int, station: float) -> tuple[float, float, float]:
-    """How far [m] a robot is at the end past its path, whose nearest point has this station, and
-    beside it, and how it is turned [deg]."""
-    lines = record.paths
-    a, b = lines.start[robot : robot + 2]
-    points, at = lines.points[a:b], lines.station[a:b]
-    k = int(np.clip(np.searchsorted(at, station, side="right") - 1, 0, len(at) - 2))
-    along = (points[k + 1] - points[k]) / (at[k + 1] - at[k])
-    x, y, heading = record.pose[-1, robot]
-    way = (x, y) - points[k] - (station - at[k]) * along
-    past = max(float(way @ along), 0.0) if station >= at[-1] - LENGTH else 0.0
-    beside = np.hypot(*(way - past * along))
-    turned = abs((heading - np.arctan2(along[1], along[0]) + np.pi) % (2.0 * np.pi) - np.pi)
-    return past, float(beside), float(np.degrees(turned))
-
-
-def last_stations(record: Record) -> FloatArray:
-    """(N,) [m] station of each robot on its own path at the last sample.
-
-    The nearest point of the path, no farther along it from the station of the robot's last decision
-    than the robot has moved since, since a path may pass near itself.
-    """
-    found = np.zeros(record.robots)
-    rows = dict(zip(record.updates["robot"][(last := last_decisions(record))], last, strict=True))
-    lines = record.paths
-    for i, (a, b) in enumerate(pairwise(lines.start)):
-        near, reach, points, at = 0.0, np.inf, lines.points[a:b], lines.station[a:b]
-        if i in rows:
-            row = record.updates[rows[i]]
-            first = int(np.searchsorted(record.steps, row["step"]))
-            moves = np.diff(record.pose[max(first - 1, 0) :, i, :2], axis=0)
-            near, reach = float(row["station"]), 1.0 + 2.0 * float(np.hypot(*moves.T).sum())
-        along = np.diff(points, axis=0)
-        here = record.pose[-1, i, :2] - points[:-1]
-        share = np.clip((here * along).sum(axis=1) / np.square(along).sum(axis=1), 0.0, 1.0)
-        station = at[:-1] + share * np.diff(at)
-        gap = np.hypot(*(here - share[:, None] * along).T)
-        gap[np.abs(station - near) > reach] = np.inf
-        found[i] = station[int(np.argmin(gap))] if np.isfinite(gap).any() else near
-    return found
+    return np.asarray((np.hypot(*off.transpose(2, 0, 1)) <= most).all(axis=0))
 
 
 def arrival_tolerance(record: Record) -> float:
@@ -244,12 +204,6 @@ def arrival_tolerance(record: Record) -> float:
     from physim.world import Arrival
 
     return Arrival().tolerance
-
-
-def active_time(record: Record) -> FloatArray:
-    """(N,) [s] that the decisions of each robot held before it was at its stop station."""
-    rows, held = active_decisions(record)
-    return np.asarray(np.bincount(rows["robot"], held, record.robots) * record.dt)
 
 
 def ratio(part: NDArray[Any], whole: NDArray[Any]) -> Each | None:
@@ -265,6 +219,13 @@ def last_decisions(record: Record) -> IntArray:
     robots = record.updates["robot"]
     _, from_end = np.unique(robots[::-1], return_index=True)
     return (len(robots) - 1 - from_end).astype(np.int64)
+
+
+def rows_of_robots(record: Record) -> list[Rows]:
+    """Decisions of each of the N robots, in the order of time."""
+    rows = record.updates
+    order = np.argsort(rows["robot"], kind="stable")
+    return np.split(rows[order], np.searchsorted(rows["robot"][order], np.arange(1, record.robots)))
 
 
 def blocks(record: Record) -> Iterator[tuple[int, int]]:
@@ -286,8 +247,7 @@ def spacing(record: Record, every: float) -> float:
     Raises PhysimError unless it is positive.
     """
     check_positive("every", every)
-    duration = record.steps_run * record.dt
-    return max(every, duration * max(record.robots, 1) / MOST_MOMENTS)
+    return max(every, record.steps_run * record.dt * max(record.robots, 1) / MOST_MOMENTS)
 
 
 def grid(record: Record, every: float = GRID) -> FloatArray:
@@ -295,14 +255,6 @@ def grid(record: Record, every: float = GRID) -> FloatArray:
     every, end = spacing(record, every), record.steps_run * record.dt
     times: FloatArray = every * np.arange(float(int(end / every + 1e-9) + 1))
     return np.append(times, end) if end > times[-1] + 1e-9 else times
-
-
-def rows_of_robots(record: Record) -> list[Rows]:
-    """Decisions of each of the N robots, in the order of time."""
-    rows = record.updates
-    order = np.argsort(rows["robot"], kind="stable")
-    ends = np.searchsorted(rows["robot"][order], np.arange(record.robots + 1))
-    return [rows[order[a:b]] for a, b in zip(ends[:-1], ends[1:], strict=True)]
 
 
 def column_over_time(record: Record, name: str, every: float = GRID) -> Series:
@@ -330,9 +282,3 @@ def samples_over_time(record: Record, samples: FloatArray, every: float = GRID) 
         for robot in range(record.robots):
             values[:, robot] = np.interp(time, record.time, samples[:, robot])
     return Series(time, values)
-
-
-def _at_stop(record: Record, rows: Rows) -> NDArray[np.bool_]:
-    """Whether each decision was made at the stop station, less the tolerance."""
-    least = record.stop_station - arrival_tolerance(record)
-    return np.asarray(rows["station"] >= least[rows["robot"]])

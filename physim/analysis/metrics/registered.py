@@ -32,78 +32,6 @@ from physim.record import Record
 if TYPE_CHECKING:
     from physim.analysis.metrics.figures import Figures
 
-
-def checked_value(value: Any, record: Record) -> Found:
-    """A value in plain types. Raises ValueError, which says what was given and what is allowed."""
-    if value is None:
-        return None
-    if isinstance(value, Moment):
-        bodies, steps = len(record.bodies), record.steps_run
-        return Moment(
-            _number(value.value, "a Moment with value"),
-            _index(value.step, "a Moment at step", steps),
-            _number(value.time, "a Moment with time"),
-            _index(value.a, "a Moment of body", bodies - 1),
-            None if value.b is None else _index(value.b, "a Moment of body", bodies - 1),
-        )
-    if isinstance(value, Place):
-        return Place(
-            _number(value.value, "a Place with value"),
-            _number(value.station, "a Place with station"),
-            _index(value.robot, "a Place of robot", record.robots - 1),
-        )
-    if isinstance(value, Each):
-        return Each(_number(value.value, "an Each with value"), _robots(value.robots, record))
-    plain = _plain(value)
-    if isinstance(plain, bool | int | float):
-        return plain if isinstance(plain, bool) else _number(plain, "")
-    raise ValueError(
-        f"{kind_of(value)}; allowed: a number, true or false, Moment, Place, Each, or None"
-    )
-
-
-def _plain(value: Any) -> Any:
-    return value.item() if isinstance(value, np.generic) else value
-
-
-def _number(given: Any, what: str) -> Any:
-    """A finite number; whole ones stay whole."""
-    value = _plain(given)
-    if type(value) in (int, float) and -MOST <= value <= MOST:  # no subclass, which may do anything
-        return value
-    raise ValueError(f"{what} {_text(given)}; allowed: a finite number".strip())
-
-
-def _index(given: Any, what: str, last: int) -> int:
-    value = _plain(given)
-    if isinstance(value, int) and not isinstance(value, bool) and 0 <= value <= last:
-        return value
-    raise ValueError(f"{what} {_text(given)}; allowed: 0 to {last}")
-
-
-def _robots(given: Any, record: Record) -> tuple[float | None, ...]:
-    if not isinstance(given, tuple | list | np.ndarray):
-        raise ValueError(f"an Each whose robots are {kind_of(given)}; allowed: a tuple of numbers")
-    if len(given) != record.robots:
-        raise ValueError(f"an Each of {len(given)} robots; the record has {record.robots}")
-    found = []
-    for i, one in enumerate(given):
-        try:
-            found.append(None if one is None else _number(one, f"an Each with robots[{i}]"))
-        except ValueError as error:
-            raise ValueError(f"{error}, or None") from None
-    return tuple(found)
-
-
-def _text(value: Any) -> str:
-    try:
-        text = " ".join(repr(_plain(value)).split())
-    except Exception:  # of code that is not ours
-        return kind_of(value)
-    return text if len(text) <= 60 else kind_of(value)
-
-
-MOST = sys.float_info.max
 NAME = re.compile(r"[a-z][a-z0-9_]{0,39}")
 
 
@@ -118,14 +46,12 @@ class Registered(NamedTuple):
 
 def own_metrics(taken: Collection[str]) -> Registered:
     """Find the registered metrics; ``taken`` are names that they may not have."""
-    found: dict[str, Definition] = {}
-    faults = []
+    found, faults = {}, []
     for name in sorted({entry.name for entry in entry_points(group="physim.metrics")}):
         from physim.parts.registry import METRIC  # only here: it brings the models of worlds along
 
         try:
-            part = own_part(METRIC, name, taken)
-            found[name] = _definition(name, part)
+            found[name] = _definition(name, own_part(METRIC, name, taken))
         except PhysimError as error:
             faults.append(str(error))
     return Registered(found, tuple(faults))
@@ -168,18 +94,76 @@ def _definition(name: str, part: Any) -> Definition:
                 + (', "-" where there is none' if key != "definition" else "")
             )
     unit, meaning, source = (str(value) for value in texts.values())
-    return Definition(name, unit, meaning.rstrip("."), source, lambda run: _found(name, part, run))
+
+    def find(run: Figures) -> Found:
+        try:
+            value = asked(part.measure, "measure(record)", run.record)
+        except KeyboardInterrupt:
+            raise
+        except BaseException as error:
+            raise PhysimError(f'metric "{name}" fails: {broken_by(error)}') from None
+        try:
+            return _checked(value, run.record)
+        except ValueError as error:
+            raise PhysimError(f'metric "{name}" gives {error}') from None
+
+    return Definition(name, unit, meaning.rstrip("."), source, find)
 
 
-def _found(name: str, part: Any, run: Figures) -> Found:
-    """Value of the metric for a run, in plain types."""
-    try:
-        value = asked(part.measure, "measure(record)", run.record)
-    except KeyboardInterrupt:
-        raise
-    except BaseException as error:
-        raise PhysimError(f'metric "{name}" fails: {broken_by(error)}') from None
-    try:
-        return checked_value(value, run.record)
-    except ValueError as error:
-        raise PhysimError(f'metric "{name}" gives {error}') from None
+def _checked(value: Any, record: Record) -> Found:
+    """A value in plain types. Raises ValueError, which says what was given and what is allowed."""
+    if value is None or isinstance(value, bool | np.bool_):
+        return None if value is None else bool(value)
+    if isinstance(value, int | float | np.generic):
+        return _number("", value)
+    if not isinstance(value, Moment | Place | Each):
+        raise ValueError(
+            f"{kind_of(value)}; allowed: a number, true or false, Moment, Place, Each, or None"
+        )
+    bodies, what = len(record.bodies) - 1, f"{type(value).__name__} with "
+    last = {"step": record.steps_run, "a": bodies, "b": bodies, "robot": record.robots - 1}
+    plain: dict[str, Any] = {}
+    for name, one in vars(value).items():
+        if name == "robots":
+            plain[name] = _robots(what, one, record.robots)
+        elif name in last:
+            told = what + ("body" if name in "ab" else name)
+            plain[name] = None if (name, one) == ("b", None) else _index(told, one, last[name])
+        else:
+            plain[name] = _number(what + name, one)
+    made: Found = type(value)(**plain)
+    return made
+
+
+def _number(what: str, given: Any, more: str = "") -> int | float:
+    """A finite number; whole ones stay whole."""
+    value = given.item() if isinstance(given, np.generic) else given
+    most = sys.float_info.max
+    if type(value) in (int, float) and -most <= value <= most:  # no subclass, which may do anything
+        found: int | float = value
+        return found
+    raise ValueError(f"{what} {_text(value)}; allowed: a finite number{more}".strip())
+
+
+def _index(what: str, given: Any, last: int) -> int:
+    value = given.item() if isinstance(given, np.generic) else given
+    if type(value) is int and 0 <= value <= last:
+        return value
+    raise ValueError(f"{what} {_text(value)}; allowed: 0 to {last}")
+
+
+def _robots(what: str, given: Any, robots: int) -> tuple[float | None, ...]:
+    if not isinstance(given, tuple | list | np.ndarray) or len(given) != robots:
+        count = f"{len(given)} " if isinstance(given, tuple | list | np.ndarray) else "no tuple of "
+        raise ValueError(f"{what}{count}robots; the record has {robots}")
+    return tuple(
+        None if one is None else _number(f"{what}robots[{i}]", one, ", or None")
+        for i, one in enumerate(given)
+    )
+
+
+def _text(value: Any) -> str:
+    """A number or a text as it was given; of all else what it is."""
+    if type(value) is int and value.bit_length() > 200:
+        return kind_of(value)
+    return repr(value)[:60] if type(value) in (int, float, str) else kind_of(value)

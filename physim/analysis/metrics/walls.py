@@ -7,9 +7,8 @@ from typing import Any
 import numpy as np
 import shapely
 
-from physim.analysis.metrics.contacts import Episode, first_row
 from physim.analysis.metrics.distances import placed
-from physim.geometry.shapes import FloatArray
+from physim.geometry.shapes import FloatArray, body_parts
 from physim.record import Record
 from physim.world.walls import stretch_text
 
@@ -53,12 +52,6 @@ def nearest_points(record: Record, a: int, b: int, pose: FloatArray) -> FloatArr
     return np.asarray(shapely.get_coordinates(shapely.shortest_line(one, other)))
 
 
-def touched_wall(record: Record, episode: Episode) -> str:
-    """Where along a wall an episode of contact began, as `along_wall` says it."""
-    row = first_row(record, episode)
-    return along_wall(record, episode.b, (float(row["x"]), float(row["y"])))
-
-
 def farthest_between(record: Record, a: int, b: int, steps: tuple[int, int]) -> float:
     """Largest distance [m] of robot ``a`` to body ``b`` from one step to another.
 
@@ -74,8 +67,7 @@ def farthest_between(record: Record, a: int, b: int, steps: tuple[int, int]) -> 
 
 def _wall(record: Record, body: int) -> Any:
     """All parts of a boundary or obstacle as one shapely geometry."""
-    walls, k, parts = record.walls, body - record.robots, []
-    for part in range(walls.body_start[k], walls.body_start[k + 1]):
-        points = walls.vertices[walls.part_start[part] : walls.part_start[part + 1]]
-        parts.append(shapely.LineString(points) if len(points) == 2 else shapely.Polygon(points))
-    return shapely.GeometryCollection(parts)
+    parts = body_parts(record.walls, body - record.robots)
+    return shapely.GeometryCollection(
+        [shapely.LineString(one) if len(one) == 2 else shapely.Polygon(one) for one in parts]
+    )

@@ -1,21 +1,41 @@
-"""Worlds run, judged and checked: the one place at which the search asks for runs."""
+"""How safe a run was, as one number, its signed swept clearance [m]; and who runs and judges worlds
+for a search.
+
+It is the least of three figures of a record: the shortest distance of two robots, and that of a
+robot and a boundary or obstacle, over the samples of all physics steps, negative where shapes
+overlap, by their depth; and minus the depth of every contact between two samples, by exact
+geometry.
+
+So it is at most 0 if and only if something touched, at a sample or between two: contacts between
+samples are found without a miss, and the sign never errs. How deep a contact is the engine decides:
+of runs with contacts the worse is that whose severest contact closed faster (`Judged.aim`). The
+size may err to the high side, never to the low one. A gap that opens and closes within a step
+without contact is that of the nearer sample: too large by at most half of what the two travel in
+the step. The depth of a contact is that at its samples, after the engine has eased the two apart.
+"""
 
 from __future__ import annotations
 
 import tempfile
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from concurrent.futures import Executor, Future, TimeoutError
+from concurrent.futures import Executor, TimeoutError
+from dataclasses import dataclass, field
 from pathlib import Path
+from typing import NamedTuple
 
-from physim.campaigns.falsify.robustness import Judged, judged
-from physim.campaigns.one_run import one_line, ready
+import numpy as np
+
+from physim.analysis.metrics import Episode, Figures, Graze
+from physim.campaigns.one_run import never, one_line, ready
 from physim.campaigns.runner import POLL_SECONDS, begin
 from physim.campaigns.sources import Source, own_parts, provide, sources_of
 from physim.campaigns.spec import usual_limit
-from physim.campaigns.worker import Job, LostError, OverdueError
+from physim.campaigns.worker import Job, LostError, OverdueError, Stop
 from physim.errors import WorldError
 from physim.parts.controller import Controller
+from physim.parts.declarations import NO_NUMBER
 from physim.parts.registry import CONTROLLER, make_part
+from physim.record import Record
 from physim.simulation.loop import Simulation
 from physim.simulation.recorder import SaveAt
 from physim.simulation.run import record_run
@@ -23,76 +43,169 @@ from physim.world import World
 from physim.world.checks.check import check_world
 from physim.world.file import parse_world
 
+ROBOTS, WALL = "robots", "wall"
+"""Kinds of failure: two robots touch; a robot touches a boundary or an obstacle."""
+LEADS = (1 / 64, 1 / 32, 1 / 16, 1 / 8, 1 / 4, 1 / 2, 3 / 4)
+"""[-] of the time until the first contact: so long before it is each of the moments kept"""
+NEEDED = SaveAt(every=1, tables=("contacts", "updates"))  # severity is of single steps
+
+
+class Moment(NamedTuple):
+    """Where all robots were at a recorded sample."""
+
+    time: float
+    """[s]"""
+    poses: tuple[tuple[float, float, float], ...]
+    """[m, m, rad] of each robot"""
+
+
+class Touched(NamedTuple):
+    """The first contact of a run, at a sample or between two."""
+
+    kind: str
+    """`ROBOTS` or `WALL`"""
+    pair: tuple[str, str]
+    """names of the two bodies"""
+    time: float
+    """[s] of the first sample in contact, or of the sample after a contact between two"""
+    modes: tuple[str, str] = ("", "")
+    """names of the modes in which the two were by their last decisions; "" where there is none"""
+
+
+@dataclass(frozen=True)
+class Judged:
+    """What a run says about safety. One that broke off has a ``reason`` and no clearance."""
+
+    clearance: float | None
+    """[m] the signed swept clearance; None where the run broke off"""
+    pair: tuple[str, str] = ("", "")
+    """names of the two that came nearest, or overlapped most"""
+    time: float = 0.0
+    """[s] when they did"""
+    touched: Touched | None = None
+    """None where nothing touched"""
+    reason: str = ""
+    """why there was no run, or why it broke off: one line"""
+    before: tuple[Moment, ...] = field(default=(), compare=False)
+    """moments before the first contact, the last of them first"""
+    closing: float = field(default=0.0, compare=False)
+    """[m/s] closing speed of the severest contact; 0 without one, and of contacts between samples
+    alone"""
+    refused: bool = False
+    """the world was no world that can be run; otherwise the run broke off"""
+
+    @property
+    def failed(self) -> bool:
+        """Whether something touched."""
+        return self.touched is not None
+
+    @property
+    def aim(self) -> float | None:
+        """What a search makes least: the clearance [m]; of contacts, minus the closing speed [m/s].
+
+        None where the run broke off.
+        """
+        return -self.closing if self.failed else self.clearance
+
+
 Evaluate = Callable[[Sequence[World]], Iterable[Judged]]
 """Runs worlds and judges them, in their order. Whoever asks may look at the first few only. Raises
 `StoppedError`."""
-
-NEEDED = SaveAt(every=1, tables=("contacts", "updates"))  # severity is of single steps
+Accepts = Callable[[World], str]
+"""The first error of a world; empty where there is none."""
 
 
 class StoppedError(Exception):
     """The search was told to stop in the middle of a run."""
 
 
-def never() -> bool:
-    """Do not stop."""
-    return False
+def judged(record: Record) -> Judged:
+    """Judge a record that holds the contacts and extremes of a whole run."""
+    run, names = Figures(record), [body.name for body in record.bodies]
+    touches: list[Episode | Graze] = [*run.episodes, *run.grazes]
+    near = (one for one in (run.nearest, run.nearest_wall) if one is not None)
+    found = [(one.value, one.time, one.a, one.b or 0) for one in near]
+    found += [(-one.depth, one.time, one.a, one.b) for one in run.grazes]
+    # touching within the contact tolerance is touching, though the distance may be above 0
+    found += [(0.0, one.time, one.a, one.b) for one in touches]
+    if not found:
+        return Judged(float("inf"))
+    value, time, a, b = min(found)
+    if not touches:
+        return Judged(value, (names[a], names[b]), time)
+    first = min(touches, key=lambda one: (one.step, one.a, one.b))
+    touched = Touched(
+        ROBOTS if first.robots else WALL, (names[first.a], names[first.b]), first.time,
+        (_mode(record, first.a, first.step), _mode(record, first.b, first.step)),
+    )  # fmt: skip
+    wanted = [first.step - max(1, round(share * first.step)) for share in LEADS]
+    rows = np.searchsorted(record.steps, wanted, side="right") - 1
+    before = tuple(
+        Moment(at * record.dt, tuple((x, y, h) for x, y, h in record.pose_at(at).tolist()))
+        for at in dict.fromkeys(record.steps[rows].tolist())
+        if at > 0
+    )
+    closing = 0.0 if run.severest is None else run.severest[1].closing
+    return Judged(value, (names[a], names[b]), time, touched, before=before, closing=closing)
+
+
+def _mode(record: Record, body: int, step: int) -> str:
+    """Name of the mode of a body's last decision before a step; "" where it made none."""
+    rows = record.updates[: int(np.searchsorted(record.updates["step"], step))]
+    mine = rows["mode"][rows["robot"] == body]
+    return "" if not len(mine) or mine[-1] == NO_NUMBER else record.modes[mine[-1]].name
 
 
 def controller_of(world: World) -> Controller:
     """The controller that a world names: whoever read the world trusted it."""
-    made: Controller = make_part(
-        CONTROLLER, world.controller.type, world.controller.settings, trusted=True
-    )
+    choice = world.controller
+    made: Controller = make_part(CONTROLLER, choice.type, choice.settings, trusted=True)
     return made
 
 
-def judge_world(world: World, stop: Callable[[], bool] = never) -> Judged:
+def judge_world(world: World, stop: Stop = never) -> Judged:
     """Run a world in this process and judge the run; raises StoppedError when ``stop`` says so."""
     try:
         simulation = Simulation(world, controller=controller_of(world))
-    except WorldError as error:
-        return Judged(None, reason=one_line(error), refused=True)
-    except KeyboardInterrupt:
-        raise
-    except BaseException as error:
-        return Judged(None, reason=one_line(error))
-    try:
         with record_run(simulation, save=NEEDED, stop=stop) as record:
             if record.ended == "interrupted":
                 raise StoppedError
             return judged(record)
     except (StoppedError, KeyboardInterrupt):
         raise
-    except BaseException as error:
-        return Judged(None, reason=one_line(error))
+    except BaseException as error:  # what a controller of one's own may raise
+        return Judged(None, reason=one_line(error), refused=isinstance(error, WorldError))
 
 
-def in_this_process(stop: Callable[[], bool] = never) -> Evaluate:
+def in_this_process(stop: Stop = never) -> Evaluate:
     """Evaluate worlds one after the other."""
-
-    def evaluate(worlds: Sequence[World]) -> Iterator[Judged]:
-        return (judge_world(world, stop) for world in worlds)
-
-    return evaluate
+    return lambda worlds: (judge_world(world, stop) for world in worlds)
 
 
-def by_executor(executor: Executor, world: World, stop: Callable[[], bool] = never) -> Evaluate:
+def by_executor(executor: Executor, world: World, stop: Stop = never) -> Evaluate:
     """Evaluate worlds by the workers of an executor; a run that one of them does not survive, or
     that takes too long, is one that broke off. All have controller and stages of ``world``."""
-    sources = sources_of(own_parts(world))
+    sources, limit = sources_of(own_parts(world)), usual_limit(world)
 
     def evaluate(worlds: Sequence[World]) -> Iterator[Judged]:
-        futures = [
-            begin(
-                executor,
-                Job("a run", judge_text, (world.to_yaml(), sources), usual_limit(world), ready),
-            )
-            for world in worlds
-        ]
+        given = ((one.to_yaml(), sources) for one in worlds)
+        jobs = (Job("a run", judge_text, one, limit, ready) for one in given)
+        futures = [begin(executor, job) for job in jobs]
         try:
             for future in futures:
-                yield _result(future, stop)
+                while True:
+                    try:
+                        found: Judged | None = future.result(timeout=POLL_SECONDS)
+                        break
+                    except TimeoutError:
+                        if stop():
+                            raise StoppedError from None
+                    except (LostError, OverdueError) as error:
+                        found = Judged(None, reason=one_line(error))
+                        break
+                if found is None:
+                    raise StoppedError
+                yield found
         finally:
             for future in futures:
                 future.cancel()
@@ -100,34 +213,13 @@ def by_executor(executor: Executor, world: World, stop: Callable[[], bool] = nev
     return evaluate
 
 
-def judge_text(
-    text: str, sources: Sequence[Source], stop: Callable[[], bool] = never
-) -> Judged | None:
+def judge_text(text: str, sources: Sequence[Source], stop: Stop = never) -> Judged | None:
     """Run a world that is given as text, in a worker; None when it was stopped."""
     provide(sources)
     try:
         return judge_world(parse_world(text, check_controller=False), stop)
     except StoppedError:
         return None
-
-
-def _result(future: Future[Judged | None], stop: Callable[[], bool]) -> Judged:
-    while True:
-        try:
-            found = future.result(timeout=POLL_SECONDS)
-        except TimeoutError:
-            if stop():
-                raise StoppedError from None
-            continue
-        except (LostError, OverdueError) as error:
-            return Judged(None, reason=one_line(error))
-        if found is None:
-            raise StoppedError
-        return found
-
-
-Accepts = Callable[[World], str]
-"""The first error of a world; empty where there is none."""
 
 
 def accepted(controller: str | None = None) -> Accepts:

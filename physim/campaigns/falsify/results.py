@@ -11,12 +11,14 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
-from physim.campaigns.falsify.evaluate import StoppedError, controller_of, never
-from physim.campaigns.falsify.robustness import Judged, judged
+from physim.analysis.validation import Validation
+from physim.analysis.validation.told import sentences, wrapped
+from physim.campaigns.falsify.evaluate import Judged, StoppedError, controller_of, judged
 from physim.campaigns.falsify.search import Hunt
 from physim.campaigns.falsify.shrink import Shrunk, size_of
 from physim.campaigns.falsify.space import Space
-from physim.errors import PhysimError
+from physim.campaigns.one_run import never
+from physim.errors import PhysimError, plural
 from physim.escaping import escaped
 from physim.record import Record
 from physim.simulation.loop import Simulation
@@ -31,19 +33,16 @@ WORST, FOUND, RECORD, VIDEO, STORY = FILES = (
 )  # fmt: skip
 """The worst world, shrunk where it fails; that world before it was shrunk; its run, its film, and
 a paragraph about it."""
-COLUMNS = 98
 
 
 def headline(result: Judged) -> str:
     """What happens, in a line: who touch when, or how near who come."""
     if result.touched is not None:
-        one, other = result.touched.pair
-        return f"{one} and {other} touch at {result.touched.time:.2f} s"
-    one, other = result.pair
-    if not one:
+        return f"{' and '.join(result.touched.pair)} touch at {result.touched.time:.2f} s"
+    if not any(result.pair):
         return "nothing comes near anything"
-    return f"nothing touches; {one} and {other} come within {result.clearance:.4g} m at " \
-           f"{result.time:.2f} s"  # fmt: skip
+    pair, within = " and ".join(result.pair), f"{result.clearance:.4g} m at {result.time:.2f} s"
+    return f"nothing touches; {pair} come within {within}"
 
 
 def named(world: World, file: str) -> World:
@@ -58,14 +57,9 @@ def write_world(
 
     ``said`` are further lines of the head. Raises PhysimError where it cannot be written.
     """
-    named = ["--controller", controller] if controller and ":" in controller else []
-    run = shlex.join(["physim", "run", str(path), *named])
-    head = headline(result)
-    lines = [
-        f"{head[:1].upper() if head.startswith('nothing') else head[:1]}{head[1:]}.",
-        *said,
-        f"To see it: {run}",
-    ]
+    own = ["--controller", controller] if controller and ":" in controller else []
+    run = shlex.join(["physim", "run", str(path), *own])
+    lines = (f"{headline(result)}.".replace("nothing", "Nothing", 1), *said, f"To see it: {run}")
     head = "".join(f"# {escaped(line)}\n" for line in lines)
     write_atomically(path, head + world.to_yaml())
 
@@ -98,28 +92,46 @@ def run_written(
     return record
 
 
+def story(record: Record, found: Validation) -> str:
+    """What a record shows, ending in a newline: its first contact, or where two came nearest.
+
+    ``found`` is its validation.
+    """
+    touches = sorted((*found.contacts, *found.grazes), key=lambda one: one.time)
+    said = [f"{headline(judged(record)).replace('nothing', 'Nothing', 1)}."]
+    if touches:
+        said = sentences(touches[0], found.names)
+        if more := len(touches) - 1:
+            after = found.run.seconds - touches[0].time
+            said.append(f"{plural(more, 'more contact')} in the {after:.2f} s after it.")
+    return "\n".join(wrapped(" ".join(said), "", "")) + "\n"
+
+
 def found_text(found: Hunt) -> str:
     """What the search found, what it had to leave out, and what that means."""
-    lines = []
+    lines, worst = [], found.judged
     if found.stopped:
         lines.append(f"interrupted after {found.runs} of {found.budget} runs")
-    if found.judged is not None and found.failed:
-        hard = f", the severest contact at {found.judged.closing:.2f} m/s"
+    if worst is not None and worst.failed:
+        hard = f", the severest contact at {worst.closing:.2f} m/s"
         times = f"; {found.failures} of {found.runs} runs failed" if found.failures > 1 else ""
-        lines.append(f"failure in run {found.run}: {headline(found.judged)}{hard}{times}")
-    elif found.judged is not None:
-        pair = " and ".join(found.judged.pair)
+        lines.append(f"failure in run {found.run}: {headline(worst)}{hard}{times}")
+    elif worst is not None:
         lines.append(
-            f"no failure in {found.runs} runs; least clearance {found.judged.clearance:.4g} m "
-            f"({pair} at {found.judged.time:.2f} s, run {found.run}), of the world itself "
-            f"{found.first:.4g} m. This is no proof that there is none."
+            f"no failure in {found.runs} runs; least clearance {worst.clearance:.4g} m "
+            f"({' and '.join(worst.pair)} at {worst.time:.2f} s, run {found.run}), of the world "
+            f"itself {found.first:.4g} m. This is no proof that there is none."
         )
     if found.repaired:
-        lines.append(f"{found.repaired} of {found.runs} starts or settings were moved to where "
-                     "they are allowed before they were run")  # fmt: skip
+        lines.append(
+            f"{found.repaired} of {found.runs} starts or settings were moved to where they are "
+            "allowed before they were run"
+        )
     if found.refused or found.broken:
-        lines.append(f"{found.refused} worlds refused and {found.broken} runs broken off, which "
-                     f"count as nothing; the first: {found.reason}")  # fmt: skip
+        lines.append(
+            f"{found.refused} worlds refused and {found.broken} runs broken off, which count as "
+            f"nothing; the first: {found.reason}"
+        )
     return "".join(f"{line}\n" for line in lines)
 
 
@@ -139,7 +151,7 @@ def shrunk_text(found: Hunt, shrunk: Shrunk) -> str:
 
 def found_json(space: Space, found: Hunt, shrunk: Shrunk | None, told: str) -> str:
     """What was found, as values; lengths [m], times [s], angles [rad]."""
-    tree: dict[str, Any] = {
+    tree = {
         "format": "physim-falsify",
         "version": 1,
         "world": space.world.name,
@@ -158,33 +170,29 @@ def found_json(space: Space, found: Hunt, shrunk: Shrunk | None, told: str) -> s
         "worst_by_run": found.history,
         "worst": None if found.judged is None else _values(found.judged),
         "worst_run": found.run,
-        "shrunk": None,
-        "story": told.strip(),
-    }
-    if shrunk is not None:
-        tree["shrunk"] = {
+        "shrunk": None
+        if shrunk is None
+        else {
             "runs": shrunk.runs,
             "taken": shrunk.taken,
             "to_the_end": shrunk.is_least,
             "worst": _values(shrunk.judged),
-        }
+        },
+        "story": told.strip(),
+    }
     return json.dumps(tree, indent=2, ensure_ascii=False) + "\n"
 
 
 def _values(judged: Judged) -> dict[str, Any]:
     """A judged run; distances [m], times [s]."""
-    touched = judged.touched
+    touched = None
+    if judged.touched is not None:
+        kind, pair, time, modes = judged.touched
+        touched = {"kind": kind, "pair": pair, "time_s": time, "modes": modes}
     return {
         "clearance_m": judged.clearance,
         "closing_speed_m_per_s": judged.closing if judged.failed else None,
         "pair": judged.pair,
         "time_s": judged.time,
-        "touched": None
-        if touched is None
-        else {
-            "kind": touched.kind,
-            "pair": touched.pair,
-            "time_s": touched.time,
-            "modes": touched.modes,
-        },
+        "touched": touched,
     }

@@ -1,4 +1,9 @@
-"""The search itself: generation after generation, until a failure or the end of the budget.
+"""The search: generation after generation, until a failure or the end of the budget.
+
+Where to look next is found by CMA-ES in the unit box, or points are drawn at random. CMA-ES
+(Hansen, The CMA evolution strategy: a tutorial, 2016; package ``cma``) learns from the clearances
+of each generation where the next is to lie. It begins at the world itself; where it has converged
+it begins anew at a random point.
 
 Runs count in the order in which they were asked for, whoever did them: where one of a generation
 fails, those behind it are as though never made. So the result depends on world, bounds, seed and
@@ -7,15 +12,118 @@ budget alone.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+import contextlib
+import math
+import warnings
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
+from typing import Any, Protocol
 
-from physim.campaigns.falsify.evaluate import Accepts, Evaluate, StoppedError, never
-from physim.campaigns.falsify.optimisers import Evolution, RandomSearch, Search
-from physim.campaigns.falsify.robustness import Judged
+import numpy as np
+
+from physim.campaigns.falsify.evaluate import Accepts, Evaluate, Judged, StoppedError
 from physim.campaigns.falsify.space import Drawn, Space
+from physim.campaigns.one_run import never
+from physim.drawing.plots.loading import load_matplotlib
 from physim.errors import PhysimError
+from physim.geometry.shapes import FloatArray
+from physim.randomness import stream
 from physim.world import World
+
+SIGMA = 0.3
+"""[-] share of each range by which the first generation spreads"""
+WORST = 1e6
+"""[m] what a world counts in the search that could not be judged; it is never a result"""
+FLAT = 1e-4
+"""[m] Where clearances differ by less from generation to generation the search has converged."""
+NARROW = 1e-6
+"""[-] It has, too, where it spreads by less than this share of each range."""
+MOST_JOINT = 60
+"""Numbers up to which CMA-ES learns how they belong together, which takes their number squared."""
+GENERATION = 16
+"""Points drawn at random at a time"""
+
+
+class Search(Protocol):
+    """Asks for points and is told what came of them."""
+
+    def ask(self) -> list[FloatArray]:
+        """Return the points (D,) of the next generation, each number in [0, 1]."""
+        ...
+
+    def tell(self, values: Sequence[float | None]) -> None:
+        """Take `Judged.aim` of the generation; None for what could not be judged."""
+        ...
+
+
+class RandomSearch:
+    """Points spread evenly over the box, whatever came of others."""
+
+    def __init__(self, base: FloatArray, seed: int) -> None:
+        self._random = stream(seed, "random search", 0)
+        self._size = len(base)
+
+    def ask(self) -> list[FloatArray]:
+        """Return a generation."""
+        return list(self._random.random((GENERATION, self._size)))
+
+    def tell(self, values: Sequence[float | None]) -> None:
+        """Nothing is learnt."""
+
+
+class Evolution:
+    """CMA-ES, begun anew where it has converged."""
+
+    def __init__(self, base: FloatArray, seed: int) -> None:
+        self._random = stream(seed, "evolution", 0)
+        self._size = len(base)
+        self._points: list[FloatArray] = []
+        with _silent():
+            self._begin(base)
+
+    def _begin(self, point: FloatArray) -> None:
+        load_matplotlib()  # as physim does, before cma imports it for its own plots
+        import cma
+
+        # it takes no single number: then another stands beside it that does nothing
+        start = np.append(point, 0.5) if self._size == 1 else point
+        options = {
+            "bounds": [0.0, 1.0],
+            "randn": lambda *shape: self._random.standard_normal(shape),
+            "seed": math.nan,  # none: all that is drawn is drawn by randn
+            "verbose": -9,
+            "verb_log": 0,
+            "tolfun": FLAT,
+            "tolfunhist": FLAT,
+            "tolx": NARROW,
+            "CMA_diagonal": self._size > MOST_JOINT,
+        }
+        self._strategy: Any = cma.CMAEvolutionStrategy(
+            np.clip(start, 0.02, 0.98).tolist(), SIGMA, options
+        )
+
+    def ask(self) -> list[FloatArray]:
+        """Return a generation."""
+        with _silent():
+            if self._strategy.stop():
+                self._begin(self._random.random(self._size))
+            self._points = [np.asarray(point) for point in self._strategy.ask()]
+        return [point[: self._size] for point in self._points]
+
+    def tell(self, values: Sequence[float | None]) -> None:
+        """Learn from a whole generation; of a part of one nothing is learnt."""
+        if len(values) < len(self._points):
+            return
+        known = [WORST if value is None or not math.isfinite(value) else value for value in values]
+        with _silent():
+            self._strategy.tell([point.tolist() for point in self._points], known)
+
+
+@contextlib.contextmanager
+def _silent() -> Iterator[None]:
+    with warnings.catch_warnings(), contextlib.redirect_stdout(None):
+        warnings.simplefilter("ignore")
+        yield
 
 
 @dataclass
@@ -58,6 +166,31 @@ class Hunt:
         """Whether the search has come to its end."""
         return self.runs >= self.budget or (self.failed and not whole_budget)
 
+    def take(self, one: Drawn, result: Judged, accepts: Accepts) -> float | None:
+        """Count a run; its `Judged.aim`, None where it says nothing.
+
+        Only what a check accepts is kept.
+        """
+        self.runs += 1
+        self.repaired += one.repaired
+        aim, reason = result.aim, result.reason
+        is_worse = aim is not None and (self.judged is None or aim < (self.judged.aim or 0.0))
+        if aim is not None and (result.failed or is_worse):
+            reason = accepts(one.world)
+        if aim is None or result.clearance is None or reason:
+            is_refused = result.refused or aim is not None
+            self.refused += is_refused
+            self.broken += not is_refused
+            self.reason = self.reason or reason
+            return None
+        self.failures += result.failed
+        if is_worse:
+            self.world, self.judged, self.run = one.world, result, self.runs
+            self.history.append((self.runs, result.clearance, result.closing))
+        if self.first is None:
+            self.first = aim
+        return aim
+
 
 def hunt(
     space: Space,
@@ -81,64 +214,21 @@ def hunt(
     def judge(drawn: list[Drawn]) -> list[float | None]:
         if stop():
             raise StoppedError
-        drawn = drawn[: budget - found.runs]
+        drawn, values = drawn[: budget - found.runs], []
         results = evaluate([one.world for one in drawn])
-        return _take(found, drawn, results, accepts, whole_budget, progress)
+        for one, result in zip(drawn, results, strict=True):
+            values.append(found.take(one, result, accepts))
+            progress(found)
+            if found.over(whole_budget):
+                break
+        return values
 
     try:
         if judge([Drawn(space.world, False)])[0] is None:
             raise PhysimError(f"the world itself cannot be judged: {found.reason}")
-        search = _search(space, seed, at_random)
+        search: Search = (RandomSearch if at_random else Evolution)(space.base, seed)
         while not found.over(whole_budget):
             search.tell(judge([space.at(point) for point in search.ask()]))
     except StoppedError:
         found.stopped = True
     return found
-
-
-def _search(space: Space, seed: int, at_random: bool) -> Search:
-    return RandomSearch(space.base, seed) if at_random else Evolution(space.base, seed)
-
-
-def _take(
-    found: Hunt,
-    drawn: list[Drawn],
-    results: Iterable[Judged],
-    accepts: Accepts,
-    whole_budget: bool,
-    progress: Callable[[Hunt], None],
-) -> list[float | None]:
-    """Count the runs of a generation in their order; what the search makes least."""
-    values: list[float | None] = []
-    for one, result in zip(drawn, results, strict=True):
-        found.runs += 1
-        found.repaired += one.repaired
-        values.append(_counted(found, one.world, result, accepts))
-        if found.first is None:
-            found.first = values[-1]
-        progress(found)
-        if found.over(whole_budget):
-            break
-    return values
-
-
-def _counted(found: Hunt, world: World, result: Judged, accepts: Accepts) -> float | None:
-    """`Judged.aim` of a run; None where it says nothing. Only what a check accepts is kept."""
-    aim = result.aim
-    if aim is None or result.clearance is None:
-        found.refused += result.refused
-        found.broken += not result.refused
-        found.reason = found.reason or result.reason
-        return None
-    is_worse = found.judged is None or aim < (found.judged.aim or 0.0)
-    if result.failed or is_worse:
-        reason = accepts(world)
-        if reason:
-            found.refused += 1
-            found.reason = found.reason or reason
-            return None
-    found.failures += result.failed
-    if is_worse:
-        found.world, found.judged, found.run = world, result, found.runs
-        found.history.append((found.runs, result.clearance, result.closing))
-    return aim

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from math import pi
 from typing import Any, NamedTuple
@@ -10,7 +10,6 @@ from typing import Any, NamedTuple
 import numpy as np
 import shapely
 
-from physim.campaigns.falsify.starts import Starts, pinned
 from physim.errors import PhysimError, plural
 from physim.geometry.shapes import FloatArray
 from physim.parts.registry import (
@@ -23,6 +22,9 @@ from physim.parts.registry import (
 )
 from physim.parts.world_checks import robot_faults, world_faults
 from physim.world import Robot, World
+from physim.world.layout.layout import lay_out
+from physim.world.layout.places import Occupancy
+from physim.world.scene import Layout
 
 POSE, HEADING, SPEED, SETTINGS = KINDS = ("pose", "heading", "speed", "settings")
 """What can be varied."""
@@ -37,12 +39,98 @@ SLOWEST = 0.5
 FACTOR = 2.0
 """[-] A setting without two bounds of its own goes from its value over this to its value times
 this, as far as its one bound allows."""
-PROBES = (1.0 + 1e-3, 1.0 - 1e-3)
-"""[-] A setting that can be changed by neither alone is tied to others, and stays."""
+PROBE = 1e-3
+"""[-] A setting that cannot be changed by this share alone is tied to others, and stays."""
 HALVINGS = 20
 """of the span in which the least limit that the controller takes is looked for"""
-SHARES = (0.75, 0.5, 0.25)
-"""[-] of the way from its value in the world to the one asked for that a setting is tried at"""
+GAP = 0.3
+"""[m] that starts keep from all else at least, where the world itself keeps it"""
+SLACK = 1e-9
+"""[m] by which a gap that is kept may be smaller, so that the start as written is within bounds"""
+SHARES = (1.0, 0.75, 0.5, 0.25)
+"""[-] of the way from what the world has to what is asked for that starts and settings are tried
+at"""
+
+
+class Starts:
+    """Where N robots of a world may start: each at its own gap from all, in its own region.
+
+    ``base`` (N, 3) are their starts in the world [m, m, rad], ``free`` the polygons that must hold
+    their footprints. A robot keeps `GAP`, or as much as it has at the base where that is less.
+    """
+
+    def __init__(self, laid: Layout, regions: Sequence[shapely.Geometry | None]) -> None:
+        self.base = np.array(laid.start)
+        self._footprints = laid.footprints
+        self._walls = [
+            *(shapely.LineString(line) for line in laid.boundaries.values()),
+            *(shapely.Polygon(ring) for ring in laid.obstacles),
+        ]
+        area = laid.area.polygon
+        self.free = [area if one is None else shapely.intersection(area, one) for one in regions]
+        for one in self.free:
+            shapely.prepare(one)
+        self.gap = np.zeros(len(self.base))
+        standing, gap = self._standing(self.base), self.gap.copy()
+        for i, pose in enumerate(self.base):
+            standing.leave([i])
+            gap[i] = max(0.0, min(GAP, self._room(standing, i, pose)) - SLACK)
+            standing.stand(i, pose, 0.0)
+        self.gap = gap
+
+    def _standing(self, poses: FloatArray) -> Occupancy:
+        occupied = Occupancy(self._footprints, self._walls)
+        for i, pose in enumerate(poses):
+            occupied.stand(i, pose, float(self.gap[i]))
+        return occupied
+
+    def _room(self, standing: Occupancy, i: int, pose: FloatArray) -> float:
+        return float(standing.room(i, pose[None], self.free[i], float(self.gap[i]))[0])
+
+    def fit(self, poses: FloatArray) -> bool:
+        """Whether robots may start at poses (N, 3)."""
+        standing = self._standing(poses)
+        for i, pose in enumerate(poses):
+            standing.leave([i])
+            if self._room(standing, i, pose) < 0.0:
+                return False
+            standing.stand(i, pose, float(self.gap[i]))
+        return True
+
+    def repaired(self, poses: FloatArray) -> tuple[FloatArray, bool]:
+        """Poses (N, 3) at which robots may start, and whether they are others than those given.
+
+        Where these do not fit, each robot in turn goes as far towards its own as there is room
+        beside those before it and the starts in the world of those after it.
+        """
+        if self.fit(poses):
+            return poses, False
+        standing, found = self._standing(self.base), self.base.copy()
+        for i, (base, wanted) in enumerate(zip(self.base, poses, strict=True)):
+            standing.leave([i])
+            tried = (base + share * (wanted - base) for share in SHARES)
+            found[i] = next((p for p in tried if self._room(standing, i, p) >= 0.0), base)
+            standing.stand(i, found[i], float(self.gap[i]))
+        return found, True
+
+
+def starts_of(world: World) -> Starts:
+    """Where the robots of a world may start, its own starts first. Raises WorldError."""
+    return Starts(lay_out(world), [None] * len(world.robots))
+
+
+def pinned(world: World, seed: int | None = None) -> tuple[World, Layout]:
+    """The world with each robot by itself at the pose where ``seed`` puts it, and its layout.
+
+    Without ``seed`` the world's own. Groups become robots one by one. Raises WorldError where the
+    world cannot be run.
+    """
+    laid = lay_out(world, seed)
+    robots = tuple(
+        robot.model_copy(update={"pose": tuple(pose), "start": None})
+        for robot, pose in zip(laid.world.robots, laid.start.tolist(), strict=True)
+    )
+    return laid.world.changed(robots=robots, start=None), laid
 
 
 class Tunable(NamedTuple):
@@ -67,33 +155,38 @@ class Settings:
         self._world, choice = world, world.controller
         self._part = find_part(CONTROLLER, choice.type, trusted=True)
         self.given = dict(choice.settings)
-        self.varied = tuple(
-            one for one in self._numbers() if any(self._moves(one, probe) for probe in PROBES)
-        )
+        self.varied = tuple(one for one in self._numbers() if self._moves(one))
 
-    def _numbers(self) -> list[Tunable]:
+    def _numbers(self) -> Iterator[Tunable]:
         model = settings_model(self._part)
         made, faults = checked_settings(self._part, self.given, ())
         if model is None or made is None or faults:
-            return []
-        found = []
+            return
         for key, field in model.model_fields.items():
             value = getattr(made, key)
             if type(value) not in (int, float) or not value:
                 continue  # of 0 there is neither half nor double
-            low, high = declared_bounds(field.metadata)
-            if low is None or high is None:
-                ends = sorted((value / FACTOR, value * FACTOR))
-                low = ends[0] if low is None else max(low, ends[0])
-                high = ends[1] if high is None else min(high, ends[1])
-            found.append(Tunable(key, float(value), low, high, type(value) is int))
-        return found
+            lows, highs = (
+                [
+                    float(x)
+                    for m in field.metadata
+                    for n in names
+                    if (x := getattr(m, n, None)) is not None
+                ]
+                for names in (("ge", "gt"), ("le", "lt"))
+            )
+            if not (lows and highs):
+                low, high = sorted((value / FACTOR, value * FACTOR))
+                lows, highs = [*lows, low], [*highs, high]
+            yield Tunable(key, float(value), max(lows), min(highs), type(value) is int)
 
-    def _moves(self, one: Tunable, probe: float) -> bool:
-        moved = one.base + (1 if probe > 1.0 else -1) if one.whole else one.base * probe
-        return one.low <= moved <= one.high and self._are_valid({one.key: one.value(moved)})
+    def _moves(self, one: Tunable) -> bool:
+        """Whether it can be changed alone, a little up or down; others stay as they are."""
+        step = 1.0 if one.whole else PROBE * one.base
+        near = (one.base + step, one.base - step)
+        return any(one.low <= at <= one.high and self._fit({one.key: one.value(at)}) for at in near)
 
-    def _are_valid(self, changed: Mapping[str, Any]) -> bool:
+    def _fit(self, changed: Mapping[str, Any]) -> bool:
         """Whether the controller takes settings, and the world and its robots beside them."""
         settings, name = {**self.given, **changed}, self._world.controller.type
         made, faults = checked_settings(self._part, settings, ())
@@ -112,68 +205,39 @@ class Settings:
 
         Where it refuses these together, each in turn goes as far as it may beside those before it.
         """
-        by_key = {one.key: one for one in self.varied}
-        wanted = {key: by_key[key].value(number) for key, number in numbers.items()}
-        if self._are_valid(wanted):
+        asked = [(one, numbers[one.key]) for one in self.varied]
+        wanted = {one.key: one.value(number) for one, number in asked}
+        if self._fit(wanted):
             return {**self.given, **wanted}, False
         taken: dict[str, Any] = {}
-        for key, number in numbers.items():
-            one = by_key[key]
-            for share in (1.0, *SHARES):
-                changed = {**taken, key: one.value(one.base + share * (number - one.base))}
-                if self._are_valid(changed):
-                    taken = changed
-                    break
+        for one, number in asked:
+            tried = (one.value(one.base + share * (number - one.base)) for share in SHARES)
+            each = ({**taken, one.key: value} for value in tried)
+            taken = next(filter(self._fit, each), taken)
         return {**self.given, **taken}, True
 
 
-def declared_bounds(metadata: list[Any]) -> tuple[float | None, float | None]:
-    """Least and greatest value that a field declares; None where it has no such bound."""
-    lows = [getattr(one, name, None) for one in metadata for name in ("ge", "gt")]
-    highs = [getattr(one, name, None) for one in metadata for name in ("le", "lt")]
-    low = max((float(x) for x in lows if x is not None), default=None)
-    high = min((float(x) for x in highs if x is not None), default=None)
-    return low, high
-
-
-class LeastLimits:
-    """How far the limits of robots may be lowered, so that their world can still be run.
+def least_limit(controller: Any, robot: Robot, key: str) -> float:
+    """The least limit that a robot may have: half of its own, or more where that is refused.
 
     A robot that chooses among turns faster than its limit is refused, by the world where they are
     its own and by the controller where they are of its settings. Each limit is looked at alone.
     """
 
-    def __init__(self, world: World) -> None:
-        choice = world.controller
-        self._controller = make_part(CONTROLLER, choice.type, choice.settings, trusted=True)
-        self._found: dict[tuple[Any, ...], float] = {}
-
-    def least(self, robot: Robot, key: str) -> float:
-        """The least limit of a robot: half of its own, or more where that is refused."""
-        alike = (key, robot.limits.v, robot.limits.omega, robot.omegas)
-        if alike not in self._found:
-            self._found[alike] = self._least(robot, key)
-        return self._found[alike]
-
-    def _least(self, robot: Robot, key: str) -> float:
-        taken = float(getattr(robot.limits, key))
-        refused = SLOWEST * taken
-        if key == "omega" and robot.omegas:
-            refused = max(refused, *map(abs, robot.omegas))
-        if self._takes(robot, key, refused):
-            return refused
-        for _ in range(HALVINGS):
-            middle = 0.5 * (taken + refused)
-            if self._takes(robot, key, middle):
-                taken = middle
-            else:
-                refused = middle
-        return taken
-
-    def _takes(self, robot: Robot, key: str, limit: float) -> bool:
+    def takes(limit: float) -> bool:
         limits = robot.limits.model_copy(update={key: limit})
-        slower = robot.model_copy(update={"limits": limits})
-        return not robot_faults(self._controller, {0: slower})
+        return not robot_faults(controller, {0: robot.model_copy(update={"limits": limits})})
+
+    taken = float(getattr(robot.limits, key))
+    refused = SLOWEST * taken
+    if key == "omega" and robot.omegas:
+        refused = max(refused, *map(abs, robot.omegas))
+    if takes(refused):
+        return refused
+    for _ in range(HALVINGS):
+        middle = 0.5 * (taken + refused)
+        taken, refused = (middle, refused) if takes(middle) else (taken, middle)
+    return taken
 
 
 class Dimension(NamedTuple):
@@ -224,26 +288,24 @@ class Space:
 
     def _dimensions(self) -> list[Dimension]:
         found: list[Dimension] = []
-        slowest = LeastLimits(self.world) if SPEED in self.vary else None
+        choice = self.world.controller
+        controller = make_part(CONTROLLER, choice.type, choice.settings, trusted=True)
         for i, robot in enumerate(self.world.robots):
             x, y, heading = self.starts.base[i].tolist()
             if POSE in self.vary:
                 left, low, right, high = (x - REACH, y - REACH, x + REACH, y + REACH)
-                region = self._regions[i]
-                if region is not None:
+                if (region := self._regions[i]) is not None:
                     left, low, right, high = region.bounds
                 found.append(Dimension(POSE, "x", i, x, left, right))
                 found.append(Dimension(POSE, "y", i, y, low, high))
             if HEADING in self.vary:
                 turn = pi if self._any_heading[i] else TURN
-                found.append(
-                    Dimension(HEADING, "heading", i, heading, heading - turn, heading + turn)
-                )
-            if slowest is not None:
-                for key in ("v", "omega"):
-                    limit, least = getattr(robot.limits, key), slowest.least(robot, key)
-                    if least < limit:
-                        found.append(Dimension(SPEED, key, i, limit, least, limit))
+                ends = heading - turn, heading + turn
+                found.append(Dimension(HEADING, "heading", i, heading, *ends))
+            for key in ("v", "omega") if SPEED in self.vary else ():
+                limit, least = getattr(robot.limits, key), least_limit(controller, robot, key)
+                if least < limit:
+                    found.append(Dimension(SPEED, key, i, limit, least, limit))
         if self.settings is not None:
             found += [
                 Dimension(SETTINGS, one.key, -1, one.base, one.low, one.high)
@@ -274,35 +336,37 @@ class Space:
         poses, moved = self.starts.repaired(poses)
         robots = tuple(
             robot.model_copy(
-                update={
-                    "pose": tuple(pose),
-                    "limits": robot.limits.model_copy(update=limits[i]),
-                }
+                update={"pose": tuple(pose), "limits": robot.limits.model_copy(update=limit)}
             )
-            for i, (robot, pose) in enumerate(zip(self.world.robots, poses.tolist(), strict=True))
+            for robot, pose, limit in zip(self.world.robots, poses.tolist(), limits, strict=True)
         )
+        world = self.world.changed(robots=robots)
         if self.settings is None:
-            return Drawn(self.world.changed(robots=robots), moved)
+            return Drawn(world, moved)
         settings, changed = self.settings.repaired(numbers)
-        controller = type(self.world.controller)(type=self.world.controller.type, settings=settings)
-        return Drawn(self.world.changed(robots=robots, controller=controller), moved or changed)
+        controller = type(world.controller)(type=world.controller.type, settings=settings)
+        return Drawn(world.changed(controller=controller), moved or changed)
 
     def lines(self) -> list[str]:
         """What is varied and how far, a line a kind."""
         found, count = [], plural(len(self.world.robots), "robot")
         if POSE in self.vary:
+            places = {
+                f"up to {REACH:g} m along x and y from the start"
+                if one is None
+                else "anywhere in the start region"
+                for one in self._regions
+            }
             gap = float(self.starts.gap.min())
-            free = any(one is None for one in self._regions)
-            where = f"up to {REACH:g} m along x and y from the start" if free else ""
-            if any(one is not None for one in self._regions):
-                where += f"{', or ' if free else ''}anywhere in the start region"
+            where = ", or ".join(sorted(places, reverse=True))
             found.append(f"pose      {count}: {where}; {gap:.3g} m or more from all else")
         if HEADING in self.vary:
             around = sum(self._any_heading)
-            words = [f"{around} of {count}: any"] if around else []
-            if around < len(self._any_heading):
-                words.append(f"{len(self._any_heading) - around} of {count}: {TURN:g} rad to "
-                             "either side")  # fmt: skip
+            some = (
+                (around, "any"),
+                (len(self._any_heading) - around, f"{TURN:g} rad to either side"),
+            )
+            words = [f"{number} of {count}: {what}" for number, what in some if number]
             found.append(f"heading   {'; '.join(words)}")
         if SPEED in self.vary:
             found.append(

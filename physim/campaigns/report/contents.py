@@ -1,16 +1,17 @@
-"""Figures of a report: rates with intervals, distances, times, the worst, who did not finish."""
+"""Figures of a report, cell by cell: rates with intervals, measures, the worst, who was late."""
 
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from physim.campaigns import own_metrics
 from physim.campaigns.asked import Asked, Missing, missing
+from physim.campaigns.measures import MEASURES, NEAREST, SEVERITY
 from physim.campaigns.outcomes import Cell, FloatArray, Outcomes
 from physim.campaigns.spec import Label
 from physim.statistics.goal import RATES, Decision, Goal, decide
@@ -20,30 +21,10 @@ from physim.statistics.sequence import looks_needed, running
 SHOWN = 0.999
 """the rate of which is told how many runs without a failure would show it"""
 WORST = 10
-MEASURES = {
-    "least_distance": ("least distance", "m"),
-    "shortest_distance": ("shortest distance of robots", "m"),
-    "shortest_boundary_distance": ("shortest distance to a wall", "m"),
-    "closing_speed": ("closing speed of contacts", "m/s"),
-    "energy_lost": ("energy lost in contacts", "J"),
-    "impulse": ("impulse of contacts", "N s"),
-    "shortest_collision_time": ("least collision time", "s"),
-    "time_to_finish": ("finish time", "s"),
-    "deviation_peak": ("largest deviation", "m"),
-    "formation_error_peak": ("largest formation error", "m"),
-    "danger_share": ("in danger modes", ""),
-    "decisions": ("decisions", ""),
-    "messages": ("messages", ""),
-    "cpu_seconds": ("processor time", "s"),
-}
-"""Columns of numbers that a report sums up: what they are, and their units."""
-SEVERITY = ("closing_speed", "energy_lost", "impulse")
-"""Columns of the severest contact of a run, by which runs with contacts are ranked"""
-
-
-def title_of(column: str) -> tuple[str, str]:
-    """What a column of numbers is, and its unit; of a metric of one's own its name."""
-    return MEASURES[column] if column in MEASURES else own_metrics.title_of(column)
+"""Worst runs that are shown, the same number of each cell and of each one at least"""
+MOST_PICTURED = 20
+"""Cells whose worst runs have pictures"""
+Robots = tuple[tuple[str, int], ...]
 
 
 @dataclass(frozen=True)
@@ -71,7 +52,6 @@ class Rate:
 class Spread:
     """How a measure is distributed over the runs of a cell that have it."""
 
-    name: str
     count: int
     """runs that have it; the others failed or never came to it"""
     least: float = np.nan
@@ -81,12 +61,22 @@ class Spread:
     most: float = np.nan
 
     @classmethod
-    def of(cls, name: str, values: FloatArray) -> Spread:
+    def of(cls, values: FloatArray) -> Spread:
         """Quartiles of a column; nan is left out and not counted."""
         known = values[~np.isnan(values)]
         if not len(known):
-            return cls(name, 0)
-        return cls(name, len(known), *map(float, np.quantile(known, [0, 0.25, 0.5, 0.75, 1])))
+            return cls(0)
+        return cls(len(known), *map(float, np.quantile(known, [0, 0.25, 0.5, 0.75, 1])))
+
+
+@dataclass(frozen=True)
+class Failure:
+    """Runs of a cell that crashed for the same reason: an error, the limit of time, a kill."""
+
+    cell: Cell
+    ended: str
+    reason: str
+    seeds: tuple[int, ...]
 
 
 @dataclass(frozen=True)
@@ -95,48 +85,29 @@ class CellReport:
 
     cell: Cell
     rates: tuple[Rate, Rate, Rate]
-    failed: int
-    """runs that crashed: an error, the limit of time, a killed worker"""
-    touched: int
-    """runs with a contact"""
-    unfinished: int
-    """runs whose time was up before all robots had arrived"""
-    spreads: tuple[Spread, ...]
+    spreads: Mapping[str, Spread]
     decision: Decision | None
     """what stopped the campaign, where it had a goal"""
-    worst: int | None
-    """row of the run with the least distance"""
-    draws: str = ""
-    """what the seed draws, in words"""
-
-    def spread(self, name: str) -> Spread:
-        """Distribution of one measure."""
-        return next(one for one in self.spreads if one.name == name)
-
-
-@dataclass(frozen=True)
-class Failure:
-    """Runs of a cell that crashed for the same reason."""
-
-    cell: Cell
-    ended: str
-    reason: str
-    seeds: tuple[int, ...]
-
-
-Robots = tuple[tuple[str, int], ...]
-
-
-@dataclass(frozen=True)
-class Unfinished:
-    """Runs of a cell whose time was up before all robots had arrived."""
-
-    cell: Cell
-    seeds: tuple[int, ...]
+    touched: int
+    """runs with a contact"""
+    unfinished: tuple[int, ...]
+    """seeds of the runs whose time was up before all robots had arrived"""
     stood: Robots
-    """robots that stood short of their stops, and in how many runs; the most frequent first"""
+    """robots that stood short of their stops then, and in how many runs; most frequent first"""
     moved: Robots
     """the same of robots that were still on their way"""
+    failures: tuple[Failure, ...]
+    worst: tuple[int, ...]
+    """rows of the runs with the severest contacts, then of those with the least distances"""
+    late: tuple[int, ...]
+    """rows of some runs that did not finish"""
+    draws: str
+    """what the seed draws, in words"""
+
+    @property
+    def failed(self) -> int:
+        """Number of runs that crashed."""
+        return sum(len(one.seeds) for one in self.failures)
 
 
 @dataclass(frozen=True)
@@ -147,33 +118,24 @@ class Report:
     outcomes: Outcomes = field(repr=False)
     goal: Goal | None
     cells: tuple[CellReport, ...]
-    worst: tuple[int, ...]
-    """rows of the runs with the severest contacts, then those with the least distances"""
-    failures: tuple[Failure, ...]
-    """runs that crashed"""
-    unfinished: tuple[Unfinished, ...]
-    stuck: tuple[int, ...]
-    """rows of some runs that did not finish, of every cell in turn"""
-    missing: tuple[Missing, ...] = ()
+    missing: tuple[Missing, ...]
     """cells that lack rows of runs that were asked for"""
-
-    @property
-    def runs(self) -> int:
-        """Number of all runs."""
-        return len(self.outcomes)
+    draws: str
+    """what the seed draws, where that is the same in all cells"""
 
     @property
     def pictured(self) -> list[tuple[int, str]]:
         """Rows of which there are pictures, and of which moment: contact, nearest or end."""
         severe = ~np.isnan(self.outcomes.column(SEVERITY[0]))
-        worst = [(row, "contact" if severe[row] else "nearest") for row in self.worst]
-        return [*worst, *((row, "end") for row in self.stuck)]
+        cells = self.cells[:MOST_PICTURED]
+        worst = [(k, "contact" if severe[k] else "nearest") for one in cells for k in one.worst]
+        return [*worst, *((k, "end") for one in cells for k in one.late)]
 
     @property
-    def cells_of_worst(self) -> int:
-        """Number of cells that the worst runs are of."""
-        stops = [one.cell.stop for one in self.cells]
-        return len(set(np.searchsorted(stops, self.worst, side="right").tolist()))
+    def failures(self) -> list[Failure]:
+        """Crashes of all cells, the most frequent first."""
+        found = [failure for one in self.cells for failure in one.failures]
+        return sorted(found, key=lambda failure: -len(failure.seeds))
 
     def versions(self) -> list[str]:
         """``physim 0.1.0``, ``pymunk 7.3.1``: all that the runs were made with."""
@@ -199,91 +161,79 @@ def report_of(
     depends on how long they took.
     """
     measures = {name: outcomes.column(name) for name in (*MEASURES, *outcomes.own)}
-    cells = tuple(
-        replace(
-            _cell(outcomes, cell, measures, goal, first), draws=(draws or {}).get(cell.names, "")
-        )
-        for cell in outcomes.cells
-    )
+
+    def report(cell: Cell) -> CellReport:
+        decision, rates = _rates(outcomes, cell, goal, first)
+        seeds, rows = outcomes.seed[cell.rows], np.arange(cell.start, cell.stop)
+        late = outcomes.unfinished[cell.rows]
+        each = max(1, WORST // len(outcomes.cells))
+        ends = outcomes.table.select(["stood", "not_arrived"]).take(rows[late]).to_pylist()
+        return CellReport(
+            cell, rates, {name: Spread.of(one[cell.rows]) for name, one in measures.items()},
+            decision, int(np.count_nonzero(outcomes.touched[cell.rows])),
+            tuple(seeds[late].tolist()), *who_stood(ends), _failures(outcomes, cell),
+            _worst_first(outcomes.touched, measures, rows)[:each],
+            tuple(rows[late][:each].tolist()), (draws or {}).get(cell.names, ""),
+        )  # fmt: skip
+
+    cells = tuple(map(report, outcomes.cells))
+    same = {one.draws if one.cell.count > 1 else "" for one in cells}
     return Report(
-        title, outcomes, goal, cells, _worst(outcomes), _failures(outcomes),
-        *_unfinished(outcomes), missing(asked or {}, outcomes),
+        title, outcomes, goal, cells, missing(asked or {}, outcomes),
+        same.pop() if len(same) == 1 else "",
     )  # fmt: skip
 
 
-def _cell(
-    outcomes: Outcomes,
-    cell: Cell,
-    measures: dict[str, FloatArray],
-    goal: Goal | None,
-    first: int | None,
-) -> CellReport:
-    rows = cell.rows
-    good = {name: outcomes.successes(name)[rows] for name in RATES}
-    decision = None
+def _rates(
+    outcomes: Outcomes, cell: Cell, goal: Goal | None, first: int | None
+) -> tuple[Decision | None, tuple[Rate, Rate, Rate]]:
+    good = {name: outcomes.successes(name)[cell.rows] for name in RATES}
+    decision, runs, rate = None, cell.count, exact
     if goal is not None:
+        seeds = outcomes.seed[cell.rows]
         alone = cell.count == 1  # where nothing is random a cell has one run, of whatever seed
-        count = without_gap(outcomes.seed[rows], None if alone else first)
-        decision = decide(goal, good[goal.rate][:count])
-    rates = [
-        exact(name, int(np.count_nonzero(hits)), cell.count) if decision is None
-        else at_any_look(name, hits[: decision.runs])
-        for name, hits in good.items()
-    ]  # fmt: skip
-    near = measures["least_distance"][rows]
-    worst = None if np.all(np.isnan(near)) else cell.start + int(np.nanargmin(near))
-    return CellReport(
-        cell, (rates[0], rates[1], rates[2]), int(np.count_nonzero(outcomes.failed[rows])),
-        int(np.count_nonzero(outcomes.touched[rows])),
-        int(np.count_nonzero(outcomes.unfinished[rows])),
-        tuple(Spread.of(name, values[rows]) for name, values in measures.items()),
-        decision, worst,
-    )  # fmt: skip
+        start = seeds[0] if alone or first is None else first
+        gaps = np.flatnonzero(seeds != np.arange(len(seeds)) + start)
+        decision = decide(goal, good[goal.rate][: int(gaps[0]) if len(gaps) else len(seeds)])
+        runs, rate = decision.runs, at_any_look
+    both, free, finished = (rate(name, hits[:runs]) for name, hits in good.items())
+    return decision, (both, free, finished)
 
 
-def without_gap(seeds: np.ndarray, first: int | None) -> int:
-    """How many of sorted seeds follow one another from ``first`` on, or from the smallest."""
-    if not len(seeds):
-        return 0
-    start = int(seeds[0]) if first is None else first
-    gaps = np.flatnonzero(seeds != np.arange(len(seeds)) + start)
-    return int(gaps[0]) if len(gaps) else len(seeds)
-
-
-def exact(name: str, good: int, of: int) -> Rate:
+def exact(name: str, hits: NDArray[np.bool_]) -> Rate:
     """Rate with the exact interval, which is for a number of runs fixed beforehand."""
-    low, high = clopper_pearson(good, of)
-    if good < of or not of:
-        return Rate(name, good, of, low, high)
-    return Rate(name, good, of, low, high, failure_bound(of), runs_needed(SHOWN))
+    good, of = int(np.count_nonzero(hits)), len(hits)
+    none_failed = (failure_bound(of), runs_needed(SHOWN)) if good == of > 0 else (None, None)
+    return Rate(name, good, of, *clopper_pearson(good, of), *none_failed)
 
 
-def at_any_look(name: str, hits: np.ndarray) -> Rate:
+def at_any_look(name: str, hits: NDArray[np.bool_]) -> Rate:
     """Rate with the confidence sequence, which holds whenever it is looked at."""
     if not len(hits):
         return Rate(name, 0, 0, 0.0, 1.0)
     looks = running(hits)
-    good, of, low, high = int(looks.successes[-1]), len(hits), looks.low[-1], looks.high[-1]
-    if good < of:
-        return Rate(name, good, of, float(low), float(high))
-    return Rate(name, good, of, float(low), float(high), 1.0 - float(low), looks_needed(SHOWN))
+    good, low, high = int(looks.successes[-1]), float(looks.low[-1]), float(looks.high[-1])
+    none_failed = (1.0 - low, looks_needed(SHOWN)) if good == len(hits) else (None, None)
+    return Rate(name, good, len(hits), low, high, *none_failed)
 
 
-def _worst(outcomes: Outcomes) -> tuple[int, ...]:
+def _worst_first(
+    touched: NDArray[np.bool_], measures: Mapping[str, FloatArray], rows: NDArray[np.int64]
+) -> tuple[int, ...]:
     """Rows with the severest contacts, then with the least distances; of equal ones, the first.
 
     How deep a contact is says nothing: the engine decides that.
     """
-    touched, near = outcomes.touched, outcomes.column("least_distance")
-    speed, energy, impulse = (np.nan_to_num(outcomes.column(name)) for name in SEVERITY)
-    known = np.flatnonzero(touched | ~np.isnan(near))
-    keys = (np.where(touched, 0.0, near), -impulse, -energy, -speed, ~touched)
-    order = np.lexsort([key[known] for key in keys])
-    return tuple(int(row) for row in known[order[:WORST]])
+    rows = rows[touched[rows] | ~np.isnan(measures[NEAREST][rows])]
+    hit = touched[rows]
+    near = np.where(hit, 0.0, measures[NEAREST][rows])
+    speed, energy, impulse = (-np.nan_to_num(measures[name][rows]) for name in SEVERITY)
+    return tuple(rows[np.lexsort((near, impulse, energy, speed, ~hit))].tolist())
 
 
-def who_stood(rows: Sequence[Mapping[str, Any]]) -> tuple[Robots, Robots]:
+def who_stood(rows: Iterable[Mapping[str, Any]]) -> tuple[Robots, Robots]:
     """Robots that stood short of their stops at the end of runs, and those that still moved."""
+    rows = list(rows)
     stood, late = (
         Counter(name for row in rows for name in (row[column] or "").split(", ") if name)
         for column in ("stood", "not_arrived")
@@ -291,31 +241,9 @@ def who_stood(rows: Sequence[Mapping[str, Any]]) -> tuple[Robots, Robots]:
     return tuple(stood.most_common()), tuple((late - stood).most_common())
 
 
-def _unfinished(outcomes: Outcomes) -> tuple[tuple[Unfinished, ...], tuple[int, ...]]:
-    """Runs that did not finish, by cell; and rows of some, the first of every cell, the second."""
-    rows = np.flatnonzero(outcomes.unfinished)
-    cell_of = np.searchsorted([cell.stop for cell in outcomes.cells], rows, side="right")
-    part = outcomes.table.select(["not_arrived", "stood"]).take(rows).to_pylist()
-    found = []
-    for k in np.unique(cell_of).tolist():
-        mine = np.flatnonzero(cell_of == k).tolist()
-        seeds = tuple(outcomes.seed[rows[mine]].tolist())
-        found.append(Unfinished(outcomes.cells[k], seeds, *who_stood([part[n] for n in mine])))
-    turn = np.arange(len(rows)) - np.searchsorted(cell_of, cell_of)
-    return tuple(found), tuple(rows[np.lexsort((cell_of, turn))][:WORST].tolist())
-
-
-def _failures(outcomes: Outcomes) -> tuple[Failure, ...]:
-    """Runs that crashed, by cell, end and reason; the most frequent first."""
-    rows = np.flatnonzero(outcomes.failed)
-    part = outcomes.table.select(["ended", "reason"]).take(rows).to_pylist()
-    cell_of = np.searchsorted([cell.stop for cell in outcomes.cells], rows, side="right")
-    seeds: dict[tuple[int, str, str], list[int]] = {}
-    for k, row, of in zip(cell_of.tolist(), rows.tolist(), part, strict=True):
-        key = (k, of["ended"] or "", of["reason"] or "")
-        seeds.setdefault(key, []).append(int(outcomes.seed[row]))
-    counts = Counter({key: len(found) for key, found in seeds.items()})
-    return tuple(
-        Failure(outcomes.cells[k], ended, reason, tuple(seeds[k, ended, reason]))
-        for (k, ended, reason), _ in counts.most_common()
-    )
+def _failures(outcomes: Outcomes, cell: Cell) -> tuple[Failure, ...]:
+    rows = cell.start + np.flatnonzero(outcomes.failed[cell.rows])
+    seeds: dict[tuple[str, str], list[int]] = {}
+    for row in outcomes.table.select(["ended", "reason", "seed"]).take(rows).to_pylist():
+        seeds.setdefault((row["ended"] or "", row["reason"] or ""), []).append(row["seed"])
+    return tuple(Failure(cell, *key, tuple(found)) for key, found in seeds.items())

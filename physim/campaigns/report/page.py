@@ -1,372 +1,270 @@
-"""A report as one page of HTML that needs nothing beside it."""
+"""Reports and comparisons as pages of HTML that need nothing beside them."""
 
 from __future__ import annotations
 
 import base64
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
+from types import MappingProxyType
 
 import numpy as np
 
-from physim.campaigns.report.contents import (
-    MEASURES,
-    SHOWN,
-    CellReport,
-    Rate,
-    Report,
-    Spread,
-    title_of,
-    who_stood,
-)
-from physim.campaigns.report.markup import code, figures, page, text
-from physim.campaigns.report.plots import distribution, rate_axis, rate_plot, spread_axis
-from physim.campaigns.report.text import seeds_text, where
-from physim.campaigns.report.wording import (
-    RATE_NAMES,
-    decision_words,
-    interval,
-    measured,
-    method,
-    missing_words,
-    note_of,
-    number,
-    of_cells,
-    over_seeds,
-    percent,
-    robots_words,
-    severity_words,
-)
+from physim.campaigns.compare import Comparison, Finding, pairs
+from physim.campaigns.measures import MEASURES, NEAREST, measure_of
+from physim.campaigns.report import charts, text
+from physim.campaigns.report.contents import MOST_PICTURED, Report, who_stood
+from physim.drawing.page.colours import styles
 from physim.errors import plural
+from physim.html import Html, page, table, tag
+from physim.units import amount, count, percent, true_minus
 
-PLOT_WIDTH, RATE_WIDTH = 320.0, 190.0
+REPORT, COMPARISON = "physim report", "physim compare"
+"""By which a page is known: the next report takes the place of a report alone"""
+PLOT_WIDTH, INTERVAL_WIDTH = 320.0, 200.0
 """[px]"""
-MOST_CELLS = 200
-MOST_PLOTS = 60
-MOST_FAILURES = 100
-MOST_REASON = 400
-"""What a page shows of a large campaign; what it leaves out is told, and is in `--json`."""
+MOST_PLOTS, MOST_DRAWN, MOST_POINTS = 60, 10, 400
+"""What a page shows of a large campaign"""
 
 
 @dataclass(frozen=True)
 class Shown:
     """How a run with a picture is shown."""
 
-    command: str
-    """that makes it again"""
     still: bytes = b""
     """PNG of the moment; empty where there is none"""
     video: str = ""
     """link to its video, relative to the page"""
-    fault: str = ""
-    """why there is no still"""
     page: str = ""
     """link to its page for the browser, relative, at the moment"""
-    left_out: str = ""
-    """why there is no page"""
+    fault: str = ""
+    """why there is no still"""
 
 
-def report_page(report: Report, shown: Sequence[Shown]) -> str:
+def is_report(file: Path) -> bool:
+    """Whether a file is the page of a report."""
+    try:
+        with open(file, "rb") as stream:
+            return f'<meta name="generator" content="{REPORT}">'.encode() in stream.read(1000)
+    except OSError:
+        return False
+
+
+def report_page(report: Report, shown: Sequence[Shown]) -> Html:
     """The page; ``shown`` are the runs of `Report.pictured`."""
-    count = len(report.worst)
-    parts = [*_opening(report), *_rates(report), *_worst(report, shown[:count])]
-    parts += [*_unfinished(report, shown[count:]), *_failures(report)]
-    parts += [*_distances(report), *_measures(report)]
-    return page(f"{report.title}: campaign", "\n".join(parts))
-
-
-def _opening(report: Report) -> Iterator[str]:
-    outcomes = report.outcomes
-    failed = sum(one.failed for one in report.cells)
-    cpu = outcomes.column("cpu_seconds")
-    yield f"<h1>{text(report.title)}</h1>"
-    seeds = f"seeds {outcomes.seed.min()} to {outcomes.seed.max()}" if len(outcomes) else "no runs"
-    worlds, _, controllers = (
-        len({names[k] for names in (one.cell.names for one in report.cells)}) for k in range(3)
-    )
-    yield (
-        f'<p class="quiet">{plural(worlds, "world")}, {plural(controllers, "controller")}, '
-        f"{plural(len(report.cells), 'cell')}, {seeds}. {text(', '.join(report.versions()))}.</p>"
-    )
-    if report.missing:
-        yield f'<p class="bad">{text(missing_words(report.missing))}</p>'
-    figures = [
-        ("runs", number(report.runs), False),
-        ("crashed", number(failed), failed > 0),
-        ("processor time", _hours(float(np.nansum(cpu))), False),
+    pictures = dict(zip(report.pictured, shown, strict=True))
+    worst = {at: one for at, one in pictures.items() if at[1] != "end"}
+    late = {at: one for at, one in pictures.items() if at[1] == "end"}
+    cpu = amount(float(np.nansum(report.outcomes.column("cpu_seconds"))), "s")
+    few = f" (of the first {MOST_PICTURED} cells)" if len(report.cells) > MOST_PICTURED else ""
+    parts = [
+        tag("h1", report.title),
+        tag("p", f"{text.opening(report)}; {cpu} of processor time", class_="quiet"),
+        tag("p", text.missing_words(report.missing), class_="bad") if report.missing else None,
+        _verdicts(report),
+        _section(
+            f"The worst runs of each cell{few}",
+            "The severest contacts, by closing speed, energy lost and impulse; then the least "
+            "distances. Each picture is that moment; the command makes the run again, with its "
+            "record and video.",
+            _tiles(report, worst),
+        ) if worst else None,
+        _section(
+            f"Runs that did not finish{few}",
+            "Their time was up before all robots had arrived. Named are those that had not, with "
+            "the number of runs: they stood short of their stops, or still moved. Each picture is "
+            "the end of a run.",
+            _stacked(text.late_table(report)), _tiles(report, late),
+        ) if late else None,
+        _section(
+            "Runs that crashed",
+            "By an error, the limit of time or a killed worker. They count in every rate, as "
+            "neither contact-free nor finished.",
+            _stacked(text.crash_table(report)),
+        ) if report.failures else None,
+        _section(
+            "How close do robots come to each other and to walls?",
+            "The least distance of a whole run, robots and walls, over all physics steps. Below 0, "
+            "left of the dashed line, there was a contact; how far below is no measure of its "
+            "severity. Upright: the share of runs. Cells of a world have the same axes.",
+            tag("div", _distances(report), class_="tiles"),
+        ),
+        _section(
+            "Times and other measures",
+            "Over runs that have a value; of how many, where not of all.",
+            _stacked(text.measure_table(report, (*MEASURES, *report.outcomes.own))),
+        ),
+        _section("How this was found", text.EXACT if report.goal is None else text.SEQUENCE),
     ]  # fmt: skip
-    cells = "".join(
-        f"<div><dt>{name}</dt><dd{' class=bad' if bad else ''}>{value}</dd></div>"
-        for name, value, bad in figures
-    )
-    yield f'<dl class="figures">{cells}</dl>'
+    return _page(f"{report.title}: campaign", parts, REPORT)
 
 
-def _hours(seconds: float) -> str:
-    if seconds < 100.0:
-        return f"{seconds:.1f} s"
-    return f"{seconds / 60:.0f} min" if seconds < 7200.0 else f"{seconds / 3600:.1f} h"
+def _page(title: str, parts: Sequence[Html | None], generator: str) -> Html:
+    sheet = tag("main", parts, class_="sheet")
+    return page(title, sheet, style=styles("campaign.css"), generator=generator)
 
 
-def _rates(report: Report) -> Iterator[str]:
-    yield "<h2>How often does it go well?</h2>"
-    yield f"<p>{text(method(report.goal))} Each interval holds for itself, not all at once.</p>"
-    failed = sum(one.failed for one in report.cells)
-    if failed:
-        yield (
-            f"<p>{plural(failed, 'run')} crashed (an error, the limit of time, a killed worker). "
-            "They count in every rate, as neither contact-free nor finished.</p>"
-        )
-    cells = report.cells[:MOST_CELLS]
-    axis = rate_axis([one.rates[0].low for one in cells], RATE_WIDTH)
-    yield '<div class="wide"><table class="stack"><thead><tr><th>cell</th><th class="number">runs'
-    yield '</th><th class="number">with contacts</th><th class="number">not finished</th>'
-    yield '<th class="number">crashed</th>'
-    yield f'<th colspan="2">{RATE_NAMES["rate"]}</th>'
-    yield f"<th>{RATE_NAMES['contact_free']}</th><th>{RATE_NAMES['finished']}</th></tr></thead>"
-    yield "<tbody>"
-    for one in cells:
-        both, free, finished = one.rates
-        plot = rate_plot(both.share, both.low, both.high, axis, _in_words(both))
-        decided = dict.fromkeys(RATE_NAMES, "")
-        if report.goal is not None and one.decision is not None:
-            words = decision_words(one.decision, report.goal)
-            decided[report.goal.rate] = f'<br><small class="verdict">{text(words)}</small>'
-        notes = filter(None, (note_of(both), over_seeds(one.cell.count, one.draws)))
-        yield (
-            f"<tr>{_name(one)}"
-            f'<td class="number" data-name="runs">{number(one.cell.count)}</td>'
-            f'<td class="number" data-name="with contacts">{number(one.touched)}</td>'
-            f'<td class="number" data-name="not finished">{number(one.unfinished)}</td>'
-            f'<td class="number" data-name="crashed">{number(one.failed)}</td>'
-            f"<td>{plot}</td>"
-            f'<td data-name="{RATE_NAMES["rate"]}">{_rate(both)}{decided["rate"]}'
-            f"{''.join(f'<br><small>{text(note)}</small>' for note in notes)}</td>"
-            f'<td data-name="{RATE_NAMES["contact_free"]}">{_rate(free)}'
-            f"{decided['contact_free']}</td>"
-            f'<td data-name="{RATE_NAMES["finished"]}">{_rate(finished)}'
-            f"{decided['finished']}</td></tr>"
-        )
-    yield "</tbody></table></div>"
-    yield from _left_out(len(report.cells), MOST_CELLS, "cells")
-    if any(one.rates[0].at_most is not None for one in report.cells):
-        needed = next(one.rates[0].needed for one in report.cells if one.rates[0].needed)
-        yield (
-            f'<p class="quiet">Where no run went wrong, the bound {_bound(report)}: '
-            f"{number(needed)} runs none of which goes wrong show {percent(SHOWN)}.</p>"
-        )
+def _section(title: str, words: str, *parts: object) -> Html:
+    return Html(tag("h2", title) + tag("p", words) + "".join(tag("div", one) for one in parts))
 
 
-def _bound(report: Report) -> str:
-    exact = "is one-sided, of 95 %"
-    return exact if report.goal is None else "is that of the confidence sequence"
+def _stacked(shown: text.Table, plots: Mapping[int, Sequence[Html]] = MappingProxyType({})) -> Html:
+    """A table whose cells stand below one another on a phone.
+
+    ``plots`` are further columns, each before that of its number.
+    """
+
+    def cell(name: str, place: int, words: str) -> Html:
+        if name in text.TO_THE_RIGHT:
+            return tag("td", true_minus(words), data_name=name, class_="number")
+        return tag("td", words, data_name=name or None, class_=None if place else "name")
+
+    head = [
+        tag("th", name, class_="number" if name in text.TO_THE_RIGHT else None)
+        for name in shown.head
+    ]
+    rows = [
+        [cell(name, k, words) for k, (name, words) in enumerate(zip(shown.head, line, strict=True))]
+        for line in shown.some()
+    ]
+    for place, column in plots.items():
+        head.insert(place, tag("th"))
+        for row, plot in zip(rows, column, strict=True):
+            row.insert(place, tag("td", plot))
+    return table(head, rows, class_="stack")
 
 
-def _in_words(rate: Rate) -> str:
-    return f"{percent(rate.share)} {interval(rate.low, rate.high)}"
+def _verdicts(report: Report) -> Html:
+    """A row for each cell: how often it went well, on one axis, and what else came of it."""
+    cells = report.cells[: text.MOST_ROWS]
+    axis = charts.rate_axis([one.rates[0].low for one in cells], INTERVAL_WIDTH)
+    ends = percent(axis.low, 0), percent(axis.high, 0)
+
+    def rows() -> Iterator[list[Html]]:
+        for one in cells:
+            rate = one.rates[0]
+            first, *others = text.verdict(report, one)
+            plot = charts.interval_plot(rate.share, rate.low, rate.high, axis, ends, first)
+            small = ([tag("br"), tag("small", words)] for words in others)
+            parts = (tag("span", words) for words in one.cell.names[:0:-1] if words)
+            name = tag("td", tag("b", one.cell.world), parts, class_="name")
+            yield [name, tag("td", plot), tag("td", tag("b", first), small)]
+
+    more = len(report.cells) - text.MOST_ROWS
+    left = tag("p", f"and {plural(more, 'further cell')}: --json has all") if more > 0 else ""
+    return Html(table((), rows(), class_="stack") + left)
 
 
-def _rate(rate: Rate) -> str:
-    return (
-        f'<b>{percent(rate.share)}</b> <small class="kept">{number(rate.good)} of '
-        f"{number(rate.of)}<br>{interval(rate.low, rate.high)}</small>"
-    )
+def _tiles(report: Report, shown: Mapping[tuple[int, str], Shown]) -> Iterator[Html]:
+    """Runs with their pictures, cell by cell."""
+    for one in report.cells[:MOST_PICTURED]:
+        mine = [tag("figure", _tile(report, *at, picture), class_="tile")
+                for at, picture in shown.items()
+                if one.cell.start <= at[0] < one.cell.stop]  # fmt: skip
+        if mine:
+            yield tag("h3", one.cell.name)
+            yield tag("div", mine, class_="tiles large")
 
 
-def _name(one: CellReport) -> str:
-    cell = one.cell
-    more = f"<span>{text(cell.settings)}</span>" if cell.settings else ""
-    return (
-        f'<td class="name"><b>{text(cell.world)}</b><span>{text(cell.controller)}</span>{more}</td>'
-    )
-
-
-def _left_out(count: int, most: int, what: str) -> Iterator[str]:
-    if count > most:
-        yield (
-            f'<p class="quiet">The first {most} of {number(count)} {what} are shown; '
-            "<code>physim report --json</code> has all.</p>"
-        )
-
-
-def _distances(report: Report) -> Iterator[str]:
-    yield "<h2>How close do robots come to each other and to walls?</h2>"
-    yield (
-        "<p>The least distance of a whole run, robots and walls, over all physics steps. Below 0, "
-        "left of the dashed line, there was a contact; how far below is no measure of its "
-        "severity. Upright: the share of runs. Cells "
-        "of a world have the same axis.</p>"
-    )
-    near = report.outcomes.column("least_distance")
-    axes = {}
-    for world in {one.cell.world for one in report.cells}:
-        rows = [near[one.cell.rows] for one in report.cells if one.cell.world == world]
-        axes[world] = spread_axis(np.concatenate(rows), PLOT_WIDTH)
-    yield '<div class="tiles">'
-    for one in report.cells[:MOST_PLOTS]:
-        values = near[one.cell.rows]
-        known = values[~np.isnan(values)]
-        spread = one.spread("least_distance")
-        name = ", ".join(part for part in (one.cell.controller, one.cell.settings) if part)
-        yield f'<figure class="tile"><h3>{text(one.cell.world)}</h3>'
-        yield f'<p class="quiet">{text(name)}</p>'
-        if len(known):
-            what = f"least distances of {one.cell.name}: {_five(spread, 'm')}"
-            yield distribution(known, axes[one.cell.world], "least distance of a run [m]", what)
-            seed = report.outcomes.seed[one.worst] if one.worst is not None else ""
-            yield (
-                f"<figcaption>{_five(spread, 'm')}; the least with seed {seed}"
-                f"{_of(spread, one)}</figcaption>"
-            )
-        else:
-            yield "<figcaption>no run has one</figcaption>"
-        yield "</figure>"
-    yield "</div>"
-    yield from _left_out(len(report.cells), MOST_PLOTS, "cells")
-
-
-def _five(spread: Spread, unit: str) -> str:
-    values = [measured(spread.name, x, unit) for x in (spread.median, spread.least, spread.most)]
-    return f"median {values[0]}, from {values[1]} to {values[2]}".replace("-", "−")
-
-
-def _of(spread: Spread, one: CellReport) -> str:
-    """Of how many runs: nothing is dropped in silence."""
-    if spread.count == one.cell.count:
-        return ""
-    return f"; {number(spread.count)} of {number(one.cell.count)} runs have one"
-
-
-def _measures(report: Report) -> Iterator[str]:
-    names = [n for n in (*MEASURES, *report.outcomes.own) if n != "least_distance"]
-    names = [n for n in names if any(one.spread(n).count for one in report.cells)]
-    if not names:
-        return
-    yield "<h2>Times and other measures</h2>"
-    yield (
-        "<p>The median over runs, and in brackets the middle half of them. Runs without a value "
-        "(of finish times, those that did not finish) are left out; then it says how many have "
-        "one.</p>"
-    )
-    heads = "".join(f'<th class="number">{text(title_of(name)[0])}</th>' for name in names)
-    yield '<div class="wide"><table class="stack dense"><thead><tr><th>cell</th>'
-    yield f"{heads}</tr></thead><tbody>"
-    for one in report.cells[:MOST_CELLS]:
-        yield f"<tr>{_name(one)}"
-        for name in names:
-            spread, (what, unit) = one.spread(name), title_of(name)
-            half = " to ".join(
-                measured(name, x, unit).removesuffix(f" {unit}")
-                for x in (spread.quarter, spread.three_quarters)
-            )
-            few = spread.count < one.cell.count
-            inside = (
-                f"{figures(measured(name, spread.median, unit), unit)}"
-                f"<br><small>[{figures(half, unit)}]"
-                f"{f'<br>of {number(spread.count)} runs' if few else ''}</small>"
-            )
-            yield (
-                f'<td class="number" data-name="{text(what)}">'
-                f"{inside if spread.count else 'no run has one'}</td>"
-            )
-        yield "</tr>"
-    yield "</tbody></table></div>"
-    yield from _left_out(len(report.cells), MOST_CELLS, "cells")
-
-
-def _worst(report: Report, shown: Sequence[Shown]) -> Iterator[str]:
-    if not report.worst:
-        return
-    touched = report.outcomes.touched[list(report.worst)]
-    ranks = "the severest contacts" if touched.any() else ""
-    if not touched.all():
-        ranks += f"{', then ' if ranks else ''}the least distances"
-    yield f"<h2>{ranks[:1].upper()}{ranks[1:]}</h2>"
-    if left := of_cells(report):
-        yield f"<p>They are{left.removeprefix(',')}; each least distance is told below.</p>"
-    yield "<p>Of each run the closing speed of its severest contact, the energy lost and the "
-    yield "impulse, by which they are ranked in this order; of one without a contact the least "
-    yield "distance. Each picture is that moment. The command makes the run again, with its record "
-    yield "and video.</p>"
-    yield from _tiles(report, report.worst, shown)
-
-
-def _tiles(report: Report, rows: Sequence[int], shown: Sequence[Shown]) -> Iterator[str]:
-    """Runs with their pictures."""
-    yield '<div class="tiles large">'
-    for place, (index, one) in enumerate(zip(rows, shown, strict=True), start=1):
-        row = report.outcomes.row(index)
-        is_end = rows is report.stuck
-        yield '<figure class="tile">'
-        said = robots_words(*who_stood([row]), 1) if is_end else where(row)
-        if one.still:
-            data = base64.b64encode(one.still).decode("ascii")
-            alt = f"{row['world']}, seed {row['seed']}: {said}"
-            yield f'<img src="data:image/png;base64,{data}" alt="{text(alt)}">'
-        if not is_end:
-            bad = " bad" if report.outcomes.touched[index] else ""
-            yield f'<p class="big{bad}">{severity_words(row)}</p>'
-        yield f"<h3>{place}. {text(row['world'])}, seed {row['seed']}</h3>"
-        name = ", ".join(str(row[k]) for k in ("controller", "settings") if row[k])
-        yield f"<figcaption>{text(name)}; {text(said)}; {_contacts(row)}"
-        if one.fault:
-            yield f"<br>no picture: {text(one.fault)}"
-        links = {"watch this moment, and ask why": one.page, "video": one.video}
-        if any(links.values()):
-            named = (f'<a href="{text(to)}">{words}</a>' for words, to in links.items() if to)
-            yield f"<br>{', '.join(named)}"
-        if one.left_out:
-            yield f"<br>no page: {text(one.left_out)}"
-        yield f"<br>{code(one.command)}</figcaption></figure>"
-    yield "</div>"
-
-
-def _unfinished(report: Report, shown: Sequence[Shown]) -> Iterator[str]:
-    if not report.unfinished:
-        return
-    yield "<h2>Runs that did not finish</h2>"
-    yield "<p>Their time was up before all robots had arrived. Named are those that had not, with "
-    yield "the number of runs: they stood short of their stops, or still moved.</p>"
-    yield '<div class="wide"><table class="stack"><thead><tr><th>cell</th>'
-    yield '<th class="number">runs</th><th>robots</th><th>seeds</th></tr></thead><tbody>'
-    for one in report.unfinished[:MOST_CELLS]:
-        robots = robots_words(one.stood, one.moved, len(one.seeds))
-        yield (
-            f'<tr><td class="name">{text(one.cell.name)}</td>'
-            f'<td class="number" data-name="runs">{number(len(one.seeds))}</td>'
-            f'<td data-name="robots">{text(robots)}</td>'
-            f'<td data-name="seeds">{seeds_text(one.seeds)}</td></tr>'
-        )
-    yield "</tbody></table></div>"
-    yield from _left_out(len(report.unfinished), MOST_CELLS, "cells")
-    yield "<p>Each picture is the end of a run, of every cell in turn.</p>"
-    yield from _tiles(report, report.stuck, shown)
-
-
-def _contacts(row: dict[str, object]) -> str:
+def _tile(report: Report, index: int, moment: str, shown: Shown) -> Iterator[Html | None]:
+    row, is_end = report.outcomes.row(index), moment == "end"
+    said = text.robots_words(*who_stood([row]), 1) if is_end else text.where(row)
+    if shown.still:
+        data = base64.b64encode(shown.still).decode("ascii")
+        alt = f"{row['world']}, seed {row['seed']}: {said}"
+        yield tag("img", src=f"data:image/png;base64,{data}", alt=alt)
+    severity = "" if is_end else f": {true_minus(text.severity_words(row))}"
+    bad = " bad" if report.outcomes.touched[index] else ""
+    yield tag("p", f"seed {row['seed']}{severity}", class_=f"big{bad}")
     kinds = {
         "contacts_between_robots": ("contact of robots", "contacts of robots"),
         "contacts_with_boundaries": ("contact with walls", "contacts with walls"),
         "grazes": ("graze between samples", "grazes between samples"),
     }
-    counts = [plural(int(str(row[key])), *words) for key, words in kinds.items() if row[key]]
-    return ", ".join(counts) or "no contact"
+    counts = [plural(int(row[key]), *words) for key, words in kinds.items() if row[key]]
+    lines: list[object] = [f"{said}; {', '.join(counts) or 'no contact'}"]
+    lines += [f"no picture: {shown.fault}"] if shown.fault else []
+    links = {"watch this moment, and ask why": shown.page, "video": shown.video}
+    lines += [tag("a", words, href=to) for words, to in links.items() if to]
+    lines.append(tag("code", text.replay(report.title, report.outcomes, row)))
+    yield tag("figcaption", (tag("div", line) for line in lines))
 
 
-def _failures(report: Report) -> Iterator[str]:
-    if not report.failures:
-        return
-    yield "<h2>Runs that crashed</h2>"
-    yield '<div class="wide"><table class="stack"><thead><tr><th>cell</th>'
-    yield '<th class="number">runs</th>'
-    yield "<th>ended by</th><th>reason</th><th>seeds</th></tr></thead><tbody>"
-    for one in report.failures[:MOST_FAILURES]:
-        reason = one.reason if len(one.reason) <= MOST_REASON else one.reason[:MOST_REASON] + "…"
-        yield (
-            f'<tr><td class="name">{text(one.cell.name)}</td>'
-            f'<td class="number" data-name="runs">{number(len(one.seeds))}</td>'
-            f'<td data-name="ended by">{text(one.ended)}</td>'
-            f'<td data-name="reason">{text(reason)}</td>'
-            f'<td data-name="seeds">{seeds_text(one.seeds)}</td></tr>'
+def _distances(report: Report) -> Iterator[Html]:
+    """Least distances of each cell as a distribution, on axes that a world's cells have alike."""
+    near, cells = report.outcomes.column(NEAREST), report.cells[:MOST_PLOTS]
+    for one in cells:
+        alike = [near[other.cell.rows] for other in cells if other.cell.world == one.cell.world]
+        axis = charts.spread_axis(np.concatenate(alike), PLOT_WIDTH)
+        top = max(float(charts.shares(values, axis)[0].max()) for values in alike)
+        found, what = one.spreads[NEAREST], "least distance of a run [m]"
+        ends = [amount(value, "m") for value in (found.median, found.least, found.most)]
+        said = f"median {ends[0]}, from {ends[1]} to {ends[2]}"
+        if found.count < one.cell.count:
+            said += f"; {count(found.count)} of {plural(one.cell.count, 'run')} have one"
+        label = ", ".join(part for part in (one.cell.controller, one.cell.settings) if part)
+        yield tag(
+            "figure",
+            tag("h3", one.cell.world),
+            tag("p", label, class_="quiet"),
+            charts.distribution(
+                near[one.cell.rows], axis, top, "least distance of a run [m]", what
+            ),
+            tag("figcaption", true_minus(said) if found.count else "no run has one"),
+            class_="tile",
         )
-    yield "</tbody></table></div>"
-    yield from _left_out(len(report.failures), MOST_FAILURES, "kinds of crash")
+    if (more := len(report.cells) - MOST_PLOTS) > 0:
+        yield tag("p", f"and {plural(more, 'further cell')}")
+
+
+def comparison_page(comparisons: Sequence[Comparison], name: str, looked: bool = False) -> Html:
+    """The page: what is better by how much, and every pair as a point."""
+    better = sum(bool(f.better) for one in comparisons for f in one.findings)
+    looks = sum(len(one.findings) for one in comparisons)
+    parts: list[Html | None] = [
+        tag("h1", name),
+        tag("p", f"{looks} looked at; {better} of them show a difference", class_="quiet"),
+    ]
+    for place, one in enumerate(comparisons):
+        parts += _comparison(one, place < MOST_DRAWN)
+    if len(comparisons) > MOST_DRAWN:
+        parts.append(tag("p", f"Pairs are drawn of the first {MOST_DRAWN}.", class_="quiet"))
+    parts.append(_section("How this was found", text.PAIRED + f" {text.LOOKED}" * looked))
+    return _page(name, parts, COMPARISON)
+
+
+def _comparison(one: Comparison, drawn: bool) -> Iterator[Html]:
+    yield tag("h2", f"{text.sides(one)}{': ' if one.common else ''}{one.common}")
+    yield tag("p", tag("b", text.headline(one)))
+    yield tag("p", text.told(one), class_="quiet")
+    yield from (tag("p", tag("b", "Note: "), difference) for difference in one.unlike)
+    yield _stacked(text.finding_table(one), {3: [_shift(found) for found in one.findings]})
+    if drawn:
+        points = (_points(one, found) for found in one.findings if not found.is_rate)
+        yield tag("div", points, class_="tiles")
+
+
+def _shift(found: Finding) -> Html:
+    """A difference with its interval, on an axis with 0 in its middle."""
+    title, unit, _ = measure_of(found.name)
+    unit, scale = ("points", 100.0) if unit == "%" else (unit, 1.0)
+    value, low, high = (scale * each for each in (found.difference, found.low, found.high))
+    axis = charts.shift_axis([value, low, high], INTERVAL_WIDTH)
+    ends = [f"{sign}{axis.label(end)} {unit}" for sign, end in (("", axis.low), ("+", axis.high))]
+    return charts.interval_plot(value, low, high, axis, ends, title)
+
+
+def _points(one: Comparison, found: Finding) -> Html:
+    """Every pair as a point, A to the right, B upward."""
+    a, b = pairs(one.a, one.b, found.name)
+    some = np.linspace(0, len(a) - 1, min(len(a), MOST_POINTS)).astype(int)
+    title, label = measure_of(found.name).title, measure_of(found.name).label
+    thinned = f" of {len(a)}, evenly chosen" if len(some) < len(a) else ""
+    drawn = f"{plural(len(some), 'pair')}{thinned}"
+    return tag(
+        "figure",
+        tag("h3", title),
+        charts.paired_plot(a[some], b[some], label, f"{title} of A and B, {drawn}"),
+        tag("figcaption", f"B upward, A to the right, {drawn}; above the line B is larger."),
+        class_="tile",
+    )

@@ -7,7 +7,6 @@ from typing import Any
 import numpy as np
 
 from physim.drawing.crowd import MOST_LINES, NAMED, quantiles
-from physim.drawing.distances import Distances
 from physim.drawing.page.packing import Pack
 from physim.drawing.timeline import Timeline
 from physim.geometry.shapes import FloatArray, IntArray
@@ -53,7 +52,7 @@ def _pack_now(timeline: Timeline, pack: Pack) -> None:
     count = min(len(record.steps), MOST_NOW, max(BINS, MOST_LOOKED_AT // timeline.robots))
     at = np.unique(np.linspace(0, len(record.steps) - 1, count).astype(np.int64))
     pack.whole("now", record.steps[at])
-    clearance, walls = Distances(record).at(at)
+    clearance, walls = timeline.distances_at(at)
     if timeline.robots > 1:
         nearest = np.sort(np.argsort(clearance, axis=1, kind="stable")[:, :2], axis=1)
         pack.real("now_pair", clearance.min(axis=1), LENGTH)

@@ -23,9 +23,9 @@ from physim.drawing.page.packing import Pack
 from physim.drawing.page.place import place
 from physim.drawing.page.why import explanations
 from physim.drawing.timeline import Timeline
+from physim.drawing.video.canvas import SHORT_TRAIL, TRAIL
 from physim.drawing.video.ground import ground
-from physim.drawing.video.layout import SHORT_TRAIL, TRAIL
-from physim.drawing.video.legend import signs
+from physim.drawing.video.panel import signs
 from physim.errors import RecordError
 from physim.record import Record
 
@@ -69,7 +69,7 @@ def run_data(record: Record, summary: Summary) -> str:
         "explained": timeline.explained_modes,
         "modeless": timeline.modeless,
         "columns": [vars(column) for column in record.declared.columns],
-        "signs": signs(timeline, ground(timeline)),
+        "signs": list(signs(timeline, ground(timeline))),
         "range": _range(record),
         "why": (why := explanations(record)),
         "decisions": pack_decisions(record, pack, why["thresholds"]),

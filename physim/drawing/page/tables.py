@@ -33,11 +33,19 @@ def numbered(summary: Summary) -> list[Row]:
     if summary.contacts is None:
         return []
     found = [
-        Row(one.step, one.a, one.b, one.time, one.samples * summary.dt, one.depth, one.impulse)
-        for one in summary.contacts.episodes
+        Row(
+            one.step,
+            one.a,
+            one.b,
+            one.time,
+            one.samples * summary.run.record.dt,
+            one.depth,
+            one.impulse,
+        )
+        for one in summary.contacts
     ]
     found += [
-        Row(one.step, one.a, one.b, one.time, None, one.depth, None) for one in summary.grazes
+        Row(one.step, one.a, one.b, one.time, None, one.depth, None) for one in summary.run.grazes
     ]
     return sorted(found, key=lambda one: one[:3])
 

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from physim.analysis.metrics import danger_time_share, mode_spans, share_of_modes
+from physim.analysis.metrics import mode_spans, share_of_modes
 from physim.drawing.plots.frame import (
     framed,
     legend_below,
@@ -64,9 +64,9 @@ def modes(record: Record) -> Any:
         _shares(axis, record)
     else:
         _counts(above, record, spans)
-    share = danger_time_share(record)
+    share = share_of_modes(record, danger=False)
     if share is not None:
-        words = f"out of danger: {1.0 - share:.1%} of all robots' time under way"
+        words = f"out of danger: {share.value:.1%} of all robots' time under way"
         above.set_title(words, loc="right", fontsize=8.0, color=QUIET)
     _legend(figure, record, spans)
     return figure

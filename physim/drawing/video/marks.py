@@ -15,9 +15,13 @@ from numpy.typing import NDArray
 from physim.drawing import palette
 from physim.drawing.palette import Colour
 from physim.drawing.scene_model import Shape
-from physim.drawing.video.closest import Pair
-from physim.drawing.video.layout import FLASH, MARK, ONE, SHIFT, Image, Lens, fixed
+from physim.drawing.video.canvas import ONE, SHIFT, Image, Lens, draw_disc, draw_lines, fixed
 from physim.geometry.shapes import FloatArray
+
+CORNERS = np.array([[0.0, -1.0], [1.0, 0.0], [0.0, 1.0], [-1.0, 0.0]])
+"""of the diamond of a swept contact"""
+ARMS = np.array([[[-1.0, -1.0], [1.0, 1.0]], [[-1.0, 1.0], [1.0, -1.0]]])
+"""of the cross of a contact"""
 
 
 class Outline(NamedTuple):
@@ -86,26 +90,6 @@ def draw_robots(
         cv2.fillConvexPoly(view, outline.mark, palette.WHITE, cv2.LINE_AA, SHIFT)
 
 
-CORNERS = np.array([[0.0, -1.0], [1.0, 0.0], [0.0, 1.0], [-1.0, 0.0]])
-"""of the diamond of a swept contact"""
-ARMS = np.array([[[-1.0, -1.0], [1.0, 1.0]], [[-1.0, 1.0], [1.0, -1.0]]])
-"""of the cross of a contact"""
-
-
-def draw_lines(
-    image: Image, lines: NDArray[np.int32], colour: Colour, width: int, closed: bool = False
-) -> None:
-    """Draw lines (k, n, 2) of fixed-point pixels."""
-    cv2.polylines(image, list(lines), closed, colour, width, cv2.LINE_AA, SHIFT)
-
-
-def draw_disc(
-    image: Image, at: NDArray[np.int32], radius: float, colour: Colour, width: int = cv2.FILLED
-) -> None:
-    """Draw a disc, or a ring of some ``width``, of ``radius`` [px] round fixed-point pixels."""
-    cv2.circle(image, at.tolist(), round(radius * ONE), colour, width, cv2.LINE_AA, SHIFT)
-
-
 def draw_trails(
     view: Image, pixels: NDArray[np.int32], colour: Colour, bands: int, width: int = 2
 ) -> None:
@@ -128,27 +112,13 @@ def draw_targets(view: Image, lens: Lens, robots: FloatArray, targets: FloatArra
         draw_disc(view, end, 3.0, palette.INK, 1)
 
 
-def draw_reference_point(view: Image, lens: Lens, place: FloatArray) -> None:
-    """Draw the reference point (2,) [m] of a robot, where its target line starts."""
-    at = lens.fixed(place)
-    draw_disc(view, at, 3.5, palette.WHITE)
-    draw_disc(view, at, 2.2, palette.INK)
-
-
-def draw_closest(view: Image, lens: Lens, pair: Pair) -> None:
-    """Join the closest points of the closest pair."""
-    ends = lens.fixed(pair.points)
+def draw_closest(view: Image, lens: Lens, points: FloatArray) -> None:
+    """Join the closest points (2, 2) [m] of two bodies."""
+    ends = lens.fixed(points)
     draw_lines(view, ends[None], palette.WHITE, 5)
     draw_lines(view, ends[None], palette.INK, 2)
     for end in ends:
         draw_disc(view, end, 3.0, palette.INK)
-
-
-def draw_flash(view: Image, centre: FloatArray, age: float, speed: float) -> None:
-    """Draw the growing ring round a contact that began ``age`` simulated seconds ago."""
-    grown = age / (FLASH * speed)
-    if grown < 1.0 and np.isfinite(centre).all():
-        draw_ring(view, centre, 9.0 + 25.0 * grown, 4)
 
 
 def draw_ring(image: Image, centre: FloatArray, radius: float, width: int) -> None:
@@ -177,8 +147,3 @@ def draw_contacts(
     lines = fixed((centres[:, None, None] + arm * shape).reshape(-1, *shape.shape[1:]))
     draw_lines(image, lines, palette.WHITE, width + 3, swept)
     draw_lines(image, lines, palette.CONTACT, width, swept)
-
-
-def mark_lasts(speed: float) -> float:
-    """Return how long [s, simulated] a contact's mark stays at least, at a playback speed."""
-    return max(MARK, FLASH * speed)

@@ -10,7 +10,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from physim.drawing.labels import ANGLES, Label, covered, grown, overlaps, places
+from physim.drawing.labels import ANGLES, Label, around, covered, grown, overlaps, places
 from physim.geometry.shapes import FloatArray, IntArray
 
 GAPS = (2.0, 12.0, 28.0, 48.0)
@@ -48,8 +48,8 @@ class Labels:
         labels: Mapping[int, Label],
         boxes: FloatArray,
         area: tuple[int, int],
-        owners: IntArray | None = None,
-        walls: FloatArray | None = None,
+        owners: IntArray,
+        walls: FloatArray,
     ) -> list[FloatArray]:
         """Return the middles (2,) [px] of labels, which are named by any number.
 
@@ -57,13 +57,16 @@ class Labels:
         (m,) the numbers of the labels that they belong to (first the body, then its target), and
         ``walls`` (s, 2, 2) segments; ``area`` is the width and height of the view.
         """
-        owners = np.arange(len(boxes)) if owners is None else owners
-        walls = np.zeros((0, 2, 2)) if walls is None else walls
         due = self._frame % EVERY == 0
         chosen = {key: label for key, label in labels.items() if due or key not in self._chosen}
         if chosen:
-            stay = [self._box(key, labels[key]) for key in labels.keys() - chosen.keys()]
-            self._choose(chosen, boxes, area, owners, walls, np.array(stay).reshape(-1, 4))
+            stay = [
+                around(label.at + self._wanted[key], label.size)
+                for key, label in labels.items()
+                if key not in chosen
+            ]
+            taken = np.array(stay).reshape(-1, 4)
+            self._choose(chosen, np.concatenate((boxes, taken)), area, owners, walls)
         self._frame += 1
         middles = []
         for key, label in labels.items():
@@ -72,11 +75,6 @@ class Labels:
             middles.append(self._offset[key] + label.at)
         return middles
 
-    def _box(self, key: int, label: Label) -> FloatArray:
-        """Box (4,) of a label where it is going."""
-        middle, half = label.at + self._wanted[key], np.array(label.size) / 2.0
-        return np.concatenate((middle - half, middle + half))
-
     def _choose(
         self,
         labels: Mapping[int, Label],
@@ -84,33 +82,29 @@ class Labels:
         area: tuple[int, int],
         owners: IntArray,
         walls: FloatArray,
-        stay: FloatArray,
     ) -> None:
         """Choose the place of each label, one after the other: none covers one before it.
 
-        ``stay`` (l, 4) are boxes of labels that stay where they are.
+        ``boxes`` without an owner are of labels that stay where they are.
         """
-        keys = np.array(list(labels))
         found = np.stack([places(label, GAPS, up=-1.0) for label in labels.values()])
         size = np.array([label.size for label in labels.values()])[:, None]
         room = np.concatenate((found - size / 2.0, found + size / 2.0), axis=2)
-        cost = _costs(keys, room, boxes, owners, walls, area)
-        around_it = grown(room, AIR)
+        air = grown(room, AIR)
         price = COVERED / np.prod(size + 2.0 * AIR, axis=2)
-        lapped = overlaps(around_it.reshape(-1, 4), boxes).reshape(*room.shape[:2], -1)
-        for k, label in enumerate(labels.values()):
+        lapped = overlaps(air.reshape(-1, 4), boxes).reshape(*room.shape[:2], -1)
+        for k, (key, label) in enumerate(labels.items()):
             if label.shape is not None:  # its places clear its own body anyway
-                lapped[k, :, np.flatnonzero(owners == keys[k])[:1]] = 0.0
+                lapped[k, :, np.flatnonzero(owners == key)[:1]] = 0.0
+        keys = np.array(list(labels))
+        cost = _costs(keys, room, boxes[: len(owners)], owners, walls, area)
         cost += price * lapped.sum(axis=2)
-        if len(stay):
-            taken = overlaps(around_it.reshape(-1, 4), stay).sum(axis=1)
-            cost += price * taken.reshape(room.shape[:2])
         for k, (key, label) in enumerate(labels.items()):
             if key in self._chosen:
                 cost[k, self._chosen[key]] -= STAYS
             best = self._chosen[key] = int(np.argmin(cost[k]))
             self._wanted[key] = found[k, best] - label.at
-            later = around_it[k + 1 :]
+            later = air[k + 1 :]
             taken = overlaps(later.reshape(-1, 4), room[k, best][None])
             cost[k + 1 :] += price[k + 1 :] * taken.reshape(later.shape[:2])
 
@@ -128,21 +122,15 @@ def _costs(
     on_wall = covered(room.reshape(-1, 4), walls) > 0.0
     cost = alone + ON_WALL * on_wall.reshape(room.shape[:2])
     low, high = room[..., :2], room[..., 2:]
-    over = np.maximum(-low, 0.0) + np.maximum(high - area, 0.0)
-    outside = over[..., 0] + over[..., 1]
-    cost += OUTSIDE * (outside > 0.0) + 0.01 * OUTSIDE * outside
+    over = (np.maximum(-low, 0.0) + np.maximum(high - area, 0.0)).sum(axis=2)
+    cost += OUTSIDE * (over > 0.0) + 0.01 * OUTSIDE * over
     wanted = np.repeat(GAPS, len(ANGLES)) + CLEARER
     for k in np.flatnonzero(keys >= 0).tolist():
         others = boxes[owners != keys[k]]
-        if len(others):
-            distance = _nearest(low[k], high[k], others)
+        if len(others):  # how near the nearest of them is
+            x = np.maximum(others[:, 0] - high[k, :, :1], low[k, :, :1] - others[:, 2])
+            y = np.maximum(others[:, 1] - high[k, :, 1:], low[k, :, 1:] - others[:, 3])
+            x, y = np.maximum(x, 0.0), np.maximum(y, 0.0)
+            distance = np.sqrt((x * x + y * y).min(axis=1))
             cost[k] += ASTRAY * np.clip(1.0 - distance / wanted, 0.0, 1.0)
     return np.asarray(cost)
-
-
-def _nearest(low: FloatArray, high: FloatArray, others: FloatArray) -> FloatArray:
-    """Return the distance (n,) of boxes, ``low`` to ``high`` (n, 2), to the nearest of others."""
-    x = np.maximum(others[:, 0] - high[:, :1], low[:, :1] - others[:, 2])
-    y = np.maximum(others[:, 1] - high[:, 1:], low[:, 1:] - others[:, 3])
-    x, y = np.maximum(x, 0.0), np.maximum(y, 0.0)
-    return np.asarray(np.sqrt((x * x + y * y).min(axis=1)))

@@ -2,31 +2,177 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 
 import cv2
 import numpy as np
 
 from physim.drawing import palette
-from physim.drawing.distances import Distances
-from physim.drawing.labels import metres
-from physim.drawing.palette import Colour
+from physim.drawing.crowd import NAMED
+from physim.drawing.items import Item
+from physim.drawing.palette import Colour, rgb
+from physim.drawing.scene_model import shape
 from physim.drawing.timeline import Moment, Timeline
-from physim.drawing.video.closest import Pair, as_recorded
-from physim.drawing.video.layout import SMALL, TEXT, TITLE, Box, Image
-from physim.drawing.video.legend import COURSES, LEAST_ROW, PAD, ROW, draw_modes, draw_signs
-from physim.drawing.video.scale import draw_scale
-from physim.drawing.video.text import BOLD, shorten, width, wrapped, write
+from physim.drawing.video.canvas import (
+    BOLD,
+    SHORT_TRAIL,
+    SMALL,
+    TEXT,
+    TITLE,
+    TRAIL,
+    Box,
+    Image,
+    Lens,
+    draw_progress,
+    draw_scale,
+    shorten,
+    width,
+    wrapped,
+    write,
+)
+from physim.drawing.video.ground import Ground
+from physim.drawing.video.marks import (
+    Fleet,
+    draw_closest,
+    draw_contacts,
+    draw_ring,
+    draw_robots,
+    draw_targets,
+    draw_trails,
+)
+from physim.drawing.video.view import Pair
+from physim.geometry.shapes import FloatArray
+from physim.parts.declarations import Mode
+from physim.units import amount, true_minus
 
+Sign = Callable[[Image, Lens], None]
+"""Draws a sign with ``lens``, whose origin is the middle of its left edge [px]."""
+
+PAD = 18
+"""[px] beside and between what the legend shows"""
+ROW, LEAST_ROW = 21, 15
+"""[px] height of a line of the legend, and the least where there are many"""
+SIGN, WIDE = 30, 22
+"""[px] room for a sign, and its width"""
 CLOCK, FIGURES = 70, 142
 """[px] tops of the clock and the figures"""
 FIGURE, HEAD, SETTINGS = 22, 18, 15
 """[px] height of a line of figures, of the words above the modes, and of a line of settings"""
-NOW, CLOSEST_NOW = "touching now", "closest now: "
-ROOMS = (90, 72, 60, 48, 40, 34, 28)
-"""[px] for each of two names, the first with which they fit beside words and a value"""
 BELOW = 134
 """[px] room below the legend for the scale bar and a small overview"""
+NO_MODES, DEEP = "robot; no modes are given", "too deep: not physical"
+GROUND = (
+    "path", "reference path", "boundary", "obstacle", "safe area", "danger area", "accessible area"
+)  # fmt: skip
+"""What of the ground the legend explains, in its order"""
+START, MIDDLE, END = np.array([[0.0, 0.0], [WIDE / 2.0, 0.0], [WIDE, 0.0]])
+_BOX = shape([np.array([[-9.0, -5.5], [9.0, -5.5], [9.0, 5.5], [-9.0, 5.5]])])
+
+# Legend
+
+
+def signs(timeline: Timeline, ground: Ground, whole: bool = False) -> dict[str, Sign]:
+    """Return the signs that can appear in the video of a record by their words, in order.
+
+    ``whole``: in the picture of its end, where trails are those of the whole run.
+    """
+    contacts, crowd = timeline.contacts, timeline.robots > NAMED
+    own, plural = (palette.BAND, "s") if crowd else (palette.robot_colour(0), "")
+    last = f"last {SHORT_TRAIL if crowd else TRAIL:g} s"
+    course = f"trail{plural} of the whole run" if whole else f"trail{plural}, {last}"
+    moving: dict[str, tuple[object, Sign]] = {
+        NO_MODES: (timeline.modeless, _robot(own)),
+        "contact": (True, _contact()),
+        "a contact begins": (
+            contacts.began.size, lambda image, lens: draw_ring(image, lens.pixels(MIDDLE), 6.0, 2)
+        ),
+        DEEP: (np.isfinite(contacts.deep).any(), _contact(deep=True)),
+        "contact between samples": (contacts.swept.any(), _contact(swept=True)),
+        "closest pair": (
+            timeline.robots > 1,
+            lambda image, lens: draw_closest(image, lens, np.array([[3.0, 0.0], [19.0, 0.0]])),
+        ),
+        "target": (
+            not crowd and timeline.aims,
+            lambda image, lens: draw_targets(image, lens, START[None], END[None] - (4.0, 0.0)),
+        ),
+        course: (True, _line(own, 1 if crowd else 2) if whole else _trail(own)),
+    }  # fmt: skip
+    found = {words: sign for words, (there, sign) in moving.items() if there}
+    for what in GROUND:
+        if drawn := [item for item in ground.items if item.what == what]:
+            words, sign = _of_items(drawn, plural)
+            found[words] = sign
+    return found
+
+
+def _of_items(drawn: Sequence[Item], plural: str) -> tuple[str, Sign]:
+    """Words and sign of all items that are the same thing."""
+    first = next((item for item in drawn if isinstance(item.key, int)), drawn[0])
+    if first.width == 0.0:
+        return first.what, _area(first.colour)
+    dashed = any(item.dash for item in drawn)
+    words = first.what if first.what != "path" else f"path{plural}"
+    return (
+        f"{words}, dashed in danger area" if dashed else words,
+        _line(first.colour, round(first.width), dashed),
+    )
+
+
+def draw_signs(
+    image: Image, left: int, top: int, row: int, entries: Iterable[tuple[str, Sign]], room: int = 0
+) -> None:
+    """Draw signs and their words, in ``room`` [px] if given, one a line of ``row`` [px]."""
+    for k, (words, sign) in enumerate(entries):
+        y = top + k * row + row / 2.0
+        sign(image, Lens(1.0, left, y))
+        words = shorten(words, TEXT, room - SIGN) if room else words
+        write(image, words, (left + SIGN, y + 5), TEXT)
+
+
+def mode_signs(modes: Iterable[Mode]) -> list[tuple[str, Sign]]:
+    """Return words and sign of each mode: a robot in its colour."""
+    return [(str(mode), _robot(rgb(mode.colour))) for mode in modes]
+
+
+def _robot(colour: Colour) -> Sign:
+    def draw(image: Image, lens: Lens) -> None:
+        fleet, lens = Fleet([_BOX]), Lens(1.0, lens.x + MIDDLE[0], lens.y)
+        outlines = fleet.split(lens.fixed(fleet.placed(np.zeros((1, 3)))))
+        draw_robots(image, outlines, [colour], [False])
+
+    return draw
+
+
+def _contact(swept: bool = False, deep: bool = False) -> Sign:
+    return lambda image, lens: draw_contacts(image, lens.pixels(MIDDLE[None]), swept, deep=deep)
+
+
+def _trail(colour: Colour) -> Sign:
+    line: FloatArray = np.linspace(START, END, 13)[None]
+    return lambda image, lens: draw_trails(image, lens.fixed(line), colour, 12)
+
+
+def _line(colour: Colour, width: int, dashed: bool = False) -> Sign:
+    def draw(image: Image, lens: Lens) -> None:
+        x, y = round(lens.x), round(lens.y)
+        for start, end in ((0, 9), (12, 15), (19, 22)) if dashed else ((0, WIDE),):
+            cv2.line(image, (x + start, y), (x + end, y), colour, width)
+
+    return draw
+
+
+def _area(colour: Colour) -> Sign:
+    def draw(image: Image, lens: Lens) -> None:
+        x, y = round(lens.x), round(lens.y)
+        corners = (x, y - 6), (x + WIDE, y + 6)
+        cv2.rectangle(image, *corners, colour, cv2.FILLED)
+        cv2.rectangle(image, *corners, palette.mix(colour, palette.INK, 0.25), 1)
+
+    return draw
+
+
+# Panel
 
 
 class Panel:
@@ -35,132 +181,99 @@ class Panel:
     def __init__(
         self,
         timeline: Timeline,
+        ground: Ground,
         image: Image,
         scales: tuple[float, float],
         speed: float,
-        signs: Sequence[str],
     ) -> None:
         """``image`` keeps what is painted in it, from one moment to the next.
 
-        ``scales`` [px/m] are the view's, during the run and at its end; ``signs`` are the words of
-        the legend's signs.
+        ``scales`` [px/m] are the view's, during the run and at its end.
         """
         self._timeline, self._image = timeline, image
-        self._distances = Distances(timeline.record)
-        self._box = Box(0, 0, image.shape[1], image.shape[0])
-        self._right = self._box.width - PAD
+        high, wide = image.shape[:2]
+        self._wide, self._right = wide, wide - PAD
         contacts = timeline.contacts
         lines = 3 + bool(len(contacts.began)) + bool(np.isfinite(contacts.deep).any())
-        self._modes_top = FIGURES + 20 + lines * FIGURE
-        set_to = timeline.record.setup.controller.set_to
-        self._set_to = wrapped(set_to, SMALL, self._right - PAD, most=3)
-        self._head = HEAD + SETTINGS * len(self._set_to)
-        self._scales = scales
-        self._still = self._draw_still(speed, signs)
+        self._settings = wrapped(
+            timeline.record.setup.controller.set_to, SMALL, self._right - PAD, most=3
+        )
+        self._rule = FIGURES + 12 + lines * FIGURE
+        self._top = self._rule + 8 + HEAD + SETTINGS * len(self._settings)
+        self._modes = [timeline.scene.modes[k] for k in timeline.explained_modes]
+        legends = [
+            signs(timeline, ground, over and scales[0] != scales[1]) for over in (False, True)
+        ]
+        rows = len(self._modes) + len(legends[0])
+        self._row = max(LEAST_ROW, min(ROW, (high - self._top - BELOW) // max(rows, 1)))
+        self._bar = self._top + rows * self._row + 12 * (1 + bool(self._modes))
+        self.free = Box(PAD, self._bar + 36, self._right - PAD, high - self._bar - 50)
+        """the part of the panel, in its own pixels, that is left for the whole map"""
+        self._speed, self._scales, self._legends = speed, scales, legends
+        self._over: bool | None = None
+        self._still: Image = image[:0]
         self._shown: dict[Box, object] = {}
-        image[:] = self._still
 
-    @property
-    def free(self) -> Box:
-        """The part of the panel, in its own pixels, that is left for the overview."""
-        top = self._bottom + 8
-        return Box(PAD, top, self._right - PAD, self._box.height - top - 14)
-
-    def _draw_still(self, speed: float, signs: Sequence[str]) -> Image:
-        image = np.full((self._box.height, self._box.width, 3), 255, np.uint8)
-        cv2.line(image, (0, 0), (0, self._box.height), palette.RULE, 1)
+    def _draw_still(self, over: bool) -> Image:
+        image = np.full(self._image.shape, 255, np.uint8)
         record, room = self._timeline.record, self._right - PAD
-        name = shorten(record.name, TITLE, room, BOLD)
-        write(image, name, (PAD, 32), TITLE, weight=BOLD)
+        cv2.line(image, (0, 0), (0, len(image)), palette.RULE, 1)
+        write(image, shorten(record.name, TITLE, room, BOLD), (PAD, 32), TITLE, weight=BOLD)
+        write(image, f"×{self._speed:g}", (self._right, CLOCK + 31), 20, colour=palette.QUIET,
+              weight=BOLD, anchor="right")  # fmt: skip
         count = self._timeline.robots
         robots = "1 robot" if count == 1 else f"{count} robots"
-        words = f"{robots}, seed {record.seed}"
-        write(image, words, (PAD, 53), SMALL, colour=palette.QUIET)
-        write(image, f"×{speed:g}", (self._right, CLOCK + 31), 20, colour=palette.QUIET,
-              weight=BOLD, anchor="right")  # fmt: skip
-        modes = [self._timeline.scene.modes[k] for k in self._timeline.explained_modes]
-        row = self._row_height = self._row(len(modes) + len(signs))
-        top = self._modes_top
-        self._rule(image, top - 8)
-        words = f"{'modes of' if modes else 'controller'} {record.setup.controller.name}"
-        write(image, shorten(words, SMALL, room), (PAD, top + 10), SMALL, colour=palette.QUIET)
-        for k, line in enumerate(self._set_to, 1):
-            write(image, line, (PAD, top + 10 + k * SETTINGS), SMALL, colour=palette.QUIET)
-        self._modes_top = top = top + self._head
-        if modes:
-            draw_modes(image, PAD, top, row, modes, room - 30)
-            top += len(modes) * row + 12
-            self._rule(image, top - 6)
-        used = draw_signs(image, PAD, top, row, signs)
-        self._trails = [
-            (Box(PAD - 2, top + k * row, self._box.width - PAD, row), words)
-            for k, words in enumerate(signs)
-            if words in COURSES
-        ]
-        self._bar = Box(PAD - 2, top + used + 12, self._box.width - PAD, 28)
-        self._rule(image, self._bar.top - 6)
-        self._bottom = self._bar.top + self._bar.height
+        head = f"{'modes of' if self._modes else 'controller'} {record.setup.controller.name}"
+        top, legend_top = self._rule + 18, self._top + len(self._modes) * self._row
+        quiet = {53: f"{robots}, seed {record.seed}", top: shorten(head, SMALL, room)}
+        quiet |= {top + k * SETTINGS: line for k, line in enumerate(self._settings, 1)}
+        for y, line in quiet.items():
+            write(image, line, (PAD, y), SMALL, colour=palette.QUIET)
+        draw_signs(image, PAD, self._top, self._row, mode_signs(self._modes), room - 30)
+        rules = [self._rule, self._bar - 6]
+        if self._modes:
+            rules.append(legend_top + 6)
+            legend_top += 12
+        for y in rules:
+            cv2.line(image, (PAD, y), (self._right, y), palette.RULE, 1)
+        draw_signs(image, PAD, legend_top, self._row, self._legends[over].items())
+        draw_scale(image, PAD, self._bar + 14, self._scales[over])
         return image
-
-    def _row(self, rows: int) -> int:
-        """Height of a line of the legend [px], so that scale bar and overview have room."""
-        room = self._box.height - self._modes_top - self._head - BELOW
-        return max(LEAST_ROW, min(ROW, room // max(rows, 1)))
-
-    def _rule(self, image: Image, y: int) -> None:
-        cv2.line(image, (PAD, y), (self._right, y), palette.RULE, 1)
-
-    def _show_scale(self, over: bool) -> None:
-        scale = self._scales[over]
-        if self._is_new(self._bar, scale):
-            draw_scale(self._image, PAD, self._bar.top + 14, scale)
-
-    def _show_trails(self, over: bool) -> None:
-        """Tell how long trails are, which the picture of the end shows whole if it is another."""
-        whole = over and self._scales[0] != self._scales[1]
-        for box, words in self._trails:
-            shown = COURSES[words] if whole else words
-            if self._is_new(box, shown):
-                box.of(self._image)[:] = 255
-                draw_signs(self._image, PAD, box.top, box.height, [shown])
 
     def paint(self, now: Moment, pair: Pair | None) -> None:
         """Show one moment, with the closest pair of robots."""
-        self._show_clock(now.time)
-        self._show_scale(self._timeline.over(now.time))
-        self._show_trails(self._timeline.over(now.time))
-        # the legend counts who is in each mode, such as the paper's "arrived"
+        over = self._timeline.over(now.time)
+        if over != self._over:
+            self._over, self._shown = over, {}
+            self._image[:] = self._still = self._draw_still(over)
+        words = f"{now.time:.1f} s"
+        if self._is_new(Box(PAD, CLOCK + 4, self._right - 60 - PAD, 38), words):
+            write(self._image, words, (PAD, CLOCK + 32), 30, weight=BOLD)
+        share = now.time / max(self._timeline.duration, 1e-9)
+        length = round((self._right - PAD) * share)
+        if self._is_new(Box(PAD - 4, CLOCK + 46, self._right - PAD + 8, 9), length):
+            draw_progress(self._image, PAD, self._right, CLOCK + 50, share)
+        # judged by the motion; the legend counts who is in each mode, such as the paper's "arrived"
         every = self._timeline.arrived(now.time) == self._timeline.robots
         words = "finished" if every else ""
-        self._show_line(53, "", words, palette.INK, size=SMALL, left=self._box.width // 2)
+        self._show_line(53, "", words, palette.INK, size=SMALL, left=self._wide // 2)
         for row, (words, value, colour) in enumerate(self._figures(now, pair)):
             self._show_line(FIGURES + 12 + row * FIGURE, words, value, colour)
         for k, mode in enumerate(self._timeline.explained_modes):
             count = int((now.modes == mode).sum())
-            y = self._modes_top + k * self._row_height + self._row_height // 2 + 5
+            y = self._top + k * self._row + self._row // 2 + 5
             colour = palette.INK if count else palette.QUIET
             self._show_line(y, "", str(count), colour, left=self._right - 50)
-
-    def _show_clock(self, time: float) -> None:
-        words = f"{time:.1f} s"
-        if self._is_new(Box(PAD, CLOCK + 4, self._right - 60 - PAD, 38), words):
-            write(self._image, words, (PAD, CLOCK + 32), 30, weight=BOLD)
-        share = time / max(self._timeline.duration, 1e-9)
-        length = round((self._right - PAD) * share)
-        if self._is_new(Box(PAD - 4, CLOCK + 46, self._right - PAD + 8, 9), length):
-            draw_progress(self._image, PAD, self._right, CLOCK + 50, share)
 
     def _show_line(
         self, y: int, words: str, value: str, colour: Colour, size: int = TEXT, left: int = PAD
     ) -> None:
         """Show words and at the right end a value, with their baseline at ``y`` [px]."""
-        box = Box(left, y - size + 1, self._box.width - left, size + 4)
+        box = Box(left, y - size + 1, self._wide - left, size + 4)
         if self._is_new(box, (words, value, colour)):
             write(self._image, words, (left, y), size, colour=palette.QUIET)
-            write(
-                self._image, value, (self._right, y), size, colour=colour, weight=BOLD,
-                anchor="right",
-            )  # fmt: skip
+            write(self._image, value, (self._right, y), size, colour=colour, weight=BOLD,
+                  anchor="right")  # fmt: skip
 
     def _is_new(self, box: Box, content: object) -> bool:
         """Whether a box is to show something else than it does; it is blank then."""
@@ -172,51 +285,41 @@ class Panel:
 
     def _figures(self, now: Moment, pair: Pair | None) -> Iterator[tuple[str, str, Colour]]:
         """Words, value and colour of every line of figures."""
-        contacts = self._timeline.contacts
-        clearance, walls = (one[0] for one in self._distances.at(np.array([now.sample])))
+        contacts, alarm = self._timeline.contacts, (palette.INK, palette.CONTACT)
         swept = contacts.swept_count(now.time)
         touched = contacts.count(now.time) - swept
-        colour = palette.CONTACT if touched or swept else palette.INK
         if contacts.swept.any():
-            yield "contacts, between samples", f"{touched}, {swept}", colour
+            value = f"{touched}, {swept}"
+            yield "contacts, between samples", value, alarm[touched + swept > 0]
         else:
-            yield "contacts so far", str(touched), colour
+            yield "contacts so far", str(touched), alarm[touched > 0]
         if np.isfinite(contacts.deep).any():
             deep = contacts.deep_count(now.time)
-            yield "of them not physical", str(deep), palette.CONTACT if deep else palette.INK
+            yield "of them not physical", str(deep), alarm[deep > 0]
         if len(contacts.began):
-            yield NOW, *self._touching(now.time)
+            words, present = "touching now", contacts.present(now.time)
+            value = "none"
+            if len(present):  # the last that began, and how many others
+                more = f" + {len(present) - 1}" if len(present) > 1 else ""
+                a, b = contacts.bodies[present[-1]].tolist()
+                value = self._both(a, b, words, more) + more
+            yield words, value, alarm[len(present) > 0]
         if pair is not None:
-            a, b, gap = as_recorded(pair, clearance)
-            words = CLOSEST_NOW + self._both(a, b, CLOSEST_NOW, metres(gap))
-            yield words, metres(gap), palette.INK if gap > 0.0 else palette.CONTACT
-        wall = float(np.min(walls))
+            words, value = "closest now: ", true_minus(amount(pair.distance, "m"))
+            words += self._both(pair.a, pair.b, words, value)
+            yield words, value, alarm[pair.distance <= 0.0]
+        wall = float(self._timeline.distances_at(np.array([now.sample]))[1].min())
         if np.isfinite(wall):
-            yield "wall, closest now", metres(wall), palette.INK if wall > 0.0 else palette.CONTACT
-        deviation = float(self._timeline.record.course[now.sample, 0, 1])
+            yield "wall, closest now", true_minus(amount(wall, "m")), alarm[wall <= 0.0]
         if pair is None:
+            deviation = float(self._timeline.record.course[now.sample, 0, 1])
             side = "left" if deviation >= 0.0 else "right"
-            yield f"off its path now, {side}", metres(abs(deviation)), palette.INK
-
-    def _touching(self, time: float) -> tuple[str, Colour]:
-        """Who touches whom: the last that began, and how many others."""
-        contacts = self._timeline.contacts
-        present = contacts.present(time)
-        if not len(present):
-            return "none", palette.INK
-        more = f" + {len(present) - 1}" if len(present) > 1 else ""
-        a, b = contacts.bodies[present[-1]].tolist()
-        return self._both(a, b, NOW, more) + more, palette.CONTACT
+            yield f"off its path now, {side}", amount(abs(deviation), "m"), palette.INK
 
     def _both(self, a: int, b: int, *beside: str) -> str:
         """Names of two bodies, cut so that they fit in one line with what stands ``beside``."""
-        bodies = self._timeline.record.bodies
-        free = self._right - PAD - 12 - sum(width(words, TEXT, BOLD) for words in beside)
-        tried = (" – ".join(shorten(bodies[k].name, TEXT, room) for k in (a, b)) for room in ROOMS)
-        return next((names for names in tried if width(names, TEXT, BOLD) <= free), "…")
-
-
-def draw_progress(image: Image, left: int, right: int, y: int, share: float) -> None:
-    """Draw a bar of which a share is done."""
-    cv2.line(image, (left, y), (right, y), palette.FAINT, 5)
-    cv2.line(image, (left, y), (left + round((right - left) * share), y), palette.QUIET, 5)
+        names, dash = [self._timeline.record.bodies[k].name for k in (a, b)], " – "
+        free = self._right - PAD - 12 - sum(width(words, TEXT, BOLD) for words in (dash, *beside))
+        one = shorten(names[0], TEXT, free // 2, BOLD)
+        other = shorten(names[1], TEXT, free - width(one, TEXT, BOLD), BOLD)
+        return one + dash + other

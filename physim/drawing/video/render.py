@@ -4,22 +4,30 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from physim.analysis.metrics.walls import nearest_points
 from physim.drawing import palette
-from physim.drawing.palette import Colour, rgb
+from physim.drawing.palette import rgb
 from physim.drawing.timeline import Timeline
-from physim.drawing.video.animation import Animation, check_length, resized, save_still
-from physim.drawing.video.files import MP4, check_still, kind_of, rate, size_at
-from physim.drawing.video.frames import Beside, Painter
+from physim.drawing.video.canvas import VIEW, WIDTH, Box, Image
+from physim.drawing.video.film import (
+    MP4,
+    Animation,
+    VideoFile,
+    check_length,
+    check_still,
+    kind_of,
+    rate,
+    resized,
+    save_still,
+    size_at,
+)
 from physim.drawing.video.ground import ground
-from physim.drawing.video.layout import WIDTH, Box, Image, arrange
-from physim.drawing.video.movie import VideoFile
+from physim.drawing.video.painter import Beside, Painter
 from physim.drawing.video.view import View
 from physim.errors import PhysimError
 from physim.geometry.shapes import FloatArray
@@ -27,12 +35,10 @@ from physim.geometry.shapes import FloatArray
 if TYPE_CHECKING:
     from physim.record import Record
 
-
 TILE = (560, 298)
 """[px] width and height of a close-up: shown at this size or somewhat less, names can be read"""
 FPS = 25.0
 """of a still, in which labels are where they begin in a film"""
-
 SPEEDS = (1, 2, 4, 5, 8)
 """Playback speeds of the first decade; the others are these times a power of ten."""
 MOST_KEPT = 40
@@ -102,31 +108,29 @@ def render(
             f"from {start:g} s to {end:g} s: nothing to show; allowed: a start of at least 0 s and "
             "before the end, which is at most that of the run"
         )
-    chosen = _speed(speed, end - start, kind.longest)
-    times = frame_times(start, end, fps, chosen)
-    if kind.tick:
-        check_length(len(np.unique(times)), width)
-    painter = _painter(timelines, chosen, fps)
+    speed = _speed(speed, end - start, kind.longest)
+    times = frame_times(start, end, fps, speed)
     film: VideoFile | Animation
     if kind.tick:
+        check_length(len(np.unique(times)), width)
         film = Animation(path, fps, width, _kept(timelines))
     else:
         film = VideoFile(path, fps, width)
-    done = 0
-    with film as video:
-        drawn = math.nan
+    painter = _painter(timelines, speed, fps)
+    done, drawn = 0, math.nan
+    with film:
         for time in times.tolist():
             if time != drawn:
                 drawn = time
-                video.write(painter.paint(time))
+                film.write(painter.paint(time))
             else:
-                video.hold()
+                film.hold()
             done += 1
             if progress is not None:
                 progress(done, len(times))
             if stop is not None and done < len(times) and stop():
                 if cut_short is not None:
-                    video.path = Path(cut_short).absolute()
+                    film.path = Path(cut_short).absolute()
                 break
     return done
 
@@ -150,7 +154,7 @@ def frame_at(
     timelines = _timelines(record, beside)
     duration = _duration(timelines)
     painter = _painter(timelines, _speed(speed, duration, MP4.longest), rate(MP4, fps))
-    return painter.frame(min(max(float(time), 0.0), duration))
+    return painter.paint(min(max(float(time), 0.0), duration))
 
 
 def close_up(record: Record, time: float, between: tuple[int, int] | None = None) -> Image:
@@ -159,16 +163,15 @@ def close_up(record: Record, time: float, between: tuple[int, int] | None = None
     With ``between`` it is about a robot and another body (ids), whose distance is marked.
     """
     timeline = Timeline(record)
-    box = Box(0, 0, *TILE) if between is None else arrange()[0]
+    box = Box(0, 0, *TILE) if between is None else VIEW
     speed = _speed(None, timeline.duration, MP4.longest)
     view, now = View(timeline, ground(timeline), box, speed, FPS), timeline.at(time)
+    view.between = between
     image = np.empty((box.height, box.width, 3), np.uint8)
+    marked = view.paint(image, now)
     middle = box.size / 2.0
-    if between is not None:
-        view.mark(*between)
-        points = nearest_points(record, *between, now.pose)
-        middle = view.camera.lens(now.time).pixels(points).mean(axis=0)
-    view.paint(image, now)
+    if between is not None and marked is not None:
+        middle = view.camera.lens(now.time).pixels(marked.points).mean(axis=0)
     left, top = np.clip(middle - np.array(TILE) / 2.0, 0.0, box.size - TILE).astype(int).tolist()
     return np.ascontiguousarray(Box(left, top, *TILE).of(image))
 
@@ -196,12 +199,10 @@ def still(
 
 
 def _timelines(record: Record, beside: Record | None) -> list[Timeline]:
-    """Of one run, or of two."""
-    return [Timeline(one) for one in ((record,) if beside is None else (record, beside))]
+    return [Timeline(one) for one in (record, beside) if one is not None]
 
 
-def _duration(timelines: Sequence[Timeline]) -> float:
-    """[s] of the longer run."""
+def _duration(timelines: list[Timeline]) -> float:
     return max(timeline.duration for timeline in timelines)
 
 
@@ -212,17 +213,13 @@ def _speed(speed: float | None, duration: float, longest: float) -> float:
     return playback_speed(duration, longest) if speed is None else float(speed)
 
 
-def _painter(timelines: Sequence[Timeline], speed: float, fps: float) -> Painter | Beside:
-    """What draws the frames."""
+def _painter(timelines: list[Timeline], speed: float, fps: float) -> Painter | Beside:
     if len(timelines) == 2:
         return Beside(timelines[0], timelines[1], speed, fps)
     return Painter(timelines[0], speed, fps)
 
 
-def _kept(timelines: Sequence[Timeline]) -> list[Colour]:
+def _kept(timelines: list[Timeline]) -> list[palette.Colour]:
     """Colours that say something: of areas, contacts, modes and robots."""
     modes = [rgb(mode.colour) for one in timelines for mode in one.scene.modes]
-    areas = [area.colour for one in timelines for area in one.scene.areas]
-    plain = (palette.WHITE, palette.INK, palette.QUIET, palette.RULE, palette.FAINT)
-    ground = (palette.OUTSIDE, palette.WALL, palette.OBSTACLE, palette.REFERENCE)
-    return [*plain, *ground, palette.CONTACT, *areas, *modes[:MOST_KEPT], *palette.ROBOTS]
+    return [*palette.KEYS.values(), *modes[:MOST_KEPT], *palette.ROBOTS]

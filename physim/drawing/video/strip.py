@@ -14,9 +14,18 @@ from physim.drawing import palette
 from physim.drawing.crowd import MOST_LINES, quantiles
 from physim.drawing.labels import spread, ticks
 from physim.drawing.timeline import Curves, Moment, Timeline
-from physim.drawing.video.layout import SHIFT, SMALL, Box, Image, fixed
-from physim.drawing.video.marks import draw_contacts, draw_lines
-from physim.drawing.video.text import BOLD, shorten, width, write
+from physim.drawing.video.canvas import (
+    BOLD,
+    SHIFT,
+    SMALL,
+    Image,
+    draw_lines,
+    fixed,
+    shorten,
+    width,
+    write,
+)
+from physim.drawing.video.marks import draw_contacts
 from physim.geometry.shapes import FloatArray
 
 LEFT, TOP, BOTTOM, NAMES = 58, 30, 28, 78
@@ -25,12 +34,9 @@ SPACING = 13
 """[px] between two names"""
 LEAST = 0.03
 """Share of the run from which names are shown: before, they would fan out of one point."""
-REACH = 10
-"""[px] size of the mark on the time axis where a contact began"""
-
-APART = 8
-"""[px] in which there is one such mark: more would hide each other"""
-
+REACH, APART = 10, 8
+"""[px] size of the mark on the time axis where a contact began, and in which there is one such
+mark: more would hide each other"""
 OUTER, INNER = 0.25, 0.6
 """Share of colour in the bands of nine tenths and of half of the robots"""
 
@@ -40,24 +46,20 @@ class Strip:
 
     def __init__(self, timeline: Timeline, curves: Curves, image: Image) -> None:
         """``image`` keeps what is painted in it, from one moment to the next."""
-        self._timeline = timeline
-        self._curves = curves
-        self._image = image
-        self._box = box = Box(0, 0, image.shape[1], image.shape[0])
-        self._wide, self._high = box.width - LEFT - NAMES, box.height - TOP - BOTTOM
-        columns = 2 * self._wide + 1
-        times = np.linspace(0.0, timeline.duration, columns)
+        self._timeline, self._curves, self._image = timeline, curves, image
+        high, wide = image.shape[:2]
+        self._wide, self._high = wide - LEFT - NAMES, high - TOP - BOTTOM
+        times = np.linspace(0.0, timeline.duration, 2 * self._wide + 1)
         shown = timeline.shown(times)
         if curves is timeline.distances:  # the least until the next column; both lines seen at it
             values = np.minimum.reduceat(curves.values, shown).T
-            seen = values.min(axis=0)
+            seen = np.append(values.min(axis=0), 2.0 * values.min(axis=1))
         else:
             seen = values = curves.values[shown].T
         finite = seen[np.isfinite(seen)]
         top = max(float(np.abs(finite).max(initial=0.0)), 0.1) * 1.08
-        low = min(float(finite.min(initial=0.0)) * 1.08, -0.15 * top)
-        high = max(float(finite.max(initial=0.0)) * 1.08, 0.15 * top)
-        self._range = (low, high)
+        self._low = min(float(finite.min(initial=0.0)) * 1.08, -0.15 * top)
+        self._top = max(float(finite.max(initial=0.0)) * 1.08, 0.15 * top)
         self._each = len(curves.names) <= MOST_LINES
         self._names = [shorten(name, SMALL, NAMES - 14) for name in curves.names]
         self._blank = self._axes()
@@ -67,59 +69,58 @@ class Strip:
         swept, x = timeline.contacts.swept, np.rint(self._x(timeline.contacts.began)).astype(int)
         _, first = np.unique([~swept, x // APART], axis=1, return_index=True)
         self._marks = list(zip(x[first].tolist(), swept[first].tolist(), strict=True))
-        for x, swept in self._marks:
-            self._mark(self._full, x, swept)
+        for at, is_swept in self._marks:
+            self._mark(self._full, at, is_swept)
         self._shown: tuple[int, list[tuple[int, int, int]]] = (0, [])
         image[:] = self._blank
 
     def _x(self, time: FloatArray | float) -> FloatArray:
-        return LEFT + np.asarray(time) / max(self._timeline.duration, 1e-9) * self._wide
+        return np.asarray(LEFT + time / max(self._timeline.duration, 1e-9) * self._wide)
 
     def _y(self, value: FloatArray | float) -> FloatArray:
-        low, high = self._range
-        return TOP + (high - np.asarray(value)) / (high - low) * self._high
+        return np.asarray(TOP + (self._top - value) / (self._top - self._low) * self._high)
 
     def _axes(self) -> Image:
-        image = np.full((self._box.height, self._box.width, 3), 255, np.uint8)
-        cv2.line(image, (0, 0), (self._box.width, 0), palette.RULE, 1)
-        title = self._curves.title
-        if not self._each:
-            self._key(image, 14 + width(title, SMALL, BOLD) + 20)
-        write(image, title, (14, 20), SMALL, weight=BOLD)
-        right, bottom = LEFT + self._wide, TOP + self._high
-        low, high = self._range
-        for value, words in ticks(low, high, 5):
-            y = int(np.rint(self._y(value)))
-            colour = palette.QUIET if value == 0.0 else palette.FAINT
-            cv2.line(image, (LEFT, y), (right, y), colour, 1)
-            at = (LEFT - 8, y + 5)
-            write(image, words, at, SMALL, colour=palette.QUIET, anchor="right")
+        image = np.full(self._image.shape, 255, np.uint8)
+        cv2.line(image, (0, 0), (self._image.shape[1], 0), palette.RULE, 1)
+        title, left = self._curves.title, 14
+        write(image, title, (left, 20), SMALL, weight=BOLD)
+        left += width(title, SMALL, BOLD) + 20
+        bands = (("median", 1, 1.0), ("50 %", 5, INNER), ("90 %", 5, OUTER))
+        for words, half, share in () if self._each else bands:
+            shade = palette.mix(palette.WHITE, palette.BAND, share)
+            cv2.rectangle(image, (left, 15 - half), (left + 18, 15 + half), shade, cv2.FILLED)
+            write(image, words, (left + 23, 20), SMALL)
+            left += 23 + width(words, SMALL) + 12
+        right, bottom, grey = LEFT + self._wide, TOP + self._high, palette.QUIET
+        for value, words in ticks(self._low, self._top, 5):
+            y = round(float(self._y(value)))
+            cv2.line(image, (LEFT, y), (right, y), palette.FAINT if value else grey, 1)
+            write(image, words, (LEFT - 8, y + 5), SMALL, colour=grey, anchor="right")
         for time, words in ticks(0.0, self._timeline.duration, 8):
-            x = int(np.rint(self._x(time)))
-            cv2.line(image, (x, bottom), (x, bottom + 4), palette.QUIET, 1)
-            at = (x, bottom + 18)
-            write(image, words, at, SMALL, colour=palette.QUIET, anchor="middle")
-        cv2.line(image, (LEFT, bottom), (right, bottom), palette.QUIET, 1)
-        write(image, "time [s]", (right + 16, bottom + 18), SMALL, colour=palette.INK)
+            x = round(float(self._x(time)))
+            cv2.line(image, (x, bottom), (x, bottom + 4), grey, 1)
+            write(image, words, (x, bottom + 18), SMALL, colour=grey, anchor="middle")
+        cv2.line(image, (LEFT, bottom), (right, bottom), grey, 1)
+        write(image, "time [s]", (right + 16, bottom + 18), SMALL)
         return image
 
     def _draw_curves(self, times: FloatArray, values: FloatArray) -> None:
         """Draw values (N, T) of the robots, a line each or, of many, bands."""
-        if self._each:
-            for index, line in enumerate(values):
-                for piece in self._pieces(times, line):
-                    draw_lines(self._full, piece[None], self._curves.colours[index], 2)
-            return
-        found = quantiles(values.T)
-        for low, high, share in ((1, -2, OUTER), (2, -3, INNER)):
-            colour = palette.mix(palette.WHITE, palette.BAND, share)
-            for below, above in zip(
-                self._pieces(times, found[low]), self._pieces(times, found[high]), strict=True
-            ):
-                outline = np.concatenate((below, above[::-1]))
-                cv2.fillPoly(self._full, [outline], colour, cv2.LINE_AA, SHIFT)
-        for k, colour, wide in ((0, palette.INK, 1), (-1, palette.INK, 1), (3, palette.BAND, 2)):
-            for piece in self._pieces(times, found[k]):
+        colours = self._curves.colours
+        lines = [(line, colour, 2) for line, colour in zip(values, colours, strict=True)]
+        if not self._each:
+            found = quantiles(values.T)
+            for low, high, share in ((1, -2, OUTER), (2, -3, INNER)):
+                colour = palette.mix(palette.WHITE, palette.BAND, share)
+                pieces = (self._pieces(times, found[k]) for k in (low, high))
+                for below, above in zip(*pieces, strict=True):
+                    outline = np.concatenate((below, above[::-1]))
+                    cv2.fillPoly(self._full, [outline], colour, cv2.LINE_AA, SHIFT)
+            ink, band = palette.INK, palette.BAND
+            lines = [(found[0], ink, 1), (found[-1], ink, 1), (found[3], band, 2)]
+        for line, colour, wide in lines:
+            for piece in self._pieces(times, line):
                 draw_lines(self._full, piece[None], colour, wide)
 
     def _pieces(self, times: FloatArray, line: FloatArray) -> list[NDArray[np.int32]]:
@@ -130,25 +131,12 @@ class Strip:
         pieces = zip(np.split(points, breaks), np.split(known, breaks), strict=True)
         return [piece for piece, is_known in pieces if is_known[0] and len(piece) > 1]
 
-    def _key(self, image: Image, left: int) -> None:
-        """Say what the bands are; the least and the greatest robot have their names."""
-        signs = (
-            ("median", 1, 1.0),
-            ("50 %", 5, INNER),
-            ("90 %", 5, OUTER),
-        )
-        for words, half, share in signs:
-            shade = palette.mix(palette.WHITE, palette.BAND, share)
-            cv2.rectangle(image, (left, 15 - half), (left + 18, 15 + half), shade, cv2.FILLED)
-            write(image, words, (left + 23, 20), SMALL)
-            left += 23 + width(words, SMALL) + 12
-
     def _mark(self, image: Image, x: int, swept: bool) -> None:
         draw_contacts(image, np.array([[x, TOP + self._high]]), swept, small=True)
 
     def paint(self, now: Moment) -> None:
         """Show one moment; only what is near the cursor, before and now, is drawn anew."""
-        image, cursor = self._image, int(np.rint(self._x(now.time)))
+        image, cursor = self._image, round(float(self._x(now.time)))
         named = now.time >= LEAST * self._timeline.duration
         names = self._place_names(now) if named else []
         if (cursor, names) == self._shown:

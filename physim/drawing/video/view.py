@@ -8,24 +8,23 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, NamedTuple
 
+import cv2
 import numpy as np
-from numpy.typing import NDArray
+import shapely
 
 from physim.analysis.metrics.walls import nearest_points
 from physim.drawing import palette
 from physim.drawing.crowd import NAMED
 from physim.drawing.items import Level
-from physim.drawing.labels import Label, grown, leader, metres
+from physim.drawing.labels import Label, grown, leader
 from physim.drawing.scene_model import pieces_of
 from physim.drawing.timeline import Moment, Timeline
-from physim.drawing.video.camera import Camera
-from physim.drawing.video.closest import Closest, Pair
-from physim.drawing.video.closing import Closing, write_corner
-from physim.drawing.video.ending import notes
-from physim.drawing.video.ground import Background, Ground
-from physim.drawing.video.layout import (
+from physim.drawing.video.canvas import (
+    FLASH,
+    MARK,
     ONE,
     SHORT_TRAIL,
     TEXT,
@@ -33,24 +32,39 @@ from physim.drawing.video.layout import (
     Box,
     Image,
     Lens,
+    Sprite,
+    draw_disc,
+    draw_lines,
     fixed,
+    shorten,
+    size_of,
+    sprite,
+    stamp,
 )
+from physim.drawing.video.ground import Background, Ground
 from physim.drawing.video.marks import (
     Fleet,
     draw_closest,
     draw_contacts,
-    draw_flash,
-    draw_lines,
-    draw_reference_point,
+    draw_ring,
     draw_robots,
     draw_targets,
     draw_trails,
-    mark_lasts,
 )
 from physim.drawing.video.names import Labels
-from physim.drawing.video.text import Sprite, shorten, size_of, sprite, stamp
+from physim.drawing.video.whole import Whole, notes, write_corner
 from physim.geometry.shapes import FloatArray, IntArray
+from physim.units import amount
 
+if TYPE_CHECKING:
+    from physim.record import Record
+
+MARGIN = 26.0
+"""[px] free edge around all that must be seen"""
+ALL = 30.0
+"""[px] a world in which every robot is drawn at least this long is shown whole"""
+LONG, SHORT, LARGE = 35.0, 18.0, 84.0
+"""[px] length of the smallest robot: wanted at least, never below, never above"""
 TRAIL_BANDS = 70
 """Steps in which trails fade, over all robots."""
 TRAIL_STEPS, SHORT_STEPS = 21, 6
@@ -61,6 +75,110 @@ MOST_NAMED = 12
 """Names in a crowd."""
 NEAR = 160.0
 """[px] from a name within which it keeps off robots"""
+
+
+class Camera:
+    """Shows the world whole, or follows the cluster at a fixed scale, moving smoothly.
+
+    The path of the camera depends on the record and the playback speed alone, so a still at a time
+    equals the video's frame of that time.
+    """
+
+    def __init__(
+        self,
+        timeline: Timeline,
+        extent: tuple[FloatArray, FloatArray],
+        box: Box,
+        speed: float,
+        most: float = math.inf,
+    ) -> None:
+        """``extent`` [m] are the lowest and highest x and y of the ground; ``most`` [px/m]."""
+        self.box = box
+        low, high = extent
+        robot = smallest_length(timeline)
+        fit = Lens.whole(extent, box.size, MARGIN).scale
+        self.whole = fit * robot >= ALL
+        self._times, self._centre = np.zeros(1), ((low + high) / 2.0)[None, :]
+        self.scale = min(fit, most)
+        if self.whole:
+            return
+        period = max(0.25, speed / 8.0, timeline.duration / 20000.0)
+        count = max(2, int(np.ceil(timeline.duration / period)) + 1)
+        self._times = np.linspace(0.0, max(timeline.duration, period), count)
+        places = timeline.pose(self._times)[:, :, :2]
+        reach, room = timeline.scene.reach.max(), box.size - 2.0 * MARGIN
+        first, last = places.min(axis=1), places.max(axis=1)
+        spread = last - first + 2.0 * reach
+        wanted = float((room / spread.max(axis=0)).min())
+        least = SHORT if wanted * robot < LONG else LONG
+        self.scale = min(float(np.clip(wanted, least / robot, LARGE / robot)), most)
+        centre = (first + last) / 2.0
+        lost = (spread * self.scale > room + 1e-9).any(axis=1)
+        centre[lost] = np.median(places[lost], axis=1)
+        half, middle = room / 2.0 / self.scale, (low + high) / 2.0  # not beyond the world
+        centre = np.clip(centre, np.minimum(low + half, middle), np.maximum(high - half, middle))
+        sigma = max(1.0, 0.8 * speed) / period  # the same forward and back
+        size = 1, 2 * int(np.ceil(3.0 * sigma)) + 1
+        smooth = cv2.GaussianBlur(
+            centre, size, sigma, sigmaY=sigma, borderType=cv2.BORDER_REPLICATE
+        )
+        self._centre = np.asarray(smooth, dtype=np.float64)
+
+    def centre(self, time: float) -> FloatArray:
+        """Return the centre of the view [m] at ``time`` [s]."""
+        return np.array([np.interp(time, self._times, self._centre[:, k]) for k in (0, 1)])
+
+    def corners(self, time: float) -> FloatArray:
+        """Return the lower left and upper right corner (2, 2) [m] of what is seen."""
+        half = self.box.size / 2.0 / self.scale
+        return np.stack((self.centre(time) - half, self.centre(time) + half))
+
+    def lens(self, time: float) -> Lens:
+        """Return the map to pixels of the view; the world's origin falls on a whole pixel.
+
+        So the static background can be cut from one picture of the world without resampling.
+        """
+        x, y = self.box.size / 2.0 + self.centre(time) * (-self.scale, self.scale)
+        return Lens(self.scale, float(round(x)), float(round(y)))
+
+
+def smallest_length(timeline: Timeline) -> float:
+    """Return the largest extent of the robot whose largest extent is smallest [m]."""
+    lengths = []
+    for shape in dict.fromkeys(timeline.scene.shapes):
+        hull = shapely.MultiPoint(np.concatenate(shape.rings)).minimum_rotated_rectangle
+        lengths.append(np.hypot(*np.diff(shapely.get_coordinates(hull), axis=0).T).max(initial=0.0))
+    return max(float(min(lengths)), 1e-6)
+
+
+class Pair(NamedTuple):
+    """Two bodies, their distance [m] (negative: the depth of an overlap), and its points (2, 2)."""
+
+    a: int
+    b: int
+    distance: float
+    points: FloatArray
+
+
+def two(record: Record, bodies: tuple[int, int], now: Moment) -> Pair:
+    """Return two bodies with their nearest points."""
+    points = nearest_points(record, *bodies, now.pose)
+    return Pair(*bodies, float(np.hypot(*(points[1] - points[0]))), points)
+
+
+def closest(timeline: Timeline, now: Moment) -> Pair | None:
+    """Return the closest two robots, with the distance of the record; None for one robot."""
+    clearance = timeline.distances_at(np.array([now.sample]))[0][0]
+    if timeline.robots < 2 or not np.isfinite(clearance).any():
+        return None
+    a, reach = int(np.argmin(clearance)), timeline.scene.reach
+    gap = np.hypot(*(now.pose[:, :2] - now.pose[a, :2]).T) - reach - reach[a]
+    gap[a] = np.inf
+    near = np.flatnonzero(gap <= max(float(clearance[a]), float(gap.min())) + 1e-6)
+    pairs = [two(timeline.record, (min(a, b), max(a, b)), now) for b in near.tolist()]
+    # of several that it overlaps the deepest
+    k = int(np.lexsort((clearance[near], [pair.distance for pair in pairs]))[0])
+    return pairs[k]._replace(distance=float(clearance[a]))
 
 
 class View:
@@ -85,20 +203,19 @@ class View:
         """
         self.timeline, self.box = timeline, box
         self.camera = Camera(timeline, world.extent, box, speed, most)
+        self.between: tuple[int, int] | None = None
+        """two bodies whose distance is marked, not that of the closest two robots"""
         self._speed = speed
-        self._lasts = max(mark_lasts(speed), timeline.spacing)
+        self._lasts = max(MARK, FLASH * speed, timeline.spacing)  # [s] of the mark of a contact
         self._background = Background(world, self.camera.scale)
-        scene = timeline.scene
-        self._fleet = Fleet(scene.shapes)
-        self._closest = Closest(scene.footprints, scene.reach)
-        self._closing = None if self.camera.whole else Closing(timeline, world, box)
-        self._eccentric = np.array([one.eccentric for one in scene.shapes])
+        self._end = None if self.camera.whole else Whole(timeline, world, box, MARGIN)
+        self._fleet = Fleet(timeline.scene.shapes)
+        self._eccentric = np.array([shape.eccentric for shape in timeline.scene.shapes])
         self._labels = Labels()
         self._walls = pieces_of(
             line for item in world.items if item.level == Level.WALL for line in item.lines
         )
         self._names = [shorten(name, TEXT, 110) for name in timeline.record.names]
-        self._between: tuple[int, int] | None = None
         self._crowd = timeline.robots > NAMED
         self._trail = SHORT_TRAIL if self._crowd else TRAIL
         steps = SHORT_STEPS if self._crowd else TRAIL_STEPS
@@ -109,71 +226,57 @@ class View:
     @property
     def scales(self) -> tuple[float, float]:
         """Scale [px/m] during the run, and of the picture of its end."""
-        last = self.camera.scale if self._closing is None else self._closing.scale
-        return self.camera.scale, last
-
-    def corners(self, time: float) -> FloatArray:
-        """Lower left and upper right corner (2, 2) [m] of what is seen at ``time`` [s]."""
-        if self._closing is not None and self.timeline.over(time):
-            return self._closing.corners
-        return self.camera.corners(time)
+        run = self.camera.scale
+        return run, run if self._end is None else self._end.lens.scale
 
     def paint(self, image: Image, now: Moment, held: bool = False) -> Pair | None:
-        """Draw into the view's box of ``image``; returns the closest pair of robots.
+        """Draw into the view's box of ``image``; returns the two whose distance is marked.
 
         At the end of the run the whole of it is shown, and why robots stand as they do; not where
         the view is ``held``, since another run goes on.
         """
-        view, lens = self.box.of(image), self.camera.lens(now.time)
-        closest = pair = self._closest.pair(now.pose)
-        if self._between is not None:
-            pair = self._marked(now.pose, *self._between)
-        over = self.timeline.over(now.time) and not held
-        if over and self._closing is not None:
-            self._closing.paint(view, now, self._fleet)
-            return closest
+        view, lens, timeline = self.box.of(image), self.camera.lens(now.time), self.timeline
+        pair = closest(timeline, now)
+        if self.between is not None:
+            pair = two(timeline.record, self.between, now)
+        over = timeline.over(now.time) and not held
+        if over and self._end is not None:
+            self._end.paint_end(view, now, self._fleet)
+            return pair
         self._background.paint(view, lens)
         self._draw_trails(view, lens, now)
-        seen = self._seen(lens, now.pose)
+        places, reach = lens.pixels(now.pose[:, :2]), timeline.scene.reach * lens.scale + 3.0
+        inside = (places >= -reach[:, None]) & (places <= self.box.size + reach[:, None])
+        seen = np.flatnonzero(inside.all(axis=1))
         if not self._crowd:
             draw_targets(view, lens, now.pose[:, :2], now.targets)
-        touching = self.timeline.contacts.touching(now.time, self.timeline.robots)
+        touching = timeline.contacts.touching(now.time, timeline.robots)
         vertices = lens.fixed(self._fleet.placed(now.pose))
         outlines = self._fleet.split(vertices, seen.tolist())
-        draw_robots(
-            view, outlines, [now.colours[k] for k in seen.tolist()], touching[seen].tolist()
-        )
-        for place in now.pose[seen[self._eccentric[seen]], :2]:
-            draw_reference_point(view, lens, place)
+        colours = [now.colours[k] for k in seen.tolist()]
+        draw_robots(view, outlines, colours, touching[seen].tolist())
+        for place in lens.fixed(now.pose[seen[self._eccentric[seen]], :2]):
+            draw_disc(view, place, 3.5, palette.WHITE)  # where the line to the target starts
+            draw_disc(view, place, 2.2, palette.INK)
         if pair is not None:
-            draw_closest(view, lens, pair)
+            draw_closest(view, lens, pair.points)
         self._mark_contacts(view, lens, now.time)
         boxes = self._fleet.boxes(vertices)
-        place = {robot: k for k, robot in enumerate(seen.tolist())}
-        named = (k for k in self._named(pair, touching) if k in place and self._shows(boxes[k]))
-        most = MOST_NAMED if self._crowd else None
+        named = np.arange(timeline.robots)
+        if self._crowd:
+            first = [] if pair is None else [pair.a, pair.b]
+            named = np.array([*dict.fromkeys((*first, *np.flatnonzero(touching).tolist()))], int)
+        shown = (boxes[:, 2:] >= 0.0) & (boxes[:, :2] <= self.box.size)
+        of = dict(zip(seen.tolist(), outlines, strict=True))
+        chosen = (k for k in named.tolist() if k in of and shown[k].all())
         shapes = {
-            robot: np.concatenate(outlines[place[robot]].rings) / ONE
-            for robot in itertools.islice(named, most)
+            robot: np.concatenate(of[robot].rings) / ONE
+            for robot in itertools.islice(chosen, MOST_NAMED if self._crowd else None)
         }
         self._write_labels(view, lens, now, pair, shapes, boxes)
-        if over and (lines := notes(self.timeline)):
+        if over and (lines := notes(timeline)):
             write_corner(view, ["at the end", *lines], boxes)
-        return closest
-
-    def mark(self, a: int, b: int) -> None:
-        """Mark the distance of robot ``a`` to body ``b``, not that of the closest two robots."""
-        self._between = a, b
-
-    def _marked(self, pose: FloatArray, a: int, b: int) -> Pair:
-        points = nearest_points(self.timeline.record, a, b, pose)
-        return Pair(a, b, float(np.hypot(*(points[1] - points[0]))), points)
-
-    def _seen(self, lens: Lens, pose: FloatArray) -> IntArray:
-        """Robots of which some may be in the view, by index."""
-        places, reach = lens.pixels(pose[:, :2]), self.timeline.scene.reach * lens.scale + 3.0
-        inside = (places >= -reach[:, None]) & (places <= self.box.size + reach[:, None])
-        return np.flatnonzero(inside.all(axis=1))
+        return pair
 
     def _mark_contacts(self, view: Image, lens: Lens, time: float) -> None:
         """A flash where a contact begins; a cross that goes with it for as long as it lasts.
@@ -182,27 +285,30 @@ class View:
         A pair that rattles, apart for less than a mark lasts, has one mark and flashes once.
         """
         contacts, lasts = self.timeline.contacts, self._lasts
+
+        def places(rows: IntArray, time: float) -> FloatArray:
+            return lens.pixels(np.array([contacts.place_at(k, time) for k in rows]).reshape(-1, 2))
+
         recent = contacts.recent(time, lasts)
         for row in recent[contacts.apart[recent] > lasts]:
             began = float(contacts.began[row])
-            place = lens.pixels(contacts.place_at(row, began))
-            draw_flash(view, place, time - began, self._speed)
+            share, place = (time - began) / (FLASH * self._speed), places(np.array([row]), began)[0]
+            if share < 1.0 and np.isfinite(place).all():
+                draw_ring(view, place, 9.0 + 25.0 * share, 4)
         shown = np.union1d(recent, contacts.present(time))
-        deep = shown[contacts.deep[shown] <= time + 1e-9]
         rows = contacts.latest(shown)
         for swept in (False, True):
-            chosen = self._places(lens, rows[contacts.swept[rows] == swept], time)
+            chosen = places(rows[contacts.swept[rows] == swept], time)
             draw_contacts(view, chosen, swept, small=self._crowd)
-        draw_contacts(view, self._places(lens, deep, time), False, deep=True)
-
-    def _places(self, lens: Lens, rows: IntArray, time: float) -> FloatArray:
-        """Places (C, 2) [px] of contacts at a time."""
-        contacts = self.timeline.contacts
-        return lens.pixels(np.array([contacts.place_at(k, time) for k in rows]).reshape(-1, 2))
+        deep = shown[contacts.deep[shown] <= time + 1e-9]
+        draw_contacts(view, places(deep, time), False, deep=True)
 
     def _draw_trails(self, view: Image, lens: Lens, now: Moment) -> None:
-        """Trails of the robots, those of a crowd in one colour; only what reaches into the view."""
-        trails = lens.pixels(self._trails(now))
+        """Where robots were in the last seconds; those of a crowd in one colour."""
+        first = int(np.ceil(max(now.time - self._trail, 0.0) / self._period - 1e-9))
+        last = int(np.floor(now.time / self._period + 1e-9)) + 1
+        trails = np.concatenate((self._history[first:last], now.pose[None, :, :2]))
+        trails = lens.pixels(trails)  # (T, N, 2), old to new
         low, high = trails.min(axis=0), trails.max(axis=0)
         seen = np.flatnonzero(((high > -3.0) & (low < self.box.size + 3.0)).all(axis=1))
         lines = np.ascontiguousarray(fixed(trails[:, seen]).transpose(1, 0, 2))
@@ -213,12 +319,6 @@ class View:
         for index, line in zip(seen.tolist(), lines, strict=True):
             draw_trails(view, line[None], palette.robot_colour(index), bands)
 
-    def _trails(self, now: Moment) -> FloatArray:
-        """Return the robots' places of the last seconds, (T, N, 2) [m], old to new."""
-        first = int(np.ceil(max(now.time - self._trail, 0.0) / self._period - 1e-9))
-        last = int(np.floor(now.time / self._period + 1e-9)) + 1
-        return np.concatenate((self._history[first:last], now.pose[None, :, :2]))
-
     def _write_labels(
         self,
         view: Image,
@@ -228,7 +328,7 @@ class View:
         shapes: Mapping[int, FloatArray],
         boxes: FloatArray,
     ) -> None:
-        """The distance of the closest pair, and names of robots, of given ``shapes`` (n, 2) [px].
+        """The distance of a pair, and names of robots, of given ``shapes`` (n, 2) [px].
 
         ``boxes`` (N, 4) [px] are those of all robots.
         """
@@ -236,7 +336,7 @@ class View:
         labels: dict[int, Label] = {}
         if pair is not None:
             span = float(np.hypot(*(pair.points[1] - pair.points[0]))) * lens.scale / 2.0
-            text = metres(pair.distance) if pair.distance > 0.0 else "contact"
+            text = amount(pair.distance, "m") if pair.distance > 0.0 else "contact"
             key = -1 - pair.a * self.timeline.robots - pair.b  # another pair chooses anew
             x, y = lens.pixels(pair.points).mean(axis=0)
             pictures[key] = sprite(text, TEXT, palette.INK)
@@ -247,18 +347,17 @@ class View:
             (x, y), around = middles[robot].tolist(), shape - middles[robot]
             reach = math.sqrt(float((around * around).sum(axis=1).max()))
             labels[robot] = Label((x, y), reach, size_of(pictures[robot]), around)
-        high, wide = view.shape[:2]
         obstacles, owners = self._obstacles(lens, now, boxes, labels)
         walls = lens.pixels(self._walls)
-        places = self._labels.place(labels, obstacles, (wide, high), owners, walls)
+        places = self._labels.place(labels, obstacles, view.shape[1::-1], owners, walls)
         for (key, label), at in zip(labels.items(), places, strict=True):
             least = 2.0 * label.reach
             if key >= 0 and math.dist(at, label.at) > least:
                 line = leader(label, at, least)
                 if line is not None:
                     draw_lines(view, fixed(line[None]), palette.QUIET, 1)
-            (x, y), (wide, high) = at.tolist(), label.size
-            stamp(view, pictures[key], round(x - wide / 2.0), round(y - high / 2.0))
+            left, top = np.rint(at - np.array(label.size) / 2.0).astype(int).tolist()
+            stamp(view, pictures[key], left, top)
 
     def _obstacles(
         self, lens: Lens, now: Moment, boxes: FloatArray, labels: Mapping[int, Label]
@@ -273,16 +372,3 @@ class View:
             near |= (np.abs(boxes[:, :2] - label.at) < NEAR).all(axis=1)
         robots = np.flatnonzero(near)
         return boxes[robots], robots
-
-    def _named(self, pair: Pair | None, touching: NDArray[np.bool_]) -> Iterable[int]:
-        """Robots that have names: all, or of a crowd the closest pair and those that touch."""
-        if not self._crowd:
-            return range(self.timeline.robots)
-        closest = [] if pair is None else [pair.a, pair.b]
-        return dict.fromkeys((*closest, *np.flatnonzero(touching).tolist()))
-
-    def _shows(self, box: FloatArray) -> bool:
-        """Whether some of a box (4,) [px] is in the view."""
-        left, top, right, bottom = box.tolist()
-        wide, high = self.box.width, self.box.height
-        return bool(right >= 0.0 and bottom >= 0.0 and left <= wide and top <= high)

@@ -19,18 +19,22 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from physim.reproduction.claims import tolerances as tol
-from physim.reproduction.estimates import (
-    arrived,
-    contact_free,
-    estimated,
-    free_text,
+from physim.reproduction.claims import FARTHEST
+from physim.reproduction.measures import MOST_OF_TIME
+from physim.reproduction.model import Arm, Verdict, outcome
+from physim.reproduction.study import (
+    ARRIVED,
+    FREE,
+    GROUP,
+    Runs,
+    Shown,
+    Study,
+    each,
+    falls,
+    free_and_arrived,
+    free_of_contact,
     measure_group,
-    outcome,
-    share_text,
 )
-from physim.reproduction.pictures import rows_of_measures
-from physim.reproduction.study import Arm, Runs, Study, Table, Verdict
 
 WORLDS = ("ten_robots", "crowded_start", "three_robots", "nonconvex")
 KINDS = {
@@ -40,50 +44,44 @@ KINDS = {
     "time": "(13) alone",
     "none": "none",
 }
-FIRST, LATER, *_, NONE = range(len(KINDS))
+FREE_WITH, FREE_WITHOUT = 0.95, 0.5
+"""[-] share of the runs free of contact, with avoidance at least and without it at most"""
 
 
-def conclude_avoidance(arms: Table) -> Sequence[Verdict]:
+def of_group(*names: str, **lines: float) -> dict[str, Shown]:
+    """These measures of `GROUP`, some with a line to compare with."""
+    return {name: GROUP[name]._replace(line=lines.get(name)) for name in names}
+
+
+def conclude_avoidance(arms: Sequence[Runs]) -> Sequence[Verdict]:
     """Is avoidance needed, and does what the worlds ship with keep robots apart?"""
-    without, first, later = (arms[kind :: len(KINDS)] for kind in (NONE, FIRST, LATER))
+    first, later, *_, bare = (arms[kind :: len(KINDS)] for kind in range(len(KINDS)))
     shipped = [later[k] if WORLDS[k] == "crowded_start" else first[k] for k in range(len(WORLDS))]
-    free = [contact_free(runs) for runs in shipped]
-    bare = [contact_free(runs) for runs in without]
-    needed = [b[1] - b[0] >= 0.5 * b[1] for b in bare]
-    safe = [f[0] >= 0.95 * f[1] for f in free]
-    both = [s and n for s, n in zip(safe, needed, strict=True)]
+    tried = dict(zip(WORLDS, zip(shipped, bare, strict=True), strict=True))
+    order = dict(zip(WORLDS, zip(first, later, strict=True), strict=True))
+    shows = [a.free.rate >= FREE_WITH and b.free.rate <= FREE_WITHOUT for a, b in tried.values()]
     wider = [
-        estimated(a, "shortest_distance").low > estimated(b, "shortest_distance").high
-        for a, b in zip(first, later, strict=True)
+        b.of("shortest_distance").is_below(a.of("shortest_distance")) for a, b in order.values()
     ]
-    finish = [arrived(a)[0] >= arrived(b)[0] for a, b in zip(first, later, strict=True)]
+    finish = [a.arrived.good >= b.arrived.good for a, b in order.values()]
     return (
         Verdict(
             "Robots avoid collisions by (12) and (13)",
             "in words only",
-            "; ".join(
-                f"{world}: free of contact {share_text(*f)}, without avoidance {share_text(*b)}"
-                for world, f, b in zip(WORLDS, free, bare, strict=True)
-            ),
-            outcome(all(both), any(both)),
+            f"with avoidance against without it: {each([FREE], tried)}",
+            outcome(all(shows), any(shows)),
             "Met where 95 % of the runs are free of contact with avoidance, and at most half "
             "without it.",
         ),
         Verdict(
             "Distances first, then collision times: robots stay farther apart",
             "the order is not stated (Fig. 5)",
-            "; ".join(
-                f"{world}: shortest distance between robots "
-                f"{estimated(a, 'shortest_distance').text(2, 'm')} against "
-                f"{estimated(b, 'shortest_distance').text(2, 'm')}, finished {arrived(a)[0]} "
-                f"against {arrived(b)[0]} of {len(a)}"
-                for world, a, b in zip(WORLDS, first, later, strict=True)
-            ),
+            each(["shortest_distance", ARRIVED], order),
             outcome(all(wider) and all(finish), any(wider)),
             "In crowds the foremost robot may stand still for ever among others that avoid it; "
             "crowded_start therefore ships with collision times first.",
         ),
-    )  # fmt: skip
+    )
 
 
 AVOIDANCE = Study(
@@ -97,19 +95,8 @@ AVOIDANCE = Study(
     ),
     measure=measure_group,
     conclude=conclude_avoidance,
-    draw=rows_of_measures(
-        "Which rule decides in danger mode",
-        7.2,
-        (
-            ("shortest_distance", "shortest distance\nbetween robots [m]"),
-            ("by_distance", "share of decisions\nby (12) [–]"),
-            ("by_time", "share of decisions\nby (13) [–]"),
-        ),
-        lambda runs: (
-            "{} of {} free of contact,\n".format(*contact_free(runs))
-            + f"{arrived(runs)[0]} finished"
-        ),
-    ),
+    shown=of_group("shortest_distance", "by_distance", "by_time"),
+    note=free_and_arrived,
     seeds=50,
 )
 
@@ -124,53 +111,32 @@ SWITCHING_WORLDS = ("ten_robots", "three_robots")
 SWITCHES = (("both", ()), ("distance only", NO_TIME), ("time only", NO_DISTANCE))
 
 
-def better(both: Runs, alone: Runs) -> bool:
+def _is_better(both: Runs, alone: Runs) -> bool:
     """Whether runs with both are better: no worse in any respect, and clearly better in one.
 
     Respects: runs free of contact, runs that finish, distance kept (intervals apart).
     """
-    kept, lost = estimated(both, "kept"), estimated(alone, "kept")
-    no_worse = (
-        contact_free(both)[0] >= contact_free(alone)[0]
-        and arrived(both)[0] >= arrived(alone)[0]
-        and kept.high >= lost.low
-    )
-    clearly = (
-        contact_free(both)[0] > contact_free(alone)[0]
-        or arrived(both)[0] > arrived(alone)[0]
-        or kept.low > lost.high
-    )
-    return no_worse and clearly
+    kept, lost = both.of("kept"), alone.of("kept")
+    counts = ((both.free, alone.free), (both.arrived, alone.arrived))
+    no_worse = all(a.good >= b.good for a, b in counts) and not kept.is_below(lost)
+    return no_worse and (any(a.good > b.good for a, b in counts) or lost.is_below(kept))
 
 
-def conclude_switching(arms: Table) -> Sequence[Verdict]:
+def conclude_switching(arms: Sequence[Runs]) -> Sequence[Verdict]:
     """For each of the two left out: are both together better, in both worlds, in one, in none?"""
-    verdicts = []
-    for k, what in ((1, "distance"), (2, "collision time")):
-        wins, measured = [], []
-        for w, world in enumerate(SWITCHING_WORLDS):
-            both, alone = arms[len(SWITCHES) * w], arms[len(SWITCHES) * w + k]
-            wins.append(better(both, alone))
-            measured.append(f"{world}: {_compared(both, alone)}")
-        verdicts.append(
-            Verdict(
-                f"Collision time and distance together do better than {what} alone",
-                "in words only",
-                "; ".join(measured),
-                outcome(all(wins), any(wins)),
-                "The five thresholds of Fig. 5 are unknown; these are ours.",
-            )
+
+    def verdict(k: int, what: str) -> Verdict:
+        pairs = list(zip(arms[:: len(SWITCHES)], arms[k :: len(SWITCHES)], strict=True))
+        wins = [_is_better(*pair) for pair in pairs]
+        return Verdict(
+            f"Collision time and distance together do better than {what} alone",
+            "in words only",
+            each([FREE, ARRIVED, "kept"], dict(zip(SWITCHING_WORLDS, pairs, strict=True))),
+            outcome(all(wins), any(wins)),
+            "The five thresholds of Fig. 5 are unknown; these are ours.",
         )
-    return tuple(verdicts)
 
-
-def _compared(both: Runs, alone: Runs) -> str:
-    kept = [estimated(runs, "kept").text(3, "m") for runs in (both, alone)]
-    return (
-        f"free of contact {free_text(both)} against {free_text(alone)}, "
-        f"finished {arrived(both)[0]} against {arrived(alone)[0]}, shortest distance to "
-        f"anything {kept[0]} against {kept[1]}"
-    )
+    return verdict(1, "distance"), verdict(2, "collision time")
 
 
 SWITCHING = Study(
@@ -184,19 +150,8 @@ SWITCHING = Study(
     ),
     measure=measure_group,
     conclude=conclude_switching,
-    draw=rows_of_measures(
-        "Switching by distance, by time, by both",
-        3.6,
-        (
-            ("kept", "shortest distance\nto anything [m]"),
-            ("danger_share", "share of time\nin danger mode [–]"),
-            ("time_to_finish", "time to finish [s]"),
-        ),
-        lambda runs: (
-            "{} of {} free of contact\n".format(*contact_free(runs))
-            + f"{arrived(runs)[0]} finished"
-        ),
-    ),
+    shown=of_group("kept", "danger_share", "time_to_finish"),
+    note=free_and_arrived,
 )
 
 
@@ -204,24 +159,17 @@ LOW = {"ten_robots": 1.5, "three_robots": 2.0}
 """[s] time_low of the shipped worlds; without hysteresis the upper thresholds are at the lower"""
 
 
-def conclude_hysteresis(arms: Table) -> Sequence[Verdict]:
+def conclude_hysteresis(arms: Sequence[Runs]) -> Sequence[Verdict]:
     """Whether hysteresis makes modes switch less often."""
-    fewer, seen, measured = [], [], []
-    for w, world in enumerate(LOW):
-        on, off = (estimated(arms[2 * w + k], "mode_switches") for k in (0, 1))
-        fewer.append(on.high < off.low)
-        seen.append(on.median < off.median)
-        free = [contact_free(arms[2 * w + k]) for k in (0, 1)]
-        measured.append(
-            f"{world}: {on.text(1)} with, {off.text(1)} without, a robot and minute; free of "
-            f"contact {share_text(*free[0])} with, {share_text(*free[1])} without"
-        )
+    pairs = dict(zip(LOW, zip(arms[::2], arms[1::2], strict=True), strict=True))
     return (
         Verdict(
             "Hysteresis makes robots switch modes less often",
             "five thresholds, two of them upper ones (Fig. 5)",
-            "; ".join(measured),
-            outcome(all(fewer), any(seen)),
+            f"with against without it: {each(['mode_switches', FREE], pairs)}",
+            falls(
+                *([off.of("mode_switches"), on.of("mode_switches")] for on, off in pairs.values())
+            ),
             "The paper names the thresholds, not their values or the rate of switches.",
         ),
     )
@@ -241,49 +189,34 @@ HYSTERESIS = Study(
     ),
     measure=measure_group,
     conclude=conclude_hysteresis,
-    draw=rows_of_measures(
-        "Hysteresis of the mode switching",
-        2.9,
-        (
-            ("mode_switches", "mode switches\n[1/min per robot]"),
-            ("danger_share", "share of time\nin danger mode [–]"),
-            ("kept", "shortest distance\nto anything [m]"),
-        ),
-    ),
+    shown=of_group("mode_switches", "danger_share", "kept"),
 )
 
 
 TIMES = ((0.5, 1.0), (1.0, 2.0), (1.5, 3.0), (2.0, 4.0), (3.0, 6.0))
 """[s] time_low and time_high of each arm"""
 HORIZON = 10.0
-SLOWEST, FASTEST = 0.8, 1.3
+SLOWEST = 0.8
 """[m/s] of Figure 7c"""
 
 
-def conclude_thresholds(arms: Table) -> Sequence[Verdict]:
+def conclude_thresholds(arms: Sequence[Runs]) -> Sequence[Verdict]:
     """Can mostly danger mode, the speeds and the distances be had together?"""
-    measured, together = [], []
-    for (low, high), runs in zip(TIMES, arms, strict=True):
-        share, speed, far = (
-            estimated(runs, name)
-            for name in ("danger_share", "averaged_speed_min", "farthest_distance")
-        )
-        together.append(
-            share.median > tol.MOST_OF_TIME
-            and speed.median >= SLOWEST
-            and far.median <= tol.FARTHEST
-        )
-        measured.append(
-            f"{low:g}/{high:g} s: danger mode {100.0 * share.median:.0f} % of the time, slowest "
-            f"average {speed.text(2, 'm/s')}, farthest {far.text(1, 'm')}, free of contact "
-            "{} of {}".format(*contact_free(runs))
-        )
+    together = [
+        runs.of("danger_share").median > MOST_OF_TIME
+        and runs.of("averaged_speed_min").median >= SLOWEST
+        and runs.of("farthest_distance").median <= FARTHEST
+        for runs in arms
+    ]
+    names = ("danger_share", "averaged_speed_min", "farthest_distance", FREE)
     return (
         Verdict(
             "Mostly danger mode (Fig. 8), averaged speeds of at least 0.8 m/s (Fig. 7c) and no "
             "more than 21.5 m between robots (Fig. 6c), all at once",
             "Figs. 6 to 8 are of one run",
-            "; ".join(measured),
+            each(
+                names, {arm.label: [runs] for arm, runs in zip(THRESHOLDS.arms, arms, strict=True)}
+            ),
             outcome(any(together)),
             "With our paths the three exclude each other: robots that avoid others slow down, and "
             "the group stretches.",
@@ -309,15 +242,13 @@ THRESHOLDS = Study(
     ),
     measure=measure_group,
     conclude=conclude_thresholds,
-    draw=rows_of_measures(
-        "Thresholds of the collision time",
-        3.2,
-        (
-            ("danger_share", "share of time\nin danger mode [–]"),
-            ("averaged_speed_min", "slowest speed over\n10 s [m/s]"),
-            ("farthest_distance", "largest distance\n[m]"),
-            ("shortest_distance", "shortest distance\nbetween robots [m]"),
-        ),
-        lambda runs: "{} of {} free\nof contact".format(*contact_free(runs)),
+    shown=of_group(
+        "danger_share",
+        "averaged_speed_min",
+        "farthest_distance",
+        "shortest_distance",
+        averaged_speed_min=SLOWEST,
+        farthest_distance=FARTHEST,
     ),
+    note=free_of_contact,
 )

@@ -9,7 +9,6 @@ import pytest
 import shapely
 
 import physim
-from physim import Decision
 from physim.analysis import metrics
 from physim.record import Record, RecordWriter
 from tests.analysis.metrics.histories import THERE, beside_paths, history, mean_squares
@@ -39,35 +38,24 @@ def test_averaged_speeds_of_arcs_are_their_own() -> None:
     assert np.allclose(found.rotational, omega, rtol=0, atol=1e-12)
 
 
-class Swinging(Drivers):
-    """Speeds that change all the time, backwards too, within more than a turn."""
-
-    def decide(self, observation, memory):
-        v, omega = self.commands[observation.index]
-        swing = np.sin(0.7 * observation.time + observation.index)
-        return Decision(v=v * (0.1 + 0.5 * swing), omega=omega * (0.85 + 0.85 * swing), hold=0.1)
-
-
-@pytest.mark.parametrize("driver", [Drivers, Swinging])
-@pytest.mark.parametrize("every", [41, 680])
-def test_a_coarse_record_has_the_speeds_of_a_fine_one(driver: type[Drivers], every: int) -> None:
-    """More than a turn between two samples: the chord says nothing of the way."""
-    fine, coarse = (
-        physim.simulate(
-            physim.parse_world(LANE, overrides=["time.duration=20.0", f"time.record_every={n}"]),
-            controller=driver((1.0, 0.8), (0.5, -0.9)),
-        )
-        for n in (1, every)
-    )
-    full, some = metrics.averaged_speeds(fine), metrics.averaged_speeds(coarse)
+@pytest.mark.parametrize("every", [41, 100])
+def test_a_coarse_record_has_nearly_the_speeds_of_a_fine_one(every: int) -> None:
+    """Commands change between its samples, of which chords say nothing."""
+    world = physim.load_world("u_turn")
+    with (
+        physim.simulate(world) as fine,
+        physim.simulate(world.changed(time={"record_every": every})) as coarse,
+    ):
+        full, some = metrics.averaged_speeds(fine), metrics.averaged_speeds(coarse)
     assert len(some.time) == len(full.time) > 100
-    assert not fine.contacts.size
-    assert np.allclose(some.forward, full.forward, rtol=0, atol=1e-9)
-    assert np.allclose(some.rotational, full.rotational, rtol=0, atol=1e-9)
-    if driver is Drivers:
-        assert np.allclose(full.forward, [1.0, 0.5], rtol=0, atol=1e-9)
-    else:
-        assert np.ptp(full.forward[:, 0]) > 0.05
+    assert np.allclose(some.forward, full.forward, rtol=0, atol=0.04, equal_nan=True)
+    assert np.allclose(some.rotational, full.rotational, rtol=0, atol=0.04, equal_nan=True)
+
+
+def test_samples_farther_apart_than_the_window_have_no_averaged_speed() -> None:
+    world = physim.parse_world(LANE, overrides=["time.duration=20.0", "time.record_every=1100"])
+    with physim.simulate(world, controller=Drivers((1.0, 0.8), (0.5, -0.9))) as record:
+        assert len(metrics.averaged_speeds(record).time) == 0
 
 
 def test_a_window_reaches_neither_beyond_the_run_nor_beyond_arrival() -> None:
@@ -128,8 +116,8 @@ def test_figures_of_a_coarse_record_are_those_of_a_fine_one(every: int) -> None:
         assert np.abs(metrics.active_steps(few) - metrics.active_steps(fine)).max() <= 1
         exact, found = (metrics.measure(record) for record in (fine, few))
         for name in ("mean_speed", "averaged_speed_min", "averaged_speed_max"):
-            one, other = (getattr(v, "value", v) for v in (exact[name], found[name]))
-            assert other == pytest.approx(one, abs=1e-3), name
+            within = 1e-3 if every == 20 or name == "mean_speed" else 0.05
+            assert found[name].value == pytest.approx(exact[name].value, abs=within), name
         one, other = (v["deviation_rms"].value for v in (exact, found))
         assert other == pytest.approx(one, rel=1e-3 if every == 20 else 0.3)
 
@@ -160,15 +148,6 @@ def test_updates_per_second_is_of_active_robots() -> None:
     rows[2]["station"] = THERE
     rate = metrics.updates_per_second(history(rows, robots=3, steps_run=40))
     assert rate == metrics.Each(pytest.approx(7.5), (pytest.approx(10.0), pytest.approx(5.0), None))
-
-
-def test_collision_times_are_the_least_of_each_step() -> None:
-    nan, inf = np.nan, np.inf
-    told = [(0, 0, 3.0), (0, 1, 2.0), (10, 0, inf), (20, 0, nan), (20, 1, 5.0)]
-    rows = [{"step": s, "robot": r, "collision_time": t} for s, r, t in told]
-    time, values = metrics.collision_times(history(rows)) or (None, None)
-    assert time == pytest.approx([0.0, 0.1, 0.2])
-    assert list(values) == [2.0, inf, 5.0]
 
 
 @pytest.mark.parametrize("robots", [2, 3])

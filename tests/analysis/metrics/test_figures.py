@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from physim import Mode
 from physim.analysis import metrics
-from physim.analysis.metrics import DangerShare, Moment
+from physim.analysis.metrics import Moment
 from physim.analysis.summary import summarise, table_rows
 from physim.errors import RecordError
 from tests.analysis.metrics.histories import THERE, along_reference, history
@@ -77,8 +77,7 @@ def test_no_rows_at_all() -> None:
     assert metrics.formation_error_final(record) is None
     assert metrics.formation_error_rms(record) is None
     assert metrics.formation_energy(record) is None
-    assert metrics.danger_shares(record) == (DangerShare(0, None, None), DangerShare(1, None, None))
-    assert metrics.danger_time_share(record) is None
+    assert metrics.share_of_modes(record, danger=True) is None
     assert metrics.mean_speed(record) is None
     assert not metrics.finished(record)
     assert metrics.time_to_finish(record) is None
@@ -126,11 +125,10 @@ def test_danger_share_by_decisions_and_by_time() -> None:
         {"step": 20, "robot": 1, "mode": 2, "next_step": 420, "nominal_v": 1.0},
     ]
     record = history(rows, arrived=[15, -1])
-    assert metrics.danger_shares(record) == (
-        DangerShare(0, 0.5, pytest.approx(5 / 15)),
-        DangerShare(1, 0.5, pytest.approx(80 / 100)),
-    )
-    assert metrics.danger_time_share(record) == pytest.approx(85 / 115)
+    share = metrics.share_of_modes(record, danger=True)
+    assert share is not None
+    assert share.robots == pytest.approx((5 / 15, 80 / 100))
+    assert share.value == pytest.approx(85 / 115)
     assert metrics.mean_speed(record) == pytest.approx((10 - 5 + 10 + 80) / 115)
 
 
@@ -140,10 +138,11 @@ MOODS = (Mode("wait", "#000000"), Mode("go", "#111111"), Mode("fear", "#222222",
 def test_danger_is_what_the_controller_declares_as_such() -> None:
     rows = [{"step": 10 * k, "mode": k, "next_step": 10 * k + 10} for k in (0, 1, 2)]
     record = history(rows, robots=1, steps_run=30, declared=Declared(MOODS))
-    assert metrics.danger_time_share(record) == pytest.approx(1 / 3)
+    share = metrics.share_of_modes(record, danger=True)
+    assert share is not None
+    assert share.value == pytest.approx(1 / 3)
     calm = history(rows[:2], robots=1, steps_run=30, declared=Declared(MOODS[:2]))
-    assert metrics.danger_time_share(calm) is None
-    assert metrics.danger_shares(calm) == (DangerShare(0, None, None),)
+    assert metrics.share_of_modes(calm, danger=True) is None
     assert metrics.mode_switches(calm) is None
 
 
@@ -163,8 +162,8 @@ def test_commands_that_differ_are_counted_by_stage() -> None:
         (4, 1, *same, *same, *same),  # told from outside: no stage differs
     ]
     record = history(commands=rows)
-    assert metrics.filtered_steps(record) == 2
-    assert metrics.disturbed_steps(record) == 2
+    found = metrics.measure(record)
+    assert (found["filtered_steps"].value, found["disturbed_steps"].value) == (2, 2)
 
 
 def test_a_run_without_decisions_is_measured_by_its_motion_and_its_commands() -> None:
@@ -172,7 +171,7 @@ def test_a_run_without_decisions_is_measured_by_its_motion_and_its_commands() ->
     record = history(robots=1, steps_run=20, commands=told, arrived=[10])
     assert metrics.mean_speed(record) == pytest.approx(6 / 10)
     assert metrics.active_steps(record).tolist() == [10]
-    assert metrics.danger_time_share(record) is None
+    assert metrics.share_of_modes(record, danger=True) is None
 
 
 def test_finished_means_that_all_have_arrived_by_their_motion() -> None:
@@ -260,7 +259,6 @@ def test_what_a_controller_does_not_declare_has_no_figure() -> None:
     rows = [{"step": 0, "robot": 0, "next_step": 50, "nominal_v": 1.0}]
     record = history(rows, declared=Declared())
     assert metrics.shortest_collision_time(record) is None
-    assert metrics.collision_times(record) is None
     assert metrics.evaluations(record) is None
     found = metrics.measure(record)
     for name in ("shortest_collision_time", "collision_time_evaluations", "danger_share"):

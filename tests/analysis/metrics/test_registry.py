@@ -74,7 +74,7 @@ def test_names_are_checked() -> None:
 def test_summary_tells_the_same_numbers() -> None:
     with make_record(seconds=12.0) as record:
         found, summary = measure(record), summarise(record)
-    assert summary.contacts.count == found["contacts"].value == 2
+    assert len(summary.contacts) == found["contacts"].value == 2
     assert summary.value("messages") == found["messages"].value
     assert summary.metrics == found
     assert summary.names_of(*found["shortest_distance"].bodies) == ("r1", "r2")

@@ -65,8 +65,8 @@ def test_it_is_counted_apart_and_still_is_a_contact(grazing):
     assert contact_episodes(grazing) == ()
     (graze,) = grazes(grazing)
     summary = physim.summarise(grazing)
-    assert summary.contacts.count == 0
-    assert summary.grazes == (graze,)
+    assert summary.contacts == ()
+    assert summary.run.grazes == (graze,)
     assert summary.names_of(graze.a, graze.b) == ("slow", "fast")
     text = " ".join(table(summary).split())
     assert states(text, "contacts 0", "grazes between samples 1", within=50)

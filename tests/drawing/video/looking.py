@@ -10,7 +10,7 @@ from tests.drawing import palette
 from tests.helpers import inside
 
 HEIGHT, WIDTH, PANEL_WIDTH = inside("physim.drawing.video", "HEIGHT", "WIDTH", "PANEL_WIDTH")
-STRIP_HEIGHT, Camera, arrange = inside("physim.drawing.video", "STRIP_HEIGHT", "Camera", "arrange")
+STRIP_HEIGHT, Camera, BOX = inside("physim.drawing.video", "STRIP_HEIGHT", "Camera", "VIEW")
 ground = inside("physim.drawing.video", "ground")
 Timeline = inside("physim.drawing", "Timeline")
 
@@ -26,6 +26,6 @@ def pixels(image: Any, colour: palette.Colour, part: Any = VIEW) -> int:
 def around(record: Any, time: float, place: Any, reach: int) -> tuple[slice, slice]:
     """The pixels next to a place [m] of the view, at a time of a film at speed 1."""
     timeline = Timeline(record)
-    camera = Camera(timeline, ground(timeline).extent, arrange()[0], 1.0)
+    camera = Camera(timeline, ground(timeline).extent, BOX, 1.0)
     column, row = np.rint(camera.lens(time).pixels(np.asarray(place))).astype(int).tolist()
     return slice(row - reach, row + reach + 1), slice(column - reach, column + reach + 1)

@@ -11,7 +11,6 @@ import numpy as np
 import pytest
 
 import physim
-from physim import Mode
 from physim.drawing.page import page
 from physim.drawing.video import frame_at
 from physim.record import Record
@@ -23,7 +22,7 @@ from tests.helpers import facts, inside, said
 
 Timeline, rgb = inside("physim.drawing", "Timeline", "rgb")
 BARS, Box, FOOTER, HEADER = inside("physim.drawing.video", "BARS", "Box", "FOOTER", "HEADER")
-View, ground, one_legend = inside("physim.drawing.video", "View", "ground", "one_legend")
+View, ground = inside("physim.drawing.video", "View", "ground")
 render, titles = inside("physim.drawing.video", "render", "titles")
 SAFE = inside("physim.parts", "SAFE")
 
@@ -121,26 +120,6 @@ def test_both_views_have_one_scale_where_robots_stay_large_enough(free: Record) 
 )  # fmt: skip
 def test_titles_say_in_what_worlds_differ(one: str, other: str, expected: tuple[str, str]) -> None:
     assert titles(parse_world(one), parse_world(other)) == expected
-
-
-GO, WAIT = Mode("go", "#0072b2"), Mode("wait", "#e69f00")
-
-
-@pytest.mark.parametrize(
-    ("left", "right", "shared"),
-    [
-        ([GO, WAIT], [GO], [GO, WAIT]),
-        ([GO], [WAIT], [GO, WAIT]),
-        ([GO], [Mode("safe", "#0072b2")], []),  # one colour, two meanings
-        ([GO, WAIT], [Mode("wait", "#0072b2")], []),  # one name, two colours
-        ([GO], [Mode("go", "#0072B2")], [GO]),
-    ],
-)
-def test_runs_share_a_legend_where_a_colour_says_the_same_in_both(
-    left: list[Mode], right: list[Mode], shared: list[Mode]
-) -> None:
-    assert [one.name for one in one_legend(left, right)] == [one.name for one in shared]
-    assert len(one_legend(right, left)) == len(shared)
 
 
 def test_the_command_writes_beside_the_first_record(

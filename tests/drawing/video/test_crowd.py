@@ -31,9 +31,11 @@ def crowd(tmp_path_factory: pytest.TempPathFactory, changed: Callable[..., Any])
     pose[:, :, 0] += 0.1 * np.arange(len(pose))[:, None]
     pose[..., 2] = 0.0
     pose[:, 9, 0] += 1.0  # closest to 10
+    clearance = np.full(made.clearance.shape, 1.2)
+    clearance[:, 9:11] = 0.2
     course = made.course.copy()
     course[:, :, 2] = made.lead - robots / 1000.0
-    return changed(made, pose=pose, course=course, contacts=made.contacts[:0])
+    return changed(made, pose=pose, clearance=clearance, course=course, contacts=made.contacts[:0])
 
 
 def test_quantiles_are_those_of_the_known_values() -> None:
@@ -70,7 +72,7 @@ def test_of_a_crowd_only_the_closest_pair_and_robots_that_touch_have_names(
 
     frame_at(crowd, 0.3, speed=1.0)
     assert named() - {f"r{len(crowd.names)}", "r1"} == {"r10", "r11"}  # those are of the strip
-    assert "0.20 m" in written
+    assert "0.200 m" in written
     rows = make_record(robots=2, seconds=0.6, dt=0.1).contacts[:1].copy()
     rows["step"], rows["a"], rows["b"] = 3, 20, 21
     frame_at(changed(crowd, contacts=rows), 0.3, speed=1.0)
@@ -103,7 +105,7 @@ def test_a_frame_is_the_same_however_one_came_to_its_moment(
         painter, kept = Painter(Timeline(record), 1.0, 25.0), []
         for time in times:
             fresh = frame_at(record, time, speed=1.0)
-            kept.append((painter.frame(time), fresh))
+            kept.append((painter.paint(time).copy(), fresh))
         for picture, fresh in kept:
             assert np.array_equal(picture[:, beside], fresh[:, beside])
             assert np.array_equal(picture[STRIP][4:], fresh[STRIP][4:])

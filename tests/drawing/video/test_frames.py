@@ -21,7 +21,7 @@ from tests.drawing.video.looking import STRIP, around, pixels
 from tests.helpers import inside
 
 Timeline, rgb = inside("physim.drawing", "Timeline", "rgb")
-Closest, DEEP, NO_MODES = inside("physim.drawing.video", "Closest", "DEEP", "NO_MODES")
+DEEP, NO_MODES, closest = inside("physim.drawing.video", "DEEP", "NO_MODES", "closest")
 ground, signs = inside("physim.drawing.video", "ground", "signs")
 NO_NUMBER = inside("physim.parts", "NO_NUMBER")
 Part = inside("physim.record", "Part")
@@ -75,8 +75,7 @@ def test_the_time_axis_keeps_when_contacts_began(made: Made) -> None:
 
 def test_the_closest_pair_is_joined_by_a_line(made: Made) -> None:
     timeline = Timeline(made(3))
-    scene = timeline.scene
-    pair = Closest(scene.footprints, scene.reach).pair(timeline.pose(2.0))
+    pair = closest(timeline, timeline.at(2.0))
     assert pair is not None
     near = around(made(3), 2.0, pair.points.mean(axis=0), 1)
     assert frame_at(made(3), 2.0, speed=1.0)[near].min() < 60
@@ -147,11 +146,11 @@ def test_the_strip_shows_the_least_distances_down_to_zero(
 ) -> None:
     """Of robots and of walls over the run; a single touch between two columns is seen."""
     record = made(3)
-    gap = np.full(record.clearance.shape, 2.0)
-    apart = frame_at(changed(record, clearance=gap), 3.9)[STRIP]
+    gap, walls = np.full(record.clearance.shape, 0.3), np.full(record.clearance.shape, 0.4)
+    apart = frame_at(changed(record, clearance=gap, boundary_clearance=walls), 3.9)[STRIP]
     assert {"least distance [m]", "robots", "walls", "0.0"} <= set(written)
     gap[97, 1] = 0.0
-    touched = frame_at(changed(record, clearance=gap), 3.9)[STRIP]
+    touched = frame_at(changed(record, clearance=gap, boundary_clearance=walls), 3.9)[STRIP]
     rows = [np.nonzero((one == np.array(palette.INK)).all(axis=2))[0] for one in (apart, touched)]
     assert len(rows[1]) > len(rows[0]) + 50, "the line goes down to zero and back"
     assert Timeline(record).distances.values[:, 0].tolist() == record.clearance.min(axis=1).tolist()
@@ -162,7 +161,8 @@ def test_an_overlap_is_told_as_one_in_the_panel(
 ) -> None:
     """With the depth that the record has; while they are apart, with their distance."""
     record = made(3)
-    pose, gap = record.pose.copy(), np.full(record.clearance.shape, -0.025)
+    pose, gap = record.pose.copy(), record.clearance.copy()
+    gap[100:, :2] = -0.025
     pose[100:, 1] = pose[100:, 0] + [0.3, 0.0, 0.0]  # from 2 s on robot 1 is within robot 0
     for time, overlap in ((1.0, False), (2.5, True)):
         written.clear()

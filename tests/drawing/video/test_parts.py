@@ -18,9 +18,9 @@ from tests.helpers.records import BOX, ELL
 Label, Labels, Timeline, clean = inside("physim.drawing", "Label", "Labels", "Timeline", "clean")
 metres, number, plain = inside("physim.drawing", "metres", "number", "plain")
 significant, spread, ticks = inside("physim.drawing", "significant", "spread", "ticks")
-Background, Camera, Closest = inside("physim.drawing.video", "Background", "Camera", "Closest")
+Background, Camera, closest = inside("physim.drawing.video", "Background", "Camera", "closest")
 Fleet, Ground, LONGEST, Lens = inside("physim.drawing.video", "Fleet", "Ground", "LONGEST", "Lens")
-ONE, SMALL, arrange = inside("physim.drawing.video", "ONE", "SMALL", "arrange")
+ONE, SMALL, VIEW = inside("physim.drawing.video", "ONE", "SMALL", "VIEW")
 Item, Level, shape = inside("physim.drawing", "Item", "Level", "shape")
 draw_ground, draw_scale = inside("physim.drawing.video", "draw_ground", "draw_scale")
 ground, shorten, signs = inside("physim.drawing.video", "ground", "shorten", "signs")
@@ -109,7 +109,7 @@ def test_tiles_show_no_seams(made: Callable[..., Any]) -> None:
 
 
 def test_a_small_world_is_shown_whole_and_a_long_one_followed(made: Callable[..., Any]) -> None:
-    timeline, box = Timeline(made(3)), arrange()[0]
+    timeline, box = Timeline(made(3)), VIEW
     small = (np.array([-2.0, -5.0]), np.array([22.0, 8.0]))
     assert Camera(timeline, small, box, 1.0).whole
     large = (np.array([-2.0, -5.0]), np.array([200.0, 80.0]))
@@ -123,7 +123,7 @@ def test_a_small_world_is_shown_whole_and_a_long_one_followed(made: Callable[...
 
 
 def test_one_camera_movement_however_asked(made: Callable[..., Any]) -> None:
-    timeline, box = Timeline(made(3)), arrange()[0]
+    timeline, box = Timeline(made(3)), VIEW
     large = (np.array([-2.0, -5.0]), np.array([200.0, 80.0]))
     one, two = Camera(timeline, large, box, 1.0), Camera(timeline, large, box, 1.0)
     one.lens(3.0)
@@ -137,28 +137,32 @@ poses = st.lists(
 )
 
 
-def test_of_a_crowd_the_closest_pair_is_the_closest() -> None:
-    """Against every pair; some robots overlap, some stand at one place, some are far away."""
+def test_the_closest_pair_is_the_closest(
+    made: Callable[..., Any], changed: Callable[..., Any]
+) -> None:
+    """Against every pair, of a record that has no distances: some overlap, some stand far away."""
     random = np.random.default_rng(5)
-    for count, span in ((65, 30.0), (150, 12.0), (200, 300.0), (70, 0.0)):
+    for count, span in ((3, 9.0), (61, 30.0), (61, 300.0)):
+        record = made(count)
         pose = np.column_stack(
             (random.uniform(0.0, span, (count, 2)), random.uniform(-3, 3, count))
         )
         pose[-1, :2] += 1e4
-        footprints = [ELL if i % 4 == 3 else (BOX,) for i in range(count)]
-        reach = np.array([np.hypot(*np.concatenate(parts).T).max() for parts in footprints])
-        pair = Closest(footprints, reach).pair(pose)
+        poses = np.repeat(pose[None], len(record.pose), axis=0)
+        timeline = Timeline(changed(record, pose=poses, record_every=2))
+        pair = closest(timeline, timeline.at(0.0))
         assert pair is not None
         shapes = np.array(
             [
                 shapely.MultiPolygon([turned(part, row) for part in parts])
-                for parts, row in zip(footprints, pose, strict=True)
+                for parts, row in zip(record.footprints, pose, strict=True)
             ]
         )
         a, b = np.triu_indices(count, 1)
         distance = shapely.distance(shapes[a], shapes[b])
-        assert pair.distance == pytest.approx(distance.min(), abs=1e-9)
-        assert shapes[pair.a].distance(shapes[pair.b]) == pytest.approx(pair.distance, abs=1e-9)
+        assert max(pair.distance, 0.0) == pytest.approx(distance.min(), abs=1e-9)
+        apart = shapes[pair.a].distance(shapes[pair.b])
+        assert apart == pytest.approx(distance.min(), abs=1e-9)
 
 
 def turned(part: FloatArray, pose: FloatArray) -> shapely.Polygon:
@@ -238,7 +242,8 @@ def test_labels_overlap_no_other_and_no_robot_and_stay_in_the_view(
     places = np.array(cells, dtype=float) * (50.0, 50.0) + (25.0, 0.0)
     bodies = np.column_stack((places - (15.0, 8.0), places + (15.0, 8.0)))
     labels = {k: Label(tuple(at), 17.0, (float(wide), 20.0)) for k, at in enumerate(places)}
-    middles = Labels().place(labels, bodies, (600, 400))
+    nowhere = np.zeros((0, 2, 2))
+    middles = Labels().place(labels, bodies, (600, 400), np.arange(len(bodies)), nowhere)
     half = np.array([wide / 2.0, 10.0])
     corners = np.column_stack((np.array(middles) - half, np.array(middles) + half))
     assert (corners >= 0.0).all()

@@ -9,11 +9,10 @@ import pytest
 
 import physim
 from physim import build_scene
-from physim.analysis.summary import summarise
-from tests.helpers import facts, inside
+from physim.analysis.summary import summarise, table
+from tests.helpers import facts
 from tests.world.worlds import DRAWN, changed, check, lines
 
-table = inside("physim.analysis.summary", "table")
 SIDES = "  - [[-3, -4], [33, -4], [33, 4]]\n  - [[33, 4], [-3, 4], [-3, -4]]\n"
 FINE = 9_000
 """points a side"""

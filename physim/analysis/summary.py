@@ -1,0 +1,391 @@
+"""The summary of a run from its record alone: as a value, as JSON and as a short table."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+from types import MappingProxyType
+from typing import Any
+
+from physim.analysis.expectations import Held, expectations
+from physim.analysis.metrics import DEFINITIONS, Episode, Figures, Graze, Metric
+from physim.analysis.metrics.walls import along_wall
+from physim.html import labelled
+from physim.record import Record
+from physim.units import amount
+from physim.world.faults import describe
+
+SHOWN_ROBOTS = 12
+"""Robots that the table lists one by one."""
+SHOWN_CONTACTS = 8
+"""Contacts that the table lists one by one."""
+ENDED = MappingProxyType(
+    {
+        "running": "not closed (killed, or still running)",
+        "duration": "time is up",
+        "error": "broken off by an error",
+    }
+)
+"""How a run ended, in words, where the record's own word does not say it."""
+Rows = list[tuple[str, str]]
+"""Lines of the table: label and text"""
+
+
+@dataclass(frozen=True, repr=False)
+class Summary:
+    """Figures of a run; see `physim.metrics` for their definitions. None = has no meaning here.
+
+    Bodies and robots are given by id; `names_of` gives their names.
+    """
+
+    run: Figures
+    """contacts, who has not arrived, and all else; its record may be closed"""
+    metrics: dict[str, Metric]
+    """every named metric that has a meaning here"""
+    metric_faults: tuple[str, ...]
+    """why metrics that packages registered could not be computed, a line each"""
+    expectations: tuple[Held, ...]
+
+    def __repr__(self) -> str:
+        """Whose, what came of it, and whether that was expected; `table` shows all of it."""
+        record, count = self.run.record, self.value("contacts")
+        contacts = "contacts not recorded" if count is None else f"contacts: {count}"
+        end = f"ended {describe(record.ended)} after {self.value('simulated_time'):g} s"
+        kept = ", as expected" if self.held else ", not as expected"
+        kept = kept if self.expectations else ""
+        name = describe(record.name)
+        return f"<Summary of {name} seed {record.seed}: {end}, {contacts}{kept}>"
+
+    def _repr_html_(self) -> str:
+        """What a notebook shows of it: the lines of `table`."""
+        return labelled(table_rows(self))
+
+    @property
+    def held(self) -> bool:
+        """Whether the run showed everything that its world expects."""
+        return all(one.held for one in self.expectations)
+
+    @property
+    def bodies(self) -> tuple[str, ...]:
+        """Names by id: robots, then boundaries, then obstacles."""
+        return tuple(body.name for body in self.run.record.bodies)
+
+    @property
+    def contacts(self) -> tuple[Episode, ...] | None:
+        """Contact episodes in the order of their beginning; None where they were not recorded."""
+        return self.run.episodes if "contacts" in self.run.record.tables else None
+
+    @property
+    def no_safe_area(self) -> float | None:
+        """[m] the safe distance of the controller, where no place is so far from all boundaries."""
+        record = self.run.record
+        return None if record.safe else record.safe_distance or None
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """What makes the run another than the one that was meant, a sentence each."""
+        told = tuple(one.sentence(self.bodies) for one in self.run.deep)
+        if self.no_safe_area is None:
+            return told
+        sentence = (
+            f"no place is {self.no_safe_area:.4g} m from every boundary: there was no safe area, "
+            "and robots were led to where they had most room; physim check says how much that is"
+        )
+        return (*told, sentence)
+
+    def value(self, metric: str) -> Any:
+        """Value of a named metric; None where it has no meaning here."""
+        found = self.metrics.get(metric)
+        return None if found is None else found.value
+
+    def names_of(self, *ids: int) -> tuple[str, ...]:
+        """Names of bodies."""
+        return tuple(self.bodies[i] for i in ids)
+
+    def to_json(self) -> str:
+        """JSON text with units in the keys; what is not a finite number is null.
+
+        A figure stands in it once: numbers of contacts, distances, times and shares are
+        ``metrics``, by name. Version 1 had some of them twice.
+        """
+        run, record = self.run, self.run.record
+        tree = {
+            "format": "physim-summary",
+            "version": 2,
+            "name": record.name,
+            "seed": record.seed,
+            "robots": record.robots,
+            "ended": record.ended,
+            **record.setup.to_dict(),
+            "versions": record.setup.versions,
+            "metrics": {name: self._metric(one) for name, one in sorted(self.metrics.items())},
+            "metric_faults": self.metric_faults,
+            "contacts": None if self.contacts is None else [self._contact(e) for e in run.episodes],
+            "grazes": [self._contact(one) for one in run.grazes],
+            "deep_contacts": [
+                {
+                    "bodies": self.names_of(one.a, one.b),
+                    "from_s": one.time,
+                    "max_depth_m": one.depth,
+                    "time_s": one.depth_time,
+                    "place_m": one.place,
+                    **({"where": one.along} if one.along else {}),
+                    "text": one.sentence(self.bodies),
+                }
+                for one in run.deep
+            ],
+            "not_arrived": [
+                {
+                    "robot": self.bodies[one.robot],
+                    "short_m": one.short,
+                    "tolerance_m": one.tolerance,
+                    "stands": one.stands,
+                    "text": one.sentence(self.bodies[one.robot]),
+                }
+                for one in run.absent
+            ],
+            "no_safe_area_at_m": self.no_safe_area,
+            "rejected_contacts": record.rejected_contacts,
+            "robot_steps": record.steps_run * record.robots,
+            "modes": [str(mode) for mode in record.modes],
+            "expectations": [dict(sorted(one._asdict().items())) for one in self.expectations],
+            "wall_clock": dict(sorted(record.wall_clock.items())),
+        }
+        return json.dumps(_finite(tree), indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+
+    def _metric(self, one: Metric) -> dict[str, Any]:
+        """A metric with its unit; what it does not have is left out."""
+        found = asdict(one) | {"bodies": self.names_of(*one.bodies) or None}
+        if one.name == "shortest_boundary_distance":
+            found["where"] = self.run.where_nearest_wall or None
+        keys = {"time": "time_s", "station": "station_m"}
+        return {keys.get(k, k): v for k, v in found.items() if v is not None and k != "name"}
+
+    def _contact(self, one: Episode | Graze) -> dict[str, Any]:
+        told = {"bodies": self.names_of(one.a, one.b), "time_s": one.time, "max_depth_m": one.depth}
+        if isinstance(one, Episode):
+            told |= {
+                "duration_s": one.samples * self.run.record.dt,
+                "impact_newton_seconds": one.impact,
+                "impulse_newton_seconds": one.impulse,
+            }
+        where = self.where(one)
+        return {**told, "where": where} if where else told
+
+    def where(self, one: Episode | Graze) -> str:
+        """Where along a wall a contact began; empty between robots."""
+        return along_wall(self.run.record, one.b, one.place)
+
+
+def summarise(record: Record) -> Summary:
+    """Compute the summary of a run from its record alone. Raises RecordError if it is damaged."""
+    run = Figures(record)
+    metrics, faults = run.metrics()
+    found = Summary(run, metrics, faults, tuple(expectations(record)))
+    found.to_json()  # reads all that it needs: the record may be closed
+    return found
+
+
+def _finite(value: Any) -> Any:
+    """Value in types that JSON knows; infinite and NaN become None."""
+    if isinstance(value, dict):
+        return {key: _finite(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [_finite(item) for item in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value
+
+
+def table(summary: Summary, brief: bool = False) -> str:
+    """Short table in plain text, one figure a line, ending with a line break.
+
+    ``brief`` leaves out what one does not read after a run: the width of the corridor, danger robot
+    by robot, expectations that held, versions.
+    """
+    rows = table_rows(summary, brief)
+    width = max(len(label) for label, _ in rows)
+    return "".join(f"{label:<{width}}  {text}\n" for label, text in rows)
+
+
+def table_rows(summary: Summary, brief: bool = False) -> Rows:
+    """Label and text of each line of the table, for whoever sets it out otherwise."""
+    s, run, record = summary, summary.run, summary.run.record
+    end = f"{ENDED.get(record.ended, record.ended)} after {s.value('simulated_time'):.2f} s"
+    robots = "1 robot" if record.robots == 1 else f"{record.robots} robots"
+    factor = record.wall_clock.get("factor")
+    return [
+        ("run", f"{record.name}, seed {record.seed}, {robots}: {end}"),
+        *record.setup.lines(),
+        ("contacts", _contacts(s)),
+        *(("WARNING", sentence) for sentence in s.warnings),
+        *_each_contact(s, run.episodes),
+        *(
+            [("grazes between samples", f"{len(run.grazes)}, first at {run.grazes[0].time:.2f} s")]
+            if run.grazes
+            else []
+        ),
+        *_each_contact(s, run.grazes),
+        ("shortest distance", _told(s, "shortest_distance", 4)),
+        ("shortest boundary distance",
+         _told(s, "shortest_boundary_distance", 4, more=run.where_nearest_wall)),
+        ("shortest collision time", _collision_time(s)),
+        ("farthest pair", _told(s, "farthest_distance", 2)),
+        ("formation error, peak", _told(s, "formation_error_peak", 2)),
+        ("formation error, final", _told(s, "formation_error_final", 2)),
+        *_motion(s, brief),
+        ("danger mode, share of time", _danger(s, 0 if brief else SHOWN_ROBOTS)),
+        ("decisions", _decisions(s)),
+        *_commands(s),
+        *_arrival(s),
+        *((name, _told(s, name)) for name in s.metrics if name not in DEFINITIONS),
+        *(("WARNING", fault) for fault in s.metric_faults),
+        *_expected(s, brief),
+        ("real-time factor", "n/a" if factor is None else f"{factor:.1f}"),
+        *([] if brief else [("made with", record.setup.made_with or "not known")]),
+    ]  # fmt: skip
+
+
+def _told(
+    summary: Summary, name: str, digits: int | None = None, none: str = "n/a", more: str = ""
+) -> str:
+    """``0.1234 m (r1 and r2 at 3.19 s)``; ``none`` where it has no meaning."""
+    one = summary.metrics.get(name)
+    if one is None:
+        return none
+    value = str(one.value).lower()
+    if not isinstance(one.value, bool):
+        value = amount(one.value, one.unit.removeprefix("-"), digits)
+    where = " and ".join(summary.names_of(*one.bodies))
+    if one.time is not None:
+        where = f"{where} at {one.time:.2f} s".lstrip()
+    elif one.station is not None:
+        where = f"path of {where} at {one.station:.1f} m"
+    where = ", ".join(part for part in (where, more) if part)
+    return f"{value} ({where})" if where else value
+
+
+def _contacts(summary: Summary) -> str:
+    if summary.contacts is None:
+        return "n/a (not recorded)"
+    count, walls = summary.value("contacts"), summary.value("contacts_with_boundaries")
+    if not count:
+        return "0"
+    first = summary.value("first_contact")
+    kinds = f"{count - walls} between robots, {walls} with boundaries"
+    return f"{count} ({kinds}), first at {first:.2f} s"
+
+
+def _each_contact(summary: Summary, found: Sequence[Episode | Graze]) -> Rows:
+    """A line for each of the first contacts, and one that says how many more there are."""
+    rows = []
+    for one in found[:SHOWN_CONTACTS]:
+        names, where = summary.names_of(one.a, one.b), summary.where(one)
+        if isinstance(one, Episode):
+            lasts = one.samples * summary.run.record.dt
+            how = (
+                f"{lasts:.2f} s long, {1e3 * one.depth:.1f} mm deep, "
+                f"impact {amount(one.impact, 'N s', 1)}"
+            )
+        else:
+            how = f"{1e3 * one.depth:.3g} mm deep, apart at the samples before and after"
+        rows.append((f"  {one.time:.2f} s", f"{' and '.join(names)}{where and f' {where}'}, {how}"))
+    return [*rows, *_more(len(found) - len(rows))]
+
+
+def _more(count: int) -> Rows:
+    """How many are not listed; no line where there are none."""
+    return [("  ...", f"{count} more (physim summary --json lists all)")] if count > 0 else []
+
+
+def _collision_time(summary: Summary) -> str:
+    """Shortest collision time, and of what: `physim validate` has those of all bodies."""
+    known = summary.value("collision_time_evaluations") is not None
+    none = "none" if known else "n/a (the controller computes none)"
+    return _told(summary, "shortest_collision_time", 3, none, "to what it considered")
+
+
+def _motion(summary: Summary, brief: bool) -> Rows:
+    """Lines on deviations, averaged speeds and width, as far as they have a meaning."""
+    rows = []
+    if "deviation_peak" in summary.metrics:
+        rms = _told(summary, "deviation_rms", 2, "")
+        text = _told(summary, "deviation_peak", 2)
+        rows.append(("path deviation, peak", f"{text}, rms {rms}" if rms else text))
+    ranges = [("speed averaged over 10 s", "averaged_speed"), ("corridor width", "width")]
+    for label, name in ranges[:1] if brief else ranges:
+        if f"{name}_min" in summary.metrics:
+            ends = (_told(summary, f"{name}_{end}", 2) for end in ("min", "max"))
+            rows.append((label, " to ".join(ends)))
+    return rows
+
+
+def _danger(summary: Summary, most: int) -> str:
+    """Share of time in modes of danger, of all and of each of the first ``most`` robots."""
+    share = summary.metrics.get("danger_share")
+    if share is None:
+        if not summary.value("decisions"):
+            return "n/a"
+        why = "modes of danger" if summary.run.record.modes else "modes"
+        return f"n/a (the controller declares no {why}, or no robot was under way)"
+    robots = share.robots or ()
+    each = [
+        f"{name} " + ("n/a" if one is None else f"{one:.0%}")
+        for name, one in zip(summary.bodies, robots[:most], strict=False)
+    ]
+    if not each:
+        return f"{share.value:.1%}"
+    rest = f", and {len(robots) - most} more" if len(robots) > most else ""
+    return f"{share.value:.1%} ({', '.join(each)}{rest})"
+
+
+def _decisions(summary: Summary) -> str:
+    count, rate, messages, times = (
+        summary.value(name)
+        for name in ("decisions", "updates_per_second", "messages", "collision_time_evaluations")
+    )
+    if count is None:
+        return "n/a (not recorded)"
+    each = f" ({rate:.1f} a second and robot)" if rate is not None else ""
+    computed = "" if times is None else f", {times} collision times computed"
+    return f"{count}{each}, {messages} messages{computed}"
+
+
+def _commands(summary: Summary) -> Rows:
+    """How often a stage changed commands; none of a run in which none did."""
+    stages = (
+        ("filtered differs from nominal", summary.value("filtered_steps")),
+        ("applied differs from filtered", summary.value("disturbed_steps")),
+    )
+    record = summary.run.record
+    steps = max(record.steps_run * record.robots, 1)
+    parts = [f"{words} in {n} robot-steps ({n / steps:.1%})" for words, n in stages if n]
+    return [("commands", ", ".join(parts))] if parts else []
+
+
+def _arrival(summary: Summary) -> Rows:
+    """Whether all have arrived, and why the first of those that have not did not."""
+    away = summary.metrics.get("stop_distance")
+    if away is not None:
+        far = summary.bodies[(away.robots or ()).index(away.value)]
+        most = f"{amount(away.value, 'm', 2)} from its stop ({far})"
+        finish = summary.value("time_to_finish")
+        return [("all robots arrived", f"yes, at {finish:.2f} s; at most {most}")]
+    absent, robots = summary.run.absent, summary.run.record.robots
+    some = f", {robots - len(absent)} of {robots}" if absent else ""
+    reasons = [
+        ("  not arrived", one.sentence(summary.bodies[one.robot])) for one in absent[:SHOWN_ROBOTS]
+    ]
+    return [("all robots arrived", f"no{some}"), *reasons, *_more(len(absent) - SHOWN_ROBOTS)]
+
+
+def _expected(summary: Summary, brief: bool) -> Rows:
+    """A line for each expectation; in brief for those that failed, or one for all."""
+    missed = tuple(one for one in summary.expectations if not one.held)
+    if brief and summary.expectations and not missed:
+        return [("expected", "all held")]
+    grazes = " (grazes included)" if summary.run.grazes else ""
+    return [
+        (f"expected {one.key}", f"{one}{grazes if one.key == 'contacts' else ''}")
+        for one in (missed if brief else summary.expectations)
+    ]

@@ -47,7 +47,7 @@ if TYPE_CHECKING:
 Rows = NDArray[np.void]
 BY = "simulated again"
 BEFORE = ("name", "world", "seed", "dt", "steps_planned")
-AFTER = ("safe_distance", "steps_run", "rejected_contacts", "ended")
+AFTER = ("safe_distance", "ended", "steps_run", "rejected_contacts")
 """Attributes that are compared: what was to be run, and last of all how it went"""
 BLOCK = 4096
 """Samples that are compared at a time"""
@@ -301,7 +301,8 @@ def _after(
     killed = record.ended == "running"
     if whole and not killed:
         broken = record.ended == "error" and again.ended != "finished"
-        yield from unlike_attributes(record, again, AFTER[: -1 if broken else None], BY)
+        names = (name for name in AFTER if name != "ended" or not broken)
+        yield from unlike_attributes(record, again, names, BY)
     for path in (EXTREMES, EXTREMES_FARTHEST) if exact and not killed else ():
         rows, others = (np.atleast_1d(one.read(path)) for one in (record, again))
         if found := first_difference(record, path, rows, others, BY, exact=True):

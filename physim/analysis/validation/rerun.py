@@ -95,8 +95,6 @@ def simulation_again(
     """
     from physim.simulation.loop import Simulation
 
-    if not record.world_text.strip():
-        raise AgainError(record, "it holds no text of its world")
     if not record.noted_until:
         raise AgainError(record, "it made no step")
     try:

@@ -218,19 +218,20 @@ def judge(
     whole = again if again is not None and missing(record) else record
     check_complete(whole)
     inside = world_inside(record)
-    analytic, exact = analytic_contacts(whole), exact_distances(whole)
+    analytic, (exact, distances) = analytic_contacts(whole), exact_distances(whole)
     table = DecisionTable(whole)
     rerun = None if again is None else compare_runs(record, again)
     is_again = whole is again or (rerun is not None and rerun.exact)
     recomputed = recompute(record, whole, inside, table, is_again)
     parted = whole is again and rerun is not None and not rerun.whole
-    extremes = () if parted else check_extremes(record, whole, analytic, exact)
+    if not parted:
+        distances += check_extremes(record, whole, analytic, exact)
     if why_not:
         left_out = (*recomputed.left_out, f"the run simulated again: {why_not}")
         recomputed = replace(recomputed, left_out=left_out)
     return Validation(
         _run(record, whole, source or str(record.path or "in memory")),
-        compare(whole, analytic, exact, extremes),
+        compare(whole, analytic, distances),
         contacts_of(whole, analytic, table, Predictor(whole, table)),
         swept_contacts(whole, table), near_misses(whole, analytic, table, exact),
         check_motion(whole, table, inside.scene.mass if inside.fits(whole) else None),

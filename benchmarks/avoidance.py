@@ -24,7 +24,7 @@ import numpy as np
 
 import physim
 from physim.analysis import metrics
-from physim.campaigns.runner import Job, do_all
+from physim.campaigns.pool import Job, do_all
 from physim.cli.values import seed_range
 from physim.contacts import Phase
 from physim.errors import PhysimError

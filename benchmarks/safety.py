@@ -16,11 +16,11 @@ from pathlib import Path
 import numpy as np
 
 import physim
+from physim.campaigns.folder import read
 from physim.campaigns.outcomes import Cell, Outcomes
-from physim.campaigns.reading import read
 from physim.campaigns.report.contents import report_of
 from physim.errors import PhysimError
-from physim.statistics.proportion import clopper_pearson
+from physim.statistics import clopper_pearson
 from physim.units import interval
 from physim.world.file.files import find_world
 from physim.world.layout.scene_builder import is_random

@@ -15,11 +15,10 @@ from concurrent.futures import Executor
 from typing import NamedTuple
 
 from physim.analysis.metrics import contact_episodes, grazes
-from physim.campaigns.executors import executor
+from physim.campaigns.cluster import executor
 from physim.campaigns.grid import make_grid
 from physim.campaigns.one_run import simulation_of
-from physim.campaigns.processes import Job, Stop, worker_count
-from physim.campaigns.runner import outcomes
+from physim.campaigns.pool import Job, Stop, outcomes, worker_count
 from physim.campaigns.spec import RunSpec
 from physim.cli.values import seed_range
 from physim.record import Record

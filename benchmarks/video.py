@@ -21,8 +21,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 import physim
 from physim.drawing.timeline import Timeline
 from physim.drawing.video.film import VideoFile
-from physim.drawing.video.painter import Painter
-from physim.drawing.video.render import frame_times, playback_speed
+from physim.drawing.video.render import Painter, frame_times, playback_speed
 from physim.record import Record
 
 FPS = 25.0

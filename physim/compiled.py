@@ -67,7 +67,7 @@ def source_stamp() -> str:
     without = {Path(__file__).resolve().parent / room for room in ROOMS_WITHOUT_KERNELS}
     hasher = hashlib.sha256()
     for file in sorted({file.resolve() for folder in folders for file in folder.rglob("*.py")}):
-        if not without.isdisjoint(file.parents):
+        if not without.isdisjoint((file.with_suffix(""), *file.parents)):
             continue
         hasher.update(f"{file.name}\0".encode() + file.read_bytes())
     return hasher.hexdigest()

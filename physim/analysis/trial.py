@@ -13,8 +13,8 @@ from typing import Any
 
 import numpy as np
 
-from physim.analysis.metrics.contacts import Episode, Graze, contact_episodes, first_row, grazes
-from physim.analysis.metrics.progress import absent
+from physim.analysis.metrics import Figures
+from physim.analysis.metrics.contacts import Touch
 from physim.analysis.metrics.walls import nearest_points
 from physim.errors import Fault, Location, place_text, plural
 from physim.parts.registry import CONTROLLER, make_part
@@ -149,10 +149,9 @@ class _Ending:
 
 def _shown(world: World, record: Record, why: str) -> Trial:
     """What a run shows, in short and of each robot."""
-    expect = world.expect
-    met: list[Episode | Graze] = [*contact_episodes(record), *grazes(record)]
-    met.sort(key=lambda one: one.time)
-    left = len(absent(record))
+    run, expect = Figures(record), world.expect
+    met: list[Touch] = sorted([*run.episodes, *run.grazes], key=lambda one: one.time)
+    left = len(run.absent)
     do = "does" if left == 1 else "do"
     arrive = f"{left} of {plural(record.robots, 'robot')} {do} not arrive"
     contacts = plural(len(met), "contact") if met else "no contact"
@@ -168,7 +167,7 @@ def _shown(world: World, record: Record, why: str) -> Trial:
             if free:
                 facts[free[0]] = _contact(world, record, one, free[0])
     if expect is None or expect.finished is not False:
-        for late in sorted(absent(record), key=lambda late: -late.short):
+        for late in sorted(run.absent, key=lambda late: -late.short):
             i = late.robot
             name = describe(record.names[i])
             near = _nearest(record, i) if late.stands else {}
@@ -185,19 +184,14 @@ def _shown(world: World, record: Record, why: str) -> Trial:
     return Trial(line, tuple(facts.values()))
 
 
-def _contact(world: World, record: Record, one: Episode | Graze, robot: int) -> Fact:
+def _contact(world: World, record: Record, one: Touch, robot: int) -> Fact:
     """The first contact of a robot."""
-    if isinstance(one, Graze):
-        x, y = one.place
-    else:
-        row = first_row(record, one)
-        x, y = float(row["x"]), float(row["y"])
     name, other = record.names[robot], record.bodies[one.a + one.b - robot].name
     said = (
-        f"{describe(name)} touches {describe(other)} at {place_text(x, y, 4)} after "
+        f"{describe(name)} touches {describe(other)} at {place_text(*one.place, 4)} after "
         f"{one.time:.1f} s"
     )
-    return Fact(path_of(world, robot), said, name, other, one.time, (x, y))
+    return Fact(path_of(world, robot), said, name, other, one.time, one.place)
 
 
 def _nearest(record: Record, robot: int) -> dict[str, Any]:

@@ -1,10 +1,9 @@
 """Many runs: of worlds, seeds, settings and controllers; files on disk say which are done."""
 
-from physim.campaigns.columns import Row
-from physim.campaigns.folder import Folder
+from physim.campaigns.folder import Folder, read
 from physim.campaigns.one_run import run_one
-from physim.campaigns.processes import Processes
-from physim.campaigns.reading import read
+from physim.campaigns.pool import Processes
+from physim.campaigns.rows import Row
 from physim.campaigns.spec import RunSpec, spec_of
 from physim.campaigns.sweep import runs, sweep
 

@@ -15,10 +15,10 @@ from numpy.typing import NDArray
 
 from physim.campaigns.measures import RATE_TITLES, USUAL
 from physim.campaigns.outcomes import CELL, Cell, FloatArray, Outcomes
-from physim.campaigns.own_metrics import PREFIX
+from physim.campaigns.rows import PREFIX
 from physim.campaigns.spec import Label
 from physim.errors import PhysimError
-from physim.statistics.paired import (
+from physim.statistics import (
     holm,
     mcnemar,
     median_difference,
@@ -81,7 +81,7 @@ class Finding:
     only_a: int
     """seeds with which A alone succeeds, or A's value is the better one"""
     only_b: int
-    corrected: float = 1.0
+    p_corrected: float = 1.0
     """p after the correction for all that is looked at"""
 
     @property
@@ -91,7 +91,7 @@ class Finding:
         Shown is one that stays significant after the correction; of a rate, whose interval is of
         the same question, one that leaves out 0 as well.
         """
-        if self.corrected > ALPHA or (self.is_rate and self.low <= 0.0 <= self.high):
+        if self.p_corrected > ALPHA or (self.is_rate and self.low <= 0.0 <= self.high):
             return ""
         return "b" if self.only_b > self.only_a else "a"
 
@@ -212,7 +212,7 @@ def compare(arms: Sequence[Pair], names: Mapping[str, int] = USUAL) -> list[Comp
     corrected = iter(holm([f.p for one in made for f in one.findings if f.is_tested]))
 
     def after_holm(found: Finding) -> Finding:
-        return replace(found, corrected=next(corrected)) if found.is_tested else found
+        return replace(found, p_corrected=next(corrected)) if found.is_tested else found
 
     return [replace(one, findings=tuple(map(after_holm, one.findings))) for one in made]
 

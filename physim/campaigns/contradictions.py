@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from physim.campaigns.columns import COLUMNS, FAILED, FINISHED, TIMES
+from physim.campaigns.rows import COLUMNS, FAILED, FINISHED, TIMES
 
 if TYPE_CHECKING:
     import pyarrow as pa

@@ -5,27 +5,94 @@ from __future__ import annotations
 import fcntl
 import json
 import os
-import re
-from collections.abc import Iterable, Mapping
+from bisect import bisect_right
+from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Annotated, Any
+
+import numpy as np
+from pydantic import BaseModel, ConfigDict, Field, TypeAdapter, ValidationError
 
 from physim._version import __version__
-from physim.campaigns.asked import Asked, as_stored, merged, ranges_of
+from physim.campaigns import contradictions
+from physim.campaigns.rows import (
+    FAILED,
+    Rows,
+    columns_of,
+    read_rows,
+    schema,
+    table_of,
+    told,
+    write_whole,
+)
 from physim.campaigns.rows import FOLDER as ROWS
-from physim.campaigns.rows import Shards, write_whole
-from physim.campaigns.spec import Label, RunSpec, engine
+from physim.campaigns.spec import Label, RunSpec, engine, identity_of, key_of, short_hash
+from physim.drafts import discard, draft_of
 from physim.errors import PhysimError
+from physim.escaping import escaped
 from physim.json_text import file_json
-from physim.world.file.reading import MOST_BYTES
+from physim.world.file.files import file_text
+
+if TYPE_CHECKING:
+    import pyarrow as pa
+
+    from physim.campaigns.grid import Grid
 
 CAMPAIGN, RECORDS, WORLDS = "campaign.json", "records", "worlds"
-RESULTS, UNTIL, CLAIMS = "results.parquet", "until.json", ".claims"
+RESULTS, UNTIL, LOCK = "results.parquet", "until.json", ".lock"
 STILLS, VIDEOS, PAGES = "stills", "videos", "pages"
 """Pictures of runs, by their keys, for reports"""
-PARTS = (CAMPAIGN, RESULTS, UNTIL, CLAIMS, ROWS, RECORDS, WORLDS, STILLS, VIDEOS, PAGES)
+PARTS = (CAMPAIGN, RESULTS, UNTIL, LOCK, ROWS, RECORDS, WORLDS, STILLS, VIDEOS, PAGES)
 """Files and folders of a campaign; the pages of reports stand beside them."""
 FORMAT, VERSION = "physim-campaign", 1
+SPAN = 1 << 40
+"""Bytes of the file of locks, of which each part of the runs has its share"""
+ORDER = ("world", "settings", "controller", "seed", "run")
+
+Asked = Mapping[Label, tuple[range, ...]]
+"""Seeds of each cell, in ranges that neither touch nor overlap, in ascending order"""
+_Seed = Annotated[int, Field(ge=0, le=2**63)]
+
+
+class Described(BaseModel):
+    """A cell as the file of a campaign has it: its names, and the hashes of what they are."""
+
+    model_config = ConfigDict(strict=True, frozen=True)
+    world: str
+    settings: str
+    controller: str
+    world_hash: Annotated[str, Field(pattern="^[0-9a-f]{1,64}$")]  # names a file
+    source_hash: str
+    physim: str
+    engine: str
+    draws: str = ""
+    """what the seed draws there, in words"""
+    seeds: Annotated[list[tuple[_Seed, _Seed]], Field(max_length=1000)] = []
+    """it was asked for, first and end of each range"""
+
+    @property
+    def label(self) -> Label:
+        """World, settings and controller."""
+        return self.world, self.settings, self.controller
+
+    @property
+    def asked(self) -> tuple[range, ...]:
+        """Seeds it was asked for."""
+        return merged(range(*one) for one in self.seeds)
+
+
+_CELLS = TypeAdapter(list[Described])
+
+
+def merged(ranges: Iterable[range]) -> tuple[range, ...]:
+    """Ranges of step 1 as few as they can be, in ascending order; empty ones are left out."""
+    found: list[range] = []
+    for one in sorted((one for one in ranges if one), key=lambda one: one.start):
+        if found and one.start <= found[-1].stop:
+            found[-1] = range(found[-1].start, max(found[-1].stop, one.stop))
+        else:
+            found.append(one)
+    return tuple(found)
 
 
 def is_part(path: Path, folder: Path) -> bool:
@@ -42,230 +109,297 @@ class Folder:
 
     def __init__(self, path: str | os.PathLike[str]) -> None:
         self.path = Path(path)
-        self.shards = Shards(self.path)
+        self.rows = Rows(self.path)
+        self._lock: int | None = None
 
     @property
     def records(self) -> Path:
         """Folder of the records that are kept."""
         return self.path / RECORDS
 
-    def open(self, cells: Iterable[RunSpec], asked: Mapping[Label, range] | None = None) -> None:
+    def world_file(self, world_hash: str) -> Path:
+        """File of an effective world, with the seed 0."""
+        return self.path / WORLDS / f"{world_hash}.yaml"
+
+    def open(
+        self,
+        cells: Iterable[RunSpec],
+        asked: Mapping[Label, range] | None = None,
+        part: tuple[int, int] | None = None,
+    ) -> None:
         """Make the folder ready for runs of some cells, a spec of each; the seed does not matter.
 
         ``asked`` are the seeds of each cell that the folder is to have in the end; they are added
-        to those of before.
+        to those of before. Nobody else does the runs of ``part`` (one of so many) until `close`, or
+        until this process is gone.
 
-        Raises PhysimError where it holds another campaign or something else, or cannot be written.
+        Raises PhysimError where it holds another campaign or something else, cannot be written, or
+        another sweep is at work.
         """
-        wanted = {spec.label: spec for spec in cells}
-        for spec in wanted.values():
-            if len(spec.text.encode()) > MOST_BYTES:  # it could not be read again
-                raise PhysimError(
-                    f"{spec.world}: is too large for a campaign: written out it has more than "
-                    f"{MOST_BYTES} bytes"
-                )
-        described = self._read() if self._is_there() else []
-        known = [cell for cell, _ in described]
-        before = {label_of(cell): seeds for cell, seeds in described if seeds}
-        _check(self.path, known, wanted)
+        cells = list(cells)
+        wanted = {spec.label: _described(spec) for spec in cells}
+        texts = {spec.world_hash: spec.text for spec in cells}
+        known = {one.label: one for one in self.cells()} if self._is_there() else {}
+        self._check(known, wanted)
         try:
             for folder in (self.path / ROWS, self.records, self.path / WORLDS):
                 folder.mkdir(parents=True, exist_ok=True)
         except OSError as error:
             raise PhysimError(f"{self.path}: cannot be written: {error.strerror}") from None
-        for spec in wanted.values():
-            file = self.world_file(spec.world_hash)
-            if not file.exists():
-                write_whole(file, spec.text.encode())
-        there = {label_of(one) for one in known}
-        new = [_described(spec) for label, spec in wanted.items() if label not in there]
-        seeds = dict(before)
+        if part is not None:
+            self._claim(*part)
+        for world_hash, text in texts.items():
+            if not (file := self.world_file(world_hash)).exists():
+                write_whole(file, text.encode())
+        found = wanted | known
         for label, one in (asked or {}).items():
-            seeds[label] = merged((*before.get(label, ()), one))
-        if new or not known or seeds != before:
-            self._describe([*known, *new], seeds)
+            seeds = [(one.start, one.stop) for one in merged((*found[label].asked, one))]
+            found[label] = found[label].model_copy(update={"seeds": seeds})
+        if found != known:
+            cells_ = [found[label].model_dump() for label in {**known, **wanted}]
+            tree = {"format": FORMAT, "version": VERSION, "physim": __version__,
+                    "engine": engine(), "cells": cells_}  # fmt: skip
+            text = json.dumps(tree, indent=1, ensure_ascii=False)
+            write_whole(self.path / CAMPAIGN, text.encode())
 
-    def cells(self) -> list[dict[str, str]]:
-        """What there are runs of: world, settings and controller, the hashes of what they are, and
-        in words what the seed ``draws`` there.
+    def _claim(self, number: int, of: int) -> None:
+        """Take the locks of a part of the runs; where the file system knows none, all may be had.
 
-        Raises PhysimError where this is no folder of a campaign.
+        They are gone with this process.
         """
-        return [cell for cell, _ in self._read()]
+        first, end = SPAN * (number - 1) // of, SPAN * number // of
+        try:
+            flags = os.O_RDWR | os.O_CREAT | os.O_CLOEXEC
+            self._lock = os.open(self.path / LOCK, flags, 0o666)
+            fcntl.lockf(self._lock, fcntl.LOCK_EX | fcntl.LOCK_NB, end - first, first)
+        except (BlockingIOError, PermissionError):
+            self.close()
+            raise PhysimError(
+                f"{self.path}: another sweep is at work in this folder; wait until it ends, or "
+                "give each a part of the runs by --shard I/N"
+            ) from None
+        except OSError:
+            pass
+
+    def close(self) -> None:
+        """Let others do its runs."""
+        if self._lock is not None:
+            os.close(self._lock)
+            self._lock = None
 
     def asked(self) -> Asked:
         """Seeds that each cell was asked for, where that is known: with ``--until`` it is not.
 
         Raises PhysimError as `cells`.
         """
-        return {label_of(cell): seeds for cell, seeds in self._read() if seeds}
+        return {one.label: one.asked for one in self.cells() if one.asked}
 
-    def _read(self) -> list[tuple[dict[str, str], tuple[range, ...]]]:
-        """Cells, and the seeds that each was asked for."""
+    def cells(self) -> list[Described]:
+        """What there are runs of. Raises PhysimError where this is no folder of a campaign."""
         try:
-            found = file_json(self.path / CAMPAIGN)
-            if not isinstance(found, dict) or found.get("format") != FORMAT:
-                raise ValueError("another format")
-            check_version(self.path / CAMPAIGN, found.get("version"), VERSION)
-            return _cells(found.get("cells"))
-        except FileNotFoundError:
-            raise PhysimError(
-                f"{self.path}: holds no campaign (physim sweep WORLD -o {self.path} makes one)"
-            ) from None
+            tree = read_tree(self.path / CAMPAIGN, FORMAT, VERSION)
         except NotADirectoryError:
             raise PhysimError(f"{self.path}: is a file; a campaign is a folder") from None
-        except OSError as error:
-            raise PhysimError(f"{self.path / CAMPAIGN}: cannot be read: {error.strerror}") from None
-        except ValueError as error:
-            raise PhysimError(f"{self.path / CAMPAIGN}: cannot be read ({error})") from None
-
-    def world_file(self, world_hash: str) -> Path:
-        """File of an effective world, with the seed 0."""
-        return self.path / WORLDS / f"{world_hash}.yaml"
+        if tree is None:
+            raise PhysimError(
+                f"{self.path}: holds no campaign (physim sweep WORLD -o {self.path} makes one)"
+            )
+        try:
+            found = _CELLS.validate_json(json.dumps(tree.get("cells")))
+        except ValidationError as error:
+            raise PhysimError(f"{self.path / CAMPAIGN}: cells: {told(error)}") from None
+        if len({one.label for one in found}) < len(found):
+            raise PhysimError(f"{self.path / CAMPAIGN}: cells: one is there twice")
+        return found
 
     def _is_there(self) -> bool:
         """Whether it holds a campaign; PhysimError where it holds something else."""
-        if (self.path / CAMPAIGN).exists():
-            return True
-        if self.path.exists() and not self.path.is_dir():
-            raise PhysimError(f"{self.path}: is a file; rows take a folder")
         try:
             there = {one for one in os.listdir(self.path) if not one.startswith(".")}
         except FileNotFoundError:
             return False
+        except NotADirectoryError:
+            raise PhysimError(f"{self.path}: is a file; rows take a folder") from None
         except OSError as error:
             raise PhysimError(f"{self.path}: cannot be read: {error.strerror}") from None
-        if there - {ROWS, RECORDS, WORLDS}:  # another sweep may just be making it
+        is_one = CAMPAIGN in there
+        if not is_one and there - {ROWS, RECORDS, WORLDS}:  # another sweep may just be making it
             raise PhysimError(
                 f"{self.path}: is not empty and holds no campaign; give another folder"
             )
-        return False
+        return is_one
 
-    def _describe(self, cells: list[dict[str, str]], asked: Asked) -> None:
-        tree: dict[str, Any] = {
-            "format": FORMAT, "version": VERSION, "physim": __version__, "engine": engine(),
-            "cells": [{**one, "seeds": as_stored(asked.get(label_of(one), ()))} for one in cells],
-        }  # fmt: skip
-        text = json.dumps(tree, indent=1, ensure_ascii=False)
-        write_whole(self.path / CAMPAIGN, text.encode())
+    def _check(self, known: dict[Label, Described], wanted: dict[Label, Described]) -> None:
+        """Raise PhysimError where its campaign is another than the one that is wanted.
+
+        It may have more cells than are wanted or fewer, but those in both must be the same.
+        """
+        for label in known.keys() & wanted.keys():
+            one, other = known[label], wanted[label]
+            words = []
+            if one.world_hash != other.world_hash:
+                words.append("the world was changed")
+            if one.source_hash != other.source_hash:
+                words.append(
+                    "the source of its controller or of a stage, or a file they name, was changed"
+                )
+            for key in ("physim", "engine"):
+                there, here = getattr(one, key), getattr(other, key)
+                if there != here:
+                    words.append(f"{key} {there} there, {here} here")
+            if words:
+                raise PhysimError(
+                    f"{self.path}: holds a campaign of another {label[0]}: {', '.join(words)}; "
+                    "give another folder"
+                )
+        if known and not (known.keys() >= wanted.keys() or known.keys() <= wanted.keys()):
+            named = ", ".join(filter(None, next(label for label in known if label not in wanted)))
+            raise PhysimError(
+                f"{self.path}: holds another campaign (of {named}, which is not wanted here); give "
+                "another folder, or one that it is part of"
+            )
 
 
-def check_version(file: Path, version: object, known: int) -> None:
-    """Raise PhysimError for a file of a later version, ValueError for what is no version."""
-    if not isinstance(version, int) or isinstance(version, bool) or version < 1:
-        raise ValueError(f"version: must be a whole number from 1; given: {str(version)[:40]}")
-    if version > known:
+def _described(spec: RunSpec) -> Described:
+    return Described(
+        world=spec.world, settings=spec.settings, controller=spec.controller,
+        world_hash=spec.world_hash, source_hash=spec.source_hash, physim=__version__,
+        engine=engine(), draws=spec.draws,
+    )  # fmt: skip
+
+
+def read_tree(path: Path, format: str, version: int) -> dict[str, Any] | None:
+    """A file of a campaign; None where there is none.
+
+    Raises PhysimError for one that cannot be read, of another format or of a later version, and
+    NotADirectoryError.
+    """
+    try:
+        found = file_json(path)
+        if not isinstance(found, dict) or found.get("format") != format:
+            raise ValueError("another format")
+        there = found.get("version")
+        if not isinstance(there, int) or isinstance(there, bool) or there < 1:
+            raise ValueError(f"version: must be a whole number from 1; given: {str(there)[:40]}")
+    except FileNotFoundError:
+        return None
+    except NotADirectoryError:
+        raise
+    except OSError as error:
+        raise PhysimError(f"{path}: cannot be read: {error.strerror}") from None
+    except ValueError as error:
+        raise PhysimError(f"{path}: cannot be read ({error})") from None
+    if there > version:
         raise PhysimError(
-            f"{file}: has version {version}; this physim ({__version__}) reads {known}: it was "
+            f"{path}: has version {there}; this physim ({__version__}) reads {version}: it was "
             "written by a later one"
         )
+    return found
 
 
-class Claims:
-    """Which runs are under way, for all sweeps of a folder: a lock each, gone with its process.
+def read(folder: str | os.PathLike[str]) -> pa.Table:
+    """All rows, each run once, in the order of world, settings, controller and seed.
 
-    Where the file system knows no locks every run may be had.
+    Metrics of one's own have a column each, ``metric_NAME``. Of a run that was done again the last
+    row that did not fail, else the last. Raises PhysimError where there is no campaign, a file of
+    rows cannot be read, a row is of no run of the campaign (its cell is not in ``campaign.json``,
+    or its key is not that of its cell and seed), or rows contradict themselves or one another.
     """
-
-    def __init__(self, folder: Path) -> None:
-        self._fd = os.open(folder / CLAIMS, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o666)
-
-    def take(self, key: str) -> bool:
-        """Whether nobody else has this run under way; it is ours then."""
-        try:
-            fcntl.lockf(self._fd, fcntl.LOCK_EX | fcntl.LOCK_NB, 1, _offset(key))
-        except (BlockingIOError, PermissionError):
-            return False
-        except OSError:
-            return True
-        return True
-
-    def give_back(self, key: str) -> None:
-        """Let others have a run."""
-        try:
-            fcntl.lockf(self._fd, fcntl.LOCK_UN, 1, _offset(key))
-        except OSError:
-            return
-
-    def close(self) -> None:
-        """Give back all."""
-        os.close(self._fd)
+    place = Folder(folder)
+    table, place_of = all_rows(place)
+    _check_runs(place, table, place_of)
+    return in_order(table)
 
 
-_KEYS = ("world", "settings", "controller", "world_hash", "source_hash", "physim", "engine")
+def read_part(folder: Path, grid: Grid) -> pa.Table:
+    """The rows of the runs of a grid; the folder may have others. Raises PhysimError as `read`."""
+    import pyarrow as pa
+
+    table = read(folder)
+    columns = (table[name].to_pylist() for name in ORDER)
+    mine = [grid.has((w, s, c), seed, run) for w, s, c, seed, run in zip(*columns, strict=True)]
+    return table.filter(pa.array(mine, pa.bool_()))
 
 
-def label_of(cell: dict[str, str]) -> Label:
-    """World, settings and controller of a cell as it stands in the file."""
-    return cell["world"], cell["settings"], cell["controller"]
+def write_results(folder: Path) -> None:
+    """Write all rows to ``results.parquet``, whole or not at all. Raises PhysimError as `read`."""
+    import pyarrow.parquet as parquet
 
-
-def _cells(values: object) -> list[tuple[dict[str, str], tuple[range, ...]]]:
-    """Cells as they stand in the file, with the seeds of each. Raises ValueError."""
-    if not isinstance(values, list):
-        raise ValueError("cells: must be a list")
-    for value in values:
-        if not isinstance(value, dict):
-            raise ValueError("cells: each must be an object")
-        value.setdefault("draws", "")
-        for key in (*_KEYS, "draws"):
-            text = value.get(key)
-            if not isinstance(text, str) or text != text.encode("utf-8", "replace").decode():
-                raise ValueError(f"cells: each must have a text {key}")
-        if not re.fullmatch("[0-9a-f]{1,64}", value["world_hash"]):  # names a file
-            raise ValueError("cells: world_hash: must be hex digits")
-    found = [{key: value[key] for key in (*_KEYS, "draws")} for value in values]
-    if len({label_of(one) for one in found}) < len(found):
-        raise ValueError("cells: one is there twice")
+    table = read(folder)
+    path = folder / RESULTS
+    draft = draft_of(path)
     try:
-        seeds = [ranges_of(value.get("seeds", [])) for value in values]
-    except ValueError as error:
-        raise ValueError(f"cells: {error}") from None
-    return list(zip(found, seeds, strict=True))
+        with open(draft, "wb") as stream:  # it takes no path that is not UTF-8
+            parquet.write_table(table, stream)
+        draft.replace(path)
+    except OSError as error:
+        raise PhysimError(f"{path}: cannot be written: {error.strerror or error}") from None
+    finally:
+        discard(draft)
 
 
-def _described(spec: RunSpec) -> dict[str, str]:
-    values = (spec.world, spec.settings, spec.controller, spec.world_hash, spec.source_hash)
-    return {
-        **dict(zip(_KEYS, (*values, __version__, engine()), strict=True)),
-        "draws": spec.draws,
-    }
+def all_rows(place: Folder) -> tuple[pa.Table, Callable[[int], str]]:
+    """Every row that is on disk as a table, and what gives ``FILE:LINE`` of one by its number.
 
-
-def _check(path: Path, known: list[dict[str, str]], wanted: dict[Label, RunSpec]) -> None:
-    """Raise PhysimError where a folder's campaign is another than the one that is wanted.
-
-    It may have more cells than are wanted or fewer, but those in both must be the same.
+    Raises PhysimError for a row that is none, or contradicts itself.
     """
-    there = {label_of(one): one for one in known}
-    for label in there.keys() & wanted.keys():
-        one, other = there[label], _described(wanted[label])
-        differing = [key for key in _KEYS if one[key] != other[key]]
-        if differing:
-            words = ", ".join(_difference(key, one[key], other[key]) for key in differing)
-            raise PhysimError(
-                f"{path}: holds a campaign of another {label[0]}: {words}; give another folder"
-            )
-    if there and not (there.keys() >= wanted.keys() or there.keys() <= wanted.keys()):
-        other_label = next(label for label in there if label not in wanted)
-        named = ", ".join(part for part in other_label if part)
+    import pyarrow as pa
+
+    tables, starts, files, count = [schema().empty_table()], [0], place.rows.files(), 0
+    for file in files:
+        for some in read_rows(file):
+            tables.append(table_of(some))
+            count += len(some)
+        starts.append(count)
+    table = pa.concat_tables(tables, promote_options="default")
+    table = table.select([*schema().names, *sorted(columns_of(table))])
+
+    def place_of(row: int) -> str:
+        k = bisect_right(starts, row) - 1
+        return f"{files[k]}:{row - starts[k] + 1}"
+
+    if found := contradictions.of_itself(table):
+        row, what = found
+        raise PhysimError(f"{place_of(row)}: contradicts itself: {what}")
+    return table, place_of
+
+
+def _check_runs(place: Folder, table: pa.Table, place_of: Callable[[int], str]) -> None:
+    """Raise PhysimError for a row that is of no run of the campaign, or differs from another of
+    its run, with file and line; and for a world that was changed."""
+    known = {}
+    for one in place.cells():
+        text = file_text(file := place.world_file(one.world_hash))
+        if short_hash(text) != one.world_hash:
+            raise PhysimError(f"{file}: was changed since its runs were made")
+        identity = identity_of(text, one.controller, one.source_hash, one.physim, one.engine)
+        known[one.label] = identity, one.world_hash, one.physim, one.engine
+    columns = (table[name].to_pylist() for name in (*ORDER, "world_hash", "physim", "engine"))
+    for k, (*label, seed, run, world_hash, physim, by) in enumerate(zip(*columns, strict=True)):
+        cell = known.get(tuple(label))
+        if cell is None:
+            why = f"{CAMPAIGN} has no runs of {', '.join(part for part in label if part)}"
+        elif (key_of(cell[0], seed), world_hash, physim, by) != (run, *cell[1:]):
+            why = f"run {run} is not what {CAMPAIGN} makes of its world, controller and seed {seed}"
+        else:
+            continue
+        raise PhysimError(f"{place_of(k)}: {escaped(why)}; is this a row of another campaign?")
+    if other := contradictions.of_another(table):
+        runs, (name, value) = table["run"].to_pylist(), list(other.items())[1]
+        column = table[name].to_pylist()
+        k = max(k for k, run in enumerate(runs) if run == other["run"] and column[k] == value)
         raise PhysimError(
-            f"{path}: holds another campaign (of {named}, which is not wanted here); give another "
-            "folder, or one that it is part of"
+            f"{place_of(k)}: {name} is not that of another row of run {other['run']}; delete the "
+            "one that is wrong"
         )
 
 
-def _difference(key: str, one: str, other: str) -> str:
-    if key == "world_hash":
-        return "the world was changed"
-    if key == "source_hash":
-        return "the source of its controller or of a stage, or a file they name, was changed"
-    return f"{key} {one} there, {other} here"
-
-
-def _offset(key: str) -> int:
-    """Place in the file of claims that stands for a run."""
-    return int(key[:15], 16)
-
-
-__all__ = ["CAMPAIGN", "RECORDS", "WORLDS", "Claims", "Folder"]
+def in_order(table: pa.Table) -> pa.Table:
+    """Of each run the last row that did not fail, or its last row, in the order of cells."""
+    codes = table["run"].combine_chunks().dictionary_encode().indices.to_numpy()
+    if len(codes) and codes.max() + 1 < len(codes):
+        fine = np.array([end not in FAILED for end in table["ended"].to_pylist()])
+        order = np.lexsort((np.arange(len(codes)), fine, codes))
+        last = np.flatnonzero(np.diff(codes[order], append=-1))
+        table = table.take(np.sort(order[last]))
+    return table.sort_by([(name, "ascending") for name in ORDER])

@@ -3,18 +3,18 @@
 from __future__ import annotations
 
 import math
-from bisect import bisect_left
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cache, cached_property
 from itertools import product
-from typing import NamedTuple, overload
+from typing import NamedTuple
 
-from physim.campaigns import own_metrics
-from physim.campaigns.sources import Part, Source, files_named, own_parts, sources_of
+from physim.campaigns.rows import installed
+from physim.campaigns.sources import Part, Source, files_named, modules_of, own_parts
 from physim.campaigns.spec import Label, RunSpec, key_of, spec_of
-from physim.errors import PhysimError, WorldError, plain_key
+from physim.errors import ControllerError, PhysimError, WorldError, plain_key
 from physim.escaping import escaped
+from physim.parts.registry import CONTROLLER, find_part, settings_model
 from physim.world import World
 from physim.world.file import Document, located, read_world, warning_lines
 from physim.world.file.files import stem_of
@@ -46,7 +46,7 @@ WHOLE = Shard(1, 1)
 
 
 @dataclass(frozen=True)
-class Grid(Sequence[RunSpec]):
+class Grid(Collection[RunSpec]):
     """All runs, seed by seed; a cell in which nothing is random is run once.
 
     No run is made before it is asked for: a grid takes the memory of its cells, whatever its seeds.
@@ -63,37 +63,26 @@ class Grid(Sequence[RunSpec]):
     """what is to be noted about the worlds, and metrics that cannot be used, a line each"""
 
     @property
-    def total(self) -> int:
-        """Number of runs of all shards."""
-        drawn = 1 if self.seeds is None else len(self.seeds)
-        return len(self.fixed) + drawn * (len(self.cells) - len(self.fixed))
-
-    @property
     def asked(self) -> dict[Label, range]:
         """Seeds of each cell, of all shards; without those of which some are left out."""
-        once = {cell.label: range(cell.seed, cell.seed + 1) for cell in self.cells}
-        if self.seeds is None:
-            return once
-        drawn = {self.cells[k].label: self.seeds for k in self._drawn if self.seeds.step == 1}
-        return {self.cells[k].label: once[self.cells[k].label] for k in self._alone} | drawn
+        found = {cell.label: self._seeds(k) for k, cell in enumerate(self.cells)}
+        return {label: seeds for label, seeds in found.items() if seeds.step == 1}
 
     def __len__(self) -> int:
         """Number of runs of this shard."""
-        return len(self._mine)
-
-    @overload
-    def __getitem__(self, index: int) -> RunSpec: ...
-    @overload
-    def __getitem__(self, index: slice) -> list[RunSpec]: ...
-    def __getitem__(self, index: int | slice) -> RunSpec | list[RunSpec]:
-        """A run of this shard by its number from 0, or some. Raises IndexError."""
-        if isinstance(index, slice):
-            return [self._run(k) for k in self._mine[index]]
-        return self._run(self._mine[index])
+        return sum(len(self._mine(k)) for k in range(len(self.cells)))
 
     def __iter__(self) -> Iterator[RunSpec]:
         """The runs of this shard."""
-        return map(self._run, self._mine)
+        drawn = [k for k in range(len(self.cells)) if k not in self.fixed]
+        groups = [sorted(self.fixed)]
+        groups += (drawn[k : k + TOGETHER] for k in range(0, len(drawn), TOGETHER))
+        for group in filter(None, groups):
+            mine = {k: self._mine(k) for k in group}
+            for turn in range(len(self._seeds(group[0]))):
+                for k in group:
+                    if turn in mine[k]:
+                        yield replace(self.cells[k], seed=self._seeds(k)[turn])
 
     def __contains__(self, spec: object) -> bool:
         """Whether a run is one of them."""
@@ -102,61 +91,27 @@ class Grid(Sequence[RunSpec]):
     def has(self, label: Label, seed: int, key: str) -> bool:
         """Whether the run of a cell and a seed is one of this shard, and is known by ``key``."""
         k = self._numbers.get(label)
-        if k is None:
+        if k is None or seed not in (seeds := self._seeds(k)):
             return False
-        place = self._place(k, seed)
-        return place in self._mine and key_of(self._identities[k], seed) == key
-
-    @cached_property
-    def _mine(self) -> range:
-        """Numbers of the runs of this shard among all."""
-        return range(self.shard.number - 1, self.total, self.shard.of)
+        return seeds.index(seed) in self._mine(k) and key_of(self._identities[k], seed) == key
 
     @cached_property
     def _numbers(self) -> dict[Label, int]:
-        """Numbers of the cells."""
         return {cell.label: k for k, cell in enumerate(self.cells)}
 
     @cached_property
     def _identities(self) -> list[str]:
-        """Identities of the cells."""
         return [cell.identity for cell in self.cells]
 
-    @cached_property
-    def _alone(self) -> list[int]:
-        """Cells that are run once, which come first."""
-        return sorted(self.fixed)
+    def _seeds(self, k: int) -> range:
+        """Seeds of a cell, of all shards."""
+        own = self.cells[k].seed
+        return range(own, own + 1) if self.seeds is None or k in self.fixed else self.seeds
 
-    @cached_property
-    def _drawn(self) -> list[int]:
-        """Cells that are run with every seed."""
-        return [k for k in range(len(self.cells)) if k not in self.fixed]
-
-    def _run(self, place: int) -> RunSpec:
-        """A run by its number among those of all shards."""
-        if place < len(self._alone):
-            return self.cells[self._alone[place]]
-        place -= len(self._alone)
-        if self.seeds is None:
-            return self.cells[self._drawn[place]]
-        first, within = divmod(place, TOGETHER * len(self.seeds))
-        group = self._drawn[first * TOGETHER : (first + 1) * TOGETHER]
-        turn, k = divmod(within, len(group))
-        return replace(self.cells[group[k]], seed=self.seeds[turn])
-
-    def _place(self, k: int, seed: int) -> int:
-        """Number of a cell's run with a seed among all runs; -1 where there is none."""
-        if k in self.fixed:
-            return bisect_left(self._alone, k) if seed == self.cells[k].seed else -1
-        at = bisect_left(self._drawn, k)
-        if self.seeds is None:
-            return len(self._alone) + at if seed == self.cells[k].seed else -1
-        if seed not in self.seeds:
-            return -1
-        first, within = divmod(at, TOGETHER)
-        group = len(self._drawn[first * TOGETHER : (first + 1) * TOGETHER])
-        before = len(self._alone) + first * TOGETHER * len(self.seeds)
-        return before + self.seeds.index(seed) * group + within
+    def _mine(self, k: int) -> range:
+        """Which of the seeds of a cell are of this shard."""
+        number, of = self.shard
+        return range((number - 1 + k) % of, len(self._seeds(k)), of)
 
 
 def make_grid(
@@ -186,12 +141,15 @@ def make_grid(
     chosen: list[str | None] = [*dict.fromkeys(controllers)] or [None]
     count = len(names) * math.prod(map(len, values)) * len(chosen)
     _check_count(count, 1 if seeds is None else len(seeds), most)
-    changes = list(product(*values))
-    cells: list[RunSpec] = []
+    warnings: dict[str, None] = dict.fromkeys(installed().faults)
+    combinations = list(product(names.items(), product(*values), chosen))
+    if any(key.startswith("controller.") and key != "controller.type" for key in keys):
+        combinations, note = _given_to_those_that_have(combinations)
+        warnings |= note
+    cells: dict[str, RunSpec] = {}
     fixed: set[int] = set()
-    warnings: dict[str, None] = dict.fromkeys(own_metrics.installed().faults)
     sources: dict[tuple[Part, ...], tuple[Source, ...]] = {}
-    for (name, given), overrides, controller in product(names.items(), changes, chosen):
+    for (name, given), overrides, controller in combinations:
         try:
             world, document = read_world(given, overrides=overrides, controller=controller)
         except WorldError as error:
@@ -201,42 +159,72 @@ def make_grid(
         _check(world, document, seeds, overrides)
         own = own_parts(world)
         if own not in sources:
-            sources[own] = sources_of(own)
+            sources[own] = modules_of(own)
         seed = world.seed if seeds is None or not may_vary(world) else seeds[0]
         if not may_vary(world):
             fixed.add(len(cells))
-        elif seeds is not None and (note := seeds_note(world)):
-            warnings[f"{name}: {note}"] = None
-        cells.append(
-            spec_of(
-                world,
-                seed,
-                name=name,
-                settings="; ".join(overrides),
-                sources=sources[own] + files_named(world),
-                limit=limit,
-            )
-        )
-    if paired and len(fixed) < len(cells):
-        fixed.clear()
-    _check_apart(cells)
-    return Grid(tuple(cells), seeds, frozenset(fixed), shard, tuple(warnings))
-
-
-def _check_apart(cells: Sequence[RunSpec]) -> None:
-    """Raise PhysimError where two cells are one: their runs would be known by the same keys."""
-    known: dict[str, RunSpec] = {}
-    for cell in cells:
-        same = known.setdefault(cell.key, cell)
-        if same is not cell:
-            one, other = (
-                escaped(", ".join(filter(None, (each.world, each.settings, each.controller))))
-                for each in (same, cell)
-            )
+        elif seeds is not None and (note_ := seeds_note(world)):
+            warnings[f"{name}: {note_}"] = None
+        cell = spec_of(
+            world, seed, name=name, settings="; ".join(overrides),
+            sources=sources[own] + files_named(world), limit=limit,
+        )  # fmt: skip
+        if (same := cells.setdefault(cell.key, cell)) is not cell:
+            one, other = (escaped(", ".join(filter(None, each.label))) for each in (same, cell))
             raise PhysimError(
                 f"{one} and {other} are the same world and controller, so that their runs would be "
                 "the same; leave one of them out"
             )
+    if paired and len(fixed) < len(cells):
+        fixed.clear()
+    return Grid(tuple(cells.values()), seeds, frozenset(fixed), shard, tuple(warnings))
+
+
+Combination = tuple[tuple[str, str], tuple[str, ...], str | None]
+"""Name and file of a world, settings, controller"""
+
+
+def _given_to_those_that_have(
+    combinations: Sequence[Combination],
+) -> tuple[list[Combination], dict[str, None]]:
+    """Combinations without the settings that their controllers have not, and a note of these.
+
+    A setting that no controller has stays with all: reading the worlds refuses it.
+    """
+
+    @cache
+    def settings(given: str, name: str | None) -> tuple[str, frozenset[str] | None]:
+        name = name or read_world(given)[0].controller.type
+        try:
+            model = settings_model(find_part(CONTROLLER, name, trusted=True))
+        except ControllerError:
+            return name, None  # which reading the world refuses
+        return name, frozenset(() if model is None else model.model_fields)
+
+    def lacks(combination: Combination, one: str) -> str:
+        """The controller that has not what a setting sets; empty where it has, or it is no such."""
+        (_, given), overrides, controller = combination
+        first, *key = plain_key(one).split(".")
+        if first != "controller" or key[:1] in ([], ["type"]):
+            return ""
+        types = (one.partition("=")[2] for one in overrides if plain_key(one) == "controller.type")
+        name, known = settings(given, controller or next(types, None))
+        return "" if known is None or key[0] in known else name
+
+    pairs = [(each, one) for each in combinations for one in each[1]]
+    having = {plain_key(one) for each, one in pairs if not lacks(each, one)}
+    lacking: dict[str, set[str]] = {}
+    for each, one in pairs:
+        if plain_key(one) in having and (name := lacks(each, one)):
+            lacking.setdefault(plain_key(one), set()).add(name)
+    found: dict[Combination, None] = {}
+    for each in combinations:
+        left = (one for one in each[1] if plain_key(one) not in having or not lacks(each, one))
+        found[each[0], tuple(left), each[2]] = None
+    return list(found), {
+        f"--set {path}: not given to {', '.join(sorted(those))}, which has no such setting": None
+        for path, those in lacking.items()
+    }
 
 
 def _check_count(cells: int, seeds: int, most: int | None) -> None:
@@ -330,6 +318,3 @@ def _check(world: World, document: Document, seeds: range | None, overrides: Seq
                 of = f" (with {escaped(', '.join(one_of))})" if one_of else ""
                 faults = [replace(one, message=one.message + of) for one in error.faults]
                 raise located(faults, document) from None
-
-
-__all__ = ["MOST_RUNS", "Grid", "Shard", "make_grid", "settings_of"]

@@ -5,8 +5,8 @@ from __future__ import annotations
 from types import MappingProxyType
 from typing import NamedTuple
 
-from physim.campaigns import own_metrics
-from physim.statistics.goal import RATES
+from physim.campaigns.rows import title_of
+from physim.statistics import RATES
 
 
 class Measure(NamedTuple):
@@ -67,4 +67,4 @@ def measure_of(column: str) -> Measure:
     """What a rate, a column of numbers or a metric of one's own is."""
     if column in RATE_TITLES:
         return Measure(RATE_TITLES[column], "%", 1)
-    return MEASURES[column] if column in MEASURES else Measure(*own_metrics.title_of(column), 0)
+    return MEASURES[column] if column in MEASURES else Measure(*title_of(column), 0)

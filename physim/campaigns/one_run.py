@@ -13,11 +13,10 @@ from typing import Any, NamedTuple
 from physim._version import __version__
 from physim.analysis.metrics import DEFINITIONS, Figures, Metric, Moment
 from physim.analysis.metrics.distances import HORIZON, shortest_pair_collision_time
-from physim.campaigns import own_metrics
-from physim.campaigns.columns import COLUMNS, ERROR, Row
-from physim.campaigns.sources import changed_file, provide
+from physim.campaigns.pool import Stop, never
+from physim.campaigns.rows import COLUMNS, ERROR, Row, installed
+from physim.campaigns.sources import changed_source
 from physim.campaigns.spec import RunSpec, engine
-from physim.campaigns.worker import Stop
 from physim.errors import PhysimError, WorldError
 from physim.parts.controller import Controller
 from physim.parts.registry import CONTROLLER, make_part
@@ -55,20 +54,15 @@ def run_one(spec: RunSpec) -> Row:
     """
     if not isinstance(spec, RunSpec):
         raise PhysimError(f"run_one takes a run, as spec_of(world, seed) gives it, not {spec!r}")
-    taken = take(spec)
+    taken = take(spec, "none", None)
     assert taken is not None
     return taken.row
 
 
-def never() -> bool:
-    """A `Stop` that does not stop."""
-    return False
-
-
 def take(
-    spec: RunSpec, keep: str = "none", folder: Path | None = None, stop: Stop = never
+    spec: RunSpec, keep: str, folder: Path | None, judged: bool = False, stop: Stop = never
 ) -> Taken | None:
-    """Do a run; None when it was stopped.
+    """Do a run; None when it was stopped. With ``judged`` it is validated, too.
 
     A record that is to be kept is written to ``folder``, as KEY.h5, or comes back as bytes where
     that is None.
@@ -80,17 +74,21 @@ def take(
         with record_run(simulation_of(spec), stop=stop) as record:
             if record.ended == "interrupted":
                 return None
-            world = _world(spec.text, spec.controller, spec.source_hash)
-            if file := changed_file(spec.sources, world):  # some rows would be of another
+            if name := changed_source(spec.sources, _world(spec.text, spec.controller)):
                 raise PhysimError(
-                    f"{file}, which its settings name, was changed meanwhile; a file that runs "
-                    "write to must not be there when they begin"
+                    f"{name}, which the run is made of, was changed since the runs were begun; a "
+                    "file that runs write to must not be there when they begin"
                 )
             found = figures(record)
+            if judged:
+                from physim.analysis.validation import judge
+
+                validation = judge(record, None)
+                found |= {"verdict": validation.verdict, "unexplained": validation.unexplained}
             row = _row(spec, **found)
             if keep == "all" or (keep == "failed" and not row.contact_free):
                 image = _keep(record, spec, folder)
-                found |= {"record": record_name(spec), "digest": record.digest()}
+                found |= {"record": f"records/{spec.key}.h5", "digest": record.digest()}
     except KeyboardInterrupt:
         raise
     except BaseException as error:
@@ -111,11 +109,6 @@ def ready() -> None:
         figures(record)
 
 
-def record_name(spec: RunSpec) -> str:
-    """Path of a kept record in the folder of its campaign."""
-    return f"records/{spec.key}.h5"
-
-
 def row_without_run(spec: RunSpec, ended: str, reason: str) -> Row:
     """Row of a run of which nothing came back."""
     return _row(spec, ended=ended, reason=reason)
@@ -123,12 +116,10 @@ def row_without_run(spec: RunSpec, ended: str, reason: str) -> Row:
 
 def simulation_of(spec: RunSpec) -> Simulation:
     """Simulation of a run, ready to begin. Raises PhysimError where it cannot be made."""
-    provide(spec.sources)
-    which = (spec.text, spec.controller, spec.source_hash)
     try:
-        scene = reseeded(_scene(*which), spec.seed)
+        scene = reseeded(_scene(spec.text, spec.controller), spec.seed)
     except WorldError:  # perhaps of the seed 0 alone
-        scene = build_scene(_world(*which), spec.seed)
+        scene = build_scene(_world(spec.text, spec.controller), spec.seed)
     choice = scene.world.controller
     made: Controller = make_part(CONTROLLER, choice.type, choice.settings, trusted=True)
     return Simulation(scene, controller=made)
@@ -147,38 +138,32 @@ def _keep(record: Record, spec: RunSpec, folder: Path | None) -> bytes | None:
 
 def figures(record: Record) -> dict[str, Any]:
     """Columns of a row that come from the record. PhysimError where one's own metric fails."""
-    run, own = Figures(record), own_metrics.installed().definitions
-    metrics = {name: run.metric(name) for name in METRICS}
-    metrics |= {name: Metric.of(what, run) for name, what in own.items()}
-    found = {name: one for name, one in metrics.items() if one is not None}
-    names = [body.name for body in record.bodies]
+    run, names = Figures(record), [body.name for body in record.bodies]
+    own = {name: Metric.of(what, run) for name, what in sorted(installed().definitions.items())}
 
     def pair(of: Metric | Moment | None) -> str:
         return "" if of is None else ", ".join(names[i] for i in of.bodies)
 
     meeting = shortest_pair_collision_time(record)
+    soonest = HORIZON if meeting is None else meeting.value
     severest, collision, least = run.metric("closing_speed"), run.collision_time, run.least
     return {
-        **{name: _plain(found[name].value) for name in METRICS if name in found},
+        **{name: _finite(run.value(name)) for name in METRICS},
         "ended": record.ended,
         "seconds": record.steps_run * record.dt,
         "robots": record.robots,
         "first_contact_pair": pair(run.metric("first_contact")),
         "severest_contact_pair": pair(severest),
         "severest_contact_time": None if severest is None else severest.time,
-        "least_distance": None if least is None else _plain(least.value),
+        "least_distance": None if least is None else _finite(least.value),
         "least_distance_pair": pair(least),
         "least_distance_time": None if least is None else least.time,
         "shortest_collision_time_pair": pair(collision),
         "shortest_collision_time_time": None if collision is None else collision.time,
-        "shortest_pair_collision_time": None
-        if record.robots < 2
-        else HORIZON
-        if meeting is None
-        else meeting.value,
+        "shortest_pair_collision_time": soonest if record.robots > 1 else None,
         "not_arrived": ", ".join(names[one.robot] for one in run.absent),
         "stood": ", ".join(names[one.robot] for one in run.absent if one.stands),
-        "metrics": own_metrics.text_of(found),
+        "metrics": {name: float(one.value) for name, one in own.items() if one is not None},
     }
 
 
@@ -188,12 +173,11 @@ def one_line(error: BaseException) -> str:
         told = " ".join(str(error).split())[:500]
     else:
         told = broken_by(error)
-    return ADDRESS.sub("0x...", told)
+    return ADDRESS.sub("0x...", told).encode(errors="replace").decode()
 
 
-def _plain(value: float) -> float | None:
-    """A number as a row has it: none that is not finite."""
-    return value if math.isfinite(value) else None
+def _finite(value: Any) -> Any:
+    return value if value is not None and math.isfinite(value) else None
 
 
 def _row(spec: RunSpec, **found: Any) -> Row:
@@ -205,16 +189,12 @@ def _row(spec: RunSpec, **found: Any) -> Row:
 
 
 @functools.lru_cache(maxsize=SCENES)
-def _world(text: str, controller: str, _: str) -> World:
-    """World of a text; the last is the hash of the controller's source."""
+def _world(text: str, controller: str) -> World:
     own = controller if ":" in controller else None
     return parse_world(text, "world of the run", controller=own)
 
 
 @functools.lru_cache(maxsize=SCENES)
-def _scene(text: str, controller: str, source_hash: str) -> Scene:
+def _scene(text: str, controller: str) -> Scene:
     """Scene of a world with the seed 0, of which those of other seeds are made."""
-    return build_scene(_world(text, controller, source_hash))
-
-
-__all__ = ["KEEP", "METRICS", "Taken", "one_line", "run_one", "simulation_of", "take"]
+    return build_scene(_world(text, controller))

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from physim.campaigns.own_metrics import PREFIX, columns_of
+from physim.campaigns.folder import Asked
+from physim.campaigns.rows import DONE, FINISHED, PREFIX, columns_of
+from physim.campaigns.spec import Label
 
 if TYPE_CHECKING:
     import pyarrow as pa
@@ -19,8 +20,6 @@ FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
 
 CELL = ("world", "settings", "controller")
-DONE = ("finished", "duration")
-"""Ends of runs that ran as long as they were to; all others failed."""
 
 
 @dataclass(frozen=True)
@@ -58,12 +57,15 @@ class Outcomes:
     """All rows of a campaign, sorted by cell and seed, each column as an array (K,)."""
 
     def __init__(self, table: pa.Table) -> None:
-        keys = [_codes(table[name]) for name in CELL]
-        seed = table["seed"].to_numpy()
-        order = np.lexsort((seed, *(codes for codes, _ in reversed(keys))))
-        self.table: pa.Table = table.take(order)
-        self.seed: NDArray[np.int64] = seed[order]
-        self.cells = _cells([(codes[order], words) for codes, words in keys])
+        self.table = table.sort_by([(name, "ascending") for name in (*CELL, "seed")])
+        self.seed: NDArray[np.int64] = self.table["seed"].to_numpy()
+        groups = self.table.group_by(list(CELL), use_threads=False).aggregate([("seed", "count")])
+        found, start = [], 0
+        for one in groups.to_pylist():
+            stop = start + one["seed_count"]
+            found.append(Cell(one["world"], one["settings"], one["controller"], start, stop))
+            start = stop
+        self.cells = tuple(found)
 
     def __len__(self) -> int:
         """Number of runs."""
@@ -86,18 +88,14 @@ class Outcomes:
         return found
 
     @cached_property
-    def ended(self) -> tuple[NDArray[np.int64], list[str]]:
-        """How each run ended: a code, and the words by code."""
-        return _codes(self.table["ended"])
-
-    def _ended_in(self, words: Sequence[str]) -> BoolArray:
-        codes, known = self.ended
-        return np.isin(codes, [k for k, word in enumerate(known) if word in words])
+    def ended(self) -> NDArray[np.object_]:
+        """How each run ended."""
+        return np.array(self.table["ended"].to_pylist(), object)
 
     @cached_property
     def failed(self) -> BoolArray:
         """Runs that did not come to an end of their own: error, timeout, killed, interrupted."""
-        return ~self._ended_in(DONE)
+        return ~self._ended_in(*DONE)
 
     @cached_property
     def touched(self) -> BoolArray:
@@ -113,12 +111,12 @@ class Outcomes:
     @cached_property
     def finished(self) -> BoolArray:
         """Runs in which all robots arrived."""
-        return self._ended_in(("finished",))
+        return self._ended_in(FINISHED)
 
     @cached_property
     def unfinished(self) -> BoolArray:
         """Runs whose time was up before all robots had arrived."""
-        return self._ended_in(("duration",))
+        return self._ended_in("duration")
 
     @cached_property
     def rate(self) -> BoolArray:
@@ -130,28 +128,27 @@ class Outcomes:
         found: BoolArray = getattr(self, rate)
         return found
 
-
-def _codes(column: Any) -> tuple[NDArray[np.int64], list[str]]:
-    """Strings as numbers (K,) in the order of the words, and the words, sorted."""
-    encoded = column.combine_chunks().dictionary_encode()
-    words = [word or "" for word in encoded.dictionary.to_pylist()]
-    rank = np.empty(len(words) + 1, np.int64)
-    rank[np.argsort(np.array(words, object), kind="stable")] = np.arange(len(words))
-    rank[-1] = -1
-    codes = encoded.indices.fill_null(len(words)).to_numpy(zero_copy_only=False)
-    return rank[codes], sorted(words)
+    def _ended_in(self, *words: str) -> BoolArray:
+        return np.asarray(np.any([self.ended == word for word in words], axis=0))
 
 
-def _cells(keys: list[tuple[NDArray[np.int64], list[str]]]) -> tuple[Cell, ...]:
-    """Cells of rows that are sorted by their keys."""
-    codes = np.stack([codes for codes, _ in keys])
-    count = codes.shape[1]
-    if not count:
-        return ()
-    starts = [0, *(1 + np.flatnonzero(np.any(np.diff(codes, axis=1), axis=0))).tolist()]
+class Missing(NamedTuple):
+    """Runs of a cell that were asked for and have no row."""
+
+    cell: Label
+    runs: int
+    of: int
+    """how many were asked for"""
+
+
+def missing(asked: Asked, outcomes: Outcomes) -> tuple[Missing, ...]:
+    """Cells that lack rows, in the order in which they were asked for."""
+    there = {cell.names: outcomes.seed[cell.rows] for cell in outcomes.cells}
     found = []
-    for start, stop in zip(starts, [*starts[1:], count], strict=True):
-        at = codes[:, start]
-        names = [known[k] if k >= 0 else "" for (_, known), k in zip(keys, at, strict=True)]
-        found.append(Cell(names[0], names[1], names[2], start, stop))
+    for label, ranges in asked.items():
+        seeds: Any = there.get(label, np.zeros(0, np.int64))
+        of = sum(one.stop - one.start for one in ranges)
+        have = sum(np.count_nonzero((seeds >= r.start) & (seeds < r.stop)) for r in ranges)
+        if have < of:
+            found.append(Missing(label, of - int(have), of))
     return tuple(found)

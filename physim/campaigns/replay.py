@@ -4,19 +4,14 @@ from __future__ import annotations
 
 import re
 from pathlib import Path
-from typing import NamedTuple
 
 from physim._version import __version__
-from physim.campaigns.columns import ERROR, Row, rows_of
-from physim.campaigns.folder import Folder, label_of
+from physim.campaigns.folder import Folder, read
 from physim.campaigns.one_run import figures, one_line, ready, simulation_of
-from physim.campaigns.own_metrics import TEXT
-from physim.campaigns.processes import Processes
-from physim.campaigns.reading import read
-from physim.campaigns.runner import outcomes
-from physim.campaigns.sources import files_named, own_parts, source_hash, sources_of
+from physim.campaigns.pool import Job, Processes, Stop, outcomes
+from physim.campaigns.rows import ERROR, Row, rows_of
+from physim.campaigns.sources import own_parts, source_hash, sources_of
 from physim.campaigns.spec import RunSpec, engine, usual_limit
-from physim.campaigns.worker import Job, Stop
 from physim.errors import PhysimError, RecordError
 from physim.record import Record
 from physim.simulation.run import record_run
@@ -56,35 +51,31 @@ def spec_of_row(folder: Folder, row: Row, controller: str | None = None) -> RunS
     ``controller`` allows a class of one's own, which is code, to be imported. Raises PhysimError
     where versions or the source of its controller or of a stage are others now, with all that is.
     """
-    cells = {label_of(one): one for one in folder.cells()}
-    cell = cells[row.world, row.settings, row.controller]
-    if ":" in row.controller and controller != row.controller:
+    label = row.world, row.settings, row.controller
+    cell = next(one for one in folder.cells() if one.label == label)
+    own = row.controller if ":" in row.controller else None
+    if own is not None and controller != own:
         raise PhysimError(
-            f"run {row.run}: its controller {row.controller} is code of your own; give it again by "
-            f"--controller {row.controller}"
+            f"run {row.run}: its controller {own} is code of your own; give it again by "
+            f"--controller {own}"
         )
     file = folder.world_file(row.world_hash)
     text = file_text(file)
-    own = row.controller if ":" in row.controller else None
     world = parse_world(text, str(file), controller=own)
-    parts = own_parts(world)
-    sources = sources_of(parts) + files_named(world)
-    named = " and ".join(name for _, name in parts) or row.controller
+    sources = sources_of(world)
+    named = " and ".join(name for _, name in own_parts(world)) or row.controller
     differing = [
         f"{what} {there or 'unknown'} there, {here or 'unknown'} here"
         for what, there, here in (
             ("physim", row.physim, __version__),
             ("engine", row.engine, engine()),
-            (f"source of {named}", cell["source_hash"], source_hash(sources)),
+            (f"source of {named}", cell.source_hash, source_hash(sources)),
         )
         if there != here
     ]
-    spec = RunSpec(
-        text, row.seed, row.world, row.settings, row.controller, sources, usual_limit(world)
-    )
     if differing:
         raise PhysimError(f"run {row.run} would not be the same again: {'; '.join(differing)}")
-    return spec
+    return RunSpec(text, row.seed, *label, sources, usual_limit(world))
 
 
 def replay(spec: RunSpec, path: Path, stop: Stop) -> str:
@@ -99,13 +90,24 @@ def replay(spec: RunSpec, path: Path, stop: Stop) -> str:
         for outcome in outcomes(iter([(spec, job)]), executor, stop):
             if outcome.error is not None:
                 return one_line(outcome.error)
-            broke: Broke = outcome.result or NOT_BROKEN
-            if broke.unwritten:
-                raise PhysimError(broke.why)
-            return broke.why
+            why, unwritten = outcome.result or ("", False)
+            if unwritten:
+                raise PhysimError(why)
+            return str(why)
     finally:
         executor.shutdown(cancel_futures=True)
     return ""
+
+
+def _record(spec: RunSpec, path: Path, stop: Stop) -> tuple[str, bool]:
+    """In the other process: what ended the run early, and whether it only could not be written."""
+    try:
+        record_run(simulation_of(spec), path=path, overwrite=True, stop=stop).close()
+    except KeyboardInterrupt:
+        raise
+    except BaseException as error:
+        return one_line(error), isinstance(error, RecordError)
+    return "", False
 
 
 def check(record: Record, row: Row) -> list[str]:
@@ -114,36 +116,9 @@ def check(record: Record, row: Row) -> list[str]:
         return [] if row.ended != ERROR or record.ended == ERROR else [f"ended {record.ended} here"]
     if row.digest and record.digest() != row.digest:
         return [f"digest {row.digest[:12]} there, {record.digest()[:12]} here"]
-    found = figures(record)
     return [
         f"{key} {getattr(row, key)} there, {value} here"
-        for key, value in found.items()
+        for key, value in figures(record).items()
         # what others measure says nothing of a run, nor does a column that its row lacks
-        if key != TEXT and getattr(row, key) not in (None, "", value)
+        if key != "metrics" and getattr(row, key) not in (None, "", value)
     ]
-
-
-class Broke(NamedTuple):
-    """What ended a run early."""
-
-    why: str
-    """"" where nothing did"""
-    unwritten: bool = False
-    """whether it is only that the record cannot be written"""
-
-
-NOT_BROKEN = Broke("")
-
-
-def _record(spec: RunSpec, path: Path, stop: Stop) -> Broke:
-    """In the other process: the run, and the error that ended it."""
-    try:
-        record_run(simulation_of(spec), path=path, overwrite=True, stop=stop).close()
-    except KeyboardInterrupt:
-        raise
-    except BaseException as error:
-        return Broke(one_line(error), isinstance(error, RecordError))
-    return NOT_BROKEN
-
-
-__all__ = ["check", "find_row", "replay", "spec_of_row"]

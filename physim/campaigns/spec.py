@@ -11,7 +11,7 @@ from math import inf
 import numpy as np
 
 from physim._version import __version__
-from physim.campaigns.sources import Source, files_named, own_parts, source_hash, sources_of
+from physim.campaigns.sources import Source, source_hash, sources_of
 from physim.errors import PhysimError
 from physim.world import World
 from physim.world.kinds import MOST_SEED
@@ -52,21 +52,21 @@ class RunSpec:
 
     def __post_init__(self) -> None:
         """Refuse what no row could hold; a whole number of numpy is one of Python's then."""
-        seed = self.seed
-        if (
-            isinstance(seed, bool)
-            or not isinstance(seed, int | np.integer)
-            or not 0 <= seed <= MOST_SEED
-        ):
+        seed, limit = self.seed, self.limit
+        whole = isinstance(seed, int | np.integer) and not isinstance(seed, bool)
+        if not whole or not 0 <= seed <= MOST_SEED:
             raise PhysimError(f"seed {seed!r}: must be a whole number from 0 to {MOST_SEED:.0e}")
         object.__setattr__(self, "seed", int(seed))
         for key in ("text", "world", "settings", "controller"):
-            _check_text(key, getattr(self, key))
-        limit = self.limit
-        is_number = isinstance(limit, float | int | np.integer | np.floating) and not isinstance(
-            limit, bool | np.timedelta64
-        )
-        if limit is not None and not (is_number and limit > 0.0 and not MOST_LIMIT < limit < inf):
+            text = getattr(self, key)
+            if not isinstance(text, str) or text.encode(errors="replace").decode() != text:
+                raise PhysimError(f"{key} {text!r}: must be text that can be written")
+        number = isinstance(limit, float | int | np.integer | np.floating)
+        if limit is not None and (
+            not number
+            or isinstance(limit, bool | np.timedelta64)
+            or not (0.0 < limit <= MOST_LIMIT or limit == inf)
+        ):
             raise PhysimError(
                 f"limit {limit!r}: must be a number of seconds above 0, at most {MOST_LIMIT:.0e}, "
                 "or inf for none"
@@ -114,12 +114,6 @@ class RunSpec:
         return f"{self.world}{changed}, {self.controller}, seed {self.seed}"
 
 
-def _check_text(key: str, text: object) -> None:
-    """Raise PhysimError for what is no text, or cannot be written as UTF-8."""
-    if not isinstance(text, str) or text.encode(errors="replace").decode() != text:
-        raise PhysimError(f"{key} {text!r}: must be text that can be written")
-
-
 def key_of(identity: str, seed: int) -> str:
     """Key of the run of an identity with a seed."""
     return hashlib.sha256(f"{identity}\0{seed}".encode()).hexdigest()[:KEY_DIGITS]
@@ -141,7 +135,7 @@ def spec_of(
     """
     controller = world.controller.type
     if sources is None:
-        sources = sources_of(own_parts(world)) + files_named(world)
+        sources = sources_of(world)
     return RunSpec(
         world.changed(seed=0).to_yaml(), seed, world.stem if name is None else name, settings,
         controller, sources, usual_limit(world) if limit is None else limit, seeds_draw(world),
@@ -169,15 +163,3 @@ def short_hash(text: str) -> str:
 def identity_of(*parts: str) -> str:
     """Hash of an effective world, a controller's name and source, and both versions."""
     return hashlib.sha256("\0".join(parts).encode()).hexdigest()
-
-
-__all__ = [
-    "Label",
-    "RunSpec",
-    "engine",
-    "identity_of",
-    "key_of",
-    "short_hash",
-    "spec_of",
-    "usual_limit",
-]

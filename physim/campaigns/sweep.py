@@ -2,33 +2,43 @@
 
 from __future__ import annotations
 
+import json
 import os
 import time
-from collections import deque
 from collections.abc import Callable, Collection, Iterable, Iterator
 from concurrent.futures import Executor
-from dataclasses import dataclass, field
-from itertools import chain
+from contextlib import AbstractContextManager
+from dataclasses import dataclass, field, replace
+from functools import partial
 from pathlib import Path
 
-from physim.campaigns.columns import ERROR, KILLED, TIMEOUT, Brief, Row, briefs
-from physim.campaigns.folder import Claims, Folder
+from physim.campaigns.folder import UNTIL, Folder, read, read_tree, write_results
 from physim.campaigns.grid import Grid
-from physim.campaigns.one_run import KEEP, Taken, never, one_line, ready, row_without_run, take
-from physim.campaigns.processes import Processes, check_guarded
-from physim.campaigns.reading import check_rows, write_results
-from physim.campaigns.rows import write_whole
-from physim.campaigns.runner import POLL_SECONDS, Outcome, outcomes
+from physim.campaigns.one_run import KEEP, Taken, one_line, ready, row_without_run, take
+from physim.campaigns.outcomes import Outcomes
+from physim.campaigns.pool import (
+    Job,
+    LostError,
+    Outcome,
+    OverdueError,
+    Processes,
+    StartError,
+    Stop,
+    check_guarded,
+    never,
+    outcomes,
+)
+from physim.campaigns.rows import ERROR, KILLED, TIMEOUT, Came, Row, write_whole
 from physim.campaigns.spec import Label, RunSpec
-from physim.campaigns.worker import Job, LostError, OverdueError, StartError, Stop
 from physim.errors import PhysimError
 from physim.escaping import escaped
+from physim.statistics import Goal, Watch, read_goal
 
 FLUSH_SECONDS = 0.2
 """[s] after which a row is on disk at the latest"""
 
-Decided = Callable[[list[Brief | Row]], bool]
-"""Whether enough is known: of the rows of the first specs, in their order"""
+Decided = Callable[[Came], bool]
+"""Whether enough is known, told what came of one run after the other, in the order of specs"""
 
 
 @dataclass
@@ -40,24 +50,15 @@ class Tally:
     """runs whose rows were there already"""
     done: int = 0
     """runs that were done now"""
-    elsewhere: int = 0
-    """runs that another sweep did meanwhile"""
     with_contacts: int = 0
     failed: int = 0
     interrupted: bool = False
-    decided: int | None = None
-    """how many of the first runs decided what was asked"""
     began: float = field(default_factory=time.monotonic)
-
-    def add(self, row: Brief | Row) -> None:
-        """Count a row."""
-        self.failed += row.failed
-        self.with_contacts += not row.failed and not row.contact_free
 
     @property
     def known(self) -> int:
         """Runs that have a row."""
-        return self.before + self.done + self.elsewhere
+        return self.before + self.done
 
     @property
     def note(self) -> str:
@@ -66,17 +67,21 @@ class Tally:
         return f"{rate:.1f} runs/s, {self.with_contacts} with contact, {self.failed} failed"
 
 
+def silent(_: Tally) -> None:
+    """Show no progress."""
+
+
 def runs(
-    specs: Iterable[RunSpec], executor: Executor, stop: Stop = never
+    specs: Iterable[RunSpec], executor: Executor, stop: Stop = never, *, judged: bool = False
 ) -> Iterator[tuple[RunSpec, Row]]:
     """Rows of runs, in the order in which they end; nothing is written.
 
-    ``specs`` may be a generator that makes the next run of what was found before.
+    ``specs`` may be a generator that makes the next run of what was found before. With ``judged``
+    each run is validated, too.
     """
-    jobs = ((spec, job_of(spec, "none", None)) for spec in specs)
+    jobs = ((spec, job_of(spec, "none", None, judged)) for spec in specs)
     for outcome in outcomes(jobs, executor, stop):
-        taken = _taken(outcome)
-        if taken is not None:
+        if (taken := _taken(outcome)) is not None:
             yield outcome.key, taken.row
 
 
@@ -88,7 +93,7 @@ def sweep(
     keep: str = "none",
     retry: bool = False,
     stop: Stop = never,
-    progress: Callable[[Tally], None] = lambda tally: None,
+    progress: Callable[[Tally], None] = silent,
     decided: Decided | None = None,
 ) -> Tally:
     """Do all runs that have no row in a folder yet, and write their rows there.
@@ -96,13 +101,12 @@ def sweep(
     ``specs`` is gone through several times, so an iterator is listed first; a `Grid` makes its runs
     as they are needed, so that memory does not depend on how many are asked for. ``keep`` is one of
     `physim.campaigns.one_run.KEEP`; with ``retry`` runs that failed are done again. ``decided`` is
-    asked after every row in the order of ``specs``, whoever was done first; when it says True no
-    more runs are begun. A
-    program must call it under ``if __name__ == "__main__":``, since its worker processes import it.
-    Raises StartError where it does not, ValueError for another ``keep``, TypeError for what is no
-    `RunSpec` or no executor, PhysimError for two worlds that are called alike, for the
-    folder of another campaign, for rows in it that are of none of its runs, and where it cannot be
-    written.
+    asked after every run in the order of ``specs``, whoever was done first; when it says True no
+    more runs are begun. A program must call it under ``if __name__ == "__main__":``, since its
+    worker processes import it. Raises StartError where it does not, ValueError for another
+    ``keep``, TypeError for what is no `RunSpec` or no executor, PhysimError for two worlds that are
+    called alike, for the folder of another campaign or one in which another sweep is at work, for
+    rows in it that are of none of its runs, and where it cannot be written.
     """
     check_guarded()
     if keep not in KEEP:
@@ -110,38 +114,80 @@ def sweep(
     if not isinstance(executor, Executor):
         raise TypeError(f"executor = {executor!r}; it must be one, such as Processes(2)")
     specs = specs if isinstance(specs, Grid) else _each_once(specs)
-    place = Folder(folder)
+    place, tally = Folder(folder), Tally(len(specs))
     asked = specs.asked if isinstance(specs, Grid) and decided is None else None
-    place.open(_cells(specs), asked)
-    check_rows(place)
-    work = _Sweep(place, specs, executor, keep, retry, decided)
+    place.open(_cells(specs), asked, specs.shard if isinstance(specs, Grid) else (1, 1))
     try:
-        work.go(stop, progress)
+        _work(place, specs, executor, keep, retry, stop, progress, decided, tally)
+        write_results(place.path)
     finally:
-        work.close()
-    write_results(place.path)  # it checks the rows, of which each run keeps one
-    place.shards.put_together()
-    return work.tally
+        place.close()
+    return tally
 
 
-def job_of(spec: RunSpec, keep: str, records: Path | None) -> Job:
+def sweep_until(
+    grid: Grid,
+    folder: Path,
+    executors: Callable[[], AbstractContextManager[Executor]],
+    goal: Goal,
+    *,
+    keep: str = "none",
+    retry: bool = False,
+    stop: Stop = never,
+    progress: Callable[[Tally], None] = silent,
+) -> tuple[Tally, dict[Label, Watch]]:
+    """Do the runs of a grid with seeds, cell after cell, each until the goal is decided in it.
+
+    A cell in which nothing is random is run once and decides nothing. ``executors`` makes one for
+    each cell, since it has to give up what is under way when a cell is decided. Returns all counts,
+    and what is known of each cell whose runs count. Raises PhysimError as `sweep` does.
+    """
+    assert grid.seeds is not None
+    place, tally = Folder(folder), Tally(len(grid))
+    watches: dict[Label, Watch] = {}
+    place.open(grid.cells, None, grid.shard)
+    try:
+        if len(grid.fixed) < len(grid.cells):
+            write_until(folder, Until(goal, grid.seeds[0]))
+        for k, cell in enumerate(grid.cells):
+            part = replace(grid, cells=(cell,), fixed=frozenset((0,) if k in grid.fixed else ()))
+            watch = None if k in grid.fixed else Watch(goal)
+            if watch is not None:
+                watches[cell.label] = watch
+            decided = None if watch is None else partial(_decides, watch)
+            with executors() as executor:
+                _work(place, part, executor, keep, retry, stop, progress, decided, tally)
+            if tally.interrupted:
+                break
+        write_results(place.path)
+    finally:
+        place.close()
+    return tally, watches
+
+
+def _decides(watch: Watch, came: Came) -> bool:
+    safe = came.contact_free and came.finished
+    return watch.add(safe if watch.goal.rate == "rate" else getattr(came, watch.goal.rate))
+
+
+def job_of(spec: RunSpec, keep: str, records: Path | None, judged: bool = False) -> Job:
     """A run as a job for a worker."""
-    return Job(spec.note, take, (spec, keep, records), spec.timer, ready, spec.code)
+    return Job(spec.note, take, (spec, keep, records, judged), spec.timer, ready, spec.code)
 
 
 def _each_once(specs: Iterable[RunSpec]) -> Collection[RunSpec]:
     """The runs in their order, none of them twice."""
     if isinstance(specs, RunSpec | str) or not isinstance(specs, Iterable):
         raise TypeError(f"specs = {specs!r}; it must be a list of what spec_of gives")
-    runs: dict[tuple[str, Label], RunSpec] = {}
+    found: dict[tuple[str, Label], RunSpec] = {}
     for spec in specs:
         if not isinstance(spec, RunSpec):
             raise TypeError(f"specs: {spec!r}; each must be what spec_of(world, seed) gives")
-        runs.setdefault((spec.key, spec.label), spec)
-    return runs.values()
+        found.setdefault((spec.key, spec.label), spec)
+    return found.values()
 
 
-def _cells(specs: Iterable[RunSpec]) -> Iterable[RunSpec]:
+def _cells(specs: Iterable[RunSpec]) -> Collection[RunSpec]:
     """One spec of each world, settings and controller.
 
     Raises PhysimError where two are called alike, or one by two names.
@@ -166,14 +212,6 @@ def _cells(specs: Iterable[RunSpec]) -> Iterable[RunSpec]:
     return cells.values()
 
 
-def _membership(specs: Collection[RunSpec]) -> Callable[[Brief], bool]:
-    """Whether a row is of one of the runs; a grid knows that without making them all."""
-    if isinstance(specs, Grid):
-        return lambda row: specs.has((row.world, row.settings, row.controller), row.seed, row.run)
-    keys = {spec.key for spec in specs}
-    return lambda row: row.run in keys
-
-
 def _taken(outcome: Outcome) -> Taken | None:
     """What came of a run, whatever became of its process; None when it was stopped."""
     spec, error = outcome.key, outcome.error
@@ -184,152 +222,114 @@ def _taken(outcome: Outcome) -> Taken | None:
         raise error
     if isinstance(error, OverdueError):
         return Taken(row_without_run(spec, TIMEOUT, f"not done after {spec.limit:g} s"))
-    if isinstance(error, LostError) or type(error).__name__ == "KilledWorker":
-        return Taken(row_without_run(spec, KILLED, one_line(error)))
-    return Taken(row_without_run(spec, ERROR, one_line(error)))
+    lost = isinstance(error, LostError) or type(error).__name__ == "KilledWorker"
+    return Taken(row_without_run(spec, KILLED if lost else ERROR, one_line(error)))
 
 
-class _Sweep:
-    """The state of one sweep."""
+def _work(
+    place: Folder, specs: Collection[RunSpec], executor: Executor, keep: str, retry: bool,
+    stop: Stop, progress: Callable[[Tally], None], decided: Decided | None, tally: Tally,
+) -> None:  # fmt: skip
+    """Do the runs that have no row, and write their rows, until ``decided`` says that it knows."""
+    have: set[str] = set()
+    turn = iter(specs if decided is not None else ())
+    waits = next(turn, None)  # whose turn it is to decide
+    came: dict[str, Came] = {}
+    enough = False
 
-    def __init__(
-        self,
-        place: Folder,
-        specs: Collection[RunSpec],
-        executor: Executor,
-        keep: str,
-        retry: bool,
-        decided: Decided | None,
-    ) -> None:
-        self.place, self.specs, self.executor, self.keep = place, specs, executor, keep
-        self.tally = Tally(len(specs))
-        self.asked = decided
-        self.claims = Claims(place.path)
-        self.unwritten: list[Row] = []
-        self.written = time.monotonic()
-        self.stop: Stop = never
-        self.is_wanted = _membership(specs)
-        self.read: set[str] = set()
-        """shards that are known"""
-        self.have: set[str] = set()
-        """keys of runs that need not be done"""
-        self.failed: set[str] = set()
-        """those of them that failed"""
-        self.again = retry
-        self.rows: dict[str, Brief | Row] = {}
-        """of runs whose turn to decide has not come"""
-        self.in_order: list[Brief | Row] = []
-        self.turn = iter(specs) if decided is not None else iter(())
-        self.next = next(self.turn, None)
-        self.theirs: deque[RunSpec] = deque()
-        """runs that another sweep has under way"""
+    def count(run: str, one: Came) -> None:
+        nonlocal waits, enough
+        have.add(run)
+        tally.failed += one.failed
+        tally.with_contacts += not one.failed and not one.contact_free
+        if decided is not None:
+            came[run] = one
+            while not enough and waits is not None and waits.key in came:
+                enough = decided(came.pop(waits.key))
+                waits = next(turn, None)
 
-    def go(self, stop: Stop, progress: Callable[[Tally], None]) -> None:
-        """Do what is to be done; what others have under way is waited for."""
-        self.stop = stop
-        self._look()
-        self.tally.before, self.tally.elsewhere = self.tally.elsewhere, 0
-        self.again = False
-        todo: Iterator[RunSpec] = iter(self.specs)
+    found = Outcomes(read(place.path))
+    keys = set() if isinstance(specs, Grid) else {spec.key for spec in specs}
+    names = ("run", "world", "settings", "controller", "seed")
+    columns = [found.table[name].to_pylist() for name in names]
+    flags = found.failed.tolist(), found.contact_free.tolist(), found.finished.tolist()
+    for run, world, settings, controller, seed, *ends in zip(*columns, *flags, strict=True):
+        label = world, settings, controller
+        wanted = specs.has(label, seed, run) if isinstance(specs, Grid) else run in keys
+        if wanted and not (retry and ends[0]):
+            tally.before += 1
+            count(run, Came(*ends))
 
-        def ends() -> bool:
-            return stop() or self.tally.decided is not None
+    if carry := getattr(executor, "carry", None):  # modules of one's own to other machines
+        carry([source for cell in _cells(specs) for source in cell.sources])
+    records = place.records if isinstance(executor, Processes) else None
+    unwritten: list[Row] = []
+    written = time.monotonic()
 
-        def idle(busy: int) -> None:
-            self._flush()
-            progress(self.tally)
-
-        while True:
-            jobs = self._jobs(todo)
-            for outcome in outcomes(jobs, self.executor, ends, idle):
-                taken = _taken(outcome)
-                if taken is None:
-                    continue
-                self._add(taken)
-                progress(self.tally)
-            self._flush(now=True)
-            if ends() or not self.theirs:
-                break
-            time.sleep(POLL_SECONDS)
-            self._look()
-            todo, self.theirs = iter(self.theirs), deque()
-        progress(self.tally)
-        self.tally.interrupted = self.tally.decided is None and stop()
-
-    def close(self) -> None:
-        """Write what is left, and let others have what was claimed."""
-        try:
-            self._flush(now=True)
-        finally:
-            self.claims.close()
-
-    def _jobs(self, todo: Iterable[RunSpec]) -> Iterator[tuple[RunSpec, Job]]:
-        """Runs that nobody has done or has under way; those of others are put aside."""
-        records = self.place.records if isinstance(self.executor, Processes) else None
-        for spec in todo:
-            if self.stop():  # there may be very many that are done
+    def jobs() -> Iterator[tuple[RunSpec, Job]]:
+        for spec in specs:
+            if stop():  # there may be very many that are done
                 return
-            key = spec.key
-            if key in self.have:
-                continue
-            if not self.claims.take(key):
-                self.theirs.append(spec)
-                continue
-            self._look()  # whoever gave it back may have done it
-            if key in self.have:
-                self.claims.give_back(key)
-                continue
-            yield spec, job_of(spec, self.keep, records)
+            if spec.key not in have:
+                yield spec, job_of(spec, keep, records)
 
-    def _look(self) -> None:
-        """Take notice of rows that others wrote."""
-        for row in chain.from_iterable(map(briefs, self.place.shards.tables(self.read))):
-            if self.stop():
-                return
-            if not self.is_wanted(row) or (self.again and row.failed):
-                continue
-            if row.run not in self.have:
-                self.tally.elsewhere += 1
-                self._count(row)
-            elif row.run in self.failed and not row.failed:  # it was done again
-                self.tally.failed -= 1
-                self._count(row)
-        self._decide()
+    def flush(now: bool = False) -> None:
+        nonlocal written
+        if unwritten and (now or time.monotonic() - written > FLUSH_SECONDS):
+            place.rows.write(unwritten)
+            unwritten.clear()
+            written = time.monotonic()
 
-    def _add(self, taken: Taken) -> None:
-        row = taken.row
-        if taken.image is not None:
-            write_whole(self.place.path / row.record, taken.image)
-        self.unwritten.append(row)
-        self.tally.done += 1
-        self._count(row)
-        self._decide()
-        self._flush()
+    def idle(busy: int) -> None:
+        flush()
+        progress(tally)
 
-    def _count(self, row: Brief | Row) -> None:
-        self.have.add(row.run)
-        (self.failed.add if row.failed else self.failed.discard)(row.run)
-        self.tally.add(row)
-        if self.asked is not None:
-            self.rows[row.run] = row
-
-    def _decide(self) -> None:
-        """Ask whether the runs whose turn it is decide."""
-        while self.asked is not None and self.next is not None and self.next.key in self.rows:
-            self.in_order.append(self.rows.pop(self.next.key))
-            self.next = next(self.turn, None)
-            if self.tally.decided is None and self.asked(self.in_order):
-                self.tally.decided = len(self.in_order)
-
-    def _flush(self, now: bool = False) -> None:
-        """Put rows on disk when it is time; the runs are claimed until then."""
-        if not self.unwritten or not (now or time.monotonic() - self.written > FLUSH_SECONDS):
-            return
-        rows, self.unwritten = self.unwritten, []
-        self.read.update(self.place.shards.write(rows))
-        self.written = time.monotonic()
-        for row in rows:
-            self.claims.give_back(row.run)
+    try:
+        for outcome in outcomes(jobs(), executor, lambda: stop() or enough, idle):
+            if (taken := _taken(outcome)) is not None:
+                if taken.image is not None:
+                    write_whole(place.path / taken.row.record, taken.image)
+                unwritten.append(taken.row)
+                tally.done += 1
+                count(taken.row.run, taken.row.came)
+                idle(0)
+    finally:
+        flush(now=True)
+    progress(tally)
+    tally.interrupted = not enough and stop()
 
 
-__all__ = ["Tally", "job_of", "runs", "sweep"]
+FORMAT, VERSION = "physim-until", 1
+
+
+@dataclass(frozen=True)
+class Until:
+    """The goal of a campaign, and the seed from which on its runs count, one after the other."""
+
+    goal: Goal
+    first: int
+
+
+def write_until(folder: Path, until: Until) -> None:
+    """Say in a campaign's folder what its goal is; runs count from the least first seed on.
+
+    Raises PhysimError where that cannot be written.
+    """
+    before = read_until(folder)
+    first = until.first if before is None else min(until.first, before.first)
+    tree = {"format": FORMAT, "version": VERSION, "goal": str(until.goal), "first_seed": first}
+    write_whole(folder / UNTIL, json.dumps(tree, indent=1).encode())
+
+
+def read_until(folder: Path) -> Until | None:
+    """Goal of a campaign; None where it had none. Raises PhysimError for a file of another kind."""
+    found = read_tree(folder / UNTIL, FORMAT, VERSION)
+    if found is None:
+        return None
+    first = found.get("first_seed")
+    try:
+        if not isinstance(first, int) or isinstance(first, bool) or not 0 <= first < 2**63:
+            raise ValueError("first_seed: must be a whole number from 0")
+        return Until(read_goal(str(found.get("goal"))), first)
+    except ValueError as error:
+        raise PhysimError(f"{folder / UNTIL}: cannot be read ({error})") from None

@@ -30,7 +30,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     file with line and column, the file, the option, or the command.
     """
     if "multiprocessing.spawn" in sys.modules:  # else nobody began this process
-        from physim.campaigns.kinship import end_if_importing
+        from physim.campaigns.pool import end_if_importing
 
         end_if_importing()
     alone = arguments is None

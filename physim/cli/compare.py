@@ -41,7 +41,7 @@ def measures(text: str) -> dict[str, int]:
     Raises ValueError with those that there are.
     """
     from physim.campaigns.measures import DIRECTIONS
-    from physim.campaigns.own_metrics import PREFIX
+    from physim.campaigns.rows import PREFIX
 
     found = {}
     for name in (part.strip() for part in text.split(",")):
@@ -126,7 +126,7 @@ def compare(options: Options) -> int:
     """
     from physim.campaigns.compare import by
     from physim.campaigns.compare import compare as compared
-    from physim.campaigns.folder import Folder, label_of
+    from physim.campaigns.folder import Folder
     from physim.campaigns.measures import USUAL
     from physim.campaigns.unlike import with_unlike
 
@@ -144,7 +144,7 @@ def compare(options: Options) -> int:
             return INTERRUPTED
         pairs, name = made
     elif options.by:
-        order = [label_of(cell) for cell in Folder(options.a).cells()]
+        order = [cell.label for cell in Folder(options.a).cells()]
         pairs = by(outcomes(options.a), options.by, order)
         name = f"{options.a}, by {options.by}"
     else:
@@ -158,9 +158,9 @@ def compare(options: Options) -> int:
 
 def _write_out(options: Options, found: list[Comparison], name: str) -> None:
     """Write page, JSON and table of what was found in the pairs called ``name``."""
-    from physim.campaigns.own_metrics import PREFIX
     from physim.campaigns.report.page import comparison_page
     from physim.campaigns.report.text import comparison_text, comparison_values
+    from physim.campaigns.rows import PREFIX
 
     looked = options.seeds is None and any(map(_looked_at, _folders(options)))
     if options.output is not None:
@@ -213,9 +213,9 @@ def _folders(options: Options) -> tuple[Path, ...]:
 def _made(options: Options) -> tuple[list[tuple[Arm, Arm, str]], str] | None:
     """Make the runs, and what of them is to be compared; None when that was interrupted."""
     from physim.campaigns.compare import by
+    from physim.campaigns.folder import read_part
     from physim.campaigns.grid import make_grid
     from physim.campaigns.outcomes import CELL, Outcomes
-    from physim.campaigns.reading import read_part
 
     worlds = _given(options)
     names = names_of(options.controller)
@@ -248,10 +248,8 @@ def _made(options: Options) -> tuple[list[tuple[Arm, Arm, str]], str] | None:
 
 def outcomes(folder: Path) -> Outcomes:
     """Rows of a campaign. Raises PhysimError where there is none, or it has no rows yet."""
-    from physim.campaigns.asked import missing
-    from physim.campaigns.folder import Folder
-    from physim.campaigns.outcomes import Outcomes
-    from physim.campaigns.reading import read
+    from physim.campaigns.folder import Folder, read
+    from physim.campaigns.outcomes import Outcomes, missing
     from physim.campaigns.report.text import missing_words
     from physim.cli.simulating import tell_notices
 
@@ -271,6 +269,6 @@ def _two(a: Path, b: Path) -> list[tuple[Arm, Arm, str]]:
 
 def _looked_at(folder: Path) -> bool:
     """Whether the number of runs depends on their outcomes."""
-    from physim.campaigns.until import read_until
+    from physim.campaigns.sweep import read_until
 
     return read_until(folder) is not None

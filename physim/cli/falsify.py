@@ -98,7 +98,7 @@ def falsify(options: Options) -> int:
       physim falsify ten_robots --set time.duration=60.0 --vary pose,heading,speed
       physim falsify my_world.yaml --controller my_module:MyController --budget 5000
     """
-    from physim.campaigns.executors import executor
+    from physim.campaigns.cluster import executor
     from physim.campaigns.falsify.evaluate import accepted, by_executor
     from physim.campaigns.falsify.results import found_json, found_text
     from physim.campaigns.falsify.search import hunt

@@ -66,14 +66,13 @@ def report(options: Options) -> int:
       physim report runs/study --videos --pages -o study.html
       physim report runs/study --json - --no-pictures --quiet
     """
-    from physim.campaigns.folder import Folder, label_of
+    from physim.campaigns.folder import Folder, read
     from physim.campaigns.outcomes import Outcomes
-    from physim.campaigns.reading import read
     from physim.campaigns.report.contents import report_of
     from physim.campaigns.report.page import is_report, report_page
     from physim.campaigns.report.pictures import pictures
     from physim.campaigns.report.text import report_text, report_values
-    from physim.campaigns.until import read_until
+    from physim.campaigns.sweep import read_until
 
     folder: Path = options.folder
     page: Path = options.output or folder / PAGE
@@ -87,7 +86,7 @@ def report(options: Options) -> int:
     if options.output is not None:
         new_page(page, options.force)
     asked = Folder(folder).asked()
-    draws = {label_of(cell): cell["draws"] for cell in Folder(folder).cells()}
+    draws = {cell.label: cell.draws for cell in Folder(folder).cells()}
     check_regular(page)
     if page.exists() and not is_report(page):
         new_file(page, options.force)

@@ -77,7 +77,7 @@ def reproduce(options: Options) -> int:
     """
     if options.figure is not None and options.study is not None:
         raise PhysimError("--study: cannot be combined with --figure")
-    from physim.campaigns.runner import worker_count
+    from physim.campaigns.pool import worker_count
     from physim.reproduction.page import PAGES, pages
     from physim.reproduction.run import make_plan
     from physim.reproduction.run import reproduce as run_all

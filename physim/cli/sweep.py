@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from physim.campaigns.grid import Grid
     from physim.campaigns.spec import Label
     from physim.campaigns.sweep import Tally
-    from physim.statistics.goal import Decision, Goal
+    from physim.statistics import Decision, Goal
 
 MOST_SHARDS = 100_000
 
@@ -35,7 +35,7 @@ def shard(text: str) -> tuple[int, int]:
 
 def goal(text: str) -> Goal:
     """Read a goal. Raises ValueError with what is allowed and where the fault is."""
-    from physim.statistics.goal import read_goal
+    from physim.statistics import read_goal
 
     return read_goal(text)
 
@@ -54,8 +54,8 @@ def goal(text: str) -> Goal:
 )  # fmt: skip
 @option(
     "--set", "axes", multiple=True, metavar="KEY=V1,V2",
-    help="each of these values of a world, e.g. controller.beta=0.3,0.5; may be repeated: every "
-    "combination is run",
+    help="each of these values of a world, e.g. controller.beta=0.3,0.5 (of controllers that have "
+    "it); may be repeated: every combination is run",
 )  # fmt: skip
 @option(
     "--controller", metavar="NAME,...",
@@ -89,7 +89,7 @@ def goal(text: str) -> Goal:
 def sweep(options: Options) -> int:
     """Run every combination of worlds, seeds, values and controllers, and write a row for each run
     to DIR. What has a row is not run again: the same command goes on where it was interrupted or
-    killed, one with more seeds adds to it, several may work in one DIR.
+    killed, one with more seeds adds to it. Two at once in one DIR need parts of their own: --shard.
 
     written to DIR:
       results.parquet  a row a run: ended, contacts, distances, times, ... (pandas, polars, DuckDB)
@@ -134,8 +134,8 @@ def _tell(
     grid: Grid, folder: Path, tally: Tally, decisions: dict[Label, Decision], options: Options
 ) -> None:
     """Print what came of it: counts of each cell, and the runs to look at."""
+    from physim.campaigns.folder import read
     from physim.campaigns.outcomes import Outcomes
-    from physim.campaigns.reading import read
     from physim.campaigns.report.swept import sweep_text, sweep_values
 
     draws, found = {cell.label: cell.draws for cell in grid.cells}, Outcomes(read(folder))

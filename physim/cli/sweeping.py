@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from physim.campaigns.grid import Grid
     from physim.campaigns.spec import Label
     from physim.campaigns.sweep import Tally
-    from physim.statistics.goal import Decision, Goal
+    from physim.statistics import Decision, Goal
 
 COMPILING = 30
 """[s] about, for all that runs need"""
@@ -37,9 +37,8 @@ def run_grid(
 
     An interrupted sweep says on standard error what is done, whatever ``quiet`` is.
     """
-    from physim.campaigns.executors import executor
-    from physim.campaigns.sweep import sweep
-    from physim.campaigns.until import sweep_until
+    from physim.campaigns.cluster import executor
+    from physim.campaigns.sweep import sweep, sweep_until
 
     def team() -> AbstractContextManager[Executor]:
         return executor(workers, scheduler)

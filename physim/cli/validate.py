@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-import math
+import json
+import shlex
 import sys
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -19,12 +21,12 @@ from physim.errors import PhysimError, WorldError
 
 if TYPE_CHECKING:
     from physim.analysis.validation import Validation
-    from physim.analysis.validation.seeds import SeedStudy
-    from physim.campaigns.judged import Judged
     from physim.record import Record
     from physim.world import World
     from physim.world.file.nodes import Document
 
+MOST_TOLD = 10
+"""Seeds whose verdicts are printed"""
 COMPILING = 15
 """[s] about, for the checks"""
 
@@ -67,7 +69,7 @@ COMPILING = 15
     metavar="N",
     help="with --seeds, processes, 1 to 64 (as many as cores, at most 8)",
 )
-@flag("--verbose", "with --seeds, report every seed that is not as it should be, not one only")
+@flag("--verbose", "with --seeds, print the verdict of every seed as it comes")
 @flag("--full", "tell every contact, all tables and near misses, too")
 @flag("--quiet", "print only the verdict")  # fmt: skip
 def validate_command(options: Options) -> int:
@@ -179,51 +181,53 @@ def _validate_world(world: World, document: Document, options: Options) -> int:
 
 
 def _validate_seeds(world: World, document: Document, options: Options) -> int:
-    """Validate every seed; an interrupt (Ctrl-C), and a run that fails, end the study with what is
-    known by then."""
-    from physim.analysis.validation.seeds import SeedResult, SeedStudy, seed_line
-    from physim.campaigns.executors import executor
-    from physim.campaigns.judged import judged
+    """Run every seed and validate it; Ctrl-C ends that, and what is known by then is reported."""
+    from physim.analysis.validation.validation import CONTACTS, DISAGREE, FREE
+    from physim.campaigns.cluster import executor
+    from physim.campaigns.outcomes import Outcomes
+    from physim.campaigns.report.contents import report_of
+    from physim.campaigns.report.text import report_text, report_values
+    from physim.campaigns.rows import table_of
     from physim.campaigns.spec import spec_of
-    from physim.campaigns.worker import LostError
-    from physim.world.layout.scene_builder import seeds_draw
+    from physim.campaigns.sweep import runs
 
     first, last = options.seeds
-    results: list[SeedResult] = []
-    worst: Judged | None = None
-    failed: tuple[int, PhysimError] | None = None
+    rows = []
     _warm_up(world, document, options)
     with (
         interrupts() as interrupt,
         Bar(world.name, last - first, "seeds", options.quiet) as bar,
         executor(options.workers) as workers,
     ):
-        specs = (spec_of(world, seed, limit=math.inf) for seed in range(first, last))
-        source = f"simulated just now from {document.source}"
-        for seed, found in judged(specs, source, workers, interrupt, bar.update):
-            if isinstance(found, PhysimError):
-                failed = seed, found
-                break
-            results.append(found.result)
-            if worst is None or found.result.code > worst.result.code:
-                worst = found
-            if not options.quiet:
-                page = f"\n{found.report}\n" if options.verbose and found.report else ""
-                print(seed_line(found.result) + "\n" + page, end="", flush=True)
-            if interrupt():
-                break
-    study = SeedStudy(world.name, tuple(results), last - first, seeds_draw(world))
-    if study.interrupted:
-        below = "; the results so far:" if results else ""
-        how = "interrupted" if failed is None else f"seed {failed[0]} failed"
-        print(f"{how} after {len(results)} of {study.asked} seeds{below}", file=sys.stderr)
-    if results:
-        _report_study(study, worst, options)
-    if failed is not None:
-        if not isinstance(failed[1], LostError):  # which would end this process, too
-            _run_and_validate(world, document, failed[0], options)  # tells it with its place
-        raise failed[1]
-    return INTERRUPTED if interrupt() else study.code
+        specs = (spec_of(world, seed, name=world.name) for seed in range(first, last))
+        for _, row in runs(specs, workers, interrupt, judged=True):
+            rows.append(row)
+            bar.update(len(rows))
+            if options.verbose:
+                print(f"seed {row.seed:>6}: {row.verdict or row.reason}", flush=True)
+    rows.sort(key=lambda row: row.seed)
+    cell = spec_of(world, first, name=world.name)
+    found = report_of(Outcomes(table_of(rows)), world.name, draws={cell.label: cell.draws})
+    if not options.quiet:
+        cells = tuple(replace(one, worst=()) for one in found.cells)  # there is nothing to replay
+        print(report_text(replace(found, cells=cells)))
+    wrong = [row for row in rows if row.verdict.startswith("checks disagree")]
+    told = wrong or [row for row in rows if row.verdict != "contact-free"]
+    for row in told[:MOST_TOLD]:
+        print(f"seed {row.seed}: {row.verdict or row.reason}")
+    if told and not options.quiet:
+        again = ["physim", "validate", options.given, "--seed", str(told[0].seed)]
+        again += [word for one in options.overrides for word in ("--set", one)]
+        again += ["--controller", options.controller] if options.controller else []
+        print(f"the first of them in full: {shlex.join(again)}")
+    code = INTERRUPTED if interrupt() else DISAGREE if wrong else CONTACTS if told else FREE
+    values = {**report_values(found), "exit_code": code, "seeds": [asdict(row) for row in rows]}
+    write_json(options, json.dumps(values, indent=2, ensure_ascii=False, allow_nan=False) + "\n")
+    if interrupt():
+        print(f"interrupted after {len(rows)} of {last - first} seeds", file=sys.stderr)
+    if failed := next((row for row in rows if row.failed), None):
+        raise PhysimError(f"seed {failed.seed}: {failed.reason}")
+    return code
 
 
 def _warm_up(world: World, document: Document, options: Options) -> None:
@@ -234,15 +238,6 @@ def _warm_up(world: World, document: Document, options: Options) -> None:
     if not (is_warm() and checks_are_warm()):
         short = world.changed(time={"step": world.time.step, "duration": world.time.step})
         _run_and_validate(short, document, options.seeds[0], options)
-
-
-def _report_study(study: SeedStudy, worst: Judged | None, options: Options) -> None:
-    from physim.analysis.validation.seeds import json_of_seeds, seeds_text
-
-    if worst is not None and worst.report and not options.quiet and not options.verbose:
-        print("\n" + worst.report, end="")
-    print(("" if options.quiet else "\n") + seeds_text(study), end="")
-    write_json(options, json_of_seeds(study))
 
 
 def _run_and_validate(

@@ -13,7 +13,7 @@ import sys
 from contextlib import suppress
 from multiprocessing.connection import Connection
 
-from physim.campaigns.kinship import WARMING, begun_apart, settle
+from physim.campaigns.pool import WARMING, begun_apart, settle
 from physim.compiled import is_kept
 from physim.geometry.clearance import fill
 

@@ -75,8 +75,6 @@ class SceneModel:
     """robots by index, then boundaries, then obstacles"""
     footprints: tuple[tuple[FloatArray, ...], ...]
     """convex parts (n, 2) of each robot, in its frame"""
-    outlines: tuple[FloatArray, ...]
-    """outline (n, 2) of each robot, in its frame"""
     start: FloatArray
     """(N, 3) poses at sample 0; NaN in a record without samples"""
     boundaries: tuple[FloatArray, ...]
@@ -113,7 +111,6 @@ class SceneModel:
             seed=world.seed,
             bodies=tuple(Body(k, *one) for k, one in enumerate(names)),
             footprints=tuple(convex_parts(outline) for outline in layout.footprints),
-            outlines=tuple(layout.footprints),
             start=layout.start,
             boundaries=tuple(drawn.values()),
             obstacles=tuple(layout.obstacles),
@@ -135,7 +132,6 @@ class SceneModel:
             seed=record.seed,
             bodies=record.bodies,
             footprints=record.footprints,
-            outlines=tuple(outline(body) for body in record.footprints),
             start=record.pose[0] if record.samples else nowhere,
             **_walls(record.bodies[record.robots :], record.walls),
             paths=_lines(record.paths),
@@ -180,6 +176,11 @@ class SceneModel:
             for key, parts in dict(zip(keys, self.footprints, strict=True)).items()
         }
         return tuple(each[key] for key in keys)
+
+    @property
+    def outlines(self) -> tuple[FloatArray, ...]:
+        """Outline (n, 2) of each robot, in its frame."""
+        return tuple(shape.rings[0] for shape in self.shapes)
 
     @cached_property
     def areas(self) -> tuple[Area, ...]:

@@ -11,8 +11,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import h5py
+import numpy as np
 
-from physim.contacts import Phase
+from physim.contacts import Kind, Phase
 from physim.drafts import discard, draft_of
 from physim.errors import PhysimError, RecordError, WorldError
 from physim.escaping import escaped, html_table
@@ -167,7 +168,8 @@ class Record(RecordedHistory):
 
     def _repr_html_(self) -> str:
         """What a notebook shows of it; `physim.page` shows the run itself."""
-        found = len(self.contacts[self.contacts["phase"] == Phase.BEGAN])
+        began = self.contacts["phase"] == Phase.BEGAN
+        found = np.count_nonzero(began & (self.contacts["kind"] == Kind.PHYSICAL))
         return html_table(
             [
                 ("record", self.name),

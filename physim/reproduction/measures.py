@@ -160,8 +160,8 @@ def _distances(record: Record) -> Measures:
     if record.robots < 2:
         return {}
     between = shortest_pair_collision_time(record)
-    times = [one.time for one in metrics.contact_episodes(record)]
-    times += [one.time for one in metrics.grazes(record)]
+    run = metrics.Figures(record)
+    times = [one.time for one in (*run.episodes, *run.grazes)]
     low, high = record.accessible[0].min(axis=0), record.accessible[0].max(axis=0)
     reach = ((record.pose[0, :, :2] - low) / (high - low)).max(axis=0)
     heading = np.sort(np.mod(record.pose[0, :, 2], 2.0 * np.pi))

@@ -10,7 +10,7 @@ import base64
 import re
 from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 from urllib.parse import quote
 
 from physim import html as markup
@@ -39,65 +39,48 @@ class Words(NamedTuple):
     """of a link: title of a section"""
 
 
-Line = Sequence[str | Words]
-
-
-class Block(NamedTuple):
-    """A part of the page."""
-
-    kind: str
-    """h1, h2, h3, p, table, picture, run, commands"""
-    lines: Sequence[Line] = ()
-    """one; of commands several"""
-    rows: Sequence[Sequence[Line]] = ()
-    """of a table, its head first"""
-    file: str = ""
-    """of a picture or a run, relative to the page"""
-
-
-def _text(kind: str, *words: str | Words) -> Block:
-    return Block(kind, [words])
+Block = tuple[Any, ...]
+"""A part of the page: its kind, and what it holds. Lines are texts and `Words`."""
 
 
 def content(report: Report) -> Iterator[Block]:
     """What the page says."""
     physim = Words("code", "physim")
-    yield _text("h1", TITLE)
-    yield _text(
+    yield "h1", TITLE
+    yield (
         "p", "What the paper reports, beside what ", physim, f" {report.physim} measures: "
         "every number and every verdict on this page was computed by ",
         Words("code", report.command), ".",
     )  # fmt: skip
     if report.seeds < Part.seeds:
-        yield _text(
+        yield (
             "p", Words("strong", "Preliminary."), " Verdicts rest on at most "
             f"{plural(report.seeds, 'seed')} of each world; the whole page, without ",
             Words("code", "--quick"), f", takes up to {Part.seeds} and may come to others.",
         )  # fmt: skip
     if report.interrupted:
-        yield _text("p", "It was interrupted: this page holds only what was done by then.")
+        yield "p", "It was interrupted: this page holds only what was done by then."
     rows = report.rows
     if rows:
-        yield _text("p", f"{plural(len(rows), 'claim')}: ", *_counts(rows), ".")
-        differing: list[tuple[Line, ...]] = [
-            ([_claim(row)], [Words("link", section.short, section.title)], *_cells(row, True))
+        yield "p", f"{plural(len(rows), 'claim')}: ", *_counts(rows), "."
+        differing = [
+            (_claim(row), Words("link", section.short, section.title), *_judged(row))
             for section in report.sections
             for row in section.rows
             if row.outcome is not Outcome.MET
         ]
         if differing:
-            yield _text("h3", "Where we differ from the paper")
-            head = ("claim", "where", "reported", "measured", "verdict")
-            yield Block("table", rows=[[[name] for name in head], *differing])
-    yield _text("h2", "How to read it")
-    yield _text(
+            yield "h3", "Where we differ from the paper"
+            yield "table", [("claim", "where", "reported", "measured", "verdict"), *differing]
+    yield "h2", "How to read it"
+    yield (
         "p", "The paper aims at path following, formation control and collision avoidance that let "
         "several robots move together through confined space, decentralised and cooperative; its "
         "funding note is NSFC 62203133. Only its text, with the numbers of equations and figures, "
         "is available to us; its title, its authors and its printed formulas are not, and the "
         "formulas are restored from the text.",
     )  # fmt: skip
-    yield _text(
+    yield (
         "p", "The paper's waypoints, robot shapes and thresholds are unknown; worlds, footprints "
         "and settings are ours, tuned so that the reported figures come out in the same range. A "
         "measured figure is that of one run, the one in the pictures; beside it stand the median "
@@ -108,7 +91,7 @@ def content(report: Report) -> Iterator[Block]:
         "about avoidance are also tested on the same runs without it; one that holds there, too, "
         "is marked as such: it is no evidence for avoidance.",
     )  # fmt: skip
-    yield _text(
+    yield (
         "p", "Two of our rules depart from the paper's: in a formation the speed pair of (5) is a "
         "choice of omega alone, as (7) gives the forward speed; and in (11) boundaries count "
         "within the sensing range only, so that a robot on its way into one beyond reports no "
@@ -126,25 +109,23 @@ def _counts(rows: Sequence[Verdict]) -> Iterator[str | Words]:
 
 
 def _section(section: Section) -> Iterator[Block]:
-    yield _text("h2", section.title)
-    for text in filter(None, (section.about, section.missing)):
-        yield _text("p", text)
+    yield "h2", section.title
+    yield from (("p", text) for text in (section.about, section.missing) if text)
     if section.rows:
         head = (
             "claim", "reported", "measured", "median (range) over seeds", "met in",
             "met without avoidance in", "verdict",
         )  # fmt: skip
-        lines = [([_claim(row)], *_cells(row)) for row in section.rows]
-        kept = [k for k in range(len(head)) if any(line[k][0] for line in lines)]
-        table = [[[name] for name in head], *lines]
-        yield Block("table", rows=[[line[k] for k in kept] for line in table])
+        lines = [_whole(row) for row in section.rows]
+        kept = [k for k in range(len(head)) if any(line[k] for line in lines)]
+        yield "table", [[line[k] for k in kept] for line in (head, *lines)]
     for file, caption in zip(section.pictures, section.captions, strict=True):
-        yield Block("picture", [[caption]], file=file)
+        yield "picture", file, caption
     for file in section.films:
         words = "The run in the browser" if file.endswith(".html") else "Video of the run"
-        yield Block("run", [[words]], file=file)
+        yield "run", file, words
     if section.commands:
-        yield Block("commands", [[line] for line in section.commands])
+        yield "commands", section.commands
 
 
 def _claim(row: Verdict) -> str:
@@ -152,11 +133,13 @@ def _claim(row: Verdict) -> str:
     return f"{row.claim}{end} {row.remark}" if row.remark else row.claim
 
 
-def _cells(row: Verdict, short: bool = False) -> tuple[Line, ...]:
-    """A verdict but for its claim; empty cells are those that a section may leave out."""
-    over_seeds = () if short else (row.spread, row.met, row.without)
-    texts = (row.reported, row.measured, *over_seeds)
-    return (*([text] for text in texts), [Words("strong", row.outcome)])
+def _judged(row: Verdict) -> tuple[str, str, Words]:
+    return row.reported, row.measured, Words("strong", row.outcome)
+
+
+def _whole(row: Verdict) -> tuple[str | Words, ...]:
+    reported, measured, verdict = _judged(row)
+    return _claim(row), reported, measured, row.spread, row.met, row.without, verdict
 
 
 def anchor_of(title: str) -> str:
@@ -171,33 +154,30 @@ def markdown(report: Report) -> str:
 
 
 def _marked(block: Block) -> str:
-    lines = [_inline(line) for line in block.lines]
-    match block.kind:
-        case "p":
-            return lines[0]
-        case "table":
-            head, *rows = ([_inline(cell) for cell in row] for row in block.rows)
-            table = (head, ["---"] * len(head), *rows)
+    match block:
+        case "p", *words:
+            return "".join(map(_inline, words))
+        case "table", (head, *rows):
+            table = (map(_inline, head), ["---"] * len(head), *(map(_inline, row) for row in rows))
             return "\n".join(f"| {' | '.join(cells)} |" for cells in table)
-        case "picture":
-            return f"![{lines[0]}]({quote(block.file)})"
-        case "run":
-            return f"[{lines[0]}]({quote(block.file)})"
-        case "commands":
-            return "\n".join(("```sh", *(escaped(str(line[0])) for line in block.lines), "```"))
-    return f"{'#' * int(block.kind[1])} {lines[0]}"
+        case "picture", file, caption:
+            return f"![{_inline(caption)}]({quote(file)})"
+        case "run", file, words:
+            return f"[{_inline(words)}]({quote(file)})"
+        case "commands", lines:
+            return "\n".join(("```sh", *map(escaped, lines), "```"))
+        case heading, title:
+            return f"{'#' * int(heading[1])} {_inline(title)}"
+    raise ValueError(block)
 
 
-def _inline(line: Line) -> str:
-    def part(words: str | Words) -> str:
-        if isinstance(words, str):
-            return SPECIAL.sub(r"\\\g<0>", escaped(words))
-        if words.kind == "code":
-            return f"`{escaped(words.text)}`"
-        text = part(words.text)
-        return f"[{text}](#{anchor_of(words.goal)})" if words.goal else f"**{text}**"
-
-    return "".join(map(part, line))
+def _inline(words: str | Words) -> str:
+    if isinstance(words, str):
+        return SPECIAL.sub(r"\\\g<0>", escaped(words))
+    if words.kind == "code":
+        return f"`{escaped(words.text)}`"
+    text = _inline(words.text)
+    return f"[{text}](#{anchor_of(words.goal)})" if words.goal else f"**{text}**"
 
 
 def html(report: Report, folder: Path) -> str:
@@ -209,34 +189,31 @@ def html(report: Report, folder: Path) -> str:
 
 
 def _element(block: Block, folder: Path) -> Html:
-    lines = [markup.together(map(_words, line)) for line in block.lines]
-    match block.kind:
-        case "table":
-            head, *rows = (
-                [markup.together(map(_words, cell)) for cell in row] for row in block.rows
-            )
-            return markup.table(head, rows)
-        case "picture":
-            content = (folder / block.file).read_bytes()
+    match block:
+        case "p", *words:
+            return tag("p", map(_words, words))
+        case "table", (head, *rows):
+            return markup.table(head, (map(_words, row) for row in rows))
+        case "picture", file, caption:
+            content = (folder / file).read_bytes()
             width = int.from_bytes(content[16:20], "big")  # from the header of a PNG
             data = f"data:image/png;base64,{base64.b64encode(content).decode('ascii')}"
-            image = tag("img", src=data, alt=block.lines[0][0])
             whole = "whole" if width > WIDE else None
-            return tag("figure", image, tag("figcaption", lines), class_=whole)
-        case "run":
-            goal = quote(block.file)
-            frame = tag("iframe", loading="lazy", src=goal, title="the run in the browser")
-            shown = (
-                tag("details", tag("summary", "Watch the run here"), frame)
-                if goal.endswith(".html")
-                else tag("video", controls=True, preload="metadata", src=goal)
-            )
-            whole = "whole" if goal.endswith(".html") else None
-            return tag("figure", shown, tag("a", lines, href=goal), class_=whole)
-        case "commands":
-            return tag("pre", tag("code", markup.together(lines, "\n")))
-    anchor = anchor_of(str(block.lines[0][0])) if block.kind.startswith("h") else None
-    return tag(block.kind, lines, id=anchor)
+            image = tag("img", src=data, alt=caption)
+            return tag("figure", image, tag("figcaption", caption), class_=whole)
+        case "run", file, words:
+            link = tag("a", words, href=quote(file))
+            if not file.endswith(".html"):
+                film = tag("video", controls=True, preload="metadata", src=quote(file))
+                return tag("figure", film, link)
+            frame = tag("iframe", loading="lazy", src=quote(file), title="the run in the browser")
+            run = tag("details", tag("summary", "Watch the run here"), frame)
+            return tag("figure", run, link, class_="whole")
+        case "commands", lines:
+            return tag("pre", tag("code", markup.together(map(markup.text, lines), "\n")))
+        case heading, title:
+            return tag(heading, title, id=anchor_of(title))
+    raise ValueError(block)
 
 
 def _words(words: str | Words) -> Html:

@@ -110,7 +110,7 @@ def study_plot(study: Study, arms: Sequence[Runs]) -> Any:
                 middle, row, xerr=[[middle - low], [high - middle]], color=CYCLE[k],
                 marker=MARKERS[k], markersize=5.0, elinewidth=1.3, capsize=3.0, zorder=4,
             )  # fmt: skip
-        _scale(axis, shown)
+        _scale(axis, shown, len(axes))
         axis.set_yticks(range(len(arms)), [arm.label for arm in study.arms])
         axis.set_ylim(len(arms) - 0.5, -0.5)
         axis.grid(visible=False, axis="y")
@@ -123,13 +123,13 @@ def study_plot(study: Study, arms: Sequence[Runs]) -> Any:
     return figure
 
 
-def _scale(axis: Any, shown: Shown) -> None:
-    axis.set_xlabel(textwrap.fill(f"{shown.words}\xa0[{shown.unit or '–'}]", 26))
+def _scale(axis: Any, shown: Shown, axes: int) -> None:
+    axis.set_xlabel(textwrap.fill(f"{shown.words}\xa0[{shown.unit or '–'}]", 60 // axes))
     if shown.line is not None:
         axis.axvline(shown.line, color=INK, linewidth=0.8, linestyle=(0, (4, 2)), zorder=1.5)
     if not shown.logarithmic:
         axis.margins(x=0.12)
-        axis.locator_params(axis="x", nbins=4)
+        axis.locator_params(axis="x", nbins=4 if axes < 4 else 3)
         return
     axis.set_xscale("log")
     low, high = axis.get_xlim()

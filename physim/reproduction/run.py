@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 
 from physim._version import __version__
 from physim.analysis.metrics.distances import shortest_pair_collision_time
-from physim.campaigns.runner import Job, Stop, do_all
+from physim.campaigns.pool import Job, Stop, do_all
 from physim.compiled import is_cached
 from physim.drawing.plots.maps import trajectories
 from physim.drawing.plots.pictures import PICTURES as PLOTS

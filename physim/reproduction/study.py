@@ -21,8 +21,7 @@ from physim.geometry.shapes import FloatArray
 from physim.record import Record
 from physim.reproduction.measures import Measures, figures
 from physim.reproduction.model import Arm, Measure, Outcome, Verdict, outcome
-from physim.statistics.paired import rank_beyond
-from physim.statistics.proportion import clopper_pearson
+from physim.statistics import clopper_pearson, rank_beyond
 
 
 class Estimate(NamedTuple):
@@ -38,7 +37,7 @@ class Estimate(NamedTuple):
         """ "1.23 [1.10, 1.31] m"; the median alone where all are equal, "none" of nothing."""
         if not self.number:
             return "none"
-        rounded = [_rounded(value, digits) for value in self[:3]]
+        rounded = [f"{value:z.{digits}f}".replace("inf", "never") for value in self[:3]]
         text = rounded[0]
         if len(set(rounded)) > 1:
             text += f" [{rounded[1]}, {rounded[2]}]"
@@ -61,14 +60,6 @@ def estimate(values: Iterable[float]) -> Estimate:
         return Estimate(math.nan, math.nan, math.nan, 0)
     k = max(0, rank_beyond(n))
     return Estimate(float(np.median(given)), float(given[k]), float(given[n - 1 - k]), n)
-
-
-def _rounded(value: float, digits: int) -> str:
-    """Number with so many digits, never "-0.00"; "never" for a time that is inf."""
-    if math.isinf(value):
-        return "never"
-    text = f"{value:.{digits}f}"
-    return f"{0.0:.{digits}f}" if float(text) == 0.0 else text
 
 
 class Share(NamedTuple):
@@ -172,12 +163,12 @@ def each(names: Sequence[str], arms: Mapping[str, Sequence[Runs]]) -> str:
 
 def free_and_arrived(runs: Runs) -> str:
     """Note at the row of an arm."""
-    return f"{free_of_contact(runs)}\n{runs.arrived.good} finished"
+    return f"{runs.free.good} of {runs.free.of} free of contact,\n{runs.arrived.good} finished"
 
 
 def free_of_contact(runs: Runs) -> str:
     """Note at the row of an arm."""
-    return f"{runs.free.good} of {runs.free.of} free of contact"
+    return f"{runs.free.good} of {runs.free.of} free\nof contact"
 
 
 def falls(*courses: Sequence[Estimate]) -> Outcome:

@@ -97,30 +97,29 @@ class FindingLog:
 
     def __init__(self, world: str, place: str = "") -> None:
         self.world, self.place = world, place
-        self._first: dict[Rule, Finding] = {}
-        self._more: dict[Rule, int] = {}
+        self._found: dict[Rule, tuple[Finding, int]] = {}
 
     def add(self, rule: Rule, robot: str, time: float, text: str) -> None:
         """Take down a finding; ``text`` is brought onto one line."""
-        if rule in self._first:
-            self._more[rule] += 1
+        if rule in self._found:
+            first, more = self._found[rule]
+            self._found[rule] = first, more + 1
             return
         line = " ".join(text.split())
         if self.place:  # said once, behind the finding
             line = line.removesuffix(f" ({self.place})")
         place = "" if ".py:" in line else self.place  # of an error, its text says where
-        self._first[rule] = Finding(rule, self.world, robot, time, line, place)
-        self._more[rule] = 0
+        self._found[rule] = Finding(rule, self.world, robot, time, line, place), 0
 
     def __contains__(self, rule: Rule) -> bool:
         """Whether a rule is broken."""
-        return rule in self._first
+        return rule in self._found
 
     def findings(self) -> tuple[Finding, ...]:
         """One finding a rule, in the order in which they were made."""
         return tuple(
             replace(one, text=f"{one.text} (and {more} more)") if more else one
-            for one, more in ((one, self._more[rule]) for rule, one in self._first.items())
+            for one, more in self._found.values()
         )
 
 
@@ -132,16 +131,6 @@ def check_plain(trial: Trial, asked_all_along: Controller, make: Make, found: Fi
 
     ``asked_all_along`` is the controller that made them; ``make`` makes others.
     """
-    _of_the_trial(trial, found)
-    again = _Repeated(trial, make, found)
-    again.watching_state(asked_all_along)
-    again.by_new_instances()
-    again.in_other_orders()
-    again.from_pickled_memory()
-
-
-def _of_the_trial(trial: Trial, found: FindingLog) -> None:
-    """Findings that the run itself shows."""
     for one in trial.asked:
         if one.answer.fault:
             rule = Rule.RAISES if one.answer.raised else Rule.DECISION
@@ -154,6 +143,20 @@ def _of_the_trial(trial: Trial, found: FindingLog) -> None:
             _report(found, Rule.MEMORY, one, f"{text}; return a new one")
         if one.copy_error:
             _report(found, Rule.COPIES, one, f"its memory cannot be deep-copied: {one.copy_error}")
+    again, asked = _Repeated(trial, make, found), trial.asked
+    again.watching_state(asked_all_along)
+    text = (
+        "a new instance, given the memory, decides differently from the one asked all along "
+        f"({{}}); {BELONGS}"
+    )
+    again.all(Rule.STATE, asked, text, None)
+    text = "asked with the robots in reverse order it decides differently: {}"
+    queries = [one for step in trial.steps for one in reversed(step.asked)]
+    again.all(Rule.ORDER, queries, text, make())
+    for i in range(trial.scene.robots):
+        text = "asked for this robot alone it decides differently: {}"
+        again.all(Rule.ORDER, [one for one in asked if one.robot == i], text, make())
+    again.from_pickled_memory()
 
 
 @dataclass
@@ -184,26 +187,8 @@ class _Repeated:
             self._compare(Rule.STATE, one, answer, text)
             before = after
 
-    def by_new_instances(self) -> None:
-        """A new instance for every single decision, with nothing but the memory."""
-        text = (
-            "a new instance, given the memory, decides differently from the one asked all along "
-            f"({{}}); {BELONGS}"
-        )
-        self._ask_all(Rule.STATE, self.trial.asked, text)
-
-    def in_other_orders(self) -> None:
-        """One instance asked with the robots in reverse; and one for each robot alone."""
-        queries = [one for step in self.trial.steps for one in reversed(step.asked)]
-        text = "asked with the robots in reverse order it decides differently: {}"
-        self._ask_all(Rule.ORDER, queries, text, self.make())
-        for i in range(self.trial.scene.robots):
-            queries = [one for one in self.trial.asked if one.robot == i]
-            text = "asked for this robot alone it decides differently: {}"
-            self._ask_all(Rule.ORDER, queries, text, self.make())
-
-    def _ask_all(
-        self, rule: Rule, queries: list[Query], text: str, controller: Controller | None = None
+    def all(
+        self, rule: Rule, queries: list[Query], text: str, controller: Controller | None
     ) -> None:
         """Ask one controller for all decisions again, or, without one, a new one for each."""
         for one in self._copyable(queries):

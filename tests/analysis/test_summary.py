@@ -141,6 +141,7 @@ def test_a_contact_between_samples_counts_as_one() -> None:
     assert (one.got, one.held) == (2, False)
     summary = summarise(record)
     assert (len(summary.contacts), len(summary.run.grazes)) == (1, 1)
+    assert re.search(r"contacts</th>\s*<td[^>]*>1</td>", record._repr_html_())
 
 
 def test_contacts_one_by_one() -> None:

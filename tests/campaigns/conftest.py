@@ -15,7 +15,7 @@ from physim.errors import PhysimError
 from tests.campaigns.samples import write
 from tests.helpers import inside
 
-Carried, Job = inside("physim.campaigns", "Carried", "Job")
+Job = inside("physim.campaigns", "Job")
 
 
 @pytest.fixture(scope="module")
@@ -46,17 +46,10 @@ def in_process(monkeypatch: pytest.MonkeyPatch) -> Processes:
 
 
 @pytest.fixture
-def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
+def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     write(tmp_path)
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(sys, "path", list(sys.path))
     for name in ("awkward", "helper"):  # those of another test's folder
         monkeypatch.delitem(sys.modules, name, raising=False)
-    leave_out_carried()
-    yield tmp_path
-    leave_out_carried()
-
-
-def leave_out_carried() -> None:
-    """In place: what a package that a test imports has put there must stay."""
-    sys.meta_path[:] = [one for one in sys.meta_path if not isinstance(one, Carried)]
+    return tmp_path

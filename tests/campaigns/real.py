@@ -26,5 +26,5 @@ def campaign(folder: Path, seeds: range, controllers: tuple[str, ...]) -> list[R
     place = Folder(folder)
     place.open(cells)
     rows = [run_one(replace(cell, seed=seed)) for seed in seeds for cell in cells]
-    place.shards.write(rows)
+    place.rows.write(rows)
     return rows

@@ -14,7 +14,7 @@ from contextlib import suppress
 from physim.errors import PhysimError
 from tests.helpers import inside
 
-Stop, limited = inside("physim.campaigns", "Stop", "limited")
+Stop = inside("physim.campaigns", "Stop")
 
 
 def echo(value: int, stop: Stop) -> int:
@@ -106,6 +106,11 @@ def writes_into_pipes(stop: Stop) -> None:
         with suppress(OSError):
             if stat.S_ISSOCK(os.fstat(number).st_mode):
                 os.write(number, b"\0\0\0\x05hello")
+
+
+def unpicklable(stop: Stop) -> object:
+    """Gives back what cannot be sent."""
+    return lambda: 1
 
 
 def prints(stop: Stop) -> None:

@@ -13,7 +13,8 @@ from physim.campaigns import Folder, Row, RunSpec, spec_of
 from physim.world.file import parse_world
 from tests.helpers import inside
 
-TIMES, rows_of, read_rows = inside("physim.campaigns", "TIMES", "rows_of", "read_rows")
+TIMES, rows_of = inside("physim.campaigns", "TIMES", "rows_of")
+all_rows, in_order = inside("physim.campaigns", "all_rows", "in_order")
 
 WORLD = """\
 name: small
@@ -92,7 +93,7 @@ def specs(count: int, text: str = WORLD) -> list[RunSpec]:
 
 def read(folder: Path) -> pa.Table:
     """All rows of a folder, each run once, whatever its campaign.json tells."""
-    return read_rows(Folder(folder))
+    return in_order(all_rows(Folder(folder))[0])
 
 
 def rows_in(folder: Path) -> list[Row]:
@@ -106,6 +107,6 @@ def without_times(rows: Iterable[Row]) -> list[dict[str, Any]]:
 
 
 def lines_on_disk(folder: Path) -> int:
-    """Rows in all shards; more than runs where some stand there twice."""
+    """Rows in all files; more than runs where some stand there twice."""
     files = (folder / "rows").glob("*.jsonl")
     return sum(len(file.read_bytes().splitlines()) for file in files)

@@ -9,7 +9,7 @@ import pyarrow as pa
 
 TEXTS = ("run", "world", "settings", "controller", "physim", "engine", "ended", "reason",
          "first_contact_pair", "severest_contact_pair", "least_distance_pair",
-         "shortest_collision_time_pair", "not_arrived", "stood", "metrics", "record",
+         "shortest_collision_time_pair", "not_arrived", "stood", "record",
          "world_hash")  # fmt: skip
 WHOLE = ("seed", "robots", "contacts", "contacts_between_robots", "contacts_with_boundaries",
          "grazes", "decisions", "messages")  # fmt: skip
@@ -38,7 +38,7 @@ def row(seed: int = 1, **given: Any) -> dict[str, Any]:
         "shortest_pair_collision_time": 2.0,
         "formation_error_peak": None, "deviation_peak": 0.2, "time_to_finish": 18.0,
         "danger_share": 0.05, "decisions": 900, "messages": 1800, "cpu_seconds": 0.1,
-        "wall_seconds": 0.12, "metrics": "", "record": "", "world_hash": "0123456789ab",
+        "wall_seconds": 0.12, "record": "", "world_hash": "0123456789ab",
     }  # fmt: skip
     made = {**usual, **given}
     words = "-".join(str(made[key]) for key in ("world", "settings", "controller", "seed"))

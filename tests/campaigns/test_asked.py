@@ -10,18 +10,15 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from physim.campaigns import Row, until
 from physim.cli import main
 from tests.campaigns.tables import row, table
 from tests.cli.commands import physim, tree
 from tests.helpers import check_error, examples, facts, inside
-from tests.statistics.coverage import draws
 
 Until, read_until = inside("physim.campaigns", "Until", "read_until")
 write_until = inside("physim.campaigns", "write_until")
-decide, read_goal = inside("physim.statistics", "decide", "read_goal")
-as_stored, merged, missing = inside("physim.campaigns", "as_stored", "merged", "missing")
-ranges_of, Outcomes = inside("physim.campaigns", "ranges_of", "Outcomes")
+read_goal = inside("physim.statistics", "read_goal")
+merged, missing, Outcomes = inside("physim.campaigns", "merged", "missing", "Outcomes")
 
 pytestmark = pytest.mark.usefixtures("in_process")
 
@@ -37,7 +34,6 @@ def test_ranges_hold_the_same_seeds_in_as_few_pieces_as_can_be(ranges: list[rang
     found = merged(ranges)
     assert [k for one in found for k in one] == sorted({k for one in ranges for k in one})
     assert all(one.stop < other.start for one, other in zip(found, found[1:], strict=False))
-    assert ranges_of(json.loads(json.dumps(as_stored(found)))) == found
 
 
 @examples(25, deep=100)
@@ -108,71 +104,30 @@ def test_seeds_that_are_none_are_refused(
     assert tree(here / "out") == before
 
 
-# campaigns that stop when a goal is decided, whoever was done first
-GOOD, BAD = ("yard", "", "good"), ("yard", "", "bad")
-
-
-def run(seed: int, label: tuple[str, str, str] = GOOD, *, contact: bool = False) -> Row:
-    world, settings, controller = label
-    return Row(
-        run=f"{seed:020x}", world=world, seed=seed, settings=settings, controller=controller,
-        physim="0.1.0", engine="pymunk 7.3.1", ended="finished", contacts=int(contact),
-        grazes=0,
-    )  # fmt: skip
-
-
-def stopped_at(folder: Path, rows: list[Row], goal: str, cells: list[tuple[str, str, str]]) -> int:
-    """How many rows it took, asked after each."""
-    decided = until.Decided(folder, Until(read_goal(goal), 1), cells)
-    seen: list[Row] = []
-    for one in rows:
-        seen.append(one)
-        if decided(seen):
-            break
-    return len(seen)
-
-
-def test_it_stops_at_the_first_run_that_decides(tmp_path: Path) -> None:
-    good = draws(1).random(2000) < 0.97
-    rows = [run(seed, contact=not fine) for seed, fine in enumerate(good)]
-    for goal in ("rate > 0.9", "contact_free < 0.9", "0.08"):
-        whole = decide(read_goal(goal), good)
-        assert whole.decided
-        assert stopped_at(tmp_path, rows, goal, [GOOD]) == whole.runs
-    assert (
-        stopped_at(tmp_path, rows, "finished < 0.9", [GOOD])
-        == decide(read_goal("finished < 0.9"), [True] * 2000).runs
+def test_it_stops_at_the_first_run_that_decides(
+    here: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    command = (
+        "sweep",
+        "small.yaml",
+        "--seeds",
+        "0:60",
+        "-o",
+        "out",
+        "--until",
+        "contact_free > 0.2",
     )
+    first = json.loads(physim(*command, "--json", capture=capsys).out)["cells"][0]["decision"]
+    again = json.loads(physim(*command, "--json", capture=capsys).out)
+    assert again["cells"][0]["decision"] == first
+    assert (again["run_now"], first["decided"], first["holds"]) == (0, True, True)
+    assert first["runs"] < 60
 
 
-def test_all_cells_are_to_be_decided(tmp_path: Path) -> None:
-    rows = [
-        run(seed, label, contact=label == BAD and seed % 8 == 0)
-        for seed in range(1000)
-        for label in (GOOD, BAD)
-    ]
-    goal = read_goal("rate > 0.8")
-    runs = [
-        decide(goal, [one.safe for one in rows if one.controller == label[2]]).runs
-        for label in (GOOD, BAD)
-    ]
-    assert runs[0] < runs[1]
-    assert stopped_at(tmp_path, rows, "rate > 0.8", [GOOD, BAD]) == 2 * runs[1]
-
-
-def test_rows_that_come_several_at_a_time_are_as_one_by_one(tmp_path: Path) -> None:
-    rows = [run(seed, contact=seed % 50 == 9) for seed in range(400)]
-    runs = stopped_at(tmp_path, rows, "rate > 0.9", [GOOD])
-    together = until.Decided(tmp_path, Until(read_goal("rate > 0.9"), 1), [GOOD])
-    assert not together(rows[: runs - 1])
-    assert together(rows[: runs + 30])
-    assert together.watches[GOOD].runs == runs
-
-
-def test_the_folder_tells_the_goal_from_the_first_row_on(tmp_path: Path) -> None:
+def test_the_folder_tells_the_goal(tmp_path: Path) -> None:
     assert read_until(tmp_path) is None
     wanted = Until(read_goal("rate > 99%"), 5)
-    until.Decided(tmp_path, wanted, [GOOD])([run(5)])
+    write_until(tmp_path, wanted)
     assert read_until(tmp_path) == wanted
     write_until(tmp_path, Until(read_goal("0.02"), 9))
     assert read_until(tmp_path) == Until(read_goal("0.02"), 5)

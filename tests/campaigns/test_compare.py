@@ -74,7 +74,7 @@ def test_the_test_and_the_verdict_are_of_the_same_question() -> None:
     found = compare(by(Outcomes(table(rows)), "controller"), {"deviation_peak": -1})
     one = finding(found, "deviation_peak")
     assert (one.better, one.only_a, one.only_b, one.ties) == ("b", 2, 57, 41)
-    assert one.corrected < 1e-4
+    assert one.p_corrected < 1e-4
 
 
 def test_p_values_are_those_of_the_tests_corrected_together() -> None:
@@ -85,8 +85,8 @@ def test_p_values_are_those_of_the_tests_corrected_together() -> None:
     assert near.p == sign_test(b - a)
     assert free.p == mcnemar(7, 0)
     small, large = sorted((free, near), key=lambda f: f.p)
-    assert small.corrected == pytest.approx(min(1.0, 2 * small.p))
-    assert large.corrected == pytest.approx(max(small.corrected, large.p))
+    assert small.p_corrected == pytest.approx(min(1.0, 2 * small.p))
+    assert large.p_corrected == pytest.approx(max(small.p_corrected, large.p))
 
 
 @pytest.mark.parametrize("few", [1, 5, 6])
@@ -98,7 +98,7 @@ def test_too_few_pairs_to_show_a_difference_count_in_no_correction(few: int) -> 
     )
     names = {"contact_free": 1, "least_distance": 1}
     alone, (both, other) = compare(large, names), compare([*large, *small], names)
-    unchanged = [f.corrected for f in both.findings] == [f.corrected for f in alone[0].findings]
+    unchanged = [f.p_corrected for f in both.findings] == [f.p_corrected for f in alone[0].findings]
     assert unchanged == (few < FEWEST_PAIRS)
     assert [f.is_tested for f in other.findings] == [few >= FEWEST_PAIRS] * 2
     assert min(2.0 / 2.0**few, 1.0) > ALPHA or few >= FEWEST_PAIRS
@@ -110,7 +110,7 @@ def test_a_difference_that_does_not_survive_the_correction_is_not_shown() -> Non
     assert alone.findings[0].better == "a"
     (among,) = compare(by(outcomes, "controller"))
     free = next(f for f in among.findings if f.name == "contact_free")
-    assert free.p < 0.05 < free.corrected
+    assert free.p < 0.05 < free.p_corrected
     assert free.better == ""
 
 

@@ -31,7 +31,7 @@ def campaign(tmp_path: Path) -> Path:
     folder = tmp_path / "campaign"
     place = Folder(folder)
     place.open(specs(1))
-    place.shards.write([row_without_run(one, FINISHED, "") for one in specs(3)])
+    place.rows.write([row_without_run(one, FINISHED, "") for one in specs(3)])
     assert read(folder).num_rows == 3
     return folder
 
@@ -64,14 +64,6 @@ def test_a_changed_column_is_told_with_its_line(campaign: Path, column: str) -> 
         read(campaign)
 
 
-def test_a_column_given_twice_is_told_with_its_line(campaign: Path) -> None:
-    file = campaign / "rows/9-2-x-1.jsonl"
-    row = json.dumps(asdict(row_without_run(specs(1)[0], FINISHED, "")))
-    file.write_text(f'{row}\n{row[:-1]}, "contacts": 7}}\n', encoding="utf-8")
-    with pytest.raises(PhysimError, match=facts(f"{file}:2", "contacts", "twice")):
-        read(campaign)
-
-
 def test_a_row_behind_which_the_true_one_stands_is_refused_too(campaign: Path) -> None:
     """That of another seed was passed over, as a run that has two rows."""
     run = specs(3)[2]
@@ -88,7 +80,6 @@ class Unused(Executor):
 
 FALSE: list[dict[str, object]] = [
     {"contacts": 0, "shortest_distance": -0.01, "least_distance": -0.01},
-    {"contact_free": True, "contacts": 3},
     {"contacts": 1, "contacts_between_robots": 1, "contacts_with_boundaries": 1},
     {"contacts": 1, "least_distance": 0.2},
     {"contacts": 0, "first_contact": 3.0},

@@ -14,6 +14,12 @@ from tests.helpers import facts, inside
 
 Shard, make_grid, settings_of = inside("physim.campaigns", "Shard", "make_grid", "settings_of")
 simulation_of = inside("physim.campaigns", "simulation_of")
+CONTROLLER, find_part = inside("physim.parts", "CONTROLLER", "find_part")
+settings_model = inside("physim.parts", "settings_model")
+
+
+def settings_of_part(name: str) -> list[str]:
+    return list(settings_model(find_part(CONTROLLER, name)).model_fields)
 
 
 @pytest.mark.parametrize(
@@ -108,6 +114,25 @@ def test_faults_are_told_before_anything_is_run(here: Path, arguments, text: str
         make_grid(*arguments)
 
 
+def test_a_setting_goes_to_the_controllers_that_have_it(here: Path) -> None:
+    controllers = ["mode_switching", "path_following"]
+    only = next(
+        key
+        for key in settings_of_part("mode_switching")
+        if key not in settings_of_part(controllers[1])
+    )
+    axes = [f"controller.{only}=0.3,0.5"]
+    grid = make_grid(["small.yaml"], range(2), axes, controllers)
+    assert [(one.controller, one.settings) for one in grid.cells] == [
+        ("mode_switching", f"controller.{only}=0.3"), ("path_following", ""),
+        ("mode_switching", f"controller.{only}=0.5"),
+    ]  # fmt: skip
+    (told,) = (one for one in grid.warnings if "--set" in one)
+    assert re.search(facts(f"controller.{only}", "path_following"), told)
+    with pytest.raises(PhysimError, match=facts("controller", "nothing")):
+        make_grid(["small.yaml"], range(2), ["controller.nothing=1"], controllers)
+
+
 def test_too_many_are_counted_and_not_made(here: Path) -> None:
     with pytest.raises(PhysimError, match=facts("99,999,999,999", "days", "10,000,000")):
         make_grid(["small.yaml"], range(99_999_999_999), most=None)
@@ -118,7 +143,7 @@ def test_too_many_are_counted_and_not_made(here: Path) -> None:
         make_grid(["small.yaml"], None, axes[:3], most=None)
 
 
-def test_a_run_is_found_by_its_place_and_back(here: Path) -> None:
+def test_a_run_is_known_to_be_one_of_them(here: Path) -> None:
     whole = make_grid(
         ["small.yaml", "fixed.yaml"], range(3, 9), [f"time.duration={','.join('123456789')}"],
         ["constant", "path_following"],
@@ -127,11 +152,11 @@ def test_a_run_is_found_by_its_place_and_back(here: Path) -> None:
     for shard in (Shard(1, 1), Shard(2, 5)):
         grid = replace(whole, shard=shard)
         runs = list(grid)
-        assert runs == [grid[k] for k in range(len(grid))] == grid[:]
+        assert len(runs) == len(grid)
         assert all(grid.has(one.label, one.seed, one.key) for one in runs)
         mine = {one.key for one in runs}
         assert [one for one in whole if one in grid] == [one for one in whole if one.key in mine]
-    one = whole[-1]
+    *_, one = whole
     assert not whole.has(one.label, 9, one.key)
     assert not whole.has(one.label, one.seed, "0" * 20)
     assert not whole.has(("other", "", ""), one.seed, one.key)

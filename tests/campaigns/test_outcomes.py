@@ -65,7 +65,7 @@ def test_what_counts(one: dict[str, object], free: bool, finished: bool, failed_
     assert bool(outcomes.rate[0]) is (free and finished)
     assert bool(outcomes.failed[0]) is failed_
     alone = Row(**{key: value for key, value in one.items() if key in COLUMNS})
-    assert (alone.contact_free, alone.safe) == (free, free and finished)
+    assert alone.came[1:] == (free, finished)
 
 
 def test_all_rows_of_a_large_campaign_are_there() -> None:

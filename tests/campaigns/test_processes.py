@@ -16,7 +16,7 @@ from typing import Any
 
 import pytest
 
-from physim.campaigns import Processes, processes
+from physim.campaigns import Processes, pool
 from physim.errors import PhysimError
 from tests.campaigns import sample_jobs as sample
 from tests.helpers import inside
@@ -29,6 +29,11 @@ deep = pytest.mark.deep
 
 LONGEST = 120.0
 """[s] for a job that takes none"""
+
+
+def ids() -> list[int]:
+    """Numbers of the worker processes."""
+    return [one.pid for one in multiprocessing.active_children() if one.pid is not None]
 
 
 @pytest.fixture
@@ -50,6 +55,7 @@ def executor() -> Iterator[Processes]:
         (sample.writes_everywhere, (), None, LostError, "bad"),
         (sample.leaves_a_copy, (2.0 * LONGEST, 3), None, LostError, "bad"),
         (sample.leaves_a_copy, (2.0 * LONGEST, None), 1.0, OverdueError, "not done after 1 s"),
+        (sample.unpicklable, (), None, RuntimeError, "bad"),
         (sample.hangs, (), 1.0, OverdueError, "not done after 1 s"),
         (sample.hangs_in_native_code, (), 1.0, OverdueError, "not done after 1 s"),
     ],
@@ -78,7 +84,7 @@ def test_what_ends_a_command_does_not_end_its_workers(
     """A terminal sends it to all, also to those that are still importing what they need."""
     futures = [executor.begin(Job("good", sample.echo, (k,))) for k in range(2)]
     while not all(future.done() for future in futures):
-        for worker in executor.ids:
+        for worker in ids():
             os.kill(worker, number)
         wait(futures, timeout=0.005)
     assert [future.result() for future in futures] == [0, 1]
@@ -93,7 +99,7 @@ def test_what_the_code_of_one_leaves_behind_is_not_met_by_that_of_another(
     for name in ("", "a", "b", "", "a", "b", "c", "d", "a", ""):
         job = Job("leaves", sample.leave_behind, (name,), code=name)
         told.append((name, *executor.begin(job).result(timeout=LONGEST)))
-        assert len(executor.ids) <= 5
+        assert len(ids()) <= 5
     assert all(found in (None, name or None) for name, _, found in told)
     again = [number for name, number, _ in told if name == "a"]
     assert again[0] == again[1]  # it had waited for more of the same
@@ -132,8 +138,8 @@ def test_a_program_that_begins_runs_as_it_is_imported_is_told(tmp_path: Path, ho
             os.killpg(process.pid, signal.SIGKILL)
     *before, last = err.splitlines()
     assert process.returncode != 0
-    assert last.endswith(processes.UNGUARDED.removeprefix("; "))
-    assert err.count(processes.UNGUARDED) == 1
+    assert last.endswith(pool.UNGUARDED)
+    assert err.count(pool.UNGUARDED) == 1
     assert err.count("Traceback") == (how != "command")
     assert before == [] or how != "command"
 
@@ -143,7 +149,7 @@ def test_jobs_that_do_not_end_when_told_to_are_stopped_not_lost(
     executor: Processes, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Such as a controller that is slow to decide: what is lost counts as a failure."""
-    monkeypatch.setattr(processes, "LAST_SECONDS", 0.5)
+    monkeypatch.setattr(pool, "LAST_SECONDS", 0.5)
     executor.submit(abs, -4).result()
     futures = [
         executor.begin(Job("deaf", sample.hangs)),

@@ -22,7 +22,7 @@ from tests.helpers import inside
 from tests.helpers.unpacking import unpack
 
 COLUMNS, make_grid = inside("physim.campaigns", "COLUMNS", "make_grid")
-simulation_of, sources_of = inside("physim.campaigns", "simulation_of", "sources_of")
+simulation_of, modules_of = inside("physim.campaigns", "simulation_of", "modules_of")
 CONTROLLER = inside("physim.parts", "CONTROLLER")
 record_run = inside("physim.simulation", "record_run")
 run_data = inside("physim.drawing.page", "run_data")
@@ -168,11 +168,11 @@ def test_sources_of_a_package_with_relative_imports(
         "    def decide(self, observation, memory):\n        return None\n"
     )
     monkeypatch.chdir(tmp_path)
-    found = sources_of([(CONTROLLER, "my_packet.deep.one:One")])
+    found = modules_of([(CONTROLLER, "my_packet.deep.one:One")])
     assert [one.module for one in found] == [
         "my_packet", "my_packet.deep", "my_packet.deep.one", "my_packet.speeds",
     ]  # fmt: skip
-    assert sources_of([(CONTROLLER, "mode_switching")]) == ()
+    assert modules_of([(CONTROLLER, "mode_switching")]) == ()
 
 
 @pytest.mark.parametrize(

@@ -107,7 +107,7 @@ def test_a_kept_record_of_another_run_is_not_shown(tmp_path: Path, capsys) -> No
     place, cell = Folder(tmp_path / "kept"), spec_of(parse_world(WORLD), 1, name="small")
     place.open([cell])
     taken = [take(replace(cell, seed=seed), "all", place.records) for seed in range(3)]
-    place.shards.write([one.row for one in taken if one is not None])
+    place.rows.write([one.row for one in taken if one is not None])
     first, second, _ = (place.records / f"{one.row.run}.h5" for one in taken if one is not None)
     kept = first.read_bytes()
     first.write_bytes(second.read_bytes())

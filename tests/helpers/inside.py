@@ -36,6 +36,8 @@ def _defined(package: str) -> list[tuple[str, set[str]]]:
     assert spec, package
     assert spec.origin, package
     folder = Path(spec.origin).parent
+    if spec.submodule_search_locations is None:
+        return [(package, _names(Path(spec.origin)))]
     return [
         (".".join([package, *file.relative_to(folder).with_suffix("").parts]), _names(file))
         for file in sorted(folder.rglob("*.py"))

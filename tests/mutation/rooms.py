@@ -10,7 +10,7 @@ ROOT = Path(__file__).parents[2]
 
 
 class Room(NamedTuple):
-    """A folder of sources, and names of folders of tests, wherever these lie under ``tests``."""
+    """A folder or file of sources, and names of folders of tests, wherever these lie."""
 
     folder: str
     tests: tuple[str, ...]
@@ -27,7 +27,7 @@ ROOMS = {
     "validation": Room("physim/analysis/validation", ("validation", "forgeries")),
     "crashtest": Room("physim/analysis/crashtest", ("crashtest",)),
     "metrics": Room("physim/analysis/metrics", ("metrics",)),
-    "statistics": Room("physim/statistics", ("statistics",)),
+    "statistics": Room("physim/statistics.py", ("statistics",)),
     "campaigns": Room("physim/campaigns", ("campaigns", "falsify")),
     "drawing": Room("physim/drawing", ("drawing",)),
     "authoring": Room("physim/authoring", ("authoring",)),
@@ -40,7 +40,9 @@ EQUIVALENT: dict[tuple[str, str, str], str] = {}
 def sources_of(room: Room) -> list[str]:
     """Files of a room, without rooms inside it."""
     inner = tuple(f"{one.folder}/" for one in ROOMS.values() if one.folder > room.folder)
-    files = (str(file.relative_to(ROOT)) for file in (ROOT / room.folder).rglob("*.py"))
+    place = ROOT / room.folder
+    found = [place] if place.is_file() else place.rglob("*.py")
+    files = (str(file.relative_to(ROOT)) for file in found)
     return sorted(file for file in files if not file.startswith(inner))
 
 

@@ -10,9 +10,9 @@ import numpy as np
 from tests.helpers import inside
 from tests.mutation.rules import found, given, instead, rule
 
-PAIRED = "physim.statistics.paired:"
-PROPORTION = "physim.statistics.proportion:"
-SEQUENCE = "physim.statistics.sequence:"
+PAIRED = "physim.statistics:"
+PROPORTION = "physim.statistics:"
+SEQUENCE = "physim.statistics:"
 
 
 def counts(a: Any) -> tuple[Any, Any, Any]:
@@ -123,9 +123,7 @@ def all_runs_have_a_say() -> None:
             successes=looks.successes,
         )
 
-    instead(
-        "physim.statistics.goal:running", lambda a: last_look(a.outcomes, a.confidence), here=True
-    )
+    instead("physim.statistics:running", lambda a: last_look(a.outcomes, a.confidence), here=True)
 
 
 @rule("statistics")

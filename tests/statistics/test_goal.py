@@ -35,33 +35,19 @@ def test_goals(text: str, goal: Goal) -> None:
     assert read_goal(str(read)) == read
 
 
-@pytest.mark.parametrize(
-    ("text", "at", "sign"),
-    [
-        ("rate > ", None, ""), ("rate", None, ""), ("", None, ""), ("0", 1, "0"), ("1", 1, "1"),
-        ("120%", 1, "120%"), ("rate > 1.5", 8, "1.5"), ("rate > 101%", 8, "101%"),
-        ("rate >= 0.9", 7, "="), ("rate = 0.9", 6, "="), ("rats > 0.9", 1, "rats"),
-        ("RATE > 0.9", 1, "RATE"), ("0.9 < rate", 5, "<"), ("-0.02", 1, "-0.02"),
-        ("rate > 0.9 and finished > 0.9", 12, "and"), ("rate > -1", 8, "-1"), ("1e-3", 2, "e-3"),
-        ("__import__('os').system('true')", 1, "__import__('"), ("rate > nan", 8, "nan"),
-        ("rate > 0.9\x1b[31m", 11, "\\u001b[31m"),
-    ],
-)  # fmt: skip
-def test_what_is_no_goal_is_refused_with_its_place(text: str, at: int | None, sign: str) -> None:
+@pytest.mark.parametrize("text", [
+    "rate > ", "rate", "", "0", "1", "120%", "rate > 1.5", "rate > 101%", "rate >= 0.9",
+    "rate = 0.9", "rats > 0.9", "RATE > 0.9", "0.9 < rate", "-0.02",
+    "rate > 0.9 and finished > 0.9", "rate > -1", "1e-3", "__import__('os').system('true')",
+    "rate > nan", "rate > 0.9\x1b[31m",
+])  # fmt: skip
+def test_what_is_no_goal_is_refused(text: str) -> None:
     with pytest.raises(ValueError, match="width") as refused:
         read_goal(text)
     told = str(refused.value)
     assert all(rate in told for rate in RATES)
+    assert f'"{text.partition(chr(27))[0]}' in told
     assert "\x1b" not in told
-    assert "\n" not in told
-    if at is not None:
-        assert f"character {at}," in told
-        assert f'"{sign}"' in told
-
-
-def test_a_goal_of_any_length_is_refused_at_once() -> None:
-    with pytest.raises(ValueError, match="width"):
-        read_goal("rate > 0." + "9" * 10**6)
 
 
 def test_what_comes_after_the_decision_has_no_say() -> None:

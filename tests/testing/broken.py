@@ -168,7 +168,7 @@ class _Slotted:
     __slots__ = ("counter",)
 
     def __init__(self) -> None:
-        self.counter = iter(range(1, 10**6))
+        self.counter = (k for k in range(1, 10**6))
 
 
 class CountsOutOfSight(_Slotted):

@@ -10,8 +10,8 @@ Packages may register further metrics, see `physim.analysis.metrics.registered`.
 several tables and pictures of a run share, each worked out once.
 
 Courses over time, along a path or by pair, for pictures and experiments: `formation_errors`,
-`formation_energy`, `deviations`, `averaged_speeds`, `mode_spans`, `pair_distances`,
-`corridor_width`.
+`formation_energy`, `deviations`, `averaged_speeds`, `mode_spans`, `collision_times`,
+`pair_distances`, `corridor_width`.
 
 What has no meaning for a run (the distance between robots of a single one, say) is None or absent,
 not 0; so is what depends on a column that the controller did not declare. "Fig." and numbers in
@@ -34,6 +34,7 @@ from physim.analysis.metrics.contacts import (
 )  # fmt: skip
 from physim.analysis.metrics.distances import (
     Width,
+    collision_times,
     corridor_width,
     farthest_pair,
     pair_distances,
@@ -75,7 +76,6 @@ from physim.analysis.metrics.progress import (
     active_steps,
     column_over_time,
     finished,
-    last_decisions,
     stop_distance,
     time_to_finish,
 )  # fmt: skip
@@ -85,11 +85,12 @@ from physim.analysis.metrics.registry import DEFINITIONS, definition
 __all__ = [
     "DEFINITIONS", "Absent", "AveragedSpeeds", "Deep", "Definition", "Each", "Episode", "Figures",
     "Graze", "Metric", "Moment", "Place", "Series", "Severity", "Width", "absent", "active_steps",
-    "averaged_speeds", "column_over_time", "contact_episodes", "corridor_width", "decisions",
+    "averaged_speeds", "collision_times", "column_over_time", "contact_episodes", "corridor_width",
+    "decisions",
     "deep_contacts", "definition", "desired_leads", "deviation_peak", "deviation_rms", "deviations",
     "evaluations", "farthest_pair", "finished", "formation_energy", "formation_error_final",
     "formation_error_peak", "formation_error_rms", "formation_errors", "formation_parts", "grazes",
-    "has_formation", "last_decisions", "masses", "mean_speed", "measure", "messages", "mode_spans",
+    "has_formation", "masses", "mean_speed", "measure", "messages", "mode_spans",
     "mode_switches", "own_metrics", "own_part", "pair_distances", "placed", "severest", "severity",
     "share_of_modes", "shortest_boundary_distance", "shortest_collision_time", "shortest_distance",
     "stop_distance", "time_to_finish", "updates_per_second",

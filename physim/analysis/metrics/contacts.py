@@ -46,8 +46,8 @@ STOPPED = 1e-6
 
 
 @dataclass(frozen=True)
-class Episode:
-    """A contact that lasts: a maximal run of consecutive samples at which two bodies touch."""
+class Touch:
+    """Two bodies that touch."""
 
     a: int
     """body ids, a < b"""
@@ -55,40 +55,32 @@ class Episode:
     robots: bool
     """both are robots; otherwise b is a boundary or an obstacle"""
     step: int
-    """first sample"""
+    """first sample; of a graze the one at the end of its step"""
     time: float
-    """[s] of the first sample"""
-    samples: int
-    """number of samples"""
+    """[s] of that sample"""
     depth: float
     """[m] greatest depth"""
+    place: tuple[float, float]
+    """[m] world frame, where it began; of a graze where the two are closest"""
+
+
+@dataclass(frozen=True)
+class Episode(Touch):
+    """A contact that lasts: a maximal run of consecutive samples at which two bodies touch."""
+
+    samples: int
+    """number of samples"""
     depth_step: int
-    """the first sample that has it"""
+    """the first sample that has the greatest depth"""
     impact: float
     """[N s] impulse of the first sample: the hit itself"""
     impulse: float
     """[N s] all that the two exchange: the hit and the pushing after it, until they are apart"""
-    place: tuple[float, float]
-    """[m] world frame, where it began"""
 
 
 @dataclass(frozen=True)
-class Graze:
+class Graze(Touch):
     """A contact between two samples: the bodies touch within a step and are apart at its ends."""
-
-    a: int
-    """body ids, a < b"""
-    b: int
-    robots: bool
-    """both are robots; otherwise b is a boundary or an obstacle"""
-    step: int
-    """sample at the end of the step"""
-    time: float
-    """[s] of that sample"""
-    depth: float
-    """[m] greatest depth within the step, 0 when they only touch"""
-    place: tuple[float, float]
-    """[m] world frame, where the two are closest within the step"""
 
 
 def contact_episodes(record: Record) -> tuple[Episode, ...]:
@@ -110,10 +102,9 @@ def contact_episodes(record: Record) -> tuple[Episode, ...]:
         deepest = mine[int(np.argmax(mine["depth"]))]
         episodes.append(
             Episode(
-                a, b, b < record.robots, step, step * record.dt, len(mine),
-                float(deepest["depth"]), int(deepest["step"]),
+                a, b, b < record.robots, step, step * record.dt, float(deepest["depth"]),
+                (float(mine["x"][0]), float(mine["y"][0])), len(mine), int(deepest["step"]),
                 float(run["impulse"][0]), float(run["impulse"].sum()),
-                (float(mine["x"][0]), float(mine["y"][0])),
             )
         )  # fmt: skip
     return tuple(sorted(episodes, key=lambda episode: (episode.step, episode.a, episode.b)))

@@ -56,6 +56,21 @@ def shortest_collision_time(record: Record) -> Moment | None:
     return Moment(float(times[k]), step, step * record.dt, int(row["robot"]))
 
 
+def collision_times(record: Record) -> Series | None:
+    """Least collision time (11) [s] at each step with decisions, over all robots (Figs. 3, 6).
+
+    Time (K,) of the steps, values (K,); inf where the decisions saw no collision coming. None where
+    the controller reports no collision times.
+    """
+    times = record.column("collision_time", absent=np.nan)
+    if np.isnan(times).all():
+        return None
+    steps, place = np.unique(record.updates["step"], return_inverse=True)
+    least = np.full(len(steps), np.inf)
+    np.fmin.at(least, place, times)
+    return Series(steps * record.dt, least)
+
+
 def pair_distances(record: Record, most: int = MOST_DISTANCES) -> tuple[Series, IntArray]:
     """Distances (11) [m] of every pair of robots over time (Figs. 3, 6): 0 where they touch.
 

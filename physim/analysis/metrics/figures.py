@@ -28,7 +28,7 @@ from physim.analysis.metrics.metric import Metric, Moment, Series
 from physim.analysis.metrics.motion import (
     AveragedSpeeds,
     averaged_speeds,
-    sampled_energy,
+    formation_energy,
     sampled_errors,
 )
 from physim.analysis.metrics.progress import Absent, absent, active_steps
@@ -86,7 +86,7 @@ class Figures:
     """`AveragedSpeeds` over 10 s"""
     formation_errors: cached_property[FloatArray | None] = _shared(sampled_errors)
     """(K, N) [m] at the samples"""
-    energy: cached_property[Series | None] = _shared(sampled_energy)
+    energy: cached_property[Series | None] = _shared(formation_energy)
     """Formation energy W [m^2] at the samples, a `Series`"""
 
     @cached_property

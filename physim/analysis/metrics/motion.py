@@ -194,26 +194,34 @@ def sampled_errors(record: Record) -> FloatArray | None:
     return np.asarray(station.mean(axis=1, keepdims=True) - station + lead)
 
 
-def formation_energy(record: Record, every: float = GRID) -> Series | None:
-    """Formation energy W over time, (9): values (K,) [m^2]. None in a run without formation.
+def formation_energy(record: Record) -> Series | None:
+    """Formation energy W at the samples, (9): values (K,) [m^2].
 
-    Of the stations on s* at the samples, taken linear between them; None where there are none.
     Pairs are those of N_i: within the world's ``formation.range`` along s* at that moment, all, or
-    listed. With many robots the moments are farther apart than ``every`` [s]. Raises PhysimError
-    unless that is positive.
+    listed. With many robots at every second, third … sample, and at the last one. None in a run
+    without formation, or without samples.
     """
-    found = _stations(record, every)
-    return None if found is None else Series(found.time, _energies(record, found.values))
+    found = _stations(record)
+    if found is None:
+        return None
+    lead, (pairs, reach) = desired_leads(record), _neighbours(record)
+    energy = np.empty(len(found.time))
+    for k, s in enumerate(found.values):
+        centre = s - lead  # the formation's, as each robot's station and place give it
+        errors = np.square(centre[:, None] - centre)
+        near = np.abs(s[:, None] - s) <= reach if pairs is None else pairs
+        energy[k] = 0.5 * (errors * near).sum()  # (9)
+    return Series(found.time, energy)
 
 
-def formation_parts(record: Record, every: float = GRID) -> Series | None:
+def formation_parts(record: Record) -> Series | None:
     """How many parts a formation is in over time: values (K,), 1 where all are connected.
 
     Parts are robots that chains of neighbours connect, at the moments of `formation_energy`.
     Between parts (7) keeps no distance, and W of (9) counts no error. None in a run without
-    formation, or without samples. Raises PhysimError unless ``every`` [s] is positive.
+    formation, or without samples.
     """
-    found = _stations(record, every)
+    found = _stations(record)
     if found is None:
         return None
     pairs, reach = _neighbours(record)
@@ -224,38 +232,13 @@ def formation_parts(record: Record, every: float = GRID) -> Series | None:
     return Series(found.time, np.full(len(found.time), float(count)))
 
 
-def sampled_energy(record: Record) -> Series | None:
-    """Formation energy W as in `formation_energy`, but at the samples, the last one among them.
-
-    With many robots at every second, third … sample.
-    """
+def _stations(record: Record) -> Series | None:
+    """Stations (K, N) [m] on s* of a run with a formation, at samples that bound the time."""
     if not has_formation(record) or not record.samples:
         return None
     every = -(-record.samples * record.robots**2 // MOST_PAIRS)
     rows = np.append(np.arange(0, record.samples - 1, every), record.samples - 1)
-    return Series(record.time[rows], _energies(record, record.course[rows, :, 2]))
-
-
-def _stations(record: Record, every: float) -> Series | None:
-    """Stations (K, N) [m] on s* of a run with a formation, at moments that bound the time."""
-    check_positive("every", every)
-    if not has_formation(record) or not record.samples:
-        return None
-    moments = record.steps_run * record.dt / every + 1.0
-    every *= max(1.0, np.ceil(moments * record.robots**2 / MOST_PAIRS))
-    return samples_over_time(record, record.course[:, :, 2], every)
-
-
-def _energies(record: Record, station: FloatArray) -> FloatArray:
-    """W (K,) [m^2] of stations (K, N) [m] on s*."""
-    lead, (pairs, reach) = desired_leads(record), _neighbours(record)
-    energy = np.empty(len(station))
-    for k, s in enumerate(station):
-        centre = s - lead  # the formation's, as each robot's station and place give it
-        errors = np.square(centre[:, None] - centre)
-        near = np.abs(s[:, None] - s) <= reach if pairs is None else pairs
-        energy[k] = 0.5 * (errors * near).sum()  # (9)
-    return energy
+    return Series(record.time[rows], record.course[rows, :, 2])
 
 
 def desired_leads(record: Record) -> FloatArray | None:

@@ -214,13 +214,6 @@ def ratio(part: NDArray[Any], whole: NDArray[Any]) -> Each | None:
     return Each(float(part.sum() / whole.sum()), tuple(each))
 
 
-def last_decisions(record: Record) -> IntArray:
-    """Row of the last decision of each robot that has made one, by robot."""
-    robots = record.updates["robot"]
-    _, from_end = np.unique(robots[::-1], return_index=True)
-    return (len(robots) - 1 - from_end).astype(np.int64)
-
-
 def rows_of_robots(record: Record) -> list[Rows]:
     """Decisions of each of the N robots, in the order of time."""
     rows = record.updates
@@ -262,13 +255,8 @@ def column_over_time(record: Record, name: str, every: float = GRID) -> Series:
 
     Exact at decisions, linear between them, held after the last; NaN for a robot without any.
     """
-    time = grid(record, every)
-    values = np.full((len(time), record.robots), np.nan)
-    for robot, rows in enumerate(rows_of_robots(record)):
-        rows = rows[np.isfinite(rows[name])]
-        if len(rows):
-            values[:, robot] = np.interp(time, rows["step"] * record.dt, rows[name])
-    return Series(time, values)
+    rows = [one[np.isfinite(one[name])] for one in rows_of_robots(record)]
+    return _over_time(record, every, [(one["step"] * record.dt, one[name]) for one in rows])
 
 
 def samples_over_time(record: Record, samples: FloatArray, every: float = GRID) -> Series:
@@ -276,9 +264,14 @@ def samples_over_time(record: Record, samples: FloatArray, every: float = GRID) 
 
     NaN in a record without samples.
     """
+    return _over_time(record, every, [(record.time, one) for one in samples.T])
+
+
+def _over_time(record: Record, every: float, known: list[tuple[FloatArray, FloatArray]]) -> Series:
+    """A course by what is known of each robot: times (M,) and values (M,)."""
     time = grid(record, every)
     values = np.full((len(time), record.robots), np.nan)
-    if record.samples:
-        for robot in range(record.robots):
-            values[:, robot] = np.interp(time, record.time, samples[:, robot])
+    for robot, (at, value) in enumerate(known):
+        if len(at):
+            values[:, robot] = np.interp(time, at, value)
     return Series(time, values)

@@ -26,11 +26,9 @@ from typing import NamedTuple
 import numpy as np
 
 from physim.analysis.metrics import Episode, Figures, Graze
-from physim.campaigns.one_run import never, one_line, ready
-from physim.campaigns.runner import POLL_SECONDS, begin
-from physim.campaigns.sources import Source, own_parts, provide, sources_of
+from physim.campaigns.one_run import one_line, ready
+from physim.campaigns.pool import POLL_SECONDS, Job, LostError, OverdueError, Stop, begin, never
 from physim.campaigns.spec import usual_limit
-from physim.campaigns.worker import Job, LostError, OverdueError, Stop
 from physim.errors import WorldError
 from physim.parts.controller import Controller
 from physim.parts.declarations import NO_NUMBER
@@ -185,11 +183,11 @@ def in_this_process(stop: Stop = never) -> Evaluate:
 def by_executor(executor: Executor, world: World, stop: Stop = never) -> Evaluate:
     """Evaluate worlds by the workers of an executor; a run that one of them does not survive, or
     that takes too long, is one that broke off. All have controller and stages of ``world``."""
-    sources, limit = sources_of(own_parts(world)), usual_limit(world)
+    limit, code = usual_limit(world), world.controller.type
 
     def evaluate(worlds: Sequence[World]) -> Iterator[Judged]:
-        given = ((one.to_yaml(), sources) for one in worlds)
-        jobs = (Job("a run", judge_text, one, limit, ready) for one in given)
+        texts = (one.to_yaml() for one in worlds)
+        jobs = (Job("a run", judge_text, (text,), limit, ready, code) for text in texts)
         futures = [begin(executor, job) for job in jobs]
         try:
             for future in futures:
@@ -213,9 +211,8 @@ def by_executor(executor: Executor, world: World, stop: Stop = never) -> Evaluat
     return evaluate
 
 
-def judge_text(text: str, sources: Sequence[Source], stop: Stop = never) -> Judged | None:
+def judge_text(text: str, stop: Stop = never) -> Judged | None:
     """Run a world that is given as text, in a worker; None when it was stopped."""
-    provide(sources)
     try:
         return judge_world(parse_world(text, check_controller=False), stop)
     except StoppedError:

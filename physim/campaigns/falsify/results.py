@@ -17,7 +17,7 @@ from physim.campaigns.falsify.evaluate import Judged, StoppedError, controller_o
 from physim.campaigns.falsify.search import Hunt
 from physim.campaigns.falsify.shrink import Shrunk, size_of
 from physim.campaigns.falsify.space import Space
-from physim.campaigns.one_run import never
+from physim.campaigns.pool import never
 from physim.errors import PhysimError, plural
 from physim.escaping import escaped
 from physim.record import Record

@@ -17,13 +17,13 @@ import math
 import warnings
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 
 from physim.campaigns.falsify.evaluate import Accepts, Evaluate, Judged, StoppedError
 from physim.campaigns.falsify.space import Drawn, Space
-from physim.campaigns.one_run import never
+from physim.campaigns.pool import never
 from physim.drawing.plots.loading import load_matplotlib
 from physim.errors import PhysimError
 from physim.geometry.shapes import FloatArray
@@ -44,18 +44,6 @@ GENERATION = 16
 """Points drawn at random at a time"""
 
 
-class Search(Protocol):
-    """Asks for points and is told what came of them."""
-
-    def ask(self) -> list[FloatArray]:
-        """Return the points (D,) of the next generation, each number in [0, 1]."""
-        ...
-
-    def tell(self, values: Sequence[float | None]) -> None:
-        """Take `Judged.aim` of the generation; None for what could not be judged."""
-        ...
-
-
 class RandomSearch:
     """Points spread evenly over the box, whatever came of others."""
 
@@ -64,7 +52,7 @@ class RandomSearch:
         self._size = len(base)
 
     def ask(self) -> list[FloatArray]:
-        """Return a generation."""
+        """Points (D,) of the next generation, each number in [0, 1]."""
         return list(self._random.random((GENERATION, self._size)))
 
     def tell(self, values: Sequence[float | None]) -> None:
@@ -103,7 +91,7 @@ class Evolution:
         )
 
     def ask(self) -> list[FloatArray]:
-        """Return a generation."""
+        """Points (D,) of the next generation, each number in [0, 1]."""
         with _silent():
             if self._strategy.stop():
                 self._begin(self._random.random(self._size))
@@ -111,7 +99,10 @@ class Evolution:
         return [point[: self._size] for point in self._points]
 
     def tell(self, values: Sequence[float | None]) -> None:
-        """Learn from a whole generation; of a part of one nothing is learnt."""
+        """Learn from `Judged.aim` of a whole generation, None for what could not be judged.
+
+        Of a part of one nothing is learnt.
+        """
         if len(values) < len(self._points):
             return
         known = [WORST if value is None or not math.isfinite(value) else value for value in values]
@@ -226,7 +217,7 @@ def hunt(
     try:
         if judge([Drawn(space.world, False)])[0] is None:
             raise PhysimError(f"the world itself cannot be judged: {found.reason}")
-        search: Search = (RandomSearch if at_random else Evolution)(space.base, seed)
+        search = (RandomSearch if at_random else Evolution)(space.base, seed)
         while not found.over(whole_budget):
             search.tell(judge([space.at(point) for point in search.ask()]))
     except StoppedError:

@@ -28,7 +28,7 @@ import yaml
 
 from physim.campaigns.falsify.evaluate import Accepts, Evaluate, Judged, Moment, StoppedError
 from physim.campaigns.falsify.space import TURN, starts_of
-from physim.campaigns.one_run import never
+from physim.campaigns.pool import never
 from physim.errors import WorldError
 from physim.world import World
 from physim.world.layout.scene_builder import build_scene

@@ -288,8 +288,9 @@ class Space:
 
     def _dimensions(self) -> list[Dimension]:
         found: list[Dimension] = []
-        choice = self.world.controller
-        controller = make_part(CONTROLLER, choice.type, choice.settings, trusted=True)
+        controller, choice = None, self.world.controller
+        if SPEED in self.vary:  # one of one's own is asked only where that is needed
+            controller = make_part(CONTROLLER, choice.type, choice.settings, trusted=True)
         for i, robot in enumerate(self.world.robots):
             x, y, heading = self.starts.base[i].tolist()
             if POSE in self.vary:
@@ -302,7 +303,7 @@ class Space:
                 turn = pi if self._any_heading[i] else TURN
                 ends = heading - turn, heading + turn
                 found.append(Dimension(HEADING, "heading", i, heading, *ends))
-            for key in ("v", "omega") if SPEED in self.vary else ():
+            for key in () if controller is None else ("v", "omega"):
                 limit, least = getattr(robot.limits, key), least_limit(controller, robot, key)
                 if least < limit:
                     found.append(Dimension(SPEED, key, i, limit, least, limit))

@@ -10,13 +10,21 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from physim.campaigns.asked import Asked, Missing, missing
+from physim.campaigns.folder import Asked
 from physim.campaigns.measures import MEASURES, NEAREST, SEVERITY
-from physim.campaigns.outcomes import Cell, FloatArray, Outcomes
+from physim.campaigns.outcomes import Cell, FloatArray, Missing, Outcomes, missing
 from physim.campaigns.spec import Label
-from physim.statistics.goal import RATES, Decision, Goal, decide
-from physim.statistics.proportion import clopper_pearson, failure_bound, runs_needed
-from physim.statistics.sequence import looks_needed, running
+from physim.statistics import (
+    RATES,
+    Decision,
+    Goal,
+    clopper_pearson,
+    decide,
+    failure_bound,
+    looks_needed,
+    running,
+    runs_needed,
+)
 
 SHOWN = 0.999
 """the rate of which is told how many runs without a failure would show it"""

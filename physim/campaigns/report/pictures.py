@@ -11,14 +11,13 @@ from typing import Any
 from urllib.parse import urlencode
 
 from physim.analysis.metrics import Figures, Metric, Moment
-from physim.campaigns.columns import COLUMNS, Row
 from physim.campaigns.folder import PAGES, STILLS, VIDEOS, Folder
 from physim.campaigns.one_run import simulation_of
-from physim.campaigns.outcomes import DONE
 from physim.campaigns.replay import check, spec_of_row
 from physim.campaigns.report.contents import Report
 from physim.campaigns.report.page import Shown
 from physim.campaigns.report.text import pair_and_time
+from physim.campaigns.rows import COLUMNS, DONE, Row
 from physim.errors import PhysimError
 from physim.record import Record
 from physim.simulation.run import record_run

@@ -12,13 +12,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from physim.campaigns.columns import FAILED
 from physim.campaigns.outcomes import CELL, Outcomes
 from physim.campaigns.report.text import over_seeds, replay, run_name
+from physim.campaigns.rows import FAILED
 from physim.campaigns.spec import Label
 from physim.campaigns.sweep import Tally
 from physim.errors import plural
-from physim.statistics.goal import Decision
+from physim.statistics import Decision
 
 MOST_NAMED = 10
 """Runs that are named"""
@@ -69,7 +69,7 @@ def sweep_values(
         "asked": tally.asked,
         "there_before": tally.before,
         "run_now": tally.done,
-        "run_elsewhere_meanwhile": tally.elsewhere,
+        "run_elsewhere_meanwhile": 0,
         "interrupted": tally.interrupted,
         "cells": [
             {**one, "decision": asdict(decisions[label]) if label in decisions else None}
@@ -88,10 +88,9 @@ def sweep_values(
 def counts_of(outcomes: Outcomes, draws: Mapping[Label, str]) -> list[dict[str, Any]]:
     """What came of every cell, with all rows that there are of it, and what the seed draws."""
     found = []
-    codes, words = outcomes.ended
     for label, drawn in draws.items():
         rows = _rows(outcomes, label)
-        ends = Counter(words[code] for code in codes[rows].tolist())
+        ends = Counter(outcomes.ended[rows].tolist())
         found.append({
             **dict(zip(CELL, label, strict=True)),
             "runs": len(rows),

@@ -12,14 +12,13 @@ from dataclasses import asdict, astuple
 from itertools import compress
 from typing import Any, NamedTuple
 
-from physim.campaigns.asked import Missing
 from physim.campaigns.compare import ALPHA, FEWEST_PAIRS, Comparison
 from physim.campaigns.measures import MEASURES, RATE_TITLES, SEVERITY, TOLD, measure_of
-from physim.campaigns.outcomes import CELL, Outcomes
+from physim.campaigns.outcomes import CELL, Missing, Outcomes
 from physim.campaigns.report.contents import SHOWN, CellReport, Rate, Report, Robots
 from physim.errors import plural
 from physim.escaping import escaped
-from physim.statistics.goal import Decision, Goal
+from physim.statistics import Decision, Goal
 from physim.units import amount, count, interval, percent
 
 MOST_ROWS = 200
@@ -433,8 +432,9 @@ def finding_table(one: Comparison) -> Table:
         p, better = "", "not tested"
         if found.is_tested:
             shift += f" [{low}, {high}]"
-            p = f"{found.corrected:.2g}" if found.corrected < 0.1 else f"{found.corrected:.2f}"
-            p, better = "< 0.0001" if found.corrected < 1e-4 else p, found.better.upper()
+            p, better = f"{found.p_corrected:.2f}", found.better.upper()
+            if found.p_corrected < 0.1:
+                p = f"{found.p_corrected:.2g}" if found.p_corrected >= 1e-4 else "< 0.0001"
         if found.pairs < (one.seeds if found.is_tested else FEWEST_PAIRS):
             better += f"{': ' if better else ''}{plural(found.pairs, 'pair')}"
         won = f"{found.only_a}:{found.only_b}" if found.only_a or found.only_b else ""
@@ -475,13 +475,7 @@ def comparison_values(comparisons: Sequence[Comparison], looked: bool = False) -
                 "failed_b": one.b.failed,
                 "unlike": one.unlike,
                 "findings": [
-                    {
-                        "name": f.name, "pairs": f.pairs, "a": f.a, "b": f.b,
-                        "difference": f.difference, "low": f.low, "high": f.high,
-                        "only_a": f.only_a, "only_b": f.only_b, "ties": f.ties,
-                        "tested": f.is_tested, "p": f.p, "p_corrected": f.corrected,
-                        "better": f.better or None,
-                    }
+                    {**asdict(f), "ties": f.ties, "tested": f.is_tested, "better": f.better or None}
                     for f in one.findings
                 ],
             }

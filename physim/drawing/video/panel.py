@@ -21,25 +21,23 @@ from physim.drawing.video.canvas import (
     TITLE,
     TRAIL,
     Box,
+    Fleet,
     Image,
     Lens,
+    draw_closest,
+    draw_contacts,
     draw_progress,
+    draw_ring,
+    draw_robots,
     draw_scale,
+    draw_targets,
+    draw_trails,
     shorten,
     width,
     wrapped,
     write,
 )
 from physim.drawing.video.ground import Ground
-from physim.drawing.video.marks import (
-    Fleet,
-    draw_closest,
-    draw_contacts,
-    draw_ring,
-    draw_robots,
-    draw_targets,
-    draw_trails,
-)
 from physim.drawing.video.view import Pair
 from physim.geometry.shapes import FloatArray
 from physim.parts.declarations import Mode

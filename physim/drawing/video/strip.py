@@ -19,13 +19,13 @@ from physim.drawing.video.canvas import (
     SHIFT,
     SMALL,
     Image,
+    draw_contacts,
     draw_lines,
     fixed,
     shorten,
     width,
     write,
 )
-from physim.drawing.video.marks import draw_contacts
 from physim.geometry.shapes import FloatArray
 
 LEFT, TOP, BOTTOM, NAMES = 58, 30, 28, 78

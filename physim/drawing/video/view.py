@@ -6,7 +6,6 @@ robots that touch something have names: all others would hide what they name.
 
 from __future__ import annotations
 
-import itertools
 import math
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, NamedTuple
@@ -30,29 +29,26 @@ from physim.drawing.video.canvas import (
     TEXT,
     TRAIL,
     Box,
+    Fleet,
     Image,
     Lens,
     Sprite,
+    draw_closest,
+    draw_contacts,
     draw_disc,
     draw_lines,
+    draw_ring,
+    draw_robots,
+    draw_targets,
+    draw_trails,
     fixed,
     shorten,
     size_of,
     sprite,
     stamp,
 )
-from physim.drawing.video.ground import Background, Ground
-from physim.drawing.video.marks import (
-    Fleet,
-    draw_closest,
-    draw_contacts,
-    draw_ring,
-    draw_robots,
-    draw_targets,
-    draw_trails,
-)
+from physim.drawing.video.ground import Background, Ground, Whole, notes, write_corner
 from physim.drawing.video.names import Labels
-from physim.drawing.video.whole import Whole, notes, write_corner
 from physim.geometry.shapes import FloatArray, IntArray
 from physim.units import amount
 
@@ -245,13 +241,13 @@ class View:
             return pair
         self._background.paint(view, lens)
         self._draw_trails(view, lens, now)
-        places, reach = lens.pixels(now.pose[:, :2]), timeline.scene.reach * lens.scale + 3.0
-        inside = (places >= -reach[:, None]) & (places <= self.box.size + reach[:, None])
-        seen = np.flatnonzero(inside.all(axis=1))
         if not self._crowd:
             draw_targets(view, lens, now.pose[:, :2], now.targets)
         touching = timeline.contacts.touching(now.time, timeline.robots)
         vertices = lens.fixed(self._fleet.placed(now.pose))
+        boxes = self._fleet.boxes(vertices)
+        inside = (boxes[:, 2:] >= 0.0) & (boxes[:, :2] <= self.box.size)
+        seen = np.flatnonzero(inside.all(axis=1))
         outlines = self._fleet.split(vertices, seen.tolist())
         colours = [now.colours[k] for k in seen.tolist()]
         draw_robots(view, outlines, colours, touching[seen].tolist())
@@ -261,18 +257,13 @@ class View:
         if pair is not None:
             draw_closest(view, lens, pair.points)
         self._mark_contacts(view, lens, now.time)
-        boxes = self._fleet.boxes(vertices)
-        named = np.arange(timeline.robots)
+        drawn = dict(zip(seen.tolist(), outlines, strict=True))
+        named = list(drawn)
         if self._crowd:
             first = [] if pair is None else [pair.a, pair.b]
-            named = np.array([*dict.fromkeys((*first, *np.flatnonzero(touching).tolist()))], int)
-        shown = (boxes[:, 2:] >= 0.0) & (boxes[:, :2] <= self.box.size)
-        of = dict(zip(seen.tolist(), outlines, strict=True))
-        chosen = (k for k in named.tolist() if k in of and shown[k].all())
-        shapes = {
-            robot: np.concatenate(of[robot].rings) / ONE
-            for robot in itertools.islice(chosen, MOST_NAMED if self._crowd else None)
-        }
+            those = dict.fromkeys((*first, *np.flatnonzero(touching).tolist()))
+            named = [robot for robot in those if robot in drawn][:MOST_NAMED]
+        shapes = {robot: np.concatenate(drawn[robot].rings) / ONE for robot in named}
         self._write_labels(view, lens, now, pair, shapes, boxes)
         if over and (lines := notes(timeline)):
             write_corner(view, ["at the end", *lines], boxes)
@@ -289,13 +280,15 @@ class View:
         def places(rows: IntArray, time: float) -> FloatArray:
             return lens.pixels(np.array([contacts.place_at(k, time) for k in rows]).reshape(-1, 2))
 
-        recent = contacts.recent(time, lasts)
+        recent, present = contacts.recent(time, lasts), contacts.present(time)
+        if not len(recent) + len(present):
+            return
         for row in recent[contacts.apart[recent] > lasts]:
             began = float(contacts.began[row])
             share, place = (time - began) / (FLASH * self._speed), places(np.array([row]), began)[0]
             if share < 1.0 and np.isfinite(place).all():
                 draw_ring(view, place, 9.0 + 25.0 * share, 4)
-        shown = np.union1d(recent, contacts.present(time))
+        shown = np.union1d(recent, present)
         rows = contacts.latest(shown)
         for swept in (False, True):
             chosen = places(rows[contacts.swept[rows] == swept], time)

@@ -3,8 +3,14 @@
 from __future__ import annotations
 
 from physim.reproduction.studies.bends import BENDS, ROUTES
-from physim.reproduction.studies.danger_mode import AVOIDANCE, HYSTERESIS, SWITCHING, THRESHOLDS
-from physim.reproduction.studies.efficiency import OPERATION, UPDATES
+from physim.reproduction.studies.group import (
+    AVOIDANCE,
+    HYSTERESIS,
+    OPERATION,
+    SWITCHING,
+    THRESHOLDS,
+    UPDATES,
+)
 from physim.reproduction.studies.straight_road import ALPHA, ENERGY
 from physim.reproduction.study import Study
 

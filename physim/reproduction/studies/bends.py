@@ -151,7 +151,7 @@ BENDS = Study(
     shown={
         "after_bends": Shown("root mean square error after a bend", "m"),
         "end_of_straights": Shown("at the end of the straight that follows", "m"),
-        "over_theory": Shown("time constant over 1/(α N)", line=1.0),
+        "over_theory": Shown("time constant over 1/(αN)", line=1.0),
     },
 )
 

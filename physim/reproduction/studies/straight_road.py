@@ -207,7 +207,7 @@ ALPHA = Study(
     conclude=conclude_gain,
     shown={
         "time_constant": Shown("time constant of the errors", "s", logarithmic=True),
-        "over_theory": Shown("over that of the theory, 1/(α λ₂)", line=1.0),
+        "over_theory": Shown("over that of the theory, 1/(αλ₂)", line=1.0),
     },
 )
 

@@ -150,6 +150,15 @@ def test_updates_per_second_is_of_active_robots() -> None:
     assert rate == metrics.Each(pytest.approx(7.5), (pytest.approx(10.0), pytest.approx(5.0), None))
 
 
+def test_collision_times_are_the_least_of_each_step() -> None:
+    nan, inf = np.nan, np.inf
+    told = [(0, 0, 3.0), (0, 1, 2.0), (10, 0, inf), (20, 0, nan), (20, 1, 5.0)]
+    rows = [{"step": s, "robot": r, "collision_time": t} for s, r, t in told]
+    time, values = metrics.collision_times(history(rows)) or (None, None)
+    assert time == pytest.approx([0.0, 0.1, 0.2])
+    assert list(values) == [2.0, inf, 5.0]
+
+
 @pytest.mark.parametrize("robots", [2, 3])
 def test_pair_distances_hold_every_nearest_one(robots: int) -> None:
     with make_record(robots=robots, contacts=False, seconds=3.0) as record:

@@ -166,7 +166,7 @@ def test_times_asked_for_are_positive(wrong: Any) -> None:
     record = make_record(seconds=1.0)
     for measure, name in (
         (metrics.deviations, "every"), (metrics.averaged_speeds, "every"),
-        (metrics.averaged_speeds, "window"), (metrics.formation_energy, "every"),
+        (metrics.averaged_speeds, "window"),
     ):  # fmt: skip
         with pytest.raises(PhysimError, match=f"{name}: a positive number of seconds"):
             measure(record, **{name: wrong})

@@ -11,7 +11,7 @@ from tests.campaigns.falsify.worlds import five_robots, into_the_wall, judge, pa
 from tests.helpers import inside
 
 Evolution, RandomSearch = inside("physim.campaigns.falsify", "Evolution", "RandomSearch")
-Search, Judged = inside("physim.campaigns.falsify", "Search", "Judged")
+Judged = inside("physim.campaigns.falsify", "Judged")
 Touched, hunt, Space = inside("physim.campaigns.falsify", "Touched", "hunt", "Space")
 ROBOTS, WALL, judged = inside("physim.campaigns.falsify", "ROBOTS", "WALL", "judged")
 
@@ -92,7 +92,7 @@ class Breaks:
 
 
 # the search alone, on functions whose least value is known
-def least(search: Search, runs: int, target: np.ndarray) -> float:
+def least(search: Evolution | RandomSearch, runs: int, target: np.ndarray) -> float:
     """Least distance from a point that a search reaches."""
     found = np.inf
     while runs > 0:

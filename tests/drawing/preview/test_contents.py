@@ -10,6 +10,9 @@ from physim import build_scene, simulate
 from physim.analysis import metrics
 from physim.world.file import load_world, parse_world
 from tests.drawing.preview.worlds import NARROW, shown, world
+from tests.helpers import inside
+
+items = inside("physim.drawing", "items")
 
 
 @pytest.mark.parametrize("name", ["three_robots", "nonconvex"])
@@ -32,8 +35,9 @@ def test_the_safe_area_is_that_of_the_run(name: str) -> None:
     loaded = load_world(name)
     scene, seen = build_scene(loaded), shown(loaded.to_yaml()).scene
     assert seen.safe_distance > 0.0
-    assert shapely.equals(seen.accessible_area, scene.area.polygon)
-    edge = seen.safe_area.boundary
+    region = inside("physim.drawing", "region")
+    assert shapely.equals(region(seen.accessible), scene.area.polygon)
+    edge = region(seen.safe).boundary
     gap = scene.area.polygon.boundary.distance(edge)
     assert gap == pytest.approx(seen.safe_distance, rel=0.01)
     rings = [shapely.LinearRing(ring) for ring in scene.area.safe_rings(seen.safe_distance)]

@@ -7,6 +7,7 @@ replays, to the bit at the same coordinates.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from math import cos, sin
 from typing import NamedTuple
 
@@ -33,7 +34,7 @@ LEAST = 1e-6
 """[m/s, rad/s] least limit of a robot that does not use it"""
 
 Place = tuple[float, float]
-Walls = tuple[tuple[FloatArray, ...], ...]
+Walls = tuple[Sequence[FloatArray], ...]
 """Convex parts or segments of each line and each solid"""
 
 
@@ -58,7 +59,7 @@ def draw_case(seed: int, number: int, origin: Place, store: Store) -> Case:
     for _ in range(TRIES):
         layout = KINDS[kind](draft)
         lines = (tuple(line[k : k + 2] for k in range(len(line) - 1)) for line in layout.lines)
-        walls = (*lines, *(solid.parts for solid in layout.solids))
+        walls = (*lines, *(parts for _, *parts in layout.solids))
         if _is_clear(layout, walls):
             return Case(number, kind, dt, origin, layout, walls)
     return Case(number, kind, dt, origin, draft.aligned(across=True), ())
@@ -151,5 +152,5 @@ def case_world(case: Case, seed: int, reason: str) -> World:
         reference_path=[(x - 5.0, y - HALF_WIDTH + 1.0), (x + 5.0, y - HALF_WIDTH + 1.0)],
         robots=robots,
         controller={"type": "constant", "commands": commands},
-        obstacles=[solid.outline.tolist() for solid in layout.solids],
+        obstacles=[outline.tolist() for outline, *_ in layout.solids],
     )

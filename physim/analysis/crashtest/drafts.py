@@ -66,15 +66,6 @@ class Footprint(NamedTuple):
     """the one body, for kernels"""
 
 
-class Solid(NamedTuple):
-    """An obstacle, world frame [m]."""
-
-    outline: FloatArray
-    """(n, 2)"""
-    parts: tuple[FloatArray, ...]
-    """convex"""
-
-
 class Layout(NamedTuple):
     """What stands and moves, before it is known to be clear at the start."""
 
@@ -86,7 +77,8 @@ class Layout(NamedTuple):
     """(r, 2) v [m/s], omega [rad/s], held"""
     lines: tuple[FloatArray, ...] = ()
     """boundaries as drawn, (n, 2) [m] each, world frame"""
-    solids: tuple[Solid, ...] = ()
+    solids: tuple[tuple[FloatArray, ...], ...] = ()
+    """outline (n, 2) [m] of each obstacle and its convex parts, world frame"""
 
 
 class Store(NamedTuple):
@@ -300,12 +292,12 @@ class Draft:
         reach = self.rng.uniform(0.0, 1.05) * (robot.radius + solid.radius)
         middle = np.array(self.origin) + reach * np.array((cos(bearing), sin(bearing)))
         x, y = direction
-        outline, *parts = (
+        turned = tuple(
             middle
             + np.stack((x * part[:, 0] - y * part[:, 1], y * part[:, 0] + x * part[:, 1]), axis=1)
             for part in (solid.outline, *solid.parts)
         )
-        return self._alone(robot)._replace(solids=(Solid(outline, tuple(parts)),))
+        return self._alone(robot)._replace(solids=(turned,))
 
     def _facing(self, robot: Footprint, line: FloatArray) -> Layout:
         return self._alone(robot)._replace(lines=(line,))

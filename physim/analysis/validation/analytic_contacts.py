@@ -12,6 +12,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -317,14 +318,11 @@ def near_rows(
     The other blocks begin with a sample that has been looked at already.
     """
     first = 0 if start == 0 else 1
-
-    def robots(who: IntArray, values: FloatArray) -> int:
-        return scan_robots(poses, first, shapes, reach, dt, who, values)
-
-    def boundaries(who: IntArray, values: FloatArray) -> int:
-        return scan_walls(poses, first, shapes, walls, reach, dt, who, values)
-
-    found = [room.filled(robots, 2), room.filled(boundaries, 2)]
+    scans = (
+        partial(scan_robots, poses, first, shapes, reach, dt),
+        partial(scan_walls, poses, first, shapes, walls, reach, dt),
+    )
+    found = [room.filled(scan, 2) for scan in scans]
     rows = np.zeros(sum(len(who) for who, _ in found), NEAR)
     who = np.concatenate([pair[0] for pair in found])
     values = np.concatenate([pair[1] for pair in found])

@@ -117,30 +117,18 @@ class Comparison:
         return sum(one.cause == UNEXPLAINED for one in self.disagreements)
 
 
-@dataclass(frozen=True)
-class Exact:
-    """What the shapes say at all samples."""
-
-    extremes: Extremes
-    """shortest and largest distances, when, of whom"""
-    disagreements: tuple[Disagreement, ...]
-    """where ``/steps/clearance`` or ``/steps/boundary_clearance`` differ by more than
-    `DEPTH_SLACK`: one for each robot and block of samples"""
-
-
 def compare(
     record: Record,
     analytic: AnalyticContacts,
-    exact: Exact,
-    extremes: Iterable[Disagreement] = (),
+    distances: Iterable[Disagreement],
 ) -> Comparison:
-    """Hold contacts and distances of a record against the shapes; ``extremes`` are held already.
+    """Hold the contacts of a record against the shapes; disagreements of ``distances`` are known.
 
     Raises RecordError for a contact between samples before the start.
     """
     found = [
         *_contacts(record, analytic), *_swept_contacts(record, analytic), *_false_contacts(record),
-        *exact.disagreements, *extremes,
+        *distances,
     ]  # fmt: skip
     found.sort(key=lambda one: (one.step, one.a, -1 if one.b is None else one.b))
     samples = analytic.samples
@@ -347,8 +335,12 @@ def _false_contacts(record: Record) -> Iterator[Disagreement]:
 # Distances
 
 
-def exact_distances(record: Record) -> Exact:
-    """Compute every distance of a record with the poses of every step, block by block."""
+def exact_distances(record: Record) -> tuple[Extremes, list[Disagreement]]:
+    """Compute every distance of a record with the poses of every step, block by block.
+
+    Shortest and largest distances, when, of whom; and where ``/steps/clearance`` or
+    ``/steps/boundary_clearance`` differ by more than `DEPTH_SLACK`: one for each robot and block.
+    """
     shapes, walls = record.shapes, record.walls
     wall_grid = build_wall_grid(walls, REACH, CELL)
     extremes = Extremes(record.robots)
@@ -369,7 +361,7 @@ def exact_distances(record: Record) -> Exact:
                 )
                 other, steps = int(others[k, i]), int(np.count_nonzero(wrong[:, i]))
                 found.append(_at(record, i, other, first + k, exact[k, i], text, steps))
-    return Exact(extremes, tuple(found))
+    return extremes, found
 
 
 def _at(
@@ -388,7 +380,7 @@ def distance_at(record: Record, a: int, b: int, step: int) -> float:
 
 
 def check_extremes(
-    record: Record, whole: Record, analytic: AnalyticContacts, exact: Exact
+    record: Record, whole: Record, analytic: AnalyticContacts, exact: Extremes
 ) -> Iterator[Disagreement]:
     """Where ``/extremes`` and ``/extremes_farthest`` are not those of the shapes.
 
@@ -397,7 +389,7 @@ def check_extremes(
     a run. A killed run may have noted some of after its last sample, or not yet.
     """
     killed = record.ended == "running"
-    due = exact.extremes.rows.copy()
+    due = exact.rows.copy()
     for one in reversed(analytic.approaches):  # ends with the nearest
         columns, _ = SMALLEST[one.b >= record.robots]
         for me, other in ((one.a, one.b), (one.b, one.a)):
@@ -411,7 +403,7 @@ def check_extremes(
             noted, true = ([row[column].item() for column in columns] for row in pair)
             is_one = least[i] <= noted[0] <= most[i] if killed else False
             yield from _moment(whole, i, noted, true, f"smallest distance to the {what}", is_one)
-    (*noted, a, b), (*true, _, other) = record.farthest.item(), exact.extremes.farthest.item()
+    (*noted, a, b), (*true, _, other) = record.farthest.item(), exact.farthest.item()
     what, is_one = "largest distance of robots", killed and noted[0] <= true[0]
     yield from _moment(whole, max(a, 0), [*noted, b], [*true, other], what, is_one)
 

@@ -24,13 +24,14 @@ from physim.analysis.validation.analytic_contacts import (
     pose_blocks,
     walls_about,
 )
-from physim.analysis.validation.comparison import SMALLEST, Exact
+from physim.analysis.validation.comparison import SMALLEST
 from physim.analysis.validation.decisions import DecisionTable
 from physim.analysis.validation.responsibility import has_priority
 from physim.compiled import compiled
 from physim.geometry.collision import collision_time_pair, collision_time_walls
 from physim.geometry.shapes import FloatArray, IntArray, Shapes, read_only
 from physim.record import Record
+from physim.record.writer import Extremes
 from physim.tolerances import CONTACT
 
 MOST_LISTED = 10
@@ -83,10 +84,10 @@ class NearMisses:
 
 
 def near_misses(
-    record: Record, analytic: AnalyticContacts, table: DecisionTable, exact: Exact
+    record: Record, analytic: AnalyticContacts, table: DecisionTable, exact: Extremes
 ) -> NearMisses:
     """Find the near misses of a record with the poses of every step; all by the shapes."""
-    dt, rows = record.dt, exact.extremes.rows
+    dt, rows = record.dt, exact.rows
     distances = [
         NearMiss(near.a, near.b, near.step, near.step * dt, near.distance)
         for near in analytic.approaches

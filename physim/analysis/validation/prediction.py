@@ -39,9 +39,9 @@ AGREES = "agrees"
 DISAGREES = "disagrees"
 NOT_COMPARED = "cannot be compared: "
 """begins the third verdict, which ends in why"""
-NOT_AS_COMMANDED = f"{NOT_COMPARED}pushed"
-TOUCHED_BEFORE = f"{NOT_COMPARED}touched before"
-NO_DECISION = f"{NOT_COMPARED}no decision"
+NOT_AS_COMMANDED = f"{NOT_COMPARED}a robot was pushed"
+TOUCHED_BEFORE = f"{NOT_COMPARED}they touched before"
+NO_DECISION = f"{NOT_COMPARED}no decision before it"
 
 
 @dataclass(frozen=True)

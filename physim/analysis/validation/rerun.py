@@ -22,7 +22,7 @@ from physim.analysis.validation.mismatch import (
     unlike_attributes,
     unlike_scene,
 )
-from physim.analysis.validation.origin import controller_name
+from physim.analysis.validation.origin import PATHS, controller_name
 from physim.contacts import CONTACT_ROW, FALSE_CONTACT_ROW
 from physim.errors import ControllerError, PhysimError, RecordError, WorldError
 from physim.geometry.shapes import FloatArray
@@ -47,7 +47,7 @@ if TYPE_CHECKING:
 Rows = NDArray[np.void]
 BY = "simulated again"
 BEFORE = ("name", "world", "seed", "dt", "steps_planned")
-AFTER = ("safe_distance", "steps_run", "rejected_contacts", "ended")
+AFTER = ("safe_distance", "ended", "steps_run", "rejected_contacts")
 """Attributes that are compared: what was to be run, and last of all how it went"""
 BLOCK = 4096
 """Samples that are compared at a time"""
@@ -95,8 +95,6 @@ def simulation_again(
     """
     from physim.simulation.loop import Simulation
 
-    if not record.world_text.strip():
-        raise AgainError(record, "it holds no text of its world")
     if not record.noted_until:
         raise AgainError(record, "it made no step")
     try:
@@ -248,7 +246,7 @@ def _first(record: Record, again: Record, until: int, exact: bool, whole: bool) 
     """First difference: what is known before the run, then by time, then what sums it up."""
     before = chain(
         unlike_attributes(record, again, BEFORE, BY),
-        unlike_scene(record, again, FIXED, BY, exact) if exact else (),
+        unlike_scene(record, again, FIXED if exact else PATHS, BY, exact),
     )
     if found := next(before, None):
         return found
@@ -268,12 +266,9 @@ def _table(
     if name not in record.tables and path != "/commands":
         return None
     tables = [one.considered if path == OTHERS else one.read(path) for one in (record, again)]
-    if not path.endswith("contacts"):
-        if record.ended == "running":
-            there, wanted = (int((rows["step"] == until).sum()) for rows in tables)
-            until -= there < wanted
-        else:
-            until -= not whole
+    there, wanted = (int((rows["step"] == until).sum()) for rows in tables)
+    is_cut = not whole or (record.ended == "running" and there < wanted)
+    until -= is_cut and not path.endswith("contacts")
     rows, others = (rows[rows["step"] <= until] for rows in tables)
     return first_difference(record, path, rows, others, BY, exact)
 
@@ -283,17 +278,15 @@ def _samples(record: Record, again: Record, path: str, until: int, exact: bool) 
     count = int(np.searchsorted(record.steps, until, side="right"))
     for low in range(0, count, BLOCK):
         steps = record.steps[low : min(low + BLOCK, count)]
-        begins = np.append(record.steps[low - 1] + 1 if low else 0, steps[:-1] + 1)
-        repeated = again.read(path, int(begins[0]), int(steps[-1]) + 1)
-        steps = steps[: np.searchsorted(steps, begins[0] + len(repeated))]
-        if path == "/steps/pose":
-            repeated = repeated[steps - begins[0]]
-        elif len(steps):
-            least = np.minimum.reduceat(repeated, begins[: len(steps)] - begins[0], axis=0)
-            repeated = least[: len(steps)]
-        recorded = record.read(path, low, min(low + BLOCK, count))
-        steps = record.steps[low : low + len(recorded)]
-        if found := first_difference(record, path, recorded, repeated, BY, exact, steps):
+        first = int(record.steps[low - 1]) + 1 if low else 0
+        every = again.read(path, first, int(steps[-1]) + 1)
+        ends = steps[steps < first + len(every)] - first
+        thinned = every[ends]
+        if path != "/steps/pose" and record.record_every > 1 and len(ends):
+            begins = np.append(0, ends[:-1] + 1)
+            thinned = np.minimum.reduceat(every[: ends[-1] + 1], begins, axis=0)
+        recorded = record.read(path, low, low + len(steps))
+        if found := first_difference(record, path, recorded, thinned, BY, exact, steps):
             return found
     return None
 
@@ -306,7 +299,8 @@ def _after(
     killed = record.ended == "running"
     if whole and not killed:
         broken = record.ended == "error" and again.ended != "finished"
-        yield from unlike_attributes(record, again, AFTER[: -1 if broken else None], BY)
+        names = (name for name in AFTER if name != "ended" or not broken)
+        yield from unlike_attributes(record, again, names, BY)
     for path in (EXTREMES, EXTREMES_FARTHEST) if exact and not killed else ():
         rows, others = (np.atleast_1d(one.read(path)) for one in (record, again))
         if found := first_difference(record, path, rows, others, BY, exact=True):

@@ -218,19 +218,20 @@ def judge(
     whole = again if again is not None and missing(record) else record
     check_complete(whole)
     inside = world_inside(record)
-    analytic, exact = analytic_contacts(whole), exact_distances(whole)
+    analytic, (exact, distances) = analytic_contacts(whole), exact_distances(whole)
     table = DecisionTable(whole)
     rerun = None if again is None else compare_runs(record, again)
     is_again = whole is again or (rerun is not None and rerun.exact)
     recomputed = recompute(record, whole, inside, table, is_again)
     parted = whole is again and rerun is not None and not rerun.whole
-    extremes = () if parted else check_extremes(record, whole, analytic, exact)
+    if not parted:
+        distances += check_extremes(record, whole, analytic, exact)
     if why_not:
         left_out = (*recomputed.left_out, f"the run simulated again: {why_not}")
         recomputed = replace(recomputed, left_out=left_out)
     return Validation(
         _run(record, whole, source or str(record.path or "in memory")),
-        compare(whole, analytic, exact, extremes),
+        compare(whole, analytic, distances),
         contacts_of(whole, analytic, table, Predictor(whole, table)),
         swept_contacts(whole, table), near_misses(whole, analytic, table, exact),
         check_motion(whole, table, inside.scene.mass if inside.fits(whole) else None),
@@ -275,41 +276,40 @@ UNITS = "m, s, rad, m/s, rad/s, N s; world frame"
 
 def json_of_validation(validation: Validation) -> str:
     """JSON of one run. Infinite values are the text "inf"; what was not looked at is null."""
-    values, names = plain(validation), validation.names
+    values, names = _plain(validation), validation.names
     for key in ("contacts", "grazes"):
         for one, said in zip(getattr(validation, key), values[key], strict=True):
             said["sentences"] = sentences(one, names)
-    return json_text(
-        {
-            "format": "physim-validation",
-            "version": 2,
-            "units": UNITS,
-            "verdict": validation.verdict,
-            "exit_code": validation.code,
-            "unexplained": validation.unexplained,
-            "pairs_in_contact": validation.pairs,
-            **values,
-        }
-    )
+    found = {
+        "format": "physim-validation",
+        "version": 2,
+        "units": UNITS,
+        "verdict": validation.verdict,
+        "exit_code": validation.code,
+        "unexplained": validation.unexplained,
+        "pairs_in_contact": validation.pairs,
+        **values,
+    }
+    return json.dumps(found, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
 
 
-def plain(value: Any) -> Any:
+def _plain(value: Any) -> Any:
     """Value in types that JSON knows; modes and rules by their names."""
     if isinstance(value, Mode | Rule):
         return value.name
     if isinstance(value, Setup):
-        return plain(value.to_dict())
+        return _plain(value.to_dict())
     if is_dataclass(value) and not isinstance(value, type):
         return {
-            field.metadata.get("json", field.name): plain(getattr(value, field.name))
+            field.metadata.get("json", field.name): _plain(getattr(value, field.name))
             for field in fields(value)
         }
     if isinstance(value, tuple) and hasattr(value, "_asdict"):
-        return plain(value._asdict())
+        return _plain(value._asdict())
     if isinstance(value, dict):
-        return {str(key): plain(item) for key, item in value.items()}
+        return {str(key): _plain(item) for key, item in value.items()}
     if isinstance(value, list | tuple):
-        return [plain(item) for item in value]
+        return [_plain(item) for item in value]
     if isinstance(value, float):
         if math.isnan(value):
             return None
@@ -317,8 +317,3 @@ def plain(value: Any) -> Any:
             return "inf" if value > 0 else "-inf"
         return float(value)
     return value
-
-
-def json_text(value: dict[str, Any]) -> str:
-    """JSON as it is written to files."""
-    return json.dumps(value, indent=2, ensure_ascii=False, allow_nan=False) + "\n"

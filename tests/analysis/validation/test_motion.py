@@ -110,7 +110,7 @@ def test_a_robot_that_stands_may_be_pushed_by_the_energy_of_another():
 
 def test_a_contact_that_is_too_deep_is_told_loudly(tmp_path, rear_end):
     assert validate(rear_end).deep == ()
-    assert summarise(rear_end).deep_contacts == ()
+    assert summarise(rear_end).run.deep == ()
     touching = rear_end.contacts[rear_end.contacts["phase"] != 2]
 
     def deeper(rows):

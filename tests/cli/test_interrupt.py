@@ -62,7 +62,7 @@ def check_record(path: Path) -> None:
         assert record.steps.tolist() == list(range(record.samples))
         assert np.isfinite(record.pose).all()
         assert record.updates["step"].max() < record.steps_run <= record.updates["next_step"].max()
-        assert summarise(record).ended == "interrupted"
+        assert summarise(record).run.record.ended == "interrupted"
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])

@@ -157,7 +157,7 @@ TOGETHER: Table = {
      "controller={alpha: 1}"): ("--set controller", "path_following", "controller.KEY=VALUE"),
     ("sweep", "ten_robots", "--seeds", "1:3", "--set", "seed=7"): ("--set seed", "--seeds"),
     ("sweep", "three_robots", "--seeds", "1:9", "--until", "rate > x"): (
-        '--until "rate > x":', "character 8",
+        '--until "rate > x":', "RATE < or > NUMBER",
     ),
     ("sweep", "three_robots", "--seeds", "1:9", "--until", "2"): (
         "--until 2:", "0.02", "contact_free",

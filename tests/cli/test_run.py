@@ -67,8 +67,8 @@ def test_a_run_writes_record_video_and_summary(here: Path, capsys) -> None:
     as_json = physim("summary", folder / "record.h5", "--json", capture=capsys)
     assert as_json.out == (folder / "summary.json").read_text()
     figures = json.loads(as_json.out)
-    assert figures["simulated_s"] == 2.0
-    assert figures["contacts"]["count"] == 0
+    assert figures["metrics"]["simulated_time"]["value"] == 2.0
+    assert figures["contacts"] == []
     assert [one["key"] for one in figures["expectations"]] == ["contacts"]
 
     before = (folder / "video.mp4").read_bytes()

@@ -443,7 +443,7 @@ def still(
 
 
 def _timelines(record: Record, beside: Record | None) -> list[Timeline]:
-    return [Timeline(one) for one in (record, beside) if one is not None]
+    return [Timeline(record)] if beside is None else [Timeline(record), Timeline(beside)]
 
 
 def _duration(timelines: list[Timeline]) -> float:

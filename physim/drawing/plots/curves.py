@@ -27,7 +27,6 @@ from physim.analysis.metrics import (
 from physim.analysis.metrics.motion import WINDOW
 from physim.analysis.metrics.progress import samples_over_time
 from physim.drawing.crowd import MOST_LINES, quantiles
-from physim.drawing.labels import decimal, signed
 from physim.drawing.plots.frame import (
     USUAL,
     Paper,
@@ -43,6 +42,7 @@ from physim.drawing.plots.frame import (
 from physim.drawing.plots.style import BAND, CYCLE, INK, NARROW, QUIET, RULE, robot_colour
 from physim.geometry.shapes import FloatArray
 from physim.record import Record
+from physim.units import true_minus
 
 MOST_TOGETHER = 4
 """Robots whose deviations share an axis; those of more would tangle."""
@@ -124,8 +124,8 @@ def deviation(record: Record, paper: Paper = USUAL) -> Any:
         handles = draw_courses(axes[0], record, time, values) + handles
     axes[0].margins(y=0.35 if apart else 0.2)
     who = "" if apart else f" ({names_of(record, [peak.a])})"
-    mark(axes[(peak.a or 0) if apart else 0], peak.time, peak.value, f"{signed(peak.value)} m{who}",
-         below=peak.value < 0.0)  # fmt: skip
+    mark(axes[(peak.a or 0) if apart else 0], peak.time, peak.value,
+         f"{true_minus(f'{peak.value:+z.2f}')} m{who}", below=peak.value < 0.0)  # fmt: skip
     if rms is not None:
         words = f"rms of all {rms.value:.2f} m" if apart else f"root mean square {rms.value:.2f} m"
         axes[1 if apart else 0].set_title(words, loc="right", fontsize=8.0, pad=1.5)
@@ -193,7 +193,7 @@ def formation(record: Record, paper: Paper = USUAL) -> Any:
     k = int(np.argmin(np.abs(course.time - peak.time)))
     value = float(np.copysign(peak.value, course.values[k, peak.a]))
     above.margins(y=0.2)
-    text = f"{decimal(value, 2)} m ({names_of(record, [peak.a])})"
+    text = f"{true_minus(f'{value:z.2f}')} m ({names_of(record, [peak.a])})"
     mark(above, peak.time, value, text, below=value < 0.0)
     above.set_title(f"within {final.value:.2f} m of zero at the end", loc="right", fontsize=8.5)
     energy = formation_energy(record)

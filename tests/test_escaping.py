@@ -12,7 +12,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from physim.errors import place_text, plural
-from physim.escaping import escaped, escaped_lines, html_table, html_text
+from physim.escaping import escaped, escaped_lines
+from physim.html import labelled
+from physim.html import text as html_text
 from physim.units import amount
 from tests.helpers import examples
 
@@ -70,7 +72,7 @@ def test_in_html_a_text_is_only_text(text: str) -> None:
 
 
 def test_in_a_table_labels_and_texts_are_only_texts() -> None:
-    table = html_table([("<b>", "</td><script>1</script>"), ("a", "\u202eb")])
+    table = labelled([("<b>", "</td><script>1</script>"), ("a", "\u202eb")])
     assert re.findall(r"<(\w+)", table) == ["table", "tr", "th", "td", "tr", "th", "td"]
     assert r"\u202eb" in table
 

@@ -76,7 +76,7 @@ def table(names: Sequence[str], seeds: tuple[int, int], jobs: int) -> dict[str, 
             for seed in drawn:
                 given = (arm, seed, (measure,))
                 work[name, arm.label, seed] = Job(f"{name} seed {seed}", run, given)
-    found = do_all(work.items(), lambda *_: (), jobs, lambda: False, progress)
+    found = do_all(work.items(), jobs, lambda: False, progress)
     rows = {}
     for name in names:
         arms = [

@@ -313,7 +313,7 @@ def test_modes_of_one_s_own_have_their_names_and_colours() -> None:
 
 def test_modes_tell_each_share(record: Record) -> None:
     figure = modes(record)
-    safe = metrics.share_of_modes(record, danger=False)
+    safe = metrics.Figures(record).metric("safe_share")
     assert safe is not None
     assert texts(figure, "share") == [f"{share:.0%}" for share in safe.robots if share is not None]
     assert 0.55 < safe.value < 1.0

@@ -54,10 +54,10 @@ Figures = Mapping[str, float]
 
 def measure(record: Record) -> Figures:
     """Outcome of one run, from its record alone."""
-    rows = record.contacts
+    rows, found = record.contacts, metrics.Figures(record)
     touching = np.unique(rows["step"][rows["phase"] != Phase.ENDED])
     return {
-        "contacts": float(len(metrics.contact_episodes(record)) + len(metrics.grazes(record))),
+        "contacts": float(len(found.episodes) + len(found.grazes)),
         "finished": float(record.ended == "finished"),
         **rule_shares(record),
         "depth": float(rows["depth"].max()) if len(rows) else 0.0,
@@ -76,7 +76,7 @@ def table(names: Sequence[str], seeds: tuple[int, int], jobs: int) -> dict[str, 
             for seed in drawn:
                 given = (arm, seed, (measure,))
                 work[name, arm.label, seed] = Job(f"{name} seed {seed}", run, given)
-    found = do_all(work.items(), lambda *_: (), jobs, lambda: False, progress)
+    found = do_all(work.items(), jobs, lambda: False, progress)
     rows = {}
     for name in names:
         arms = [

@@ -14,7 +14,7 @@ import statistics
 from concurrent.futures import Executor
 from typing import NamedTuple
 
-from physim.analysis.metrics import contact_episodes, grazes
+from physim.analysis.metrics import Figures
 from physim.campaigns.cluster import executor
 from physim.campaigns.grid import make_grid
 from physim.campaigns.one_run import simulation_of
@@ -76,14 +76,14 @@ def study(name: str, seeds: range, workers: Executor) -> None:
 def told_contacts(record: Record) -> list[str]:
     """Who touched whom, when, where and how deep, a line each; touches between samples too."""
     lines = []
-    for episode in contact_episodes(record):
+    for episode in Figures(record).episodes:
         a, b = (record.bodies[i].name for i in (episode.a, episode.b))
         x, y, _ = record.pose[round(episode.time / record.dt), episode.a]
         lines.append(
             f"{a} and {b} at {episode.time:.2f} s near ({x:.0f}, {y:.0f}), "
             f"{1e3 * episode.depth:.1f} mm deep"
         )
-    for graze in grazes(record):
+    for graze in Figures(record).grazes:
         a, b = (record.bodies[i].name for i in (graze.a, graze.b))
         lines.append(
             f"{a} and {b} between samples before {graze.time:.2f} s, "

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import re
 from dataclasses import dataclass
 from pathlib import Path
@@ -99,24 +98,6 @@ def dotted(location: Location) -> str:
 def plural(count: int, one: str, many: str = "") -> str:
     """``1 robot``, ``2 robots``."""
     return f"{count} {one if count == 1 else many or one + 's'}"
-
-
-def decimal_text(value: float, digits: int, most: int) -> str:
-    """A number with so many decimals, and more, up to ``most``, where two digits take more.
-
-    ``digits`` is what figures of metres need; a world of centimetres has smaller ones.
-    """
-    size = abs(value)
-    if size < 0.5 * 10.0**-most:
-        value = 0.0  # zero has no minus sign
-    if 0.0 < size < 1.0:
-        digits = min(max(digits, 1 - math.floor(math.log10(size))), most)
-    return f"{value:.{digits}f}"
-
-
-def amount_text(value: float, digits: int) -> str:
-    """As `decimal_text`, up to six decimals, and with commas between thousands."""
-    return f"{value:,.{digits}f}" if abs(value) >= 1.0 else decimal_text(value, digits, 6)
 
 
 def place_text(x: float, y: float, digits: int = 6) -> str:

@@ -2,13 +2,10 @@
 
 Control signs (C0, C1), signs that turn the direction of writing, signs without a width and all
 separators but the space are written as ``\\uXXXX``, which JSON reads as the same sign; beyond
-U+FFFF as a pair of these. In HTML a text is text only.
+U+FFFF as a pair of these.
 """
 
 from __future__ import annotations
-
-from collections.abc import Iterable
-from html import escape as as_entities
 
 
 def escaped(text: str) -> str:
@@ -33,21 +30,6 @@ def escaped_lines(text: str, encoding: str | None = None) -> str:
     except LookupError:  # nobody knows that encoding
         return lines.encode("ascii", "backslashreplace").decode("ascii")
     return lines
-
-
-def html_text(text: str) -> str:
-    """A text as HTML in which it is only text."""
-    return as_entities(escaped(text))
-
-
-def html_table(rows: Iterable[tuple[str, str]]) -> str:
-    """Table of labels and texts, as HTML in which these are only texts."""
-    lines = (
-        f'<tr><th scope="row" align="left">{html_text(label)}</th>'
-        f'<td align="left">{html_text(text)}</td></tr>'
-        for label, text in rows
-    )
-    return f"<table>{''.join(lines)}</table>"
 
 
 def escape(sign: str) -> str:

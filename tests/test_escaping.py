@@ -11,8 +11,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from physim.errors import amount_text, place_text, plural
-from physim.escaping import escaped, escaped_lines, html_table, html_text
+from physim.errors import place_text, plural
+from physim.escaping import escaped, escaped_lines
+from physim.html import labelled
+from physim.html import text as html_text
+from physim.units import amount
 from tests.helpers import examples
 
 ANY = st.text(st.characters(codec=None) | st.sampled_from("\x00\x1b\x7f\x85\x9b\u202e\u2066\ud800"))
@@ -69,7 +72,7 @@ def test_in_html_a_text_is_only_text(text: str) -> None:
 
 
 def test_in_a_table_labels_and_texts_are_only_texts() -> None:
-    table = html_table([("<b>", "</td><script>1</script>"), ("a", "\u202eb")])
+    table = labelled([("<b>", "</td><script>1</script>"), ("a", "\u202eb")])
     assert re.findall(r"<(\w+)", table) == ["table", "tr", "th", "td", "tr", "th", "td"]
     assert r"\u202eb" in table
 
@@ -104,5 +107,5 @@ def test_places_are_told_to_the_centimetre_far_from_the_origin(given, told) -> N
 
 def test_small_amounts_keep_two_digits_and_large_ones_have_commas() -> None:
     """The impulses of a robot of 0.15 kg were all 0.0 N s."""
-    told = [amount_text(x, 1) for x in (0.00798, 0.39, 0.0, 12.34, -0.02, 12345.6)]
-    assert told == ["0.0080", "0.39", "0.0", "12.3", "-0.020", "12,345.6"]
+    told = [amount(x, "N s", 1) for x in (0.00798, 0.39, 0.0, 12.34, -0.02, 12345.6)]
+    assert told == ["0.0080 N s", "0.39 N s", "0.0 N s", "12.3 N s", "-0.020 N s", "12,345.6 N s"]

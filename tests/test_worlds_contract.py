@@ -10,7 +10,7 @@ import pytest
 import shapely
 
 from physim import Scene, World, build_scene, simulate
-from physim.analysis.metrics import finished
+from physim.analysis.metrics import Figures
 from physim.analysis.summary import summarise
 from physim.analysis.validation import validate
 from physim.world.file import load_world, parse_world
@@ -132,7 +132,11 @@ def test_a_run_repeats_and_holds_every_expectation(name: str) -> None:
         assert again.clearance.tobytes() == record.clearance[:k].tobytes()
         _check_run(record, world)
         assert [one for one in summarise(record).expectations if not one.held] == []
-        assert finished(record) == (record.ended == "finished") == world.expect.finished
+        assert (
+            Figures(record).value("finished")
+            == (record.ended == "finished")
+            == world.expect.finished
+        )
         if world.expect.finished:
             robots, last = np.unique(record.updates["robot"][::-1], return_index=True)
             modes = np.unique(record.updates["mode"][::-1][last])

@@ -487,18 +487,13 @@ def _child(process: int, thread: int) -> Processes:
     return Processes(1)
 
 
-Follow = Callable[[Any, dict[Any, Any]], Iterable[tuple[Any, Job]]]
-"""Jobs with their keys that a result makes possible: of its key and all results so far."""
-
-
 def do_all(
     jobs: Iterable[tuple[Any, Job]],
-    follow: Follow,
     workers: int,
     stop: Stop,
     progress: Callable[[int, int, str], None],
 ) -> dict[Any, Any]:
-    """Results of jobs by key, with those that follow from them, which come first.
+    """Results of jobs by key.
 
     When ``stop`` says True no job is begun, those in progress end early, and what is done is
     returned. ``progress`` gets done, total and a note. Raises the error of a job, or PhysimError
@@ -507,9 +502,9 @@ def do_all(
     waiting, done = deque(jobs), dict[Any, Any]()
     note = waiting[0][1].note if waiting else ""
 
-    def queued() -> Iterator[tuple[Any, Job] | None]:
-        while True:  # there may be more after it was empty
-            yield waiting.popleft() if waiting else None
+    def queued() -> Iterator[tuple[Any, Job]]:
+        while waiting:
+            yield waiting.popleft()
 
     def tell(busy: int) -> None:
         progress(len(done), len(done) + busy + len(waiting), note)
@@ -522,7 +517,6 @@ def do_all(
                 raise error
             if result is not None:
                 done[key] = result
-                waiting.extendleft(reversed(list(follow(key, done))))
     finally:
         executor.shutdown(cancel_futures=True)
     return done

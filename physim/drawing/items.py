@@ -61,8 +61,14 @@ def items(scene: SceneModel) -> list[Item]:
     robots share, and paths, stops and robots of a crowd, have one colour for all, each path once.
     """
     edges = [closed(ring) for ring in scene.solid_rings]
+    areas = [Item("accessible area", scene.accessible, "floor", 0.0, Level.AREA)]
+    if scene.safe_distance > 0.0:
+        areas = [
+            Item("danger area", scene.accessible, "danger", 0.0, Level.AREA),
+            Item("safe area", scene.safe, "safe", 0.0, Level.AREA),
+        ]
     found = [
-        *(Item(one.name, one.rings, one.key, 0.0, Level.AREA) for one in scene.areas),
+        *areas,
         Item("obstacle", scene.solid_rings, "obstacle", 0.0, Level.SOLID),
         Item("reference path", (scene.reference,), "reference", 2.0, Level.REFERENCE),
         *_paths(scene),

@@ -19,6 +19,7 @@ from typing import NamedTuple
 import numpy as np
 
 from physim.geometry.shapes import FloatArray
+from physim.units import decimals, true_minus
 
 MOST_CHARACTERS = 400
 """of a text: no picture has room for more"""
@@ -28,7 +29,7 @@ NUMBERED = re.compile(r"[\w-]*[^\W\d]-?([0-9]{1,5})")
 # In words
 
 
-def round_step(span: float, most: int) -> float:
+def round_step(span: float, most: float) -> float:
     """Return the smallest of 1, 2, 5 × a power of ten that divides ``span`` into ``most`` parts."""
     if not (span > 0.0 and math.isfinite(span)):
         return 1.0
@@ -46,40 +47,15 @@ def ticks(low: float, high: float, most: int) -> list[tuple[float, str]]:
 
 def number(value: float, step: float) -> str:
     """Write a tick: as many decimals as the step between ticks needs, and a true minus sign."""
-    return decimal(value, max(0, -math.floor(math.log10(step) + 1e-9)))
-
-
-def decimal(value: float, decimals: int) -> str:
-    """Write a number with a true minus sign, and none before a zero."""
-    return f"{round(value, decimals) + 0.0:.{decimals}f}".replace("-", "\N{MINUS SIGN}")
-
-
-def signed(value: float, decimals: int = 2) -> str:
-    """Write a number with its sign, a plus too."""
-    return ("+" if value > 0.0 else "") + decimal(value, decimals)
-
-
-def true_minus(text: str) -> str:
-    """Return words with numbers, their signs as those on axes are."""
-    return text.replace("-", "\N{MINUS SIGN}")
-
-
-def metres(length: float) -> str:
-    """Write a distance with two decimals, three below 0.1 m; an overlap has a true minus sign."""
-    fine = abs(length) < 0.0995
-    return f"{decimal(length, 3 if fine else 2)} m"
+    digits = max(0, -math.floor(math.log10(step) + 1e-9))
+    return true_minus(decimals(value, digits, digits))
 
 
 def significant(value: float, digits: int = 3) -> str:
     """Write a length: some significant digits, from 1 on with their zeros, and whole metres."""
     if value >= 10.0 ** (digits - 1):
         return f"{value:,.0f}"
-    return f"{value:#.{digits}g}" if value >= 1.0 else plain(value, digits)
-
-
-def plain(value: float, digits: int = 3) -> str:
-    """Write a finite number with some significant digits, and never with an exponent."""
-    return f"{Decimal(f'{value:.{digits}g}'):f}"
+    return f"{value:#.{digits}g}" if value >= 1.0 else f"{Decimal(f'{value:.{digits}g}'):f}"
 
 
 def clean(text: str) -> str:

@@ -11,12 +11,12 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 import numpy as np
 import shapely
 
-from physim.drawing.palette import UNDECIDED, Colour, keyed, rgb, robot_colour
+from physim.drawing.palette import UNDECIDED, Colour, rgb, robot_colour
 from physim.geometry.area import united
 from physim.geometry.polygon import convex_parts
 from physim.geometry.shapes import FloatArray, Polylines, Shapes
@@ -32,25 +32,8 @@ SEAM = 1e-6
 HAIR = 1e-6
 """Share of L by which a path may miss the safe area and still count as in it: paths that run along
 its very edge."""
-
-
 FAR = 0.2
 """Distance of the reference point from the centroid, over the reach, from which it is shown."""
-
-
-class Area(NamedTuple):
-    """An area of the ground."""
-
-    name: str
-    key: str
-    """of its colour, in `palette.KEYS`"""
-    rings: tuple[FloatArray, ...]
-    """(n, 2), even-odd"""
-
-    @property
-    def colour(self) -> Colour:
-        """Its colour, on white."""
-        return keyed(self.key)
 
 
 @dataclass(frozen=True, eq=False)
@@ -181,16 +164,6 @@ class SceneModel:
     def outlines(self) -> tuple[FloatArray, ...]:
         """Outline (n, 2) of each robot, in its frame."""
         return tuple(shape.rings[0] for shape in self.shapes)
-
-    @cached_property
-    def areas(self) -> tuple[Area, ...]:
-        """Areas that there are, in the order of drawing: one, or danger and in it safe area."""
-        if self.safe_distance <= 0.0:
-            areas = [Area("accessible area", "floor", self.accessible)]
-        else:
-            danger = Area("danger area", "danger", self.accessible)
-            areas = [danger, Area("safe area", "safe", self.safe)]
-        return tuple(area for area in areas if area.rings)
 
     @cached_property
     def solid_rings(self) -> tuple[FloatArray, ...]:

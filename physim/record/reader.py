@@ -16,7 +16,8 @@ import numpy as np
 from physim.contacts import Kind, Phase
 from physim.drafts import discard, draft_of
 from physim.errors import PhysimError, RecordError, WorldError
-from physim.escaping import escaped, html_table
+from physim.escaping import escaped
+from physim.html import labelled
 from physim.parts.declarations import Declared, Mode
 from physim.parts.given import GivenSettings
 from physim.record import layout
@@ -170,7 +171,7 @@ class Record(RecordedHistory):
         """What a notebook shows of it; `physim.page` shows the run itself."""
         began = self.contacts["phase"] == Phase.BEGAN
         found = np.count_nonzero(began & (self.contacts["kind"] == Kind.PHYSICAL))
-        return html_table(
+        return labelled(
             [
                 ("record", self.name),
                 ("seed", str(self.seed)),

@@ -89,7 +89,7 @@ def _path_following(record: Record) -> Measures:
     gap = np.abs(station[:, :1] - turns)
     near = gap.min(axis=1, initial=np.inf) <= AT_TURN
     settled = station[:, 0] - station[0, 0] > START
-    speeds = metrics.averaged_speeds(record)
+    speeds = metrics.Figures(record).averaged
     passed = np.abs(speeds.time[:, None] - time[gap.argmin(axis=0)]).argmin(axis=0)
     rotation, is_left = speeds.rotational[passed, 0], turning(path, turns, 1e-6) > 0.0
     return {
@@ -106,7 +106,7 @@ def _formation(record: Record) -> Measures:
     course = metrics.formation_errors(record)
     if course is None:
         return {}
-    speeds, deviation = metrics.averaged_speeds(record), metrics.deviations(record).values
+    speeds, deviation = metrics.Figures(record).averaged, metrics.deviations(record).values
     size, mean = np.abs(deviation).max(axis=0), np.nanmean(deviation, axis=0)
     _, station = metrics.column_over_time(record, "reference_station")
     in_bend = (np.abs(turning(record.reference.points, station, BEND_SPAN)) > BEND).any(axis=1)
@@ -205,8 +205,8 @@ def _space(record: Record) -> Measures:
 
 def _modes(record: Record) -> Measures:
     """Shares of safe mode of Robots 5, 8 and 10 and of the others."""
-    found = metrics.share_of_modes(record, danger=False)
-    if found is None or len(found.robots) != ROBOTS:
+    found = metrics.Figures(record).metric("safe_share")
+    if found is None or found.robots is None or len(found.robots) != ROBOTS:
         return {}
     share = np.array([np.nan if one is None else one for one in found.robots])
     calm = np.isin(np.arange(1, ROBOTS + 1), SAFE_ONES)

@@ -238,7 +238,7 @@ def reproduce(
 
     Raises PhysimError when a run fails. When ``stop`` says True the report holds what is done.
     """
-    found = do_all(plan.jobs(folder), lambda *_: (), workers, stop, progress)
+    found = do_all(plan.jobs(folder), workers, stop, progress)
     sections = [_part_section(part, plan, found) for part in plan.parts]
     sections += [_study_section(study, plan, found, folder) for study in plan.studies]
     figures = {

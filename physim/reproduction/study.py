@@ -15,7 +15,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from physim.analysis.metrics import evaluations
 from physim.analysis.metrics.progress import active_time
 from physim.geometry.shapes import FloatArray
 from physim.record import Record
@@ -252,12 +251,13 @@ def measure_group(record: Record) -> dict[str, float]:
     """Figures of a run of a group: those of `GROUP`, and contacts and arrival."""
     found = figures(record, *METRICS)
     distances = (found["shortest_distance"], found["shortest_boundary_distance"])
-    seconds, computed = float(active_time(record).sum()) or math.nan, evaluations(record)
+    seconds = float(active_time(record).sum()) or math.nan
+    computed = figures(record, "collision_time_evaluations")["collision_time_evaluations"]
     return {
         **found,
         "kept": min((value for value in distances if not math.isnan(value)), default=math.nan),
         "updates": found["updates_per_second"],
         "messages": found["messages"] / seconds,
-        "evaluations": (math.nan if computed is None else computed) / seconds,
+        "evaluations": computed / seconds,
         **rule_shares(record),
     }

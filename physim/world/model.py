@@ -24,7 +24,7 @@ from pydantic import (
 )
 
 from physim.errors import Fault, Location
-from physim.escaping import html_table
+from physim.html import labelled
 from physim.world.base import Model
 from physim.world.faults import KeyFault, describe
 from physim.world.group import Entry, RobotGroup, each_robot, limited
@@ -188,7 +188,7 @@ class World(Model):
             "formation": formation,
             "controller": self.controller.type,
         }
-        return html_table((label, text) for label, text in rows.items() if text)
+        return labelled((label, text) for label, text in rows.items() if text)
 
     @property
     def entries(self) -> tuple[Robot | RobotGroup, ...]:

@@ -175,23 +175,19 @@ def echo(value: int) -> Job:
 
 def run(
     jobs: Iterable[tuple[Any, Any]],
-    follow: Callable[[Any, Any], Any] = lambda key, found: (),
     stop: Callable[[], bool] = lambda: False,
     progress: Callable[[int, int, str], None] = lambda done, total, note: None,
 ) -> dict[Any, Any]:
-    found: dict[Any, Any] = do_all(jobs, follow, 2, stop, progress)
+    found: dict[Any, Any] = do_all(jobs, 2, stop, progress)
     return found
 
 
 @pytest.mark.usefixtures("in_process")
-def test_results_by_key_also_of_jobs_that_follow() -> None:
-    def follow(key: Any, found: dict[Any, int]) -> list[tuple[Any, Job]]:
-        return [((key, "next"), echo(found[key] + 1))] if isinstance(key, int) else []
-
+def test_results_by_key() -> None:
     seen: list[tuple[int, int, str]] = []
-    found = run([(0, echo(10)), (1, echo(20))], follow, progress=lambda *now: seen.append(now))
-    assert found == {0: 10, (0, "next"): 11, 1: 20, (1, "next"): 21}
-    assert all(0 <= done < total <= 4 and note == "echo" for done, total, note in seen)
+    found = run([(0, echo(10)), (1, echo(20))], progress=lambda *now: seen.append(now))
+    assert found == {0: 10, 1: 20}
+    assert all(0 <= done < total <= 2 and note == "echo" for done, total, note in seen)
 
 
 @pytest.mark.usefixtures("in_process")

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 import physim
 from physim import Decision
-from physim.analysis.metrics import absent
+from physim.analysis.metrics import Figures
 from physim.analysis.validation import validate
 from tests.helpers import inside
 
@@ -156,5 +156,5 @@ def test_who_is_pushed_away_from_its_stop_has_not_arrived_any_more(
         assert away > 0.01
         assert (record.arrived[0] < 0) == is_far
         assert validate(record).code in (0, 1)
-        text = [one.sentence("it") for one in absent(record) if one.robot == 0]
+        text = [one.sentence("it") for one in Figures(record).absent if one.robot == 0]
         assert [words in one for one in text] == [True] * is_far

@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 from physim import Decision, Observation, SaveAt, Simulation, build_scene, simulate
-from physim.analysis.metrics import contact_episodes
+from physim.analysis.metrics import Figures
 from physim.errors import ControllerError
 from physim.record import Record
 from physim.world.file import load_world
@@ -47,7 +47,7 @@ def test_extremes_are_over_all_steps_however_few_are_recorded(wild: Any) -> None
     assert np.array_equal(seventh.extremes, every.extremes)
     assert seventh.updates.tobytes() == every.updates.tobytes()
     assert seventh.contacts.tobytes() == every.contacts.tobytes()
-    assert len(contact_episodes(every)) >= 2
+    assert len(Figures(every).episodes) >= 2
     for name in ("clearance", "boundary_clearance"):
         full, thin = getattr(every, name), getattr(seventh, name)
         assert np.array_equal(thin[0], full[0])

@@ -4,7 +4,7 @@ Named metrics: `measure` gives those that have a meaning for the run, `DEFINITIO
 with unit and source::
 
     found = physim.metrics.measure(record)
-    found["shortest_distance"].value, found["shortest_distance"].bodies
+    found[].value, found[].bodies
 
 Packages may register further metrics, see `physim.analysis.metrics.registered`. `Figures` has what
 several tables and pictures of a run share, each worked out once.
@@ -20,78 +20,36 @@ parentheses refer to the paper.
 
 from __future__ import annotations
 
-from physim.analysis.metrics.contacts import (
-    Deep,
-    Episode,
-    Graze,
-    Severity,
-    contact_episodes,
-    deep_contacts,
-    grazes,
-    masses,
-    severest,
-    severity,
-)  # fmt: skip
+from physim.analysis.metrics.contacts import Deep, Episode, Graze, Severity, masses, severity
 from physim.analysis.metrics.distances import (
     Width,
     collision_times,
     corridor_width,
-    farthest_pair,
     pair_distances,
     placed,
-    shortest_boundary_distance,
-    shortest_collision_time,
-    shortest_distance,
-)  # fmt: skip
+)
 from physim.analysis.metrics.figures import Figures, measure
 from physim.analysis.metrics.metric import Definition, Each, Metric, Moment, Place, Series
-from physim.analysis.metrics.modes import (
-    decisions,
-    evaluations,
-    messages,
-    mode_spans,
-    mode_switches,
-    share_of_modes,
-    updates_per_second,
-)  # fmt: skip
+from physim.analysis.metrics.modes import mode_spans
 from physim.analysis.metrics.motion import (
     AveragedSpeeds,
     averaged_speeds,
     desired_leads,
     deviation_peak,
-    deviation_rms,
     deviations,
     formation_energy,
-    formation_error_final,
-    formation_error_peak,
-    formation_error_rms,
     formation_errors,
     formation_parts,
-    has_formation,
-    mean_speed,
-)  # fmt: skip
-from physim.analysis.metrics.progress import (
-    Absent,
-    absent,
-    active_steps,
-    column_over_time,
-    finished,
-    stop_distance,
-    time_to_finish,
-)  # fmt: skip
+)
+from physim.analysis.metrics.progress import Absent, column_over_time
 from physim.analysis.metrics.registered import own_metrics, own_part
 from physim.analysis.metrics.registry import DEFINITIONS, definition
 
 __all__ = [
     "DEFINITIONS", "Absent", "AveragedSpeeds", "Deep", "Definition", "Each", "Episode", "Figures",
-    "Graze", "Metric", "Moment", "Place", "Series", "Severity", "Width", "absent", "active_steps",
-    "averaged_speeds", "collision_times", "column_over_time", "contact_episodes", "corridor_width",
-    "decisions",
-    "deep_contacts", "definition", "desired_leads", "deviation_peak", "deviation_rms", "deviations",
-    "evaluations", "farthest_pair", "finished", "formation_energy", "formation_error_final",
-    "formation_error_peak", "formation_error_rms", "formation_errors", "formation_parts", "grazes",
-    "has_formation", "masses", "mean_speed", "measure", "messages", "mode_spans",
-    "mode_switches", "own_metrics", "own_part", "pair_distances", "placed", "severest", "severity",
-    "share_of_modes", "shortest_boundary_distance", "shortest_collision_time", "shortest_distance",
-    "stop_distance", "time_to_finish", "updates_per_second",
+    "Graze", "Metric", "Moment", "Place", "Series", "Severity", "Width", "averaged_speeds",
+    "collision_times", "column_over_time", "corridor_width", "definition", "desired_leads",
+    "deviation_peak", "deviations", "formation_energy", "formation_errors", "formation_parts",
+    "masses", "measure", "mode_spans", "own_metrics", "own_part", "pair_distances", "placed",
+    "severity",
 ]  # fmt: skip

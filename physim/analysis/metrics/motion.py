@@ -151,24 +151,16 @@ def has_formation(record: Record) -> bool:
     return record.robots > 1 and isinstance(record.world_settings.get("formation"), Mapping)
 
 
-def formation_error_peak(record: Record) -> Moment | None:
-    """Largest absolute formation error at any sample, (10) [m] (Figs. 2, 7)."""
-    errors = sampled_errors(record)
-    return None if errors is None else sized(_extreme(record, errors))
+def formation_error(record: Record, errors: FloatArray | None, first: int = 0) -> Moment | None:
+    """Largest size of formation errors (K, N) [m], (10), at the samples from one on."""
+    return None if errors is None else sized(_extreme(record, errors, first))
 
 
-def formation_error_final(record: Record) -> Moment | None:
-    """Largest absolute formation error at the last sample, (10) [m]."""
-    errors = sampled_errors(record)
-    return None if errors is None else sized(_extreme(record, errors, record.samples - 1))
+def formation_error_rms(record: Record, errors: FloatArray | None) -> Each | None:
+    """Root of the mean square of formation errors (K, N) over time [m], of all robots and of each.
 
-
-def formation_error_rms(record: Record) -> Each | None:
-    """Root of the mean square of the formation errors over time [m], of all robots and of each.
-
-    Formation errors are linear between samples.
+    They are linear between samples.
     """
-    errors = sampled_errors(record)
     if errors is None or not len(errors):
         return None
     spans = np.diff(record.steps)[:, None]

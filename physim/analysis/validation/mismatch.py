@@ -72,11 +72,16 @@ class Mismatch:
         when = [] if self.time is None else [f"{self.time:.4f} s"]
         who = [] if self.robot is None else [names[self.robot]]
         place = " ".join([*when, *who])
+        return f"{place}{': ' if place else ''}{self.what}"
+
+    @property
+    def what(self) -> str:
+        """Where in the record, and both values."""
         more = self.count - 1
         others = f" (and {plural(more, 'more row')} of it)" if more else ""
         return (
-            f"{place}{': ' if place else ''}{self.where} is {_text(self.recorded)} in the record, "
-            f"{_text(self.exact)} {self.by}{others}"
+            f"{self.where} is {_text(self.recorded)} in the record, {_text(self.exact)} "
+            f"{self.by}{others}"
         )
 
     @property

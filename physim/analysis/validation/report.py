@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from math import inf, isfinite
+from typing import NamedTuple
 
 import numpy as np
 
@@ -236,42 +237,70 @@ def _again(validation: Validation) -> Iterator[str]:
         )
 
 
-def _disagreements(validation: Validation) -> list[str]:
-    """Every disagreement on a line of its own, `MOST_LISTED` of each sort."""
-    names, again, pairs = validation.names, validation.rerun, validation.comparison.disagreements
+class Told(NamedTuple):
+    """A disagreement in words."""
+
+    time: float | None
+    """[s]"""
+    bodies: tuple[int, ...]
+    extent: str
+    """how far off, and for how long"""
+    words: str
+    """its cause and what each side says"""
+
+
+def disagreements(validation: Validation) -> list[list[Told]]:
+    """Every disagreement, sort by sort, as the report and the page of a run tell it."""
+    pairs, again = validation.comparison.disagreements, validation.rerun
     first = [] if again is None or again.difference is None else [again.difference]
-    sorts = [
-        [f"unexplained: {line}" for line in validation.origin.differences],
-        [f"unexplained: {one.line(names)}" for one in validation.recomputed.mismatches],
-        [f"unexplained, the first difference of the run: {one.line(names)}" for one in first],
+
+    def unexplained(what: str, time: float | None = None, *bodies: int | None) -> Told:
+        who = tuple(body for body in bodies if body is not None)
+        return Told(time, who, "", f"{UNEXPLAINED} ({what})")
+
+    return [
+        [unexplained(line) for line in validation.origin.differences],
+        [unexplained(one.what, one.time, one.robot) for one in validation.recomputed.mismatches],
         [
-            f"{one.time:9.4f} s  {names[one.robot]}: unexplained ({one.sentence}"
-            f"{_long(one.steps, 'steps')})"
+            unexplained(f"the first difference of the run: {one.what}", one.time, one.robot)
+            for one in first
+        ],
+        [
+            unexplained(f"{one.sentence}{_long(one.steps, 'steps')}", one.time, one.robot)
             for one in validation.motion.strays
         ],
-        [_pair(one, names) for one in sorted(pairs, key=lambda one: one.cause != UNEXPLAINED)],
+        [_pair(one) for one in sorted(pairs, key=lambda one: one.cause != UNEXPLAINED)],
         [
-            f"{one.found:9.4f} s  {names[one.a]} and {names[one.b]}: unexplained (first touch at "
-            f"{one.touched:.6f} s, but contact predicted at {one.made:.2f} s: {_due(one, 4)})"
+            unexplained(
+                f"first touch at {one.touched:.6f} s, but contact predicted at {one.made:.2f} s: "
+                f"{_due(one, 4)}", one.found, one.a, one.b,
+            )
             for one in validation.mispredicted
         ],
-    ]
+    ]  # fmt: skip
+
+
+def _pair(one: Disagreement) -> Told:
+    apart = f", signed distance {one.distance:.3g} m" if isfinite(one.distance) else ""
+    bodies = (one.a,) if one.b is None else (one.a, one.b)
+    extent = apart + _long(one.steps, "samples")
+    return Told(one.time, bodies, extent, f"{one.cause} ({one.what})")
+
+
+def _disagreements(validation: Validation) -> list[str]:
+    """Every disagreement on a line of its own, `MOST_LISTED` of each sort."""
+    sorts = disagreements(validation)
     count = sum(map(len, sorts))
     if not count:
         return ["DISAGREEMENTS: none"]
-    explained = sum(one.cause != UNEXPLAINED for one in pairs)
+    explained = sum(one.cause != UNEXPLAINED for one in validation.comparison.disagreements)
     lines = [f"DISAGREEMENTS: {count}, of which {count - explained} unexplained"]
-    for text in (text for sort in sorts for text in sort[:MOST_LISTED]):
-        lines += wrapped(text, "  ", 15 * " ")
+    for one in (one for sort in sorts for one in sort[:MOST_LISTED]):
+        when = "" if one.time is None else f"{one.time:9.4f} s  "
+        who = " and ".join(validation.names[body] for body in one.bodies) + one.extent
+        lines += wrapped(f"{when}{who}{': ' if who else ''}{one.words}", "  ", 15 * " ")
     left = sum(len(sort[MOST_LISTED:]) for sort in sorts)
     return [*lines, f"  and {left} more (--json FILE has all)"] if left else lines
-
-
-def _pair(one: Disagreement, names: list[str]) -> str:
-    who = names[one.a] + ("" if one.b is None else f" and {names[one.b]}")
-    apart = f", signed distance {one.distance:.3g} m" if isfinite(one.distance) else ""
-    long = _long(one.steps, "samples")
-    return f"{one.time:9.4f} s  {who}{apart}{long}: {one.cause} ({one.what})"
 
 
 def _long(steps: int, what: str) -> str:

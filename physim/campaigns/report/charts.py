@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from physim.campaigns.outcomes import FloatArray
+from physim.drawing.labels import number, round_step
 from physim.html import Html, tag
 from physim.units import true_minus
 
@@ -34,7 +35,7 @@ class Axis:
     def around(cls, low: float, high: float, ticks: float, start: float, end: float) -> Axis:
         """Axis from ``start`` to ``end`` [px] that holds both values, with about so many ticks."""
         low, high = (min(max(value, -LARGEST), LARGEST) for value in (low, high))
-        step = round_step(max(high - low, LEAST) / ticks)
+        step = round_step(max(high - low, LEAST), ticks)
         first, last = math.floor(low / step + 1e-9), math.ceil(high / step - 1e-9)
         return cls(first * step, max(last, first + 1) * step, step, start, end - start)
 
@@ -51,17 +52,10 @@ class Axis:
 
     def label(self, tick: float) -> str:
         """A tick with as many decimals as the step needs; with an exponent where that is long."""
-        digits = max(0, -math.floor(math.log10(self.step) + 1e-9))
-        plain = f"{tick:.{digits}f}"
-        if len(plain) > LONGEST_LABEL and tick:
-            plain = f"{tick:.4g}".replace("e+", "e")
-        return true_minus(plain)
-
-
-def round_step(least: float) -> float:
-    """Return the smallest of 1, 2, 5, 10, 20 … and their tenths that is at least ``least``."""
-    power = 10.0 ** math.floor(math.log10(least))
-    return next(s * power for s in (1.0, 2.0, 5.0, 10.0) if s * power >= least * (1.0 - 1e-9))
+        text = number(tick, self.step)
+        if len(text) > LONGEST_LABEL and tick:
+            text = true_minus(f"{tick:.4g}".replace("e+", "e"))
+        return text
 
 
 def _line(kind: str, x1: float, x2: float, y1: float, y2: float) -> Html:

@@ -17,7 +17,7 @@ from physim.analysis.validation import Validation
 from physim.compiled import is_cached
 from physim.drawing.crowd import MOST_LINES, NAMED
 from physim.drawing.items import Level, items
-from physim.drawing.labels import clean, metres
+from physim.drawing.labels import clean
 from physim.drawing.page.curves import pack_curves
 from physim.drawing.page.decisions import pack_decisions
 from physim.drawing.page.knots import find_knots
@@ -32,6 +32,7 @@ from physim.errors import PhysimError, RecordError
 from physim.geometry.shapes import FloatArray, IntArray
 from physim.record import Record
 from physim.simulation.arrival import STILL_TIME, still_distances
+from physim.units import amount, true_minus
 
 TOLERANCE, CROWD_TOLERANCE = 0.002, 0.005
 """[m] by which a point of a robot is drawn beside where it was at a sample, at most; of a crowd"""
@@ -193,7 +194,7 @@ def moments(timeline: Timeline, summary: Summary) -> list[dict[str, Any]]:
         metric = summary.metrics.get(name)
         if metric is None or metric.time is None:
             continue
-        words = metres(metric.value) if metric.unit == "m" else f"{metric.value:.2f} {metric.unit}"
+        words = true_minus(amount(metric.value, metric.unit))
         words += f" ({' and '.join(map(clean, summary.names_of(*metric.bodies)))})"
         if metric.value != metric.time:
             words += f" at {metric.time:.2f} s"

@@ -5,11 +5,13 @@ moment.
 from __future__ import annotations
 
 from collections.abc import Iterator
+from itertools import chain
 from typing import Any, NamedTuple
 from urllib.parse import urlencode
 
 from physim.analysis.summary import Summary
 from physim.analysis.validation import Validation, report
+from physim.analysis.validation.report import disagreements
 from physim.analysis.validation.told import sentences
 from physim.html import Html, lines, table, tag
 from physim.units import amount
@@ -152,21 +154,9 @@ def _findings(found: Validation, summary: Summary) -> Iterator[tuple[object, ...
             moment = _link(f"{time:.2f} s", time, asked)
         return kind, moment, _names(found, *bodies), words
 
-    for line in found.origin.differences:
-        yield row("disagreement", None, (), line)
-    wrong = list(found.recomputed.mismatches)
-    if found.rerun is not None and found.rerun.difference is not None:
-        wrong.insert(0, found.rerun.difference)
-    for value in wrong:
-        yield row("disagreement", value.time, (value.robot,), value.line(names))
-    for stray in found.motion.strays:
-        yield row("disagreement", stray.time, (stray.robot,), stray.sentence)
-    for one in found.comparison.disagreements:
-        yield row("disagreement", one.time, (one.a, one.b), f"{one.cause} ({one.what})")
-    for p in found.mispredicted:
-        words = "first touch in another step than was predicted"
-        yield row("disagreement", p.found, (p.a, p.b), words)
-    deep = {(one.a, one.b): one.sentence(names) for one in found.deep}
+    for one in chain.from_iterable(disagreements(found)):
+        yield row("disagreement", one.time, one.bodies, one.words)
+    deep = {(low.a, low.b): low.sentence(names) for low in found.deep}
     for hit in (*found.contacts, *found.grazes):
         pair = (hit.a, hit.b)
         words = " ".join([*sentences(hit, names)[:3], deep.pop(pair, "")]).rstrip()

@@ -16,18 +16,13 @@ import numpy as np
 from physim.analysis.metrics import (
     Figures,
     deviation_peak,
-    deviation_rms,
     deviations,
-    formation_energy,
-    formation_error_final,
-    formation_error_peak,
     formation_errors,
     formation_parts,
 )
 from physim.analysis.metrics.motion import WINDOW
 from physim.analysis.metrics.progress import samples_over_time
 from physim.drawing.crowd import MOST_LINES, quantiles
-from physim.drawing.labels import decimal, signed
 from physim.drawing.plots.frame import (
     USUAL,
     Paper,
@@ -43,6 +38,7 @@ from physim.drawing.plots.frame import (
 from physim.drawing.plots.style import BAND, CYCLE, INK, NARROW, QUIET, RULE, robot_colour
 from physim.geometry.shapes import FloatArray
 from physim.record import Record
+from physim.units import true_minus
 
 MOST_TOGETHER = 4
 """Robots whose deviations share an axis; those of more would tangle."""
@@ -96,7 +92,7 @@ def deviation(record: Record, paper: Paper = USUAL) -> Any:
 
     Of 5 to 12 robots each has an axis, of one scale; behind its curve lies what all robots do.
     """
-    peak, rms = deviation_peak(record), deviation_rms(record)
+    peak, rms = deviation_peak(record), Figures(record).metric("deviation_rms")
     apart = MOST_TOGETHER < record.robots <= MOST_LINES and peak is not None
     rows = -(-record.robots // 2)
     figure = framed(record, "Deviation from the path", "Figs. 1b, 2c, 7d", paper=paper,
@@ -124,8 +120,8 @@ def deviation(record: Record, paper: Paper = USUAL) -> Any:
         handles = draw_courses(axes[0], record, time, values) + handles
     axes[0].margins(y=0.35 if apart else 0.2)
     who = "" if apart else f" ({names_of(record, [peak.a])})"
-    mark(axes[(peak.a or 0) if apart else 0], peak.time, peak.value, f"{signed(peak.value)} m{who}",
-         below=peak.value < 0.0)  # fmt: skip
+    mark(axes[(peak.a or 0) if apart else 0], peak.time, peak.value,
+         f"{true_minus(f'{peak.value:+z.2f}')} m{who}", below=peak.value < 0.0)  # fmt: skip
     if rms is not None:
         words = f"rms of all {rms.value:.2f} m" if apart else f"root mean square {rms.value:.2f} m"
         axes[1 if apart else 0].set_title(words, loc="right", fontsize=8.0, pad=1.5)
@@ -180,8 +176,9 @@ def formation(record: Record, paper: Paper = USUAL) -> Any:
     below.set_ylabel("energy W (9)\n[m²]")
     time_axis(below, record)
     course = formation_errors(record)
-    peak, final = formation_error_peak(record), formation_error_final(record)
-    if course is None or peak is None or final is None:
+    run = Figures(record)
+    peak, final = run.metric("formation_error_peak"), run.metric("formation_error_final")
+    if course is None or peak is None or peak.time is None or final is None:
         why = "a robot alone has no formation" if record.robots == 1 else "no sample was recorded"
         if record.robots > 1 and course is None:
             why = "the world has no formation"
@@ -191,13 +188,13 @@ def formation(record: Record, paper: Paper = USUAL) -> Any:
     zero_line(above)
     handles = draw_courses(above, record, *course) + _mark_parts([above, below], record)
     k = int(np.argmin(np.abs(course.time - peak.time)))
-    value = float(np.copysign(peak.value, course.values[k, peak.a]))
+    (robot,) = peak.bodies
+    value = float(np.copysign(peak.value, course.values[k, robot]))
     above.margins(y=0.2)
-    text = f"{decimal(value, 2)} m ({names_of(record, [peak.a])})"
+    text = f"{true_minus(f'{value:z.2f}')} m ({names_of(record, [robot])})"
     mark(above, peak.time, value, text, below=value < 0.0)
     above.set_title(f"within {final.value:.2f} m of zero at the end", loc="right", fontsize=8.5)
-    energy = formation_energy(record)
-    if energy is not None:
+    if (energy := run.energy) is not None:
         below.fill_between(energy.time, 0.0, energy.values, color=INK, alpha=0.15, linewidth=0.0)
         below.plot(energy.time, energy.values, color=INK, linewidth=1.0)
         below.set_ylim(bottom=0.0)

@@ -9,7 +9,6 @@ import numpy as np
 
 from physim import tolerances
 from physim.analysis.metrics import Figures, pair_distances
-from physim.drawing.labels import plain, true_minus
 from physim.drawing.plots.curves import draw_bands
 from physim.drawing.plots.frame import (
     LONGEST_NAME,
@@ -26,6 +25,7 @@ from physim.drawing.plots.frame import (
 )
 from physim.drawing.plots.style import BAND, CONTACT, INK, QUIET, WIDTHS
 from physim.record import Record
+from physim.units import amount, true_minus
 
 STRIP = 0.035
 """Share of an axis, above its top, that shows when there is any contact."""
@@ -118,7 +118,12 @@ def _pairs(axis: Any, record: Record) -> list[Any]:
         farthest = Figures(record).farthest
         if farthest is not None:
             who = names_of(record, [farthest.a, farthest.b])
-            mark(axis, farthest.time, farthest.value, f"farthest {plain(farthest.value)} m ({who})")
+            mark(
+                axis,
+                farthest.time,
+                farthest.value,
+                f"farthest {amount(farthest.value, 'm')} ({who})",
+            )
     axis.set_ylim(0.0, 1.3 * axis.get_ylim()[1])
     return list(handles)
 
@@ -141,7 +146,7 @@ def _least(axis: Any, record: Record) -> list[Any]:
                 apart = " " if len(who) <= LONGEST_NAME else "\n"
                 # bodies that touch within the tolerance are 0 apart
                 value = shortest.value if abs(shortest.value) > tolerances.CONTACT else 0.0
-                text = true_minus(f"least {plain(value)} m")
+                text = true_minus(f"least {amount(value, 'm')}")
                 handles[-1].set_label(f"{label}, {text}{apart}({who})")
                 axis.plot(
                     shortest.time, shortest.value, "o", color=colour, markersize=4.5,

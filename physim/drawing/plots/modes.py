@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from physim.analysis.metrics import mode_spans, share_of_modes
+from physim.analysis.metrics import Figures, mode_spans
 from physim.drawing.plots.frame import (
     USUAL,
     Paper,
@@ -62,8 +62,8 @@ def modes(record: Record, paper: Paper = USUAL) -> Any:
     _rows(axis, record, spans, 0.76 if few else 1.0)
     axis.set_ylim(record.robots - 0.4, -0.6)
     name_rows(axis, record, MOST_ROWS, 8.0 if few else 6.5)
-    safe = share_of_modes(record, danger=False)
-    if few and safe is not None:
+    safe = Figures(record).metric("safe_share")
+    if few and safe is not None and safe.robots is not None:
         words = [None if share is None else f"{share:.0%}" for share in safe.robots]
         bold = [share is not None and share < 0.5 for share in safe.robots]
         row_ends(axis, "safe", words, bold, "share")

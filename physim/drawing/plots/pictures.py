@@ -101,7 +101,8 @@ def draw(
         if name not in known:
             close = nearest(name[:100], list(known))
             raise PhysimError(f'no picture is called "{name}"; there are {", ".join(known)}{close}')
-    own = {name: _own_part(name) for name in only if name not in PICTURES}
+    load_matplotlib()  # the module of a picture that a package registered may import it
+    own = {name: own_part(_plot(), name, NAMES) for name in only if name not in PICTURES}
     try:
         paper = Paper(None if width is None else printed_width(width), title)
     except ValueError as allowed:
@@ -149,12 +150,6 @@ def _plot() -> Any:
     from physim.parts.registry import PLOT  # only here: it brings the models of worlds along
 
     return PLOT
-
-
-def _own_part(name: str) -> Any:
-    """The picture that a package registered; its module may import matplotlib first."""
-    load_matplotlib()
-    return own_part(_plot(), name, NAMES)
 
 
 def _own_figure(name: str, part: Any, record: Record, paper: Paper) -> Any:

@@ -19,8 +19,7 @@ from itertools import pairwise
 import numpy as np
 
 from physim.analysis.metrics import (
-    active_steps,
-    averaged_speeds,
+    Figures,
     column_over_time,
     formation_errors,
 )
@@ -58,7 +57,7 @@ def measure_bends(record: Record) -> Measures:
     course = formation_errors(record)
     if course is None:
         raise RecordError(f"{record!r} has no formation errors")
-    steps = active_steps(record)
+    steps = Figures(record).active_steps
     there = np.where(steps < record.steps_run, steps * record.dt, math.inf)
     progressing = time < there.min()
     size, largest = root_mean_square(course.values), np.abs(course.values).max(axis=1)
@@ -166,7 +165,7 @@ STEADY = 1.0
 
 def measure_routes(record: Record) -> Measures:
     """Mean averaged forward speed [m/s] on outer and inner routes and between, over all robots."""
-    speeds = averaged_speeds(record)
+    speeds = Figures(record).averaged
     if not len(speeds.time):
         return dict.fromkeys(("outer", "between", "inner"), math.nan)
     grid, station = column_over_time(record, "reference_station")

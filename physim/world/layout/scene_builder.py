@@ -20,6 +20,7 @@ from physim.geometry.shapes import (
 )
 from physim.geometry.wall_grid import build_wall_grid
 from physim.parts.registry import CONTROLLER, find_part, shipped_parts
+from physim.units import joined
 from physim.world import RobotGroup, World
 from physim.world.kinds import MOST_SEED
 from physim.world.layout.layout import lay_out, placed_anew
@@ -134,7 +135,7 @@ def seeds_draw(world: World) -> str:
     """
     stages = (*world.sensing.stages, *world.filters, *world.disturbances)
     words = [*_drawn(world), *dict.fromkeys(f"noise of {stage.type}" for stage in stages)]
-    return "the " + " and ".join(filter(None, (", ".join(words[:-1]), words[-1]))) if words else ""
+    return f"the {joined(words)}" if words else ""
 
 
 def _drawn(world: World) -> list[str]:

@@ -6,14 +6,14 @@ import numpy as np
 import pytest
 
 import physim
-from physim.analysis.metrics import absent
+from physim.analysis.metrics import Figures
 from tests.analysis.validation.runs import LANE, Drivers
 
 
 def test_how_far_off_and_how_turned_are_those_of_the_last_pose() -> None:
     world = physim.parse_world(LANE, overrides=["time.duration=2.0"])
     record = physim.simulate(world, controller=Drivers((1.0, 1.0), (0.0, 0.0)))
-    slow, fast = absent(record)
+    slow, fast = Figures(record).absent
     for one in (slow, fast):
         _, y, heading = record.pose[-1, one.robot]
         assert one.beside == pytest.approx(abs(y), abs=1e-9)
@@ -31,7 +31,7 @@ def test_who_stands_is_told_from_few_samples_too(time: str, v: float, word: str)
     """The last half second has one sample, or two that lie a step apart."""
     world = physim.parse_world(LANE, overrides=["time.duration=5.0", time])
     record = physim.simulate(world, controller=Drivers((v, 0.0), (0.0, 0.0)))
-    slow, fast = absent(record)
+    slow, fast = Figures(record).absent
     assert word in slow.sentence("slow")
     assert "stands" in fast.sentence("fast")
 
@@ -43,5 +43,5 @@ def test_who_is_pushed_does_not_stand_though_it_commands_nothing(every: int) -> 
     world = physim.parse_world(LANE, overrides=place)
     record = physim.simulate(world, controller=Drivers((0.0, 0.0), (0.6, 0.0)))
     assert record.pose[-1, 0, 0] > 8.2  # [m] it was pushed
-    for one in absent(record):
+    for one in Figures(record).absent:
         assert "still moves" in one.sentence("it")

@@ -88,7 +88,7 @@ def test_deviations_and_their_root_mean_square() -> None:
     assert values[1, 1] == pytest.approx(0.25)
     assert time[-1] == pytest.approx(0.04)
     assert metrics.deviation_peak(record) == metrics.Moment(pytest.approx(-3.0), 2, 0.02, 0)
-    rms = metrics.deviation_rms(record)
+    rms = metrics.Figures(record).metric("deviation_rms")
     assert rms is not None
     exact = mean_squares(course)
     assert rms.robots == pytest.approx(np.sqrt(exact), rel=1e-6)
@@ -100,7 +100,7 @@ def test_a_robot_at_its_stop_no_longer_counts_for_the_root_mean_square_but_for_t
     pose = beside_paths(course)
     pose[3:, :, 0] += 0.1
     record = history(robots=1, steps_run=5, pose=pose, stops=np.array([6.15]))
-    rms, peak = metrics.deviation_rms(record), metrics.deviation_peak(record)
+    rms, peak = metrics.Figures(record).metric("deviation_rms"), metrics.deviation_peak(record)
     assert rms is not None
     assert rms.value == pytest.approx(np.sqrt(mean_squares(course[:4]).item()), rel=1e-6)
     assert peak is not None
@@ -113,7 +113,8 @@ def test_figures_of_a_coarse_record_are_those_of_a_fine_one(every: int) -> None:
     world = physim.load_world("u_turn")
     coarse = world.changed(time={"record_every": every})
     with physim.simulate(world) as fine, physim.simulate(coarse) as few:
-        assert np.abs(metrics.active_steps(few) - metrics.active_steps(fine)).max() <= 1
+        ends = [metrics.Figures(one).active_steps for one in (few, fine)]
+        assert np.abs(ends[0] - ends[1]).max() <= 1
         exact, found = (metrics.measure(record) for record in (fine, few))
         for name in ("mean_speed", "averaged_speed_min", "averaged_speed_max"):
             within = 1e-3 if every == 20 or name == "mean_speed" else 0.05
@@ -133,11 +134,11 @@ def test_modes_fill_the_run_and_switches_are_counted() -> None:
         (0, 0, 0.0, 0.1), (0, 1, 0.1, 0.2), (0, 2, 0.2, pytest.approx(0.3)),
         (0, 0, pytest.approx(0.3), 0.6), (0, 3, 0.6, 1.0), (1, 2, 0.0, 1.0),
     ]  # fmt: skip
-    switches = metrics.mode_switches(record)
+    switches = metrics.Figures(record).metric("mode_switches")
     assert switches is not None
     assert switches.robots == (pytest.approx(2 / 0.01), 0.0)
     assert switches.value == pytest.approx(2 / (1.6 / 60))
-    safe = metrics.share_of_modes(record, danger=False)
+    safe = metrics.Figures(record).metric("safe_share")
     assert safe is not None
     assert safe.robots == (pytest.approx(4 / 6), 0.0)
 
@@ -146,8 +147,10 @@ def test_updates_per_second_is_of_active_robots() -> None:
     told = [(0, 0, 0, 10), (10, 0, 0, 20), (20, 0, 3, 30), (0, 1, 0, 20)]
     rows = [{"step": s, "robot": r, "mode": m, "next_step": n} for s, r, m, n in told]
     rows[2]["station"] = THERE
-    rate = metrics.updates_per_second(history(rows, robots=3, steps_run=40))
-    assert rate == metrics.Each(pytest.approx(7.5), (pytest.approx(10.0), pytest.approx(5.0), None))
+    rate = metrics.Figures(history(rows, robots=3, steps_run=40)).metric("updates_per_second")
+    assert rate is not None
+    assert rate.value == pytest.approx(7.5)
+    assert rate.robots == (pytest.approx(10.0), pytest.approx(5.0), None)
 
 
 def test_collision_times_are_the_least_of_each_step() -> None:

@@ -25,7 +25,7 @@ def test_a_contact_is_deep_from_its_first_sample_beyond_what_is_allowed(b: int) 
 
     def touching(*depths: float) -> tuple[metrics.Deep, ...]:
         rows = [(40 + k, 0, b, *one) for k, one in enumerate(zip(phases, depths, strict=True))]
-        return metrics.deep_contacts(history(fast, rows))
+        return metrics.Figures(history(fast, rows)).deep
 
     assert touching(0.5 * DEEP, DEEP, 0.99 * DEEP, -0.1) == ()
     (deep,) = touching(0.5 * DEEP, 1.01 * DEEP, 2.5 * DEEP, -0.1)

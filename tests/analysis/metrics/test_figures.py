@@ -35,7 +35,7 @@ def test_contact_episodes() -> None:
         (8, 0, 1, BEGAN, 0.2, 4.0),
         (8, 0, 2, BEGAN, 0.0, 0.0),
     ])  # fmt: skip
-    found = metrics.contact_episodes(record)
+    found = metrics.Figures(record).episodes
     assert [(e.a, e.b, e.step, e.samples) for e in found] == [
         (0, 1, 5, 2), (1, 3, 6, 1), (0, 1, 8, 1), (0, 2, 8, 1),
     ]  # fmt: skip
@@ -58,7 +58,7 @@ def test_episodes_are_maximal_runs(first: list[bool], second: list[bool]) -> Non
             if touches or before:
                 rows.append((step, 0, b, phase, 0.0, 1.0))
             before = touches
-    found = metrics.contact_episodes(history(contacts=sorted(rows)))
+    found = metrics.Figures(history(contacts=sorted(rows))).episodes
     for b, touching in ((1, first), (2, second)):
         edges = sum(t and not p for t, p in zip(touching, [False, *touching], strict=False))
         mine = [e for e in found if e.b == b]
@@ -68,20 +68,21 @@ def test_episodes_are_maximal_runs(first: list[bool], second: list[bool]) -> Non
 
 def test_no_rows_at_all() -> None:
     record = history()
-    assert metrics.contact_episodes(record) == ()
-    assert metrics.shortest_distance(record) is None
-    assert metrics.shortest_boundary_distance(record) is None
-    assert metrics.farthest_pair(record) is None
-    assert metrics.shortest_collision_time(record) is None
-    assert metrics.formation_error_peak(record) is None
-    assert metrics.formation_error_final(record) is None
-    assert metrics.formation_error_rms(record) is None
+    assert metrics.Figures(record).episodes == ()
+    assert metrics.Figures(record).nearest is None
+    assert metrics.Figures(record).nearest_wall is None
+    assert metrics.Figures(record).farthest is None
+    assert metrics.Figures(record).collision_time is None
+    assert metrics.Figures(record).metric("formation_error_peak") is None
+    assert metrics.Figures(record).metric("formation_error_final") is None
+    assert metrics.Figures(record).metric("formation_error_rms") is None
     assert metrics.formation_energy(record) is None
-    assert metrics.share_of_modes(record, danger=True) is None
-    assert metrics.mean_speed(record) is None
-    assert not metrics.finished(record)
-    assert metrics.time_to_finish(record) is None
-    assert (metrics.decisions(record), metrics.messages(record), metrics.evaluations(record)) == (
+    assert metrics.Figures(record).metric("danger_share") is None
+    assert metrics.Figures(record).value("mean_speed") is None
+    assert not metrics.Figures(record).value("finished")
+    assert metrics.Figures(record).value("time_to_finish") is None
+    names = ("decisions", "messages", "collision_time_evaluations")
+    assert tuple(map(metrics.Figures(record).value, names)) == (
         0, 0, None,
     )  # fmt: skip
 
@@ -90,17 +91,17 @@ def test_distances_come_from_the_extremes_over_all_steps() -> None:
     record = history(
         extremes=[(0.5, 7, 1, 0.3, 9, 3), (0.5, 7, 0, -0.1, 4, 2)], farthest=(8.0, 30, 0, 1)
     )
-    assert metrics.shortest_distance(record) == Moment(0.5, 7, 0.07, 0, 1)
-    assert metrics.shortest_boundary_distance(record) == Moment(-0.1, 4, 0.04, 1, 2)
-    assert metrics.farthest_pair(record) == Moment(8.0, 30, 0.3, 0, 1)
+    assert metrics.Figures(record).nearest == Moment(0.5, 7, 0.07, 0, 1)
+    assert metrics.Figures(record).nearest_wall == Moment(-0.1, 4, 0.04, 1, 2)
+    assert metrics.Figures(record).farthest == Moment(8.0, 30, 0.3, 0, 1)
 
 
 def test_shortest_collision_time_is_over_all_decisions() -> None:
     nan, inf = np.nan, np.inf
     times = [(0, 0, nan), (0, 1, inf), (10, 1, 0.7), (20, 0, 0.7), (30, 1, 2.0)]
     rows = [{"step": s, "robot": r, "collision_time": t} for s, r, t in times]
-    assert metrics.shortest_collision_time(history(rows)) == Moment(0.7, 10, 0.1, 1)
-    assert metrics.shortest_collision_time(history(rows[:2])) is None
+    assert metrics.Figures(history(rows)).collision_time == Moment(0.7, 10, 0.1, 1)
+    assert metrics.Figures(history(rows[:2])).collision_time is None
 
 
 def test_formation_errors() -> None:
@@ -111,8 +112,9 @@ def test_formation_errors() -> None:
     record = history(rows, robots=3, lead=np.array([0.0, -2.5, -5.0]), pose=pose, steps_run=2)
     errors = stations.mean(axis=1, keepdims=True) - stations - [-2.5, 0.0, 2.5]
     assert np.abs(errors).max(axis=1) == pytest.approx([1.0, 11 / 6, 1 / 3])
-    assert metrics.formation_error_peak(record) == Moment(pytest.approx(11 / 6), 1, 0.01, 2)
-    assert metrics.formation_error_final(record) == Moment(pytest.approx(1 / 3), 2, 0.02, 2)
+    for name, value, time in (("peak", 11 / 6, 0.01), ("final", 1 / 3, 0.02)):
+        found = metrics.Figures(record).metric(f"formation_error_{name}")
+        assert (found.value, found.time, found.bodies) == (pytest.approx(value), time, (2,))
 
 
 def test_danger_share_by_decisions_and_by_time() -> None:
@@ -125,11 +127,11 @@ def test_danger_share_by_decisions_and_by_time() -> None:
         {"step": 20, "robot": 1, "mode": 2, "next_step": 420, "nominal_v": 1.0},
     ]
     record = history(rows, arrived=[15, -1])
-    share = metrics.share_of_modes(record, danger=True)
+    share = metrics.Figures(record).metric("danger_share")
     assert share is not None
     assert share.robots == pytest.approx((5 / 15, 80 / 100))
     assert share.value == pytest.approx(85 / 115)
-    assert metrics.mean_speed(record) == pytest.approx((10 - 5 + 10 + 80) / 115)
+    assert metrics.Figures(record).value("mean_speed") == pytest.approx((10 - 5 + 10 + 80) / 115)
 
 
 MOODS = (Mode("wait", "#000000"), Mode("go", "#111111"), Mode("fear", "#222222", danger=True))
@@ -138,19 +140,19 @@ MOODS = (Mode("wait", "#000000"), Mode("go", "#111111"), Mode("fear", "#222222",
 def test_danger_is_what_the_controller_declares_as_such() -> None:
     rows = [{"step": 10 * k, "mode": k, "next_step": 10 * k + 10} for k in (0, 1, 2)]
     record = history(rows, robots=1, steps_run=30, declared=Declared(MOODS))
-    share = metrics.share_of_modes(record, danger=True)
+    share = metrics.Figures(record).metric("danger_share")
     assert share is not None
     assert share.value == pytest.approx(1 / 3)
     calm = history(rows[:2], robots=1, steps_run=30, declared=Declared(MOODS[:2]))
-    assert metrics.share_of_modes(calm, danger=True) is None
-    assert metrics.mode_switches(calm) is None
+    assert metrics.Figures(calm).metric("danger_share") is None
+    assert metrics.Figures(calm).metric("mode_switches") is None
 
 
 def test_mean_speed_is_of_the_applied_commands_between_decisions_too() -> None:
     rows = [{"step": 0, "robot": 0, "nominal_v": 1.0, "next_step": 10}]
     slowed = [(step, 0, 1.0, 0.0, 1.0, 0.0, 0.25, 0.0) for step in (2, 3, 4, 5)]
     record = history(rows, robots=1, steps_run=10, commands=slowed)
-    assert metrics.mean_speed(record) == pytest.approx((6 + 4 * 0.25) / 10)
+    assert metrics.Figures(record).value("mean_speed") == pytest.approx((6 + 4 * 0.25) / 10)
 
 
 def test_commands_that_differ_are_counted_by_stage() -> None:
@@ -169,19 +171,19 @@ def test_commands_that_differ_are_counted_by_stage() -> None:
 def test_a_run_without_decisions_is_measured_by_its_motion_and_its_commands() -> None:
     told = [(step, 0, 1.0, 0.0, 1.0, 0.0, 1.0, 0.0) for step in range(6)]
     record = history(robots=1, steps_run=20, commands=told, arrived=[10])
-    assert metrics.mean_speed(record) == pytest.approx(6 / 10)
-    assert metrics.active_steps(record).tolist() == [10]
-    assert metrics.share_of_modes(record, danger=True) is None
+    assert metrics.Figures(record).value("mean_speed") == pytest.approx(6 / 10)
+    assert metrics.Figures(record).active_steps.tolist() == [10]
+    assert metrics.Figures(record).metric("danger_share") is None
 
 
 def test_finished_means_that_all_have_arrived_by_their_motion() -> None:
     claims = [{"step": 0, "robot": i, "mode": 3} for i in (0, 1)]
     for arrived in ([-1, -1], [60, -1]):
-        assert not metrics.finished(history(claims, arrived=arrived))
-        assert metrics.time_to_finish(history(claims, arrived=arrived)) is None
+        assert not metrics.Figures(history(claims, arrived=arrived)).value("finished")
+        assert metrics.Figures(history(claims, arrived=arrived)).value("time_to_finish") is None
     done = history([{"step": 0, "robot": 0}], arrived=[60, 40])
-    assert metrics.finished(done)
-    assert metrics.time_to_finish(done) == pytest.approx(0.6)
+    assert metrics.Figures(done).value("finished")
+    assert metrics.Figures(done).value("time_to_finish") == pytest.approx(0.6)
 
 
 def along(scene: Any, *stations: FloatArray) -> FloatArray:
@@ -200,12 +202,13 @@ def test_how_far_from_their_stops_robots_are_that_arrived() -> None:
     pose = along(make_scene(3), *np.zeros((3, 101)))
     pose[-1, 1, :2] += (0.3, -0.4)
     done = history([{"step": 0, "robot": 0}], robots=3, pose=pose, arrived=[50, 60, 70])
-    found = metrics.stop_distance(done)
+    found = metrics.Figures(done).metric("stop_distance")
     assert found is not None
     assert found.robots == pytest.approx((0.0, 0.5, 0.0), abs=1e-9)
     assert found.value == pytest.approx(0.5)
     assert "0.50 m" in dict(table_rows(summarise(done)))["all robots arrived"]
-    assert metrics.stop_distance(history(robots=3, pose=pose, arrived=[50, -1, 70])) is None
+    short = history(robots=3, pose=pose, arrived=[50, -1, 70])
+    assert metrics.Figures(short).metric("stop_distance") is None
 
 
 def test_why_a_robot_has_not_arrived() -> None:
@@ -218,7 +221,7 @@ def test_why_a_robot_has_not_arrived() -> None:
     rows = [{"step": 0, "robot": i, "station": s} for i, s in enumerate(made_stations(pose))]
     pose[-1, 3, :2] += square_to_the_end(3, 0.3)
     record = history(rows, robots=5, steps_run=200, pose=pose, arrived=[100, -1, -1, -1, -1])
-    found = metrics.absent(record)
+    found = metrics.Figures(record).absent
     assert [one.robot for one in found] == [1, 2, 3, 4]
     assert [one.short for one in found] == pytest.approx([0.17, 12.3, 0.0, 0.0], abs=1e-9)
     assert [one.stands for one in found] == [True, False, False, False]
@@ -230,7 +233,7 @@ def test_why_a_robot_has_not_arrived() -> None:
     assert " m short" not in moves
     assert came == moves
     wide = history(rows, robots=5, steps_run=200, pose=pose, world="arrival: {tolerance: 0.1699}")
-    waits, short = (one.sentence("r7") for one in metrics.absent(wide)[:2])
+    waits, short = (one.sentence("r7") for one in metrics.Figures(wide).absent[:2])
     assert has(short, "r7", "stands", "0.1700 m", "0.1699 m")
     assert has(waits, "r7", "stop station", "0.5 s")
 
@@ -258,8 +261,8 @@ def made_stations(pose: FloatArray) -> list[float]:
 def test_what_a_controller_does_not_declare_has_no_figure() -> None:
     rows = [{"step": 0, "robot": 0, "next_step": 50, "nominal_v": 1.0}]
     record = history(rows, declared=Declared())
-    assert metrics.shortest_collision_time(record) is None
-    assert metrics.evaluations(record) is None
+    assert metrics.Figures(record).collision_time is None
+    assert metrics.Figures(record).value("collision_time_evaluations") is None
     found = metrics.measure(record)
     for name in ("shortest_collision_time", "collision_time_evaluations", "danger_share"):
         assert name not in found
@@ -274,9 +277,9 @@ def test_what_was_not_recorded_has_no_figure() -> None:
 def test_messages_and_evaluations() -> None:
     rows = [{"step": s, "considered": s, "evaluations": 15 * s} for s in range(4)]
     record = history(rows, robots=4)
-    assert metrics.decisions(record) == 4
-    assert metrics.messages(record) == 6
-    assert metrics.evaluations(record) == 90
+    assert metrics.Figures(record).value("decisions") == 4
+    assert metrics.Figures(record).value("messages") == 6
+    assert metrics.Figures(record).value("collision_time_evaluations") == 90
 
 
 @pytest.mark.parametrize(

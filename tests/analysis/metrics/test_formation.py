@@ -83,7 +83,7 @@ def test_parts_are_those_that_chains_of_neighbours_connect(
 
 
 def test_rms_is_of_each_robot_and_of_all() -> None:
-    found = metrics.formation_error_rms(drive("formation: {}"))
+    found = metrics.Figures(drive("formation: {}")).metric("formation_error_rms")
     exact = np.array([oracle.errors(s, LEAD) for s in STATIONS])
     assert found is not None
     squares = mean_squares(exact)

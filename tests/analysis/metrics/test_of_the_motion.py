@@ -94,12 +94,12 @@ def test_deviations_of_who_decides_once_are_those_of_all_its_poses() -> None:
         exact = np.array([[nearest(lines[i], pose[i, :2]) for i in (0, 1)] for pose in record.pose])
         assert len(record.updates) == 2
         assert np.allclose(record.course[:, :, 1], exact, rtol=0.0, atol=1e-9)
-        peak, rms = metrics.deviation_peak(record), metrics.deviation_rms(record)
+        peak, rms = metrics.deviation_peak(record), metrics.Figures(record).metric("deviation_rms")
         assert peak is not None
         k, robot = np.unravel_index(np.argmax(np.abs(exact)), exact.shape)
         assert (peak.step, peak.a) == (k, robot)
         assert peak.value == pytest.approx(exact[k, robot])
-        ends = metrics.active_steps(record)
+        ends = metrics.Figures(record).active_steps
         each = [mean_squares(exact[: n + 1, [i]]).item() for i, n in enumerate(ends)]
         assert rms is not None
         assert rms.robots == pytest.approx(np.sqrt(each), rel=1e-6)
@@ -117,7 +117,7 @@ def test_a_coarse_record_has_the_stations_of_a_fine_one_at_its_samples(
         peak = metrics.deviation_peak(coarse)
         assert peak is not None
         assert abs(peak.value) == pytest.approx(size.max())
-        late = metrics.active_steps(coarse) - metrics.active_steps(fine)
+        late = metrics.Figures(coarse).active_steps - metrics.Figures(fine).active_steps
         assert np.abs(late).max() < every
 
 
@@ -133,7 +133,7 @@ def test_of_few_samples_too_the_step_is_known_at_which_a_robot_is_there() -> Non
     )  # fmt: skip
     for every in (1, 7, 100):
         with physim.simulate(world.changed(time={"record_every": every})) as record:
-            assert metrics.active_steps(record).tolist() == [370]
+            assert metrics.Figures(record).active_steps.tolist() == [370]
 
 
 HAIRPIN = """

@@ -10,7 +10,7 @@ from numpy import array, sinc
 
 import physim
 from physim import Decision
-from physim.analysis.metrics import contact_episodes, masses, severity
+from physim.analysis.metrics import Figures, masses, severity
 
 ROOM = """\
 name: room
@@ -45,7 +45,7 @@ def first_impact(*robots, elasticity=0.0):
         text += ROBOT % (k, "" if mass is None else f"mass: {mass}, ", list(pose))
     driver = Driven(*(command for _, _, command in robots))
     with physim.simulate(physim.parse_world(text), controller=driver) as record:
-        return severity(record, contact_episodes(record)[0], masses(record))
+        return severity(record, Figures(record).episodes[0], masses(record))
 
 
 @pytest.mark.parametrize(("mass", "kilograms"), [(70.0, 70.0), (None, 180.0)])
@@ -107,7 +107,7 @@ def test_impulses_are_all_that_the_record_holds(tmp_path):
     path = tmp_path / "record.h5"
     world = physim.load_world("u_turn", overrides=over)
     with physim.simulate(world, seed=12, path=path) as record:
-        mass, found = masses(record)[0], contact_episodes(record)
+        mass, found = masses(record)[0], Figures(record).episodes
         (v, omega) = record.commands_over("applied", 88, 89)[0, 0]
     with h5py.File(path) as file:
         rows, pose = file["contacts"][()], file["steps/pose"][()]

@@ -10,7 +10,7 @@ import pytest
 
 import physim
 from physim import Decision
-from physim.analysis.metrics import contact_episodes, grazes
+from physim.analysis.metrics import Figures
 from physim.analysis.summary import table
 from physim.analysis.validation import report, validate
 from physim.contacts import FALSE_CONTACT_ROW, Kind, Phase
@@ -62,8 +62,8 @@ def test_a_graze_between_samples_is_found_and_explained():
 
 
 def test_it_is_counted_apart_and_still_is_a_contact(grazing):
-    assert contact_episodes(grazing) == ()
-    (graze,) = grazes(grazing)
+    assert Figures(grazing).episodes == ()
+    (graze,) = Figures(grazing).grazes
     summary = physim.summarise(grazing)
     assert summary.contacts == ()
     assert summary.run.grazes == (graze,)

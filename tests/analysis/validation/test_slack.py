@@ -94,7 +94,7 @@ def test_a_prediction_agrees_to_its_slack(monkeypatch, rear_end, late, verdict):
 @pytest.mark.parametrize(("aside", "moved"), [(5e-8, True), (1e-5, False)])
 def test_a_robot_moved_as_commanded_to_1e_7_m(rear_end, tmp_path, aside, moved):
     """At the contact that is predicted from its command; along the other robot's rear."""
-    step = metrics.contact_episodes(rear_end)[0].step
+    step = metrics.Figures(rear_end).episodes[0].step
 
     shift = cells("/steps/pose", (step, 1, 1), lambda y: y + aside)
     found = judged(rear_end, tmp_path, shift).contacts[0].prediction

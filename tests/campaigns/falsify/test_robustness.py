@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import physim
-from physim.analysis.metrics import contact_episodes, grazes
+from physim.analysis.metrics import Figures
 from tests.campaigns.falsify.worlds import five_robots, into_the_wall, judge, past_a_corner
 from tests.helpers import inside
 
@@ -34,7 +34,7 @@ def test_without_contact_it_is_the_shortest_distance_of_the_summary() -> None:
 def test_a_contact_is_negative_by_its_depth() -> None:
     world = five_robots()
     record = physim.simulate(world)
-    episodes, found = contact_episodes(record), judged(record)
+    episodes, found = Figures(record).episodes, judged(record)
     deepest = max(episodes, key=lambda one: one.depth)
     assert found.clearance == pytest.approx(-deepest.depth, abs=1e-9)
     assert found.pair == tuple(record.bodies[i].name for i in (deepest.a, deepest.b))
@@ -52,8 +52,8 @@ def test_a_wall_counts_as_another_kind() -> None:
 
 def test_a_contact_between_two_samples_counts() -> None:
     record = physim.simulate(past_a_corner())
-    (graze,) = grazes(record)
-    assert not contact_episodes(record)
+    (graze,) = Figures(record).grazes
+    assert not Figures(record).episodes
     assert record.clearance.min() > 0.0
     found = judged(record)
     assert found.clearance == -graze.depth < 0.0

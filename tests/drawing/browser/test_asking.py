@@ -10,6 +10,7 @@ import numpy as np
 import physim
 from physim.drawing.page import write_page
 from physim.record import Record
+from physim.units import true_minus
 from tests.analysis.validation.runs import REAR_END, lane
 from tests.drawing.browser.driver import Seen
 from tests.helpers import inside
@@ -17,7 +18,6 @@ from tests.helpers import inside
 DecisionTable, Predictor = inside("physim.analysis.validation", "DecisionTable", "Predictor")
 analytic_contacts = inside("physim.analysis.validation", "analytic_contacts")
 contacts_of, sentences = inside("physim.analysis.validation", "contacts_of", "sentences")
-decimal = inside("physim.drawing", "decimal")
 
 Opened = Callable[..., Seen]
 
@@ -45,7 +45,7 @@ def test_a_click_on_a_robot_shows_its_decision_of_that_moment(
         assert str(record.modes[row["mode"]]) in seen.text("#why h2")
         assert str(record.declared.rules[row["rule"]]) in seen.text("#why .rule")
         assert f"{row['next_step'] * record.dt:.2f} s" in told
-        x, y = (decimal(float(row[key]), 2) for key in ("target_x", "target_y"))
+        x, y = (true_minus(f"{float(row[key]):z.2f}") for key in ("target_x", "target_y"))
         assert f"({x}, {y})" in told
         considered = record.considered
         mine = (considered["robot"] == robot) & (considered["step"] == row["step"])

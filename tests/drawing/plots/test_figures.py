@@ -19,12 +19,13 @@ from physim import PAPER_MODES, Column, Mode
 from physim.analysis import metrics
 from physim.drawing.plots import NAMES, draw
 from physim.record import Record, RecordWriter
+from physim.units import amount, true_minus
 from tests.analysis.metrics.histories import along_reference, beside_paths, history
 from tests.helpers import facts, inside
 from tests.helpers.records import DECLARED, make_record, make_scene, poses, update_rows
 
 MOST_LINES, QUANTILES, Timeline = inside("physim.drawing", "MOST_LINES", "QUANTILES", "Timeline")
-decimal, signed, significant = inside("physim.drawing", "decimal", "signed", "significant")
+significant = inside("physim.drawing", "significant")
 MOST_SINGLE, PICTURES = inside("physim.drawing.plots", "MOST_SINGLE", "PICTURES")
 STRETCHES, collision_times = inside("physim.drawing.plots", "STRETCHES", "collision_times")
 deviation, distances = inside("physim.drawing.plots", "deviation", "distances")
@@ -168,13 +169,13 @@ def test_marks_tell_the_extremes_that_the_metrics_have(record: Record) -> None:
     assert peak is not None
     assert marks(deviation(record).axes[0]) == [(peak.time, peak.value)]
     told = {
-        deviation: [f"{signed(peak.value)} m (r1)"],
-        formation: [f"{decimal(found['formation_error_peak'], 2)} m (r1)"],
-        distances: [f"farthest {found['farthest_distance']:.3g} m (r1 and r3)"],
+        deviation: [f"{true_minus(f'{peak.value:+.2f}')} m (r1)"],
+        formation: [f"{found['formation_error_peak']:.2f} m (r1)"],
+        distances: [f"farthest {amount(found['farthest_distance'], 'm')} (r1 and r3)"],
     }
     legend = " ".join(str(text.get_text()) for text in distances(record).legends[0].get_texts())
     for name in ("shortest_distance", "shortest_boundary_distance"):
-        assert f"least {found[name]:.3g} m".replace("-", "\N{MINUS SIGN}") in legend
+        assert true_minus(f"least {amount(found[name], 'm')}") in legend
     for picture, words in told.items():
         assert texts(picture(record), "mark") == words
     ends = zip(texts(width(record), "mark"), ("width_min", "width_max"), strict=True)
@@ -189,12 +190,12 @@ def test_peaks_are_marked_on_their_side(sign: float) -> None:
     pose = beside_paths(sign * (0.01 * step[:, None] - 0.5 * np.arange(2)))
     axis = deviation(history(pose=pose, steps_run=90)).axes[0]
     assert marks(axis) == [(0.9, pytest.approx(0.9 * sign))]
-    assert texts(axis.figure, "mark") == [f"{signed(0.9 * sign)} m (r1)"]
+    assert texts(axis.figure, "mark") == [f"{true_minus(f'{0.9 * sign:+.2f}')} m (r1)"]
     errors = sign * np.array([[0.0, 0.0, 0.0], [0.9, -0.5, -0.4]])
     pose = along_reference(np.array([0, 90]), np.array([7.5, 5.0, 2.5]) - errors)
     figure = formation(history(robots=3, pose=pose, steps_run=90))
     assert marks(figure.axes[0]) == [(0.9, pytest.approx(0.9 * sign))]
-    assert texts(figure, "mark") == [f"{decimal(0.9 * sign, 2)} m (r1)"]
+    assert texts(figure, "mark") == [f"{true_minus(f'{0.9 * sign:.2f}')} m (r1)"]
 
 
 def test_when_a_formation_is_in_parts_is_shaded() -> None:
@@ -312,7 +313,7 @@ def test_modes_of_one_s_own_have_their_names_and_colours() -> None:
 
 def test_modes_tell_each_share(record: Record) -> None:
     figure = modes(record)
-    safe = metrics.share_of_modes(record, danger=False)
+    safe = metrics.Figures(record).metric("safe_share")
     assert safe is not None
     assert texts(figure, "share") == [f"{share:.0%}" for share in safe.robots if share is not None]
     assert 0.55 < safe.value < 1.0

@@ -21,11 +21,12 @@ from physim.analysis import metrics
 from physim.drawing.plots import NAMES, draw
 from physim.errors import PhysimError
 from physim.record import Record
+from physim.units import true_minus
 from tests.analysis.metrics.histories import history
 from tests.helpers import inside
 from tests.helpers.records import make_record
 
-LEAST, signed = inside("physim.drawing", "LEAST", "signed")
+LEAST = inside("physim.drawing", "LEAST")
 DATE, DPI, PICTURES = inside("physim.drawing.plots", "DATE", "DPI", "PICTURES")
 Paper, deviation = inside("physim.drawing.plots", "Paper", "deviation")
 robot_colour, styled = inside("physim.drawing.plots", "robot_colour", "styled")
@@ -71,7 +72,7 @@ def test_from_five_robots_on_each_has_an_axis_for_its_deviation(seven: Record) -
     peak = metrics.deviation_peak(seven)
     assert peak is not None
     found = [(k, t.get_text()) for k, a in enumerate(shown) for t in a.texts]
-    assert found == [(peak.a, f"{signed(peak.value)} m")]
+    assert found == [(peak.a, f"{true_minus(f'{peak.value:+.2f}')} m")]
 
 
 @pytest.mark.parametrize("width", [3.5, pytest.param(7.16, marks=pytest.mark.deep)])

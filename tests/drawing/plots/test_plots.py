@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from physim.analysis.metrics import contact_episodes
+from physim.analysis.metrics import Figures
 from physim.contacts import Phase
 from physim.drawing.plots import FORMATS, NAMES, draw
 from physim.errors import PhysimError
@@ -77,7 +77,7 @@ def test_distances_show_the_least_values_and_every_contact(record: Record) -> No
         spans = [
             (path.vertices[:, 0].min(), path.vertices[:, 0].max()) for path in strip.get_paths()
         ]
-        for episode in contact_episodes(record):
+        for episode in Figures(record).episodes:
             assert any(begin <= episode.time <= end for begin, end in spans)
 
 

@@ -101,7 +101,7 @@ def opening(found: Validation, summary: Summary) -> Html:
             if one.severity.energy is not None:
                 how += f", {amount(one.severity.energy, 'J', 1)} lost"
             link = _link(place, one.time, {"contact": number}, class_="worst")
-            worst = [" Severest: ", link, f"{how}."]
+            worst = [" Severest by closing speed: ", link, f"{how}."]
     words = f"Validation: {found.verdict}."
     return tag("p", words, worst, class_="verdict bad" if found.code else "verdict")
 

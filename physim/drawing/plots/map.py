@@ -308,7 +308,8 @@ def width(record: Record, paper: Paper = USUAL) -> Any:
     fixed = (Level.AREA, Level.SOLID, Level.WALL)
     handles = draw_items(above, [item for item in items(scene) if item.level in fixed])
     name = short(record.names[0])
-    handles += above.plot(*scene.paths[0].T, color=INK, linewidth=1.2, label=f"path of {name}")
+    own = hexed(scene.colours[0])
+    handles += above.plot(*scene.paths[0].T, color=own, linewidth=1.2, label=f"path of {name}")
     apart = [np.hypot(*(feet - found.points).T) for feet in (found.left, found.right)]
     widths = Widths(
         station=found.station, point=found.points, left=apart[0], right=apart[1],

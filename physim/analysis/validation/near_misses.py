@@ -162,7 +162,7 @@ def decision_times(
     robots = poses.shape[1]
     count = 0
     for k in range(len(rows)):
-        at, i = rows[k].step - start, rows[k].robot
+        at, i = rows[k]["step"] - start, rows[k]["robot"]
         pose, held = poses[at], command[at]
         mine = (held[i, 0], held[i, 1])
         span = abs(mine[0]) * horizon + 1e-6
@@ -180,7 +180,7 @@ def decision_times(
             if xi <= horizon:
                 if count == len(who):
                     return FULL
-                who[count, 0] = rows[k].step
+                who[count, 0] = rows[k]["step"]
                 who[count, 1] = min(i, j)
                 who[count, 2] = max(i, j)
                 values[count, 0] = xi

@@ -38,14 +38,19 @@ class Driven:
         return Decision(v=v, omega=omega, hold=0.1)
 
 
-def first_impact(*robots, elasticity=0.0):
-    """Severity of the first contact of robots (mass [kg], pose, command) in a room."""
+def impacts(*robots, elasticity=0.0):
+    """Severities of the first and of the severest contact of robots (mass [kg], pose, command)."""
     text = ROOM.replace("ELASTICITY", str(elasticity))
     for k, (mass, pose, _) in enumerate(robots):
         text += ROBOT % (k, "" if mass is None else f"mass: {mass}, ", list(pose))
     driver = Driven(*(command for _, _, command in robots))
     with physim.simulate(physim.parse_world(text), controller=driver) as record:
-        return severity(record, Figures(record).episodes[0], masses(record))
+        run = Figures(record)
+        return severity(record, run.episodes[0], masses(record)), run.severest[1]
+
+
+def first_impact(*robots, elasticity=0.0):
+    return impacts(*robots, elasticity=elasticity)[0]
 
 
 @pytest.mark.parametrize(("mass", "kilograms"), [(70.0, 70.0), (None, 180.0)])
@@ -89,6 +94,19 @@ def test_a_corner_against_a_wall_turns_the_box():
     assert hit.sliding == pytest.approx(v * sin(heading), rel=1e-9)
     assert hit.changes == pytest.approx((effective * closing / m,), rel=1e-6)
     assert hit.energy == pytest.approx(0.5 * effective * closing**2, rel=1e-6)
+
+
+def test_the_severest_contact_is_that_of_the_greatest_closing_speed():
+    slow, fast = (18.9, -5.0, 0.0), (17.0, 5.0, 0.0)
+    first, severest = impacts((None, slow, (0.4, 0.0)), (None, fast, (1.3, 0.0)))
+    assert first.closing == pytest.approx(0.4, rel=1e-9)
+    assert severest.closing == pytest.approx(1.3, rel=1e-9)
+
+
+def test_a_box_that_turns_in_place_closes_as_fast_as_its_corner():
+    hit = first_impact((None, (19.2, 0.0, pi / 2), (0.0, 1.0)))
+    lever = (0.9**2 + 0.5**2 - 0.8**2) ** 0.5  # of the corner, along the wall 0.8 m away
+    assert hit.closing == pytest.approx(lever, rel=0.02)  # a step turns it by 0.01 rad
 
 
 def test_each_robot_of_a_group_has_its_mass() -> None:

@@ -6,11 +6,14 @@ danger.
 
 from __future__ import annotations
 
+import dataclasses
+
 import numpy as np
 import pytest
 
 from tests.controllers.agreement import hold_against_oracle
 from tests.controllers.random_scenes import random_history
+from tests.controllers.scenes import single_robot
 from tests.helpers import inside
 
 ModeSwitchingSettings = inside("physim.controllers", "ModeSwitchingSettings")
@@ -59,3 +62,22 @@ def test_where_no_distance_counts_the_choice_by_12_is_that_of_5(judge_ahead: flo
     tally = hold_against_oracle(cases)
     assert tally.faults == []
     assert tally.met["(12) settled by (5)"] >= 10
+
+
+@pytest.mark.parametrize("speed", [-4.0, 3.0, 6.0])
+def test_the_choice_by_12_looks_at_a_fast_robot_farther_than_another(speed: float) -> None:
+    """One stands 1 m behind; another, now farther ahead, is nearer than that after the period."""
+    history = single_robot(np.array([[0.0, 0.0], [30.0, 0.0]]), 10.0)
+    ((robot,),) = history.moments
+    settings = ModeSwitchingSettings.model_validate(BY_DISTANCE)
+    comes = abs(speed) * settings.update_period
+    behind, ahead = robot.pose - [1.6, 0.0, 0.0], robot.pose + [1.1 + comes, 0.0, 0.0]
+    ahead[2] = np.pi if speed > 0.0 else 0.0
+    others = [
+        dataclasses.replace(robot, pose=behind, reference_station=12.0),
+        dataclasses.replace(robot, pose=ahead, command=(speed, 0.0), reference_station=12.0),
+    ]
+    history = dataclasses.replace(history, moments=[[robot, *others]])
+    tally = hold_against_oracle([(history, settings)])
+    assert tally.faults == []
+    assert tally.met["(12) with others"] >= 1

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import fcntl
+import io
 import json
 import os
 from bisect import bisect_right
@@ -27,7 +28,6 @@ from physim.campaigns.rows import (
 )
 from physim.campaigns.rows import FOLDER as ROWS
 from physim.campaigns.spec import Label, RunSpec, engine, identity_of, key_of, short_hash
-from physim.drafts import discard, draft_of
 from physim.errors import PhysimError
 from physim.escaping import escaped
 from physim.json_text import file_json
@@ -171,6 +171,9 @@ class Folder:
         try:
             flags = os.O_RDWR | os.O_CREAT | os.O_CLOEXEC
             self._lock = os.open(self.path / LOCK, flags, 0o666)
+        except OSError as error:
+            raise PhysimError(f"{self.path}: cannot be written: {error.strerror}") from None
+        try:
             fcntl.lockf(self._lock, fcntl.LOCK_EX | fcntl.LOCK_NB, end - first, first)
         except (BlockingIOError, PermissionError):
             self.close()
@@ -325,17 +328,9 @@ def write_results(folder: Path) -> None:
     """Write all rows to ``results.parquet``, whole or not at all. Raises PhysimError as `read`."""
     import pyarrow.parquet as parquet
 
-    table = read(folder)
-    path = folder / RESULTS
-    draft = draft_of(path)
-    try:
-        with open(draft, "wb") as stream:  # it takes no path that is not UTF-8
-            parquet.write_table(table, stream)
-        draft.replace(path)
-    except OSError as error:
-        raise PhysimError(f"{path}: cannot be written: {error.strerror or error}") from None
-    finally:
-        discard(draft)
+    made = io.BytesIO()  # parquet takes no path that is not UTF-8
+    parquet.write_table(read(folder), made)
+    write_whole(folder / RESULTS, made.getbuffer())
 
 
 def all_rows(place: Folder) -> tuple[pa.Table, Callable[[int], str]]:

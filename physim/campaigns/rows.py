@@ -335,7 +335,7 @@ def check_places(folder: Path) -> None:
                 )
 
 
-def write_whole(path: Path, data: bytes) -> None:
+def write_whole(path: Path, data: bytes | memoryview) -> None:
     """Put a file in its place, whole and on the disk. PhysimError where that fails."""
     draft = draft_of(path)
     try:

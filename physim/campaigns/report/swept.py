@@ -69,7 +69,6 @@ def sweep_values(
         "asked": tally.asked,
         "there_before": tally.before,
         "run_now": tally.done,
-        "run_elsewhere_meanwhile": 0,
         "interrupted": tally.interrupted,
         "cells": [
             {**one, "decision": asdict(decisions[label]) if label in decisions else None}

@@ -14,7 +14,7 @@ from physim.analysis.metrics import DEFINITIONS, Episode, Figures, Graze, Metric
 from physim.analysis.metrics.walls import along_wall
 from physim.html import labelled
 from physim.record import Record
-from physim.units import amount
+from physim.units import amount, percent
 from physim.world.faults import describe
 
 SHOWN_ROBOTS = 12
@@ -330,13 +330,13 @@ def _danger(summary: Summary, most: int) -> str:
         return f"n/a (the controller declares no {why}, or no robot was under way)"
     robots = share.robots or ()
     each = [
-        f"{name} " + ("n/a" if one is None else f"{one:.0%}")
+        f"{name} " + ("n/a" if one is None else percent(one, 0))
         for name, one in zip(summary.bodies, robots[:most], strict=False)
     ]
     if not each:
-        return f"{share.value:.1%}"
+        return percent(share.value)
     rest = f", and {len(robots) - most} more" if len(robots) > most else ""
-    return f"{share.value:.1%} ({', '.join(each)}{rest})"
+    return f"{percent(share.value)} ({', '.join(each)}{rest})"
 
 
 def _decisions(summary: Summary) -> str:
@@ -359,7 +359,7 @@ def _commands(summary: Summary) -> Rows:
     )
     record = summary.run.record
     steps = max(record.steps_run * record.robots, 1)
-    parts = [f"{words} in {n} robot-steps ({n / steps:.1%})" for words, n in stages if n]
+    parts = [f"{words} in {n} robot-steps ({percent(n / steps)})" for words, n in stages if n]
     return [("commands", ", ".join(parts))] if parts else []
 
 

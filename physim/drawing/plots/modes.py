@@ -23,6 +23,7 @@ from physim.drawing.plots.style import QUIET
 from physim.geometry.shapes import FloatArray, IntArray
 from physim.parts.declarations import NO_NUMBER
 from physim.record import Record
+from physim.units import percent
 
 MOST_ROWS = 40
 """Robots that have a row with name and share; of more, rows are thin and only some are named."""
@@ -64,7 +65,7 @@ def modes(record: Record, paper: Paper = USUAL) -> Any:
     name_rows(axis, record, MOST_ROWS, 8.0 if few else 6.5)
     safe = Figures(record).metric("safe_share")
     if few and safe is not None and safe.robots is not None:
-        words = [None if share is None else f"{share:.0%}" for share in safe.robots]
+        words = [None if share is None else percent(share, 0) for share in safe.robots]
         bold = [share is not None and share < 0.5 for share in safe.robots]
         row_ends(axis, "safe", words, bold, "share")
     if not few:
@@ -74,7 +75,7 @@ def modes(record: Record, paper: Paper = USUAL) -> Any:
         above.stackplot(times, counts[order], colors=colours, step="post", linewidth=0.0)
         above.set(ylim=(0.0, record.robots), ylabel="robots in\neach mode")
     if safe is not None:
-        title = f"out of danger: {safe.value:.1%} of all robots' time under way"
+        title = f"out of danger: {percent(safe.value)} of all robots' time under way"
         above.set_title(title, loc="right", fontsize=8.0, color=QUIET)
     return finished(figure, _handles(record, spans), 4)
 

@@ -402,7 +402,12 @@ def headline(one: Comparison) -> str:
     ]
     rest = ", ".join(measure_of(f.name).title for f in one.findings if not f.better)
     if not said:
-        return "no difference shown"
+        tested = [f.pairs for f in one.findings if f.is_tested]
+        needed = 1 + math.ceil(math.log2(len(tested) / ALPHA))  # p of n pairs is 2^(1 - n) at least
+        if max(tested) >= needed:
+            return "no difference shown"
+        findings = plural(len(tested), "finding")
+        return f"no difference shown: among {findings} it takes at least {needed} pairs to show one"
     return "; ".join([*said, *([f"no difference shown in {rest}"] if rest else [])])
 
 

@@ -194,7 +194,7 @@ def test_commands_that_a_stage_changed_are_counted() -> None:
     commands += [(20, 1, *same, *same, *slow)]
     rows = dict(table_rows(summarise(history(commands=commands, steps_run=100))))
     filtered, applied = rows["commands"].split(", ")
-    assert "in 10 robot-steps (5.0%)" in filtered
+    assert "in 10 robot-steps (5.0 %)" in filtered
     assert "in 1 robot-steps (0.5%)" in applied
 
 

@@ -195,7 +195,7 @@ def test_commands_that_a_stage_changed_are_counted() -> None:
     rows = dict(table_rows(summarise(history(commands=commands, steps_run=100))))
     filtered, applied = rows["commands"].split(", ")
     assert "in 10 robot-steps (5.0 %)" in filtered
-    assert "in 1 robot-steps (0.5%)" in applied
+    assert "in 1 robot-steps (0.5 %)" in applied
 
 
 def test_what_is_not_declared_or_not_recorded_is_not_told_as_none() -> None:

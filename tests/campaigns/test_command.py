@@ -78,8 +78,17 @@ def test_interrupted_it_says_how_to_go_on(here: Path, more: tuple[str, ...]) -> 
     assert (here / "out/results.parquet").exists()
 
 
+def test_two_sweeps_in_one_folder_are_refused(here: Path) -> None:
+    folder = Folder("out")
+    folder.open(make_grid(["small.yaml"], range(90)).cells, None, (1, 1))
+    done = shell(*COMMAND, folder=here)
+    assert done.code == 2
+    check_error(done.err, "out:", "another sweep", "--shard")
+    folder.close()
+
+
 @pytest.mark.deep
-def test_two_sweeps_in_one_folder_are_refused_but_for_parts_of_their_own(here: Path) -> None:
+def test_two_sweeps_in_one_folder_may_each_have_a_part(here: Path) -> None:
     here_ = Folder("out")
     here_.open(make_grid(["small.yaml"], range(90)).cells, None, (1, 2))
     for more in ((), ("--shard", "1/2"), ("--shard", "1/3")):

@@ -315,7 +315,9 @@ def test_modes_tell_each_share(record: Record) -> None:
     figure = modes(record)
     safe = metrics.Figures(record).metric("safe_share")
     assert safe is not None
-    assert texts(figure, "share") == [f"{100.0 * share:.0f} %" for share in safe.robots if share is not None]
+    assert texts(figure, "share") == [
+        f"{100.0 * share:.0f} %" for share in safe.robots if share is not None
+    ]
     assert 0.55 < safe.value < 1.0
     title = figure.axes[0].get_title("right")
     assert re.search(facts("out of danger", f"{100.0 * safe.value:.1f} %"), title)

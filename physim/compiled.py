@@ -34,9 +34,9 @@ from physim.stray_settings import load_numba
 F = TypeVar("F", bound=Callable[..., Any])
 
 ROOMS_WITHOUT_KERNELS = (
-    "authoring", "campaigns", "cli", "drawing", "reproduction", "statistics", "testing",
+    "authoring", "campaigns", "cli", "drawing", "reproduction", "statistics", "testing", "world",
 )  # fmt: skip
-"""Rooms in which no kernel stands, nor anything that one calls or reads"""
+"""Rooms in which no kernel stands, nor anything that one calls or reads (classes aside)"""
 
 LINKED_SERIES = ("0.61", "0.62", "0.63", "0.64", "0.65", "0.66", "0.67", "0.68")
 """Versions of numba that `physim.linking` was tried with; any other compiles kernels by itself."""

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterable, Sequence
+from typing import Any
 
 import numpy as np
 import shapely
 
-from physim.errors import Fault, Position, WorldError
+from physim.errors import Fault, WorldError
 from physim.escaping import escaped
+from physim.parts.registry import CONTROLLER, find_part
 from physim.world.checks.blind_followers import check_blind_followers
 from physim.world.checks.blocked_ways import check_blocked_ways
 from physim.world.checks.boundaries import check_boundaries, check_obstacles
@@ -48,17 +50,9 @@ from physim.world.checks.starts import (
 )
 from physim.world.checks.stops import StopLimits, check_stops, check_tolerance
 from physim.world.faults import describe
-from physim.world.file.files import world_document
-from physim.world.file.loading import Validated, in_order, placed, validate
-from physim.world.file.nodes import Document, collector_paused
+from physim.world.file import Document, read_world
 from physim.world.layout.layout import PartialLayout, partial_layout
 from physim.world.model import World
-from physim.world.partial import sound_parts
-
-PLACES = (("corridor",), ("road",), ("boundaries",), ("obstacles",))
-"""Keys of a world that say where there is room"""
-MOST_REPORTED = 100
-"""Errors, and likewise warnings, of one world that are reported one by one."""
 
 
 def check_world(
@@ -78,23 +72,18 @@ def check_world(
     if isinstance(path, World):
         raise TypeError(f"check_world takes a world file, not {path!r}; save it to one")
     try:
-        if seed is not None:
-            overrides = [*overrides, f"seed={seed}"]
-        with collector_paused():
-            document = world_document(path)
-            checked = validate(document, overrides=overrides, controller=controller)
+        world, document = read_world(path, overrides=overrides, controller=controller, seed=seed)
     except WorldError as error:
         return _refused(error, str(path))
-    document = checked.document
-    found = Diagnostics(errors=checked.faults, warnings=[*document.warnings, *checked.warnings])
-    profiles = _check_geometry(checked, found)
+    found = Diagnostics(warnings=[*document.warnings])
+    profiles = _check_geometry(world, controller is not None, found)
     return Findings(
         file=escaped(document.source),
-        errors=_located(found.errors, document, document.faults),
+        errors=_located(found.errors, document),
         warnings=_located(found.warnings, document),
         notes=tuple(found.notes),
         clearance=profiles,
-        world=checked.world,
+        world=world,
         document=document,
     )
 
@@ -112,12 +101,14 @@ def _refused(error: WorldError, file: str) -> Findings:
 
 
 @np.errstate(all="ignore")  # see build_scene
-def _check_geometry(checked: Validated, found: Diagnostics) -> tuple[ClearanceProfile, ...]:
-    """Everything that lies in where things are; what cannot be read is passed over."""
-    whole = checked.world is not None
+def _check_geometry(
+    world: World, trusted: bool, found: Diagnostics
+) -> tuple[ClearanceProfile, ...]:
+    """Everything that lies in where things are."""
     try:
-        laid = partial_layout(checked.world or sound_parts(checked.values), is_whole=whole)
-        profiles = _check_layout(laid, checked, found)
+        laid = partial_layout(world)
+        controller = find_part(CONTROLLER, world.controller.type, trusted)
+        profiles = _check_layout(laid, controller, found)
         found.errors = laid.world.of_the_road(found.errors)
         found.warnings = laid.world.of_the_road(found.warnings)
         found.notes += road_notes(laid)
@@ -129,21 +120,20 @@ def _check_geometry(checked: Validated, found: Diagnostics) -> tuple[ClearancePr
 
 
 def _check_layout(
-    laid: PartialLayout, checked: Validated, found: Diagnostics
+    laid: PartialLayout, controller: type[Any], found: Diagnostics
 ) -> tuple[ClearanceProfile, ...]:
     safe_distance, low, speed = (
-        setting(laid, checked.controller, key) for key in ("safe_distance", "boundary_low", "speed")
+        setting(laid, controller, key) for key in ("safe_distance", "boundary_low", "speed")
     )
-    written = tuple(found.errors)
     check_footprints(laid, found)
     check_boundaries(laid, found)
     found.errors += laid.faults
     mistaken = check_scale(laid, found)
     if own := [fault for fault in found.errors if fault.location in mistaken]:
-        found.errors = [*written, *own]  # the others follow from it
+        found.errors = own  # the others follow from it
         return ()
     check_obstacles(laid, found)
-    check_start_used(checked.world, found)
+    check_start_used(laid.world, found)
     check_reference(laid, found)
     check_random_headings(laid, found)
     check_expected(laid, found)
@@ -151,8 +141,7 @@ def _check_layout(
     check_start_stations(laid, found)
     check_far_starts(laid, found)
     astray = check_paths(laid, found)
-    is_unread = any(fault.location[:1] in PLACES for fault in written)
-    profiles = () if is_unread else clearance_profiles(laid, safe_distance)
+    profiles = clearance_profiles(laid, safe_distance)
     too_wide = check_width(laid, found)
     fitting = tuple(profile for profile in profiles if profile.number not in too_wide)
     check_room(laid, fitting, astray, found)
@@ -160,54 +149,39 @@ def _check_layout(
     check_safe_area(laid, safe_distance, found)
     check_always_danger(profiles, low, found)
     check_turning_room(laid, profiles, found)
-    at = [] if checked.world is None or laid.faults else stops(laid)
-    if checked.world is not None:
-        time, distance = (
-            setting(laid, checked.controller, key) for key in ("time_low", "distance_low")
-        )
-        check_stops(laid, at, StopLimits(speed, time, low, distance), found)
-        look_ahead = setting(laid, checked.controller, "look_ahead")
-        check_safe_stops(laid, at, safe_distance, look_ahead, found)
-        check_tolerance(laid, found)
-    avoidance, usual = chosen(laid, checked.controller, "avoidance"), speed or 1.0
+    at = [] if laid.faults else stops(laid)
+    time, distance = (setting(laid, controller, key) for key in ("time_low", "distance_low"))
+    check_stops(laid, at, StopLimits(speed, time, low, distance), found)
+    look_ahead = setting(laid, controller, "look_ahead")
+    check_safe_stops(laid, at, safe_distance, look_ahead, found)
+    check_tolerance(laid, found)
+    avoidance, usual = chosen(laid, controller, "avoidance"), speed or 1.0
     check_formation(laid, usual, avoidance is not None, found)  # who avoids so drives by (7), too
     check_formation_speed(laid, avoidance is not None, found)
     check_neighbours(laid, found)
     check_rings(laid, found)
     check_measured(laid, found)
-    if checked.world is not None:
-        check_shared_stops(laid, at, found)
-        check_blocked_ways(laid, at, usual, distance or 0.0, found)
-        if avoidance not in (None, "none"):
-            check_blind_followers(laid, at, usual, distance or 0.0, time or 0.0, found)
-    found.notes += _not_judged(laid, profiles, is_unread)
+    check_shared_stops(laid, at, found)
+    check_blocked_ways(laid, at, usual, distance or 0.0, found)
+    if avoidance not in (None, "none"):
+        check_blind_followers(laid, at, usual, distance or 0.0, time or 0.0, found)
+    found.notes += _not_judged(laid, profiles)
     return profiles
 
 
-def _not_judged(
-    laid: PartialLayout, profiles: tuple[ClearanceProfile, ...], is_unread: bool
-) -> list[str]:
+def _not_judged(laid: PartialLayout, profiles: tuple[ClearanceProfile, ...]) -> list[str]:
     """A line about the robots whose room is not known, if there are any."""
     known = {profile.number for profile in profiles}
     left = [i for i in range(len(laid.world.robots)) if i not in known]
     if not left:
         return []
-    if is_unread:
-        return ["room on the paths: not judged, as not all boundaries and obstacles can be read"]
     names = ", ".join(describe(laid.names[i]) for i in left[:MOST_ALIKE])
     more = f" and {len(left) - MOST_ALIKE} more" if len(left) > MOST_ALIKE else ""
     return [f"room on the paths: {names}{more} left out, whose footprint or path has an error"]
 
 
-def _located(
-    faults: list[Fault], document: Document, others: Iterable[tuple[Fault, Position]] = ()
-) -> tuple[Finding, ...]:
-    """Each fault once, at its place, in the order of the file, and ``others`` that have theirs."""
-    source = document.source
-    pairs = in_order([*others, *placed(dict.fromkeys(faults), document)])
-    found = [Finding.of(fault, position, source) for fault, position in pairs]
-    if len(found) > MOST_REPORTED:
-        left = len(found) - MOST_REPORTED + 1
-        more = Finding(source, None, None, "", f"and {left} more; correct these first")
-        found = [*found[: MOST_REPORTED - 1], more]
-    return tuple(found)
+def _located(faults: Iterable[Fault], document: Document) -> tuple[Finding, ...]:
+    """Each fault once, at its place, in the order of the file."""
+    error = document.error(faults)
+    pairs = zip(error.faults, error.positions, strict=True)
+    return tuple(Finding.of(fault, position, document.source) for fault, position in pairs)

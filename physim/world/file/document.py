@@ -69,6 +69,9 @@ class Document:
         node = at = self.root
         for end, part in enumerate(location, start=1):
             if (found := _child(node, part)) is None:
+                made = (o for at, o in self.options.items() if at[: len(location)] == location)
+                if option := next(made, ""):
+                    return Position(self.source, 1, 1, option)
                 break
             key, node = found
             at = key if of_key or end < len(location) else node
@@ -183,6 +186,7 @@ class _Reader:
     def _mapping(self, node: Any, location: Location) -> dict[str, Any]:
         values: dict[str, Any] = {}
         lines: dict[str, int] = {}
+        is_told = False
         for key, item in node.value:
             if not isinstance(key, yaml.ScalarNode):
                 raise self._refused(key, "a list or mapping cannot be a key")
@@ -196,8 +200,11 @@ class _Reader:
             elif name == "<<":
                 self._fault(location, "merge keys (<<) are not supported; write the keys out", key)
             elif name in values:
+                if is_told:  # as the keys before it
+                    continue
+                is_told = True
                 entry = location and isinstance(location[-1], int)
-                dash = ', or begin the next entry of the list with "- "' if entry else ""
+                dash = ', or begin the next entry of the list with a dash, "- "' if entry else ""
                 message = f"key given twice, first on line {lines[name]}; keep one{dash}"
                 self._fault((*location, name), message, key)
             else:

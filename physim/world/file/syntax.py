@@ -55,7 +55,9 @@ def _bracket(
         wrong = f'"{bracket}" opened here is closed by "{here}" at {at[0]}:{at[1]}'
         return *opened, f'{wrong}; close it with "{_CLOSING[bracket]}"'
     before = "".join(lines[at[0] - 1 : at[0]])[: at[1] - 1]
-    if here in ("[", "{", '"', "'") or (before.strip(" -") and here != ":"):
+    if here == ":" and (key := re.search(r"\w+\s*$", before)):  # the mistake is before the key
+        at, before = (at[0], key.start() + 1), before[: key.start()]
+    if here in ("[", "{", '"', "'") or before.strip(" -"):
         place = f"{opened[0]}:{opened[1]}"
         return *at, f'a comma is missing before this, in the "{bracket}" opened at {place}'
     end = f"before line {at[0]}" if at[0] <= len(lines) else "by the end of the text"

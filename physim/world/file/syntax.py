@@ -31,7 +31,7 @@ def syntax_fault(error: yaml.YAMLError, text: str) -> Told:
     context = str(getattr(error, "context", None) or "")
     lines = text.splitlines()
     if "nesting level" in problem or "nesting depth" in problem:
-        return *at, "nested too deeply: more than 50 levels"
+        return *at, "nested deeper than 50 levels"
     if "quoted scalar" in context and "unexpected" in problem and opened is not None:
         (line, column), message = opened, "the quote opened here is not closed; add one at its end"
     elif found := _bracket(problem, lines, at, opened) or _missing_space(problem, lines, at):

@@ -124,14 +124,19 @@ def looked_at(
 
 
 def judge(world: Path, run: bool) -> None:
-    """Say what a check finds in a world just made; Ctrl-C only ends that, for the world is there."""
+    """Say what a check finds in a world just made; Ctrl-C ends that alone: the world is there."""
     try:
         findings, trial = looked_at(world, run=run, quiet=False)
     except KeyboardInterrupt:
         print("interrupted: neither checked nor tried to the end")
         return
-    found = [*(f"  error: {one}" for one in findings.errors), *(f"  {w}" for w in findings.warnings)]
-    print("\n".join([*(["physim check reports:"] if found else []), *found, *filter(None, [trial])]))
+    found = [
+        *(f"  error: {one}" for one in findings.errors),
+        *(f"  {w}" for w in findings.warnings),
+    ]
+    print(
+        "\n".join([*(["physim check reports:"] if found else []), *found, *filter(None, [trial])])
+    )
 
 
 def json_of(found: list[tuple[Findings, str | None]]) -> dict[str, object]:
@@ -167,16 +172,14 @@ def _room(profiles: tuple[ClearanceProfile, ...]) -> list[str]:
     wide = max(5, *(len(profile.robot) for profile in listed))
     wide = min(wide, 30)
     lines = ["room on the paths [m]:"]
-    lines.append(
-        f"  {'robot':<{wide}}  path   least room  at station  radii         in danger  on its path"
-    )
+    lines.append(f"  {'robot':<{wide}}  from–to         least room  at station  radii         fits")
     for p in listed:
         name = p.robot if len(p.robot) <= wide else p.robot[: wide - 1] + "…"
-        share = "-" if p.danger_share is None else f"{100.0 * p.danger_share:.0f} %"
+        span = f"{p.reached[0]:.1f}–{p.reached[1]:.1f}"
         radii = f"{p.inscribed:.2f} to {p.circumscribed:.2f}"
         lines.append(
-            f"  {name:<{wide}}  {p.station[-1]:<6.1f} {p.narrowest[3]:<11.2f} "
-            f"{p.narrowest[0]:<11.1f} {radii:<13} {share:<9}  {p.verdict}"
+            f"  {name:<{wide}}  {span:<14}  {p.narrowest[3]:<10.2f}  {p.narrowest[0]:<10.1f}  "
+            f"{radii:<12}  {p.verdict.removeprefix('fits ')}"
         )
     if len(listed) < len(profiles):
         lines.append(f"  and {len(profiles) - len(listed)} more with more room (--json has all)")

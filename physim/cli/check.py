@@ -172,14 +172,16 @@ def _room(profiles: tuple[ClearanceProfile, ...]) -> list[str]:
     wide = max(5, *(len(profile.robot) for profile in listed))
     wide = min(wide, 30)
     lines = ["room on the paths [m]:"]
-    lines.append(f"  {'robot':<{wide}}  from–to         least room  at station  radii         fits")
+    lines.append(
+        f"  {'robot':<{wide}}  from–to         least room  at station  radii         on its path"
+    )
     for p in listed:
         name = p.robot if len(p.robot) <= wide else p.robot[: wide - 1] + "…"
         span = f"{p.reached[0]:.1f}–{p.reached[1]:.1f}"
         radii = f"{p.inscribed:.2f} to {p.circumscribed:.2f}"
         lines.append(
             f"  {name:<{wide}}  {span:<14}  {p.narrowest[3]:<10.2f}  {p.narrowest[0]:<10.1f}  "
-            f"{radii:<12}  {p.verdict.removeprefix('fits ')}"
+            f"{radii:<12}  {p.verdict}"
         )
     if len(listed) < len(profiles):
         lines.append(f"  and {len(profiles) - len(listed)} more with more room (--json has all)")

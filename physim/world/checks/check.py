@@ -29,7 +29,6 @@ MOST_REPORTED = 100
 """Errors, and likewise warnings, of one world that are reported one by one."""
 
 CHECKS: tuple[Callable[[Layout], Iterable[Fault]], ...] = (
-    ground.check_boundaries,
     ground.check_folds,
     ground.check_obstacles,
     starts.check_footprints,
@@ -41,7 +40,6 @@ CHECKS: tuple[Callable[[Layout], Iterable[Fault]], ...] = (
     starts.check_expected,
     paths.check_reference,
     paths.check_paths,
-    paths.check_width,
     formation.check_length,
     formation.check_ends,
     formation.check_duration,
@@ -95,12 +93,16 @@ def _of_layout(world: World) -> tuple[list[Fault], tuple[ClearanceProfile, ...],
     """What lies in where things are, the room on the paths, and a note."""
     try:
         laid = lay_out(world)
-        faults = [fault for check in CHECKS for fault in check(laid)]
+        faults = [*ground.check_boundaries(world)]
+        faults += [fault for check in CHECKS for fault in check(laid)]
         profiles = clearance_profiles(laid)
         faults += paths.check_room(laid, profiles, faults)
         return laid.world.of_the_road(faults), profiles, ground.road_note(laid)
     except WorldError as error:
-        return list(error.faults), (), ""
+        faults = list(error.faults)
+        if all(fault.location[:1] != ("boundaries",) for fault in faults):
+            faults += ground.check_boundaries(world)  # they may follow from that
+        return faults, (), ""
     except shapely.errors.ShapelyError as error:
         reason = " ".join(str(error).split())[:100]
         message = f"the geometry is beyond what can be computed ({reason})"

@@ -14,6 +14,7 @@ import shapely
 from physim.errors import Fault, Location, place_text, plural
 from physim.geometry.corridor import corridor_boundaries
 from physim.tolerances import LENGTH
+from physim.world import World
 from physim.world.layout.shape_checks import crossings, self_crossings
 from physim.world.scene import Layout
 
@@ -41,21 +42,21 @@ def check_obstacles(laid: Layout) -> Iterator[Fault]:
         )
 
 
-def check_boundaries(laid: Layout) -> Iterator[Fault]:
+def check_boundaries(world: World) -> Iterator[Fault]:
     """Boundaries that cross each other or themselves; ends beyond a corner are a warning."""
-    if laid.world.boundaries is None:
+    lines = [np.array(line) for line in world.boundaries or ()]
+    if not lines:
         return
-    lines = list(laid.boundaries.values())
-    keys: list[Location] = [("boundaries", int(name.split()[1]) - 1) for name in laid.boundaries]
-    noded = shapely.unary_union([shape for _, shape in laid.walls])
+    noded = shapely.unary_union([shapely.LineString(line) for line in lines])
     loose = shapely.get_coordinates(shapely.polygonize_full(shapely.get_parts(noded))[2])
     found = [
-        (key, "itself", place)
-        for key, line in zip(keys, lines, strict=True)
+        (k, "itself", place)
+        for k, line in enumerate(lines)
         for place in self_crossings(line)[:MOST_CROSSINGS]
     ]
-    found += [(keys[max(a, b)], laid.walls[min(a, b)][0], at) for a, b, at in crossings(lines)]
-    for where, other, place in found:
+    found += [(max(a, b), f"boundaries[{min(a, b)}]", at) for a, b, at in crossings(lines)]
+    for k, other, place in found:
+        where: Location = ("boundaries", k)
         said = f"crosses {other} at {place_text(*place)}"
         if len(loose) and np.hypot(*(loose - place).T).min() <= LENGTH:
             yield Fault(where, f"{said} and ends beyond it; let it end there", "warning")

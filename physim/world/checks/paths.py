@@ -13,14 +13,12 @@ from physim.errors import Fault, Location, place_text, plural
 from physim.geometry.area import NEAR_EDGE, united
 from physim.geometry.corridor import offset_polyline
 from physim.geometry.path import SHARPEST_TURN
-from physim.geometry.polygon import least_width
 from physim.geometry.shapes import FloatArray
 from physim.tolerances import CONTACT, LENGTH
 from physim.world import Offset
-from physim.world.checks.room import NOT, ClearanceProfile, inscribed_radius
+from physim.world.checks.room import NOT, ClearanceProfile
 from physim.world.checks.stations import lines_of
 from physim.world.faults import describe
-from physim.world.layout.shared import Shared
 from physim.world.scene import Layout
 from physim.world.walls import stretch_text
 
@@ -167,48 +165,15 @@ def _turns(line: FloatArray, where: Location, called: str) -> Iterator[Fault]:
         )
 
 
-def check_width(laid: Layout) -> Iterator[Fault]:
-    """Refuse a corridor too narrow for robots however they are turned, where the width stands.
-
-    A robot needs the least width of its footprint, a nonconvex one at least the diameter of its
-    inscribed circle.
-    """
-    centreline, widths, corridor = laid.centreline, laid.widths, laid.world.corridor
-    if centreline is None or widths is None or corridor is None:
-        return
-    k = int(np.argmin(widths))
-    narrowest = Shared(_narrowest_gap)
-    needed = [narrowest(laid.footprints[i]) for i in range(len(laid.names))]
-    if too_wide := [i for i, gap in enumerate(needed) if gap >= widths[k] - CONTACT]:
-        worst = max(too_wide, key=lambda i: needed[i])
-        more = f", and {len(too_wide) - 1} more do not fit either" if len(too_wide) > 1 else ""
-        is_listed = isinstance(corridor.width, tuple)
-        yield Fault(
-            ("corridor", "width", k) if is_listed else ("corridor", "width"),
-            f"{widths[k]:.4g} m at {place_text(*centreline[k])} is too narrow: "
-            f"{describe(laid.names[worst])} needs more than {needed[worst]:.4g} m however it is "
-            f"turned{more}; widen the corridor, or make the robots smaller",
-        )
-
-
-def _narrowest_gap(outline: FloatArray) -> float:
-    """Width [m] that a corridor must exceed for a robot to get through: never too large."""
-    hull = shapely.Polygon(outline).convex_hull
-    is_convex = hull.area <= shapely.Polygon(outline).area * (1.0 + 1e-9)
-    return least_width(outline) if is_convex else 2.0 * inscribed_radius(outline)
-
-
 def check_room(
     laid: Layout, profiles: Iterable[ClearanceProfile], told: Iterable[Fault]
 ) -> Iterator[Fault]:
     """Paths on which the robot fits at no heading; no way from start to stop, whatever it takes.
 
     There is none where the area less a margin of the inscribed radius falls apart between the two.
-    What ``told`` says of a path is not said again, nor anything of robots too wide for a corridor.
+    What ``told`` says of a path is not said again.
     """
     told = tuple(told)
-    if any(fault.location[:2] == ("corridor", "width") for fault in told):
-        return
     known = {fault.location for fault in told}
     faulty = {fault.location[:2] for fault in told if fault.severity == "error"}
     together: dict[tuple[float, ...], list[ClearanceProfile]] = {}

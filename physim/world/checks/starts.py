@@ -80,8 +80,8 @@ def check_walled_off(laid: Layout) -> Iterator[Fault]:
                 (*laid.world.entry_of(i), "pose"),
                 f"{describe(laid.names[i])} counts as at station "
                 f"{paths[i].project(starts[i]):.2f} m of {called}, which is nearest at "
-                f"{place_text(end[i, 0], end[i, 1], 4)}, beyond a wall or an obstacle{more}; start it nearer to "
-                "where it is to begin, or lead the path farther from what is between",
+                f"{place_text(end[i, 0], end[i, 1], 4)}, beyond a wall or an obstacle{more}; start "
+                "it nearer to where it is to begin, or lead the path farther from what is between",
                 "warning",
             )
 

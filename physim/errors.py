@@ -83,7 +83,7 @@ def _placed(position: Position, fault: Fault) -> str:
 
 def names_key(place: str, key: str) -> bool:
     """Whether a place is an option of the command line that says the key already."""
-    return place.startswith("--") and (place.endswith(f" {key}") or place == "--controller")
+    return place.startswith("--") and (place.endswith(f" {key}") or place in ("--controller", f"--{key}"))
 
 
 def plain_key(override: str) -> str:

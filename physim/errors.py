@@ -83,7 +83,9 @@ def _placed(position: Position, fault: Fault) -> str:
 
 def names_key(place: str, key: str) -> bool:
     """Whether a place is an option of the command line that says the key already."""
-    return place.startswith("--") and (place.endswith(f" {key}") or place in ("--controller", f"--{key}"))
+    return place in ("--controller", f"--{key}") or (
+        place.startswith("--set ") and (place.endswith(f" {key}"))
+    )
 
 
 def plain_key(override: str) -> str:

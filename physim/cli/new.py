@@ -19,7 +19,7 @@ from physim.cli.output import (
     writing,
 )
 from physim.cli.parser import Options, command, flag, option
-from physim.cli.values import PATH, WHOLE, OneOf
+from physim.cli.values import PATH, WHOLE
 from physim.errors import PhysimError, WorldError
 from physim.escaping import escaped
 
@@ -98,18 +98,15 @@ def schema(options: Options) -> int:
     return 0
 
 
-TEMPLATES = ("corridor", "bend", "doorway", "s_bend", "roundabout", "warehouse", "random")
-
-
 @command("new", "a world to begin with, every key explained")
 @click.argument("name", metavar="[NAME]", required=False, help="name of the world, and of its file")
-@option("--template", type=OneOf(TEMPLATES), help="the road (corridor)")
-@option("--robots", type=WHOLE, metavar="N", help="how many, in lanes and rows (3)")
+@option("--like", metavar="WORLD", help="which world to begin with (straight)")
+@option("--robots", type=WHOLE, metavar="N", help="how many, where that world has one group")
 @option(
     "--from",
     "drawn",
     metavar="WORLD",
-    help="instead of a template: a world with corridor.random, its road written out as drawn",
+    help="instead of --like: a world with corridor.random, its road written out as drawn",
 )
 @option("--seed", type=WHOLE, metavar="N", help="with --from: the seed, instead of the world's own")
 @option("-o", "--output", type=PATH, metavar="FILE", help="file to write (default: NAME.yaml)")
@@ -125,11 +122,12 @@ def new(options: Options) -> int:
     world.schema.json, by which editors complete keys and show what they mean. --from writes a
     world whose road the seed draws, with that road written out.
 
-    templates:
-      corridor    straight, 8 m wide           s_bend      a turn left and a turn right
-      bend        a quarter turn               roundabout  in, three quarters round, out
-      doorway     a door one robot wide        warehouse   a path through aisles between shelves
-      random      bends and obstacles that the seed draws, beside a clear passage
+    worlds to begin with, among others:
+      straight    two robots, the smallest     s_bend          a turn left and a turn right
+      doorway     a door one robot wide        crossing        two roads cross
+      merging     two roads become one         roundabout      in, three quarters round, out
+      warehouse   aisles between shelves       hundred_robots  one group: --robots says how many
+      random_road bends and obstacles that the seed draws, beside a clear passage
 
     exit codes:
       0    written; the world runs as it is
@@ -137,8 +135,8 @@ def new(options: Options) -> int:
 
     examples:
       physim new my_corridor
-      physim new my_door --template doorway --robots 5
-      physim new --project my_study --template warehouse
+      physim new my_fleet --like hundred_robots --robots 20
+      physim new --project my_study --like warehouse
       physim new my_road --from random_road --seed 7
                                                  the road that this seed draws, as a plain world
     """
@@ -177,10 +175,10 @@ def _write(file: Path, text: str, force: bool) -> None:
 
 def _drawn(options: Options) -> int:
     """Write out the road that a seed draws."""
-    from physim.authoring.drawn import drawn_text
+    from physim.authoring.new import drawn_text
     from physim.world.file import read_world
 
-    for key in ("template", "robots", "project"):
+    for key in ("like", "robots", "project"):
         if getattr(options, key) is not None:
             raise PhysimError(f"--{key}: cannot be combined with --from, which gives the world")
     world, document = read_world(options.drawn, seed=options.seed, check_controller=False)
@@ -198,15 +196,14 @@ def _drawn(options: Options) -> int:
 
 
 def _project(options: Options) -> int:
-    from physim.authoring.templates import new_project
+    from physim.authoring.new import USUAL, new_project
     from physim.world.file.schema import schema_text
 
     folder: Path = options.project
     if options.output is not None:
         raise PhysimError("--project: names a folder, and -o a file; give one of them")
-    name, stem = _named(
-        options.name if options.name is not None else options.template or TEMPLATES[0]
-    )
+    like = Path(options.like or USUAL).stem
+    name, stem = _named(options.name if options.name is not None else like)
     title = Path(os.path.abspath(folder)).name or name
     if not title.isprintable():
         raise PhysimError(
@@ -253,11 +250,6 @@ def _named(given: str) -> tuple[str, str]:
 
 
 def _world(name: str, options: Options) -> str:
-    from physim.authoring.templates import most_robots, world_text
+    from physim.authoring.new import USUAL, new_text
 
-    template = options.template or TEMPLATES[0]
-    robots = 3 if options.robots is None else options.robots
-    most = most_robots(template)
-    if not 1 <= robots <= most:
-        raise PhysimError(f"--robots {robots}: the template {template} has room for 1 to {most}")
-    return world_text(name, template, robots)
+    return new_text(name, options.like or USUAL, options.robots)

@@ -39,8 +39,11 @@ def field_at(model: type[BaseModel], location: Location) -> FieldInfo | None:
     """Return the field of that name at ``location``, with its description, or None."""
     if not location or not isinstance(location[-1], str):
         return None
-    holder = model_at(model, location[:-1])
-    return holder.model_fields.get(location[-1]) if holder is not None else None
+    for holder in _options(_walk(model, location[:-1])):
+        if isinstance(holder, type) and issubclass(holder, BaseModel):
+            if field := holder.model_fields.get(location[-1]):
+                return field
+    return None
 
 
 def _walk(model: type[BaseModel], location: Location) -> Any:

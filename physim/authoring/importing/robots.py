@@ -31,7 +31,6 @@ from physim.authoring.importing.lines import (
 from physim.authoring.importing.options import Options
 from physim.authoring.importing.placed import Placed, shape_at
 from physim.authoring.importing.stops import least_stop_gap
-from physim.authoring.templates.text import ROW, lane_offsets
 from physim.geometry.area import shrunk
 from physim.geometry.shapes import FloatArray
 
@@ -39,6 +38,8 @@ CLEAR = 0.9
 """[m] at size 1: the gap between robots at their stops that a group is given where it can be"""
 
 
+LANE, ROW = 2.0, 4.0
+"""[m] from one lane to the next, and from one robot to the next in a lane, of several, at size 1"""
 COLUMN = 3.2
 """[m] from robot to robot of a lane at size 1, where no lane is beside it"""
 GAP = 0.5
@@ -67,6 +68,12 @@ MOST_SHARE = 0.6
 """[-] share of the path that the group may take up at the start"""
 
 
+def _offsets(lanes: int) -> list[float]:
+    """Offsets [m] of lanes abreast, left positive: from the middle outwards, left before right."""
+    offsets = [LANE * (k - 0.5 * (lanes - 1)) for k in range(lanes)]
+    return sorted(offsets, key=lambda offset: (abs(offset), -offset))
+
+
 @dataclass(frozen=True)
 class _Group:
     """Lanes of a group, its robots from the front to the rear, least gap at their stops [m]."""
@@ -90,7 +97,7 @@ def fill_in(path: Path, drawing: Drawing, found: Fit, options: Options) -> tuple
     outline, size = Outline(drawing.area), found.size
     made = [
         lane(found.reference, offset * size, outline, found.room, size, lanes)
-        for offset in lane_offsets(lanes)
+        for offset in _offsets(lanes)
     ]
     inner = shrunk(drawing.area, WALL_GAP * size, 16)
     shapely.prepare(inner)

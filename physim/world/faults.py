@@ -39,11 +39,8 @@ def field_at(model: type[BaseModel], location: Location) -> FieldInfo | None:
     """Return the field of that name at ``location``, with its description, or None."""
     if not location or not isinstance(location[-1], str):
         return None
-    for holder in _options(_walk(model, location[:-1])):
-        if isinstance(holder, type) and issubclass(holder, BaseModel):
-            if field := holder.model_fields.get(location[-1]):
-                return field
-    return None
+    fields = (getattr(one, "model_fields", {}) for one in _options(_walk(model, location[:-1])))
+    return next((found[location[-1]] for found in fields if location[-1] in found), None)
 
 
 def _walk(model: type[BaseModel], location: Location) -> Any:

@@ -117,17 +117,6 @@ def a_touch_before_explains_everything() -> None:
     instead(PREDICTION + "Predictor._touched_then", lambda a: True)
 
 
-@rule("validation")
-def warned_is_to_the_first_prediction() -> None:
-    """A contact lay ahead since the first decision that foretold one, even if others did not."""
-
-    def first(value: Any, a: Any) -> Any:
-        some = [one for one in a.prediction.early if math.isfinite(one.error)]
-        return max((one.lead for one in some), default=value)
-
-    found("physim.analysis.validation.contact:_warning", first)
-
-
 # Ledgers
 
 

@@ -19,8 +19,6 @@ from physim.contacts import Kind
 from physim.geometry.path import path_length, project
 from physim.record import Record
 
-MOST_EARLY = 100
-"""Pairs whose earlier predictions are compared, too"""
 UNKNOWN = Severity(math.nan, math.nan, None, None)
 
 
@@ -63,7 +61,7 @@ class Contact:
     """None between samples"""
     warning: float | None = None
     """[s] for how long before the contact it lay ahead without a break, under the commands of
-    the moment; None where earlier decisions were not looked at"""
+    the moment; None where there was no decision before it, and after the first contact of a pair"""
     responsible: tuple[int, ...]
     """robots that were responsible; a third one where it pushed one of the two; none where no rule
     of the controller says who"""
@@ -105,10 +103,10 @@ def contacts_of(
         a, b, step = one.a, one.b, one.step
         entry = entries.get((step, a, b), math.nan)
         touched = one.time + (entry - record.dt if math.isfinite(entry) else 0.0)
-        earlier = (a, b) not in seen and len(seen) < MOST_EARLY
-        seen.add((a, b))
         row, hit = first_row(record, one), severity(record, one, mass, table.held)
-        prediction = predictor.predict(a, b, step, touched, hit.closing, earlier)
+        prediction = predictor.predict(a, b, step, touched, hit.closing)
+        is_known = (a, b) not in seen and prediction.made is not None
+        seen.add((a, b))
         already = {
             body
             for other in episodes[: number - 1]
@@ -121,7 +119,7 @@ def contacts_of(
                 duration=one.samples * record.dt, lasting=step + one.samples >= record.samples,
                 first_impulse=float(row["impulse"]), impulse=one.impulse,
                 also_touching=tuple(sorted(already - {a, b})), prediction=prediction,
-                warning=_warning(prediction),
+                warning=predictor.ahead(prediction) if is_known else None,
             )
         )  # fmt: skip
     return tuple(found)
@@ -138,15 +136,3 @@ def _contact(record: Record, table: DecisionTable, row: np.void, **more: Any) ->
         station=float(station), normal=touch.normal, sides=sides, responsible=charged,
         along=along_wall(record, touch.b, touch.point), **more,
     )  # fmt: skip
-
-
-def _warning(prediction: Prediction) -> float | None:
-    """[s] since when the contact lay ahead at every decision up to it."""
-    if not prediction.early:
-        return None
-    warning = 0.0
-    for one in reversed(prediction.early):
-        if not math.isfinite(one.error):
-            break
-        warning = one.lead
-    return warning

@@ -14,7 +14,8 @@ from typing import Any
 
 import shapely
 
-from physim.analysis.validation.mismatch import (
+from physim.analysis.validation.finding import (
+    Finding,
     first_difference,
     unlike_attributes,
     unlike_scene,
@@ -62,8 +63,8 @@ class Inside:
 class Origin:
     """What the comparison of a record with the world inside it found."""
 
-    differences: tuple[str, ...]
-    """what is in the record, and what it is by the world; one line each"""
+    differences: tuple[Finding, ...]
+    """what is in the record, and what it is by the world"""
 
 
 def world_inside(record: Record) -> Inside:
@@ -134,11 +135,10 @@ def compare_with_world(record: Record, inside: Inside) -> Origin:
             pose = record.read("/steps/pose", 0, 1), scene.start[None]
             first = first_difference(record, "/steps/pose", *pose, BY, False, record.steps)
             found += [] if first is None else [first]
-        names = max(record.names, start.names, key=len)
-        return Origin((*(one.line(names) for one in found), *_areas(record, start)))
+        return Origin((*found, *_areas(record, start)))
 
 
-def _areas(record: Record, start: Record) -> Iterator[str]:
+def _areas(record: Record, start: Record) -> Iterator[Finding]:
     for name in ("accessible", "safe"):
         one, other = (
             shapely.MultiLineString([[*ring, ring[0]] for ring in getattr(of, name)])
@@ -148,7 +148,7 @@ def _areas(record: Record, start: Record) -> Iterator[str]:
             continue
         far = shapely.hausdorff_distance(one, other, densify=1.0 / LOOKED_AT)
         if one.is_empty != other.is_empty or far > AREA:
-            yield f"the {name} area is another in the record than {BY}"
+            yield Finding(f"the {name} area is another in the record than {BY}")
 
 
 def check_made_from(record: Record, world: World, where: str | Path) -> None:

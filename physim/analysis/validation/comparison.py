@@ -68,7 +68,7 @@ Rows = NDArray[np.void]
 
 
 class Confusion(NamedTuple):
-    """How often engine and shapes say contact or apart, counted over pairs and steps."""
+    """How often engine and shapes say contact or apart, counted over pairs and samples."""
 
     both: int
     physical_only: int
@@ -78,12 +78,10 @@ class Confusion(NamedTuple):
 
 @dataclass(frozen=True)
 class Comparison:
-    """Tables for the kinds of pairs, and every disagreement in the order of time."""
+    """A table for each kind of pairs, and every disagreement in the order of time."""
 
     at_samples: dict[str, Confusion]
     """keys "robots" and "boundaries": contact at a sample"""
-    over_steps: dict[str, Confusion]
-    """contact at any instant from one sample to the next, both included"""
     rejected: int
     """contacts between separated shapes that the engine reported and its guard kept out, counted
     over pairs and samples"""
@@ -109,45 +107,23 @@ def compare(
         *distances,
     ]  # fmt: skip
     found.sort(key=lambda one: (one.step or 0, one.bodies))
-    samples = analytic.samples
-    theirs, ours, grazes = (
-        np.unique(_keys(rows, record))
-        for rows in (touching(record.contacts), analytic.touching, analytic.grazes)
-    )
-    theirs_over, ours_over = (_spread(keys, record, samples) for keys in (theirs, ours))
-    return Comparison(
-        _confusions(record, analytic, theirs, ours, samples),
-        _confusions(record, analytic, theirs_over, np.union1d(ours_over, grazes), samples - 1),
-        len(record.false_contacts), tuple(found),
-    )  # fmt: skip
+    theirs, ours = (_keys(rows, record) for rows in (touching(record.contacts), analytic.touching))
+    at_samples = {}
+    for name, pairs in (("robots", analytic.robot_pairs), ("boundaries", analytic.wall_pairs)):
+        a, b = (
+            keys[(keys % len(record.bodies) < record.robots) == (name == "robots")]
+            for keys in (theirs, ours)
+        )
+        both = len(np.intersect1d(a, b))
+        rest = pairs * analytic.samples - len(a) - len(b) + both
+        at_samples[name] = Confusion(both, len(a) - both, len(b) - both, rest)
+    return Comparison(at_samples, len(record.false_contacts), tuple(found))
 
 
 def _keys(rows: Rows, record: Record) -> IntArray:
     """One number for step and pair of each row, increasing with step, then a, then b."""
     n = len(record.bodies)
     return np.asarray((rows["step"] * n + rows["a"]) * n + rows["b"], dtype=np.int64)
-
-
-def _spread(keys: IntArray, record: Record, samples: int) -> IntArray:
-    """Steps (numbered by the sample at their end) that have one of these samples at an end."""
-    pairs = len(record.bodies) ** 2
-    step = keys // pairs
-    return np.union1d(keys[step > 0], keys[step < samples - 1] + pairs)
-
-
-def _confusions(
-    record: Record, analytic: AnalyticContacts, theirs: IntArray, ours: IntArray, times: int
-) -> dict[str, Confusion]:
-    found = {}
-    for name, pairs in (("robots", analytic.robot_pairs), ("boundaries", analytic.wall_pairs)):
-        a, b = (
-            keys[(keys % len(record.bodies) < record.robots) == (name == "robots")]
-            for keys in (theirs, ours)
-        )
-        both = len(np.intersect1d(a, b, assume_unique=True))
-        rest = pairs * max(0, times) - len(a) - len(b) + both
-        found[name] = Confusion(both, len(a) - both, len(b) - both, rest)
-    return found
 
 
 def _told(

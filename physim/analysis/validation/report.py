@@ -62,33 +62,27 @@ def warning_lines(validation: Validation) -> list[str]:
 
 def _head(validation: Validation, full: bool) -> list[str]:
     """What was run: world, controller and stages with their settings, and how it ended."""
-    run, setup, python = validation.run, validation.run.setup, ", given from Python"
+    run = validation.run
     others = [body.name for body in run.bodies[run.robots :]]
     walls = joined(others) if others else "no boundaries"
     if len(others) > MOST_NAMED:
         walls = f"{len(others)} boundaries and obstacles"
-    is_known = setup.controller.name == run.controller
-    controller = str(setup.controller) if is_known else run.controller
-    parts = [("controller", controller + (python if "controller" in dict(run.given) else ""))]
-    for stage, ones in setup.stages.items():
-        parts += [(stage.removesuffix("s"), str(one)) for one in ones]
-    for one in setup.others:
-        kind, _, name = one.partition(" ")
-        parts.append((kind, name + python))
+    (kind, controller), *stages = run.setup.lines()
+    controller += ", given from Python" if kind in dict(run.given) else ""
     lines = [
         "COLLISION SAFETY REPORT",
         f"  run         {run.name}, seed {run.seed}: {plural(run.robots, 'robot')}, {walls}",
         f"  record      {run.source}",
-        *(line for kind, text in parts for line in wrapped(f"{kind:<11} {text}", "  ", 14 * " ")),
+        *(
+            line
+            for label, text in ((kind, controller), *stages)
+            for line in wrapped(f"{label:<11} {text}", "  ", 14 * " ")
+        ),
         f"  time        {run.seconds:.2f} s of at most {run.planned:g} s, step {run.dt:g} s; "
         f"{ENDS.get(run.ended, run.ended)}",
     ]
-    made = _versions(validation)
+    made = run.setup.made_with
     return [*lines, f"  made by     {made}"] if made and full else lines
-
-
-def _versions(validation: Validation) -> str:
-    return ", ".join(f"{name} {one}" for name, one in sorted(validation.run.versions.items()))
 
 
 def _contacts(validation: Validation, full: bool) -> list[str]:
@@ -171,12 +165,9 @@ def _checks(validation: Validation, full: bool) -> list[str]:
             f"  {'':<34}{'contact':>10}{'only':>10}{'only':>10}",
         ]
         for kind, label in (("robots", "robot and robot"), ("boundaries", "robot and boundary")):
-            for when, tables in (
-                ("at samples", comparison.at_samples), ("between, swept", comparison.over_steps)
-            ):  # fmt: skip
-                if sum(row := tables[kind]):
-                    cells = f"{row.both:>10,}{row.physical_only:>10,}{row.analytic_only:>10,}"
-                    lines.append(f"  {f'{label}, {when}':<34}{cells}{row.neither:>14,}")
+            if sum(row := comparison.at_samples[kind]):
+                cells = f"{row.both:>10,}{row.physical_only:>10,}{row.analytic_only:>10,}"
+                lines.append(f"  {f'{label}, at samples':<34}{cells}{row.neither:>14,}")
     said = []
     if comparison.rejected:
         times = "once" if comparison.rejected == 1 else f"{comparison.rejected:,} times"
@@ -227,7 +218,7 @@ def _again(validation: Validation) -> Iterator[str]:
         up_to = "" if again.whole else f", up to the first contact after {again.until:.2f} s"
         yield (
             "Simulated again by other versions than made the record "
-            f"({_versions(validation) or 'unknown'}): the same within {SLACK:g}{up_to}."
+            f"({validation.run.setup.made_with or 'unknown'}): the same within {SLACK:g}{up_to}."
         )
 
 

@@ -192,13 +192,10 @@ contact that begins in this step, NaN when none begins, inf when one should but 
 
 @dataclass
 class AnalyticContacts:
-    """What the geometry says of K samples."""
+    """What the geometry says of all samples."""
 
     reach: float
     """[m] pairs farther apart than this are not listed"""
-    samples: int
-    robot_pairs: int
-    wall_pairs: int
     touching: NDArray[np.void]
     """rows of `NEAR` at which the shapes touch, in the order of steps"""
     grazes: NDArray[np.void]
@@ -238,7 +235,6 @@ def analytic_contacts(record: Record) -> AnalyticContacts:
     """
     shapes, walls = record.shapes, record.walls
     reach = float(shapes.radius.max())  # about half the length of a robot
-    bodies = len(walls.body_start) - 1
     touching, grazes, nearest = [np.zeros(0, NEAR)], [np.zeros(0, NEAR)], np.zeros(0, NEAR)
     room = Room()
     left = len(record.contacts) + MOST_UNKNOWN
@@ -256,10 +252,7 @@ def analytic_contacts(record: Record) -> AnalyticContacts:
         within = rows[rows["distance"] <= reach]
         nearest = np.concatenate((nearest, within))
         nearest = nearest[least_of_pairs(nearest["a"], nearest["b"], nearest["distance"])]
-    return AnalyticContacts(
-        reach, record.samples, record.robots * (record.robots - 1) // 2, record.robots * bodies,
-        np.concatenate(touching), np.concatenate(grazes), nearest,
-    )  # fmt: skip
+    return AnalyticContacts(reach, np.concatenate(touching), np.concatenate(grazes), nearest)
 
 
 def least_of_pairs(a: IntArray, b: IntArray, values: FloatArray) -> IntArray:

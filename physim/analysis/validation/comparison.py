@@ -108,14 +108,16 @@ def compare(
     ]  # fmt: skip
     found.sort(key=lambda one: (one.step or 0, one.bodies))
     theirs, ours = (_keys(rows, record) for rows in (touching(record.contacts), analytic.touching))
-    at_samples = {}
-    for name, pairs in (("robots", analytic.robot_pairs), ("boundaries", analytic.wall_pairs)):
+    at_samples, robots = {}, record.robots
+    every = {"robots": robots * (robots - 1) // 2,
+             "boundaries": robots * (len(record.bodies) - robots)}  # fmt: skip
+    for name, pairs in every.items():
         a, b = (
-            keys[(keys % len(record.bodies) < record.robots) == (name == "robots")]
+            keys[(keys % len(record.bodies) < robots) == (name == "robots")]
             for keys in (theirs, ours)
         )
         both = len(np.intersect1d(a, b))
-        rest = pairs * analytic.samples - len(a) - len(b) + both
+        rest = pairs * record.samples - len(a) - len(b) + both
         at_samples[name] = Confusion(both, len(a) - both, len(b) - both, rest)
     return Comparison(at_samples, len(record.false_contacts), tuple(found))
 

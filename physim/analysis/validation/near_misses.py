@@ -38,16 +38,9 @@ DECIDED = np.dtype([("step", "<i8"), ("robot", "<i8")])
 
 
 @dataclass(frozen=True)
-class NearMiss:
-    """A smallest value, when and of whom."""
+class NearMiss(Moment):
+    """A smallest value [m] or [s], when and of which two bodies."""
 
-    a: int
-    b: int
-    step: int
-    time: float
-    """[s]"""
-    value: float
-    """[m] or [s]"""
     behind: int | None = None
     """robot that was behind along s*, and so had to consider the other; None for a boundary, and
     where the controller has no such rule"""
@@ -84,10 +77,9 @@ def near_misses(record: Record, analytic: AnalyticContacts, table: DecisionTable
         return tuple(_near_miss(table, *one) for one in missed)
 
     def smallest(one: Moment | None) -> NearMiss | None:
-        return None if one is None or one.b is None else NearMiss(
-            one.a, one.b, one.step, one.time, one.value,
-            along=near_wall(record, one.a, one.b, one.step),
-        )  # fmt: skip
+        if one is None or one.b is None:
+            return None
+        return NearMiss(**vars(one), along=near_wall(record, one.a, one.b, one.step))
 
     places = np.column_stack([near[name] for name in ("step", "a", "b")])
     return NearMisses(
@@ -105,7 +97,7 @@ def _near_miss(table: DecisionTable, step: int, a: int, b: int, value: float) ->
     elif has_priority(record):
         stations = [table.reference_station(i, step) for i in (a, b)]
         behind = b if stations[0] >= stations[1] else a
-    return NearMiss(a, b, step, step * record.dt, value, behind, along)
+    return NearMiss(value, step, step * record.dt, a, b, behind, along)
 
 
 @compiled

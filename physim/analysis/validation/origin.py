@@ -59,14 +59,6 @@ class Inside:
         return len(self.scene.bodies) == len(record.bodies) and self.scene.robots == record.robots
 
 
-@dataclass(frozen=True)
-class Origin:
-    """What the comparison of a record with the world inside it found."""
-
-    differences: tuple[Finding, ...]
-    """what is in the record, and what it is by the world"""
-
-
 def world_inside(record: Record) -> Inside:
     """Build scene and controller of the world inside.
 
@@ -112,7 +104,7 @@ def controller_name(record: Record) -> str:
     return record.world.controller.type
 
 
-def compare_with_world(record: Record, inside: Inside) -> Origin:
+def compare_with_world(record: Record, inside: Inside) -> tuple[Finding, ...]:
     """Hold what is known before the first step against a record of the world inside at its start.
 
     Seed, step, names, footprints, walls, paths, areas, leads, start poses and what the controller
@@ -135,7 +127,7 @@ def compare_with_world(record: Record, inside: Inside) -> Origin:
             pose = record.read("/steps/pose", 0, 1), scene.start[None]
             first = first_difference(record, "/steps/pose", *pose, BY, False, record.steps)
             found += [] if first is None else [first]
-        return Origin((*found, *_areas(record, start)))
+        return (*found, *_areas(record, start))
 
 
 def _areas(record: Record, start: Record) -> Iterator[Finding]:

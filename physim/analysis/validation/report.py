@@ -128,7 +128,7 @@ def _nearest(one: NearMiss, names: list[str]) -> str:
     if one.value < -CONTACT:
         near = f"overlapped by {length(-one.value)}"
     along = one.along and f", {one.along}"
-    return f"{names[one.a]} and {names[one.b]} {near} at {one.time:.2f} s{along}"
+    return f"{' and '.join(names[body] for body in one.bodies)} {near} at {one.time:.2f} s{along}"
 
 
 def _pair_rows(
@@ -302,7 +302,7 @@ def _near_misses(validation: Validation) -> list[str]:
                 duty = f" ({names[one.behind]} had to give way)"
             yield (
                 f"    {one.value:8.{digits}f} {unit}  at {one.time:8.2f} s  "
-                f"{names[one.a]} and {names[one.b]}{duty}"
+                f"{' and '.join(names[body] for body in one.bodies)}{duty}"
             )
         if not some:
             yield "    none"

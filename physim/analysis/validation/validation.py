@@ -27,7 +27,6 @@ from physim.analysis.validation.finding import UNEXPLAINED, Finding
 from physim.analysis.validation.motion import Motion, check_motion
 from physim.analysis.validation.near_misses import NearMisses, near_misses
 from physim.analysis.validation.origin import (
-    Origin,
     compare_with_world,
     controller_name,
     world_inside,
@@ -95,8 +94,8 @@ class Validation:
     near_misses: NearMisses
     motion: Motion
     """whether robots that touch nothing moved as commanded"""
-    origin: Origin
-    """whether the record is that of the world inside it"""
+    origin: tuple[Finding, ...]
+    """what the record has otherwise than the world inside it gives"""
     recomputed: Recomputed
     """commands and counts held against the tables, and decisions made again"""
     expectations: tuple[Held, ...]
@@ -141,7 +140,7 @@ class Validation:
             for one in self.mispredicted
         )  # fmt: skip
         return [
-            self.origin.differences, self.recomputed.mismatches, tuple(first), self.motion.strays,
+            self.origin, self.recomputed.mismatches, tuple(first), self.motion.strays,
             tuple(sorted(pairs, key=lambda one: one.cause != UNEXPLAINED)), tuple(foretold),
         ]  # fmt: skip
 
@@ -169,7 +168,7 @@ class Validation:
         if count := len(self.motion.strays):
             times = "once" if count == 1 else f"{count} times"
             found.append(f"poses do not follow the commands, {times}")
-        found += [one.line(self.names) for one in self.origin.differences[:1]]
+        found += [one.line(self.names) for one in self.origin[:1]]
         if wrong := self.recomputed.mismatches:
             found.append(f"{plural(len(wrong), 'wrong value')}, {wrong[0].line(self.names)}")
         if self.rerun is not None and self.rerun.difference is not None:

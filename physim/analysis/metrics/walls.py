@@ -42,16 +42,13 @@ def nearest_points(record: Record, a: int, b: int, pose: FloatArray) -> FloatArr
 
     Of bodies that overlap the two are one point, of both.
     """
-    one, other = (
-        placed(record, body, pose[body][None])[0] if body < record.robots else _wall(record, body)
-        for body in (a, b)
-    )
-    return np.asarray(shapely.get_coordinates(shapely.shortest_line(one, other)))
 
+    def shape(body: int) -> Any:
+        if body < record.robots:
+            return placed(record, body, pose[body][None])[0]
+        parts = body_parts(record.walls, body - record.robots)
+        return shapely.GeometryCollection(
+            [shapely.LineString(one) if len(one) == 2 else shapely.Polygon(one) for one in parts]
+        )
 
-def _wall(record: Record, body: int) -> Any:
-    """All parts of a boundary or obstacle as one shapely geometry."""
-    parts = body_parts(record.walls, body - record.robots)
-    return shapely.GeometryCollection(
-        [shapely.LineString(one) if len(one) == 2 else shapely.Polygon(one) for one in parts]
-    )
+    return np.asarray(shapely.get_coordinates(shapely.shortest_line(shape(a), shape(b))))

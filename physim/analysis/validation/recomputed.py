@@ -13,25 +13,19 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
 from physim.analysis.validation.decisions import DecisionTable
 from physim.analysis.validation.finding import Finding, first_difference, unlike, unlike_rows
 from physim.analysis.validation.origin import Inside
-from physim.contacts import CONTACT_ROW, FALSE_CONTACT_ROW
+from physim.analysis.validation.rerun import run_led
 from physim.errors import ControllerError
-from physim.geometry.shapes import FloatArray
 from physim.parts.declarations import Declared
 from physim.parts.registry import CONTROLLER, DISTURBANCE, FILTER, SENSING, shipped_parts
 from physim.record import Record
 from physim.record.layout import COMMAND_STAGES, OPTIONAL, OTHERS
 from physim.tolerances import SHARE
-
-if TYPE_CHECKING:
-    from physim.parts.controller import Controller
-    from physim.world.scene import Scene
 
 PARTS = ("v", "omega")
 
@@ -147,7 +141,7 @@ def _check_decisions(record: Record, inside: Inside) -> tuple[list[Finding], int
     if why_not or own is None or not len(rows):
         return found, 0, why_not
     try:
-        again = _led(record, inside.scene, own)
+        again = run_led(record, inside.scene, own)
     except ControllerError as error:
         return found, 0, str(error).splitlines()[0]
     killed = record.ended == "running"  # not all that was decided at its last step may be there
@@ -163,39 +157,3 @@ def _check_decisions(record: Record, inside: Inside) -> tuple[list[Finding], int
         one = first_difference(record, path, some, others, by, exact=False)
         found += [] if one is None else [one]
     return found, int((rows["step"] <= until).sum()), ""
-
-
-class _Led:
-    """Stands in for the engine: robots go where a record says."""
-
-    def __init__(self, record: Record) -> None:
-        self.record, self.at = record, 0
-        self.contacts = np.zeros(0, CONTACT_ROW)
-        self.false_contacts = np.zeros(0, FALSE_CONTACT_ROW)
-
-    @property
-    def pose(self) -> FloatArray:
-        """(N, 3) at the present sample."""
-        return self.record.pose_at(self.at)
-
-    def step(self, _: FloatArray) -> None:
-        """Go to the next sample, whatever the commands."""
-        self.at += 1
-        self.contacts = self.contacts[:0]
-
-
-def _led(record: Record, scene: Scene, controller: Controller) -> Record:
-    """Run that is led through the poses of a record, which has those of every step.
-
-    Raises ControllerError where the controller cannot decide.
-    """
-    from physim.simulation.loop import Simulation
-    from physim.simulation.recorder import SaveAt
-    from physim.simulation.run import record_run
-
-    simulation = Simulation(scene, controller=controller)
-    simulation.physics = cast(Any, _Led(record))
-    ended = record.steps_run
-    return record_run(
-        simulation, save=SaveAt(every=1), stop=lambda: simulation.step_number >= ended
-    )

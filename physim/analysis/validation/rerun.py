@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import chain
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
@@ -23,7 +23,9 @@ from physim.analysis.validation.finding import (
     unlike_scene,
 )
 from physim.analysis.validation.origin import PATHS, controller_name
+from physim.contacts import CONTACT_ROW, FALSE_CONTACT_ROW
 from physim.errors import PhysimError, RecordError, WorldError
+from physim.geometry.shapes import FloatArray
 from physim.record import Record
 from physim.record.layout import (
     ARRIVED,
@@ -39,6 +41,7 @@ if TYPE_CHECKING:
     from physim.parts.controller import Controller
     from physim.parts.stages import Disturbance, Filter, SensingStage
     from physim.simulation.loop import Simulation
+    from physim.world.scene import Scene
 
 BY = "simulated again"
 BEFORE = ("name", "world", "seed", "dt", "steps_planned")
@@ -154,6 +157,42 @@ def rerun(record: Record, **parts: Any) -> Rerun:
     """Simulate the run of a record again and compare; ``parts`` are those of `simulation_again`."""
     with run_again(record, simulation_again(record, **parts)) as again:
         return compare_runs(record, again)
+
+
+class _Led:
+    """Stands in for the engine: robots go where a record says."""
+
+    def __init__(self, record: Record) -> None:
+        self.record, self.at = record, 0
+        self.contacts = np.zeros(0, CONTACT_ROW)
+        self.false_contacts = np.zeros(0, FALSE_CONTACT_ROW)
+
+    @property
+    def pose(self) -> FloatArray:
+        """(N, 3) at the present sample."""
+        return self.record.pose_at(self.at)
+
+    def step(self, _: FloatArray) -> None:
+        """Go to the next sample, whatever the commands."""
+        self.at += 1
+        self.contacts = self.contacts[:0]
+
+
+def run_led(record: Record, scene: Scene, controller: Controller) -> Record:
+    """Run led through the poses of a record that has those of every step: it decides anew.
+
+    Raises ControllerError where the controller cannot decide.
+    """
+    from physim.simulation.loop import Simulation
+    from physim.simulation.recorder import SaveAt
+    from physim.simulation.run import record_run
+
+    simulation = Simulation(scene, controller=controller)
+    simulation.physics = cast(Any, _Led(record))
+    ended = record.steps_run
+    return record_run(
+        simulation, save=SaveAt(every=1), stop=lambda: simulation.step_number >= ended
+    )
 
 
 def compare_runs(record: Record, again: Record) -> Rerun:

@@ -117,6 +117,16 @@ def a_touch_before_explains_everything() -> None:
     instead(PREDICTION + "Predictor._touched_then", lambda a: True)
 
 
+@rule("validation")
+def warned_is_by_the_last_decision_alone() -> None:
+    """A contact lay ahead since the last decision, whatever those before it foretold."""
+
+    def last(value: Any, a: Any) -> Any:
+        return min(value, a.contact.touched - (a.contact.made or 0.0))
+
+    found(PREDICTION + "Predictor.ahead", last)
+
+
 # Ledgers
 
 

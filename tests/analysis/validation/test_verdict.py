@@ -71,7 +71,10 @@ def test_a_run_that_was_cut_short_does_not_show_whether_all_arrive(wanted):
 
 
 def test_contact_comes_when_it_was_predicted(rear_end):
-    compared = [one.prediction for one in validate(rear_end).contacts]
+    contacts = validate(rear_end).contacts
+    first = contacts[0]
+    assert first.warning == pytest.approx(first.prediction.touched)  # commands stay as they were
+    compared = [one.prediction for one in contacts]
     compared = [one for one in compared if one.verdict == AGREES]
     assert compared
     for one in compared:

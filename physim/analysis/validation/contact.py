@@ -6,16 +6,13 @@ import math
 from dataclasses import dataclass
 from typing import Any
 
-import numpy as np
-
 from physim.analysis.metrics import Figures, Severity, masses, severity
-from physim.analysis.metrics.contacts import first_row
+from physim.analysis.metrics.contacts import Touch
 from physim.analysis.metrics.walls import along_wall
 from physim.analysis.validation.analytic_contacts import AnalyticContacts
 from physim.analysis.validation.decisions import DecisionTable
 from physim.analysis.validation.prediction import Prediction, Predictor
-from physim.analysis.validation.responsibility import RobotInContact, Touch, robots_in_contact
-from physim.contacts import Kind
+from physim.analysis.validation.responsibility import RobotInContact, robots_in_contact
 from physim.geometry.path import path_length, project
 from physim.record import Record
 
@@ -77,11 +74,8 @@ class Contact:
 
 def swept_contacts(record: Record, table: DecisionTable) -> tuple[Contact, ...]:
     """Every recorded contact between two samples, in the order of time."""
-    rows = record.contacts[record.contacts["kind"] == Kind.SWEPT]
-    return tuple(
-        _contact(record, table, row, number=k, depth=float(row["depth"]))
-        for k, row in enumerate(rows, 1)
-    )
+    found = enumerate(Figures(record).grazes, 1)
+    return tuple(_contact(record, table, one, number=number) for number, one in found)
 
 
 def contacts_of(
@@ -103,7 +97,7 @@ def contacts_of(
         a, b, step = one.a, one.b, one.step
         entry = entries.get((step, a, b), math.nan)
         touched = one.time + (entry - record.dt if math.isfinite(entry) else 0.0)
-        row, hit = first_row(record, one), severity(record, one, mass, table.held)
+        hit = severity(record, one, mass, table.held)
         prediction = predictor.predict(a, b, step, touched, hit.closing)
         is_known = (a, b) not in seen and prediction.made is not None
         seen.add((a, b))
@@ -115,9 +109,9 @@ def contacts_of(
         }
         found.append(
             _contact(
-                record, table, row, number=number, severity=hit, depth=one.depth,
+                record, table, one, number=number, severity=hit,
                 duration=one.samples * record.dt, lasting=step + one.samples >= record.samples,
-                first_impulse=float(row["impulse"]), impulse=one.impulse,
+                first_impulse=one.impact, impulse=one.impulse,
                 also_touching=tuple(sorted(already - {a, b})), prediction=prediction,
                 warning=predictor.ahead(prediction) if is_known else None,
             )
@@ -125,14 +119,13 @@ def contacts_of(
     return tuple(found)
 
 
-def _contact(record: Record, table: DecisionTable, row: np.void, **more: Any) -> Contact:
-    """The contact that begins with a row; ``more`` are fields that do not follow from it."""
-    touch = Touch.of(row)
+def _contact(record: Record, table: DecisionTable, touch: Touch, **more: Any) -> Contact:
+    """The contact of a touch; ``more`` are fields that do not follow from it."""
     sides, charged = robots_in_contact(record, table, touch)
     path = record.reference
-    station = project(path, 0, *touch.point, 0.0, path_length(path, 0))[0]
+    station = project(path, 0, *touch.place, 0.0, path_length(path, 0))[0]
     return Contact(
-        a=touch.a, b=touch.b, time=touch.step * record.dt, place=touch.point,
+        a=touch.a, b=touch.b, time=touch.time, place=touch.place, depth=touch.depth,
         station=float(station), normal=touch.normal, sides=sides, responsible=charged,
-        along=along_wall(record, touch.b, touch.point), **more,
+        along=along_wall(record, touch.b, touch.place), **more,
     )  # fmt: skip

@@ -63,8 +63,10 @@ class Candidate:
         return make
 
     def _is_in(self, world: World) -> bool:
-        """Whether it is the world's own controller."""
-        name = world.controller.type
+        """Whether it is the world's own controller: settings without a type are anybody's."""
+        choice, name = world.controller, world.controller.type
+        if choice.settings and "type" not in choice.model_fields_set:
+            return True
         if ":" in name:
             return name in (self.name, f"{self.kind.__module__}:{self.kind.__qualname__}")
         try:

@@ -234,8 +234,8 @@ def _disagreements(validation: Validation) -> list[str]:
         when = "" if one.time is None else f"{one.time:9.4f} s  "
         who = " and ".join(validation.names[body] for body in one.bodies)
         who += f", signed distance {one.distance:.3g} m" if isfinite(one.distance) else ""
-        who += f" for {one.steps} samples" if one.steps > 1 else ""
-        lines += wrapped(f"{when}{who}{': ' if who else ''}{one.words}", "  ", 15 * " ")
+        lasts = f" for {one.steps} samples" if one.steps > 1 else ""
+        lines += wrapped(f"{when}{who}{': ' if who else ''}{one.words}{lasts}", "  ", 15 * " ")
     left = sum(len(sort[MOST_LISTED:]) for sort in sorts)
     return [*lines, f"  and {left} more (--json FILE has all)"] if left else lines
 

@@ -51,6 +51,7 @@ def with_lines(drawing: Drawing) -> Drawing:
             drawing.obstacles.append(one.points[:-1])
     drawing.boundaries += [one.points for one in drawing.of("boundary")]
     drawing.robots = [DrawnRobot(one.points[:-1], one.name) for one in drawing.of("robot")]
+    drawing.name_robots()
     take_paths(drawing, [(one.name, one.points) for one in drawing.of("path")])
     if places:
         line = shapely.LineString(drawing.reference) if drawing.reference is not None else None

@@ -41,6 +41,8 @@ FINE = 0.01
 """[-] of the size of a robot, within which its chords keep however small it is"""
 MOST_ELEMENTS = 100_000
 """Elements, copies counted each time"""
+MOST_OUTLINES = 1_000
+"""Closed lines of one shape"""
 MOST_LEVELS = 100
 """Groups and copies within each other"""
 SVG = "{http://www.w3.org/2000/svg}"
@@ -441,6 +443,8 @@ class _Reader:
 def _solids(role: str, lines: list[tuple[FloatArray, bool]]) -> list[Any]:
     """Polygons of closed lines; one within another is a hole."""
     solid: Any = shapely.Polygon()
+    if len(lines) > MOST_OUTLINES:
+        raise ValueError(f"{len(lines)} outlines in one shape; at most {MOST_OUTLINES} are read")
     for points, closed in lines:
         if not closed or len(points) < 4:
             raise ValueError(f"{role} at {place(points[0])} is not closed; draw its outline")

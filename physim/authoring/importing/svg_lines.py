@@ -9,10 +9,11 @@ from math import acos, ceil, isfinite, pi, sqrt
 import numpy as np
 import svgelements
 
-from physim.authoring.importing.work import MOST_POINTS
 from physim.escaping import escaped
 from physim.geometry.shapes import FloatArray
 
+MOST_POINTS = 50_000
+"""Points of one shape"""
 MOST_CHORDS = 10_000
 """Chords of one curve"""
 CLOSED = 1e-3

@@ -172,7 +172,7 @@ def looks_needed(rate: float, confidence: float = CONFIDENCE) -> int:
     against 2995 of a number fixed beforehand.
     """
     return bisect.bisect_left(
-        range(2**62), rate, lo=1, key=lambda runs: at_each_look(runs, 0, confidence)[0]
+        range(2**62), rate, lo=1, key=lambda runs: float(at_each_look(runs, 0, confidence)[0])
     )
 
 

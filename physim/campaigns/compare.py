@@ -235,12 +235,13 @@ def _finding(name: str, better: int, a: FloatArray, b: FloatArray) -> Finding:
     gain = (b - a) * better
     only_a, only_b = int(np.count_nonzero(gain < 0)), int(np.count_nonzero(gain > 0))
     if name in RATE_TITLES:
-        ends = rate_difference(only_b, only_a, len(a))
-        middles, found = (a.mean(), b.mean()), ((only_b - only_a) / len(a), *map(float, ends))
+        low, high = rate_difference(only_b, only_a, len(a))
+        a_is, b_is = np.mean(a), np.mean(b)
+        shift = (only_b - only_a) / len(a), float(low), float(high)
     else:
-        middles, found = (np.median(a), np.median(b)), median_difference(b - a)
+        a_is, b_is, shift = np.median(a), np.median(b), median_difference(b - a)
     p = sign_test(only_a, only_b)
-    return Finding(name, len(a), *map(float, middles), *found, p, only_a, only_b)
+    return Finding(name, len(a), float(a_is), float(b_is), *shift, p, only_a, only_b)
 
 
 def _without(cell: Cell, places: Sequence[int]) -> tuple[str, ...]:

@@ -328,7 +328,7 @@ def read(folder: str | os.PathLike[str]) -> pa.Table:
 
 def _keys_of(place: Folder) -> dict[Label, tuple[str, ...]]:
     """Of each cell the identity of its runs, world, versions. PhysimError for a changed world."""
-    found = {}
+    found: dict[Label, tuple[str, ...]] = {}
     for one in place.cells():
         text = file_text(file := place.world_file(one.world_hash))
         if short_hash(text) != one.world_hash:

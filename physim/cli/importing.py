@@ -19,7 +19,7 @@ FORMATS = ("track", "ros-map", "svg", "wkt", "geojson")
 LINES, ROUTE = "Lines", "Path and robots"
 ASKED = (
     "format", "scale", "tolerance", "specks", "start", "gap", "open", "origin", "goal", "robots",
-    "lanes", "robot", "name", "boundary",
+    "lanes", "robot", "name", "boundary", "ignore", "ignore_others",
 )  # fmt: skip
 
 
@@ -50,6 +50,14 @@ ASKED = (
     section=LINES,
     help="a shape or group of an SVG drawing, by id or label, that is a wall (may be repeated)",
 )
+@option(
+    "--ignore",
+    multiple=True,
+    metavar="NAME",
+    section=LINES,
+    help="a shape, group or feature without a role that is left out (may be repeated)",
+)
+@flag("--ignore-others", "leave out all shapes and features without a role", section=LINES)
 @option(
     "--specks",
     type=DISTANCE,
@@ -111,7 +119,7 @@ def import_command(options: Options) -> int:
     """
     # both now: Ctrl-C in the import of a module would end the command with the world just written
     from physim.authoring import importing
-    from physim.cli.trying import judge
+    from physim.cli.check import judge
 
     source, output = options.source, options.output
     _check_output(source, output, options.force)
@@ -122,7 +130,7 @@ def import_command(options: Options) -> int:
     if not options.quiet:
         *files, steps = written.splitlines()
         print("\n".join([*_report(source, imported), *files]), flush=True)
-        judge(options, imported.world)
+        judge(output, not options.untried)
         print(steps)
     return 0
 

@@ -69,8 +69,8 @@ def _commented(world: World) -> Iterator[str]:
         kind = tuple(part for part in location if not isinstance(part, int))
         if location and isinstance(location[-1], str) and kind not in told:
             told.add(kind)
-            line = document.position(location, of_key=True).line
-            notes.setdefault(line, _meaning(world, document.values, location))
+            row = document.position(location, of_key=True).line
+            notes.setdefault(row, _meaning(world, document.values, location))
     yield f"# yaml-language-server: $schema={FILE}"
     yield "# Lengths [m], times [s], angles [rad]; x to the right, y up, headings from the x axis,"
     yield "# counter-clockwise positive. Further keys: at the end."
@@ -101,11 +101,11 @@ def _meaning(world: World, values: Any, location: Location) -> str:
         return field.description or ""
     for kind in (CONTROLLER, *STAGES):
         if location[: len(kind.key)] == kind.key:
-            for part in location[:-1]:
-                values = values[part]
+            for key in location[:-1]:
+                values = values[key]
             try:
-                part = find_part(kind, values.get("type", world.controller.type))
-                model = settings_model(part)
+                found = find_part(kind, values.get("type", world.controller.type))
+                model = settings_model(found)
             except ControllerError:
                 return ""
             field = model.model_fields.get(str(location[-1])) if model is not None else None

@@ -124,8 +124,8 @@ robots:
     ("text", "told"),
     [
         (FOLLOWING, r'"front" touches "rear" at'),
-        (JUNCTION, r'"b" stands .* short .* it waits for "a"'),
-        (SAME_STOP, r'"b" stands .* short .* it waits for "a"'),
+        (JUNCTION, r'"b" (stands|still moves).* short '),
+        (SAME_STOP, r'"b" (stands|still moves).* short '),
         (WALL, r'"r1" stands .* short .* nearest to it is "boundary 1"'),
         (LANE, r'"(east|west)" (stands|touches) '),
     ],

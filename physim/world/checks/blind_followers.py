@@ -19,7 +19,7 @@ from physim.world.checks.findings import Diagnostics
 from physim.world.checks.measured import Drive
 from physim.world.checks.spacing import name_of
 from physim.world.checks.standing import Stop, leads
-from physim.world.layout.layout import PartialLayout
+from physim.world.scene import Layout
 
 MOST_PLACES = 2_000_000
 """Places of all robots at which it is known where they are along the reference path"""
@@ -68,7 +68,7 @@ class Keeping(NamedTuple):
 
 
 def check_blind_followers(
-    laid: PartialLayout, at: list[Stop], speed: float, clear: float, time: float, found: Diagnostics
+    laid: Layout, at: list[Stop], speed: float, clear: float, time: float, found: Diagnostics
 ) -> None:
     """Warn of robots that would run into others which they do not see.
 
@@ -76,7 +76,7 @@ def check_blind_followers(
     [s] are the distance and the collision time that one keeps to those that it sees.
     """
     world, count = laid.world, len(at)
-    if laid.faults or count < 2 or laid.reference is None or np.isnan(laid.start).any():
+    if count < 2:
         return
     outlines = [laid.footprints[i] for i in range(count)]
     radius = np.array([circumscribed_radius(one) for one in outlines])

@@ -14,8 +14,8 @@ from physim.world.checks.findings import Diagnostics
 from physim.world.checks.standing import Stop, reached
 from physim.world.checks.way import Way
 from physim.world.faults import describe
-from physim.world.layout.layout import PartialLayout
 from physim.world.layout.shared import Shared
+from physim.world.scene import Layout
 
 CLEARLY = 3.0
 """[-] times its half width that a robot is farther away when the one in its way has stopped: about
@@ -26,7 +26,7 @@ MOST_PLACES = 5_000
 
 
 def check_blocked_ways(
-    laid: PartialLayout, at: list[Stop], speed: float, clear: float, found: Diagnostics
+    laid: Layout, at: list[Stop], speed: float, clear: float, found: Diagnostics
 ) -> None:
     """Warn of robots that stop in the way of others, unless the run is not to finish.
 
@@ -36,7 +36,7 @@ def check_blocked_ways(
     told by `check_shared_stops`.
     """
     world, expect = laid.world, laid.world.expect
-    if laid.faults or not at or (expect is not None and expect.finished is False):
+    if not at or (expect is not None and expect.finished is False):
         return
     if world.formation is not None:
         return

@@ -14,8 +14,8 @@ from physim.geometry.corridor import SIDES, corridor_boundaries
 from physim.geometry.shapes import FloatArray
 from physim.tolerances import LENGTH
 from physim.world.checks.findings import Diagnostics
-from physim.world.layout.layout import PartialLayout, corridor_line
 from physim.world.layout.shape_checks import crossings, self_crossings
+from physim.world.scene import Layout
 
 HAIR = 1e-7
 """[-] share by which walls are drawn in, so that those that only touch do not cross"""
@@ -23,14 +23,14 @@ MOST_CROSSINGS = 3
 """Crossings of one polyline with itself that are reported one by one."""
 
 
-def check_obstacles(laid: PartialLayout, found: Diagnostics) -> None:
+def check_obstacles(laid: Layout, found: Diagnostics) -> None:
     """Warn of obstacles that no robot can meet, once for all of them."""
-    if laid.area is None or not laid.obstacles:
+    if not laid.obstacles:
         return
     solids = np.array([solid for _, solid in laid.solids])
     shapely.prepare(laid.area.polygon)
     meets = shapely.dwithin(laid.area.polygon, solids, LENGTH)  # they are cut out of it
-    outside = np.array(list(laid.obstacles))[~meets].tolist()
+    outside = np.flatnonzero(~meets).tolist()
     if outside:
         x, y = laid.obstacles[outside[0]][0]
         more = f" (so {'does' if len(outside) == 2 else 'do'} {plural(len(outside) - 1, 'more')})"
@@ -41,12 +41,12 @@ def check_obstacles(laid: PartialLayout, found: Diagnostics) -> None:
         )
 
 
-def check_boundaries(laid: PartialLayout, found: Diagnostics) -> None:
+def check_boundaries(laid: Layout, found: Diagnostics) -> None:
     """Boundaries do not cross, and the walls of a corridor do not fold over in its bends."""
     if laid.world.boundaries is not None:
         _check_drawn(laid, found)
         return
-    centreline, width = corridor_line(laid.world)
+    centreline, width = laid.centreline, laid.widths
     if centreline is None:
         return
     for x, y in self_crossings(centreline)[:MOST_CROSSINGS]:
@@ -55,14 +55,14 @@ def check_boundaries(laid: PartialLayout, found: Diagnostics) -> None:
             f"the centreline crosses itself at {place_text(x, y)}; walls would cut through the "
             "road there; lead it round, or draw boundaries instead",
         )
-    is_drawable = laid.boundaries and (laid.area is not None or laid.reference is None)
-    if is_drawable and width is not None:
+    corridor = laid.world.corridor
+    if corridor is not None and width is not None:
         width = (1.0 - HAIR) * width  # legs that share a wall do not fold
-        walls = corridor_boundaries(centreline, width, laid.world.corridor.end_margin)
+        walls = corridor_boundaries(centreline, width, corridor.end_margin)
         _check_folds([walls[side] for side in SIDES], found)
 
 
-def _check_drawn(laid: PartialLayout, found: Diagnostics) -> None:
+def _check_drawn(laid: Layout, found: Diagnostics) -> None:
     lines = list(laid.boundaries.values())
     keys: list[Location] = [("boundaries", int(name.split()[1]) - 1) for name in laid.boundaries]
     ends = _overshoots([shape for _, shape in laid.walls])

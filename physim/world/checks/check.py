@@ -20,7 +20,7 @@ from physim.world.checks.danger import (
     chosen,
     setting,
 )
-from physim.world.checks.findings import MOST_ALIKE, Diagnostics, Finding, Findings
+from physim.world.checks.findings import Diagnostics, Finding, Findings
 from physim.world.checks.formation import check_formation, check_formation_speed
 from physim.world.checks.measured import check_measured
 from physim.world.checks.neighbourhood import check_neighbours
@@ -47,16 +47,13 @@ from physim.world.checks.starts import (
     check_start_used,
 )
 from physim.world.checks.stops import StopLimits, check_stops, check_tolerance
-from physim.world.faults import describe
 from physim.world.file.files import world_document
 from physim.world.file.loading import Validated, in_order, placed, validate
 from physim.world.file.nodes import Document, collector_paused
-from physim.world.layout.layout import PartialLayout, partial_layout
+from physim.world.layout.layout import lay_out
 from physim.world.model import World
-from physim.world.partial import sound_parts
+from physim.world.scene import Layout
 
-PLACES = (("corridor",), ("road",), ("boundaries",), ("obstacles",))
-"""Keys of a world that say where there is room"""
 MOST_REPORTED = 100
 """Errors, and likewise warnings, of one world that are reported one by one."""
 
@@ -113,15 +110,22 @@ def _refused(error: WorldError, file: str) -> Findings:
 
 @np.errstate(all="ignore")  # see build_scene
 def _check_geometry(checked: Validated, found: Diagnostics) -> tuple[ClearanceProfile, ...]:
-    """Everything that lies in where things are; what cannot be read is passed over."""
-    whole = checked.world is not None
+    """Everything that lies in where things are, of a world whose values are sound."""
+    world = checked.world
+    if world is None:
+        return ()
+    mistaken = check_scale(world, found)
     try:
-        laid = partial_layout(checked.world or sound_parts(checked.values), is_whole=whole)
+        laid = lay_out(world)
         profiles = _check_layout(laid, checked, found)
         found.errors = laid.world.of_the_road(found.errors)
         found.warnings = laid.world.of_the_road(found.warnings)
         found.notes += road_notes(laid)
         return profiles
+    except WorldError as error:  # in other units, the rest follows from that
+        own = [fault for fault in error.faults if fault.location in mistaken]
+        found.errors += own or error.faults
+        return ()
     except shapely.errors.ShapelyError as error:
         reason = " ".join(str(error).split())[:100]
         found.error((), f"the geometry is beyond what can be computed ({reason})")
@@ -129,19 +133,13 @@ def _check_geometry(checked: Validated, found: Diagnostics) -> tuple[ClearancePr
 
 
 def _check_layout(
-    laid: PartialLayout, checked: Validated, found: Diagnostics
+    laid: Layout, checked: Validated, found: Diagnostics
 ) -> tuple[ClearanceProfile, ...]:
     safe_distance, low, speed = (
         setting(laid, checked.controller, key) for key in ("safe_distance", "boundary_low", "speed")
     )
-    written = tuple(found.errors)
     check_footprints(laid, found)
     check_boundaries(laid, found)
-    found.errors += laid.faults
-    mistaken = check_scale(laid, found)
-    if own := [fault for fault in found.errors if fault.location in mistaken]:
-        found.errors = [*written, *own]  # the others follow from it
-        return ()
     check_obstacles(laid, found)
     check_start_used(checked.world, found)
     check_reference(laid, found)
@@ -151,8 +149,7 @@ def _check_layout(
     check_start_stations(laid, found)
     check_far_starts(laid, found)
     astray = check_paths(laid, found)
-    is_unread = any(fault.location[:1] in PLACES for fault in written)
-    profiles = () if is_unread else clearance_profiles(laid, safe_distance)
+    profiles = clearance_profiles(laid, safe_distance)
     too_wide = check_width(laid, found)
     fitting = tuple(profile for profile in profiles if profile.number not in too_wide)
     check_room(laid, fitting, astray, found)
@@ -160,43 +157,25 @@ def _check_layout(
     check_safe_area(laid, safe_distance, found)
     check_always_danger(profiles, low, found)
     check_turning_room(laid, profiles, found)
-    at = [] if checked.world is None or laid.faults else stops(laid)
-    if checked.world is not None:
-        time, distance = (
-            setting(laid, checked.controller, key) for key in ("time_low", "distance_low")
-        )
-        check_stops(laid, at, StopLimits(speed, time, low, distance), found)
-        look_ahead = setting(laid, checked.controller, "look_ahead")
-        check_safe_stops(laid, at, safe_distance, look_ahead, found)
-        check_tolerance(laid, found)
+    at = stops(laid)
+    time, distance = (
+        setting(laid, checked.controller, key) for key in ("time_low", "distance_low")
+    )
+    check_stops(laid, at, StopLimits(speed, time, low, distance), found)
+    look_ahead = setting(laid, checked.controller, "look_ahead")
+    check_safe_stops(laid, at, safe_distance, look_ahead, found)
+    check_tolerance(laid, found)
     avoidance, usual = chosen(laid, checked.controller, "avoidance"), speed or 1.0
     check_formation(laid, usual, avoidance is not None, found)  # who avoids so drives by (7), too
     check_formation_speed(laid, avoidance is not None, found)
     check_neighbours(laid, found)
     check_rings(laid, found)
     check_measured(laid, found)
-    if checked.world is not None:
-        check_shared_stops(laid, at, found)
-        check_blocked_ways(laid, at, usual, distance or 0.0, found)
-        if avoidance not in (None, "none"):
-            check_blind_followers(laid, at, usual, distance or 0.0, time or 0.0, found)
-    found.notes += _not_judged(laid, profiles, is_unread)
+    check_shared_stops(laid, at, found)
+    check_blocked_ways(laid, at, usual, distance or 0.0, found)
+    if avoidance not in (None, "none"):
+        check_blind_followers(laid, at, usual, distance or 0.0, time or 0.0, found)
     return profiles
-
-
-def _not_judged(
-    laid: PartialLayout, profiles: tuple[ClearanceProfile, ...], is_unread: bool
-) -> list[str]:
-    """A line about the robots whose room is not known, if there are any."""
-    known = {profile.number for profile in profiles}
-    left = [i for i in range(len(laid.world.robots)) if i not in known]
-    if not left:
-        return []
-    if is_unread:
-        return ["room on the paths: not judged, as not all boundaries and obstacles can be read"]
-    names = ", ".join(describe(laid.names[i]) for i in left[:MOST_ALIKE])
-    more = f" and {len(left) - MOST_ALIKE} more" if len(left) > MOST_ALIKE else ""
-    return [f"room on the paths: {names}{more} left out, whose footprint or path has an error"]
 
 
 def _located(

@@ -14,20 +14,20 @@ from physim.parts.registry import settings_model
 from physim.world.checks.findings import Diagnostics
 from physim.world.checks.room import ClearanceProfile
 from physim.world.faults import describe
-from physim.world.layout.layout import PartialLayout
+from physim.world.scene import Layout
 
 NEARLY_ALL = 0.95
 """Share of a path over which a robot in danger is taken never to leave danger mode"""
 
 
-def setting(laid: PartialLayout, controller: type[Any] | None, key: str) -> float | None:
+def setting(laid: Layout, controller: type[Any] | None, key: str) -> float | None:
     """A length among the controller's settings [m]: as set, else its default; None without one."""
     value = chosen(laid, controller, key)
     is_number = isinstance(value, int | float) and not isinstance(value, bool)
     return float(value) if is_number and 1e-9 <= value <= 1e6 else None
 
 
-def chosen(laid: PartialLayout, controller: type[Any] | None, key: str) -> Any:
+def chosen(laid: Layout, controller: type[Any] | None, key: str) -> Any:
     """A value among the controller's settings: as set, else its default; None without one."""
     try:
         model = settings_model(controller) if controller is not None else None
@@ -39,9 +39,9 @@ def chosen(laid: PartialLayout, controller: type[Any] | None, key: str) -> Any:
     return laid.world.controller.settings.get(key, field.default)
 
 
-def check_safe_area(laid: PartialLayout, safe_distance: float | None, found: Diagnostics) -> None:
+def check_safe_area(laid: Layout, safe_distance: float | None, found: Diagnostics) -> None:
     """Warn where no place is as far from the boundaries as the controller wants to be."""
-    if laid.area is None or safe_distance is None:
+    if safe_distance is None:
         return
     if laid.area.shrunk(safe_distance, 4).is_empty:
         found.warn(
@@ -83,11 +83,9 @@ def check_always_danger(
 
 
 def check_turning_room(
-    laid: PartialLayout, profiles: tuple[ClearanceProfile, ...], found: Diagnostics
+    laid: Layout, profiles: tuple[ClearanceProfile, ...], found: Diagnostics
 ) -> None:
     """Warn of paths in the danger area, where no place of the safe area lets the robot turn."""
-    if laid.area is None:
-        return
     largest: float | None = None
     tight = []
     for profile in profiles:

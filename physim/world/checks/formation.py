@@ -16,6 +16,8 @@ S* [m] a sum that (7) should still answer within the limits, the larger of
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import shapely
 from numpy.typing import ArrayLike
@@ -34,18 +36,18 @@ from physim.world.checks.spacing import (
     start_stations,
 )
 from physim.world.faults import describe
-from physim.world.layout.layout import PartialLayout
 from physim.world.layout.shared import Shared
+from physim.world.scene import Layout
 
 
-def check_formation(laid: PartialLayout, speed: float, by_7: bool, found: Diagnostics) -> None:
+def check_formation(laid: Layout, speed: float, by_7: bool, found: Diagnostics) -> None:
     """Spacing longer than the footprints, and a reference path longer than the formation.
 
     ``speed`` [m/s] is that at which robots move by themselves, in a world without formation; in one
     it is set ``by_7``, or stays the formation's.
     """
     plan = laid.world.formation
-    if laid.reference is None or not laid.world.robots:
+    if not laid.world.robots:
         return
     line = shapely.LineString(laid.reference)
     stations = start_stations(laid, line)
@@ -67,7 +69,7 @@ def check_formation(laid: PartialLayout, speed: float, by_7: bool, found: Diagno
 
 
 def _check_length(
-    laid: PartialLayout,
+    laid: Layout,
     line: shapely.LineString,
     stations: FloatArray,
     leads: FloatArray,
@@ -86,12 +88,12 @@ def _check_length(
     line_of, points = Shared(shapely.LineString), shapely.get_coordinates(line)
     has_formation, is_told = laid.world.formation is not None, False
     ways: dict[int, float] = {}
-    for k, path in laid.paths.items():
+    for k, path in enumerate(laid.paths):
         where: Location = (*laid.world.entry_of(k), "pose")
         own, position = line_of(path), laid.start[k, :2]
         stop = max(own.length - float(leads.max() - leads[k]), 0.0)
         begin = float(own.project(shapely.Point(position)))
-        reach = circumscribed_radius(laid.footprints.get(k, [(0, 0)]))
+        reach = circumscribed_radius(laid.footprints[k])
         if begin >= stop:
             found.warn(
                 where,
@@ -121,7 +123,7 @@ def _check_length(
 
 
 def _check_duration(
-    laid: PartialLayout, ways: dict[int, float], speeds: tuple[float, float], found: Diagnostics
+    laid: Layout, ways: dict[int, float], speeds: tuple[float, float], found: Diagnostics
 ) -> None:
     """Warn where the run is too short for the ways [m] of its robots, but is expected to finish.
 
@@ -165,7 +167,7 @@ UPDATE = 0.1
 """[s] longest update interval (14)"""
 
 
-def check_formation_speed(laid: PartialLayout, by_7: bool, found: Diagnostics) -> None:
+def check_formation_speed(laid: Layout, by_7: bool, found: Diagnostics) -> None:
     """Warn of a steady speed outside the limits, slow robots, and a gain that saturates.
 
     Speeds are set ``by_7``, or stay the formation's.
@@ -191,7 +193,7 @@ def check_formation_speed(laid: PartialLayout, by_7: bool, found: Diagnostics) -
         _check_gain(laid, found)
 
 
-def _check_slow(laid: PartialLayout, low: float, found: Diagnostics) -> None:
+def _check_slow(laid: Layout, low: float, found: Diagnostics) -> None:
     """Warn of robots slower than the least speed [m/s] that (7) gives the others."""
     tops = [robot.limits.v for robot in laid.world.robots]
     slow = [i for i, top in enumerate(tops) if top is not None and top < low]
@@ -204,8 +206,8 @@ def _check_slow(laid: PartialLayout, low: float, found: Diagnostics) -> None:
         )
 
 
-def _check_gain(laid: PartialLayout, found: Diagnostics) -> None:
-    plan = laid.world.formation
+def _check_gain(laid: Layout, found: Diagnostics) -> None:
+    plan: Any = laid.world.formation
     gain, speed, (low, high) = plan.gain, plan.speed, plan.limits
     margin = min((m for m in (high - speed, speed - low) if m > 0.0), default=0.0)
     sums, neighbours = _error_sums(laid)
@@ -228,9 +230,10 @@ def _check_gain(laid: PartialLayout, found: Diagnostics) -> None:
     )
 
 
-def _error_sums(laid: PartialLayout) -> tuple[FloatArray, int]:
+def _error_sums(laid: Layout) -> tuple[FloatArray, int]:
     """S_i (N,) [m] at the start, and the most neighbours that a robot has there; 0 if unknown."""
-    count, plan = len(laid.world.robots), laid.world.formation
+    count = len(laid.world.robots)
+    plan: Any = laid.world.formation
     reference = laid.reference
     station = None if reference is None else start_stations(laid, shapely.LineString(reference))
     if station is None:

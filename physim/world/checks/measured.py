@@ -18,7 +18,7 @@ from physim.geometry.tracking import Tracking
 from physim.world.checks.findings import Diagnostics
 from physim.world.checks.spacing import name_of
 from physim.world.checks.standing import leads, stop_stations
-from physim.world.layout.layout import PartialLayout
+from physim.world.scene import Layout
 
 STEP = 0.25
 """[m] from place to place, of which a projection looks as far as a metre"""
@@ -33,11 +33,9 @@ MOST_OFF = 0.05
 lanes beside bends is less"""
 
 
-def check_measured(laid: PartialLayout, found: Diagnostics) -> None:
+def check_measured(laid: Layout, found: Diagnostics) -> None:
     """Warn of a formation that is far off where all its robots have driven to their stops."""
-    if laid.world.formation is None or laid.reference is None or laid.faults:
-        return
-    if np.isnan(laid.start).any():  # not drawn, beside errors
+    if laid.world.formation is None:
         return
     told = {fault.location[:1] for fault in found.errors}
     if told & {("formation",), laid.reference_key[:1]}:

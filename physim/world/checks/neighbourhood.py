@@ -20,10 +20,10 @@ from physim.geometry.shapes import FloatArray, IntArray
 from physim.tolerances import CONTACT
 from physim.world.checks.findings import MOST_ALIKE, Diagnostics
 from physim.world.checks.spacing import listed_leads, name_of, start_stations
-from physim.world.layout.layout import PartialLayout
+from physim.world.scene import Layout
 
 
-def check_neighbours(laid: PartialLayout, found: Diagnostics) -> None:
+def check_neighbours(laid: Layout, found: Diagnostics) -> None:
     """Warn of a formation whose parts are not connected by neighbours."""
     plan = laid.world.formation
     if plan is None or not plan.gain or len(laid.world.robots) < 2:
@@ -34,9 +34,9 @@ def check_neighbours(laid: PartialLayout, found: Diagnostics) -> None:
         _check_pairs(laid, found)
 
 
-def _check_range(laid: PartialLayout, reach: float | None, found: Diagnostics) -> None:
+def _check_range(laid: Layout, reach: float | None, found: Diagnostics) -> None:
     """Warn of a gap longer than ``reach`` [m] between robots in formation, or at the start."""
-    if laid.reference is None or reach is None:
+    if reach is None:
         return
     station = start_stations(laid, shapely.LineString(laid.reference))
     lead = listed_leads(laid)
@@ -63,7 +63,7 @@ def _largest_gap(station: FloatArray) -> tuple[float, int, int]:
     return float(gaps[k]), int(order[k + 1]), int(order[k])
 
 
-def _check_pairs(laid: PartialLayout, found: Diagnostics) -> None:
+def _check_pairs(laid: Layout, found: Diagnostics) -> None:
     """Warn of robots that no chain of listed pairs connects with the first."""
     near = list(listed_neighbours(laid))
     count = len(near)
@@ -85,9 +85,9 @@ def _check_pairs(laid: PartialLayout, found: Diagnostics) -> None:
     )
 
 
-def neighbours_at(laid: PartialLayout, station: FloatArray) -> Iterator[IntArray]:
+def neighbours_at(laid: Layout, station: FloatArray) -> Iterator[IntArray]:
     """For each robot its neighbours, increasing, at stations (N,) [m] of the reference path."""
-    plan = laid.world.formation
+    plan: Any = laid.world.formation
     if are_pairs(plan.neighbours):
         return listed_neighbours(laid)
     return _within(station, plan.range or 0.0)
@@ -100,11 +100,12 @@ def are_pairs(neighbours: Any) -> bool:
     )
 
 
-def listed_neighbours(laid: PartialLayout) -> Iterator[IntArray]:
+def listed_neighbours(laid: Layout) -> Iterator[IntArray]:
     """For each robot those that are listed as its neighbours, increasing."""
     index = {name: i for i, name in enumerate(laid.names)}
     near: list[set[int]] = [set() for _ in laid.names]
-    for a, b in laid.world.formation.neighbours:
+    plan: Any = laid.world.formation
+    for a, b in plan.neighbours:
         if a in index and b in index:
             near[index[a]].add(index[b])
             near[index[b]].add(index[a])

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import shapely
 from shapely.ops import substring
@@ -18,23 +20,23 @@ from physim.world.checks.findings import MOST_ALIKE, Diagnostics
 from physim.world.checks.room import NOT, ClearanceProfile, inscribed_radius
 from physim.world.checks.way import is_ring
 from physim.world.faults import describe
-from physim.world.layout.layout import PartialLayout, corridor_line
 from physim.world.layout.shared import Shared
+from physim.world.scene import Layout
 from physim.world.walls import stretch_text
 
 SHORTEST = 1.0
 """[m] A path or reference path shorter than this is hardly meant."""
 
 
-def check_paths(laid: PartialLayout, found: Diagnostics) -> set[Location]:
+def check_paths(laid: Layout, found: Diagnostics) -> set[Location]:
     """Every path lies inside the accessible area, and in the sense of the reference path.
 
     Keys of those that do not lie inside, or lead through a wall.
     """
     astray: set[Location] = set()
-    outside = Shared(laid.area.outside_stretches) if laid.area is not None else None
+    outside = Shared(laid.area.outside_stretches)
     told: set[Location] = set()
-    for i, path in laid.paths.items():
+    for i, path in enumerate(laid.paths):
         if laid.path_key(i) in told:
             continue  # the path of others of the group
         told.add(laid.path_key(i))
@@ -52,7 +54,7 @@ def check_paths(laid: PartialLayout, found: Diagnostics) -> set[Location]:
 
 
 def _check_inside(
-    laid: PartialLayout, i: int, path: FloatArray, outside: FloatArray, found: Diagnostics
+    laid: Layout, i: int, path: FloatArray, outside: FloatArray, found: Diagnostics
 ) -> bool:
     """Report the stretches (M, 2) [m] of a path outside the area; whether there are none."""
     if not len(outside):
@@ -91,12 +93,10 @@ def _check_inside(
     return False
 
 
-def _check_walls_in_the_way(
-    laid: PartialLayout, i: int, path: FloatArray, found: Diagnostics
-) -> bool:
+def _check_walls_in_the_way(laid: Layout, i: int, path: FloatArray, found: Diagnostics) -> bool:
     """Warn of a path through a wall that stands in the accessible area; whether it does not."""
     line = shapely.LineString(path)
-    if laid.area is None or not line.intersects(laid.area.inner):
+    if not line.intersects(laid.area.inner):
         return True
     met = shapely.points(shapely.get_coordinates(line.intersection(laid.area.inner)))
     stations = shapely.line_locate_point(line, met)
@@ -112,11 +112,10 @@ def _check_walls_in_the_way(
     return False
 
 
-def _check_offset_folds(laid: PartialLayout, i: int, found: Diagnostics) -> None:
+def _check_offset_folds(laid: Layout, i: int, found: Diagnostics) -> None:
     """Warn of a path beside the reference path that runs backwards in a tight bend."""
-    if laid.reference is None:
-        return
-    offset = laid.world.robots[i].path.offset
+    path: Any = laid.world.robots[i].path
+    offset = path.offset
     beside = offset_polyline(laid.reference, np.full(len(laid.reference), offset))
     legs = np.diff(laid.reference, axis=0)
     along = (np.diff(beside, axis=0) * legs).sum(axis=1)
@@ -132,13 +131,11 @@ def _check_offset_folds(laid: PartialLayout, i: int, found: Diagnostics) -> None
         )
 
 
-def _check_sense(laid: PartialLayout, i: int, path: FloatArray, found: Diagnostics) -> None:
+def _check_sense(laid: Layout, i: int, path: FloatArray, found: Diagnostics) -> None:
     """Own paths go the way of the reference path, on which the formation measures.
 
     Without one they may go any way: then it is told of a robot alone that starts near the end.
     """
-    if laid.reference is None:
-        return
     reference = shapely.LineString(laid.reference)
     line = shapely.LineString(path)
     if line.length < SHORTEST:
@@ -159,11 +156,9 @@ def _check_sense(laid: PartialLayout, i: int, path: FloatArray, found: Diagnosti
         )
 
 
-def check_reference(laid: PartialLayout, found: Diagnostics) -> None:
+def check_reference(laid: Layout, found: Diagnostics) -> None:
     """The reference path goes forward and does not pass through itself."""
     line = laid.reference
-    if line is None:
-        return
     is_corridor = laid.reference_key[0] == "corridor"
     if not is_corridor:  # the walls of a corridor cannot be drawn there, which is reported
         _check_turns(line, laid.reference_key, "the reference path", MOST_ALIKE, found)
@@ -200,25 +195,25 @@ def _check_turns(
         )
 
 
-def check_width(laid: PartialLayout, found: Diagnostics) -> set[int]:
+def check_width(laid: Layout, found: Diagnostics) -> set[int]:
     """Refuse a corridor too narrow for robots however they are turned; numbers of those.
 
     A robot needs the least width of its footprint, a nonconvex one at least the diameter of its
     inscribed circle. Reported once, where the width stands.
     """
-    centreline, widths = corridor_line(laid.world)
+    centreline, widths = laid.centreline, laid.widths
     if centreline is None or widths is None:
         return set()
     k = int(np.argmin(widths))
     width = float(widths[k])
     narrowest = Shared(_narrowest_gap)
-    needed = {number: narrowest(outline) for number, outline in laid.footprints.items()}
+    needed = {number: narrowest(outline) for number, outline in enumerate(laid.footprints)}
     too_wide = {number for number, gap in needed.items() if gap >= width - CONTACT}
     if too_wide:
         worst = max(sorted(too_wide), key=lambda number: needed[number])
         more = f", and {len(too_wide) - 1} more do not fit either" if len(too_wide) > 1 else ""
         x, y = centreline[k]
-        is_listed = isinstance(laid.world.corridor.width, tuple)
+        is_listed = isinstance(getattr(laid.world.corridor, "width", None), tuple)
         found.error(
             ("corridor", "width", k) if is_listed else ("corridor", "width"),
             f"{width:.4g} m at {place_text(x, y)} is too narrow: {describe(laid.names[worst])}"
@@ -236,7 +231,7 @@ def _narrowest_gap(outline: FloatArray) -> float:
 
 
 def check_room(
-    laid: PartialLayout,
+    laid: Layout,
     profiles: tuple[ClearanceProfile, ...],
     astray: set[Location],
     found: Diagnostics,
@@ -279,16 +274,12 @@ def check_room(
             found.warn(where, f"{message}; lead the path further away")
 
 
-def check_passage(
-    laid: PartialLayout, profiles: tuple[ClearanceProfile, ...], found: Diagnostics
-) -> None:
+def check_passage(laid: Layout, profiles: tuple[ClearanceProfile, ...], found: Diagnostics) -> None:
     """Refuse a robot that cannot get from its start to its stop, whatever way it takes.
 
     It cannot where the area less a margin of its inscribed radius falls apart between the two: no
     point of it that keeps this distance from the walls leads from one to the other.
     """
-    if laid.area is None:
-        return
     known: dict[float, list[object]] = {}
     faulty = {fault.location[:2] for fault in found.errors}
     for profile in profiles:

@@ -20,8 +20,8 @@ from physim.world.checks.spacing import start_stations
 from physim.world.checks.standing import reached
 from physim.world.checks.way import Way, is_ring
 from physim.world.faults import describe
-from physim.world.layout.layout import PartialLayout
 from physim.world.layout.shared import sharing
+from physim.world.scene import Layout
 
 NEAR = 0.1
 """[-] of its length before and after the joint that count as next to it"""
@@ -32,25 +32,20 @@ FACED = float(np.cos(np.pi / 4.0))
 """[-] A robot faces along a leg when it is turned from it by less than 45 degrees."""
 
 
-def check_rings(laid: PartialLayout, found: Diagnostics) -> None:
+def check_rings(laid: Layout, found: Diagnostics) -> None:
     """Warn of robots that start where little of their way is left, though they face more of it."""
     _check_loops(laid, found)
     if not _is_order_told(laid, found):  # from which the ways follow
         _check_laps(laid, found)
 
 
-def _check_loops(laid: PartialLayout, found: Diagnostics) -> None:
+def _check_loops(laid: Layout, found: Diagnostics) -> None:
     """Robots that face an earlier leg of their path than the one they are taken to be on."""
-    placed = [
-        i
-        for i, path in laid.paths.items()
-        if i < len(laid.start) and not np.isnan(laid.start[i]).any()
-        if i in laid.footprints and not is_ring(path)
-    ]
+    placed = [i for i, path in enumerate(laid.paths) if not is_ring(path)]
     part_of = reached(laid)
     for group in sharing([laid.paths[i] for i in placed]):
         way = Way(laid.paths[placed[group[0]]])
-        at_once = max(1, MOST_PAIRS // len(way.step))
+        at_once = max(1, MOST_PAIRS // len(way.direction))
         told: list[tuple[int, str]] = []
         for k in range(0, len(group), at_once):
             if len(told) < MOST_ALIKE:
@@ -60,14 +55,12 @@ def _check_loops(laid: PartialLayout, found: Diagnostics) -> None:
             found.warn(laid.path_key(i), message)
 
 
-def _loops(
-    laid: PartialLayout, robots: list[int], way: Way, begin: FloatArray
-) -> list[tuple[int, str]]:
+def _loops(laid: Layout, robots: list[int], way: Way, begin: FloatArray) -> list[tuple[int, str]]:
     """Who of robots that share a path faces an earlier leg of it than that of ``begin`` [m]."""
     reach = np.array([circumscribed_radius(laid.footprints[i]) for i in robots])
     pose = laid.start[robots]
     row, leg, station, apart = way.within(pose[:, :2], reach)
-    direction = way.step / way.length[:, None]
+    direction = way.direction
     ahead = np.stack((np.cos(pose[:, 2]), np.sin(pose[:, 2])), axis=1)
     faces = (direction[leg] * ahead[row]).sum(axis=1) > FACED
     faces_here = (way.at(begin)[1] * ahead).sum(axis=1) > FACED
@@ -93,7 +86,7 @@ def _first_of_each(row: IntArray, wanted: NDArray[np.bool_], station: FloatArray
     return [first[one] for one in sorted(first)]
 
 
-def _check_laps(laid: PartialLayout, found: Diagnostics) -> None:
+def _check_laps(laid: Layout, found: Diagnostics) -> None:
     """Robots to which a closed path of their own leaves next to nothing of its lap."""
     short: dict[Location, list[tuple[int, float, float]]] = {}
     for i, (begin, stop) in reached(laid).items():
@@ -113,7 +106,7 @@ def _check_laps(laid: PartialLayout, found: Diagnostics) -> None:
         )
 
 
-def _is_order_told(laid: PartialLayout, found: Diagnostics) -> bool:
+def _is_order_told(laid: Layout, found: Diagnostics) -> bool:
     """Warn of a formation on both sides of the joint of a closed reference path, and say so."""
     line = laid.reference
     if line is None or laid.world.formation is None or not is_ring(line):

@@ -5,13 +5,13 @@ from __future__ import annotations
 import shapely
 
 from physim.errors import plural
-from physim.world.layout.layout import PartialLayout, corridor_line
+from physim.world.scene import Layout
 
 
-def road_notes(laid: PartialLayout) -> list[str]:
+def road_notes(laid: Layout) -> list[str]:
     """A line about the drawn road, if there is one."""
     world = laid.world
-    line, width = corridor_line(world)
+    line, width = laid.centreline, laid.widths
     if not world.is_road_drawn or line is None or width is None:
         return []
     length = float(shapely.LineString(line).length)

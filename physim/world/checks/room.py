@@ -22,8 +22,8 @@ from physim.geometry.polygon import circumscribed_radius
 from physim.geometry.shapes import FloatArray
 from physim.tolerances import CONTACT
 from physim.world.checks.standing import reached
-from physim.world.layout.layout import PartialLayout
 from physim.world.layout.shared import Shared
+from physim.world.scene import Layout
 
 SPACING = 0.25
 """[m] from one station of a profile to the next; waypoints are stations too"""
@@ -132,9 +132,7 @@ def inscribed_radius(outline: FloatArray) -> float:
     return float(shape.exterior.distance(origin)) if shape.covers(origin) else 0.0
 
 
-def clearance_profiles(
-    laid: PartialLayout, safe_distance: float | None
-) -> tuple[ClearanceProfile, ...]:
+def clearance_profiles(laid: Layout, safe_distance: float | None) -> tuple[ClearanceProfile, ...]:
     """Room along the path of each robot whose path and footprint are sound.
 
     A path that several robots share is looked at once.
@@ -147,9 +145,7 @@ def clearance_profiles(
     part_of, profiles = reached(laid), []
     narrowest: dict[tuple[int, float, float], Place] = {}
     stretches: dict[tuple[int, float, float, float, float], tuple[Stretch, ...]] = {}
-    for i, path in laid.paths.items():
-        if i not in laid.footprints:
-            continue
+    for i, path in enumerate(laid.paths):
         room, part = room_along(path), part_of[i]
         r, R = radii(laid.footprints[i])
         if (id(path), *part) not in narrowest:
@@ -181,7 +177,7 @@ class _Surroundings:
     area: Area | None
 
     @classmethod
-    def of(cls, laid: PartialLayout) -> _Surroundings:
+    def of(cls, laid: Layout) -> _Surroundings:
         """Those of a world; of obstacles that overlap the outline is that of all together."""
         solid = united([shape for _, shape in laid.solids]).boundary
         lines = [*(shape for _, shape in laid.walls), *shapely.get_parts(solid)]

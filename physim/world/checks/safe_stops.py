@@ -19,11 +19,11 @@ from physim.tolerances import LENGTH
 from physim.world.checks.findings import Diagnostics
 from physim.world.checks.standing import Stop
 from physim.world.faults import describe
-from physim.world.layout.layout import PartialLayout
+from physim.world.scene import Layout
 
 
 def check_safe_stops(
-    laid: PartialLayout,
+    laid: Layout,
     at: list[Stop],
     safe_distance: float | None,
     look_ahead: float | None,
@@ -35,7 +35,7 @@ def check_safe_stops(
     goes_on = world.formation is not None or settings.get("reverse_in_safe_mode") is False
     if safe_distance is None or look_ahead is None or goes_on:
         return
-    if laid.area is None or laid.faults or (expect is not None and expect.finished is False):
+    if expect is not None and expect.finished is False:
         return
     safe = laid.area.shrunk(safe_distance, 16)
     allowed = world.arrival.tolerance

@@ -12,7 +12,7 @@ from physim.tolerances import LENGTH
 from physim.world.checks.findings import Diagnostics
 from physim.world.checks.standing import Stop
 from physim.world.faults import describe
-from physim.world.layout.layout import PartialLayout
+from physim.world.scene import Layout
 
 MOST_PAIRS = 5_000
 """Pairs that are counted: of a crowd that stops in one place, these."""
@@ -20,13 +20,13 @@ LEAST = 1e-3
 """[m] of an overlap from which on its measure is told"""
 
 
-def check_shared_stops(laid: PartialLayout, at: list[Stop], found: Diagnostics) -> None:
+def check_shared_stops(laid: Layout, at: list[Stop], found: Diagnostics) -> None:
     """Warn of robots whose stops overlap, unless the run is not to finish.
 
     One warning for all of them, at the pair that overlaps most.
     """
     expect = laid.world.expect
-    if laid.faults or (expect is not None and expect.finished is False):
+    if expect is not None and expect.finished is False:
         return
     if any(fault.location[:1] == ("formation",) for fault in found.errors):
         return  # those overlap all the way

@@ -16,8 +16,8 @@ from physim.world.checks.findings import MOST_ALIKE, Diagnostics
 from physim.world.checks.room import inscribed_radius
 from physim.world.checks.way import Way, is_ring
 from physim.world.faults import describe
-from physim.world.layout.layout import PartialLayout
 from physim.world.layout.shared import Shared, sharing
+from physim.world.scene import Layout
 
 PLACES = 12
 """Stations of the reference path at which the whole formation is laid out."""
@@ -27,25 +27,24 @@ MOST_OF = PLACES // 2
 """of them at which two robots meet at least, for whom it is sure that they do wherever both are"""
 
 
-def listed_leads(laid: PartialLayout) -> FloatArray | None:
+def listed_leads(laid: Layout) -> FloatArray | None:
     """(N,) [m] wanted lead of each robot over the first, where the world lists them."""
-    spacing = laid.world.formation.spacing
+    plan: Any = laid.world.formation
+    spacing = plan.spacing
     is_one_each = isinstance(spacing, tuple) and len(spacing) == len(laid.world.robots)
     return np.array(spacing, dtype=np.float64) if is_one_each else None
 
 
-def start_stations(laid: PartialLayout, line: shapely.LineString) -> FloatArray | None:
+def start_stations(laid: Layout, line: shapely.LineString) -> FloatArray | None:
     """(N,) [m] stations at the start along the reference path; None unless all are known."""
-    if np.isnan(laid.start).any():
-        return None
     return np.asarray(line.project(shapely.points(laid.start[:, :2])))
 
 
 def check_spacing(
-    laid: PartialLayout, reference: FloatArray, leads: FloatArray, found: Diagnostics
+    laid: Layout, reference: FloatArray, leads: FloatArray, found: Diagnostics
 ) -> None:
     """Lay the formation out along the reference path and see which footprints meet."""
-    shared = [i for i in laid.paths if i in laid.footprints]
+    shared = list(range(len(laid.paths)))
     if len(shared) < 2:
         return
     way = Way(reference)
@@ -77,7 +76,7 @@ def check_spacing(
         )
 
 
-def check_order(laid: PartialLayout, leads: FloatArray, found: Diagnostics) -> None:
+def check_order(laid: Layout, leads: FloatArray, found: Diagnostics) -> None:
     """Warn of robots that would have to pass one another on a path that they share.
 
     Told of who is to lead, by whatever little, but starts wholly behind; once for each such path.
@@ -85,8 +84,7 @@ def check_order(laid: PartialLayout, leads: FloatArray, found: Diagnostics) -> N
     """
     reach = Shared(inscribed_radius)
     written = [i for i, robot in enumerate(laid.world.robots) if robot.pose is not None]
-    known = [i for i in written if i in laid.paths and i in laid.footprints]
-    known = [i for i in known if not np.isnan(laid.start[i, :2]).any()]
+    known = list(written)
     for rows in sharing([laid.paths[i] for i in known]):
         robots = np.array([known[k] for k in rows])
         way = Way(laid.paths[robots[0]])
@@ -116,7 +114,7 @@ def check_order(laid: PartialLayout, leads: FloatArray, found: Diagnostics) -> N
 
 
 def _bases(
-    laid: PartialLayout, robots: Sequence[int], way: Way, leads: FloatArray, room: float
+    laid: Layout, robots: Sequence[int], way: Way, leads: FloatArray, room: float
 ) -> FloatArray:
     """Places (K,) [m] of the first robot along s* at which the formation is laid out.
 
@@ -160,7 +158,7 @@ def _meetings(shapes: Any, is_there: NDArray[np.bool_]) -> list[tuple[int, int, 
     ]
 
 
-def _remedy(laid: PartialLayout, i: int, j: int) -> str:
+def _remedy(laid: Layout, i: int, j: int) -> str:
     """What parts two robots that would overlap in formation: depends on where spacing is from."""
     if listed_leads(laid) is not None:
         return "space them further apart, or separate their paths"
@@ -177,7 +175,7 @@ def _remedy(laid: PartialLayout, i: int, j: int) -> str:
 
 
 def _laid_out(
-    laid: PartialLayout, robots: Sequence[int], beside: FloatArray
+    laid: Layout, robots: Sequence[int], beside: FloatArray
 ) -> tuple[Any, NDArray[np.bool_]]:
     """Footprints (R, K) of robots on their own paths, next to K places each, beside (R K, 2).
 
@@ -205,6 +203,6 @@ def _laid_out(
     return shapes, is_there
 
 
-def name_of(laid: PartialLayout, number: int) -> str:
+def name_of(laid: Layout, number: int) -> str:
     """Name of a robot, as messages have it."""
     return describe(laid.names[number])

@@ -15,7 +15,6 @@ from physim.geometry.shapes import FloatArray, IntArray
 from physim.world.checks.findings import Diagnostics
 from physim.world.checks.way import Way
 from physim.world.faults import describe
-from physim.world.layout.layout import PartialLayout, as_partial
 from physim.world.layout.shared import Shared
 from physim.world.scene import Layout
 
@@ -35,16 +34,16 @@ MOST_STRETCHES = 100
 def doubtful_starts(layout: Layout) -> list[Fault]:
     """What `check_start_stations` warns of in a world that can be run."""
     found = Diagnostics()
-    check_start_stations(as_partial(layout, layout.world), found)
+    check_start_stations(layout, found)
     return layout.world.of_the_road(found.warnings)
 
 
-def check_start_stations(laid: PartialLayout, found: Diagnostics) -> None:
+def check_start_stations(laid: Layout, found: Diagnostics) -> None:
     """Warn of robots whose nearest stretch of the reference path, or of their own, is walled off.
 
     Told only where another stretch, far from it along the path, is in sight.
     """
-    placed = [i for i in laid.paths if not np.isnan(laid.start[i, :2]).any()]
+    placed = list(range(len(laid.paths)))
     if not (laid.walls or laid.solids) or not placed:
         return
     lines = [shapely.get_coordinates(shape) for _, shape in (*laid.walls, *laid.solids)]
@@ -52,21 +51,21 @@ def check_start_stations(laid: PartialLayout, found: Diagnostics) -> None:
         shapely.linestrings(np.concatenate([np.stack([a[:-1], a[1:]], axis=1) for a in lines]))
     )
     line_of = Shared(shapely.LineString)
-    if laid.reference is not None and laid.world.formation is not None:
+    if laid.world.formation is not None:
         line = line_of(laid.reference)
         _check(laid, placed, [line] * len(placed), "the reference path", walls, found)
     _check(laid, placed, [line_of(laid.paths[i]) for i in placed], "its path", walls, found)
 
 
-def check_far_starts(laid: PartialLayout, found: Diagnostics) -> None:
+def check_far_starts(laid: Layout, found: Diagnostics) -> None:
     """Warn of robots that are written to start far from their paths, as where x and y are swapped.
 
     Where the seed places them they may have far to go.
     """
     line_of = Shared(shapely.LineString)
     told: list[tuple[int, float, float, float]] = []
-    for i, path in laid.paths.items():
-        if laid.world.robots[i].pose is None or i not in laid.footprints:
+    for i, path in enumerate(laid.paths):
+        if laid.world.robots[i].pose is None:
             continue
         start = shapely.Point(laid.start[i, :2])
         away = line_of(path).distance(start)
@@ -84,7 +83,7 @@ def check_far_starts(laid: PartialLayout, found: Diagnostics) -> None:
 
 
 def _check(
-    laid: PartialLayout,
+    laid: Layout,
     robots: list[int],
     lines: list[shapely.LineString],
     called: str,
@@ -98,9 +97,9 @@ def _check(
     told: list[tuple[int, float, float, float, float]] = []
     for row in hidden[:MOST_LOOKED_AT].tolist():
         start, way = starts[row], Way(shapely.get_coordinates(lines[row]))
-        along = ((start - way.points[:-1]) * way.step).sum(axis=1) / way.length
-        along = np.clip(along, 0.0, way.length)
-        feet = way.points[:-1] + (along / way.length)[:, None] * way.step
+        along = ((start - way.points[:-1]) * way.direction).sum(axis=1)
+        along = np.clip(along, 0.0, np.diff(way.station))
+        feet = way.points[:-1] + along[:, None] * way.direction
         far = np.hypot(*(feet - start).T)
         at = way.station[:-1] + along
         station = float(at[np.argmin(far)])

@@ -12,24 +12,25 @@ import numpy as np
 import shapely
 
 from physim.errors import Location
+from physim.geometry.outline import placed_outline
 from physim.geometry.polygon import circumscribed_radius
 from physim.geometry.shapes import FloatArray
 from physim.tolerances import LENGTH
-from physim.world import World
+from physim.world import Corridor, World
 from physim.world.checks.findings import MOST_ALIKE, Diagnostics
 from physim.world.faults import describe
-from physim.world.layout.layout import PartialLayout, corridor_line
-from physim.world.layout.shape_checks import Placed, placed_outline
+from physim.world.layout.shape_checks import Placed
 from physim.world.layout.shared import Shared
 from physim.world.number_hints import in_metres
+from physim.world.scene import Layout
 
 
-def check_footprints(laid: PartialLayout, found: Diagnostics) -> None:
+def check_footprints(laid: Layout, found: Diagnostics) -> None:
     """Warn of footprints that do not hold the point about which their robot turns."""
     away = Shared(
         lambda outline: shapely.Polygon(outline).convex_hull.distance(shapely.Point(0.0, 0.0))
     )
-    for i, outline in laid.footprints.items():
+    for i, outline in enumerate(laid.footprints):
         far = away(outline)
         if far > LENGTH:
             found.warn(
@@ -40,17 +41,17 @@ def check_footprints(laid: PartialLayout, found: Diagnostics) -> None:
             )
 
 
-def check_expected(laid: PartialLayout, found: Diagnostics) -> None:
+def check_expected(laid: Layout, found: Diagnostics) -> None:
     """Warn of distances to others, or to a wall or obstacle, that are not kept at the start."""
     expect = laid.world.expect
     placed = []
-    for i in laid.footprints:
+    for i in range(len(laid.footprints)):
         pose = laid.world.robots[i].pose
-        if not np.isnan(laid.start[i]).any() and not (pose is not None and pose[2] == "random"):
+        if not (pose is not None and pose[2] == "random"):
             placed.append(i)
     if expect is None:
         return
-    shapes = [placed_outline(laid.start[i], laid.footprints[i]) for i in placed]
+    shapes = [placed_outline(laid.footprints[i], laid.start[i]) for i in placed]
     if expect.min_boundary_distance is not None:
         _check_near_walls(laid, placed, shapes, expect.min_boundary_distance, found)
     if len(placed) < 2:
@@ -77,7 +78,7 @@ def check_expected(laid: PartialLayout, found: Diagnostics) -> None:
 
 
 def _check_near_walls(
-    laid: PartialLayout, placed: list[int], shapes: list[Any], least: float, found: Diagnostics
+    laid: Layout, placed: list[int], shapes: list[Any], least: float, found: Diagnostics
 ) -> None:
     around = [*laid.walls, *laid.solids]
     tree = shapely.STRtree([shape for _, shape in around])
@@ -113,30 +114,27 @@ def check_start_used(world: World | None, found: Diagnostics) -> None:
         )
 
 
-def is_drawn(laid: PartialLayout, i: int) -> bool:
+def is_drawn(laid: Layout, i: int) -> bool:
     """Whether a robot has no heading written: it is random, or there is no pose."""
     pose = laid.world.robots[i].pose
     return pose is None or pose[2] == "random"
 
 
-def check_random_headings(laid: PartialLayout, found: Diagnostics) -> None:
+def check_random_headings(laid: Layout, found: Diagnostics) -> None:
     """Warn where another seed may let a robot with a random heading start in contact.
 
     Judged by the circle that the robot sweeps when it turns on the spot: no false comfort, but a
     warning may be too cautious for a long robot.
     """
-    entries = {fault.location[:2] for fault in laid.faults if fault.location[2:] == ("pose",)}
-    faulty = {i for i in laid.footprints if laid.world.entry_of(i) in entries}
-    posed = [i for i in laid.footprints if laid.world.robots[i].pose is not None]
-    random = {i for i in posed if is_drawn(laid, i) and i not in faulty}
+    posed = [i for i in range(len(laid.footprints)) if laid.world.robots[i].pose is not None]
+    random = {i for i in posed if is_drawn(laid, i)}
     if not random:
         return
     turning = [
         Placed(i, laid.names[i], _circle(laid.start[i], outline))
         if i in random
-        else Placed(i, laid.names[i], placed_outline(laid.start[i], outline))
-        for i, outline in laid.footprints.items()
-        if i not in faulty and not np.isnan(laid.start[i]).any()
+        else Placed(i, laid.names[i], placed_outline(outline, laid.start[i]))
+        for i, outline in enumerate(laid.footprints)
     ]
     others = [*laid.walls, *laid.solids]
     tree = shapely.STRtree([*(shape for _, shape in others), *(p.shape for p in turning)])
@@ -161,12 +159,12 @@ def _circle(pose: FloatArray, outline: FloatArray) -> shapely.Polygon:
     return shapely.Point(pose[:2]).buffer(radius + LENGTH, quad_segs=16)
 
 
-def check_headings(laid: PartialLayout, found: Diagnostics) -> None:
+def check_headings(laid: Layout, found: Diagnostics) -> None:
     """Warn of robots that start with their backs to their path."""
-    for i, path in laid.paths.items():
+    for i, path in enumerate(laid.paths):
         if is_drawn(laid, i):
             continue
-        pose = laid.world.robots[i].pose
+        pose: Any = laid.world.robots[i].pose
         along = direction_near(path, pose[:2])
         away = abs((pose[2] - along + pi) % (2.0 * pi) - pi)
         if away > pi / 2.0 + 1e-6 and abs(pose[2]) <= 2.0 * pi:
@@ -207,19 +205,19 @@ MOST_STEPS = 5_000_000
 """of a run: beyond that it takes hours and its record gigabytes"""
 
 
-def check_scale(laid: PartialLayout, found: Diagnostics) -> list[Location]:
+def check_scale(world: World, found: Diagnostics) -> list[Location]:
     """Warn of numbers whose unit is likely another one; returns where such lengths stand.
 
     Whatever else is found where they stand for what they are follows from them.
     """
-    world, already = laid.world, len(found.warnings)
-    _check_lengths(laid, found)
+    already = len(found.warnings)
+    _check_lengths(world, found)
     count = 0
     for i in range(len(world.robots)):
         if world.place_of(i) > 0 and not getattr(_entry(world, i), "is_drawn", False):
             continue  # as the first of its group
         before = len(found.warnings)
-        _check_robot(laid, i, found)
+        _check_robot(world, i, found)
         count += len(found.warnings) > before
         if count >= MOST_ALIKE:
             break
@@ -257,21 +255,22 @@ def _entry(world: Any, i: int) -> Any:
     return world.entries[world.entry_of(i)[1]]
 
 
-def _check_lengths(laid: PartialLayout, found: Diagnostics) -> None:
-    width = corridor_line(laid.world)[1]
-    longest = max((float(np.ptp(one, axis=0).max()) for one in laid.footprints.values()), default=0)
-    widest = 0.0 if width is None else float(width.max())
+def _check_lengths(world: World, found: Diagnostics) -> None:
+    corridor = world.corridor
+    longest = max(float(np.ptp(robot.outline, axis=0).max()) for robot in world.robots)
+    widest = float(np.max(corridor.width)) if isinstance(corridor, Corridor) else 0.0
     if widest > WIDEST_CORRIDOR or widest > WIDEST_FOR_ROBOTS * longest > 0.0:
         found.warn(
             ("corridor", "width"),
             f"{widest:.6g} m is very wide for a corridor; {in_metres(widest)}",
         )
-    lines = [(laid.reference_key, laid.reference)]
-    if laid.world.boundaries is not None:
-        numbers = [int(name.split()[1]) - 1 for name in laid.boundaries]
-        lines += zip([("boundaries", k) for k in numbers], laid.boundaries.values(), strict=True)
+    own = world.reference_path is not None
+    lines: list[tuple[Location, Any]] = [
+        (("reference_path",) if own else ("corridor", "centreline"), world.reference)
+    ]
+    lines += [(("boundaries", k), line) for k, line in enumerate(world.boundaries or ())]
     for where, line in lines:
-        if line is not None and float(np.ptp(line, axis=0).max()) > LARGEST_GROUND:
+        if len(line) and float(np.ptp(line, axis=0).max()) > LARGEST_GROUND:
             extent = float(np.ptp(line, axis=0).max())
             found.warn(
                 where,
@@ -280,23 +279,16 @@ def _check_lengths(laid: PartialLayout, found: Diagnostics) -> None:
             break
 
 
-def _check_robot(laid: PartialLayout, i: int, found: Diagnostics) -> None:
-    where = laid.world.entry_of(i)
-    robot, name = laid.world.robots[i], describe(laid.names[i])
-    if i in laid.footprints:
-        outline = laid.footprints[i]
-        size = float(np.ptp(outline, axis=0).max())
-        if size > LONGEST_ROBOT:
-            found.warn(
-                (*where, "footprint"),
-                f"{name} is {size:.6g} m long; {in_metres(size)}",
-            )
-        elif size < SHORTEST_ROBOT:
-            found.warn(
-                (*where, "footprint"),
-                f"{name} is only {size:.4g} m long; lengths are in metres",
-            )
-    if not is_drawn(laid, i):
+def _check_robot(world: World, i: int, found: Diagnostics) -> None:
+    where, robot = world.entry_of(i), world.robots[i]
+    name, size = describe(robot.name), float(np.ptp(robot.outline, axis=0).max())
+    if size > LONGEST_ROBOT:
+        message = f"{name} is {size:.6g} m long; {in_metres(size)}"
+        found.warn((*where, "footprint"), message)
+    elif size < SHORTEST_ROBOT:
+        message = f"{name} is only {size:.4g} m long; lengths are in metres"
+        found.warn((*where, "footprint"), message)
+    if robot.pose is not None and robot.pose[2] != "random":
         _check_heading((*where, "pose", 2), robot.pose[2], found)
     if robot.start is not None:
         _check_heading((*where, "start", "heading"), robot.start.heading, found)

@@ -16,13 +16,13 @@ import numpy as np
 import shapely
 
 from physim.errors import Location, plural
+from physim.geometry.outline import placed_outline
 from physim.geometry.shapes import FloatArray
 from physim.tolerances import LENGTH
 from physim.world.checks.findings import Diagnostics
 from physim.world.checks.standing import Stop
 from physim.world.faults import describe
-from physim.world.layout.layout import PartialLayout
-from physim.world.layout.shape_checks import placed_outline
+from physim.world.scene import Layout
 from physim.world.walls import stretch_text
 
 SLENDER = 0.98
@@ -46,10 +46,10 @@ class StopLimits:
     """[m]"""
 
 
-def check_tolerance(laid: PartialLayout, found: Diagnostics) -> None:
+def check_tolerance(laid: Layout, found: Diagnostics) -> None:
     """Warn of a tolerance of arrival of more than half a robot's length: it would count as arrived
     well before it stands at its stop station."""
-    lengths = {k: float(np.ptp(np.asarray(one)[:, 0])) for k, one in laid.footprints.items()}
+    lengths = {k: float(np.ptp(np.asarray(one)[:, 0])) for k, one in enumerate(laid.footprints)}
     if not lengths or any(fault.location[-1:] == ("footprint",) for fault in found.warnings):
         return  # what is out of scale is told first
     number, length = min(lengths.items(), key=lambda one: one[1])
@@ -63,11 +63,9 @@ def check_tolerance(laid: PartialLayout, found: Diagnostics) -> None:
         )
 
 
-def check_stops(
-    laid: PartialLayout, at: list[Stop], limits: StopLimits, found: Diagnostics
-) -> None:
+def check_stops(laid: Layout, at: list[Stop], limits: StopLimits, found: Diagnostics) -> None:
     """Warn of walls, and of other robots at their stops, too near ahead of where robots stop."""
-    if limits.time_low is None or limits.boundary_low is None or laid.faults:
+    if limits.time_low is None or limits.boundary_low is None:
         return
     if any(fault.location[-1:] in (("footprint",), ("v",)) for fault in found.warnings):
         return  # what is out of scale is told first: the rest follows from it
@@ -93,7 +91,7 @@ def _way_on(stop: Stop, outline: FloatArray, length: float) -> Any:
     x, y, half = 0.5 * (back + front), 0.5 * (right + left), 0.5 * SLENDER * (left - right)
     far = front + length
     ahead = np.array([(x, y - half), (far, y - half), (far, y + half), (x, y + half)])
-    return placed_outline(stop.pose, ahead)
+    return placed_outline(ahead, stop.pose)
 
 
 def _half_length(outline: FloatArray) -> float:
@@ -115,7 +113,7 @@ def _is_beside(stop: Stop, met: Any) -> bool:
 
 
 def _check_walls(
-    laid: PartialLayout, at: list[Stop], needed: dict[int, float], found: Diagnostics
+    laid: Layout, at: list[Stop], needed: dict[int, float], found: Diagnostics
 ) -> None:
     named = [*laid.walls, *laid.solids]
     shapes = [shape for _, shape in named]
@@ -158,7 +156,7 @@ def _check_walls(
 
 
 def _check_robots(
-    laid: PartialLayout, at: list[Stop], needed: dict[int, float], found: Diagnostics
+    laid: Layout, at: list[Stop], needed: dict[int, float], found: Diagnostics
 ) -> None:
     """Warn of robots that come to their stops behind others that may stand at theirs already."""
     outlines = [stop.outline for stop in at]

@@ -21,7 +21,8 @@ FACTOR, KINDS, REACH = inside("physim.campaigns.falsify", "FACTOR", "KINDS", "RE
 Settings, Space, GAP = inside("physim.campaigns.falsify", "Settings", "Space", "GAP")
 pinned = inside("physim.campaigns.falsify", "pinned")
 CONTROLLER, make_part = inside("physim.parts", "CONTROLLER", "make_part")
-lay_out, placed_outline = inside("physim.world.layout", "lay_out", "placed_outline")
+lay_out = inside("physim.world.layout", "lay_out")
+placed_outline = inside("physim.geometry", "placed_outline")
 
 
 def in_region(**changes: Any) -> World:
@@ -40,7 +41,7 @@ def in_region(**changes: Any) -> World:
 def outlines(world: World) -> list[Any]:
     laid = lay_out(world)
     return [
-        placed_outline(pose, outline)
+        placed_outline(outline, pose)
         for pose, outline in zip(laid.start, laid.footprints, strict=True)
     ]
 

@@ -24,8 +24,8 @@ from physim.simulation.loop import Simulation
 from physim.simulation.run import is_warm, record_run
 from physim.world import World
 from physim.world.faults import describe
-from physim.world.layout.robots import path_of
 from physim.world.layout.scene_builder import build_scene
+from physim.world.scene import path_location
 
 MOST_STEPS = 100_000
 """Steps of a run that is tried, of ten robots at most as many: some 4 s"""
@@ -177,7 +177,7 @@ def _shown(world: World, record: Record, why: str) -> Trial:
                 said += f"; {how} {describe(near['nearest'])}, {near['distance']:.2f} m away"
             known = facts.get(i)
             facts[i] = (
-                Fact(path_of(world, i), said, record.names[i], short=late.short, **near)
+                Fact(path_location(world, i), said, record.names[i], short=late.short, **near)
                 if known is None
                 else replace(known, message=f"{known.message}; {said}", short=late.short, **near)
             )
@@ -191,7 +191,7 @@ def _contact(world: World, record: Record, one: Touch, robot: int) -> Fact:
         f"{describe(name)} touches {describe(other)} at {place_text(*one.place, 4)} after "
         f"{one.time:.1f} s"
     )
-    return Fact(path_of(world, robot), said, name, other, one.time, one.place)
+    return Fact(path_location(world, robot), said, name, other, one.time, one.place)
 
 
 def _nearest(record: Record, robot: int) -> dict[str, Any]:

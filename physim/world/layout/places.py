@@ -9,9 +9,9 @@ from math import floor
 import numpy as np
 import shapely
 
+from physim.geometry.arc_length import Polyline
 from physim.geometry.outline import placed_outline, placed_outlines
 from physim.geometry.polygon import circumscribed_radius
-from physim.geometry.polyline import Polyline
 from physim.geometry.shapes import FloatArray, IntArray
 from physim.world import Start
 from physim.world.layout.shared import Shared

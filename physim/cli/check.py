@@ -243,7 +243,7 @@ def _picture(options: Options) -> Path:
 
 def _laid_out(options: Options) -> Layout:
     """Read and check the world; every fault with its place in the file."""
-    from physim.world.file import located, read_world
+    from physim.world.file import read_world
     from physim.world.layout.layout import lay_out
 
     world, document = read_world(
@@ -252,7 +252,7 @@ def _laid_out(options: Options) -> Layout:
     try:
         return lay_out(world, options.seed)
     except WorldError as error:
-        raise located(error.faults, document) from None
+        raise document.error(error.faults) from None
 
 
 def _draw_on_save(options: Options, path: Path) -> int:

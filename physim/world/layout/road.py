@@ -35,9 +35,9 @@ from physim.world.layout.road_line import (
     walls_advance,
 )
 from physim.world.road import MARGIN
-from physim.world.road_rules import ROAD
 from physim.world.robot import outline_of
 
+ROAD: Location = ("corridor", "random")
 ATTEMPTS = 60
 """Times that a road is drawn before it is refused"""
 CROWDED = 6

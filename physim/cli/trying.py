@@ -5,7 +5,6 @@ from __future__ import annotations
 from pathlib import Path
 
 from physim.analysis.trial import Fact, Trial, try_world
-from physim.cli.parser import Options
 from physim.cli.progress import Bar, interrupts
 from physim.errors import ControllerError, PhysimError
 from physim.world import World
@@ -28,13 +27,13 @@ def tried(world: World, quiet: bool, trusted: bool = False) -> Trial:
     return trial
 
 
-def judge(options: Options, world: World) -> None:
+def judge(output: Path, world: World, lanes: int, try_it: bool) -> None:
     """Say what checks and a trial have found; Ctrl-C only ends that, for the world is there."""
     try:
-        for line in _doubts(options.output, options.lanes or 1):
+        for line in _doubts(output, lanes):
             print(line)
-        if not options.untried:
-            trial = tried(world, options.quiet)
+        if try_it:
+            trial = tried(world, quiet=False)
             print(trial.line)
             for fact in trial.facts:
                 print(f"  WARNING: {fact.fault}")

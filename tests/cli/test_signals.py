@@ -58,6 +58,11 @@ def test_a_command_started_by_nohup_goes_on(handlers: None, monkeypatch) -> None
     assert main(["list"]) == 0
 
 
+def hit(number: int) -> None:
+    os.kill(os.getpid(), number)
+    time.sleep(1.0)
+
+
 def test_what_does_not_hear_the_first_is_broken_off_by_the_second(
     handlers: None, monkeypatch
 ) -> None:
@@ -71,8 +76,7 @@ def test_what_does_not_hear_the_first_is_broken_off_by_the_second(
             pytest.fail("who asks was broken off")
         os.kill(os.getpid(), signal.SIGINT)
         with pytest.raises(KeyboardInterrupt):
-            os.kill(os.getpid(), signal.SIGTERM)
-            time.sleep(1.0)
+            hit(signal.SIGTERM)
     assert interrupt.count == 4
 
 

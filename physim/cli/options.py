@@ -141,6 +141,13 @@ def path(text: str) -> Path:
     return Path(text)
 
 
+def json_file(text: str) -> Path:
+    """Read the name of a file, or - for standard output."""
+    if text.startswith("-") and text != "-":  # an option, most likely
+        raise ValueError("the name of a file, or - for standard output")
+    return path(text)
+
+
 def record_file(text: str) -> Path:
     """File of a record that is named by itself or by the folder of its run."""
     given = path(text)
@@ -166,7 +173,9 @@ WORKERS_HELP = "processes, 1 to 64 (as many as cores, at most 8)"
 
 Out = Annotated[TextIO, Parameter(parse=False)]
 """Standard output, for the JSON of a command; what it prints otherwise goes by `print`"""
-JsonFile = Annotated[Path | None, option(JSON_HELP, "FILE", read=path)]
+JsonFile = Annotated[
+    Path | None, option(JSON_HELP, "FILE", read=json_file, allow_leading_hyphen=True)
+]
 JsonFlag = Annotated[bool, option("print everything as JSON instead")]
 World = Annotated[str, option(WORLD_HELP, "WORLD")]
 Record = Annotated[Path, option(RECORD_HELP, "RECORD", read=record_file)]

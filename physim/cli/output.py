@@ -40,12 +40,12 @@ class Target:
     option: str = "-o"
     others: Sequence[Path] = ()
 
-    def file(self, *, ends: tuple[str, ...] = (), another: str = "file") -> Path:
+    def file(self, *, ends: tuple[str, ...] = (), another: str = "file", in_new: bool = False) -> Path:
         """The file. Raises PhysimError unless it may be written.
 
         It may not where an input is or something other than a regular file, nor without ``force``
-        where anything exists, nor where there is no folder for it. ``option`` names it, or another
-        ``another``.
+        where anything exists, nor where there is no folder for it, unless the command makes one
+        (``in_new``). ``option`` names it, or another ``another``.
         """
         path = self.path
         if path.is_dir():
@@ -61,7 +61,7 @@ class Target:
             self._refuse(
                 f"exists; use --force to overwrite it, or {self.option} for another {another}"
             )
-        if another == "file" and not path.absolute().parent.is_dir():
+        if not in_new and not path.absolute().parent.is_dir():
             self._refuse(f"there is no folder {path.parent}")
         return path
 

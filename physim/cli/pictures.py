@@ -105,7 +105,7 @@ def plot(
         raise PhysimError(f"--snapshots: is of {SNAPSHOTS}, which --only leaves out")
     folder = Target(output or record.parent, force).folder()
     for name in chosen:
-        Target(folder / f"{name}.{format}", force, [record]).file(another="folder")
+        Target(folder / f"{name}.{format}", force, [record]).file(another="folder", in_new=True)
     for fault in not_replaced(chosen):
         print(f"WARNING  {fault}", file=sys.stderr)
     left_out: list[str] = []

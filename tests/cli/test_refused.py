@@ -89,7 +89,7 @@ OPTIONS: Table = {
     ("validate", "x", "--s", "3"): ("--s", "no such option"),
     ("check", "x", "--quiet=no"): ("--quiet", "no such option"),
     ("run", "x", "--quiet", "--quiet"): ("--quiet:", "twice"),
-    ("validate", "x", "--json", "--quiet"): ("--json", "FILE is missing", "standard output"),
+    ("validate", "x", "--json", "--quiet"): ("--json", "name of a file", "standard output"),
     ("run", "x", "--set", "--force"): ("--set", "KEY=VALUE is missing"),
     ("run", "x", "-o", "--force"): ("-o/--output", "DIR is missing", "runs/NAME-SEED"),
     ("run", "x", "-o", ""): ('-o/--output ""', "name of a file or folder"),

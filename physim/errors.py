@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Literal
 
 Location = tuple[str | int, ...]
 """Where in a world a fault lies, e.g. ``("robots", 2, "pose", 0)``; ``()`` is the whole world."""
@@ -24,6 +25,8 @@ class Fault:
 
     location: Location
     message: str
+    severity: Literal["error", "warning"] = "error"
+    """a warning: what may be meant so, but is seldom"""
 
     def __str__(self) -> str:
         """``robots[2].pose: message``, without a file position."""

@@ -7,7 +7,7 @@ import time
 from dataclasses import replace
 from json import dumps
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, TextIO
+from typing import TYPE_CHECKING, Annotated, Any, TextIO
 
 from physim.cli.options import (
     AS_IT_IS,
@@ -20,18 +20,17 @@ from physim.cli.options import (
     to,
 )
 from physim.cli.output import Target, inputs
-from physim.cli.progress import INTERRUPTED, interrupts
+from physim.cli.progress import INTERRUPTED, Bar, interrupts
 from physim.cli.progress import watch as on_each_save
 from physim.errors import PhysimError, WorldError
 
 if TYPE_CHECKING:
-    from physim.analysis.trial import Trial
     from physim.world.checks import ClearanceProfile, Findings
     from physim.world.scene import Layout
 
 
 MOST_ROWS = 12
-"""Robots in the table of room, of more those with least room; facts of a trial that are told."""
+"""Robots in the table of room; of more those with least room."""
 
 
 def check(
@@ -46,7 +45,7 @@ def check(
 ) -> int:  # fmt: skip
     """Read worlds strictly and look at their geometry: all errors and warnings at once, each with
     file, line and column, and the room that each robot has on its path. Then run a world without
-    errors once, and tell which robots touch something or do not arrive.
+    errors once, and tell which robots touch something or do not arrive: these are warnings, too.
 
     exit codes:
       0    no errors; there may be warnings
@@ -62,7 +61,8 @@ def check(
     """
 
     def once() -> int:
-        found = [_found(world, changes, not no_run, json) for world in worlds]
+        told = {**changes.reading, "seed": changes.seed}
+        found = [looked_at(world, run=not no_run, quiet=json, **told) for world in worlds]
         if json:
             print(dumps(json_of(found), indent=1), file=out)
         else:
@@ -87,52 +87,67 @@ def _file(world: str) -> Path:
         return Path(world)
 
 
-def _found(world: str, changes: Changes, run: bool, quiet: bool) -> tuple[Findings, Trial | None]:
-    """What the file shows of a world, and a run of it."""
-    from physim.cli.trying import tried
+def looked_at(
+    world: str | Path, *, run: bool, quiet: bool, **changes: Any
+) -> tuple[Findings, str | None]:
+    """What a world file shows, and, where it is to ``run``, a trial: its warnings come last.
+
+    And the line on the trial; None where there was none. ``changes`` are those of `check_world`.
+    Ctrl-C raises KeyboardInterrupt.
+    """
+    from physim.analysis.trial import try_world
     from physim.world.checks import check_world
 
-    findings = check_world(world, **changes.reading, seed=changes.seed)
+    findings = check_world(world, **changes)
     if not run or not findings.ok or findings.world is None:
         return findings, None
-    return findings, tried(findings.world, quiet, changes.controller is not None)
+    bar = Bar("trying it", findings.world.time.duration, "s", quiet)
+    with interrupts() as interrupt, bar:
+        trial = try_world(
+            findings.world, trusted=changes.get("controller") is not None, stop=interrupt,
+            progress=bar.simulated if bar.visible else None,
+        )  # fmt: skip
+    if interrupt():
+        raise KeyboardInterrupt
+    shown = map(findings.located, trial.faults)
+    return replace(findings, warnings=(*findings.warnings, *shown)), trial.line
 
 
-def json_of(found: list[tuple[Findings, Trial | None]]) -> dict[str, object]:
-    """Everything that was found, as JSON holds it; facts of the trial are the last warnings."""
-    worlds = []
-    for findings, trial in found:
-        one = findings.as_json()
-        for fact in trial.facts if trial else ():
-            one["warnings"].append(findings.located(fact.fault).as_json() | fact.as_json())
-        worlds.append({**one, "trial": trial and trial.line})
+def judge(world: Path, run: bool) -> None:
+    """Say what a check finds in a world just made; Ctrl-C ends that alone: the world is there."""
+    try:
+        findings, trial = looked_at(world, run=run, quiet=False)
+    except KeyboardInterrupt:
+        print("interrupted: neither checked nor tried to the end")
+        return
+    found = [
+        *(f"  error: {one}" for one in findings.errors),
+        *(f"  {w}" for w in findings.warnings),
+    ]
+    print(
+        "\n".join([*(["physim check reports:"] if found else []), *found, *filter(None, [trial])])
+    )
+
+
+def json_of(found: list[tuple[Findings, str | None]]) -> dict[str, object]:
+    """Everything that was found, as JSON holds it."""
     return {
         "format": "physim-check",
         "version": 1,
-        "errors": sum(len(one["errors"]) for one in worlds),
-        "warnings": sum(len(one["warnings"]) for one in worlds),
-        "worlds": worlds,
+        "errors": sum(len(findings.errors) for findings, _ in found),
+        "warnings": sum(len(findings.warnings) for findings, _ in found),
+        "worlds": [{**findings.as_json(), "trial": trial} for findings, trial in found],
     }
 
 
-def text_of(findings: Findings, trial: Trial | None = None) -> str:
+def text_of(findings: Findings, trial: str | None = None) -> str:
     """What was found in one world: errors, warnings, room, and a last line that sums up."""
-    shown = tuple(findings.located(fact.fault) for fact in (trial.facts if trial else ()))
-    told = [f"  {one}" for one in shown[:MOST_ROWS]]
-    if len(shown) > MOST_ROWS:
-        told.append(f"  and {len(shown) - MOST_ROWS} more (--json has all)")
     lines: list[str] = []
     for title, group in (("errors", findings.errors), ("warnings", findings.warnings)):
         if group:
             lines += [f"{title}:", *(f"  {one}" for one in map(str, group)), ""]
-    if trial and told:
-        lines += [f"{trial.line}:", *told, ""]
-    lines += _room(findings.clearance)
-    lines += findings.notes
-    if trial and not told:
-        lines.append(trial.line)
-    count = replace(findings, warnings=(*findings.warnings, *shown)).count
-    lines.append(f"{findings.file}: {count}")
+    lines += [*_room(findings.clearance), *findings.notes, *filter(None, [trial])]
+    lines.append(f"{findings.file}: {findings.count}")
     return "\n".join(lines) + "\n"
 
 
@@ -148,15 +163,15 @@ def _room(profiles: tuple[ClearanceProfile, ...]) -> list[str]:
     wide = min(wide, 30)
     lines = ["room on the paths [m]:"]
     lines.append(
-        f"  {'robot':<{wide}}  path   least room  at station  radii         in danger  on its path"
+        f"  {'robot':<{wide}}  from–to         least room  at station  radii         on its path"
     )
     for p in listed:
         name = p.robot if len(p.robot) <= wide else p.robot[: wide - 1] + "…"
-        share = "-" if p.danger_share is None else f"{100.0 * p.danger_share:.0f} %"
+        span = f"{p.reached[0]:.1f}–{p.reached[1]:.1f}"
         radii = f"{p.inscribed:.2f} to {p.circumscribed:.2f}"
         lines.append(
-            f"  {name:<{wide}}  {p.station[-1]:<6.1f} {p.narrowest[3]:<11.2f} "
-            f"{p.narrowest[0]:<11.1f} {radii:<13} {share:<9}  {p.verdict}"
+            f"  {name:<{wide}}  {span:<14}  {p.narrowest[3]:<10.2f}  {p.narrowest[0]:<10.1f}  "
+            f"{radii:<12}  {p.verdict}"
         )
     if len(listed) < len(profiles):
         lines.append(f"  and {len(profiles) - len(listed)} more with more room (--json has all)")
@@ -196,15 +211,15 @@ def preview(
     path = output or Path(f"{stem_of(file)}.png")
     if not path.is_dir() and path.suffix.lower()[1:] not in FORMATS:
         raise PhysimError(f"{path}: a picture ends in .png or .svg")
-    Target(path, force, inputs(world)).file()
+    Target(path, force, inputs(world)).file(in_new=True)
 
-    def draw() -> None:
-        save_preview(_laid_out(world, changes), path, trusted=changes.controller is not None)
+    def draw(layout: Layout) -> None:
+        save_preview(layout, path, trusted=changes.controller is not None)
 
     def draw_and_tell() -> None:
         """Draw, and print what `physim check` finds; with faults the picture stays."""
         try:
-            draw()
+            draw(_laid_out(world, changes))
         except PhysimError as error:
             print(error, file=sys.stderr)
             _log(f"{path} stays as it is until the faults are corrected", sys.stderr)
@@ -217,8 +232,9 @@ def preview(
 
     if watch:
         return on_each_save([file], draw_and_tell)
+    layout = _laid_out(world, changes)
     with interrupts() as interrupt:  # the picture is whole in any case
-        draw()
+        draw(layout)
     print(path)
     if interrupt():
         print("interrupted when the picture was drawn", file=sys.stderr)

@@ -48,6 +48,16 @@ def import_world(
             "ID", section=LINES,
         ),
     ] = (),
+    ignore: Annotated[
+        tuple[str, ...],
+        option(
+            "a shape, group or feature without a role that is left out (may be repeated)", "NAME",
+            section=LINES,
+        ),
+    ] = (),
+    ignore_others: Annotated[
+        bool, option("leave out all shapes and features without a role", section=LINES)
+    ] = False,
     specks: Annotated[
         float | None,
         option(
@@ -122,14 +132,14 @@ def import_world(
     """
     # both now: Ctrl-C in the import of a module would end the command with the world just written
     from physim.authoring import importing
-    from physim.cli.trying import judge
+    from physim.cli.check import judge
 
     Target(output, force, [source]).file(ends=WORLD)
     check_schema(output, force, source)
     asked = importing.Options(
         format=format, scale=scale, tolerance=tolerance, specks=specks, start=start, gap=gap,
         open=open, origin=origin, goal=goal, robots=robots, lanes=lanes, robot=robot, name=name,
-        boundary=boundary,
+        boundary=boundary, ignore=ignore, ignore_others=ignore_others,
     )  # fmt: skip
     imported = importing.import_world(source, asked)
     written = write_schema(output, force)  # first: without the world nothing is imported
@@ -137,7 +147,7 @@ def import_world(
     if not quiet:
         *files, steps = written.splitlines()
         print("\n".join([*_report(source, imported), *files]), flush=True)
-        judge(output, imported.world, lanes or 1, not untried)
+        judge(output, not untried)
         print(steps)
     return 0
 

@@ -40,7 +40,9 @@ class Target:
     option: str = "-o"
     others: Sequence[Path] = ()
 
-    def file(self, *, ends: tuple[str, ...] = (), another: str = "file", in_new: bool = False) -> Path:
+    def file(
+        self, *, ends: tuple[str, ...] = (), another: str = "file", in_new: bool = False
+    ) -> Path:
         """The file. Raises PhysimError unless it may be written.
 
         It may not where an input is or something other than a regular file, nor without ``force``

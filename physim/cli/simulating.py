@@ -18,7 +18,7 @@ from physim.simulation.loop import Simulation
 from physim.simulation.run import is_warm, record_run, warm_up
 from physim.simulation.size import check_room, size_of
 from physim.world import World
-from physim.world.checks.start_stations import doubtful_starts
+from physim.world.checks.starts import check_walled_off
 from physim.world.file import located, read_world, warning_lines
 from physim.world.file.loading import unused_settings
 from physim.world.file.nodes import Document
@@ -46,7 +46,7 @@ def ready(
         scene = build_scene(world, changes.seed)
     except WorldError as error:
         raise located(error.faults, document) from None
-    tell(warning_lines(document, doubtful_starts(scene.layout)))
+    tell(warning_lines(document, check_walled_off(scene.layout)))
 
     def controller() -> Controller:
         choice, trusted = world.controller, changes.controller is not None

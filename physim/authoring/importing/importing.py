@@ -35,6 +35,7 @@ from physim.authoring.importing.lines import length_of
 from physim.authoring.importing.options import TOLERANT, Options, check_options
 from physim.authoring.importing.placed import Placed
 from physim.authoring.importing.robots import fill_in
+from physim.authoring.importing.shapes import with_lines, with_shapes
 from physim.authoring.importing.source import format_of
 from physim.authoring.importing.stops import stop_warnings
 from physim.authoring.importing.work import GRAIN
@@ -95,7 +96,8 @@ def _imported(source: Path, options: Options) -> Imported:
     check_options(source, form, options)
     module, name = READERS[form]
     reader: Callable[[Path, Options], Drawing] = getattr(import_module(module), name)
-    drawing = reader(source, options)
+    drawing = with_lines(with_shapes(reader(source, options)))
+    drawing.path = source
     drawn = bool(drawing.robots) and options.robots is None
     if drawn and len(drawing.robots) > MOST_DRAWN:
         raise refused(

@@ -24,7 +24,9 @@ class Options(Model):
     track, ``origin`` and ``goal`` (x, y) of the route, ``robot`` (length, width). ``scale`` [m per
     unit of the source], ``specks`` [m²] the largest occupied patch that is left out. ``open``: the
     track is open, whatever its ends look like. ``boundary`` are ids or labels of shapes and groups
-    of an SVG drawing that are walls. Raises WorldError for values that cannot be.
+    of an SVG drawing that are walls; ``ignore`` are those of a drawing, or names and layers of
+    features, that are left out, ``ignore_others`` leaves out all without a role. Raises WorldError
+    for values that cannot be.
     """
 
     format: Literal["track", "ros-map", "svg", "wkt", "geojson"] | None = None
@@ -41,6 +43,8 @@ class Options(Model):
     robot: Annotated[tuple[Above, Above], Sequence] | None = None
     name: Text | None = None
     boundary: Annotated[tuple[Text, ...], Sequence] = ()
+    ignore: Annotated[tuple[Text, ...], Sequence] = ()
+    ignore_others: Flag = False
 
     def changed(self, **changes: Any) -> Options:
         """Return these with some values replaced; WorldError for values that cannot be."""
@@ -58,6 +62,8 @@ ONLY_FOR = {
     "open": (("track",), "says that a track (.csv) is open, near as its ends may be"),
     "specks": (("ros-map",), "says which occupied patches of a ROS map are left out"),
     "boundary": (("svg",), "says which shapes of an SVG drawing are walls"),
+    "ignore": (("svg", "geojson"), "says which shapes of a drawing are left out"),
+    "ignore_others": (("svg", "geojson"), "leaves out the shapes of a drawing without a role"),
 }
 """Options that some kinds of source alone have a use for: these, and what it is; the others serve
 all."""
@@ -75,7 +81,8 @@ def check_options(source: Path, kind: str, options: Options) -> None:
     """Refuse options that would be without effect for a kind of source, or that none can take."""
     for name, (kinds, purpose) in ONLY_FOR.items():
         if getattr(options, name) != Options.model_fields[name].default and kind not in kinds:
-            raise refused(source, f"--{name}: {purpose}; this is read as {kind}")
+            option = f"--{name.replace('_', '-')}"
+            raise refused(source, f"{option}: {purpose}; this is read as {kind}")
     if options.robot is not None and not min(options.robot) >= LEAST_ROBOT:
         sides = ",".join(f"{side:g}" for side in options.robot)
         raise refused(

@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from physim.cli.options import (
     AS_IT_IS,
+    WORKERS_HELP,
     Changes,
     JsonFile,
     Out,
-    Workers,
     World,
     one_of,
     option,
@@ -71,7 +71,9 @@ def falsify(
             read=whole(0, 100_000),
         ),
     ] = 500,
-    workers: Workers = None,
+    workers: Annotated[
+        int | None, option(f"{WORKERS_HELP}; the result is the same", "N", read=whole(1, 64))
+    ] = None,
     output: Annotated[
         Path | None, to("output folder (default: falsified/NAME-SEED)", "DIR")
     ] = None,

@@ -13,15 +13,16 @@ from typing import TYPE_CHECKING, Annotated, TextIO
 from physim.cli.options import (
     AS_IT_IS,
     RECORD_HELP,
+    WORKERS_HELP,
     Changes,
     JsonFile,
     Out,
     Seeds,
-    Workers,
     option,
     path,
     record_file,
     seed_range,
+    whole,
 )
 from physim.cli.output import PAGE, Target, check_json, inputs, write_json
 from physim.cli.page import make_page
@@ -78,7 +79,9 @@ def validate(
         ),
     ] = True,
     changes: Changes = AS_IT_IS,
-    workers: Workers = None,
+    workers: Annotated[
+        int | None, option(f"with --seeds: {WORKERS_HELP}", "N", read=whole(1, 64))
+    ] = None,
     verbose: Annotated[
         bool, option("with --seeds, print the verdict of every seed as it comes")
     ] = False,

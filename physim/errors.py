@@ -27,6 +27,8 @@ class Fault:
     message: str
     severity: Literal["error", "warning"] = "error"
     """a warning: what may be meant so, but is seldom"""
+    of_key: bool = False
+    """whether the key itself is wrong, not its value: then the place is that of the key"""
 
     def __str__(self) -> str:
         """``robots[2].pose: message``, without a file position."""
@@ -40,10 +42,12 @@ class Position:
     file: Path | str
     line: int
     column: int
+    option: str = ""
+    """of the command line, as ``--set time.step``, where that gives the value"""
 
     def __str__(self) -> str:
-        """``file:line:column``."""
-        return f"{self.file}:{self.line}:{self.column}"
+        """``file:line:column``, or the option."""
+        return self.option or f"{self.file}:{self.line}:{self.column}"
 
 
 class WorldError(PhysimError):
@@ -79,7 +83,9 @@ def _placed(position: Position, fault: Fault) -> str:
 
 def names_key(place: str, key: str) -> bool:
     """Whether a place is an option of the command line that says the key already."""
-    return place.startswith("--") and (place.endswith(f" {key}") or place == "--controller")
+    return place in ("--controller", f"--{key}") or (
+        place.startswith("--set ") and (place.endswith(f" {key}"))
+    )
 
 
 def plain_key(override: str) -> str:

@@ -244,14 +244,14 @@ def preview(
 
 def _laid_out(given: str, changes: Changes) -> Layout:
     """Read and check the world; every fault with its place in the file."""
-    from physim.world.file import located, read_world
+    from physim.world.file import read_world
     from physim.world.layout.layout import lay_out
 
     world, document = read_world(given, **changes.reading)
     try:
         return lay_out(world, changes.seed)
     except WorldError as error:
-        raise located(error.faults, document) from None
+        raise document.error(error.faults) from None
 
 
 def _log(text: str, to: TextIO) -> None:

@@ -171,10 +171,10 @@ def _space(given: str, changes: Changes, vary: tuple[str, ...], quiet: bool) -> 
     from physim.cli.simulating import ready, tell
     from physim.parts.registry import CONTROLLER, shipped_parts
     from physim.world.checks.check import check_world
-    from physim.world.file import read_world, warning_lines
+    from physim.world.file import read_world
 
     world, document = read_world(given, **changes.reading)
-    tell(warning_lines(document))
+    tell(document.lines(document.warnings))
     if changes.seed is not None:
         world = world.changed(seed=changes.seed)
     shipped = world.controller.type in shipped_parts(CONTROLLER)

@@ -183,10 +183,9 @@ def _drawn(
 ) -> int:
     """Write out the road that a seed draws."""
     from physim.authoring.drawn import drawn_text
-    from physim.world.file import located, read_world
+    from physim.world.file import read_world
 
-    overrides = [] if seed is None else [f"seed={seed}"]
-    world, document = read_world(source, overrides=overrides, check_controller=False)
+    world, document = read_world(source, seed=seed, check_controller=False)
     given = output.name if output is not None else f"{world.stem}_{world.seed}"
     title, stem = _named(name if name is not None else given)
     file = output or Path(f"{stem}.yaml")
@@ -195,7 +194,7 @@ def _drawn(
     try:
         text = drawn_text(world, title, f"{command} --seed {world.seed}")
     except WorldError as error:
-        raise located(error.faults, document) from None
+        raise document.error(error.faults) from None
     _write(file, text, force)
     return 0
 

@@ -64,14 +64,14 @@ def run(
     from physim.cli.warming import finish
     from physim.parts.registry import OBSERVER, make_by_defaults
     from physim.simulation.run import LateError, record_run
-    from physim.world.file import read_world, warning_lines
+    from physim.world.file import read_world
 
     def say(text: str) -> None:
         if not quiet:
             print(text, file=sys.stderr, flush=True)
 
     read, document = read_world(world, **changes.reading)
-    tell(warning_lines(document))
+    tell(document.lines(document.warnings))
     place = (output or Path("runs")) / "record.h5"
     simulation = ready(read, document, changes, quiet, place)
     try:

@@ -19,9 +19,8 @@ from physim.simulation.run import is_warm, record_run, warm_up
 from physim.simulation.size import check_room, size_of
 from physim.world import World
 from physim.world.checks.starts import check_walled_off
-from physim.world.file import located, read_world, warning_lines
+from physim.world.file import Document, read_world
 from physim.world.file.loading import unused_settings
-from physim.world.file.nodes import Document
 from physim.world.layout.scene_builder import build_scene
 
 EVERY_STEP = "time.record_every"
@@ -45,8 +44,8 @@ def ready(
     try:
         scene = build_scene(world, changes.seed)
     except WorldError as error:
-        raise located(error.faults, document) from None
-    tell(warning_lines(document, check_walled_off(scene.layout)))
+        raise document.error(error.faults) from None
+    tell(document.lines(check_walled_off(scene.layout)))
 
     def controller() -> Controller:
         choice, trusted = world.controller, changes.controller is not None
@@ -80,7 +79,7 @@ def world_given(given: str, changes: Changes) -> tuple[World, Document]:
         raise PhysimError(f"--set {EVERY_STEP}: a validation looks at every step")
     every = (*changes.set, f"{EVERY_STEP}=1")
     world, document = read_world(given, overrides=every, controller=changes.controller)
-    tell(warning_lines(document))
+    tell(document.lines(document.warnings))
     return world, document
 
 

@@ -11,7 +11,7 @@ from physim.authoring.importing.drawing import refused
 from physim.authoring.importing.source import read_text
 from physim.errors import Location, nearest
 from physim.escaping import escaped
-from physim.world.file import Document, located, read_document
+from physim.world.file import Document, read_document
 
 KEYS = ("image", "resolution", "origin", "negate", "occupied_thresh", "free_thresh", "mode")
 MODES = ("trinary", "scale", "raw")
@@ -94,9 +94,7 @@ class _Yaml:
         )  # fmt: skip
 
     def _values(self) -> dict[str, Any]:
-        if self.document.faults:
-            raise located((), self.document)
-        values = self.document.values()
+        values = self.document.values
         if not isinstance(values, dict):
             raise refused(self.path, f"a map is a mapping of keys: {', '.join(KEYS)}", 1)
         return values

@@ -19,14 +19,10 @@ from physim.world.checks import formation, ground, paths, starts
 from physim.world.checks.findings import Finding, Findings
 from physim.world.checks.room import ClearanceProfile, clearance_profiles
 from physim.world.checks.scale import check_scale
-from physim.world.file.loading import in_order, placed, read_world
-from physim.world.file.nodes import Document
+from physim.world.file import Document, read_world
 from physim.world.layout.layout import lay_out
 from physim.world.model import World
 from physim.world.scene import Layout
-
-MOST_REPORTED = 100
-"""Errors, and likewise warnings, of one world that are reported one by one."""
 
 CHECKS: tuple[Callable[[Layout], Iterable[Fault]], ...] = (
     ground.check_folds,
@@ -65,10 +61,8 @@ def check_world(
     """
     if isinstance(path, World):
         raise TypeError(f"check_world takes a world file, not {path!r}; save it to one")
-    if seed is not None:
-        overrides = [*overrides, f"seed={seed}"]
     try:
-        world, document = read_world(path, overrides=overrides, controller=controller)
+        world, document = read_world(path, overrides=overrides, controller=controller, seed=seed)
     except WorldError as error:
         file, positions = str(path), error.positions or (None,) * len(error.faults)
         pairs = zip(error.faults, positions, strict=True)
@@ -111,12 +105,6 @@ def _of_layout(world: World) -> tuple[list[Fault], tuple[ClearanceProfile, ...],
 
 def _located(faults: Sequence[Fault], document: Document) -> tuple[Finding, ...]:
     """Each fault once, at its place, in the order of the file."""
-    pairs = in_order(placed(dict.fromkeys(faults), document))
-    found = [Finding.of(fault, position, document.source) for fault, position in pairs]
-    if len(found) > MOST_REPORTED:
-        left = len(found) - MOST_REPORTED + 1
-        more = Finding(
-            escaped(document.source), None, None, "", f"and {left} more; correct these first"
-        )
-        found = [*found[: MOST_REPORTED - 1], more]
-    return tuple(found)
+    error = document.error(faults)
+    pairs = zip(error.faults, error.positions, strict=True)
+    return tuple(Finding.of(fault, position, document.source) for fault, position in pairs)

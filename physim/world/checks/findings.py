@@ -12,7 +12,7 @@ from physim.world.faults import describe
 if TYPE_CHECKING:
     from physim.world import World
     from physim.world.checks.room import ClearanceProfile
-    from physim.world.file.nodes import Document
+    from physim.world.file import Document
 
 
 MOST_ALIKE = 5

@@ -154,7 +154,7 @@ TOGETHER: Table = {
     ("run", "ten_robots", "--controller", "path_following", "--set",
      "controller.type=mode_switching"): ("--set controller.type", "path_following", "one of them"),
     ("run", "ten_robots", "--controller", "path_following", "--set",
-     "controller={alpha: 1}"): ("--set controller", "path_following", "controller.KEY=VALUE"),
+     "controller={alpha: 1}"): ("--set controller", "path_following"),
     ("sweep", "ten_robots", "--seeds", "1:3", "--set", "seed=7"): ("--set seed", "--seeds"),
     ("sweep", "three_robots", "--seeds", "1:9", "--until", "rate > x"): (
         '--until "rate > x":', "RATE < or > NUMBER",
@@ -277,7 +277,7 @@ OUTPUTS: Table = {
     ("preview", "small.yaml"): ("small.png:", "exists", "--force"),
     ("preview", "small.yaml", "-o", "a.pdf"): ("a.pdf:", ".png", ".svg"),
     ("preview", "small.yaml", "-o", "."): (".:", "a folder"),
-    ("preview", "small.yaml", "-o", "small.yaml/a.png"): ("small.yaml/a.png:", "no folder"),
+    ("preview", "small.yaml", "-o", "small.yaml/a.png"): ("small.yaml/a.png:", "cannot be written"),
     ("new", "a", "-o", "no/a.yaml"): ("no/a.yaml:", "no folder no"),
     ("new", "a", "-o", "."): (".:", "is a folder", "-o"),
     ("new", "a", "-o", "text.h5", "--force"): ("text.h5:", ".yaml"),

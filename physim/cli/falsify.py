@@ -37,7 +37,7 @@ COMPILING = 15
 """[s] about, for what tells who was responsible"""
 STANDS_IN = "constant"
 """The controller that is asked once in place of one's own"""
-VARIED = ("pose", "heading", "speed", "settings")
+VARIED = ("pose", "heading", "speed")
 
 
 def kinds(text: str) -> tuple[str, ...]:
@@ -57,7 +57,7 @@ def falsify(
     vary: Annotated[
         tuple[str, ...],
         option(
-            "what is varied, of pose, heading, speed, settings (pose,heading)", "WHAT", read=kinds
+            "what is varied, of pose, heading, speed (pose,heading)", "WHAT", read=kinds
         ),
     ] = ("pose", "heading"),
     whole_budget: Annotated[
@@ -91,9 +91,7 @@ def falsify(
 
     bounds: pose: up to 1 m along x and y, or anywhere in the start region, clear of all else by
     0.3 m or what the world itself has; heading: any where it is random, else 0.5 rad to either
-    side; speed: limits of v and omega, half to all of each, as far as the controller takes them;
-    settings: numbers of the controller, within the bounds that it declares, half to twice where it
-    declares none
+    side; speed: limits of v and omega, half to all of each, as far as the controller takes them
 
     written to DIR:
       worst.yaml     the world that fails, shrunk; or the one that came nearest to it

@@ -22,7 +22,7 @@ def import_world(
     output: Annotated[Path, to("the world file to write", "WORLD")],
     force: Annotated[bool, option("overwrite an existing file")] = False,
     format: Annotated[
-        Format | None, option("kind of the source (default: by suffix or content)")
+        Format | None, option("kind of the source (default: by suffix)")
     ] = None,
     name: Annotated[
         str | None, option("name of the world (default: that of the source)", "NAME")
@@ -113,7 +113,7 @@ def import_world(
     """Make a world from a race-track CSV, ROS map, SVG drawing, WKT or GeoJSON, and list every line
     that was dropped or repaired. Beside it goes world.schema.json, by which editors complete keys.
 
-    formats, by suffix or content:
+    formats, by suffix:
       track     centreline and widths, columns x_m, y_m, w_tr_right_m, w_tr_left_m (.csv)
       ros-map   map.yaml with its image, PGM or PNG (.yaml)
       svg       drawing with layers or ids boundary, obstacle, path, robot (.svg)

@@ -48,8 +48,9 @@ MOST_LEVELS = 100
 SVG = "{http://www.w3.org/2000/svg}"
 LABEL = "{http://www.inkscape.org/namespaces/inkscape}label"
 HREF = "{http://www.w3.org/1999/xlink}href"
-UNITS = {"mm": 1e-3, "cm": 1e-2, "in": 0.0254, "pt": 0.0254 / 72.0, "pc": 0.0254 / 6.0}
-"""[m] of units of a page"""
+UNITS = ("mm", "cm", "in", "pt", "pc")
+"""Those of a page that say how large it is"""
+METRES_PER_PIXEL = 0.0254 / 96.0
 
 GROUPS = ("svg", "g", "a", "symbol")
 LINES = {
@@ -207,47 +208,37 @@ class _Reader:
 
     def _frame(self) -> Any:
         """Matrix from user units of the page to metres of the world; says its scale."""
-        root, line = self.root, self.root.sourceline
-        sizes = {}
-        for key in ("width", "height"):
-            given = root.get(key, "").strip()
-            found = re.fullmatch(r"([\d.]+(?:e[+-]?\d+)?)\s*([a-z]*)", given.lower())
-            unit = found[2] if found else ""
-            if found and unit in (*UNITS, "", "px") and (size := float(found[1])) > 0.0:
-                sizes[key] = size * UNITS.get(unit, 0.0254 / 96.0)
-            elif given and not (given.endswith("%") or given == "auto"):
-                message = f'{key}="{escaped(given)[:40]}": a length above 0 such as 240mm is needed'
-                raise refused(self.path, message, line)
-            if key == "width":
-                in_metres = unit in UNITS
-        pixel = 0.0254 / 96.0
-        box = [0.0, 0.0, *(sizes.get(key, 0.0) / pixel for key in ("width", "height"))]
+        root, scale = self.root, self.options.scale
+        sides = [root.get(key, "").strip().lower() for key in ("width", "height")]
+        view = root.get("viewBox", "")
         try:
-            if given := root.get("viewBox"):
-                box = numbers(given)
-            x, y, width, height = box
-            if given and not min(width, height) > 0.0:
-                raise ValueError("width and height, the last two, must be above 0")
+            is_said = [bool(one) and one[-1] != "%" for one in sides]
+            size = [length(one) if said else 0.0 for one, said in zip(sides, is_said, strict=True)]
+            if not all(side > 0.0 for side, said in zip(size, is_said, strict=True) if said):
+                raise ValueError("width and height must be above 0")
+            box = numbers(view) or [0.0, 0.0, *size]
+            if len(box) != 4 or (view and not min(box[2:]) > 0.0):
+                raise ValueError("four numbers are needed, the last two above 0")
         except ValueError as error:
-            message = f'viewBox="{escaped(given)[:60]}": four numbers are needed: {error}'
-            raise refused(self.path, message, line) from None
-        scale = self.options.scale
-        if scale is not None:
-            self.drawing.facts.append(f"{scale:g} m per user unit (--scale)")
-        elif not in_metres:
-            message = "the page has no real-world units; --scale M says how many metres a user "
-            raise refused(self.path, f"{message}unit is", line)
-        else:
-            scale = sizes["width"] / width
-            if "height" in sizes and abs(sizes["height"] / height / scale - 1.0) > 1e-3:
+            given = f'width="{sides[0]}" height="{sides[1]}" viewBox="{view}"'
+            message = f"<svg {escaped(given)[:120]}>: {error}"
+            raise refused(self.path, message, root.sourceline) from None
+        x, y, width, height = box
+        told = f"{scale:g} m per user unit (--scale)" if scale is not None else ""
+        if scale is None:
+            if not sides[0].endswith(UNITS) or not size[0] > 0.0:
+                message = "the page has no real-world units; --scale M says how many metres a user "
+                raise refused(self.path, f"{message}unit is", root.sourceline)
+            if size[1] > 0.0 and abs(size[1] / height * width / size[0] - 1.0) > 1e-3:
                 message = (
                     "width, height and viewBox stretch the page; give it one scale, or --scale"
                 )
-                raise refused(self.path, message, line)
-            self.drawing.facts.append(f"real-world size of the page: {scale:.6g} m per user unit")
+                raise refused(self.path, message, root.sourceline)
+            scale = size[0] / width * METRES_PER_PIXEL
+            told = f"real-world units of the page ({sides[0]}): {scale:.6g} m per user unit"
         corner = f"the page's {'lower' if height > 0.0 else 'upper'} left corner"
-        self.drawing.facts[-1] += (
-            f"; curves flattened within {self.tolerance:g} m; y turned up, {corner} is (0, 0)"
+        self.drawing.facts.append(
+            f"{told}; curves flattened within {self.tolerance:g} m; y turned up, {corner} is (0, 0)"
         )
         return svgelements.Matrix(scale, 0.0, 0.0, -scale, -x * scale, (y + height) * scale)
 

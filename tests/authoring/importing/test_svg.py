@@ -304,7 +304,7 @@ FAULTS = {
     "viewBox of three": (page('viewBox="0 0 24"'), ':1: … viewBox="0 0 24" … four numbers'),
     "viewBox negative": (page('viewBox="0 0 -24 14"'), ':1: … viewBox="0 0 -24 14" … above 0'),
     "no page width": (page('width="0mm" viewBox="0 0 24 14"'), ':1: … width="0mm" … above 0'),
-    "page in ems": (page('width="30em" viewBox="0 0 24 14"'), ':1: … width="30em" … 240mm'),
+    "page in ems": (page('width="30em" viewBox="0 0 24 14"'), ':1: … width="30em" … a number'),
     "place": (rect(place='x="a" y="6" width="1" height="1"'), ':3: … obstacle … x="a"'),
     "place in percent": (rect(place='x="50%" width="1" height="1"'), ':3: … x="50%" … with px'),
     "negative width": (rect(place='width="-1" height="1"'), ':3: … obstacle … width="-1"'),

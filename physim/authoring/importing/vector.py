@@ -126,6 +126,8 @@ def read_geojson(path: Path, options: Options) -> Drawing:
         if own & {*options.ignore}:
             continue
         geometry = feature.get("geometry") if feature.get("type") == "Feature" else feature
+        if geometry is not feature and isinstance(geometry, dict) and geometry.get("crs"):
+            raise refused(path, f"{about.label}: has a crs of its own; give one to the file")
         found = _geometries(path, geometry, about.label, 0) if geometry is not None else ()
         parts += [replace(about, geometry=one) for one in found]
         if len(parts) > MOST_GEOMETRIES:

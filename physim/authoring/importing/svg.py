@@ -29,7 +29,7 @@ from physim.authoring.importing.drawing import (
 from physim.authoring.importing.options import Options
 from physim.authoring.importing.roles import hint, role_named, unroled
 from physim.authoring.importing.source import MOST_TEXT, read_bytes
-from physim.authoring.importing.svg_lines import length, numbers, outline, subpaths
+from physim.authoring.importing.svg_lines import MOST_POINTS, length, numbers, outline, subpaths
 from physim.authoring.importing.work import check_work
 from physim.errors import nearest
 from physim.escaping import escaped
@@ -146,8 +146,8 @@ def _tree(path: Path) -> Any:
 def _hides(sheet: str) -> str:
     """The first declaration of a style sheet that may do more than paint; empty without any."""
     sheet = re.sub(r"/\*.*?(?:\*/|\Z)", " ", sheet, flags=re.S)
-    sheet = re.sub(r'"[^"\n]*"|\'[^\'\n]*\'|url\([^)]*\)', "0", sheet)
-    sheet = re.sub(r"@font-face\s*\{[^{}]*\}|@(?:import|charset|namespace)\b[^;{}]*;", " ", sheet)
+    sheet = re.sub(r'"[^"\n]*"|\'[^\'\n]*\'|url\([^()]*\)', "0", sheet)
+    sheet = re.sub(r"@font-face\s*\{[^{}]*\}|@(?:import|charset|namespace)\b[^;{}@]*;", " ", sheet)
     depth = 0
     for text, end in re.findall(r"([^{};]*)([{};]|\Z)", sheet):
         if end == "{":
@@ -197,6 +197,7 @@ class _Reader:
     unread: Counter[str] = field(default_factory=Counter)
     names: set[str] = field(default_factory=set)
     count: int = 0
+    points: int = 0
 
     def __post_init__(self) -> None:
         self.drawing = Drawing("SVG drawing", self.path)
@@ -324,7 +325,7 @@ class _Reader:
                       or COMMON.fullmatch(key) or value.strip() == "none"
                       or (tag == "use" and key in ("width", "height"))):  # fmt: skip
                 unread = unread or f': the attribute "{escaped(key)[:40]}" is not read'
-        style = re.sub(r"/\*.*?\*/", " ", given.get("style", ""), flags=re.S)
+        style = re.sub(r"/\*.*?(?:\*/|\Z)", " ", given.get("style", ""), flags=re.S)
         for one in style.split(";"):
             key, _, value = (part.strip().lower() for part in one.partition(":"))
             if key == "all":  # sets those before it aside
@@ -400,8 +401,11 @@ class _Reader:
         """Take the lines of a shape; ValueError where they are none of its role."""
         role, name, line = state.role, state.name, element.sourceline
         heading = None
-        if role == "robot" and (said := re.fullmatch(r"(.*?)\s*@\s*([-+]?\d+(?:\.\d+)?)", name)):
-            name, heading = said[1], radians(float(said[2]))
+        if role == "robot" and "@" in name:
+            name, _, said = (one.strip() for one in name.rpartition("@"))
+            if len(degrees := numbers(said)) != 1:
+                raise ValueError(f'"@{escaped(said)[:40]}": one number of degrees is needed')
+            heading = radians(degrees[0])
         m = state.matrix
         turn = np.array([[m.a, m.b], [m.c, m.d]])
         tolerance = self.tolerance / float(np.linalg.norm(turn, 2))
@@ -416,6 +420,9 @@ class _Reader:
             if not np.isfinite(points).all():
                 raise ValueError("a coordinate is not a finite number")
         placed = [(points, closed) for points, closed in placed if len(points) > 1]
+        self.points += sum(len(points) for points, _ in placed)
+        if self.points > MOST_POINTS:
+            raise ValueError(f"more than {MOST_POINTS} points up to here; simplify the drawing")
         if not placed:
             self.drawing.changes.append(f"line {line}: {called}: a line of no length, left out")
         geometries: list[Any] = [shapely.LineString(points) for points, _ in placed]

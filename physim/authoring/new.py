@@ -25,8 +25,6 @@ from physim.world.layout.road import plain_world
 
 WIDTH = 100
 """Columns of a comment"""
-USUAL = "straight"
-"""The world that a new one is like where none is named"""
 
 
 def new_text(name: str, like: str, robots: int | None = None) -> str:

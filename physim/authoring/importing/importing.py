@@ -35,7 +35,7 @@ from physim.authoring.importing.lines import length_of
 from physim.authoring.importing.options import TOLERANT, Options, check_options
 from physim.authoring.importing.placed import Placed
 from physim.authoring.importing.robots import fill_in
-from physim.authoring.importing.shapes import with_lines, with_shapes
+from physim.authoring.importing.shapes import with_lines
 from physim.authoring.importing.source import format_of
 from physim.authoring.importing.stops import stop_warnings
 from physim.authoring.importing.work import GRAIN
@@ -54,8 +54,8 @@ READERS = {
     "track": ("physim.authoring.importing.track", "read_track"),
     "ros-map": ("physim.authoring.importing.ros_map", "read_ros_map"),
     "svg": ("physim.authoring.importing.svg", "read_svg"),
-    "wkt": ("physim.authoring.importing.polygons", "read_wkt"),
-    "geojson": ("physim.authoring.importing.geojson", "read_geojson"),
+    "wkt": ("physim.authoring.importing.vector", "read_wkt"),
+    "geojson": ("physim.authoring.importing.vector", "read_geojson"),
 }
 
 
@@ -96,7 +96,7 @@ def _imported(source: Path, options: Options) -> Imported:
     check_options(source, form, options)
     module, name = READERS[form]
     reader: Callable[[Path, Options], Drawing] = getattr(import_module(module), name)
-    drawing = with_lines(with_shapes(reader(source, options)))
+    drawing = with_lines(reader(source, options))
     drawing.path = source
     drawn = bool(drawing.robots) and options.robots is None
     if drawn and len(drawing.robots) > MOST_DRAWN:

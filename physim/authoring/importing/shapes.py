@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import shapely
 
-from physim.authoring.importing.drawing import Drawing, DrawnRobot, Shape, Source
+from physim.authoring.importing.drawing import Drawing, DrawnRobot, Shape, Source, is_long
 from physim.authoring.importing.path_pieces import take_paths
 
 
@@ -51,9 +51,11 @@ def with_lines(drawing: Drawing) -> Drawing:
             drawing.obstacles.append(one.points[:-1])
     drawing.boundaries += [one.points for one in drawing.of("boundary")]
     drawing.robots = [DrawnRobot(one.points[:-1], one.name) for one in drawing.of("robot")]
+    drawing.name_robots()
     take_paths(drawing, [(one.name, one.points) for one in drawing.of("path")])
     if places:
         line = shapely.LineString(drawing.reference) if drawing.reference is not None else None
         hold = [0.0 if line is None else one.intersection(line).length for one in places]
-        drawing.within = places[int(np.argmax(hold))]
+        chosen = places[int(np.argmax(hold))]
+        drawing.within = shapely.Polygon(chosen.exterior, [*filter(is_long, chosen.interiors)])
     return drawing

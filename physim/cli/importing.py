@@ -19,7 +19,7 @@ FORMATS = ("track", "ros-map", "svg", "wkt", "geojson")
 LINES, ROUTE = "Lines", "Path and robots"
 ASKED = (
     "format", "scale", "tolerance", "specks", "start", "gap", "open", "origin", "goal", "robots",
-    "lanes", "robot", "name", "boundary",
+    "lanes", "robot", "no_formation", "close", "name", "boundary",
 )  # fmt: skip
 
 
@@ -42,6 +42,13 @@ ASKED = (
     metavar="M",
     section=LINES,
     help="[m] how far lines may move: simplified outlines (one cell), flattened curves (0.01)",
+)
+@option(
+    "--close",
+    type=POSITIVE,
+    metavar="M",
+    section=LINES,
+    help="[m] join ends of walls, and of pieces of a path, that are at most so far apart",
 )
 @option(
     "--boundary",
@@ -82,10 +89,11 @@ ASKED = (
 @option(
     "--robot",
     type=Value(size),
-    metavar="L,W",
+    metavar="L,W|fit",
     section=ROUTE,
-    help="[m] length and width of a robot (default: as large as fits, at most 1.8,1.0)",
+    help="[m] length and width of a robot (1.8,1.0), or fit: as large as fits, at most that",
 )
+@flag("--no-formation", "robots go each by itself, not in a formation", section=ROUTE)
 @flag("--untried", "do not drive the world made once, to see if all robots arrive")
 @flag("--quiet", "no report, and no drive")  # fmt: skip
 def import_command(options: Options) -> int:
@@ -106,7 +114,7 @@ def import_command(options: Options) -> int:
 
     examples:
       physim import track.csv -o track.yaml --robots 6 --lanes 2
-      physim import map.yaml -o office.yaml --robots 5 --from 1,2 --to 14.5,-3
+      physim import map.yaml -o office.yaml --robots 5 --robot fit --from 1,2 --to 14.5,-3
       physim import plan.svg -o plan.yaml --scale 0.1
     """
     # both now: Ctrl-C in the import of a module would end the command with the world just written

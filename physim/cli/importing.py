@@ -19,7 +19,7 @@ FORMATS = ("track", "ros-map", "svg", "wkt", "geojson")
 LINES, ROUTE = "Lines", "Path and robots"
 ASKED = (
     "format", "scale", "tolerance", "specks", "start", "gap", "open", "origin", "goal", "robots",
-    "lanes", "robot", "no_formation", "close", "name", "boundary",
+    "lanes", "robot", "no_formation", "close", "name", "boundary", "ignore", "ignore_others",
 )  # fmt: skip
 
 
@@ -57,6 +57,14 @@ ASKED = (
     section=LINES,
     help="a shape or group of an SVG drawing, by id or label, that is a wall (may be repeated)",
 )
+@option(
+    "--ignore",
+    multiple=True,
+    metavar="NAME",
+    section=LINES,
+    help="a shape, group or feature without a role that is left out (may be repeated)",
+)
+@flag("--ignore-others", "leave out all shapes and features without a role", section=LINES)
 @option(
     "--specks",
     type=DISTANCE,

@@ -1,11 +1,11 @@
-"""What a reader makes of a source: lines in metres, and what it has to say about them."""
+"""What a reader makes of a source: shapes in metres, each with the role that the source states."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 import shapely
@@ -30,6 +30,41 @@ MOST_LISTED = 20
 
 class ImportSourceError(PhysimError):
     """A source that cannot be imported: what, where in it, and what to do."""
+
+
+Role = Literal["place", "boundary", "obstacle", "path", "robot"]
+
+
+@dataclass(frozen=True)
+class Shape:
+    """A shape of a source [m], world frame, x right and y up, coordinates to the millimetre.
+
+    ``geometry`` is a shapely geometry by ``role``: ``place`` (where robots may go) and ``obstacle``
+    (solid) are valid Polygons, whose holes count; ``robot`` is a valid Polygon without holes;
+    ``boundary`` and ``path`` are LineStrings, closed where the first point is the last.
+    ``name`` is that of the robot or of the robot whose path it is, as the source has it, empty
+    where it states none; ``heading`` [rad] that of a robot, None where it heads along its path.
+    ``label`` is what messages call the shape, ``line`` its line of the text from 1, where known.
+
+    Places of one source are apart: those that overlap or abut have been united.
+    """
+
+    role: Role
+    geometry: Any
+    name: str = ""
+    heading: float | None = None
+    label: str = ""
+    line: int | None = None
+
+    @property
+    def points(self) -> FloatArray:
+        """(n, 2) [m] of a line, or of the outer ring of a polygon, the first point repeated."""
+        ring = self.geometry.exterior if self.role not in ("boundary", "path") else self.geometry
+        return np.asarray(shapely.get_coordinates(ring))
+
+    def __str__(self) -> str:
+        """``"pillar", line 3``."""
+        return self.label if self.line is None else f"{self.label}, line {self.line}"
 
 
 @dataclass(frozen=True)
@@ -77,6 +112,9 @@ class Drawing:
     """
 
     kind: str
+    path: Path = Path()
+    """of the source"""
+    shapes: list[Shape] = field(default_factory=list)
     boundaries: list[FloatArray] = field(default_factory=list)
     obstacles: list[FloatArray] = field(default_factory=list)
     reference: FloatArray | None = None
@@ -96,6 +134,24 @@ class Drawing:
     """of what the lines were made, where the source has a name and a line for each"""
     repairs: list[str] = field(default_factory=list)
     """those of the changes that may be why the area does not suit the path"""
+
+    def of(self, *roles: Role) -> list[Shape]:
+        """Shapes of some roles, in the order of the source."""
+        return [one for one in self.shapes if one.role in roles]
+
+    def nearest(self, point: Sequence[float] | FloatArray, *roles: Role) -> Shape | None:
+        """The shape of some roles that is nearest to a point (2,) [m]; None without any."""
+        some = self.of(*roles)
+        apart = [shapely.distance(one.geometry, shapely.Point(point[:2])) for one in some]
+        return some[int(np.argmin(apart))] if some else None
+
+    def refusal(self, message: str, shape: Shape | None = None) -> ImportSourceError:
+        """Error at the source, or at a shape of it, with its label and line where known."""
+        if shape is None:
+            return refused(self.path, message)
+        return refused(
+            self.path, f"{shape.label}: {message}" if shape.label else message, shape.line
+        )
 
     def source_at(self, point: Sequence[float] | FloatArray, *roles: str) -> Source | None:
         """The source of one of some roles, of any without, nearest to a point (2,) [m]."""

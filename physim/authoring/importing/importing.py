@@ -18,6 +18,7 @@ from physim.authoring.importing.made import made_world, world_text
 from physim.authoring.importing.options import Options, check_options
 from physim.authoring.importing.paths import Paths, drawn_paths
 from physim.authoring.importing.size import Size, check_way, size_as_drawn, size_of
+from physim.authoring.importing.shapes import with_shapes
 from physim.authoring.importing.source import format_of
 from physim.errors import WorldError, plural
 from physim.escaping import escaped
@@ -66,7 +67,6 @@ def import_world(source: str | os.PathLike[str], options: Options | None = None)
         check_options(source, form, options)
         module, name = READERS[form]
         reader: Callable[[Path, Options], Drawing] = getattr(import_module(module), name)
-        from physim.authoring.importing.shapes import with_shapes
         drawing = reader(source, options)
         drawing.path = source
         return _made(with_shapes(drawing), options)

@@ -27,12 +27,13 @@ class Options(Model):
     """What the user asked for; None where the source or the import decides.
 
     Lengths [m]: ``tolerance`` of simplified and flattened lines, ``start`` and ``gap`` of a closed
-    track, ``origin`` and ``goal`` (x, y) of the route, ``robot`` (length, width), or as large as ``fit``; ``close`` of gaps between ends of lines that are
-    joined. ``scale`` [m per
-    unit of the source], ``specks`` [m²] the largest occupied patch that is left out. ``open``: the
-    track is open, whatever its ends look like. ``boundary`` are ids or labels of shapes and groups
-    of an SVG drawing that are walls; ``ignore`` are those of a drawing, or names and layers of
-    features, that are left out, ``ignore_others`` leaves out all without a role. Raises WorldError for values that cannot be.
+    track, ``origin`` and ``goal`` (x, y) of the route, ``robot`` (length, width) or "fit", as large
+    as the path has room for, ``close`` the longest gap between ends of lines that is closed.
+    ``scale`` [m per unit of the source], ``specks`` [m²] the largest occupied patch that is left
+    out. ``open``: the track is open, whatever its ends look like. ``boundary`` are ids or labels of
+    shapes and groups of an SVG drawing that are walls; ``ignore`` are those of a drawing, or names
+    and layers of features, that are left out, ``ignore_others`` leaves out all without a role.
+    Raises WorldError for values that cannot be.
     """
 
     format: Literal["track", "ros-map", "svg", "wkt", "geojson"] | None = None

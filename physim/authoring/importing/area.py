@@ -264,10 +264,7 @@ def _where_open(noded: Any, faces: Sequence[Any]) -> str:
     if len(ends) < 2:
         return f"; {plural(len(faces), 'closed area')} elsewhere" if faces else ""
     nearest = sorted(pairs.items(), key=lambda one: one[1])[:MOST_NAMED]
-    gaps = [
-        f"{place(ends[i])} and {place(ends[j])}, {gap:.3g} m apart"
-        for (i, j), gap in nearest
-    ]
+    gaps = [f"{place(ends[i])} and {place(ends[j])}, {gap:.3g} m apart" for (i, j), gap in nearest]
     most = float(np.ceil(100.0 * nearest[-1][1]) / 100.0)
     return f"; loose ends: {'; '.join(gaps)}; close them, or --close {most:g}"
 
@@ -289,7 +286,10 @@ def _check_work(drawing: Drawing, lines: Sequence[FloatArray]) -> None:
         raise drawing.refusal(
             f"{points} points; at most {MOST_POINTS} are read; simplify the lines first"
         )
-    closed = sum(one.role == "obstacle" or one.geometry.is_closed for one in drawing.of("boundary", "obstacle"))
+    closed = sum(
+        one.role == "obstacle" or one.geometry.is_closed
+        for one in drawing.of("boundary", "obstacle")
+    )
     if closed > MOST_OBSTACLES:
         raise drawing.refusal(
             f"{closed} obstacles and closed walls; at most {MOST_OBSTACLES} are read; leave out "

@@ -19,9 +19,9 @@ from physim.authoring.importing.area import Place
 from physim.authoring.importing.drawing import DIGITS, Drawing, Shape, place, rounded
 from physim.authoring.importing.paths import Paths
 from physim.escaping import escaped
+from physim.geometry.arc_length import Polyline
 from physim.geometry.corridor import offset_polyline
 from physim.geometry.polygon import counter_clockwise
-from physim.geometry.polyline import Polyline
 from physim.geometry.shapes import FloatArray
 
 MOST_DRAWN = 500

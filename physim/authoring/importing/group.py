@@ -12,9 +12,9 @@ from physim.authoring.importing.drawing import Drawing, number
 from physim.authoring.importing.drawn import Placed, lane, lap
 from physim.authoring.importing.options import Options
 from physim.authoring.importing.size import Size, check_way
+from physim.geometry.arc_length import Polyline
 from physim.geometry.area import shrunk
 from physim.geometry.outline import placed_outline
-from physim.geometry.polyline import Polyline
 from physim.geometry.shapes import FloatArray
 
 LANE, ROW, COLUMN = 2.0, 4.0, 3.2

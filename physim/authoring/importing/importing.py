@@ -17,12 +17,12 @@ from physim.authoring.importing.group import fill_in, offsets_of
 from physim.authoring.importing.made import made_world, world_text
 from physim.authoring.importing.options import Options, check_options
 from physim.authoring.importing.paths import Paths, drawn_paths
-from physim.authoring.importing.size import Size, check_way, size_as_drawn, size_of
 from physim.authoring.importing.shapes import with_shapes
+from physim.authoring.importing.size import Size, check_way, size_as_drawn, size_of
 from physim.authoring.importing.source import format_of
 from physim.errors import WorldError, plural
 from physim.escaping import escaped
-from physim.geometry.polyline import Polyline
+from physim.geometry.arc_length import Polyline
 from physim.geometry.shapes import FloatArray
 from physim.world import World
 from physim.world.file import parse_world
@@ -110,8 +110,14 @@ def _made(drawing: Drawing, options: Options) -> Imported:
 def _paths(drawing: Drawing, where: Place, options: Options, is_drawn: bool) -> Paths:
     """The paths drawn, and a route where the reference path is not, or another is asked for."""
     if drawing.of("robot") and not is_drawn:
-        left = [one for one in drawing.shapes if one.role == "robot" or (one.role == "path" and one.name)]
-        drawing.changes.append(f"{plural(len(left), 'drawn robot or path of one', 'drawn robots and paths of theirs')} left out (--robots)")
+        left = [
+            one
+            for one in drawing.shapes
+            if one.role == "robot" or (one.role == "path" and one.name)
+        ]
+        drawing.changes.append(
+            f"{plural(len(left), 'drawn robot or path of one', 'drawn robots and paths of theirs')} left out (--robots)"
+        )
         drawing.shapes = [one for one in drawing.shapes if one not in left]
     names = robot_names(drawing.of("robot"))
     paths = drawn_paths(drawing, names, options.close)
@@ -147,7 +153,9 @@ def _check_ways(drawing: Drawing, where: Place, robots: Sequence[Placed]) -> Non
 
 def _about(where: Place, reference: FloatArray, robots: Sequence[Placed], size: Size) -> list[str]:
     points = sum(map(len, where.boundaries))
-    walls = f"{plural(len(where.boundaries), 'boundary', 'boundaries')} of {plural(points, 'point')}"
+    walls = (
+        f"{plural(len(where.boundaries), 'boundary', 'boundaries')} of {plural(points, 'point')}"
+    )
     if where.obstacles:
         corners = sum(map(len, where.obstacles))
         walls += f", {plural(len(where.obstacles), 'obstacle')} of {corners} corners"
@@ -197,9 +205,7 @@ def _written(
     return Imported(text, world, drawing.kind, tuple(drawing.facts), tuple(drawing.changes))
 
 
-def _cannot_run(
-    drawing: Drawing, error: WorldError, robots: Sequence[Placed]
-) -> ImportSourceError:
+def _cannot_run(drawing: Drawing, error: WorldError, robots: Sequence[Placed]) -> ImportSourceError:
     """What is wrong with the world, at the robot of the drawing that it is about."""
     first = error.faults[0]
     key, k = (*first.location, None, None)[:2]

@@ -15,7 +15,7 @@ from physim.authoring.importing.drawn import Placed
 from physim.authoring.importing.size import Size
 from physim.errors import plural
 from physim.escaping import escaped
-from physim.geometry.polyline import Polyline
+from physim.geometry.arc_length import Polyline
 from physim.geometry.shapes import FloatArray
 from physim.world import World
 from physim.world.file.schema import FILE
@@ -108,7 +108,9 @@ def _robot(robot: Placed, speed: float | None) -> dict[str, Any]:
     box = robot.footprint
     keys: dict[str, Any] = {
         "name": robot.name,
-        "footprint": {"length": box[0], "width": box[1]} if isinstance(box, tuple) else box.tolist(),
+        "footprint": {"length": box[0], "width": box[1]}
+        if isinstance(box, tuple)
+        else box.tolist(),
         "pose": list(robot.pose),
         "path": robot.path.tolist() if robot.offset is None else {"offset": robot.offset},
     }

@@ -37,7 +37,9 @@ def drawn_paths(drawing: Drawing, names: Sequence[str], close: float | None) -> 
     for name, some in pieces.items():
         if name and name not in names:
             near = nearest(name[:80], sorted(names)) or "; the reference path has no name"
-            raise drawing.refusal(f'path "{name[:80]}": there is no robot "{name[:80]}"{near}', some[0])
+            raise drawing.refusal(
+                f'path "{name[:80]}": there is no robot "{name[:80]}"{near}', some[0]
+            )
         line = _joined(drawing, some, name, close)
         if len(line) < 2:
             raise drawing.refusal("the path is shorter than a millimetre; check --scale", some[0])
@@ -54,7 +56,9 @@ def _joined(drawing: Drawing, pieces: list[Shape], name: str, close: float | Non
     bridges = joints(lines, close, only_ends=True) if close is not None else []
     drawing.changes += listed(bridges, lambda one: f"path: {joint_text(one)}")
     lines += bridges
-    merged = shapely.line_merge(shapely.multilinestrings([shapely.LineString(one) for one in lines]))
+    merged = shapely.line_merge(
+        shapely.multilinestrings([shapely.LineString(one) for one in lines])
+    )
     if merged.geom_type != "LineString":
         called = f'"{name}"' if name else "without a name"
         ends = [

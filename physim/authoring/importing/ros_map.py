@@ -20,7 +20,7 @@ import numpy as np
 import shapely
 from pydantic import BeforeValidator, Field
 
-from physim.authoring.importing.area import MOST_OBSTACLES, SMALLEST, Clearance
+from physim.authoring.importing.area import MOST_OBSTACLES, Clearance
 from physim.authoring.importing.drawing import DIGITS, Drawing, Shape, listed, place, refused
 from physim.authoring.importing.options import Options
 from physim.authoring.importing.source import read_image, read_text
@@ -43,8 +43,9 @@ MOST_BORDERS = 4_000_000
 """Edges between free and other cells of a map: it has no more patches than a quarter of them."""
 WORTH = 0.01
 """[-] share of the largest free region from which on another may be meant"""
-HARDLY, MUCH = 0.02, 0.1
-"""[-] share of free cells below which a map is doubted, and above which it would be none"""
+HARDLY, FEW = 0.02, 0.1
+"""[-] shares of free cells below which a map is refused, and doubted, if most would be free with
+another negate or mode"""
 UNKNOWN = 205.0 / 255.0
 """[-] brightness that map_saver gives to what is unknown"""
 
@@ -99,18 +100,7 @@ def read_ros_map(path: Path, options: Options) -> Drawing:
             f"WARNING: grey 205, which map_saver writes for unknown, is free below free_thresh "
             f"{found.free_thresh:g}; 0.196 takes it as unknown"
         )
-    if free.mean() < HARDLY:
-        others = {
-            f"negate: {int(not found.negate)}": found.model_copy(update={"negate": not found.negate}),
-            "mode: trinary": found.model_copy(update={"mode": "trinary"}),
-        }
-        shares = {key: one.free(brightness, clear).mean() for key, one in others.items()}
-        meant = [f"{key} {100.0 * v:.0f} %" for key, v in shares.items() if v > MUCH]
-        message = f"{100.0 * free.mean():.2g} % of the cells are free"
-        if meant:
-            message += f"; with {', with '.join(meant)} would be: see negate and mode"
-        if meant or not free.any():
-            raise drawing.refusal(message)
+    _check_free(drawing, found, brightness, clear)
     if cell > LARGEST_CELL:
         drawing.changes.append(
             f"check the scale: cells of {cell:g} m; a map's resolution is in metres, 0.05 for 5 cm "
@@ -122,6 +112,27 @@ def read_ros_map(path: Path, options: Options) -> Drawing:
     )
     drawing.shapes = [Shape("place", region)]
     return drawing
+
+
+def _check_free(drawing: Drawing, found: RosMap, brightness: Any, clear: Any) -> None:
+    """Name another negate or mode where hardly a cell is free; refuse it where next to none is."""
+    share = found.free(brightness, clear).mean()
+    others = {
+        f"negate: {int(not found.negate)}": {"negate": not found.negate},
+        "mode: trinary": {"mode": "trinary"},
+    }
+    shares = {
+        key: found.model_copy(update=update).free(brightness, clear).mean()
+        for key, update in others.items()
+    }
+    meant = [f"with {key} {100.0 * v:.0f} %" for key, v in shares.items() if v > 0.5]
+    message = f"{100.0 * share:.2g} % of the cells are free; see negate, mode and free_thresh"
+    if meant:
+        message = f"{100.0 * share:.2g} % of the cells are free, {', '.join(meant)} would be"
+    if share == 0.0 or (meant and share < HARDLY):
+        raise drawing.refusal(message + "; if it is right, crop the image" * bool(meant))
+    if meant and share < FEW:
+        drawing.changes.append(f"WARNING: {message}")
 
 
 def _read_yaml(drawing: Drawing) -> tuple[RosMap, Path]:
@@ -204,7 +215,9 @@ def _outlined(
     free |= small[labels] & ~free
     drawing.changes += listed(
         sorted(np.flatnonzero(small), key=lambda k: -area[k]),
-        lambda k: f"speck of {area[k]:.4g} m² at {place(placed(middles[k] + 0.5))}: left out (--specks)",
+        lambda k: (
+            f"speck of {area[k]:.4g} m² at {place(placed(middles[k] + 0.5))}: left out (--specks)"
+        ),
     )
     at = None
     if options.origin is not None:
@@ -265,9 +278,7 @@ def _region(drawing: Drawing, free: Any, cell: float, placed: Any, at: Any) -> A
                 f"is the place? --from X,Y in one of them: {regions}"
             )
     left = [k for k in order if k != chosen]
-    drawing.changes += listed(
-        left, lambda k: f"free region of {told(k)}: not connected, left out"
-    )
+    drawing.changes += listed(left, lambda k: f"free region of {told(k)}: not connected, left out")
     return labels == chosen
 
 

@@ -21,7 +21,7 @@ from physim.authoring.importing.area import Clearance, Place
 from physim.authoring.importing.drawing import Drawing, ImportSourceError, place, rounded
 from physim.authoring.importing.options import Options
 from physim.authoring.importing.size import LENGTH, ROOM, room_of
-from physim.geometry.polyline import Polyline
+from physim.geometry.arc_length import Polyline
 from physim.geometry.shapes import FloatArray
 
 KEPT = 0.9
@@ -73,6 +73,8 @@ MOST_SAMPLES = 5_000
 """Points of a line that is rounded"""
 MOST_CELLS = 80_000
 """Cells of the grid within the area"""
+END_ROOM = 1.6
+"""[-] times the clearance of the path where it begins and ends, where no place is asked for"""
 MANY = 2_000
 """Points from which on an outline is taken coarsely for the search"""
 ROUGH = 0.01
@@ -131,10 +133,16 @@ def find_route(drawing: Drawing, where: Place, options: Options, reach: float) -
     chain = [b]
     while chain[-1] != a:
         chain.append(int(before[chain[-1]]))
-    line = rounded(smooth(grid.nodes[chain[::-1]], rough, room))
+    way = Polyline(smooth(grid.nodes[chain[::-1]], rough, room))
+    at = np.linspace(0.0, way.length, int(np.clip(way.length / (0.1 * room), 1, MOST_SAMPLES)) + 1)
+    gaps = where.clearance.at(way.at(at)[0])
+    wide = np.flatnonzero(
+        (gaps >= END_ROOM * room) & (np.minimum(at, way.length - at) < 2.0 * room)
+    )
+    first = at[wide[0]] if wide.size and options.origin is None else 0.0
+    last = at[wide[-1]] if wide.size and options.goal is None else way.length
+    line = rounded(way.stretch(first, last) if last - first > 0.5 * way.length else way.points)
     way = Polyline(line)
-    count = int(np.clip(way.length / (0.1 * room), 1, MOST_SAMPLES))
-    gaps = where.clearance.at(way.at(np.linspace(0.0, way.length, count + 1))[0])
     drawing.facts.append(
         f"path found from {place(line[0])} to {place(line[-1])}, {way.length:.2f} m, at "
         f"least {gaps.min():.2f} m from every boundary (--from, --to)"

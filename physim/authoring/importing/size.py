@@ -19,7 +19,7 @@ from physim.authoring.importing.area import Place
 from physim.authoring.importing.drawing import Drawing, Shape, place
 from physim.authoring.importing.drawn import Placed
 from physim.authoring.importing.options import Options
-from physim.geometry.polyline import Polyline
+from physim.geometry.arc_length import Polyline
 from physim.geometry.shapes import FloatArray
 
 LENGTH, WIDTH = 1.8, 1.0
@@ -27,8 +27,8 @@ LENGTH, WIDTH = 1.8, 1.0
 ROOM = 1.8
 """[m] clearance that the box needs at size 1: half its diagonal, 1.03 m, and as much again as
 the shipped controller needs to move on: with 1.2 m it stops in danger mode"""
-SLACK = 1.02
-"""[-] what a path found on a grid may lack of the room"""
+ENOUGH = 0.98
+"""[-] share of the room that is enough for the usual size: a path found on a grid may lack it"""
 SMALLEST = 0.01
 """[-] factor of the smallest robots"""
 MOST_SAMPLES = 5_000
@@ -61,7 +61,9 @@ def room_of(box: tuple[float, float]) -> float:
     return 0.5 * hypot(*box) + 0.15 * box[0] / LENGTH
 
 
-def size_of(drawing: Drawing, where: Place, line: FloatArray, options: Options, reach: float) -> Size:
+def size_of(
+    drawing: Drawing, where: Place, line: FloatArray, options: Options, reach: float
+) -> Size:
     """Size of the boxes of a group on a path (n, 2) [m]; its lanes go ``reach`` [m] beside it.
 
     ``reach`` is that at factor 1. Raises ImportSourceError where they do not fit.
@@ -72,7 +74,8 @@ def size_of(drawing: Drawing, where: Place, line: FloatArray, options: Options, 
         return Size(factor, options.robot, "as asked (--robot)")
     check_way(drawing, where, line, 0.0, "path", _path(drawing))
     gap, at = narrowest(where, line)
-    most = min(SLACK * gap / (ROOM + reach), 1.0)
+    most = gap / (ROOM + reach)
+    most = 1.0 if most > ENOUGH else most
     digits = 10.0 ** (1 - floor(log10(most))) if most > 0.0 else 1.0
     factor = floor(most * digits + 1e-9) / digits  # two digits, rounded down
     small = ",".join(f"{side:g}" for side in fitting(factor))
@@ -84,9 +87,9 @@ def size_of(drawing: Drawing, where: Place, line: FloatArray, options: Options, 
         )
     if options.robot is None and factor < 1.0:
         raise drawing.refusal(
-            f"{gap:.3g} m to a wall at {place(at)}: robots of {LENGTH:g} x {WIDTH:g} m, which are "
-            f"placed if none are drawn, need {ROOM + reach:g} m; --robot fit makes them {small}, "
-            "or say --robot LENGTH,WIDTH",
+            f"{gap:.3g} m to a wall at {place(at)}: robots of the usual {LENGTH:g} x {WIDTH:g} m "
+            f"need {ROOM + reach:g} m{' with so many --lanes' if reach else ''}; --robot fit makes "
+            f"them {small}, or say --robot LENGTH,WIDTH",
             _path(drawing),
         )
     told = "as large as fits (--robot fit)" if options.robot else "the usual size (--robot)"
@@ -129,8 +132,8 @@ def check_way(
         ends = shapely.get_coordinates(pieces[int(np.argmax(shapely.length(pieces) > SLIVER))])
         at = ends[-1] if (ends[0] == line[0]).all() else ends[0]
         raise drawing.refusal(
-            f"the {what} leaves the area at {place(at)}, or leads through a wall there{_named(drawing, at)}; "
-            "lead it around",
+            f"the {what} leaves the area at {place(at)}, or leads through a wall there"
+            f"{_named(drawing, at)}; {advice}",
             shape,
         )
     gap, at = narrowest(where, line)

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import math
 import re
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -29,7 +28,7 @@ from physim.authoring.importing.options import Options
 from physim.authoring.importing.source import read_text
 from physim.errors import nearest
 from physim.escaping import escaped
-from physim.geometry.polyline import Polyline
+from physim.geometry.arc_length import Polyline
 from physim.geometry.shapes import FloatArray
 
 COLUMNS = ("x_m", "y_m", "w_tr_right_m", "w_tr_left_m")
@@ -87,7 +86,7 @@ def _table(drawing: Drawing, text: str, scale: float) -> FloatArray:
         raise refused(path, f"{len(rows)} lines; at most {MOST_LINES} are read")
     numbered = [(k, row.strip()) for k, row in enumerate(rows, start=1) if row.strip()]
     data = [
-        (k, row) for k, row in numbered if row[0] != "#" and not row.lstrip(" ,;\"")[:1].isalpha()
+        (k, row) for k, row in numbered if row[0] != "#" and not row.lstrip(' ,;"')[:1].isalpha()
     ]
     if not data:
         raise refused(path, f"no row that begins with a number; columns: {', '.join(COLUMNS)}")

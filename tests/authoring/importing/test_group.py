@@ -64,10 +64,10 @@ A = ("robot a", box(4, 5))
         ([A, CART, ("path cart", shapely.LineString([(5, 14.5), (20, 25), (22, 14)]))],
          "path of cart leaves the area at (12.86, 20.00)"),
         ([A, CART, ("path cart", OWN), ("obstacle", shapely.box(20, 14.8, 21, 16))],
-         "path of cart passes 0.3 m from a wall at (20.00, 14.50) … 1 m wide … smaller robot"),
+         "path of cart passes 0.3 m from a wall at … 14.50) … 1 m wide … smaller robot"),
         ([A, ("robot b", box(9, 19.7))], "path of b, +14.7 m beside … passes 0.3 m from a wall"),
-        ([A, ("robot a", box(9, 9))], "robots … name … a"),
-        ([A, ("robot b", box(4.2, 5))], "overlap"),
+        ([A, ("robot a", box(9, 9))], "robots[1].name … robots[0]"),
+        ([A, ("robot b", box(4.2, 5))], "robots[1].pose … overlaps"),
     ],
     ids=["outside", "narrow", "lane", "one name", "one place"],
 )  # fmt: skip
@@ -140,7 +140,11 @@ CROSSED = [(0, 0), (40, 0), (40, 3), (0, 3), (0, 30), (20, 30)]
 @pytest.mark.parametrize(
     ("way", "given", "says"),
     [
-        ([(5, 5), (45, 5)], {"lanes": 9}, "lane +8 m beside the path leaves the area … --lanes 8"),
+        (
+            [(5, 5), (45, 5)],
+            {"lanes": 9, "robot": (1.8, 1.0)},
+            "lane -6 m beside the path leaves the area … --lanes 8",
+        ),
         ([(5, 5), (45, 5)], {"robots": 30}, "30 robots of 1.8 x 1.0 m … fewer --robots"),
         ([(5, 5), (25, 5), (25, 5.5), (5, 5.5)], {"lanes": 3}, "bends too tightly for a lane"),
         ([(5, 5), (45, 5)], {"robot": (20.0, 12.0)}, "passes 5 m … 12 m wide … --robot fit"),

@@ -15,6 +15,7 @@ from tests.authoring.importing.plans import METRES, check_says, free_area, geojs
 
 ROOM = ("boundary", shapely.LineString([(0, 0.1), (0, 40), (40, 40), (40, 0), (0, 0)]))
 CLOSET = ("boundary", shapely.LineString([(30, 40), (30, 30), (40, 30)]))
+CUT = ("boundary", shapely.LineString([(30, 39), (20, 39)]))
 WAY = ("path", shapely.LineString([(5, 5), (25, 5)]))
 
 
@@ -40,8 +41,12 @@ def test_an_end_before_a_wall_is_joined_to_it_on_request(tmp_path: Path) -> None
 @pytest.mark.parametrize(
     ("more", "parts"),
     [
-        ([], "one area is closed, 100 m² … others … open … (0.00, 0.10) … --from X,Y"),
-        ([("boundary", shapely.box(60, 0, 70, 9))], "2 areas … 100 m² about … 90 m² about … --from"),
+        ([], "2 areas … 1.5e+03 m² about … 100 m² about … --from"),
+        ([CUT], "one area is closed, 100 m² … others … open … (0.00, 0.10) … --from X,Y"),
+        (
+            [("boundary", shapely.box(60, 0, 70, 9))],
+            "2 areas … 100 m² about … 90 m² about … --from",
+        ),
         ([WAY], "the path is in no closed area"),
         ([("robot", shapely.box(5, 5, 6.8, 6))], "the robot is in no closed area"),
     ],
@@ -102,7 +107,7 @@ def test_what_lies_away_from_the_place_is_left_out_and_listed(tmp_path: Path) ->
              ("obstacle", shapely.box(50, 0, 52, 2)), ("obstacle", shapely.box(10, 1, 11, 2))]  # fmt: skip
     made = import_world(geojson(tmp_path, parts))
     assert len(made.world.obstacles) == 1
-    check_says(only(made, "away from the place"), "obstacle … (5")
+    check_says(only(made, "away from the place"), "obstacle … (52.00, 0.00)")
 
 
 PIECES: dict[str, list[Any]] = {

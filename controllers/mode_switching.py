@@ -49,6 +49,7 @@ from .world_checks import (
     interval_doubts,
     omega_faults,
     range_doubts,
+    safe_area_doubts,
     speed_doubts,
     speed_faults,
     stop_doubts,
@@ -281,7 +282,7 @@ class ModeSwitching:
         return speed_faults(self.settings, world, where)
 
     def world_doubts(self, world: World, where: Location) -> list[Fault]:
-        """Doubt speeds out of reach, stops short of arrival, long commands, too short a range."""
+        """Doubt speeds out of reach, stops short of arrival, long commands, range, safe area."""
         settings = self.settings
         may_stand = not settings.forward_only(world.formation is not None)
         return [
@@ -289,6 +290,7 @@ class ModeSwitching:
             *stop_doubts(settings, world, may_stand),
             *interval_doubts(settings, world),
             *range_doubts(settings, world),
+            *safe_area_doubts(settings, world, where),
         ]
 
     def decide(self, observation: Observation, memory: Any) -> Decision:

@@ -6,6 +6,8 @@ from collections.abc import Iterator, Mapping, Sequence
 from math import ceil, hypot
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from physim.errors import Fault, Location, plural
 
 from .settings import ModeSwitchingSettings
@@ -65,32 +67,41 @@ def speed_faults(settings: ModeSwitchingSettings, world: World, where: Location)
 def speed_doubts(
     settings: ModeSwitchingSettings, world: World, where: Location, by_7: bool
 ) -> list[Fault]:
-    """Warn of a speed that is written, but that the limits hold elsewhere.
+    """Warn of a speed beyond the limits of all robots, if it is written.
 
-    Those of all robots, and, where speeds are set ``by_7``, those of the formation.
+    Where speeds are set ``by_7``, of one outside those of the formation.
     """
-    plan, bounds = world.formation, None
-    if by_7 and plan is not None:
-        bounds = plan.limits
+    plan = world.formation
     of, at = (settings, where) if plan is None else (plan, ("formation",))
-    fastest, why = max(robot.limits.v for robot in world.robots), "its limits.v"
-    if bounds is not None and bounds[1] < fastest:
-        fastest, why = bounds[1], "formation.limits"
-    if "speed" not in of.model_fields_set:
-        return []
-    if bounds is not None and of.speed < bounds[0] <= fastest:
+    is_written = "speed" in of.model_fields_set
+    if by_7 and plan is not None and not plan.limits[0] <= plan.speed <= plan.limits[1]:
         message = (
-            f"no robot drives as slowly as {of.speed:g} m/s in safe mode: formation.limits hold "
-            f"(7) at {bounds[0]:g} m/s at least; lower them, or raise the speed"
+            f"the speed, {plan.speed:g} m/s, lies outside formation.limits, which hold (7) at "
+            f"{plan.limits[plan.speed > plan.limits[1]]:g} m/s until errors are large; write a "
+            "speed between the limits, or widen them"
         )
-        return [Fault((*at, "speed"), message)]
-    if of.speed <= fastest:
+        return [Fault((*at, "speed" if is_written else "limits"), message)]
+    fastest = max(robot.limits.v for robot in world.robots)
+    if not is_written or of.speed <= fastest:
         return []
     message = (
-        f"no robot drives at {of.speed:g} m/s: each goes at {why}, at most {fastest:g} m/s; "
+        f"no robot drives at {of.speed:g} m/s: each goes at its limits.v, at most {fastest:g} m/s; "
         "raise the limits, or lower the speed"
     )
     return [Fault((*at, "speed"), message)]
+
+
+def safe_area_doubts(settings: ModeSwitchingSettings, world: World, where: Location) -> list[Fault]:
+    """Warn of a corridor so narrow that no place of it is as far from both walls as is kept."""
+    width = getattr(world.corridor, "width", None)  # a road that the seed draws has none
+    if width is None or (widest := float(np.max(width))) > 2.0 * settings.safe_distance:
+        return []
+    message = (
+        f"no place is {settings.safe_distance:g} m from both walls, as the corridor is at most "
+        f"{widest:g} m wide: there is no safe area; widen it, or set safe_distance below "
+        f"{widest / 2.0:g} m"
+    )
+    return [Fault((*where, "safe_distance"), message)]
 
 
 def stop_doubts(

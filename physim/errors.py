@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Literal
 
 Location = tuple[str | int, ...]
 """Where in a world a fault lies, e.g. ``("robots", 2, "pose", 0)``; ``()`` is the whole world."""
@@ -24,6 +25,10 @@ class Fault:
 
     location: Location
     message: str
+    severity: Literal["error", "warning"] = "error"
+    """a warning: what may be meant so, but is seldom"""
+    of_key: bool = False
+    """whether the key itself is wrong, not its value: then the place is that of the key"""
 
     def __str__(self) -> str:
         """``robots[2].pose: message``, without a file position."""
@@ -37,10 +42,12 @@ class Position:
     file: Path | str
     line: int
     column: int
+    option: str = ""
+    """of the command line, as ``--set time.step``, where that gives the value"""
 
     def __str__(self) -> str:
-        """``file:line:column``."""
-        return f"{self.file}:{self.line}:{self.column}"
+        """``file:line:column``, or the option."""
+        return self.option or f"{self.file}:{self.line}:{self.column}"
 
 
 class WorldError(PhysimError):
@@ -76,7 +83,9 @@ def _placed(position: Position, fault: Fault) -> str:
 
 def names_key(place: str, key: str) -> bool:
     """Whether a place is an option of the command line that says the key already."""
-    return place.startswith("--") and (place.endswith(f" {key}") or place == "--controller")
+    return place in ("--controller", f"--{key}") or (
+        place.startswith("--set ") and (place.endswith(f" {key}"))
+    )
 
 
 def plain_key(override: str) -> str:

@@ -7,16 +7,15 @@ run shows. A world that would take long is not tried.
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
-from dataclasses import dataclass, replace
-from typing import Any
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from itertools import islice
 
 import numpy as np
 
 from physim.analysis.metrics import Figures
-from physim.analysis.metrics.contacts import Touch
 from physim.analysis.metrics.walls import nearest_points
-from physim.errors import Fault, Location, place_text, plural
+from physim.errors import ControllerError, Fault, PhysimError, place_text, plural
 from physim.parts.registry import CONTROLLER, make_part
 from physim.record import Record
 from physim.simulation.arrival import still_distances, still_steps
@@ -35,39 +34,8 @@ MOST_SECONDS = 10.0
 """[s] of the clock after which a trial ends: a controller of one's own may be slow"""
 STANDSTILL = 10.0
 """[s] for which all robots stand when a trial ends: nothing more is expected of it"""
-
-
-@dataclass(frozen=True)
-class Fact:
-    """What a trial shows of one robot: that it touches a body, or does not arrive, or both."""
-
-    location: Location
-    """where the path of the robot is written"""
-    message: str
-    robot: str
-    touches: str | None = None
-    """the body that it touches first"""
-    time: float | None = None
-    """[s] when"""
-    place: tuple[float, float] | None = None
-    """[m] where"""
-    short: float | None = None
-    """[m] along its path that it lacks to its stop station when the trial ends"""
-    nearest: str | None = None
-    """the body nearest to it then, where it stands short of its stop"""
-    distance: float | None = None
-    """[m] to that body"""
-    waits: bool = False
-    """whether that body is a robot which its controller considered in its last decision"""
-
-    @property
-    def fault(self) -> Fault:
-        """The fact as checks have theirs."""
-        return Fault(self.location, self.message)
-
-    def as_json(self) -> dict[str, Any]:
-        """Return the figures as JSON holds them; location and message stand in its finding."""
-        return {k: v for k, v in vars(self).items() if k not in ("location", "message")}
+MOST_TOLD = 12
+"""Contacts, and likewise robots that do not arrive, that are told one by one"""
 
 
 @dataclass(frozen=True)
@@ -76,9 +44,9 @@ class Trial:
 
     line: str
     """in short, or why there was none"""
-    facts: tuple[Fact, ...] = ()
-    """at most one a robot: contacts in the order of time, then those who do not arrive, those who
-    lack most first"""
+    faults: tuple[Fault, ...] = ()
+    """at the robots' paths: contacts in the order of time, then who does not arrive, those who
+    lack most first; at the controller where that failed"""
 
 
 def try_world(
@@ -92,7 +60,7 @@ def try_world(
 
     ``trusted`` allows its controller to be ``module:Class``; when ``stop`` says True it ends. What
     the world expects is not told: robots that do not arrive under ``expect.finished: false``, and
-    no more contacts than ``expect.contacts``. Raises PhysimError as a run does.
+    no more contacts than ``expect.contacts``.
     """
     if why := _too_long(world):
         return Trial(f"not tried: {why} take long; physim run shows if all arrive")
@@ -100,13 +68,17 @@ def try_world(
         return Trial(
             "not tried: nothing is compiled yet; physim run does it, and shows if all arrive"
         )
-    controller = make_part(
-        CONTROLLER, world.controller.type, world.controller.settings, trusted=trusted
-    )
-    simulation = Simulation(build_scene(world), controller=controller)
-    ending = _Ending(simulation, stop)
-    with record_run(simulation, stop=ending, progress=progress) as record:
-        return _shown(world, record, ending.why)
+    try:
+        choice = world.controller
+        controller = make_part(CONTROLLER, choice.type, choice.settings, trusted=trusted)
+        simulation = Simulation(build_scene(world), controller=controller)
+        ending = _Ending(simulation, stop)
+        with record_run(simulation, stop=ending, progress=progress) as record:
+            return _shown(world, record, ending.why)
+    except ControllerError as error:
+        return Trial("tried, not to the end", (Fault(("controller",), str(error)),))
+    except PhysimError as error:  # as of a record too large for the memory
+        return Trial(f"not tried: {error}")
 
 
 def _too_long(world: World) -> str:
@@ -150,66 +122,54 @@ class _Ending:
 def _shown(world: World, record: Record, why: str) -> Trial:
     """What a run shows, in short and of each robot."""
     run, expect = Figures(record), world.expect
-    met: list[Touch] = sorted([*run.episodes, *run.grazes], key=lambda one: one.time)
+    count = len(run.episodes) + len(run.grazes)
     left = len(run.absent)
     do = "does" if left == 1 else "do"
     arrive = f"{left} of {plural(record.robots, 'robot')} {do} not arrive"
-    contacts = plural(len(met), "contact") if met else "no contact"
+    contacts = plural(count, "contact") if count else "no contact"
     line = (
         f"tried for {record.steps_run * record.dt:.1f} s{why}: "
         f"{arrive if left else 'all robots arrive'}; {contacts}"
     )
-    facts: dict[int, Fact] = {}
-    if expect is None or expect.contacts is None or len(met) > expect.contacts:
-        firsts = {(one.a, one.b): one for one in reversed(met)}  # of each pair
-        for one in sorted(firsts.values(), key=lambda one: one.time):
-            free = [k for k in (one.a, one.b) if k < record.robots and k not in facts]
-            if free:
-                facts[free[0]] = _contact(world, record, one, free[0])
+    faults: list[Fault] = []
+    if expect is None or expect.contacts is None or count > expect.contacts:
+        faults += islice(_contacts(world, record, run), MOST_TOLD)
     if expect is None or expect.finished is not False:
-        for late in sorted(run.absent, key=lambda late: -late.short):
-            i = late.robot
-            name = describe(record.names[i])
-            near = _nearest(record, i) if late.stands else {}
-            said = late.sentence(name)
-            if near:
-                how = "it waits for" if near["waits"] else "nearest to it is"
-                said += f"; {how} {describe(near['nearest'])}, {near['distance']:.2f} m away"
-            known = facts.get(i)
-            facts[i] = (
-                Fact(path_of(world, i), said, record.names[i], short=late.short, **near)
-                if known is None
-                else replace(known, message=f"{known.message}; {said}", short=late.short, **near)
+        faults += _absent(world, record, run)
+    return Trial(line, tuple(faults))
+
+
+def _contacts(world: World, record: Record, run: Figures) -> Iterator[Fault]:
+    """Contacts in the order of time, each of a robot that no earlier one has told of."""
+    told: set[int] = set()
+    for one in sorted([*run.episodes, *run.grazes], key=lambda one: one.time):
+        robots = {k for k in (one.a, one.b) if k < record.robots}
+        if not robots <= told:
+            told |= robots
+            yield Fault(
+                path_of(world, one.a),
+                f"{describe(record.names[one.a])} touches {describe(record.bodies[one.b].name)} "
+                f"at {place_text(*one.place, 4)} after {one.time:.1f} s",
             )
-    return Trial(line, tuple(facts.values()))
 
 
-def _contact(world: World, record: Record, one: Touch, robot: int) -> Fact:
-    """The first contact of a robot."""
-    name, other = record.names[robot], record.bodies[one.a + one.b - robot].name
-    said = (
-        f"{describe(name)} touches {describe(other)} at {place_text(*one.place, 4)} after "
-        f"{one.time:.1f} s"
-    )
-    return Fact(path_of(world, robot), said, name, other, one.time, one.place)
+def _absent(world: World, record: Record, run: Figures) -> Iterator[Fault]:
+    """Robots that do not arrive; of one that stands what is nearest, and whether it waits for it.
 
-
-def _nearest(record: Record, robot: int) -> dict[str, Any]:
-    """Body nearest to a robot at the end, how far it is, and whether the robot waits for it."""
-    pose = np.asarray(record.pose[-1])
-    apart = {
-        k: float(np.hypot(*np.diff(nearest_points(record, robot, k, pose), axis=0)[0]))
-        for k in range(len(record.bodies))
-        if k != robot
-    }
-    if not apart:
-        return {}
-    nearest = min(apart, key=lambda k: apart[k])
-    rows = record.considered
-    mine = rows[rows["robot"] == robot]
-    considered = mine["other"][mine["step"] == mine["step"].max(initial=-1)]
-    return {
-        "nearest": record.bodies[nearest].name,
-        "distance": apart[nearest],
-        "waits": bool(nearest in considered),
-    }
+    It waits for a robot that its controller considered in its last decision.
+    """
+    pose, rows = np.asarray(record.pose[-1]), record.considered
+    for late in sorted(run.absent, key=lambda late: -late.short)[:MOST_TOLD]:
+        i = late.robot
+        said = late.sentence(describe(record.names[i]))
+        if late.stands and len(record.bodies) > 1:
+            away, k = min(
+                (float(np.hypot(*np.diff(nearest_points(record, i, k, pose), axis=0)[0])), k)
+                for k in range(len(record.bodies))
+                if k != i
+            )
+            mine = rows[rows["robot"] == i]
+            last = mine["other"][mine["step"] == mine["step"].max(initial=-1)]
+            how = "it waits for" if k in last else "nearest to it is"
+            said += f"; {how} {describe(record.bodies[k].name)}, {away:.2f} m away"
+        yield Fault(path_of(world, i), said)

@@ -16,7 +16,7 @@ from physim.errors import ControllerError, PhysimError, WorldError, plain_key
 from physim.escaping import escaped
 from physim.parts.registry import CONTROLLER, find_part, settings_model
 from physim.world import World
-from physim.world.file import Document, located, read_world, warning_lines
+from physim.world.file import Document, read_world
 from physim.world.file.files import stem_of
 from physim.world.layout.scene_builder import build_scene, may_vary, seeds_note
 
@@ -155,7 +155,7 @@ def make_grid(
         except WorldError as error:
             one_of_several = (name if len(names) > 1 else "", controller if chosen[1:] else "")
             raise _of_cell(error, *one_of_several) from None
-        warnings |= dict.fromkeys(warning_lines(document))
+        warnings |= dict.fromkeys(document.lines(document.warnings))
         _check(world, document, seeds, overrides)
         own = own_parts(world)
         if own not in sources:
@@ -317,4 +317,4 @@ def _check(world: World, document: Document, seeds: range | None, overrides: Seq
                 one_of = [*overrides, *([] if seeds is None else [f"seed {seed}"])]
                 of = f" (with {escaped(', '.join(one_of))})" if one_of else ""
                 faults = [replace(one, message=one.message + of) for one in error.faults]
-                raise located(faults, document) from None
+                raise document.error(faults) from None

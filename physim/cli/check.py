@@ -7,25 +7,24 @@ import sys
 import time
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, TextIO
+from typing import TYPE_CHECKING, Any, TextIO
 
 import click
 
 from physim.cli.output import inputs, new_file
 from physim.cli.parser import Options, changes, command, flag, option
-from physim.cli.progress import interrupts, watch
+from physim.cli.progress import Bar, interrupts, watch
 from physim.cli.signals import INTERRUPTED
 from physim.cli.values import PATH, WORLD_HELP
 from physim.errors import PhysimError, WorldError
 
 if TYPE_CHECKING:
-    from physim.analysis.trial import Trial
     from physim.world.checks import ClearanceProfile, Findings
     from physim.world.scene import Layout
 
 
 MOST_ROWS = 12
-"""Robots in the table of room, of more those with least room; facts of a trial that are told."""
+"""Robots in the table of room; of more those with least room."""
 
 
 @command("check", "find every fault of a world before running it")
@@ -43,7 +42,7 @@ MOST_ROWS = 12
 def check_command(options: Options) -> int:
     """Read worlds strictly and look at their geometry: all errors and warnings at once, each with
     file, line and column, and the room that each robot has on its path. Then run a world without
-    errors once, and tell which robots touch something or do not arrive.
+    errors once, and tell which robots touch something or do not arrive: these are warnings, too.
 
     exit codes:
       0    no errors; there may be warnings
@@ -84,7 +83,13 @@ def _file(world: str) -> Path:
 
 def _check_once(options: Options) -> int:
     """Check worlds once and print what is found; returns the exit code."""
-    found = [_found(world, options) for world in options.worlds]
+    found = [
+        looked_at(
+            world, run=not options.no_run, quiet=options.json, overrides=options.overrides,
+            controller=options.controller, seed=options.seed,
+        )
+        for world in options.worlds
+    ]  # fmt: skip
     if options.json:
         print(json.dumps(json_of(found), indent=1), file=options.stdout)
     else:
@@ -92,54 +97,67 @@ def _check_once(options: Options) -> int:
     return 0 if all(findings.ok for findings, _ in found) else 2
 
 
-def _found(world: str, options: Options) -> tuple[Findings, Trial | None]:
-    """What the file shows of a world, and a run of it."""
-    from physim.cli.trying import tried
+def looked_at(
+    world: str | Path, *, run: bool, quiet: bool, **changes: Any
+) -> tuple[Findings, str | None]:
+    """What a world file shows, and, where it is to ``run``, a trial: its warnings come last.
+
+    And the line on the trial; None where there was none. ``changes`` are those of `check_world`.
+    Ctrl-C raises KeyboardInterrupt.
+    """
+    from physim.analysis.trial import try_world
     from physim.world.checks import check_world
 
-    findings = check_world(
-        world, overrides=options.overrides, controller=options.controller, seed=options.seed
-    )
-    if options.no_run or not findings.ok or findings.world is None:
+    findings = check_world(world, **changes)
+    if not run or not findings.ok or findings.world is None:
         return findings, None
-    return findings, tried(findings.world, options.json, options.controller is not None)
+    bar = Bar("trying it", findings.world.time.duration, "s", quiet)
+    with interrupts() as interrupt, bar:
+        trial = try_world(
+            findings.world, trusted=changes.get("controller") is not None, stop=interrupt,
+            progress=bar.simulated if bar.visible else None,
+        )  # fmt: skip
+    if interrupt():
+        raise KeyboardInterrupt
+    shown = map(findings.located, trial.faults)
+    return replace(findings, warnings=(*findings.warnings, *shown)), trial.line
 
 
-def json_of(found: list[tuple[Findings, Trial | None]]) -> dict[str, object]:
-    """Everything that was found, as JSON holds it; facts of the trial are the last warnings."""
-    worlds = []
-    for findings, trial in found:
-        one = findings.as_json()
-        for fact in trial.facts if trial else ():
-            one["warnings"].append(findings.located(fact.fault).as_json() | fact.as_json())
-        worlds.append({**one, "trial": trial and trial.line})
+def judge(world: Path, run: bool) -> None:
+    """Say what a check finds in a world just made; Ctrl-C ends that alone: the world is there."""
+    try:
+        findings, trial = looked_at(world, run=run, quiet=False)
+    except KeyboardInterrupt:
+        print("interrupted: neither checked nor tried to the end")
+        return
+    found = [
+        *(f"  error: {one}" for one in findings.errors),
+        *(f"  {w}" for w in findings.warnings),
+    ]
+    print(
+        "\n".join([*(["physim check reports:"] if found else []), *found, *filter(None, [trial])])
+    )
+
+
+def json_of(found: list[tuple[Findings, str | None]]) -> dict[str, object]:
+    """Everything that was found, as JSON holds it."""
     return {
         "format": "physim-check",
         "version": 1,
-        "errors": sum(len(one["errors"]) for one in worlds),
-        "warnings": sum(len(one["warnings"]) for one in worlds),
-        "worlds": worlds,
+        "errors": sum(len(findings.errors) for findings, _ in found),
+        "warnings": sum(len(findings.warnings) for findings, _ in found),
+        "worlds": [{**findings.as_json(), "trial": trial} for findings, trial in found],
     }
 
 
-def text_of(findings: Findings, trial: Trial | None = None) -> str:
+def text_of(findings: Findings, trial: str | None = None) -> str:
     """What was found in one world: errors, warnings, room, and a last line that sums up."""
-    shown = tuple(findings.located(fact.fault) for fact in (trial.facts if trial else ()))
-    told = [f"  {one}" for one in shown[:MOST_ROWS]]
-    if len(shown) > MOST_ROWS:
-        told.append(f"  and {len(shown) - MOST_ROWS} more (--json has all)")
     lines: list[str] = []
     for title, group in (("errors", findings.errors), ("warnings", findings.warnings)):
         if group:
             lines += [f"{title}:", *(f"  {one}" for one in map(str, group)), ""]
-    if trial and told:
-        lines += [f"{trial.line}:", *told, ""]
-    lines += _room(findings.clearance)
-    lines += findings.notes
-    if trial and not told:
-        lines.append(trial.line)
-    count = replace(findings, warnings=(*findings.warnings, *shown)).count
-    lines.append(f"{findings.file}: {count}")
+    lines += [*_room(findings.clearance), *findings.notes, *filter(None, [trial])]
+    lines.append(f"{findings.file}: {findings.count}")
     return "\n".join(lines) + "\n"
 
 
@@ -155,15 +173,15 @@ def _room(profiles: tuple[ClearanceProfile, ...]) -> list[str]:
     wide = min(wide, 30)
     lines = ["room on the paths [m]:"]
     lines.append(
-        f"  {'robot':<{wide}}  path   least room  at station  radii         in danger  on its path"
+        f"  {'robot':<{wide}}  from–to         least room  at station  radii         on its path"
     )
     for p in listed:
         name = p.robot if len(p.robot) <= wide else p.robot[: wide - 1] + "…"
-        share = "-" if p.danger_share is None else f"{100.0 * p.danger_share:.0f} %"
+        span = f"{p.reached[0]:.1f}–{p.reached[1]:.1f}"
         radii = f"{p.inscribed:.2f} to {p.circumscribed:.2f}"
         lines.append(
-            f"  {name:<{wide}}  {p.station[-1]:<6.1f} {p.narrowest[3]:<11.2f} "
-            f"{p.narrowest[0]:<11.1f} {radii:<13} {share:<9}  {p.verdict}"
+            f"  {name:<{wide}}  {span:<14}  {p.narrowest[3]:<10.2f}  {p.narrowest[0]:<10.1f}  "
+            f"{radii:<12}  {p.verdict}"
         )
     if len(listed) < len(profiles):
         lines.append(f"  and {len(profiles) - len(listed)} more with more room (--json has all)")
@@ -225,7 +243,7 @@ def _picture(options: Options) -> Path:
 
 def _laid_out(options: Options) -> Layout:
     """Read and check the world; every fault with its place in the file."""
-    from physim.world.file import located, read_world
+    from physim.world.file import read_world
     from physim.world.layout.layout import lay_out
 
     world, document = read_world(
@@ -234,7 +252,7 @@ def _laid_out(options: Options) -> Layout:
     try:
         return lay_out(world, options.seed)
     except WorldError as error:
-        raise located(error.faults, document) from None
+        raise document.error(error.faults) from None
 
 
 def _draw_on_save(options: Options, path: Path) -> int:

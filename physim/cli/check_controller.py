@@ -106,25 +106,25 @@ def check_controller_command(options: Options) -> int:
 def _chosen(options: Options) -> Candidate:
     """Find the controller and check its settings; each fault with its place."""
     from physim.testing.check import candidate
-    from physim.world.file import Document, located, read_document
+    from physim.world.file import read_document
 
-    document = Document("--set", read_document("controller: {}", "--set").root)
+    document = read_document("controller: {}", "--set")
     settings, document = _settings(document, options.overrides)
     chosen = candidate(options.controller, settings or None)
     try:
         if settings:
             chosen.maker()
     except WorldError as error:
-        raise located(error.faults, document) from None
+        raise document.error(error.faults) from None
     return chosen
 
 
 def _settings(document: Document, overrides: Sequence[str]) -> tuple[Mapping[str, Any], Document]:
     """Settings that the command line gives. Raises WorldError for what is none."""
-    from physim.world.file import apply_overrides, located
+    from physim.world.file import apply_overrides
 
     document = apply_overrides(document, overrides)
-    values = document.values()
+    values = dict(document.values)
     settings = values.pop("controller", None) or {}
     message = "is no setting of the controller; those are written controller.KEY=VALUE"
     faults = [Fault(place, message) for place in _ends(values)]
@@ -134,8 +134,8 @@ def _settings(document: Document, overrides: Sequence[str]) -> tuple[Mapping[str
         )
     elif "type" in settings:
         faults.append(Fault(("controller", "type"), "is what CONTROLLER says"))
-    if faults or document.faults:
-        raise located(faults, document)
+    if faults:
+        raise document.error(faults)
     return settings, document
 
 

@@ -127,7 +127,7 @@ def import_command(options: Options) -> int:
     """
     # both now: Ctrl-C in the import of a module would end the command with the world just written
     from physim.authoring import importing
-    from physim.cli.trying import judge
+    from physim.cli.check import judge
 
     source, output = options.source, options.output
     _check_output(source, output, options.force)
@@ -138,7 +138,7 @@ def import_command(options: Options) -> int:
     if not options.quiet:
         *files, steps = written.splitlines()
         print("\n".join([*_report(source, imported), *files]), flush=True)
-        judge(options, imported.world)
+        judge(output, not options.untried)
         print(steps)
     return 0
 

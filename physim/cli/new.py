@@ -178,13 +178,12 @@ def _write(file: Path, text: str, force: bool) -> None:
 def _drawn(options: Options) -> int:
     """Write out the road that a seed draws."""
     from physim.authoring.drawn import drawn_text
-    from physim.world.file import located, read_world
+    from physim.world.file import read_world
 
     for key in ("template", "robots", "project"):
         if getattr(options, key) is not None:
             raise PhysimError(f"--{key}: cannot be combined with --from, which gives the world")
-    overrides = [] if options.seed is None else [f"seed={options.seed}"]
-    world, document = read_world(options.drawn, overrides=overrides, check_controller=False)
+    world, document = read_world(options.drawn, seed=options.seed, check_controller=False)
     given = options.output.name if options.output is not None else f"{world.stem}_{world.seed}"
     name, stem = _named(options.name if options.name is not None else given)
     file = options.output or Path(f"{stem}.yaml")
@@ -193,7 +192,7 @@ def _drawn(options: Options) -> int:
     try:
         text = drawn_text(world, name, f"{command} --seed {world.seed}")
     except WorldError as error:
-        raise located(error.faults, document) from None
+        raise document.error(error.faults) from None
     _write(file, text, options.force)
     return 0
 

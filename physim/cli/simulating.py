@@ -18,10 +18,9 @@ from physim.simulation.loop import Simulation
 from physim.simulation.run import is_warm, record_run, warm_up
 from physim.simulation.size import check_room, size_of
 from physim.world import World
-from physim.world.checks.start_stations import doubtful_starts
-from physim.world.file import located, read_world, warning_lines
+from physim.world.checks.starts import check_walled_off
+from physim.world.file import Document, read_world
 from physim.world.file.loading import unused_settings
-from physim.world.file.nodes import Document
 from physim.world.layout.scene_builder import build_scene
 from physim.world.scene import Scene
 
@@ -46,8 +45,8 @@ def ready(
     try:
         scene = build_scene(world, seed)
     except WorldError as error:
-        raise located(error.faults, document) from None
-    tell_notices(warning_lines(document, doubtful_starts(scene.layout)))
+        raise document.error(error.faults) from None
+    tell_notices(document.lines(check_walled_off(scene.layout)))
 
     def controller() -> Controller:
         choice, trusted = world.controller, options.controller is not None
@@ -96,7 +95,7 @@ def tell_warnings(document: Document) -> None:
 
     The run may not be the one that they expect.
     """
-    tell_notices(warning_lines(document))
+    tell_notices(document.lines(document.warnings))
 
 
 def tell_notices(lines: Iterable[str]) -> None:

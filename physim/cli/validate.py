@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from physim.analysis.validation import Validation
     from physim.record import Record
     from physim.world import World
-    from physim.world.file.nodes import Document
+    from physim.world.file import Document
 
 MOST_TOLD = 10
 """Seeds whose verdicts are printed"""

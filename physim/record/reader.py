@@ -16,7 +16,6 @@ import numpy as np
 from physim.contacts import Kind, Phase
 from physim.drafts import discard, draft_of
 from physim.errors import PhysimError, RecordError, WorldError
-from physim.escaping import escaped
 from physim.html import labelled
 from physim.parts.declarations import Declared, Mode
 from physim.parts.given import GivenSettings
@@ -225,24 +224,12 @@ class Record(RecordedHistory):
         For figures of a few keys, of a world that need not be valid. Raises RecordError where its
         text is no YAML.
         """
-        import yaml
-
-        from physim.world.file.depth import is_plain
-
-        fast = getattr(yaml, "CSafeLoader", yaml.SafeLoader)  # ten times as fast where it is there
+        from physim.world.file import read_document
 
         try:
-            if not is_plain(self.world_text):
-                raise ValueError("it has aliases, or nests too deeply")
-            world = yaml.load(self.world_text, Loader=fast)
-        except (yaml.YAMLError, ValueError) as error:
-            try:
-                _ = self.world  # tells the place
-            except WorldError as fault:
-                raise unreadable_world(self.where, fault) from error
-            raise RecordError(
-                f"{self.where}: the world inside cannot be read: {escaped(str(error))}"
-            ) from error
+            world = read_document(self.world_text, f"world of {self.where}").values
+        except WorldError as error:
+            raise unreadable_world(self.where, error) from error
         return world if isinstance(world, Mapping) else {}
 
     @cached_property

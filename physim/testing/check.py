@@ -24,8 +24,8 @@ from physim.parts.world_checks import robot_faults
 from physim.testing.rules import Finding, FindingLog, check_batch, check_plain
 from physim.testing.trial import Make, run_trial
 from physim.world import World
-from physim.world.file import load_world, parse_world, world_of
-from physim.world.file.files import shipped_worlds, world_document
+from physim.world.file import load_world, parse_world, read_world
+from physim.world.file.files import shipped_worlds
 from physim.world.layout.scene_builder import build_scene
 from physim.world.scene import Scene
 
@@ -47,16 +47,15 @@ class Candidate:
     def read(self, file: str | os.PathLike[str]) -> World:
         """World as `load_world` takes it. Settings there without a ``type`` are this controller's;
         a class that it names is not run, and its settings are left out."""
-        document = world_document(file)
-        written = document.values().get("controller")
-        own = written.get("type", ":") if isinstance(written, dict) and written else ""
-        if ":" not in str(own) and not document.from_python:
+        world, document = read_world(file, check_controller=False)
+        own = world.controller
+        is_nameless = bool(own.settings) and "type" not in own.model_fields_set
+        if ":" not in own.type and not is_nameless and not document.from_python:
             return load_world(file)
         name = self._importable()
         if name is not None:
-            return world_of(document, controller=name)[0]
-        world = world_of(document, check_controller=False)[0]
-        choice = world.controller.model_copy(update={"type": UNNAMED})
+            return read_world(file, controller=name)[0]
+        choice = own.model_copy(update={"type": UNNAMED})
         return world.model_copy(update={"controller": choice})
 
     def _importable(self) -> str | None:

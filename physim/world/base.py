@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any, cast
 
 from pydantic import BaseModel, ConfigDict, ValidationError
@@ -24,14 +23,11 @@ class _Meta(ModelMetaclass):
     """
 
     def __call__(cls, /, *args: Any, **data: Any) -> Any:  # noqa: N805
-        faults: list[Fault] = []
-        made: Any = None
         try:
-            made = super().__call__(*args, **data)
+            made: Model = super().__call__(*args, **data)
         except ValidationError as error:
-            faults = faults_of(error, cast("type[Model]", cls))
-        faults += cast("type[Model]", cls).cross_faults(data)
-        if faults:
+            raise WorldError(faults_of(error, cast("type[Model]", cls))) from None
+        if faults := made.rule_faults():
             raise WorldError(faults)
         return made
 
@@ -63,7 +59,6 @@ class Model(BaseModel, metaclass=_Meta):
         """Refuse like `__setattr__`."""
         self.__setattr__(name, None)
 
-    @classmethod
-    def cross_faults(cls, data: Mapping[str, Any]) -> list[Fault]:
-        """Faults between several values of ``data``, valid or not; nothing by default."""
+    def rule_faults(self) -> list[Fault]:
+        """Faults between several values, which are sound each by itself; nothing by default."""
         return []

@@ -8,7 +8,6 @@ from __future__ import annotations
 import re
 import types
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from typing import Annotated, Any, Union, cast, get_args, get_origin
 
 from pydantic import BaseModel, Tag, ValidationError
@@ -97,11 +96,6 @@ LISTS = ("sequence", "list_type", "tuple_type")
 LOOKS_NUMERIC = re.compile(r"[-+]?[0-9.][0-9._eE+-]*")
 
 
-@dataclass(frozen=True)
-class KeyFault(Fault):
-    """A fault of a key itself, not of its value: it is shown where the key stands."""
-
-
 def describe(value: Any) -> str:
     """Write a given value briefly on one line, as a message shows it."""
     if value is None:
@@ -172,7 +166,7 @@ def unknown_key(location: Location, allowed: list[str], advice: str = "") -> Fau
     given = str(location[-1])
     choices = f"; allowed: {', '.join(allowed)}" if allowed else ""
     more = f"; {advice}" if advice else nearest(given.lower(), allowed)
-    return KeyFault(location, f"unknown key{choices}{more}")
+    return Fault(location, f"unknown key{choices}{more}", of_key=True)
 
 
 def _advice(model: type[BaseModel] | None, key: str | int) -> str:

@@ -13,7 +13,6 @@ from typing import TYPE_CHECKING, Annotated, Any
 from pydantic import AfterValidator, Discriminator, Field, Tag
 from pydantic_core import PydanticCustomError
 
-from physim.errors import nearest
 from physim.world.base import Model
 from physim.world.kinds import MOST_NAME, MOST_ROBOTS, Label, Number, Whole, at_most
 from physim.world.robot import Footprint, Limits, Multiples, Robot, RobotPath, Speeds, Start
@@ -122,11 +121,7 @@ def is_group(value: Any) -> bool:
     """Whether an entry of ``robots``, as read or as a model, is a group."""
     if not isinstance(value, Mapping):
         return isinstance(value, RobotGroup)
-    others = [key for key in value if key not in Robot.model_fields and isinstance(key, str)]
-    return any(
-        key in ("footprints", "paths") or nearest(key[:MOST_NAME].lower(), ["count"])
-        for key in others
-    )
+    return not value.keys().isdisjoint(("count", "footprints", "paths"))
 
 
 if TYPE_CHECKING:

@@ -26,7 +26,7 @@ from pydantic import (
 from physim.errors import Fault, Location
 from physim.html import labelled
 from physim.world.base import Model
-from physim.world.faults import KeyFault, describe
+from physim.world.faults import describe
 from physim.world.group import Entry, RobotGroup, each_robot, limited
 from physim.world.kinds import (
     MOST_ROBOTS,
@@ -213,12 +213,11 @@ class World(Model):
             found[fault] = None
         return list(found)
 
-    @classmethod
-    def cross_faults(cls, data: Mapping[str, Any]) -> list[Fault]:
+    def rule_faults(self) -> list[Fault]:
         """Faults between several values: counts, names, times; see `physim.world.rules`."""
-        from physim.world.rules import cross_faults
+        from physim.world.rules import rule_faults
 
-        return cross_faults(data)
+        return rule_faults(self)
 
     @property
     def is_road_random(self) -> bool:
@@ -262,8 +261,7 @@ class World(Model):
         )  # fmt: skip
         return [
             replace(fault, location=("corridor", "random"))
-            if not isinstance(fault, KeyFault)
-            and any(fault.location[: len(place)] == place for place in drawn)
+            if any(fault.location[: len(place)] == place for place in drawn)
             else fault
             for fault in faults
         ]

@@ -11,7 +11,6 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Discriminator, Field, Tag
 
-from physim.errors import nearest
 from physim.world.base import Model
 from physim.world.kinds import Length, Number, Sequence, Whole, at_most, plain
 
@@ -119,8 +118,4 @@ def is_random_corridor(value: Any) -> bool:
     """Whether a corridor, as read or as a model, is one that the seed draws."""
     if not isinstance(value, Mapping):
         return isinstance(value, RandomCorridor)
-    if "random" in value:
-        return True
-    keys = [key for key in value if isinstance(key, str)]
-    is_written = "centreline" in value or "width" in value
-    return not is_written and any(nearest(key[:100].lower(), ["random"]) for key in keys)
+    return "random" in value

@@ -1,322 +1,270 @@
 """Faults that lie between several values of a world: counts, names, times.
 
-The rules read the values as they were given, valid or not, and pass over what they cannot read:
-so they speak together with the faults of single values, and all arrive at once.
+The values are sound, each by itself.
 """
 
 from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterator, Mapping, Sequence
-from itertools import islice, pairwise
-from typing import Any
+from collections.abc import Iterator, Sequence
+from itertools import pairwise
+from typing import TYPE_CHECKING
 
-from physim.errors import Fault, nearest
+from physim.errors import Fault, Location, nearest
 from physim.tolerances import LENGTH, WHOLE_STEPS
 from physim.world.faults import describe
-from physim.world.group import NUMBER, RobotGroup, is_group, numbered
-from physim.world.kinds import MOST_ROBOTS, plain
-from physim.world.road import is_random_corridor
-from physim.world.road_rules import road_faults
-from physim.world.robot import OMEGA_LIMIT
+from physim.world.group import RobotGroup, numbered
+from physim.world.kinds import Point
+from physim.world.road import RandomCorridor, RandomRoad
+from physim.world.robot import Offset, Robot, Start
+
+if TYPE_CHECKING:
+    from physim.world.model import World
 
 MOST_STEPS = 100_000_000
-PLACES = ["pose", "start"]
-USUAL_NAME: str = RobotGroup.model_fields["name"].default
+ROOM_IN_BENDS = 1.0
+"""[m] by which the radius of a bend exceeds half the width, so that no wall folds over"""
 WALL_NAMES = re.compile(r"(?:left|right) wall|(?:start|end) cap|(?:boundary|obstacle) [0-9]+")
 """Names of boundaries and obstacles, which no robot may have"""
 
 
-def cross_faults(data: Mapping[str, Any]) -> list[Fault]:
-    """Every fault between values of ``data``, the raw values of a `World`."""
-    rules = (
-        _time, _walls, _width, _names, _starts, _spread, _shapes, _omegas, _formation, _spacing,
-        _neighbours, _distinct, _expected, road_faults,
-    )  # fmt: skip
-    return [fault for rule in rules for fault in rule(data)]
+def rule_faults(world: World) -> list[Fault]:
+    """Every fault between values of a world."""
+    rules = (_time, _walls, _names, _robots, _formation, _neighbours, _distinct, _expected, _road)
+    return [fault for rule in rules for fault in rule(world)]
 
 
-def _get(holder: Any, key: str) -> Any:
-    """Value of ``key`` in a mapping or of that attribute of a model; None when there is none."""
-    if isinstance(holder, Mapping):
-        return plain(holder.get(key))
-    return plain(getattr(holder, key, None))
-
-
-def _list(holder: Any, key: str) -> Sequence[Any] | None:
-    value = _get(holder, key)
-    return value if isinstance(value, list | tuple) else None
-
-
-def _number(value: Any) -> float | None:
-    if isinstance(value, bool) or not isinstance(value, int | float):
-        return None
-    return float(value) if abs(value) < 1e300 else None
-
-
-def _time(data: Mapping[str, Any]) -> Iterator[Fault]:
-    step = _number(_get(_get(data, "time"), "step"))
-    duration = _number(_get(_get(data, "time"), "duration"))
-    if step is None or duration is None or step <= 0.0 or duration <= 0.0:
-        return
-    where = ("time", "duration")
-    if step > duration:
-        yield Fault(
-            ("time", "step"),
-            f"{step!r} s is longer than the duration, {duration!r} s; it must be at most that",
-        )
-        return
+def _time(world: World) -> Iterator[Fault]:
+    step, duration = world.time.step, world.time.duration
     ratio = duration / step
-    steps = round(ratio) if ratio < 1e15 else MOST_STEPS + 1
-    if steps > MOST_STEPS:
-        yield Fault(where, f"{ratio:.4g} steps of {step!r} s; at most {MOST_STEPS} are allowed")
+    steps = round(ratio)
+    if step > duration:
+        message = f"{step!r} s is longer than the duration, {duration!r} s; at most that is allowed"
+        yield Fault(("time", "step"), message)
+    elif steps > MOST_STEPS:
+        message = f"{ratio:.4g} steps of {step!r} s; at most {MOST_STEPS} are allowed"
+        yield Fault(("time", "duration"), message)
     elif abs(ratio - steps) > WHOLE_STEPS * max(1.0, ratio):
         below, above = int(ratio) * step, (int(ratio) + 1) * step
-        yield Fault(
-            where,
-            f"{duration!r} s is not a whole number of steps of {step!r} s; "
-            f"nearest are {below:.12g} and {above:.12g}",
-        )
+        message = f"{duration!r} s is not a whole number of steps of {step!r} s"
+        yield Fault(("time", "duration"), f"{message}; nearest are {below:.12g} and {above:.12g}")
 
 
-def _walls(data: Mapping[str, Any]) -> Iterator[Fault]:
-    corridor, boundaries = _get(data, "corridor"), _get(data, "boundaries")
-    if corridor is None and boundaries is None:
-        if _misspelt(data, ["corridor", "boundaries"]):
-            return
+def _walls(world: World) -> Iterator[Fault]:
+    corridor = world.written("corridor")
+    if corridor is None and world.boundaries is None:
         yield Fault((), "neither corridor nor boundaries; a world needs one of them")
-    elif corridor is not None and boundaries is not None:
-        yield Fault(("boundaries",), "given beside corridor; a world has one of them, not both")
-    elif corridor is None and _get(data, "reference_path") is None:
+    elif corridor is None and world.reference_path is None:
         yield Fault(("reference_path",), "missing; a world with boundaries must give it [m]")
-
-
-def _width(data: Mapping[str, Any]) -> Iterator[Fault]:
-    corridor = _get(data, "corridor")
-    if is_random_corridor(corridor):
+    elif corridor is not None and world.boundaries is not None:
+        yield Fault(("boundaries",), "given beside corridor; a world has one of them, not both")
+    if corridor is None or isinstance(corridor, RandomCorridor):
         return
-    widths, points = _list(corridor, "width"), _list(corridor, "centreline")
-    if widths is not None and points is not None and len(widths) != len(points):
+    if isinstance(corridor.width, tuple) and len(corridor.width) != len(corridor.centreline):
         yield Fault(
             ("corridor", "width"),
-            f"{len(widths)} widths for {len(points)} points of the centreline; "
-            "give one number, or one per point",
+            f"{len(corridor.width)} widths for {len(corridor.centreline)} points of the "
+            "centreline; give one number, or one per point",
         )
 
 
-def _given_names(data: Mapping[str, Any]) -> Iterator[tuple[int, str | None]]:
-    """Number of the entry and name of each robot, one by one; None for what is no name."""
-    return islice(_all_names(data), MOST_ROBOTS)
-
-
-def _all_names(data: Mapping[str, Any]) -> Iterator[tuple[int, str | None]]:
+def _robot_names(world: World) -> Iterator[tuple[int, str]]:
+    """Number of the entry and name of each robot, one by one."""
     number = 0
-    for i, robot in enumerate(_list(data, "robots") or ()):
-        name = _get(robot, "name")
-        name = name if isinstance(name, str) else None
-        if not is_group(robot):
-            yield i, name
-            number += 1
-            continue
-        pattern = USUAL_NAME if _get(robot, "name") is None else name
-        count = _get(robot, "count")
-        for _ in range(count if isinstance(count, int) else 0):
-            yield i, None if pattern is None or NUMBER not in pattern else numbered(pattern, number)
+    for e, entry in enumerate(world.entries):
+        for _ in range(entry.count if isinstance(entry, RobotGroup) else 1):
+            is_group = isinstance(entry, RobotGroup)
+            yield e, numbered(entry.name, number) if is_group else entry.name
             number += 1
 
 
-def _names(data: Mapping[str, Any]) -> Iterator[Fault]:
+def _names(world: World) -> Iterator[Fault]:
     first: dict[str, int] = {}
     told: set[int] = set()
-    for i, name in _given_names(data):
-        if name is None or i in told:
-            continue
+    for e, name in _robot_names(world):
+        message = ""
         if name in first:
-            told.add(i)
-            yield Fault(
-                ("robots", i, "name"),
-                f"{describe(name)} is the name of robots[{first[name]}] too; names must differ",
-            )
-        first.setdefault(name, i)
-        if WALL_NAMES.fullmatch(name):
-            told.add(i)
-            yield Fault(
-                ("robots", i, "name"),
-                f"{describe(name)} names a wall in reports; give the robot another name",
-            )
+            message = f"is the name of robots[{first[name]}] too; names must differ"
+        elif WALL_NAMES.fullmatch(name):
+            message = "names a wall in reports; give the robot another name"
+        if message and e not in told:
+            told.add(e)
+            yield Fault(("robots", e, "name"), f"{describe(name)} {message}")
+        first.setdefault(name, e)
 
 
-def _starts(data: Mapping[str, Any]) -> Iterator[Fault]:
-    """Every robot has one place: a pose, or a region of its own or of the world."""
-    shared = _get(data, "start") is not None or _misspelt(data, ["start"])
-    for i, robot in enumerate(_list(data, "robots") or ()):
-        if not isinstance(robot, Mapping) and not hasattr(robot, "pose"):
-            continue
-        pose = None if is_group(robot) else _get(robot, "pose")
-        start = _get(robot, "start")
-        if pose is not None and start is not None:
-            yield Fault(("robots", i, "start"), "given beside pose; a robot has one of them")
-        elif (pose, start) == (None, None) and not shared and not _misspelt(robot, PLACES):
-            if is_group(robot):
-                yield Fault(
-                    ("robots", i, "start"),
-                    "missing; needed: a start region, here or for the whole world",
-                )
-                continue
-            yield Fault(
-                ("robots", i, "pose"),
-                "missing; needed: [m, m, rad] start x, y and heading, or a start region, here or "
-                "for the whole world",
-            )
-
-
-def _spread(data: Mapping[str, Any]) -> Iterator[Fault]:
-    """Without rows there are no cells to spread within."""
-    places = [
-        ((), data),
-        *((("robots", i), one) for i, one in enumerate(_list(data, "robots") or ())),
-    ]
-    for where, holder in places:
-        start = _get(holder, "start")
-        if _get(start, "spread") not in (None, 1.0) and _get(start, "abreast") is None:
+def _robots(world: World) -> Iterator[Fault]:
+    """Every robot has one place, one footprint and one path, and speeds that it can follow."""
+    starts: list[tuple[Location, Start | None]] = [((), world.start)]
+    for e, entry in enumerate(world.entries):
+        where: Location = ("robots", e)
+        pose = entry.pose if isinstance(entry, Robot) else None
+        starts.append((where, entry.start))
+        if pose is not None and entry.start is not None:
+            yield Fault((*where, "start"), "given beside pose; a robot has one of them")
+        elif pose is None and entry.start is None and world.start is None:
+            region = "a start region, here or for the whole world"
+            if isinstance(entry, RobotGroup):
+                yield Fault((*where, "start"), f"missing; needed: {region}")
+            else:
+                message = "missing; needed: [m, m, rad] start x, y and heading, or"
+                yield Fault((*where, "pose"), f"{message} {region}")
+        if isinstance(entry, RobotGroup):
+            for key in ("footprint", "path"):
+                one, several = getattr(entry, key), getattr(entry, f"{key}s")
+                if one is not None and several is not None:
+                    message = f"given beside {key}; a group has one of them, not both"
+                    yield Fault((*where, f"{key}s"), message)
+                elif one is None and several is None:
+                    message = f"missing; needed: {key}, or a list of {key}s"
+                    yield Fault((*where, key), message)
+        limit = entry.limits.omega
+        for k, omega in enumerate(entry.omegas or ()):
+            if abs(omega) > limit:  # it could never be followed
+                message = f"{omega!r} rad/s is beyond limits.omega = {limit!r} of this robot"
+                if abs(omega) > 2.0 * math.pi:
+                    degrees = math.radians(omega)
+                    message += f"; if degrees per second are meant, write {degrees:.5g}"
+                yield Fault((*where, "omegas", k), message)
+    for where, start in starts:
+        if start is not None and start.spread != 1.0 and start.abreast is None:
             message = "has no effect without abreast; add abreast, or leave it out"
             yield Fault((*where, "start", "spread"), message)
 
 
-def _misspelt(holder: Any, keys: list[str]) -> bool:
-    """Whether a mapping holds one of ``keys`` misspelt, which is a fault of its own."""
-    given = holder if isinstance(holder, Mapping) else {}
-    return any(nearest(str(key).lower(), keys) for key in given if key not in keys)
-
-
-def _shapes(data: Mapping[str, Any]) -> Iterator[Fault]:
-    """A group has one footprint or a list of them, and likewise paths."""
-    for i, group in enumerate(_list(data, "robots") or ()):
-        for one in ("footprint", "path") if is_group(group) else ():
-            several = f"{one}s"
-            is_one, are_several = (_get(group, key) is not None for key in (one, several))
-            if is_one and are_several:
-                yield Fault(
-                    ("robots", i, several), f"given beside {one}; a group has one of them, not both"
-                )
-            elif not is_one and not are_several and not _misspelt(group, [one, several]):
-                yield Fault(("robots", i, one), f"missing; needed: {one}, or a list of {several}")
-
-
-def _omegas(data: Mapping[str, Any]) -> Iterator[Fault]:
-    """Candidate speeds beyond the robot's own limits could never be followed."""
-    for i, robot in enumerate(_list(data, "robots") or ()):
-        limits = _get(robot, "limits")
-        limit = _number(_get(limits, "omega")) if limits is not None else None
-        limit = OMEGA_LIMIT if limit is None else limit
-        for k, value in enumerate(_list(robot, "omegas") or ()):
-            number = _number(value)
-            if number is not None and abs(number) > limit:
-                in_degrees = (
-                    f"; if degrees per second are meant, write {math.radians(number):.5g}"
-                    if abs(number) > 2.0 * math.pi
-                    else ""
-                )
-                yield Fault(
-                    ("robots", i, "omegas", k),
-                    f"{number!r} rad/s is beyond limits.omega = {limit!r} of this robot"
-                    f"{in_degrees}",
-                )
-
-
-def _formation(data: Mapping[str, Any]) -> Iterator[Fault]:
-    limits = _list(_get(data, "formation"), "limits")
-    if limits is None or len(limits) != 2:
+def _formation(world: World) -> Iterator[Fault]:
+    if world.formation is None:
         return
-    low, high = (_number(value) for value in limits)
-    if low is not None and high is not None and low > high:
-        yield Fault(
-            ("formation", "limits"),
-            f"least speed {low!r} m/s above the greatest, {high!r}; write [least, greatest]",
-        )
-
-
-def _spacing(data: Mapping[str, Any]) -> Iterator[Fault]:
-    leads = _list(_get(data, "formation"), "spacing")
-    if leads is None or _list(data, "robots") is None:
+    low, high = world.formation.limits
+    if low > high:
+        message = f"least speed {low!r} m/s above the greatest, {high!r}; write [least, greatest]"
+        yield Fault(("formation", "limits"), message)
+    leads, where = world.formation.spacing, ("formation", "spacing")
+    if isinstance(leads, str):
         return
-    where, robots = ("formation", "spacing"), sum(1 for _ in _given_names(data))
-    if len(leads) != robots:
-        yield Fault(
-            where,
-            f"{len(leads)} leads for {robots} robots; "
-            "give one lead [m] per robot, or the word initial",
-        )
-    elif _number(leads[0]) not in (None, 0.0):
-        yield Fault((*where, 0), f"{leads[0]!r} m; the lead of the first robot is 0 by definition")
+    if len(leads) != (count := len(list(_robot_names(world)))):
+        message = f"{len(leads)} leads for {count} robots"
+        yield Fault(where, f"{message}; give one lead [m] per robot, or the word initial")
+    elif leads[0] != 0.0:
+        message = f"{leads[0]!r} m; the lead of the first robot is 0 by definition"
+        yield Fault((*where, 0), message)
 
 
-def _neighbours(data: Mapping[str, Any]) -> Iterator[Fault]:
-    pairs = _list(_get(data, "formation"), "neighbours")
-    names = [name for _, name in _given_names(data) if name is not None] if pairs else []
+def _neighbours(world: World) -> Iterator[Fault]:
+    pairs = world.formation.neighbours if world.formation is not None else ()
+    if isinstance(pairs, str):
+        return
+    names = [name for _, name in _robot_names(world)]
     known, seen = set(names), set()
-    if not known:
-        return
-    for k, pair in enumerate(pairs or ()):
-        if not isinstance(pair, list | tuple) or len(pair) != 2:
-            continue
-        where = ("formation", "neighbours", k)
+    for k, pair in enumerate(pairs):
+        where: Location = ("formation", "neighbours", k)
         for m, name in enumerate(pair):
-            if isinstance(name, str) and name not in known:
+            if name not in known:
                 there = ", ".join(names[:5]) + (", …" if len(names) > 5 else "")
-                near = nearest(name[:100], names)
-                yield Fault(
-                    (*where, m), f"no robot has the name {describe(name)}; there are {there}{near}"
-                )
+                message = f"no robot has the name {describe(name)}; there are {there}"
+                yield Fault((*where, m), message + nearest(name, names))
         if pair[0] == pair[1]:
             yield Fault(where, f"{describe(pair[0])} cannot be its own neighbour")
-        elif all(isinstance(name, str) for name in pair):
-            if frozenset(pair) in seen:
-                yield Fault(where, "this pair is given twice")
-            seen.add(frozenset(pair))
+        elif frozenset(pair) in seen:
+            yield Fault(where, "this pair is given twice")
+        seen.add(frozenset(pair))
 
 
-def _distinct(data: Mapping[str, Any]) -> Iterator[Fault]:
+def _distinct(world: World) -> Iterator[Fault]:
     """Two neighbours at one place leave a polyline without direction there."""
-    for where, line in _polylines(data):
-        points = [_point(point) for point in line]
-        for k, (a, b) in enumerate(pairwise(points), start=1):
-            if a is not None and b is not None and math.dist(a, b) <= LENGTH:
+    for where, line in _polylines(world):
+        for k, (a, b) in enumerate(pairwise(line), start=1):
+            if math.dist(a, b) <= LENGTH:
                 yield Fault((*where, k), "repeats the point before it; leave one of them out")
 
 
-def _expected(data: Mapping[str, Any]) -> Iterator[Fault]:
+def _polylines(world: World) -> Iterator[tuple[Location, Sequence[Point]]]:
+    corridor = world.written("corridor")
+    if corridor is not None and not isinstance(corridor, RandomCorridor):
+        yield ("corridor", "centreline"), corridor.centreline
+    if world.reference_path is not None:
+        yield ("reference_path",), world.reference_path
+    for i, boundary in enumerate(world.boundaries or ()):
+        yield ("boundaries", i), boundary
+    yield from _paths(world)
+
+
+def _paths(world: World) -> Iterator[tuple[Location, Sequence[Point]]]:
+    """Paths of robots that are written as waypoints."""
+    for e, entry in enumerate(world.entries):
+        several = (entry.paths or ()) if isinstance(entry, RobotGroup) else ()
+        places: list[Location] = [("paths", k) for k in range(len(several))]
+        for place, path in zip([("path",), *places], [entry.path, *several], strict=True):
+            if path is not None and not isinstance(path, Offset):
+                yield ("robots", e, *place), path
+
+
+def _expected(world: World) -> Iterator[Fault]:
     """Bounds of one distance that no run can keep both."""
-    expect = _get(data, "expect")
-    least, most = (_number(_get(expect, key)) for key in ("min_distance", "max_distance"))
-    if least is not None and most is not None and least > most >= 0.0:
+    expect = world.expect
+    if expect is None or expect.min_distance is None or expect.max_distance is None:
+        return
+    if expect.min_distance > expect.max_distance:
         yield Fault(
             ("expect", "min_distance"),
-            f"{least!r} m is more than max_distance, {most!r} m; no distance between two robots "
-            "is both",
+            f"{expect.min_distance!r} m is more than max_distance, {expect.max_distance!r} m; no "
+            "distance between two robots is both",
         )
 
 
-def _point(value: Any) -> tuple[float, float] | None:
-    if not isinstance(value, list | tuple) or len(value) != 2:
-        return None
-    x, y = _number(value[0]), _number(value[1])
-    return None if x is None or y is None else (x, y)
+def _road(world: World) -> Iterator[Fault]:
+    """Faults of a road that the seed draws, and of what cannot stand beside one."""
+    corridor = world.written("corridor")
+    if not isinstance(corridor, RandomCorridor):
+        return
+    for fault in _of_road(corridor.random):
+        yield Fault(("corridor", "random", *fault.location), fault.message)
+    if world.reference_path is not None:
+        message = "given beside corridor.random, which draws its own; leave it out"
+        yield Fault(("reference_path",), message)
+    if world.obstacles:
+        message = "given beside corridor.random, which draws its own (clutter); leave them out"
+        yield Fault(("obstacles",), message)
+    for where, _ in _paths(world):
+        message = "waypoints on a road that the seed draws; give {offset} from the middle of its"
+        yield Fault(where, f"{message} passage, left positive")
 
 
-def _polylines(data: Mapping[str, Any]) -> Iterator[tuple[tuple[str | int, ...], Sequence[Any]]]:
-    corridor = _get(data, "corridor")
-    if (line := _list(corridor, "centreline")) is not None:
-        yield ("corridor", "centreline"), line
-    if (line := _list(data, "reference_path")) is not None:
-        yield ("reference_path",), line
-    for i, boundary in enumerate(_list(data, "boundaries") or ()):
-        if isinstance(boundary, list | tuple):
-            yield ("boundaries", i), boundary
-    for i, robot in enumerate(_list(data, "robots") or ()):
-        if (line := _list(robot, "path")) is not None:
-            yield ("robots", i, "path"), line
-        for m, line in enumerate(_list(robot, "paths") or ()):
-            if isinstance(line, list | tuple):
-                yield ("robots", i, "paths", m), line
+def _of_road(road: RandomRoad) -> Iterator[Fault]:
+    units = {"bends": "", "turns": " rad", "radii": " m", "width": " m", "sizes": " m"}
+    are_in_order = True
+    for key, unit in units.items():
+        span = getattr(road, key)
+        if isinstance(span, tuple) and span[0] > span[1]:
+            are_in_order = False
+            low, high = (f"{value!r}{unit}" for value in span)
+            message = f"least {low} above the greatest, {high}; write [least, greatest]"
+            yield Fault((key,), message)
+    if not are_in_order:
+        return
+    narrowest, width = road.widths
+    radius, between = road.bend_radii[0], road.length - 2.0 * road.ends
+    if road.passage is not None and road.passage > narrowest:
+        message = f"{road.passage!r} m is wider than the road, which may be {narrowest!r} m wide"
+        yield Fault(("passage",), f"{message}; at most that is possible")
+    if radius < (least := 0.5 * width + ROOM_IN_BENDS):
+        key, default = (
+            ("width", " when no radii are given") if road.radii is None else ("radii", "")
+        )
+        yield Fault(
+            (key,),
+            f"bends have a radius from {radius:.6g} m on{default}, and a road {width:.6g} m wide "
+            f"needs at least {least:.6g} m: half its width and {ROOM_IN_BENDS:g} m",
+        )
+    needed = road.most_bends * radius * road.turns[0]
+    if between < 0.0:
+        message = f"{road.length!r} m is shorter than its two ends of {road.ends!r} m"
+        yield Fault(("length",), f"{message}; make it longer, or ends shorter")
+    elif needed > between:
+        yield Fault(
+            ("bends",),
+            f"{road.most_bends} bends of {radius:.6g} m radius and {road.turns[0]:.6g} rad are "
+            f"{needed:.6g} m long at least, and the road has {between:.6g} m between its ends; "
+            "give fewer bends, smaller turns or radii, or more length",
+        )

@@ -8,15 +8,23 @@ the seed alone and does not change during a run.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
 
+import shapely
+
+from physim.errors import Location
 from physim.geometry.shapes import FloatArray, IntArray, Polylines, Shapes
+from physim.world.group import RobotGroup
+from physim.world.robot import Offset
 
 if TYPE_CHECKING:
     from physim.geometry.area import Area
     from physim.geometry.wall_grid import WallGrid
     from physim.world import World
 
+Named = tuple[str, Any]
+"""A shapely line or polygon, and before it what messages call it"""
 
 DENSITY = 100.0
 """[kg/m^2] mass of a robot whose world gives none, over its area"""
@@ -64,6 +72,10 @@ class Layout:
 
     world: World
     """the effective world, with the seed in it"""
+    centreline: FloatArray | None
+    """(n, 2) middle of the corridor; None in a world with boundaries"""
+    widths: FloatArray | None
+    """(n,) full width of the corridor at these points"""
     boundaries: dict[str, FloatArray]
     """polylines (n, 2) by name, in the order of their ids"""
     obstacles: list[FloatArray]
@@ -73,11 +85,58 @@ class Layout:
     area: Area
     """accessible face"""
     footprints: list[FloatArray]
-    """N outlines (n, 2), counter-clockwise"""
+    """N outlines (n, 2), counter-clockwise; one array for robots of the same outline"""
     paths: list[FloatArray]
-    """N paths (n, 2)"""
+    """N paths (n, 2); one array for robots of the same path"""
     start: FloatArray
     """(N, 3) poses [m, m, rad]"""
+
+    @property
+    def names(self) -> list[str]:
+        """Names of the N robots."""
+        return [robot.name for robot in self.world.robots]
+
+    @property
+    def reference_key(self) -> Location:
+        """Where the reference path is written."""
+        own = self.world.reference_path is not None
+        return ("reference_path",) if own else ("corridor", "centreline")
+
+    def path_key(self, i: int) -> Location:
+        """Where the path of Robot i is written."""
+        where = path_location(self.world, i)
+        return (*where, "offset") if isinstance(self.world.robots[i].path, Offset) else where
+
+    @cached_property
+    def walls(self) -> list[Named]:
+        """Boundaries as shapely lines."""
+        return [
+            (wall_label(name), shapely.LineString(line)) for name, line in self.boundaries.items()
+        ]
+
+    @cached_property
+    def solids(self) -> list[Named]:
+        """Obstacles as shapely polygons."""
+        drawn = self.world.is_road_drawn
+        return [
+            (f"obstacle {k + 1}" if drawn else f"obstacles[{k}]", shapely.Polygon(ring))
+            for k, ring in enumerate(self.obstacles)
+        ]
+
+
+def path_location(world: World, i: int) -> Location:
+    """Where the path of Robot i is written: a group may have several, taken in turn."""
+    where = world.entry_of(i)
+    group = world.entries[int(where[1])]
+    if isinstance(group, RobotGroup) and group.paths is not None:
+        return (*where, "paths", world.place_of(i) % len(group.paths))
+    return (*where, "path")
+
+
+def wall_label(name: str) -> str:
+    """What messages call a boundary: its key where it is drawn."""
+    kind, _, number = name.partition(" ")
+    return f"boundaries[{int(number) - 1}]" if kind == "boundary" else "the edge of the corridor"
 
 
 @dataclass(frozen=True)

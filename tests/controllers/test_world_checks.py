@@ -105,7 +105,18 @@ def test_a_speed_that_no_robot_reaches_is_doubted(tmp_path, controller):
     if controller == "path_following":  # it does not drive by (7)
         assert "formation.speed" not in told
     else:
-        assert {"slowly", "0.5", "0.8"} <= set(told["formation.speed"].split())
+        assert {"outside", "0.8"} <= set(told["formation.speed"].split())
+
+
+def test_a_corridor_without_a_safe_area_is_doubted(tmp_path):
+    for width, is_told in ((1.9, True), (2.1, False)):
+        narrow = (f"corridor.width={width}", "robots.0.path.offset=0", "robots.1.path.offset=0")
+        told = said(checked(tmp_path, ALONE, *narrow))
+        assert ("controller.safe_distance" in told) == is_told
+        if is_told:
+            assert "0.95 m" in told["controller.safe_distance"]
+        other = said(checked(tmp_path, ALONE, *narrow, controller="path_following"))
+        assert "controller.safe_distance" not in other
 
 
 # Arrival

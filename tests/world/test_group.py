@@ -144,7 +144,7 @@ def test_the_command_line_reaches_into_a_group(tmp_path: Path) -> None:
         (13, "late {number}", "boundary {number}", ("robots[2].name", 13, 11), ("wall",)),
         (14, "[36, 1], [36, 4.8]", "[30, 1], [30.4, 4.8]", ("robots[2].start.region", 14, 21), ()),
         (15, "footprint:", "footprints: []\n    footprint:", ("robots[2].footprints", 15, 17), ()),
-        (16, "path:", "mass:", ("robots[2].path", 0, 0), ("path",)),
+        (16, "path:", "speeds: [1.0]  #", ("robots[2].path", 0, 0), ("path",)),
     ],
 )  # fmt: skip
 def test_each_fault_of_a_group_has_its_place(

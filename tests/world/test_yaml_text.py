@@ -7,16 +7,14 @@ import yaml
 from hypothesis import given
 
 from physim.world import World
-from physim.world.file import Document, read_document
+from physim.world.file import read_document
 from tests.helpers import examples
 from tests.world.strategies import worlds
 from tests.world.test_model import values
 
 
 def read(text: str) -> World:
-    document: Document = read_document(text)
-    assert not document.faults
-    return World(**document.values())
+    return World(**read_document(text).values)
 
 
 @examples(25, deep=200)

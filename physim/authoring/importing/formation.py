@@ -8,17 +8,17 @@ from dataclasses import dataclass
 import numpy as np
 import shapely
 
+from physim.authoring.importing.blocked_ways import blocked_ways, sides
 from physim.authoring.importing.fit import Fit
 from physim.authoring.importing.lanes import leaves_out
 from physim.authoring.importing.lines import length_of, pose_at, station_of
+from physim.authoring.importing.measured import MOST_OFF, measured
 from physim.authoring.importing.path_area import TOLD
 from physim.authoring.importing.placed import Placed, shape_at
 from physim.authoring.importing.queues import own_outline
 from physim.authoring.importing.stops import least_stop_gap, stop_stations
 from physim.geometry.polygon import circumscribed_radius
 from physim.geometry.shapes import FloatArray
-from physim.world.checks.blocked_ways import blocked_ways, sides
-from physim.world.checks.measured import MOST_OFF, measured
 from physim.world.layout.shared import Shared
 
 ALONG = (0.5, 1.6)

@@ -27,9 +27,9 @@ from physim.authoring.importing.lines import (
     stretch,
     without_loops,
 )
+from physim.authoring.importing.way import Way
 from physim.geometry.corridor import offset_polyline
 from physim.geometry.shapes import FloatArray, IntArray
-from physim.world.checks.way import Way
 
 SLOPE = 0.2
 """[-] How fast a lane may draw in, across over along."""

@@ -13,10 +13,10 @@ from physim.authoring.importing.fit import Fit
 from physim.authoring.importing.lines import Pose, is_closed, length_of, pose_at, station_of
 from physim.authoring.importing.placed import Placed, shape_at
 from physim.authoring.importing.stops import WAITING
+from physim.authoring.importing.way import Way
 from physim.errors import plural
 from physim.geometry.shapes import FloatArray
 from physim.tolerances import LENGTH
-from physim.world.checks.way import Way
 
 GAP = 1.1
 """[m] at size 1 between robots that stop one behind the other, nearer than which they are in danger

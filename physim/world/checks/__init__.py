@@ -2,6 +2,6 @@
 
 from physim.world.checks.check import check_world
 from physim.world.checks.findings import Finding, Findings
-from physim.world.checks.room import ClearanceProfile, Stretch
+from physim.world.checks.room import ClearanceProfile
 
-__all__ = ["ClearanceProfile", "Finding", "Findings", "Stretch", "check_world"]
+__all__ = ["ClearanceProfile", "Finding", "Findings", "check_world"]

@@ -1,64 +1,48 @@
-"""Check a world file: everything that is wrong with it, at once, without running it."""
+"""Check a world file: what is wrong with it, or seldom meant, without running it.
+
+Values first; where these are sound the geometry; where that is sound what could run, but cannot be
+meant. How robots behave is shown by a run, see `physim.analysis.trial`.
+"""
 
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import replace
 
 import numpy as np
 import shapely
 
-from physim.errors import Fault, Position, WorldError
+from physim.errors import Fault, WorldError
 from physim.escaping import escaped
-from physim.world.checks.blind_followers import check_blind_followers
-from physim.world.checks.blocked_ways import check_blocked_ways
-from physim.world.checks.boundaries import check_boundaries, check_obstacles
-from physim.world.checks.danger import (
-    check_always_danger,
-    check_safe_area,
-    check_turning_room,
-    chosen,
-    setting,
-)
-from physim.world.checks.findings import MOST_ALIKE, Diagnostics, Finding, Findings
-from physim.world.checks.formation import check_formation, check_formation_speed
-from physim.world.checks.measured import check_measured
-from physim.world.checks.neighbourhood import check_neighbours
-from physim.world.checks.paths import (
-    check_passage,
-    check_paths,
-    check_reference,
-    check_room,
-    check_width,
-)
-from physim.world.checks.rings import check_rings
-from physim.world.checks.roads import road_notes
+from physim.world.checks import formation, ground, paths, starts
+from physim.world.checks.findings import Finding, Findings
 from physim.world.checks.room import ClearanceProfile, clearance_profiles
-from physim.world.checks.safe_stops import check_safe_stops
-from physim.world.checks.shared_stops import check_shared_stops
-from physim.world.checks.standing import stops
-from physim.world.checks.start_stations import check_far_starts, check_start_stations
-from physim.world.checks.starts import (
-    check_expected,
-    check_footprints,
-    check_headings,
-    check_random_headings,
-    check_scale,
-    check_start_used,
-)
-from physim.world.checks.stops import StopLimits, check_stops, check_tolerance
-from physim.world.faults import describe
-from physim.world.file.files import world_document
-from physim.world.file.loading import Validated, in_order, placed, validate
-from physim.world.file.nodes import Document, collector_paused
-from physim.world.layout.layout import PartialLayout, partial_layout
+from physim.world.checks.scale import check_scale
+from physim.world.file import Document, read_world
+from physim.world.layout.layout import lay_out
 from physim.world.model import World
-from physim.world.partial import sound_parts
+from physim.world.scene import Layout
 
-PLACES = (("corridor",), ("road",), ("boundaries",), ("obstacles",))
-"""Keys of a world that say where there is room"""
-MOST_REPORTED = 100
-"""Errors, and likewise warnings, of one world that are reported one by one."""
+CHECKS: tuple[Callable[[Layout], Iterable[Fault]], ...] = (
+    ground.check_folds,
+    ground.check_obstacles,
+    starts.check_footprints,
+    starts.check_start_used,
+    starts.check_random_headings,
+    starts.check_headings,
+    starts.check_walled_off,
+    starts.check_far,
+    starts.check_expected,
+    paths.check_reference,
+    paths.check_paths,
+    formation.check_length,
+    formation.check_ends,
+    formation.check_duration,
+    formation.check_spacing,
+    formation.check_slow,
+    formation.check_neighbours,
+)
 
 
 def check_world(
@@ -78,136 +62,49 @@ def check_world(
     if isinstance(path, World):
         raise TypeError(f"check_world takes a world file, not {path!r}; save it to one")
     try:
-        if seed is not None:
-            overrides = [*overrides, f"seed={seed}"]
-        with collector_paused():
-            document = world_document(path)
-            checked = validate(document, overrides=overrides, controller=controller)
+        world, document = read_world(path, overrides=overrides, controller=controller, seed=seed)
     except WorldError as error:
-        return _refused(error, str(path))
-    document = checked.document
-    found = Diagnostics(errors=checked.faults, warnings=[*document.warnings, *checked.warnings])
-    profiles = _check_geometry(checked, found)
+        file, positions = str(path), error.positions or (None,) * len(error.faults)
+        pairs = zip(error.faults, positions, strict=True)
+        found = (Finding.of(fault, at, file if at is None else str(at.file)) for fault, at in pairs)
+        return Findings(file=escaped(file), errors=tuple(found))
+    faults = [replace(one, severity="warning") for one in document.warnings]
+    of_layout, profiles, note = _of_layout(world)
+    faults += [*check_scale(world), *of_layout]
     return Findings(
         file=escaped(document.source),
-        errors=_located(found.errors, document, document.faults),
-        warnings=_located(found.warnings, document),
-        notes=tuple(found.notes),
+        errors=_located([one for one in faults if one.severity == "error"], document),
+        warnings=_located([one for one in faults if one.severity == "warning"], document),
+        notes=(note,) if note else (),
         clearance=profiles,
-        world=checked.world,
+        world=world,
         document=document,
     )
 
 
-def _refused(error: WorldError, file: str) -> Findings:
-    """Findings of a file that could not be read at all."""
-    positions = error.positions or (None,) * len(error.faults)
-    return Findings(
-        file=escaped(file),
-        errors=tuple(
-            Finding.of(fault, position, str(position.file) if position is not None else file)
-            for fault, position in zip(error.faults, positions, strict=True)
-        ),
-    )
-
-
 @np.errstate(all="ignore")  # see build_scene
-def _check_geometry(checked: Validated, found: Diagnostics) -> tuple[ClearanceProfile, ...]:
-    """Everything that lies in where things are; what cannot be read is passed over."""
-    whole = checked.world is not None
+def _of_layout(world: World) -> tuple[list[Fault], tuple[ClearanceProfile, ...], str]:
+    """What lies in where things are, the room on the paths, and a note."""
     try:
-        laid = partial_layout(checked.world or sound_parts(checked.values), is_whole=whole)
-        profiles = _check_layout(laid, checked, found)
-        found.errors = laid.world.of_the_road(found.errors)
-        found.warnings = laid.world.of_the_road(found.warnings)
-        found.notes += road_notes(laid)
-        return profiles
+        laid = lay_out(world)
+        faults = [*ground.check_boundaries(world)]
+        faults += [fault for check in CHECKS for fault in check(laid)]
+        profiles = clearance_profiles(laid)
+        faults += paths.check_room(laid, profiles, faults)
+        return laid.world.of_the_road(faults), profiles, ground.road_note(laid)
+    except WorldError as error:
+        faults = list(error.faults)
+        if all(fault.location[:1] != ("boundaries",) for fault in faults):
+            faults += ground.check_boundaries(world)  # they may follow from that
+        return faults, (), ""
     except shapely.errors.ShapelyError as error:
         reason = " ".join(str(error).split())[:100]
-        found.error((), f"the geometry is beyond what can be computed ({reason})")
-        return ()
+        message = f"the geometry is beyond what can be computed ({reason})"
+        return [Fault((), message)], (), ""
 
 
-def _check_layout(
-    laid: PartialLayout, checked: Validated, found: Diagnostics
-) -> tuple[ClearanceProfile, ...]:
-    safe_distance, low, speed = (
-        setting(laid, checked.controller, key) for key in ("safe_distance", "boundary_low", "speed")
-    )
-    written = tuple(found.errors)
-    check_footprints(laid, found)
-    check_boundaries(laid, found)
-    found.errors += laid.faults
-    mistaken = check_scale(laid, found)
-    if own := [fault for fault in found.errors if fault.location in mistaken]:
-        found.errors = [*written, *own]  # the others follow from it
-        return ()
-    check_obstacles(laid, found)
-    check_start_used(checked.world, found)
-    check_reference(laid, found)
-    check_random_headings(laid, found)
-    check_expected(laid, found)
-    check_headings(laid, found)
-    check_start_stations(laid, found)
-    check_far_starts(laid, found)
-    astray = check_paths(laid, found)
-    is_unread = any(fault.location[:1] in PLACES for fault in written)
-    profiles = () if is_unread else clearance_profiles(laid, safe_distance)
-    too_wide = check_width(laid, found)
-    fitting = tuple(profile for profile in profiles if profile.number not in too_wide)
-    check_room(laid, fitting, astray, found)
-    check_passage(laid, fitting, found)
-    check_safe_area(laid, safe_distance, found)
-    check_always_danger(profiles, low, found)
-    check_turning_room(laid, profiles, found)
-    at = [] if checked.world is None or laid.faults else stops(laid)
-    if checked.world is not None:
-        time, distance = (
-            setting(laid, checked.controller, key) for key in ("time_low", "distance_low")
-        )
-        check_stops(laid, at, StopLimits(speed, time, low, distance), found)
-        look_ahead = setting(laid, checked.controller, "look_ahead")
-        check_safe_stops(laid, at, safe_distance, look_ahead, found)
-        check_tolerance(laid, found)
-    avoidance, usual = chosen(laid, checked.controller, "avoidance"), speed or 1.0
-    check_formation(laid, usual, avoidance is not None, found)  # who avoids so drives by (7), too
-    check_formation_speed(laid, avoidance is not None, found)
-    check_neighbours(laid, found)
-    check_rings(laid, found)
-    check_measured(laid, found)
-    if checked.world is not None:
-        check_shared_stops(laid, at, found)
-        check_blocked_ways(laid, at, usual, distance or 0.0, found)
-        if avoidance not in (None, "none"):
-            check_blind_followers(laid, at, usual, distance or 0.0, time or 0.0, found)
-    found.notes += _not_judged(laid, profiles, is_unread)
-    return profiles
-
-
-def _not_judged(
-    laid: PartialLayout, profiles: tuple[ClearanceProfile, ...], is_unread: bool
-) -> list[str]:
-    """A line about the robots whose room is not known, if there are any."""
-    known = {profile.number for profile in profiles}
-    left = [i for i in range(len(laid.world.robots)) if i not in known]
-    if not left:
-        return []
-    if is_unread:
-        return ["room on the paths: not judged, as not all boundaries and obstacles can be read"]
-    names = ", ".join(describe(laid.names[i]) for i in left[:MOST_ALIKE])
-    more = f" and {len(left) - MOST_ALIKE} more" if len(left) > MOST_ALIKE else ""
-    return [f"room on the paths: {names}{more} left out, whose footprint or path has an error"]
-
-
-def _located(
-    faults: list[Fault], document: Document, others: Iterable[tuple[Fault, Position]] = ()
-) -> tuple[Finding, ...]:
-    """Each fault once, at its place, in the order of the file, and ``others`` that have theirs."""
-    source = document.source
-    pairs = in_order([*others, *placed(dict.fromkeys(faults), document)])
-    found = [Finding.of(fault, position, source) for fault, position in pairs]
-    if len(found) > MOST_REPORTED:
-        left = len(found) - MOST_REPORTED + 1
-        more = Finding(source, None, None, "", f"and {left} more; correct these first")
-        found = [*found[: MOST_REPORTED - 1], more]
-    return tuple(found)
+def _located(faults: Sequence[Fault], document: Document) -> tuple[Finding, ...]:
+    """Each fault once, at its place, in the order of the file."""
+    error = document.error(faults)
+    pairs = zip(error.faults, error.positions, strict=True)
+    return tuple(Finding.of(fault, position, document.source) for fault, position in pairs)

@@ -5,35 +5,18 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
-from physim.errors import Fault, Location, Position, dotted, names_key, plural
+from physim.errors import Fault, Position, dotted, names_key, plural
 from physim.escaping import escaped
 from physim.world.faults import describe
 
 if TYPE_CHECKING:
     from physim.world import World
     from physim.world.checks.room import ClearanceProfile
-    from physim.world.file.nodes import Document
+    from physim.world.file import Document
 
 
 MOST_ALIKE = 5
 """Findings of one kind that are reported one by one."""
-
-
-@dataclass
-class Diagnostics:
-    """Errors and warnings as the checks find them, before they get their places in the file."""
-
-    errors: list[Fault] = field(default_factory=list)
-    warnings: list[Fault] = field(default_factory=list)
-    notes: list[str] = field(default_factory=list)
-
-    def error(self, location: Location, message: str) -> None:
-        """Add what makes the world unfit."""
-        self.errors.append(Fault(location, message))
-
-    def warn(self, location: Location, message: str) -> None:
-        """Add what is seldom meant."""
-        self.warnings.append(Fault(location, message))
 
 
 @dataclass(frozen=True)

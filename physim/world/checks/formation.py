@@ -1,247 +1,184 @@
-"""The formation: whether the robots, each at its wanted place, stand apart, and can get there.
+"""The formation along the paths: long enough for it, apart in it, connected, and soon enough there.
 
-By (7) Robot i drives nu_0 + alpha S_i, held within the limits, with S_i the sum over its
-neighbours of l_ij - l*_ij. The larger the gain, the smaller the error at which a limit is
-reached; where a limit is reached by almost any error, the speed jumps between the limits and
-nothing of (7) is left.
-
-The greatest sensible gain is M / S*, with M [m/s] the distance of nu_0 from the nearer limit and
-S* [m] a sum that (7) should still answer within the limits, the larger of
-
-* a tenth of the largest abs(S_i) at the start: large errors may well saturate, their last tenth
-  should not;
-* n (v_max - v_min) 0.1 s: what S_i of a robot with n neighbours changes by within one update (14)
-  when they drive at opposite limits; beyond it the robots swing from limit to limit.
+The error sum of (7) is taken over a robot's neighbours. Where no chain of neighbours connects two
+parts of the formation, neither keeps its distance to the other, whatever the gain.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from itertools import islice
+
 import numpy as np
 import shapely
 from numpy.typing import ArrayLike
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+from shapely.affinity import translate
 
-from physim.errors import Location
+from physim.errors import Fault, Location
 from physim.geometry.polygon import circumscribed_radius
 from physim.geometry.shapes import FloatArray
 from physim.tolerances import CONTACT
-from physim.world.checks.findings import MOST_ALIKE, Diagnostics
-from physim.world.checks.neighbourhood import neighbours_at
-from physim.world.checks.spacing import (
-    check_order,
-    check_spacing,
-    listed_leads,
-    name_of,
-    start_stations,
-)
+from physim.world.checks.findings import MOST_ALIKE
+from physim.world.checks.stations import leads, lines_of, spans, stations_on
 from physim.world.faults import describe
-from physim.world.layout.layout import PartialLayout
-from physim.world.layout.shared import Shared
+from physim.world.scene import Layout
 
 
-def check_formation(laid: PartialLayout, speed: float, by_7: bool, found: Diagnostics) -> None:
-    """Spacing longer than the footprints, and a reference path longer than the formation.
-
-    ``speed`` [m/s] is that at which robots move by themselves, in a world without formation; in one
-    it is set ``by_7``, or stays the formation's.
-    """
-    plan = laid.world.formation
-    if laid.reference is None or not laid.world.robots:
-        return
-    line = shapely.LineString(laid.reference)
-    stations = start_stations(laid, line)
-    leads: FloatArray | None = np.zeros(len(laid.world.robots))
-    if plan is not None:
-        leads = listed_leads(laid)
-        if leads is None and stations is not None and plan.spacing == "initial":
-            leads = stations - stations[0]
-        if leads is None:
-            return
-        speed = 1.0 if plan.speed is None else plan.speed
-        if by_7 and plan.limits is not None:
-            speed = min(max(speed, plan.limits[0]), plan.limits[1])
-        check_spacing(laid, laid.reference, leads, found)
-        check_order(laid, leads, found)
-    if stations is not None and leads is not None:
-        hurried = plan.limits[1] if by_7 and plan is not None and plan.limits else speed
-        _check_length(laid, line, stations, leads, (speed, max(speed, hurried)), found)
-
-
-def _check_length(
-    laid: PartialLayout,
-    line: shapely.LineString,
-    stations: FloatArray,
-    leads: FloatArray,
-    speeds: tuple[float, float],
-    found: Diagnostics,
-) -> None:
-    """Refuse a reference path shorter than the formation; warn of robots that start at a stop."""
-    extent = float(leads.max() - leads.min())
-    if extent > line.length:
-        found.error(
+def check_length(laid: Layout) -> Iterator[Fault]:
+    """Refuse a reference path shorter than the formation."""
+    length, lead = shapely.LineString(laid.reference).length, leads(laid)
+    if (extent := float(np.ptp(lead))) > length:
+        yield Fault(
             laid.reference_key,
-            f"the reference path is {line.length:.4g} m long and the formation {extent:.4g} m; "
-            "make it longer than the formation",
+            f"the reference path is {length:.4g} m long and the formation {extent:.4g} m; make it "
+            "longer than the formation",
         )
+
+
+def check_ends(laid: Layout) -> Iterator[Fault]:
+    """Robots that start at or past their stops, and those whose way leaves the reference path.
+
+    Before it begins and beyond its end a formation cannot measure its distances.
+    """
+    reference, points = shapely.LineString(laid.reference), laid.reference
+    if float(np.ptp(leads(laid))) > reference.length:
         return
-    line_of, points = Shared(shapely.LineString), shapely.get_coordinates(line)
-    has_formation, is_told = laid.world.formation is not None, False
-    ways: dict[int, float] = {}
-    for k, path in laid.paths.items():
-        where: Location = (*laid.world.entry_of(k), "pose")
-        own, position = line_of(path), laid.start[k, :2]
-        stop = max(own.length - float(leads.max() - leads[k]), 0.0)
-        begin = float(own.project(shapely.Point(position)))
-        reach = circumscribed_radius(laid.footprints.get(k, [(0, 0)]))
+    at, is_told = stations_on(reference, laid), laid.world.formation is None
+    for i, (line, (begin, stop)) in enumerate(zip(lines_of(laid), spans(laid), strict=True)):
+        where: Location = (*laid.world.entry_of(i), "pose")
+        name, reach = describe(laid.names[i]), circumscribed_radius(laid.footprints[i])
+        end = line.interpolate(stop)
         if begin >= stop:
-            found.warn(
+            yield Fault(
                 where,
-                f"{name_of(laid, k)} starts at station {begin:.2f} m of its path, at or past its "
-                f"stop station, {stop:.2f} m: it has arrived before it moves",
+                f"{name} starts at station {begin:.2f} m of its path, at or past its stop station, "
+                f"{stop:.2f} m: it has arrived before it moves",
+                "warning",
             )
         elif (
-            has_formation and stations[k] <= 0.0 and _is_past(points[1], points[0], position, reach)
+            laid.world.formation is not None
+            and at[i] <= 0.0
+            and _is_past(points[1], points[0], laid.start[i, :2], reach)
         ):
-            found.warn(
+            yield Fault(
                 where,
-                f"{name_of(laid, k)} starts before the reference path begins, where the "
-                "formation cannot measure its distance; extend the reference path backwards",
+                f"{name} starts before the reference path begins, where the formation cannot "
+                "measure its distance; extend the reference path backwards",
+                "warning",
             )
-        end = own.interpolate(stop)
-        is_end = has_formation and line.project(end) >= line.length
-        if is_end and not is_told and _is_past(points[-2], points[-1], end.coords[0], reach):
+        is_end = not is_told and reference.project(end) >= reference.length
+        if is_end and _is_past(points[-2], points[-1], end.coords[0], reach):
             is_told = True
-            found.warn(
-                laid.path_key(k),
-                f"{name_of(laid, k)} stops {line.distance(end):.4g} m beyond the end of the "
-                "reference path, where the formation cannot measure its distance; extend the "
-                "reference path",
+            yield Fault(
+                laid.path_key(i),
+                f"{name} stops {reference.distance(end):.4g} m beyond the end of the reference "
+                "path, where the formation cannot measure its distance; extend the reference path",
+                "warning",
             )
-        ways[k] = stop - begin
-    _check_duration(laid, ways, speeds, found)
 
 
-def _check_duration(
-    laid: PartialLayout, ways: dict[int, float], speeds: tuple[float, float], found: Diagnostics
-) -> None:
-    """Warn where the run is too short for the ways [m] of its robots, but is expected to finish.
-
-    ``speeds`` [m/s] are the usual one and that of robots that are hurried.
-    """
-    expect, duration = laid.world.expect, laid.world.time.duration
-    if expect is None or not expect.finished or duration is None or not ways:
-        return
-    speed, hurried = speeds
-
-    def times(k: int) -> tuple[float, float]:
-        """[s] that a robot needs at least, as (7) hurries who is behind, and at its own pace."""
-        own = laid.world.robots[k].limits.v
-        own = np.inf if own is None else own
-        return ways[k] / min(own, hurried), ways[k] / min(own, speed)
-
-    slowest = max(ways, key=lambda k: (times(k)[0] > duration, times(k)[1]))
-    least, needed = times(slowest)
-    if needed > duration:
-        sure = "is" if least > duration else "may be"
-        found.warn(
-            ("time", "duration"),
-            f"the run {sure} too short to finish: {name_of(laid, slowest)} has "
-            f"{ways[slowest]:.4g} m to go, {needed:.4g} s at {ways[slowest] / needed:.4g} m/s, "
-            f"and the run lasts {duration:.6g} s; make it longer, or remove expect.finished",
-        )
-
-
-def _is_past(inner: FloatArray, end: FloatArray, position: ArrayLike, reach: float) -> bool:
-    """Whether a place lies past the end of a path, by more than a robot's reach [m].
-
-    ``inner`` is the point next to the end.
-    """
-    along = np.subtract(position, end) @ np.subtract(end, inner)
+def _is_past(inner: FloatArray, end: FloatArray, place: ArrayLike, reach: float) -> bool:
+    """Whether a place lies past the end of a line, next to ``inner``, by more than a reach [m]."""
+    along = np.subtract(place, end) @ np.subtract(end, inner)
     return bool(along / np.hypot(*np.subtract(end, inner)) > reach + CONTACT)
 
 
-LAST_SHARE = 0.1
-"""Share of the initial error sums at which (7) should be within the limits again."""
-UPDATE = 0.1
-"""[s] longest update interval (14)"""
-
-
-def check_formation_speed(laid: PartialLayout, by_7: bool, found: Diagnostics) -> None:
-    """Warn of a steady speed outside the limits, slow robots, and a gain that saturates.
-
-    Speeds are set ``by_7``, or stay the formation's.
-    """
-    plan = laid.world.formation
-    if plan is None or plan.speed is None or plan.limits is None or len(laid.world.robots) < 2:
+def check_duration(laid: Layout) -> Iterator[Fault]:
+    """A run that ends before its robots can be there at their fastest, but is to finish."""
+    expect, duration = laid.world.expect, laid.world.time.duration
+    if expect is None or not expect.finished:
         return
-    speed, (low, high) = plan.speed, plan.limits
-    if low > high:
-        return
-    _check_slow(laid, low, found)
-    told = {fault.location for fault in found.warnings}
-    if not low <= speed <= high and ("formation", "speed") in told:
-        return
-    if by_7 and not low <= speed <= high:
-        found.warn(
-            ("formation", "speed" if "speed" in plan.model_fields_set else "limits"),
-            f"the steady speed, {speed:.6g} m/s, lies outside the limits, {low:.6g} to {high:.6g} "
-            f"m/s: (7) holds every robot at {low if speed < low else high:.6g} m/s until errors "
-            "are large; write a speed between the limits, or widen them",
+    way = np.subtract(*spans(laid).T[::-1])
+    needed = way / [robot.limits.v for robot in laid.world.robots]
+    i = int(np.argmax(needed))
+    if needed[i] > duration:
+        yield Fault(
+            ("time", "duration"),
+            f"the run is too short to finish: {describe(laid.names[i])} has {way[i]:.4g} m to go, "
+            f"{needed[i]:.4g} s at its limit, and the run lasts {duration:.6g} s; make it longer, "
+            "or remove expect.finished",
+            "warning",
         )
-    elif plan.gain is not None:
-        _check_gain(laid, found)
 
 
-def _check_slow(laid: PartialLayout, low: float, found: Diagnostics) -> None:
-    """Warn of robots slower than the least speed [m/s] that (7) gives the others."""
-    tops = [robot.limits.v for robot in laid.world.robots]
-    slow = [i for i, top in enumerate(tops) if top is not None and top < low]
+def check_spacing(laid: Layout) -> Iterator[Fault]:
+    """Refuse robots that would overlap in formation on the path that they share."""
+    plan = laid.world.formation
+    if plan is None:
+        return
+    lead = leads(laid)
+    is_listed = plan.spacing != "initial"
+    where: Location = ("formation", "spacing") if is_listed else ("formation",)
+    remedy = (
+        "space them further apart, or separate their paths"
+        if is_listed
+        else "spacing is initial, so they start this close along it: start them farther apart, or "
+        "list the leads in formation.spacing"
+    )
+    together: dict[int, list[int]] = {}
+    for i in range(len(laid.names)):
+        together.setdefault(id(laid.paths[i]), []).append(i)
+    for robots in together.values():
+        shapes = [translate(shapely.Polygon(laid.footprints[i]), lead[i]) for i in robots]
+        pairs = shapely.STRtree(shapes).query(shapes, predicate="dwithin", distance=CONTACT)
+        met = sorted((robots[a], robots[b]) for a, b in pairs.T.tolist() if a < b)
+        for i, j in islice(met, MOST_ALIKE):
+            yield Fault(
+                (*where, j) if is_listed else where,
+                f"{abs(lead[j] - lead[i]):.4g} m between {describe(laid.names[i])} and "
+                f"{describe(laid.names[j])} along the path that they share is less than their "
+                f"footprints need: they would overlap in formation; {remedy}",
+            )
+
+
+def check_slow(laid: Layout) -> Iterator[Fault]:
+    """Robots slower than the least speed that (7) gives the others."""
+    plan = laid.world.formation
+    if plan is None or len(laid.names) < 2:
+        return
+    low = plan.limits[0]
+    slow = [i for i, robot in enumerate(laid.world.robots) if robot.limits.v < low]
     for i in slow[:MOST_ALIKE]:
-        found.warn(
+        yield Fault(
             (*laid.world.entry_of(i), "limits", "v"),
-            f"{describe(laid.names[i])} drives at most {tops[i]:.6g} m/s and cannot keep up: by "
-            f"formation.limits the others drive at least {low:.6g} m/s; raise this limit, or lower "
-            "the least speed of the formation",
+            f"{describe(laid.names[i])} drives at most {laid.world.robots[i].limits.v:.6g} m/s and "
+            f"cannot keep up: by formation.limits the others drive at least {low:.6g} m/s; raise "
+            "this limit, or lower the least speed of the formation",
+            "warning",
         )
 
 
-def _check_gain(laid: PartialLayout, found: Diagnostics) -> None:
-    plan = laid.world.formation
-    gain, speed, (low, high) = plan.gain, plan.speed, plan.limits
-    margin = min((m for m in (high - speed, speed - low) if m > 0.0), default=0.0)
-    sums, neighbours = _error_sums(laid)
-    start = float(np.abs(sums).max(initial=0.0))
-    swing = neighbours * (high - low) * UPDATE
-    error = max(LAST_SHARE * start, swing)
-    if margin <= 0.0 or error <= 0.0 or gain * error <= margin:
+def check_neighbours(laid: Layout) -> Iterator[Fault]:
+    """A formation whose parts are not connected by neighbours, at the start or in formation."""
+    plan, count = laid.world.formation, len(laid.names)
+    if plan is None or not plan.gain or count < 2 or plan.neighbours == "all":
         return
-    why = (
-        f"a tenth of the {start:.3g} m that the errors of (7) sum up to at the start"
-        if LAST_SHARE * start >= swing
-        else f"{swing:.3g} m, the change of the sum within {UPDATE:g} s that {neighbours} "
-        f"neighbour{'s' if neighbours > 1 else ''} at the opposite limit can make"
-    )
-    found.warn(
-        ("formation", "gain"),
-        f"{gain:.6g} 1/s saturates the cluster: an error sum of {margin / gain:.3g} m takes a "
-        f"robot from {speed:.6g} m/s to a limit, and a larger sum changes nothing; use at "
-        f"most {margin / error:.3g} 1/s ({margin:.3g} m/s to the nearer limit, divided by {why})",
-    )
-
-
-def _error_sums(laid: PartialLayout) -> tuple[FloatArray, int]:
-    """S_i (N,) [m] at the start, and the most neighbours that a robot has there; 0 if unknown."""
-    count, plan = len(laid.world.robots), laid.world.formation
-    reference = laid.reference
-    station = None if reference is None else start_stations(laid, shapely.LineString(reference))
-    if station is None:
-        return np.zeros(count), 1
-    listed = listed_leads(laid)
-    lead = station if listed is None else listed
-    if plan.neighbours == "all":
-        error = station - lead
-        return error.sum() - count * error, count - 1
-    sums, most = np.zeros(count), 0
-    for i, others in enumerate(neighbours_at(laid, station)):
-        sums[i] = ((station[others] - station[i]) - (lead[others] - lead[i])).sum()
-        most = max(most, len(others))
-    return sums, most
+    key, moments = "neighbours", [("", np.empty((0, 2), dtype=np.int64))]
+    if plan.neighbours == "range":
+        key, moments = "range", []
+        start = stations_on(shapely.LineString(laid.reference), laid)
+        for when, at in (("in formation ", leads(laid)), ("at the start ", start)):
+            order = np.argsort(at, kind="stable")
+            near = np.diff(at[order]) <= plan.range
+            moments.append((when, np.stack([order[:-1][near], order[1:][near]], axis=1)))
+    else:
+        index = {name: i for i, name in enumerate(laid.names)}
+        moments = [("", np.array([[index[a], index[b]] for a, b in plan.neighbours]))]
+    for when, pairs in moments:
+        graph = coo_array((np.ones(len(pairs)), pairs.T), shape=(count, count))
+        parts, part = connected_components(graph, directed=False)
+        if parts > 1:
+            left = np.flatnonzero(part != np.argmax(np.bincount(part))).tolist()
+            names = ", ".join(describe(laid.names[i]) for i in left[:MOST_ALIKE])
+            more = f" and {len(left) - MOST_ALIKE} more" if len(left) > MOST_ALIKE else ""
+            by = f"range of {plan.range:.4g} m" if key == "range" else "pair"
+            yield Fault(
+                ("formation", key),
+                f"{when}no {by} connects {names}{more} with the other robots: by (7) neither side "
+                "keeps its distance to the other, whatever the gain; use a longer range, or list "
+                "pairs that lead from each robot to every other",
+                "warning",
+            )
+            return

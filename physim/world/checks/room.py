@@ -14,40 +14,25 @@ from typing import Any
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 from shapely.ops import substring
 
-from physim.geometry.area import Area, united
+from physim.geometry.area import united
 from physim.geometry.polygon import circumscribed_radius
 from physim.geometry.shapes import FloatArray
 from physim.tolerances import CONTACT
-from physim.world.checks.standing import reached
-from physim.world.layout.layout import PartialLayout
+from physim.world.checks.stations import lines_of, spans
 from physim.world.layout.shared import Shared
+from physim.world.scene import Layout
 
 SPACING = 0.25
 """[m] from one station of a profile to the next; waypoints are stations too"""
 MOST_STATIONS = 2_000
 """Stations of one profile; longer paths have them further apart."""
-CLOSER, ROUNDS = 32, 4
-"""Places looked at about a station outside the area, and how often again about the deepest."""
 
 Place = tuple[float, float, float, float]
 """Station, x, y and clearance [m] of a point of a path"""
 
 ANY, ALIGNED, NOT = "fits at any heading", "fits only aligned", "does not fit"
-
-
-@dataclass(frozen=True)
-class Stretch:
-    """Neighbouring stations of one verdict."""
-
-    first: float
-    """[m] station"""
-    last: float
-    """[m] station"""
-    verdict: str
-    """`ANY`, `ALIGNED` or `NOT`"""
 
 
 @dataclass(frozen=True)
@@ -68,34 +53,14 @@ class ClearanceProfile:
     reached: tuple[float, float]
     """[m] first and last station at which the robot is to be, which alone are judged"""
     narrowest: Place
-    """where this part of the path has least room: the exact minimum, outside the deepest place"""
-    stretches: tuple[Stretch, ...]
-    """of this part"""
-    safe_distance: float | None
-    """[m] L; None where the controller has none"""
+    """where this part of the path has least room; outside the area the deepest station"""
 
     @property
     def verdict(self) -> str:
-        """The worst of the path."""
-        return verdict(self.narrowest[3], self.inscribed, self.circumscribed)
-
-    @property
-    def danger_share(self) -> float | None:
-        """Share of the part judged nearer to a wall than the safe distance; None without one."""
-        if self.safe_distance is None:
-            return None
-        return self.share(self.clearance < self.safe_distance)
-
-    def share(self, where: NDArray[np.bool_]) -> float:
-        """Share of the part judged at whose stations something holds, ``where`` (K,)."""
-        weight = np.gradient(self.station) if len(self.station) > 1 else np.ones(1)
-        weight = np.where(self.is_reached, weight, 0.0)
-        return float(weight[where].sum() / weight.sum())
-
-    @property
-    def is_reached(self) -> NDArray[np.bool_]:
-        """(K,) which stations are judged: at least one."""
-        return _within(self.station, self.reached)
+        """The worst of the part judged; touching does not fit."""
+        if self.narrowest[3] > self.circumscribed + CONTACT:
+            return ANY
+        return ALIGNED if self.narrowest[3] > self.inscribed + CONTACT else NOT
 
     def as_json(self) -> dict[str, Any]:
         """Return the profile as JSON holds it: lengths in metres."""
@@ -108,22 +73,9 @@ class ClearanceProfile:
             "circumscribed_radius": self.circumscribed,
             "verdict": self.verdict,
             "narrowest": {"station": station, "x": x, "y": y, "clearance": clearance},
-            "safe_distance": self.safe_distance,
-            "danger_share": self.danger_share,
-            "stretches": [
-                {"from": part.first, "to": part.last, "verdict": part.verdict}
-                for part in self.stretches
-            ],
             "station": [round(float(s), 6) for s in self.station],
             "clearance": [round(float(c), 6) for c in self.clearance],
         }
-
-
-def verdict(clearance: float, inscribed: float, circumscribed: float) -> str:
-    """Whether a robot fits where its reference point has this much room; touching does not."""
-    if clearance > circumscribed + CONTACT:
-        return ANY
-    return ALIGNED if clearance > inscribed + CONTACT else NOT
 
 
 def inscribed_radius(outline: FloatArray) -> float:
@@ -132,171 +84,70 @@ def inscribed_radius(outline: FloatArray) -> float:
     return float(shape.exterior.distance(origin)) if shape.covers(origin) else 0.0
 
 
-def clearance_profiles(
-    laid: PartialLayout, safe_distance: float | None
-) -> tuple[ClearanceProfile, ...]:
-    """Room along the path of each robot whose path and footprint are sound.
+def clearance_profiles(laid: Layout) -> tuple[ClearanceProfile, ...]:
+    """Room along the path of each robot; a path that several robots share is looked at once.
 
-    A path that several robots share is looked at once.
+    Of obstacles that overlap the outline is that of all together.
     """
-    if not laid.walls and not laid.solids:
-        return ()
-    around = _Surroundings.of(laid)
-    room_along = Shared(lambda path: _room_along(path, around))
+    solid = united([shape for _, shape in laid.solids]).boundary
+    lines = [*(shape for _, shape in laid.walls), *shapely.get_parts(solid)]
+    points = [shapely.get_coordinates(line) for line in lines]
+    pieces = np.concatenate([np.stack([one[:-1], one[1:]], axis=1) for one in points])
+    tree = shapely.STRtree(shapely.linestrings(pieces))
     radii = Shared(lambda outline: (inscribed_radius(outline), circumscribed_radius(outline)))
-    part_of, profiles = reached(laid), []
-    narrowest: dict[tuple[int, float, float], Place] = {}
-    stretches: dict[tuple[int, float, float, float, float], tuple[Stretch, ...]] = {}
-    for i, path in laid.paths.items():
-        if i not in laid.footprints:
-            continue
-        room, part = room_along(path), part_of[i]
-        r, R = radii(laid.footprints[i])
-        if (id(path), *part) not in narrowest:
-            narrowest[id(path), *part] = _narrowest(room, around, part)
-        if (id(path), *part, r, R) not in stretches:
-            stretches[id(path), *part, r, R] = _stretches(room, part, r, R)
+    rooms: dict[int, tuple[FloatArray, FloatArray]] = {}
+    least: dict[tuple[int, float, float], Place] = {}
+    profiles = []
+    for i, (line, span) in enumerate(zip(lines_of(laid), spans(laid).tolist(), strict=True)):
+        key, last = id(line), span[1]
+        first = min(span[0], last)
+        if key not in rooms:
+            station = _stations(line)
+            rooms[key] = station, _clearance(line.interpolate(station), tree, laid.area.polygon)
+        if (key, first, last) not in least:
+            least[key, first, last] = _narrowest(line, *rooms[key], tree, first, last)
         profiles.append(
             ClearanceProfile(
-                i, laid.names[i], room.station, room.clearance, r, R, part,
-                narrowest[id(path), *part], stretches[id(path), *part, r, R], safe_distance,
+                i, laid.names[i], *rooms[key], *radii(laid.footprints[i]), (first, last),
+                least[key, first, last],
             )
         )  # fmt: skip
     return tuple(profiles)
 
 
-def _within(station: FloatArray, part: tuple[float, float]) -> NDArray[np.bool_]:
-    """(K,) stations that lie in a part of the path; of none the nearest to its middle."""
-    inside = (station >= part[0] - CONTACT) & (station <= part[1] + CONTACT)
-    if not inside.any():
-        inside[np.argmin(np.abs(station - sum(part) / 2.0))] = True
-    return np.asarray(inside)
-
-
-@dataclass(frozen=True)
-class _Surroundings:
-    """What has a distance to a path: walls, and outlines of all that is solid."""
-
-    tree: shapely.STRtree
-    area: Area | None
-
-    @classmethod
-    def of(cls, laid: PartialLayout) -> _Surroundings:
-        """Those of a world; of obstacles that overlap the outline is that of all together."""
-        solid = united([shape for _, shape in laid.solids]).boundary
-        lines = [*(shape for _, shape in laid.walls), *shapely.get_parts(solid)]
-        return cls(shapely.STRtree(_pieces(lines)), laid.area)
-
-    def clearance(self, points: Any) -> FloatArray:
-        """(K,) [m] of points (K,) to the nearest line; negative outside the accessible area."""
-        found = self.tree.query_nearest(points, return_distance=True, all_matches=False)
-        clearance = np.full(len(points), np.inf)
-        clearance[found[0][0]] = found[1]
-        if self.area is not None:
-            clearance[~shapely.covers(self.area.polygon, points)] *= -1.0
-        return clearance + 0.0  # no -0.0
-
-
-@dataclass(frozen=True)
-class _Room:
-    """Room along a path, whoever takes it; K stations."""
-
-    line: Any
-    station: FloatArray
-    clearance: FloatArray
-    """(K,) negative outside the accessible area"""
-    narrowest: Place
-    """of what does not lie outside"""
-
-
-def _room_along(path: FloatArray, around: _Surroundings) -> _Room:
-    """Room along all of a path (n, 2) [m]; what lies outside the area is not its narrowest."""
-    line = shapely.LineString(path)
-    stations = _stations(path)
-    clearance = around.clearance(line.interpolate(stations))
-    return _Room(line, stations, clearance, _nearest_wall(line, around.tree))
-
-
-def _narrowest(room: _Room, around: _Surroundings, part: tuple[float, float]) -> Place:
-    """The place of a part of a path that has least room, or lies farthest outside the area."""
-    within = _within(room.station, part)
-    inside = np.where(within, room.clearance, np.inf)
-    if inside.min() < 0.0:
-        return _deepest(room, around, part, float(room.station[int(np.argmin(inside))]))
-    least = room.narrowest
-    if not part[0] <= least[0] <= part[1]:
-        least = _nearest_wall(substring(room.line, *part), around.tree, part[0])
-    if least[3] <= CONTACT:  # what is crossed may lie between two stations
-        deepest = _deepest(room, around, part, least[0])
-        least = min(least, deepest, key=lambda place: place[3])
-    as_tight = np.flatnonzero(within & (room.clearance <= least[3] + CONTACT))
-    return _at(room, int(as_tight[0])) if len(as_tight) else least  # the first along a wall
-
-
-def _deepest(
-    room: _Room, around: _Surroundings, part: tuple[float, float], station: float
-) -> Place:
-    """The place about a station of a part of a path that is farthest outside, the first of equal.
-
-    Between the station before and the one after, to less than a millimetre.
-    """
-    at = int(np.searchsorted(room.station, station))
-    ends = room.station[max(at - 1, 0)], room.station[min(at + 1, len(room.station) - 1)]
-    low, high = (float(np.clip(end, *part)) for end in ends)
-    for _ in range(ROUNDS):
-        stations = np.append(np.linspace(low, high, CLOSER + 1), station)
-        stations.sort()
-        points = room.line.interpolate(stations)
-        clearance = around.clearance(points)
-        k = int(np.flatnonzero(clearance <= clearance.min() + CONTACT)[0])
-        station = float(stations[k])
-        low, high = stations[max(k - 1, 0)], stations[min(k + 1, CLOSER + 1)]
-    return station, points[k].x, points[k].y, float(clearance[k])
-
-
-def _at(room: _Room, k: int) -> Place:
-    point = room.line.interpolate(room.station[k])
-    return float(room.station[k]), point.x, point.y, float(room.clearance[k])
-
-
-def _nearest_wall(part: Any, tree: shapely.STRtree, first: float = 0.0) -> Place:
-    """The point of a part of a path from station ``first`` [m] on that has least room: exact."""
-    nearest = tree.geometries[int(tree.query_nearest(part, all_matches=False)[0])]
-    place = shapely.get_point(shapely.shortest_line(part, nearest), 0)
-    station = first + (float(part.project(place)) if part.length > 0.0 else 0.0)
-    return station, place.x, place.y, float(nearest.distance(part))
-
-
-def _stations(path: FloatArray) -> FloatArray:
+def _stations(line: Any) -> FloatArray:
     """Evenly spread stations, and those of the waypoints unless there are too many."""
-    along = np.concatenate(([0.0], np.cumsum(np.hypot(*np.diff(path, axis=0).T))))
+    steps = np.hypot(*np.diff(shapely.get_coordinates(line), axis=0).T)
+    along = np.concatenate(([0.0], np.cumsum(steps)))
     count = int(np.clip(np.ceil(along[-1] / SPACING) + 1, 2, MOST_STATIONS))
     even = np.linspace(0.0, along[-1], count)
     stations = np.union1d(even, along) if len(along) <= MOST_STATIONS else even
     return np.asarray(stations[np.diff(stations, prepend=-1.0) > CONTACT])
 
 
-def _pieces(lines: list[Any]) -> list[Any]:
-    """Polylines cut into segments, which a tree finds faster."""
-    pieces: list[Any] = []
-    for line in lines:
-        points = shapely.get_coordinates(line)
-        pieces += list(shapely.linestrings(np.stack([points[:-1], points[1:]], axis=1)))
-    return pieces
+def _clearance(points: Any, tree: shapely.STRtree, area: Any) -> FloatArray:
+    """(K,) [m] of points (K,) to the nearest wall; negative outside the accessible area."""
+    clearance = tree.query_nearest(points, return_distance=True, all_matches=False)[1]
+    signed = np.where(shapely.covers(area, points), clearance, -clearance)
+    return np.asarray(signed + 0.0)  # no -0.0
 
 
-def _stretches(
-    room: _Room, part: tuple[float, float], inscribed: float, circumscribed: float
-) -> tuple[Stretch, ...]:
-    within = _within(room.station, part)
-    stations, clearance = room.station[within], room.clearance[within]
-    fits = (clearance > inscribed + CONTACT).astype(int) + (clearance > circumscribed + CONTACT)
-    firsts = np.flatnonzero(np.diff(fits, prepend=-1))
-    lasts = np.append(firsts[1:], len(fits)) - 1
-    return tuple(
-        Stretch(first, last, verdict(least, inscribed, circumscribed))
-        for first, last, least in zip(
-            stations[firsts].tolist(), stations[lasts].tolist(), clearance[firsts].tolist(),
-            strict=True,
-        )
-    )  # fmt: skip
+def _narrowest(
+    line: Any,
+    station: FloatArray,
+    clearance: FloatArray,
+    tree: shapely.STRtree,
+    first: float,
+    last: float,
+) -> Place:
+    """The place of a part of a path that has least room: the exact minimum, the first of equal."""
+    part = substring(line, first, last)
+    nearest = tree.geometries[int(tree.query_nearest(part, all_matches=False)[0])]
+    place, room = shapely.get_point(shapely.shortest_line(part, nearest), 0), part.distance(nearest)
+    at = first + (float(part.project(place)) if part.length > 0.0 else 0.0)
+    inside = (station >= first - CONTACT) & (station <= last + CONTACT)
+    seen = np.where(inside, clearance, np.inf)
+    if seen.min() <= room + CONTACT:  # along a wall, or outside
+        k = int(np.flatnonzero(seen <= seen.min() + CONTACT)[0])
+        at, room, place = float(station[k]), float(seen[k]), line.interpolate(station[k])
+    return at, place.x, place.y, float(room)

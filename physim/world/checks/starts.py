@@ -1,348 +1,204 @@
-"""Robots at the start as they are seldom meant, and numbers that are valid but out of scale.
-
-Millimetres, degrees, speeds nobody drives; starts with the back to the path.
-"""
+"""Robots at the start as they are seldom meant: far from their paths, walled off, facing away."""
 
 from __future__ import annotations
 
-from math import pi, radians
+from collections.abc import Iterator
+from math import pi
 from typing import Any
 
 import numpy as np
 import shapely
 
-from physim.errors import Location
+from physim.errors import Fault, place_text, plural
 from physim.geometry.polygon import circumscribed_radius
-from physim.geometry.shapes import FloatArray
 from physim.tolerances import LENGTH
-from physim.world import World
-from physim.world.checks.findings import MOST_ALIKE, Diagnostics
+from physim.world.checks.stations import lines_of
 from physim.world.faults import describe
-from physim.world.layout.layout import PartialLayout, corridor_line
-from physim.world.layout.shape_checks import Placed, placed_outline
+from physim.world.layout.shape_checks import placed_outline
 from physim.world.layout.shared import Shared
-from physim.world.number_hints import in_metres
+from physim.world.scene import Layout
+
+FAR = 10.0
+"""[-] times its circumscribed radius that a robot starts from its path, if that is told"""
+NEARLY = 1.0 - 1e-9
+"""[-] share of the way to a path that no wall may cross: it may end at one"""
 
 
-def check_footprints(laid: PartialLayout, found: Diagnostics) -> None:
-    """Warn of footprints that do not hold the point about which their robot turns."""
-    away = Shared(
-        lambda outline: shapely.Polygon(outline).convex_hull.distance(shapely.Point(0.0, 0.0))
-    )
-    for i, outline in laid.footprints.items():
-        far = away(outline)
-        if far > LENGTH:
-            found.warn(
+def check_footprints(laid: Layout) -> Iterator[Fault]:
+    """Footprints that do not hold the point about which their robot turns."""
+    origin = shapely.Point(0.0, 0.0)
+    away = Shared(lambda outline: shapely.Polygon(outline).convex_hull.distance(origin))
+    for i in range(len(laid.names)):
+        if (far := away(laid.footprints[i])) > LENGTH:
+            yield Fault(
                 (*laid.world.entry_of(i), "footprint"),
-                f"the reference point (0, 0), about which the robot turns and which follows the "
-                f"path, lies {far:.4g} m outside the footprint; corners are given "
-                "relative to that point",
+                "the reference point (0, 0), about which the robot turns and which follows the "
+                f"path, lies {far:.4g} m outside the footprint; corners are given relative to that "
+                "point",
+                "warning",
             )
 
 
-def check_expected(laid: PartialLayout, found: Diagnostics) -> None:
-    """Warn of distances to others, or to a wall or obstacle, that are not kept at the start."""
-    expect = laid.world.expect
-    placed = []
-    for i in laid.footprints:
-        pose = laid.world.robots[i].pose
-        if not np.isnan(laid.start[i]).any() and not (pose is not None and pose[2] == "random"):
-            placed.append(i)
-    if expect is None:
-        return
-    shapes = [placed_outline(laid.start[i], laid.footprints[i]) for i in placed]
-    if expect.min_boundary_distance is not None:
-        _check_near_walls(laid, placed, shapes, expect.min_boundary_distance, found)
-    if len(placed) < 2:
-        return
-
-    def told(key: str, one: int, other: int, gap: float, than: str) -> None:
-        """Warn of two that are so far [m] apart."""
-        names = (describe(laid.names[placed[k]]) for k in (one, other))
-        message = f"{' and '.join(names)} are {gap:.4g} m apart at the start, which is {than}"
-        found.warn(("expect", key), message)
-
-    if (least := expect.min_distance) is not None:
-        near = shapely.STRtree(shapes).query(shapes, predicate="dwithin", distance=least)
-        one, other = near[:, near[0] < near[1]]
-        gaps = shapely.distance(np.array(shapes)[one], np.array(shapes)[other])
-        k = int(np.argmin(gaps)) if len(gaps) else 0
-        if len(gaps) and gaps[k] < least - LENGTH:
-            told("min_distance", one[k], other[k], gaps[k], f"less than {least:.6g} m")
-    if (most := expect.max_distance) is not None:
-        one, other = _far_apart(laid.start[placed, :2])
-        gap = shapely.distance(shapes[one], shapes[other])
-        if gap > most + LENGTH:
-            told("max_distance", one, other, gap, f"more than {most:.6g} m")
-
-
-def _check_near_walls(
-    laid: PartialLayout, placed: list[int], shapes: list[Any], least: float, found: Diagnostics
-) -> None:
-    around = [*laid.walls, *laid.solids]
-    tree = shapely.STRtree([shape for _, shape in around])
-    pairs, gaps = tree.query_nearest(shapes, all_matches=False, return_distance=True)
-    if not len(gaps) or gaps.min() >= least - LENGTH:
-        return
-    k = int(np.argmin(gaps))
-    found.warn(
-        ("expect", "min_boundary_distance"),
-        f"{describe(laid.names[placed[pairs[0, k]]])} is {gaps[k]:.4g} m from "
-        f"{around[pairs[1, k]][0]} at the start, which is less than {least:.6g} m",
-    )
-
-
-def _far_apart(places: FloatArray) -> tuple[int, int]:
-    """Which two of at least two places (n, 2) are farthest apart: two corners of their hull."""
-    corners = shapely.get_coordinates(shapely.MultiPoint(places).convex_hull)
-    apart = np.hypot(*(corners[:, None] - corners).transpose(2, 0, 1))
-    pair = corners[list(np.unravel_index(np.argmax(apart), apart.shape))]
-    one, other = (int(np.argmin(np.hypot(*(places - corner).T))) for corner in pair)
-    return (one, other) if one < other else (other, one)
-
-
-def check_start_used(world: World | None, found: Diagnostics) -> None:
-    """Warn of a region of the world's in which no robot starts."""
-    if world is None or world.start is None:
-        return
-    if all(world.start_of(i) is not world.start for i in range(len(world.robots))):
-        found.warn(
+def check_start_used(laid: Layout) -> Iterator[Fault]:
+    """A region of the world's in which no robot starts."""
+    world = laid.world
+    if world.start is not None and all(
+        world.start_of(i) is not world.start for i in range(len(world.robots))
+    ):
+        yield Fault(
             ("start",),
             "no robot starts in this region, as each has a pose or a region of its own; remove the "
             "pose of those that the seed should place, or remove start",
+            "warning",
         )
 
 
-def is_drawn(laid: PartialLayout, i: int) -> bool:
-    """Whether a robot has no heading written: it is random, or there is no pose."""
-    pose = laid.world.robots[i].pose
-    return pose is None or pose[2] == "random"
+def check_walled_off(laid: Layout) -> Iterator[Fault]:
+    """Robots that count as on a stretch of a path which lies beyond a wall or an obstacle.
 
-
-def check_random_headings(laid: PartialLayout, found: Diagnostics) -> None:
-    """Warn where another seed may let a robot with a random heading start in contact.
-
-    Judged by the circle that the robot sweeps when it turns on the spot: no false comfort, but a
-    warning may be too cautious for a long robot.
+    It is the one nearest to the start: of their own path and, in a formation, of the reference
+    path. The first of each is told.
     """
-    entries = {fault.location[:2] for fault in laid.faults if fault.location[2:] == ("pose",)}
-    faulty = {i for i in laid.footprints if laid.world.entry_of(i) in entries}
-    posed = [i for i in laid.footprints if laid.world.robots[i].pose is not None]
-    random = {i for i in posed if is_drawn(laid, i) and i not in faulty}
-    if not random:
+    if not laid.names or not (laid.walls or laid.solids):
         return
-    turning = [
-        Placed(i, laid.names[i], _circle(laid.start[i], outline))
-        if i in random
-        else Placed(i, laid.names[i], placed_outline(laid.start[i], outline))
-        for i, outline in laid.footprints.items()
-        if i not in faulty and not np.isnan(laid.start[i]).any()
-    ]
-    others = [*laid.walls, *laid.solids]
-    tree = shapely.STRtree([*(shape for _, shape in others), *(p.shape for p in turning)])
-    names = [*(name for name, _ in others), *(describe(p.name) for p in turning)]
-    shapes = [p.shape for p in turning]
-    met: dict[int, str] = {}
-    for i, k in np.transpose(tree.query(shapes, predicate="intersects")):
-        robot = turning[i]
-        itself = k == len(others) + i
-        if robot.number in random and not itself:
-            met.setdefault(robot.number, names[k])
-    for index, name in sorted(met.items()):
-        found.warn(
-            (*laid.world.entry_of(index), "pose", 2),
-            f"random; with this seed {describe(laid.names[index])} starts clear, with another "
-            f"it may touch {name}; leave room to turn, or write a heading",
+    edges = [shapely.get_coordinates(shape) for _, shape in (*laid.walls, *laid.solids)]
+    pieces = np.concatenate([np.stack([one[:-1], one[1:]], axis=1) for one in edges])
+    walls = shapely.STRtree(shapely.linestrings(pieces))
+    lines = {"its path": lines_of(laid)}
+    if laid.world.formation is not None:
+        lines["the reference path"] = [shapely.LineString(laid.reference)] * len(laid.names)
+    starts = shapely.points(laid.start[:, :2])
+    for called, paths in lines.items():
+        ways = shapely.get_coordinates(shapely.shortest_line(starts, paths)).reshape(-1, 2, 2)
+        begin, end = ways[:, 0], ways[:, 1]
+        short = shapely.linestrings(np.stack([begin, begin + NEARLY * (end - begin)], axis=1))
+        hidden = np.unique(walls.query(short, predicate="intersects")[0]).tolist()
+        if hidden:
+            i, left = hidden[0], len(hidden) - 1
+            more = f", and {plural(left, 'more robot')} so" if left else ""
+            yield Fault(
+                (*laid.world.entry_of(i), "pose"),
+                f"{describe(laid.names[i])} counts as at station "
+                f"{paths[i].project(starts[i]):.2f} m of {called}, which is nearest at "
+                f"{place_text(end[i, 0], end[i, 1], 4)}, beyond a wall or an obstacle{more}; start "
+                "it nearer to where it is to begin, or lead the path farther from what is between",
+                "warning",
+            )
+
+
+def check_far(laid: Layout) -> Iterator[Fault]:
+    """Robots that are written to start far from their paths, as where x and y are swapped."""
+    far = []
+    for i, line in enumerate(lines_of(laid)):
+        if laid.world.robots[i].pose is not None:
+            start = shapely.Point(laid.start[i, :2])
+            away = line.distance(start)
+            if away > FAR * circumscribed_radius(laid.footprints[i]):
+                far.append((i, away, line.interpolate(line.project(start))))
+    if far:
+        i, away, foot = far[0]
+        more = f", and {plural(len(far) - 1, 'more robot')} so" if len(far) > 1 else ""
+        yield Fault(
+            (*laid.world.entry_of(i), "pose"),
+            f"{describe(laid.names[i])} starts {away:.4g} m away from its path, which is nearest "
+            f"at {place_text(foot.x, foot.y, 4)}{more}; are x and y swapped, or is the path "
+            "another's?",
+            "warning",
         )
 
 
-def _circle(pose: FloatArray, outline: FloatArray) -> shapely.Polygon:
-    radius = circumscribed_radius(outline)
-    return shapely.Point(pose[:2]).buffer(radius + LENGTH, quad_segs=16)
-
-
-def check_headings(laid: PartialLayout, found: Diagnostics) -> None:
-    """Warn of robots that start with their backs to their path."""
-    for i, path in laid.paths.items():
-        if is_drawn(laid, i):
-            continue
+def check_headings(laid: Layout) -> Iterator[Fault]:
+    """Robots that are written to start with their backs to their path."""
+    for i, line in enumerate(lines_of(laid)):
         pose = laid.world.robots[i].pose
-        along = direction_near(path, pose[:2])
+        if pose is None or pose[2] == "random" or abs(pose[2]) > 2.0 * pi:
+            continue
+        points = shapely.get_coordinates(line)
+        at = np.concatenate(([0.0], np.cumsum(np.hypot(*np.diff(points, axis=0).T))))
+        k = int(np.searchsorted(at, line.project(shapely.Point(pose[:2])), side="right")) - 1
+        k = min(k, len(points) - 2)
+        along = float(np.arctan2(*(points[k + 1] - points[k])[::-1]))
         away = abs((pose[2] - along + pi) % (2.0 * pi) - pi)
-        if away > pi / 2.0 + 1e-6 and abs(pose[2]) <= 2.0 * pi:
-            found.warn(
+        if away > pi / 2.0 + 1e-6:
+            yield Fault(
                 (*laid.world.entry_of(i), "pose", 2),
                 f"{describe(laid.names[i])} starts facing {np.degrees(away):.0f} degrees away from "
                 f"its path, which goes {along:.4g} rad ({np.degrees(along):.0f} degrees) there; it "
                 "will have to turn round",
+                "warning",
             )
 
 
-def direction_near(path: FloatArray, position: tuple[float, float]) -> float:
-    """Direction [rad] of the segment of a path that is nearest to a place."""
-    a, b = path[:-1], path[1:]
-    d = b - a
-    share = np.clip(((position - a) * d).sum(axis=1) / (d * d).sum(axis=1), 0.0, 1.0)
-    k = int(np.argmin(np.hypot(*(a + share[:, None] * d - position).T)))
-    return float(np.arctan2(d[k, 1], d[k, 0]))
+def check_random_headings(laid: Layout) -> Iterator[Fault]:
+    """Robots whose random heading may, with another seed, let them start in contact.
 
-
-LONGEST_ROBOT = 30.0
-"""[m] A longer robot is likely given in millimetres or centimetres."""
-SHORTEST_ROBOT = 0.01
-"""[m]"""
-WIDEST_CORRIDOR = 500.0
-"""[m]"""
-WIDEST_FOR_ROBOTS = 50.0
-"""[-] times the longest robot"""
-LARGEST_GROUND = 50_000.0
-"""[m] from end to end"""
-FASTEST = 50.0
-"""[m/s]"""
-FASTEST_TURN = 20.0
-"""[rad/s] three turns a second"""
-LONGEST_RUN = 86_400.0
-"""[s]"""
-MOST_STEPS = 5_000_000
-"""of a run: beyond that it takes hours and its record gigabytes"""
-
-
-def check_scale(laid: PartialLayout, found: Diagnostics) -> list[Location]:
-    """Warn of numbers whose unit is likely another one; returns where such lengths stand.
-
-    Whatever else is found where they stand for what they are follows from them.
+    Judged by the circle that the robot sweeps when it turns on the spot: no false comfort, but a
+    warning may be too cautious for a long robot.
     """
-    world, already = laid.world, len(found.warnings)
-    _check_lengths(laid, found)
-    count = 0
-    for i in range(len(world.robots)):
-        if world.place_of(i) > 0 and not getattr(_entry(world, i), "is_drawn", False):
-            continue  # as the first of its group
-        before = len(found.warnings)
-        _check_robot(laid, i, found)
-        count += len(found.warnings) > before
-        if count >= MOST_ALIKE:
-            break
-    if world.start is not None:
-        _check_heading(("start", "heading"), world.start.heading, found)
-    for e, robot in enumerate(world.entries):
-        _check_choices(("robots", e), robot.speeds, robot.omegas, found)
-    is_sound = not any(fault.location[:1] == ("controller",) for fault in found.errors)
-    if world.controller is not None and is_sound:  # its own check knows more
-        settings = world.controller.settings
-        _check_choices(("controller",), settings.get("speeds"), settings.get("omegas"), found)
-    lengths = [
-        fault.location
-        for fault in found.warnings[already:]
-        if fault.location[-1:] in (("footprint",), ("width",))
+    poses = [robot.pose for robot in laid.world.robots]
+    random = {i for i, pose in enumerate(poses) if pose is not None and pose[2] == "random"}
+    if not random:
+        return
+    swept = [
+        shapely.Point(laid.start[i, :2]).buffer(circumscribed_radius(laid.footprints[i]) + LENGTH)
+        if i in random
+        else placed_outline(laid.start[i], laid.footprints[i])
+        for i in range(len(poses))
     ]
-    step, duration = world.time.step, world.time.duration
-    if duration is not None and duration > LONGEST_RUN:
-        found.warn(
-            ("time", "duration"),
-            f"{duration:.6g} s is {duration / 3600.0:.4g} hours; durations are in seconds"
-            + _thousandth(duration, "milliseconds"),
+    others = [*laid.walls, *laid.solids]
+    names = [*(name for name, _ in others), *map(describe, laid.names)]
+    tree = shapely.STRtree([*(shape for _, shape in others), *swept])
+    met: dict[int, str] = {}
+    for i, k in np.transpose(tree.query(swept, predicate="intersects")).tolist():
+        if i in random and k != len(others) + i:
+            met.setdefault(i, names[k])
+    for i, name in sorted(met.items()):
+        yield Fault(
+            (*laid.world.entry_of(i), "pose", 2),
+            f"random; with this seed {describe(laid.names[i])} starts clear, with another it may "
+            f"touch {name}; leave room to turn, or write a heading",
+            "warning",
         )
-    steps = duration / step if duration and step else 0.0
-    if steps > MOST_STEPS:
-        found.warn(
-            ("time", "step"),
-            f"{step:.4g} s makes {steps:,.0f} steps in {duration:.6g} s: such a run takes hours; "
-            "steps are in seconds, and 0.01 is usual",
+
+
+def check_expected(laid: Layout) -> Iterator[Fault]:
+    """Distances that the world expects, but does not keep at the start."""
+    expect, count = laid.world.expect, len(laid.names)
+    if expect is None:
+        return
+    shapes = np.array([placed_outline(laid.start[i], laid.footprints[i]) for i in range(count)])
+    names = [describe(name) for name in laid.names]
+
+    def fault(key: str, who: str, gap: float, than: str) -> Fault:
+        return Fault(
+            ("expect", key), f"{who} {gap:.4g} m apart at the start, which is {than}", "warning"
         )
-    return lengths
 
-
-def _entry(world: Any, i: int) -> Any:
-    return world.entries[world.entry_of(i)[1]]
-
-
-def _check_lengths(laid: PartialLayout, found: Diagnostics) -> None:
-    width = corridor_line(laid.world)[1]
-    longest = max((float(np.ptp(one, axis=0).max()) for one in laid.footprints.values()), default=0)
-    widest = 0.0 if width is None else float(width.max())
-    if widest > WIDEST_CORRIDOR or widest > WIDEST_FOR_ROBOTS * longest > 0.0:
-        found.warn(
-            ("corridor", "width"),
-            f"{widest:.6g} m is very wide for a corridor; {in_metres(widest)}",
+    def nearest(tree: list[Any], exclusive: bool) -> tuple[int, int, float]:
+        pairs, gaps = shapely.STRtree(tree).query_nearest(
+            shapes, exclusive=exclusive, all_matches=False, return_distance=True
         )
-    lines = [(laid.reference_key, laid.reference)]
-    if laid.world.boundaries is not None:
-        numbers = [int(name.split()[1]) - 1 for name in laid.boundaries]
-        lines += zip([("boundaries", k) for k in numbers], laid.boundaries.values(), strict=True)
-    for where, line in lines:
-        if line is not None and float(np.ptp(line, axis=0).max()) > LARGEST_GROUND:
-            extent = float(np.ptp(line, axis=0).max())
-            found.warn(
-                where,
-                f"it spans {extent:.6g} m; {in_metres(extent)}",
+        k = int(np.argmin(gaps))
+        return int(pairs[0, k]), int(pairs[1, k]), float(gaps[k])
+
+    if (least := expect.min_boundary_distance) is not None:
+        around = [*laid.walls, *laid.solids]
+        i, k, gap = nearest([shape for _, shape in around], False)
+        if gap < least - LENGTH:
+            who = f"{names[i]} and {around[k][0]} are"
+            yield fault("min_boundary_distance", who, gap, f"less than {least:.6g} m")
+    if count < 2:
+        return
+    if (least := expect.min_distance) is not None:
+        i, k, gap = nearest(list(shapes), True)
+        if gap < least - LENGTH:
+            who = f"{names[min(i, k)]} and {names[max(i, k)]} are"
+            yield fault("min_distance", who, gap, f"less than {least:.6g} m")
+    if (most := expect.max_distance) is not None:
+        apart = np.hypot(*(laid.start[:, None, :2] - laid.start[:, :2]).transpose(2, 0, 1))
+        i, k = sorted(int(one) for one in np.unravel_index(np.argmax(apart), apart.shape))
+        gap = float(shapely.distance(shapes[i], shapes[k]))
+        if gap > most + LENGTH:
+            yield fault(
+                "max_distance", f"{names[i]} and {names[k]} are", gap, f"more than {most:.6g} m"
             )
-            break
-
-
-def _check_robot(laid: PartialLayout, i: int, found: Diagnostics) -> None:
-    where = laid.world.entry_of(i)
-    robot, name = laid.world.robots[i], describe(laid.names[i])
-    if i in laid.footprints:
-        outline = laid.footprints[i]
-        size = float(np.ptp(outline, axis=0).max())
-        if size > LONGEST_ROBOT:
-            found.warn(
-                (*where, "footprint"),
-                f"{name} is {size:.6g} m long; {in_metres(size)}",
-            )
-        elif size < SHORTEST_ROBOT:
-            found.warn(
-                (*where, "footprint"),
-                f"{name} is only {size:.4g} m long; lengths are in metres",
-            )
-    if not is_drawn(laid, i):
-        _check_heading((*where, "pose", 2), robot.pose[2], found)
-    if robot.start is not None:
-        _check_heading((*where, "start", "heading"), robot.start.heading, found)
-    v, omega = robot.limits.v, robot.limits.omega
-    if v is not None and v > FASTEST:
-        found.warn(
-            (*where, "limits", "v"),
-            f"{v:.6g} m/s is very fast; speeds are in metres per second"
-            + _thousandth(v, "millimetres per second"),
-        )
-    if omega is not None and omega > FASTEST_TURN:
-        found.warn(
-            (*where, "limits", "omega"),
-            f"{omega:.6g} rad/s is very fast; it is in radians per second; if degrees per "
-            f"second are meant, write {radians(omega):.6g}",
-        )
-
-
-def _check_heading(where: Location, heading: Any, found: Diagnostics) -> None:
-    """Of a heading that could be read."""
-    if isinstance(heading, int | float) and abs(heading) > 2.0 * pi:
-        found.warn(
-            where,
-            f"{heading:.6g} rad is more than a full turn; headings are in radians; if "
-            f"degrees are meant, write {radians(heading):.6g}",
-        )
-
-
-def _thousandth(value: float, unit: str) -> str:
-    return f"; if {unit} are meant, write {value / 1000.0:.6g}"
-
-
-def _check_choices(where: Location, speeds: Any, omegas: Any, found: Diagnostics) -> None:
-    """Speeds to choose from that leave no forward motion or no straight one."""
-    if _are_numbers(speeds) and max(speeds) <= 0.0:
-        found.warn((*where, "speeds"), "no speed above 0: there is no way forward; add 1.0")
-    if _are_numbers(omegas):
-        if 0.0 not in omegas:
-            message = "0 is not among them: there is no way straight on; add 0"
-            found.warn((*where, "omegas"), message)
-        elif min(omegas) >= 0.0 or max(omegas) <= 0.0:
-            side = "left" if max(omegas) > 0.0 else "right"
-            only = f"only turns to the {side}" if any(omegas) else "no turn at all"
-            found.warn((*where, "omegas"), f"{only}; give turns to both sides")
-
-
-def _are_numbers(given: Any) -> bool:
-    is_list = isinstance(given, tuple) and len(given) > 0
-    return is_list and all(type(number) in (int, float) for number in given)

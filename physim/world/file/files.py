@@ -19,8 +19,7 @@ import yaml
 from physim.errors import Fault, WorldError, nearest
 from physim.escaping import escaped
 from physim.json_text import parse_json
-from physim.world.file.nodes import Document
-from physim.world.file.reading import MOST_BYTES, read_document, refused
+from physim.world.file.document import MOST_BYTES, Document, read_document, refused
 
 SUFFIXES = (".yaml", ".yml")
 RECORD = "record.h5"

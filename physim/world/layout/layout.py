@@ -104,7 +104,8 @@ class PartialLayout:
         if self.faults or self.area is None or self.reference is None:
             raise WorldError(list(self.faults))
         return Layout(
-            self.world, self.boundaries, list(self.obstacles.values()), self.reference, self.area,
+            self.world, *corridor_line(self.world), self.boundaries,
+            list(self.obstacles.values()), self.reference, self.area,
             list(self.footprints.values()), list(self.paths.values()), self.start,
         )  # fmt: skip
 

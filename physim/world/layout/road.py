@@ -36,7 +36,6 @@ from physim.world.layout.road_line import (
 )
 from physim.world.layout.shape_checks import outline_fault
 from physim.world.road import MARGIN
-from physim.world.road_rules import ROAD, road_faults
 from physim.world.robot import outline_of
 
 ATTEMPTS = 60
@@ -59,6 +58,9 @@ class DrawnRoad:
     """outlines (m, 2)"""
 
 
+ROAD: Location = ("corridor", "random")
+
+
 @dataclass(frozen=True)
 class Lane:
     """What a passage is for: a robot on its path."""
@@ -75,7 +77,7 @@ class Lane:
 def with_drawn_road(world: Any) -> tuple[Any, list[Fault]]:
     """A world with the road that its seed draws, if it has one, and why it cannot be drawn.
 
-    ``world`` may be the `sound_parts` of what is none; a road that cannot be drawn is left out.
+    A road that cannot be drawn is left out.
     """
     corridor = world.corridor
     if not isinstance(corridor, RandomCorridor) or world.boundaries is not None:
@@ -83,8 +85,6 @@ def with_drawn_road(world: Any) -> tuple[Any, list[Fault]]:
     road, margin = corridor.random, corridor.end_margin
     nothing = Corridor.model_construct(centreline=None, width=None, end_margin=margin)
     without = world.with_road(nothing, (), (), 0.0)
-    if road is None or margin is None or world.seed is None or any(road_faults(vars(world))):
-        return without, []
     lanes = _lanes(world)
     passage, faults = _passage(road, lanes)
     if faults:

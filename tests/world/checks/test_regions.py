@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from physim import build_scene
-from tests.world.worlds import REGION, changed, check, check_finding, lines, with_facts
+from tests.world.worlds import REGION, changed, check, check_finding, lines
 
 
 def test_a_region_with_room_has_no_finding(tmp_path):
@@ -33,11 +33,3 @@ def test_a_region_outside_the_road_is_reported(tmp_path):
     errors, _ = lines(check(tmp_path, text))
     assert len(errors) == 1
     check_finding(errors[0], "5:17 start.region", "none", "accessible area")
-
-
-def test_other_faults_are_reported_beside_a_region(tmp_path):
-    text = changed(REGION, ("name: b", "nam: b"), ("width: 8.0", "width: 2.5"))
-    errors, warnings = lines(check(tmp_path, text))
-    assert len(errors) == 1
-    check_finding(errors[0], "8:6 robots[1].nam", "unknown key", '"name"')
-    assert with_facts(warnings, "7:68 robots[0].path.offset", '"a"', "not fit", "0.25 m", "0.5 m")

@@ -74,20 +74,34 @@ def _written(path: Path, data: bytes) -> Path:
 
 
 def test_all_faults_come_at_once_in_the_order_of_the_file():
-    text = changed("seed: 3", "sead: 3").replace("duration: 30.0", "duration: 1e3")
-    text = text.replace("look_ahead", "look_ahed").replace("width: 8.0", 'width: "8"')
+    text = changed("seed: 3", "sead: 3").replace("duration: 30.0", "duration: -1")
+    text = text.replace("width: 8.0", 'width: "8"')
     keys = (
         "name, description, seed, time, corridor, boundaries, reference_path, start, robots, "
         "formation, controller, sensing, filters, disturbances, arrival, obstacles, expect, physics"
     )
     expected = [
         ("w.yaml:3:1: sead:", "unknown", f"allowed: {keys};", '"seed"'),
-        ("w.yaml:4:30: time.duration:", "1e3", "text", "1.0e+3", "1000"),
+        ("w.yaml:4:30: time.duration:", "greater than 0", "given -1"),
         ("w.yaml:5:50: corridor.width:", "[m]", "one number", "one per point", '"8"', "quotes"),
-        ("w.yaml:16:36: controller.look_ahed:", "unknown", "look_ahead, omegas", '"look_ahead"'),
     ]
     for line, (place, *parts) in zip(message(text).splitlines(), expected, strict=True):
         check_error(f"{line}\n", place, *parts)
+
+
+def test_each_stage_is_told_where_the_one_before_is_sound():
+    """Text, values, what lies between them, parts, geometry."""
+    text = changed("seed: 3", "sead: 3").replace("duration: 30.0", "duration: 1e3")
+    text = text.replace("look_ahead", "look_ahed").replace("step: 0.01", "step: 0.07")
+    for place, word, mended in (
+        ("w.yaml:4:30: time.duration:", "1.0e+3", ("1e3", "30.0")),
+        ("w.yaml:3:1: sead:", "unknown", ("sead", "seed")),
+        ("w.yaml:4:30: time.duration:", "whole number of steps", ("0.07", "0.01")),
+        ("w.yaml:16:36: controller.look_ahed:", '"look_ahead"', ("look_ahed", "look_ahead")),
+    ):
+        check_error(f"{message(text)}\n", place, word)
+        text = text.replace(*mended)
+    assert parse_world(text) == parse_world(STRAIGHT)
 
 
 def test_controller_settings_are_those_of_the_controller():

@@ -7,14 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from physim.errors import place_text, plural
+from physim.authoring.importing.way import Way
 from physim.geometry.shapes import FloatArray
 from physim.tolerances import LENGTH
-from physim.world.checks.findings import Diagnostics
-from physim.world.checks.standing import Stop, reached
-from physim.world.checks.way import Way
-from physim.world.faults import describe
-from physim.world.layout.layout import PartialLayout
 from physim.world.layout.shared import Shared
 
 CLEARLY = 3.0
@@ -23,52 +18,6 @@ its length"""
 
 MOST_PLACES = 5_000
 """of a way at which it is looked whether it is that of another robot, and as many of its corners"""
-
-
-def check_blocked_ways(
-    laid: PartialLayout, at: list[Stop], speed: float, clear: float, found: Diagnostics
-) -> None:
-    """Warn of robots that stop in the way of others, unless the run is not to finish.
-
-    ``speed`` [m/s] is that of all robots whose limits are not below it; a formation adjusts it, so
-    none is judged. ``clear`` [m] is what robots keep from one another. One warning for all of
-    them, at the first. Those that stop on one another are
-    told by `check_shared_stops`.
-    """
-    world, expect = laid.world, laid.world.expect
-    if laid.faults or not at or (expect is not None and expect.finished is False):
-        return
-    if world.formation is not None:
-        return
-    robots = world.robots
-    way = reached(laid)
-    blocked = blocked_ways(
-        [laid.paths[stop.number] for stop in at],
-        laid.start[[stop.number for stop in at], :2],
-        np.array([way[stop.number][0] for stop in at]),
-        np.array([stop.station for stop in at]),
-        np.array([min(speed, robots[stop.number].limits.v) for stop in at]),
-        np.array([sides(laid.footprints[stop.number]) for stop in at]),
-        [stop.outline for stop in at],
-        clear,
-    )
-    first = (
-        (i, next((j for j in others if not at[i].outline.intersects(at[j].outline)), None))
-        for i, others in blocked.items()
-    )
-    pairs = [(i, j) for i, j in first if j is not None]
-    if not pairs:
-        return
-    late, stop = at[pairs[0][0]], at[pairs[0][1]]
-    x, y = stop.pose[:2]
-    more = f", as {plural(len(pairs) - 1, 'more robot')} would" if len(pairs) > 1 else ""
-    found.warn(
-        laid.path_key(stop.number),
-        f"{describe(laid.names[stop.number])} stops at station {stop.station:.2f} m of its path, "
-        f"{place_text(x, y, 4)}, in the way of {describe(laid.names[late.number])}, "
-        f"which comes there later and may wait there for ever{more}; end one of the paths "
-        "elsewhere, or let the other robot be there first",
-    )
 
 
 def sides(outline: FloatArray) -> FloatArray:

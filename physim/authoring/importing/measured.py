@@ -12,13 +12,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from physim.geometry.polygon import circumscribed_radius
 from physim.geometry.shapes import FloatArray, pack_polylines
 from physim.geometry.tracking import Tracking
-from physim.world.checks.findings import Diagnostics
-from physim.world.checks.spacing import name_of
-from physim.world.checks.standing import leads, stop_stations
-from physim.world.layout.layout import PartialLayout
 
 STEP = 0.25
 """[m] from place to place, of which a projection looks as far as a metre"""
@@ -31,42 +26,6 @@ MOST_SETTLING = 1_000
 MOST_OFF = 0.05
 """[-] share of the reference path that the formation error at the stops may be, untold: that of
 lanes beside bends is less"""
-
-
-def check_measured(laid: PartialLayout, found: Diagnostics) -> None:
-    """Warn of a formation that is far off where all its robots have driven to their stops."""
-    if laid.world.formation is None or laid.reference is None or laid.faults:
-        return
-    if np.isnan(laid.start).any():  # not drawn, beside errors
-        return
-    told = {fault.location[:1] for fault in found.errors}
-    if told & {("formation",), laid.reference_key[:1]}:
-        return
-    lead, stop = leads(laid), stop_stations(laid)
-    count = len(laid.world.robots)
-    if not count or lead is None or len(stop) < count or len(laid.footprints) < count:
-        return
-    robots = range(count)
-    radius = np.array([circumscribed_radius(laid.footprints[i]) for i in robots])
-    stops = np.array([stop[i] for i in robots])
-    paths = [laid.paths[i] for i in robots]
-    there = measured(paths, laid.reference, laid.start, radius, stops)
-    if there is None:
-        return
-    at = there[0]
-    error = np.abs((at - lead).mean() - (at - lead)).max()  # as a run reports it
-    length = float(np.hypot(*np.diff(laid.reference, axis=0).T).sum())
-    if error <= MOST_OFF * length:
-        return
-    wanted = np.maximum(length - (lead.max() - lead), 0.0)
-    worst = int(np.argmax(np.abs(at - wanted)))
-    found.warn(
-        laid.path_key(worst),
-        f"as it drives to its stop, {name_of(laid, worst)} comes to station {at[worst]:.2f} m of "
-        f"the reference path, where its place in the formation is at {wanted[worst]:.2f} m: the "
-        f"formation error will be {error:.4g} m, as where a path leads elsewhere, begins nearer to "
-        "another part of the reference path, or bends beside it where the robots stop",
-    )
 
 
 def measured(

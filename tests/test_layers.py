@@ -220,10 +220,10 @@ def test_third_parties_stay_where_they_belong() -> None:
         "h5py": ("physim.record", "physim.world.file"),  # the world inside a record
         "cv2": ("physim.drawing.video", "physim.authoring"),
         "svgelements": ("physim.authoring",),
-        "tinycss2": ("physim.authoring",),
+        "lxml": ("physim.authoring",),
         "av": ("physim.drawing.video",),
         "matplotlib": ("physim.drawing.plots", "physim.drawing.preview", "physim.reproduction"),
-        "PIL": ("physim.drawing.video", "physim.reproduction"),
+        "PIL": ("physim.drawing.video", "physim.reproduction", "physim.authoring"),
         "rich": ("physim.cli", "physim.campaigns"),
         "numba": (
             "physim.compiled",

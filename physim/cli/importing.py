@@ -27,7 +27,7 @@ ASKED = (
 @click.argument("source", metavar="SOURCE", type=PATH, help="the file to import")
 @option("-o", "--output", type=PATH, metavar="WORLD", required=True, help="the world file to write")
 @flag("--force", "overwrite an existing file")
-@option("--format", type=OneOf(FORMATS), help="kind of the source (default: by suffix or content)")
+@option("--format", type=OneOf(FORMATS), help="kind of the source (default: by suffix)")
 @option("--name", metavar="NAME", help="name of the world (default: that of the source)")
 @option(
     "--scale",
@@ -108,7 +108,7 @@ def import_command(options: Options) -> int:
     """Make a world from a race-track CSV, ROS map, SVG drawing, WKT or GeoJSON, and list every line
     that was dropped or repaired. Beside it goes world.schema.json, by which editors complete keys.
 
-    formats, by suffix or content:
+    formats, by suffix:
       track     centreline and widths, columns x_m, y_m, w_tr_right_m, w_tr_left_m (.csv)
       ros-map   map.yaml with its image, PGM or PNG (.yaml)
       svg       drawing with layers or ids boundary, obstacle, path, robot (.svg)

@@ -30,22 +30,14 @@ from physim.authoring.importing.options import Options
 from physim.errors import plural
 from physim.geometry.area import inner_lines
 from physim.geometry.shapes import FloatArray, IntArray
-from physim.geometry.tangles import meet_more_often, segments_of
+from physim.geometry.tangles import segments_of
 
 GRID = 10.0**-DIGITS
 """[m] Worlds are written to the millimetre."""
 HALF_WALL = 0.5 * GRID
 """[m] half the thickness that a wall within the area is given: the rounding of its points"""
-SMALLEST, LARGEST, FARTHEST = 1.0, 10_000.0, 50_000.0
-"""[m] extent of a place below which it is refused, above which its scale is doubted, and beyond
-which it is refused, too"""
-MOST_POINTS = 50_000
-"""Points of all lines together."""
-MOST_MEETINGS = 100_000
-"""Pairs of segments whose boxes overlap."""
-MOST_ACROSS = 2_000
-"""Lines that a straight line across the place meets, on average: the work of telling inside from
-outside"""
+SMALLEST, LARGEST = 1.0, 10_000.0
+"""[m] extent of a place below which it is refused, and above which its scale is doubted"""
 MOST_OBSTACLES = 3_000
 MOST_NAMED = 3
 """Loose ends that a message names"""
@@ -120,15 +112,26 @@ def find_place(drawing: Drawing, options: Options) -> Place:
     What does not bound it is listed. Raises ImportSourceError where there is none, where it may be
     one of several, and for lines too many or too tangled to work on.
     """
-    walls = drawing.of("boundary")
+    drawn = drawing.of("boundary", "obstacle")
     solid = shapely.union_all([one.geometry for one in drawing.of("obstacle")])
     within = [one.geometry for one in drawing.of("place")]
     lines = [ring for one in drawing.of("boundary", "obstacle", "place") for ring in _rings(one)]
-    _check_work(drawing, lines)
     if not lines:
         raise drawing.refusal("no boundary found; a world needs lines that enclose an area")
+    size = np.ptp(np.concatenate(lines), axis=0)
+    if size.max() < SMALLEST:
+        raise drawing.refusal(
+            f"the place is {size[0]:.3g} x {size[1]:.3g} m; --scale M says how many metres a unit "
+            "of the source is"
+        )
+    closed = sum(one.role == "obstacle" or one.geometry.is_closed for one in drawn)
+    if closed > MOST_OBSTACLES:
+        raise drawing.refusal(
+            f"{closed} obstacles and closed walls; at most {MOST_OBSTACLES} are read; leave out "
+            "small ones, or draw those that touch as one"
+        )
     if options.close is not None:
-        bridges = joints([one.points for one in walls], options.close)
+        bridges = joints([one.points for one in drawing.of("boundary")], options.close)
         drawing.changes += listed(bridges, joint_text)
         lines += bridges
     noded = shapely.union_all([shapely.LineString(line) for line in lines], grid_size=GRID)
@@ -147,7 +150,6 @@ def find_place(drawing: Drawing, options: Options) -> Place:
     ]
     face = _chosen(drawing, options, free, noded)
     shapely.prepare(face)
-    drawn = drawing.of("boundary", "obstacle")
     away = [one for one in drawn if not face.dwithin(one.geometry, GRID)]
     drawing.changes += listed(away, _left_out)
     loose = [edge for some in (cuts, dangles) for edge in shapely.get_parts(some)]
@@ -277,40 +279,3 @@ def _left_out(shape: Shape) -> str:
 def _rings(shape: Shape) -> list[FloatArray]:
     inner = [] if shape.role == "boundary" else shape.geometry.interiors
     return [shape.points, *map(shapely.get_coordinates, inner)]
-
-
-def _check_work(drawing: Drawing, lines: Sequence[FloatArray]) -> None:
-    """Refuse lines (n, 2) [m] that would take minutes or gigabytes, and are hardly a place."""
-    points = sum(map(len, lines))
-    if points > MOST_POINTS:
-        raise drawing.refusal(
-            f"{points} points; at most {MOST_POINTS} are read; simplify the lines first"
-        )
-    closed = sum(
-        one.role == "obstacle" or one.geometry.is_closed
-        for one in drawing.of("boundary", "obstacle")
-    )
-    if closed > MOST_OBSTACLES:
-        raise drawing.refusal(
-            f"{closed} obstacles and closed walls; at most {MOST_OBSTACLES} are read; leave out "
-            "small ones, or draw those that touch as one"
-        )
-    if not points:
-        return
-    size = np.ptp(np.concatenate(lines), axis=0)
-    if not size.max() <= FARTHEST or size.max() < SMALLEST:
-        raise drawing.refusal(
-            f"the place is {size[0]:.3g} x {size[1]:.3g} m, and must be {SMALLEST:g} to "
-            f"{FARTHEST:g} m; --scale M says how many metres a unit of the source is"
-        )
-    segments = segments_of(lines)
-    if meet_more_often(segments, MOST_MEETINGS, by_boxes=True):
-        raise drawing.refusal(
-            f"the lines lie over each other in more than {MOST_MEETINGS} places; draw each once"
-        )
-    across = np.abs(segments[:, 1] - segments[:, 0]).sum(axis=0)
-    if (across > MOST_ACROSS * np.maximum(size, GRID)).any():
-        raise drawing.refusal(
-            f"the lines go to and fro across the place more than {MOST_ACROSS} times; leave out "
-            "what is no wall"
-        )

@@ -8,7 +8,7 @@ import numpy as np
 import shapely
 
 from physim.authoring.importing.area import Place
-from physim.authoring.importing.drawing import Drawing, number
+from physim.authoring.importing.drawing import Drawing
 from physim.authoring.importing.drawn import Placed, lane, lap
 from physim.authoring.importing.options import Options
 from physim.authoring.importing.size import Size, check_way
@@ -27,7 +27,7 @@ MOST_SHARE = 0.6
 
 
 def offsets_of(options: Options) -> list[float]:
-    """Offsets [m] of lanes at size 1, left positive: from the middle outwards, left before right."""
+    """Offsets [m] of lanes at size 1, left positive, from the middle outwards."""
     lanes = min(options.lanes or 1, options.robots or options.lanes or 1)
     offsets = [LANE * (k - 0.5 * (lanes - 1)) for k in range(lanes)]
     return sorted(offsets, key=lambda offset: (abs(offset), -offset))
@@ -64,8 +64,8 @@ def fill_in(
         while True:
             if station > MOST_SHARE * way.length:
                 raise drawing.refusal(
-                    f"room for {len(robots)} of {count} robots of {number(size.box[0])} x "
-                    f"{number(size.box[1])} m on the first {station:.1f} m of the path; fewer "
+                    f"room for {len(robots)} of {count} robots of {size.box[0]:g} x "
+                    f"{size.box[1]:g} m on the first {station:.1f} m of the path; fewer "
                     "--robots, more --lanes, a smaller --robot LENGTH,WIDTH, or --robot fit"
                 )
             pose = _pose(way, Polyline(beside), offset, station, factor)

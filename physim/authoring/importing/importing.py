@@ -17,7 +17,6 @@ from physim.authoring.importing.group import fill_in, offsets_of
 from physim.authoring.importing.made import made_world, world_text
 from physim.authoring.importing.options import Options, check_options
 from physim.authoring.importing.paths import Paths, drawn_paths
-from physim.authoring.importing.shapes import with_shapes
 from physim.authoring.importing.size import Size, check_way, size_as_drawn, size_of
 from physim.authoring.importing.source import format_of
 from physim.errors import WorldError, plural
@@ -36,8 +35,8 @@ READERS = {
     "track": ("physim.authoring.importing.track", "read_track"),
     "ros-map": ("physim.authoring.importing.ros_map", "read_ros_map"),
     "svg": ("physim.authoring.importing.svg", "read_svg"),
-    "wkt": ("physim.authoring.importing.polygons", "read_wkt"),
-    "geojson": ("physim.authoring.importing.geojson", "read_geojson"),
+    "wkt": ("physim.authoring.importing.vector", "read_wkt"),
+    "geojson": ("physim.authoring.importing.vector", "read_geojson"),
 }
 
 
@@ -67,9 +66,7 @@ def import_world(source: str | os.PathLike[str], options: Options | None = None)
         check_options(source, form, options)
         module, name = READERS[form]
         reader: Callable[[Path, Options], Drawing] = getattr(import_module(module), name)
-        drawing = reader(source, options)
-        drawing.path = source
-        return _made(with_shapes(drawing), options)
+        return _made(reader(source, options), options)
     except shapely.errors.GEOSException as error:  # whichever of many calls it was
         reason = escaped(str(error).split(": ", 1)[-1].strip())[:120]
         raise refused(

@@ -1,4 +1,4 @@
-"""The world made of a place and robots, and its text: a comment of what was read, then every key."""
+"""The world made of a place and robots, and its text, with a comment of what was read."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ SETTINGS = {
 CORNERS = {"boundary_time_high": 1.0}
 """[s] a setting of it: else robots that had to stop before a corner may stand there for ever"""
 RANGE, MARGIN = 10.0, 1.1
-"""[m] of formation neighbours at size 1, and how many times the longest gap between them at least"""
+"""[m] of formation neighbours at size 1, and [-] how many times the longest gap between them"""
 TOLERANCE = 0.1
 """[m] of arrival, at size 1"""
 SPACE = 1.35

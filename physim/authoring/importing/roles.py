@@ -1,42 +1,57 @@
-"""What a layer, a shape or a feature is for, by its name: boundary, wall, obstacle, path, robot."""
+"""What a layer, a shape or a feature is for, by its name: boundary, obstacle, path or robot."""
 
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
+from pathlib import Path
 
-from physim.errors import nearest
+from physim.authoring.importing.drawing import ImportSourceError, refused
+from physim.errors import nearest, plural
+from physim.escaping import escaped
 
-ROLES = ("boundary", "wall", "obstacle", "path", "robot")
 NAME = re.compile(
     r"(boundar(?:y|ies)|walls?|obstacles?|paths?|reference(?:[\s_-]paths?)?|robots?)"
     r"(?:[\s_.:#-]+(.*)|(\d.*|[a-z]))?$"
 )
 """Roles are words of their own: a wallpaper is no wall."""
-ABOUT = "labels?|texts?|names?|icons?|legend"
-OF_A_ROBOT = f"routes?|tracks?|traject\\w*|paths?|goals?|starts?|targets?|areas?|zones?|{ABOUT}"
-OTHER = {
-    is_robot: re.compile(rf"(?:^|[\s_.:#-])({words})(?:$|[\s_.:#-])")
-    for is_robot, words in ((False, ABOUT), (True, OF_A_ROBOT))
-}
-"""Words after a role by which a thing is something else: ``robot_route_0`` is no robot."""
 OF_WORD = {"bou": "boundary", "wal": "wall", "obs": "obstacle", "pat": "path", "ref": "path",
            "rob": "robot"}  # fmt: skip
 WORDS = ["boundary", "boundaries", "wall", "walls", "obstacle", "obstacles", "path", "robot",
          "robots"]  # fmt: skip
+MOST_NAMED = 5
 
 
 def role_named(name: str) -> tuple[str, str]:
-    """Role that a name says, and the rest of it: ``wall`` and ``left`` of ``Wall-left``.
+    """Role that a name says, and the rest of it: ``boundary`` and ``left`` of ``Boundary-left``.
 
-    Both are empty where it says none.
+    Both are empty where it says none. ``wall`` is told apart by what is drawn: an open line is a
+    boundary.
     """
-    text = name.strip().lower()
-    found = NAME.match(text)
-    if found is None or OTHER[found[1].startswith("robot")].search(found[2] or ""):
+    text = name.strip()
+    found = NAME.match(text.lower())
+    if found is None:
         return "", ""
-    return OF_WORD[text[:3]], name.strip()[len(found[1]) :].strip(" _:#-")
+    return OF_WORD[text[:3].lower()], text[len(found[1]) :].strip(" _.:#-")
 
 
-def nearest_role(name: str) -> str:
+def hint(name: str) -> str:
     """``; did you mean ...?`` for a name that is nearly one of a role; else empty."""
-    return "" if NAME.match(name.strip().lower()) else nearest(name.strip().lower(), WORDS)
+    return nearest(name.strip().lower()[:60], WORDS)
+
+
+def unroled(path: Path, shapes: Sequence[tuple[str, str, int | None]]) -> ImportSourceError:
+    """Refusal of shapes without a role: what each is called, a name to ignore it by, and a line."""
+    first = shapes[0]
+    once = list(dict.fromkeys((called, line) for called, _, line in shapes))
+    others = [called if line is None else f"{called} (line {line})" for called, line in once]
+    more = f" and {len(others) - MOST_NAMED} more" if len(others) > MOST_NAMED else ""
+    named = next((name for _, name, _ in shapes if name), "")
+    by_name = f' --ignore "{escaped(named)[:60]}" or' if named else ""
+    return refused(
+        path,
+        f"{plural(len(shapes), 'shape')} without a role: {', '.join(others[:MOST_NAMED])}{more}; "
+        f"say boundary, obstacle, path or robot by layer or name, or leave out by{by_name} "
+        "--ignore-others",
+        first[2],
+    )

@@ -28,7 +28,7 @@ from physim.errors import Fault, WorldError, nearest
 from physim.escaping import escaped
 from physim.geometry.shapes import FloatArray
 from physim.world.base import Model
-from physim.world.file import located, read_document
+from physim.world.file import read_document
 from physim.world.kinds import Flag, Number, Sequence, Text
 
 SPECK = 2.0
@@ -117,7 +117,7 @@ def read_ros_map(path: Path, options: Options) -> Drawing:
 def _check_free(drawing: Drawing, found: RosMap, brightness: Any, clear: Any) -> None:
     """Name another negate or mode where hardly a cell is free; refuse it where next to none is."""
     share = found.free(brightness, clear).mean()
-    others = {
+    others: dict[str, dict[str, Any]] = {
         f"negate: {int(not found.negate)}": {"negate": not found.negate},
         "mode: trinary": {"mode": "trinary"},
     }
@@ -142,9 +142,7 @@ def _read_yaml(drawing: Drawing) -> tuple[RosMap, Path]:
     if not text.strip():
         raise refused(path, f"the file is empty; a map has {', '.join(keys)}", 1)
     document = read_document(text, escaped(str(path)))
-    if document.faults:
-        raise located((), document)
-    values = document.values()
+    values = document.values
     if not isinstance(values, dict):
         raise refused(path, f"a map is a mapping of keys: {', '.join(keys)}", 1)
     if {"name", "robots"} <= set(values) and not set(values) & set(keys):

@@ -139,8 +139,8 @@ def check_way(
     gap, at = narrowest(where, line)
     if gap < 0.5 * width:
         raise drawing.refusal(
-            f"the {what} passes {gap:.3g} m from a wall at {place(at)}{_named(drawing, at)}: a robot "
-            f"{width:g} m wide does not fit; {advice}",
+            f"the {what} passes {gap:.3g} m from a wall at {place(at)}{_named(drawing, at)}: "
+            f"a robot {width:g} m wide does not fit; {advice}",
             shape,
         )
 

@@ -1,53 +1,37 @@
-"""An SVG drawing: lines in layers or with ids ``boundary``, ``obstacle``, ``path`` and ``robot``.
+"""An SVG drawing: shapes in layers or with ids ``boundary``, ``obstacle``, ``path`` and ``robot``.
 
-svgelements reads it: transforms, units and the viewBox are applied. The y axis is turned up, with
-the lower edge of the page at y = 0. Curves become polylines, no chord further from its curve
-than a stated tolerance.
+What is read is listed here, by element and attribute; a shape with a role that depends on anything
+else is refused. Colours say nothing. The y axis is turned up, the lower edge of the page is y = 0.
 """
 
 from __future__ import annotations
 
-import io
 import re
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections import Counter
+from dataclasses import dataclass, field, replace
+from math import radians
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+import shapely
 import svgelements
+from lxml import etree
 
 from physim.authoring.importing.drawing import (
     Drawing,
-    DrawnRobot,
-    Source,
+    Shape,
     listed,
     place,
     refused,
     rounded,
 )
-from physim.authoring.importing.joining import join_ends
-from physim.authoring.importing.lines import is_closed
 from physim.authoring.importing.options import Options
-from physim.authoring.importing.outlines import drop_marks
-from physim.authoring.importing.path_pieces import take_paths
-from physim.authoring.importing.roles import nearest_role, role_named
-from physim.authoring.importing.source import read_xml
-from physim.authoring.importing.svg_bare import CUT, FAULT, LINE, SAME_ID, TAG
-from physim.authoring.importing.svg_curves import subpaths
-from physim.authoring.importing.svg_guard import look_at
-from physim.authoring.importing.svg_look import SvgLook
-from physim.authoring.importing.svg_page import Frame
-from physim.authoring.importing.svg_seen import (
-    has_area,
-    has_line,
-    is_even_odd,
-    is_seen,
-    is_unsure,
-)
-from physim.authoring.importing.svg_walls import LABEL, NAMES, Walls, names_of
-from physim.authoring.importing.walls import painted
-from physim.authoring.importing.work import MOST_POINTS, check_work
+from physim.authoring.importing.roles import hint, role_named, unroled
+from physim.authoring.importing.source import MOST_TEXT, read_bytes
+from physim.authoring.importing.svg_lines import length, numbers, outline, subpaths
+from physim.authoring.importing.work import check_work
+from physim.errors import nearest
 from physim.escaping import escaped
 from physim.geometry.shapes import FloatArray
 
@@ -55,251 +39,429 @@ TOLERANCE = 0.01
 """[m] chords of curves, unless the user says otherwise"""
 FINE = 0.01
 """[-] of the size of a robot, within which its chords keep however small it is"""
-OF_PROGRAMS = re.compile(r"path[-_]?\d[\d_-]*|path-copy.*")
+MOST_ELEMENTS = 100_000
+"""Elements, copies counted each time"""
+MOST_OUTLINES = 1_000
+"""Closed lines of one shape"""
+MOST_LEVELS = 100
+"""Groups and copies within each other"""
+SVG = "{http://www.w3.org/2000/svg}"
+LABEL = "{http://www.inkscape.org/namespaces/inkscape}label"
+HREF = "{http://www.w3.org/1999/xlink}href"
+UNITS = {"mm": 1e-3, "cm": 1e-2, "in": 0.0254, "pt": 0.0254 / 72.0, "pc": 0.0254 / 6.0}
+"""[m] of units of a page"""
+
+GROUPS = ("svg", "g", "a", "symbol")
+LINES = {
+    "path": ("d",),
+    "rect": ("x", "y", "width", "height", "rx", "ry"),
+    "circle": ("cx", "cy", "r"),
+    "ellipse": ("cx", "cy", "rx", "ry"),
+    "line": ("x1", "y1", "x2", "y2"),
+    "polyline": ("points",),
+    "polygon": ("points",),
+}
+"""Shapes, and the attributes that say where their lines lie"""
+READ = {**LINES, "use": ("x", "y", "href"), "svg": (), "g": (), "symbol": (),
+        "a": ("href", "target", "rel")}  # fmt: skip
+"""Elements that are read, each with its own attributes"""
+NO_LINES = re.compile(
+    r"defs|style|title|desc|metadata|script|text|image|foreignObject|animate\w*|set|filter|marker|"
+    r"clipPath|mask|pattern|symbol|cursor|view|(?:linear|radial|mesh)[gG]radient"
+)
+"""Elements without lines of their own where they stand"""
+PAINT = re.compile(
+    r"(?:fill|stroke|color|paint|marker|font|text|stop|flood|lighting|background|solid)(?:-[a-z-]+)?|"
+    r"-inkscape-[a-z-]+|(?:shape|image)-rendering|(?:letter|word)-spacing|line-height|white-space|"
+    r"vector-effect|clip-rule|overflow|mix-blend-mode|isolation|pointer-events|cursor|filter|"
+    r"enable-background|writing-mode|direction|unicode-bidi|[a-z]+-baseline|baseline-shift|"
+    r"inline-size|shape-(?:inside|padding|margin|subtract)|opacity"
+)
+"""Properties that move and hide nothing, but for an opacity of 0"""
+COMMON = re.compile(
+    r"id|class|style|display|visibility|transform|lang|tabindex|role|focusable|(?:aria|data|on)[\w-]*"
+)
+SEEN = re.compile(r"(?!contents)[a-z-]+|[\d.]+%?")
+"""Values of display, visibility and opacity that are read"""
+OF_PROGRAMS = re.compile(r"path[-_]?\d[\d_-]*")
 """Ids that programs give by themselves"""
-
-
-@dataclass(frozen=True)
-class _Line:
-    """One polyline of a drawing [m] with what it is for."""
-
-    role: str
-    name: str
-    points: FloatArray
-    is_closed: bool
-    where: str
-    """what messages call it"""
-    line: int | None
-    """of the text, from 1"""
-    own_id: str
-    """that of the copy, if it is one"""
+FUNCTION = re.compile(r"\s*([A-Za-z]+)\s*\(([^()]*)\)\s*,?\s*")
+COUNTS = {"matrix": (6,), "translate": (1, 2), "scale": (1, 2), "rotate": (1, 3), "skewX": (1,),
+          "skewY": (1,)}  # fmt: skip
+"""How many numbers each function of a transform takes"""
 
 
 def read_svg(path: Path, options: Options) -> Drawing:
     """Read a drawing; raises ImportSourceError with file:line where there is one."""
-    look = look_at(path, read_xml(path))
-    drawing = Drawing(kind="SVG drawing")
-    try:
-        root = svgelements.SVG.parse(io.StringIO(look.bare.text), reify=False, ppi=96.0)
-    except RecursionError:
-        raise refused(path, "groups are nested too deeply; ungroup some of them") from None
-    except (ValueError, TypeError, ArithmeticError, AttributeError, LookupError) as error:
-        reason = escaped(str(error))[:100] or type(error).__name__
-        raise refused(path, f"cannot be read as SVG: {reason}") from None
-    found = _Lines(path, look, options)
-    for element, role, name, own_id in _shapes(root, "", "", found.walls):
-        found.look_at(element, role, name, own_id)
-    if unknown := found.walls.unknown(look.lines):
-        raise refused(path, unknown)
-    drawing.changes += found.told()
-    drawing.facts.append(
-        f"{found.frame.scale}; curves flattened within {found.tolerance:g} m; y turned up, "
-        f"{found.frame.corner} is (0, 0)"
-    )
-    check_work(path, [line.points for line in found.lines])
-    drawing.sources = [Source(one.role, one.where, one.line, one.points) for one in found.lines]
-    _sort(path, drawing, found.lines, found.walls)
-    drawing.painted = found.painted
+    reader = _Reader(path, options, _tree(path))
+    drawing = reader.drawing
+    reader.walk(reader.root, _State(reader.frame))
+    for option, names in (("boundary", options.boundary), ("ignore", options.ignore)):
+        for name in sorted({*names} - reader.names):
+            near = nearest(name[:100], sorted(reader.names))
+            raise refused(path, f"--{option} {escaped(name)}: no shape has that id or label{near}")
+    if reader.unroled and not options.ignore_others:
+        raise unroled(path, reader.unroled)
+    check_work(path, [one.points for one in drawing.shapes])
+    if reader.unroled:
+        drawing.changes += listed([f"line {n}: {one}: no role, left out (--ignore-others)"
+                                   for one, _, n in reader.unroled])  # fmt: skip
+    drawing.changes += listed(reader.hidden)
+    if reader.unread:
+        kinds = ", ".join(f"{count} <{tag}>" for tag, count in reader.unread.items())
+        drawing.changes.append(f"not followed, left out: {kinds}")
+    if not drawing.of("boundary", "obstacle"):
+        message = "no line is a boundary; put those about the place into a layer named boundary, "
+        raise refused(path, f"{message}give them that id, or name them by --boundary ID")
     return drawing
 
 
-class _Lines:
-    """The lines of a drawing, shape by shape, and what is said of those that are not taken."""
-
-    def __init__(self, path: Path, look: SvgLook, options: Options) -> None:
-        self.path, self.look = path, look
-        self.frame = Frame.of(path, look, options)
-        self.tolerance = TOLERANCE if options.tolerance is None else options.tolerance
-        self.lines: list[_Line] = []
-        self.painted: list[Any] = []  # shapely polygons of walls with a painted area
-        self._hidden = [*look.left_out]
-        self.walls = Walls(frozenset(options.boundary), self._hidden)
-        self._nameless: dict[Any, list[tuple[str, int | None, str]]] = {}  # by group, if in one
-        self._left_out: list[str] = []
-        self._whole: dict[str, None] = {}  # what is taken as it would not be drawn
-        self._seen: set[int | None] = set()
-        self._count = 0
-
-    def look_at(self, element: Any, role: str, name: str, own_id: str) -> None:
-        """Take the lines of a shape, if it has a role and is seen; refuse those that are not read.
-
-        Without a role ``name`` is that of the group that has one.
-        """
-        own = element.values.get("attributes", {})
-        label = next(iter(names_of(element)), "")
-        where = escaped(repr(label[:60])) if label else f"<{own.get(TAG, 'element')}>"
-        line = int(own[LINE]) if LINE in own else None
-        self._seen.add(line)
-        is_named = self.walls.asked_for(element) or bool(_role(element)[0])
-        if not is_seen(element.values, self.look.may_be_painted or is_named):
-            told = f"line {line}: hidden <{own.get(TAG, 'element')}> {escaped(label)[:60]}"
-            self._hidden.append(f"{told.rstrip()}, left out")
-            if not role and is_seen(element.values, is_meant=True):  # it may be asked for
-                self.walls.note(element, name, self.frame.metres)
-        elif not role:
-            group = (name, None if name else len(self._nameless))
-            self._nameless.setdefault(group, []).append((where, line, label))
-            self.walls.note(element, name, self.frame.metres)
-        else:
-            if fault := element.values.get(FAULT):
-                at, _, what = fault.partition(" ")
-                raise refused(self.path, what, int(at))
-            found = self._subpaths(element, role, where, line)
-            for cut in (value for key, value in element.values.items() if CUT in key):
-                self._whole[f"{cut} is not applied; taken whole"] = None
-            if not is_named and (doubt := _doubt(element.values, found)):
-                self._whole[f"line {line}: {where}: {doubt}; taken"] = None
-            kind = "boundary" if role == "wall" else role
-            lines = [
-                _Line(kind, name, rounded(self.frame.placed(points)), closed, where, line, own_id)
-                for points, closed in found
-            ]
-            if role == "wall" and has_area(element.values):
-                rings = [one.points for one in lines if one.is_closed]
-                self.painted += painted(rings, is_even_odd(element.values))
-            for one in lines:
-                self._take(one)
-
-    def _subpaths(
-        self, element: Any, role: str, where: str, line: int | None
-    ) -> list[tuple[FloatArray, bool]]:
-        tolerance = self.tolerance / self.frame.metres
-        try:
-            shape = svgelements.Path(element)
-            box = shape.bbox() if role == "robot" else None
-            if box is not None and (size := max(box[2] - box[0], box[3] - box[1])) > 0.0:
-                tolerance = min(tolerance, FINE * size)
-            return subpaths(shape, tolerance, MOST_POINTS - self._count)
-        except (ValueError, ArithmeticError) as error:
-            raise refused(self.path, f"{where}: {escaped(str(error))[:160]}", line) from None
-
-    def _take(self, line: _Line) -> None:
-        if len(line.points) < 2:
-            self._left_out.append(f"{line.where}: a line of no length, left out")
-        else:
-            self.lines.append(line)
-            self._count += len(line.points)
-
-    def told(self) -> list[str]:
-        """What is said of all that was not taken, or not as it would be drawn."""
-        hidden, nothing = [*dict.fromkeys(self._hidden)], self.look.not_among(self._seen)
-        nameless = [_no_role(group, of) for (group, _), of in self._nameless.items()]
-        kinds = (hidden, nameless, self._left_out, [*self._whole], nothing)
-        return [one for kind in kinds for one in listed(kind)]
+def _tree(path: Path) -> Any:
+    """Root of a drawing, without entities and whatever is beyond all measure."""
+    parser = etree.XMLParser(resolve_entities=False, no_network=True, remove_comments=True)
+    try:
+        root = etree.fromstring(read_bytes(path, MOST_TEXT), parser)
+    except etree.XMLSyntaxError as error:
+        reason = escaped(str(error.msg))[:100]
+        raise refused(path, f"not valid XML: {reason}", error.lineno or 1) from None
+    document = root.getroottree().docinfo.internalDTD
+    entity = next((one for one in parser.error_log if "ENTITY" in one.type_name), None)
+    if entity or (document is not None and any(document.iterentities())):
+        line = entity.line if entity else None
+        raise refused(path, "has an XML entity; save the drawing as plain SVG without any", line)
+    if root.tag not in (f"{SVG}svg", "svg"):
+        raise refused(path, f"the root is <{escaped(str(root.tag))[:60]}>, not <svg>", 1)
+    if sum(1 for _ in root.iter()) > MOST_ELEMENTS:
+        raise refused(path, f"more than {MOST_ELEMENTS} elements; leave out what is no wall")
+    for sheet in root.iter(f"{SVG}style", "style"):
+        if said := _hides("".join(sheet.itertext())):
+            message = f'a style sheet says "{escaped(said)[:40]}"; of sheets only paint is read'
+            raise refused(
+                path, f"{message}: save as plain SVG, or use attributes", sheet.sourceline
+            )
+    return root
 
 
-def _no_role(group: str, shapes: Sequence[tuple[str, int | None, str]]) -> str:
-    """What is said of shapes of a group, "" for none, that have no role: what, line and label."""
-    where, line, label = shapes[0]
-    more = f" and {len(shapes) - 1} more" if len(shapes) > 1 else ""
-    within = f" in {escaped(repr(group[:60]))}" if group and group != label else ""
-    near = nearest_role(group) or nearest_role(label)
-    told = f"line {line}: {where}{more}{within}: in no layer boundary, obstacle, path or robot"
-    return f"{told}, left out{near}"
-
-
-def _doubt(values: Mapping[str, Any], lines: Sequence[tuple[FloatArray, bool]]) -> str:
-    """Why a shape with these lines may not be seen, or is not, though it has a role; or empty."""
-    if is_unsure(values):
-        return "whether its paint is seen depends on what is not read"
-    if has_area(values) and not has_line(values) and not all(_area(line) for line, _ in lines):
-        return "has no line (stroke), and no area that is painted, or a part has none"
+def _hides(sheet: str) -> str:
+    """The first declaration of a style sheet that may do more than paint; empty without any."""
+    sheet = re.sub(r"/\*.*?(?:\*/|\Z)", " ", sheet, flags=re.S)
+    sheet = re.sub(r'"[^"\n]*"|\'[^\'\n]*\'|url\([^)]*\)', "0", sheet)
+    sheet = re.sub(r"@font-face\s*\{[^{}]*\}|@(?:import|charset|namespace)\b[^;{}]*;", " ", sheet)
+    depth = 0
+    for text, end in re.findall(r"([^{};]*)([{};]|\Z)", sheet):
+        if end == "{":
+            depth += 1
+        elif text.strip():
+            key, _, value = (one.strip().lower() for one in text.partition(":"))
+            if not depth or not PAINT.fullmatch(key) or (key == "opacity" and _is_nought(value)):
+                return str(text).strip()
+        depth -= end == "}"
     return ""
 
 
-def _area(points: FloatArray) -> float:
-    """Of a polyline that is closed; 0 for one that lies in a line, give or take a grain."""
-    x, y = (points - points[0]).T
-    area = abs(float(x @ np.roll(y, -1) - y @ np.roll(x, -1))) / 2.0
-    return area if area > 1e-9 * float(np.ptp(points, axis=0).max()) ** 2 else 0.0
+def _is_nought(value: Any) -> bool:
+    return re.fullmatch(r"[+-]?[0.]+%?|-.*", value) is not None
 
 
-def _role(element: Any) -> tuple[str, str]:
-    """Role of an element and the rest of its name; ids such as path42 are Inkscape's own."""
-    own = element.values.get("attributes", {})
-    for key in NAMES:
-        text = str(own.get(key) or "")
-        role, rest = role_named(text)
-        if role and (key == LABEL or not OF_PROGRAMS.fullmatch(text.strip().lower())):
-            return role, rest
-    return "", ""
+@dataclass(frozen=True)
+class _State:
+    """What an element has from those that it stands in."""
+
+    matrix: Any
+    role: str = ""
+    name: str = ""
+    is_copy: bool = False
+    """whether role and name are those of a copy, which what it is a copy of does not change"""
+    is_hidden: bool = False
+    is_visible: bool = True
+    group: str = ""
+    """the nearest name about it"""
+    unread: tuple[int, str] | None = None
+    """line and words on the first thing that is not read"""
+    levels: int = 0
 
 
-def _id(element: Any) -> str:
-    own = element.values.get("attributes", {})
-    return str(own.get("id") or own.get(SAME_ID) or "")
+@dataclass
+class _Reader:
+    """Shapes of a drawing with a role, and what is said of the others."""
 
+    path: Path
+    options: Options
+    root: Any
+    drawing: Drawing = field(init=False)
+    frame: Any = field(init=False)
+    hidden: list[str] = field(default_factory=list)
+    unroled: list[tuple[str, str, int]] = field(default_factory=list)
+    """description, name by which it may be ignored, and line"""
+    unread: Counter[str] = field(default_factory=Counter)
+    names: set[str] = field(default_factory=set)
+    count: int = 0
 
-def _shapes(
-    group: Any, role: str, name: str, walls: Walls, copied: tuple[str, str, str] = ("", "", "")
-) -> Any:
-    """Every shape below a group, with the role and name that it or its layer has, and its id.
+    def __post_init__(self) -> None:
+        self.drawing = Drawing("SVG drawing", self.path)
+        self.tolerance = self.options.tolerance or TOLERANCE
+        self.by_id: dict[str, Any] = {}
+        for element in self.root.iter(etree.Element):
+            self.by_id.setdefault(element.get("id", ""), element)
+        self.frame = self._frame()
 
-    Without a role the name is that of the group that has one, for `Walls.note`. Role, name and id
-    of a copy, ``copied``, take the place of those of what it is a copy of.
-    """
-    for element in group:
-        own, rest = _role(element)
-        is_asked_for = walls.takes(element)
-        if is_asked_for:
-            own, rest = "boundary", ""
-        label = next(iter(names_of(element)), "")
-        within = name if role else ""  # that of a group without a role names nothing in it
-        drawn = str(element.values.get("attributes", {}).get(LABEL) or "")
-        given = rest or (drawn if drawn and role and not own else "")
-        if isinstance(element, svgelements.Group | svgelements.Use):
-            named = given or within if own or role else label or name
-            whose = copied
-            if isinstance(element, svgelements.Use):
-                whose = (copied[0] or own or role, copied[1] or given, copied[2] or _id(element))
-            yield from _shapes(element, own or role, named, walls, whose)
-        elif isinstance(element, svgelements.Shape):
-            is_wall = {own, role} == {"boundary", "wall"}  # its own name says which
-            if own and role and own != role and not (rest or is_asked_for or is_wall):
-                own = role
-            named = copied[1] or rest or (drawn if drawn and not own else within)
-            kind = copied[0] or own or role
-            own_id = copied[2] if copied[0] else _id(element)
-            yield element, kind, named if kind else name, own_id
-
-
-def _sort(path: Path, drawing: Drawing, lines: list[_Line], walls: Walls) -> None:
-    """Give every line its place in the drawing."""
-    paths: list[tuple[str, FloatArray]] = []
-    labels = {line.name for line in lines if line.role == "robot"}
-    called = {line.name for line in lines if line.role == "path"} - labels  # by id, if at all
-    open_paths = {line.name for line in lines if line.role == "path" and not line.is_closed}
-    for line in lines:
-        points = line.points
-        ring = points[:-1] if is_closed(points) else points
-        if line.role == "boundary":
-            drawing.boundaries.append(points)
-        elif line.role == "path":
-            if line.is_closed and line.name in open_paths:  # the head of an arrow
-                drawing.changes.append(
-                    f"line {line.line}: {line.where}: closed, beside an open path: left out"
-                )
-                continue
-            paths.append((line.name, points))
-        elif line.role == "robot":
-            if len(ring) < 3:
-                message = f"{line.where}: a robot at {place(ring[0])} has no area; draw its outline"
-                raise refused(path, message, line.line)
-            by_id = line.own_id if line.own_id in called else ""
-            drawing.robots.append(DrawnRobot(ring, line.name or by_id))
+    def _frame(self) -> Any:
+        """Matrix from user units of the page to metres of the world; says its scale."""
+        root, line = self.root, self.root.sourceline
+        sizes = {}
+        for key in ("width", "height"):
+            given = root.get(key, "").strip()
+            found = re.fullmatch(r"([\d.]+(?:e[+-]?\d+)?)\s*([a-z]*)", given.lower())
+            unit = found[2] if found else ""
+            if found and unit in (*UNITS, "", "px") and (size := float(found[1])) > 0.0:
+                sizes[key] = size * UNITS.get(unit, 0.0254 / 96.0)
+            elif given and not (given.endswith("%") or given == "auto"):
+                message = f'{key}="{escaped(given)[:40]}": a length above 0 such as 240mm is needed'
+                raise refused(self.path, message, line)
+            if key == "width":
+                in_metres = unit in UNITS
+        pixel = 0.0254 / 96.0
+        box = [0.0, 0.0, *(sizes.get(key, 0.0) / pixel for key in ("width", "height"))]
+        try:
+            if given := root.get("viewBox"):
+                box = numbers(given)
+            x, y, width, height = box
+            if given and not min(width, height) > 0.0:
+                raise ValueError("width and height, the last two, must be above 0")
+        except ValueError as error:
+            message = f'viewBox="{escaped(given)[:60]}": four numbers are needed: {error}'
+            raise refused(self.path, message, line) from None
+        scale = self.options.scale
+        if scale is not None:
+            self.drawing.facts.append(f"{scale:g} m per user unit (--scale)")
+        elif not in_metres:
+            message = "the page has no real-world units; --scale M says how many metres a user "
+            raise refused(self.path, f"{message}unit is", line)
         else:
-            drawing.obstacles.append(ring)
-        if line.role in ("robot", "obstacle") and not (line.is_closed and len(points) > 2):
-            drawing.changes.append(
-                f"line {line.line}: {line.where}: {line.role} at {place(points[0])} is not closed: "
-                "closed by a straight line"
-            )
-    drop_marks(drawing)
-    take_paths(drawing, paths)
-    drawing.changes += join_ends(drawing.boundaries)
-    if not drawing.boundaries:
-        raise refused(
-            path,
-            "no line is a boundary; put the walls into a layer named boundary, or give them the "
-            f"id boundary{walls.advice()}",
+            scale = sizes["width"] / width
+            if "height" in sizes and abs(sizes["height"] / height / scale - 1.0) > 1e-3:
+                message = (
+                    "width, height and viewBox stretch the page; give it one scale, or --scale"
+                )
+                raise refused(self.path, message, line)
+            self.drawing.facts.append(f"real-world size of the page: {scale:.6g} m per user unit")
+        corner = f"the page's {'lower' if height > 0.0 else 'upper'} left corner"
+        self.drawing.facts[-1] += (
+            f"; curves flattened within {self.tolerance:g} m; y turned up, {corner} is (0, 0)"
         )
+        return svgelements.Matrix(scale, 0.0, 0.0, -scale, -x * scale, (y + height) * scale)
+
+    def walk(self, element: Any, state: _State, is_copied: bool = False) -> None:
+        """Take all shapes of an element that is drawn where it stands, or where it is copied to."""
+        tag = etree.QName(element).localname
+        if etree.QName(element).namespace not in (SVG[1:-1], None):
+            return
+        if NO_LINES.fullmatch(tag) and not (is_copied and tag == "symbol"):
+            if tag in ("text", "image", "script", "set", "foreignObject") or tag[:7] == "animate":
+                self.unread[tag] += 1
+            return
+        self.count += 1
+        if self.count > MOST_ELEMENTS:
+            raise refused(self.path, f"more than {MOST_ELEMENTS} elements, copies written out")
+        within = self._entered(element, tag, state)
+        if within is None:
+            return
+        if tag in GROUPS and (tag != "svg" or element is self.root):
+            for child in element.iterchildren(etree.Element):
+                self.walk(child, within)
+        elif tag in ("use", *LINES):
+            self._drawn(element, tag, within)
+        elif any(etree.QName(one).localname in ("use", *LINES)
+                 for one in element.iter(etree.Element)):  # fmt: skip
+            named = [role_named(one.get(key, "")) for one in element.iter(etree.Element)
+                     for key in (LABEL, "id")]  # fmt: skip
+            role = within.role or next((role for role, _ in named if role), "")
+            self._drawn(element, tag, replace(within, role=role))
+
+    def _entered(self, element: Any, tag: str, state: _State) -> _State | None:
+        """What holds within an element; None where it is to be ignored."""
+        line = element.sourceline
+        label, own_id = element.get(LABEL, "").strip(), element.get("id", "").strip()
+        names = {one for one in (label, own_id) if one}
+        self.names |= names
+        if names & {*self.options.ignore}:
+            told = f"line {line}: <{tag}> {escaped(label or own_id)[:60]}: left out (--ignore)"
+            self.drawing.changes.append(told)
+            return None
+        role, rest = role_named(label)
+        if not role and not OF_PROGRAMS.fullmatch(own_id.lower()):
+            role, rest = role_named(own_id)
+        if names & {*self.options.boundary}:
+            role, rest = "boundary", ""
+        if state.is_copy:
+            role, rest = "", ""
+        elif role:
+            state = replace(state, role=role, name=rest)
+        elif label and state.role and tag != "svg":
+            state = replace(state, name=label)
+        look, unread = self._looked_at(element, tag)
+        matrix, fault = self._moved(element.get("transform", ""), state.matrix)
+        unread = fault or unread
+        if unread and state.unread is None:
+            state = replace(state, unread=(line, f"<{tag}> {_quoted(label or own_id)}{unread}"))
+        if state.levels > MOST_LEVELS:
+            message = f"more than {MOST_LEVELS} groups or copies within each other, or a copy of "
+            raise refused(
+                self.path, f"{message}itself ({escaped(own_id)[:40]}); ungroup some", line
+            )
+        visible = {"hidden": False, "collapse": False, "visible": True}
+        return replace(
+            state,
+            matrix=matrix,
+            is_hidden=state.is_hidden or look["display"] == "none" or _is_nought(look["opacity"]),
+            is_visible=visible.get(look["visibility"], state.is_visible),
+            group=label or own_id or state.group,
+            levels=state.levels + 1,
+        )
+
+    def _looked_at(self, element: Any, tag: str) -> tuple[dict[str, str], str]:
+        """Display, visibility and opacity of an element, and what of it is not read."""
+        is_read = tag in READ and (tag != "svg" or element is self.root)
+        unread = "" if is_read else ": is not read; take what it holds out of it"
+        look = dict.fromkeys(("display", "visibility", "opacity"), "")
+        given = {str(key): str(value) for key, value in element.attrib.items() if key[0] != "{"}
+        is_root = element is self.root
+        for key, value in given.items():
+            if key in look:
+                look[key] = value.strip().lower()
+            elif not (is_root or key in READ.get(tag, ()) or PAINT.fullmatch(key)
+                      or COMMON.fullmatch(key) or value.strip() == "none"
+                      or (tag == "use" and key in ("width", "height"))):  # fmt: skip
+                unread = unread or f': the attribute "{escaped(key)[:40]}" is not read'
+        style = re.sub(r"/\*.*?\*/", " ", given.get("style", ""), flags=re.S)
+        for one in style.split(";"):
+            key, _, value = (part.strip().lower() for part in one.partition(":"))
+            if key == "all":  # sets those before it aside
+                look = dict.fromkeys(look, key)
+            if key in look:
+                look[key] = value.removesuffix("!important").strip()
+            elif key and value != "none" and not PAINT.fullmatch(key):
+                unread = unread or f': its style says "{escaped(key)[:40]}", which is not read'
+        for key, value in look.items():
+            if value and not SEEN.fullmatch(value):
+                unread = unread or f': {key} "{escaped(value)[:40]}" is not read'
+        return look, f"{unread}; use plain attributes, or ungroup it" if unread else ""
+
+    def _moved(self, transform: str, matrix: Any) -> tuple[Any, str]:
+        """A matrix after a transform, and what is wrong with its text."""
+        at, text = 0, transform.strip()
+        text = "" if text == "none" else text
+        try:
+            while at < len(text):
+                found = FUNCTION.match(text, at)
+                counts = COUNTS.get(found[1], ()) if found else ()
+                if found is None or len(given := numbers(found[2])) not in counts:
+                    of = (
+                        f"takes {' or '.join(map(str, counts))} numbers" if counts else "is unknown"
+                    )
+                    raise ValueError(f'"{escaped(text[at : at + 30])}" {of}')
+                # as svgelements has it, the left one is applied first
+                one = svgelements.Matrix(f"{found[1]}({','.join(map(repr, given))})")
+                if abs(one.a * one.d - one.b * one.c) == 0.0:
+                    raise ValueError(f'"{escaped(found[0])[:40]}" leaves no area')
+                matrix = one * matrix
+                at = found.end()
+        except ValueError as error:
+            return matrix, f": transform: {error}"
+        return matrix, ""
+
+    def _drawn(self, element: Any, tag: str, state: _State) -> None:
+        """Take a shape or a copy that has a role and is seen."""
+        line, own = element.sourceline, element.get(LABEL) or element.get("id") or ""
+        called = f"<{tag}> {_quoted(own)}".rstrip()
+        if state.is_hidden or not (state.is_visible or tag == "use"):
+            self.hidden.append(f"line {line}: hidden {called}, left out")
+            return
+        target = element.get("href", element.get(HREF, "")).strip()
+        if tag == "use" and target[1:] in self.by_id and target.startswith("#"):
+            try:
+                x, y = (length(element.get(key, "0")) for key in ("x", "y"))
+            except ValueError as error:
+                state = replace(state, unread=state.unread or (line, f"{called}: {error}"))
+                x = y = 0.0
+            matrix = svgelements.Matrix(1.0, 0.0, 0.0, 1.0, x, y) * state.matrix
+            copied = replace(state, matrix=matrix, is_copy=bool(state.role))
+            self.walk(self.by_id[target[1:]], copied, is_copied=True)
+            return
+        if tag == "use":
+            if not target:
+                return
+            what = f': copies "{escaped(target)[:40]}", which is not in this file'
+            state = replace(state, unread=state.unread or (line, called + what))
+        if not state.role:
+            near = hint(own) or hint(state.group)
+            within = f" in {_quoted(state.group)}" if not own and state.group else ""
+            self.unroled.append((f"{called}{within}{near}", own or state.group, line))
+        elif state.unread is not None:
+            raise refused(self.path, state.unread[1], state.unread[0])
+        else:
+            try:
+                self._take(element, tag, state, called)
+            except ValueError as error:
+                raise refused(self.path, f"{called}: {error}", line) from None
+
+    def _take(self, element: Any, tag: str, state: _State, called: str) -> None:
+        """Take the lines of a shape; ValueError where they are none of its role."""
+        role, name, line = state.role, state.name, element.sourceline
+        heading = None
+        if role == "robot" and (said := re.fullmatch(r"(.*?)\s*@\s*([-+]?\d+(?:\.\d+)?)", name)):
+            name, heading = said[1], radians(float(said[2]))
+        m = state.matrix
+        turn = np.array([[m.a, m.b], [m.c, m.d]])
+        tolerance = self.tolerance / float(np.linalg.norm(turn, 2))
+        data = outline(tag, element.attrib)
+        lines = subpaths(data, tolerance)
+        if role == "robot" and lines:
+            size = np.ptp(np.vstack([points for points, _ in lines]), axis=0).max()
+            if 0.0 < FINE * size < tolerance:
+                lines = subpaths(data, FINE * float(size))
+        placed = [(rounded(points @ turn + (m.e, m.f)), closed) for points, closed in lines]
+        for points, _ in placed:
+            if not np.isfinite(points).all():
+                raise ValueError("a coordinate is not a finite number")
+        placed = [(points, closed) for points, closed in placed if len(points) > 1]
+        if not placed:
+            self.drawing.changes.append(f"line {line}: {called}: a line of no length, left out")
+        geometries: list[Any] = [shapely.LineString(points) for points, _ in placed]
+        if role == "wall":
+            if any(closed for _, closed in placed):
+                raise ValueError('a closed "wall" may be solid or not: call it obstacle if it is, '
+                                 "else boundary")  # fmt: skip
+            role = "boundary"
+        if role in ("obstacle", "robot"):
+            geometries = _solids(role, placed)
+        label = f"'{escaped(element.get(LABEL) or element.get('id') or '')[:60]}'"
+        label = label if label != "''" else f"<{tag}>"
+        self.drawing.shapes += [Shape(role, one, name, heading, label, line) for one in geometries]  # type: ignore[arg-type]
+
+
+def _solids(role: str, lines: list[tuple[FloatArray, bool]]) -> list[Any]:
+    """Polygons of closed lines; one within another is a hole."""
+    solid: Any = shapely.Polygon()
+    if len(lines) > MOST_OUTLINES:
+        raise ValueError(f"{len(lines)} outlines in one shape; at most {MOST_OUTLINES} are read")
+    for points, closed in lines:
+        if not closed or len(points) < 4:
+            raise ValueError(f"{role} at {place(points[0])} is not closed; draw its outline")
+        ring = shapely.Polygon(points)
+        if not ring.is_valid:
+            at = re.findall(r"[-+.\de]+", shapely.is_valid_reason(ring))[-2:]
+            raise ValueError(f"its outline crosses itself at {place([float(one) for one in at])}")
+        if ring.area <= 0.0:
+            raise ValueError(f"{role} at {place(points[0])} has no area")
+        if solid.overlaps(ring):
+            raise ValueError("its outlines cross each other; draw each as a shape of its own")
+        solid = solid.symmetric_difference(ring)
+    found = [one for one in shapely.get_parts(solid) if one.area > 0.0]
+    if role == "robot" and (len(found) > 1 or any(one.interiors for one in found)):
+        raise ValueError("a robot has one outline; draw each as a shape of its own")
+    return found
+
+
+def _quoted(name: str) -> str:
+    return f'"{escaped(name)[:60]}"' if name else ""

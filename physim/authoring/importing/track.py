@@ -26,6 +26,7 @@ from physim.authoring.importing.drawing import (
 )
 from physim.authoring.importing.options import Options
 from physim.authoring.importing.source import read_text
+from physim.authoring.importing.work import check_work
 from physim.errors import nearest
 from physim.escaping import escaped
 from physim.geometry.arc_length import Polyline
@@ -68,6 +69,7 @@ def read_track(path: Path, options: Options) -> Drawing:
         centre, left, right = _opened(drawing, centre, left, right, options)
     elif options.start is not None or options.gap is not None:
         raise refused(path, "--start and --gap are for closed tracks; this one is open")
+    check_work(path, [left, right])
     road = _road(drawing, centre, left, right)
     way = Polyline(centre)
     margin = min(MARGIN, float(width.min()), 0.2 * way.length)
@@ -212,8 +214,8 @@ def _opened(
         for line in (centre, left, right)
     )
     drawing.changes.append(
-        f"closed track cut open at station {start:g} m, {place(cut[0][0])}: the road ends {gap:g} m "
-        "before it begins (--start, --gap; --open: it is no closed one)"
+        f"closed track cut open at station {start:g} m, {place(cut[0][0])}: the road ends "
+        f"{gap:g} m before it begins (--start, --gap; --open: it is no closed one)"
     )
     return cut
 

@@ -1,196 +1,199 @@
-"""WKT and GeoJSON: which polygon is the area, what of it is lost, and what is said of it."""
+"""WKT and GeoJSON: what each shape is, places that are united, and what is refused."""
 
 from __future__ import annotations
 
 import json
+from math import pi
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pytest
 import shapely
-import shapely.affinity
 
-from physim.authoring.importing import Imported, ImportSourceError, Options, import_world
-from tests.authoring.importing.plans import check_says, free_area, geojson, only
+from physim.authoring.importing import ImportSourceError, Options, import_world
+from tests.authoring.importing.plans import METRES, check_says
+from tests.helpers import inside
+
+read_wkt = inside("physim.authoring.importing", "read_wkt")
+read_geojson = inside("physim.authoring.importing", "read_geojson")
 
 ROOM = [[0, 0], [30, 0], [30, 20], [0, 20], [0, 0]]
+TABLE = [[5, 5], [9, 5], [9, 9], [5, 9], [5, 5]]
+BOW = [[5, 5], [7, 7], [7, 5], [5, 7], [5, 5]]
 
 
-def polygons(folder: Path, rings: list[Any], crs: str = "") -> Path:
-    shape = {"type": "Polygon", "coordinates": rings}
-    about = {"crs": {"type": "name", "properties": {"name": crs}}} if crs else {}
-    path = folder / "plan.geojson"
-    path.write_text(json.dumps({**about, "type": "Feature", "properties": {}, "geometry": shape}))
-    return path
+def feature(kind: str, coordinates: Any, **properties: Any) -> dict[str, Any]:
+    shape = {"type": kind, "coordinates": coordinates}
+    return {"type": "Feature", "properties": properties, "geometry": shape}
 
 
-def moved(ring: list[list[float]], x: float, y: float) -> list[list[float]]:
-    return [[a + x, b + y] for a, b in ring]
+def collection(*features: Any, **more: Any) -> str:
+    return json.dumps({"type": "FeatureCollection", "features": features, **more})
 
 
-def room(imported: Imported) -> Any:
-    """Where robots may go."""
-    world = imported.world
-    outer, *holes = (shapely.Polygon(ring) for ring in world.boundaries or ())
-    solid = [shapely.Polygon(ring) for ring in world.obstacles or ()]
-    return outer.difference(shapely.union_all([*holes, *solid]))
+def beside(kind: str, coordinates: Any, **properties: Any) -> str:
+    """A feature beside a place."""
+    return collection(feature("Polygon", [ROOM], role="place"),
+                      feature(kind, coordinates, **properties))  # fmt: skip
 
 
-COLUMNS = {
-    "at the wall": [[0, 8], [2, 8], [2, 10], [0, 10], [0, 8]],
-    "in the room": [[4, 8], [6, 8], [6, 10], [4, 10], [4, 8]],
-}
+def polygon(ring: Any, **more: Any) -> str:
+    return json.dumps({"type": "Polygon", "coordinates": [ring], **more})
 
 
-@pytest.mark.parametrize(("name", "form"), [("at the wall", "geojson"), ("in the room", "wkt")])
-def test_a_column_is_solid_wherever_it_stands(tmp_path: Path, name: str, form: str) -> None:
-    """One that shares an edge with the outline was lost: robots went through it."""
-    path = polygons(tmp_path, [ROOM, COLUMNS[name]])
-    if form == "wkt":
-        path = tmp_path / "plan.wkt"
-        texts = (", ".join(f"{x} {y}" for x, y in ring) for ring in (ROOM, COLUMNS[name]))
-        path.write_text("POLYGON (({}), ({}))".format(*texts))
-    expected = shapely.Polygon(ROOM).difference(shapely.Polygon(COLUMNS[name]))
-    found = room(import_world(path, Options(scale=1.0)))
-    assert found.symmetric_difference(expected).area < 1e-6
+def read(folder: Path, text: str, options: Options = METRES) -> Any:
+    is_json = text.lstrip().startswith(("{", "["))
+    path = folder / ("plan.geojson" if is_json else "plan.wkt")
+    path.write_text(text)
+    return (read_geojson if is_json else read_wkt)(path, options)
+
+
+def refusal(folder: Path, text: str, options: Options = METRES) -> str:
+    with pytest.raises(ImportSourceError) as caught:
+        read(folder, text, options)
+    assert "\n" not in str(caught.value)
+    return str(caught.value)
+
+
+ROLES: dict[str, tuple[str, list[tuple[str, str]]]] = {
+    "a polygon alone": (polygon(ROOM), [("place", "")]),
+    "no roles at all": (
+        collection(feature("Polygon", [ROOM]), feature("LineString", [[1, 1], [9, 1]])),
+        [("place", ""), ("path", "")],
+    ),
+    "WKT": ("POLYGON ((0 0, 30 0, 30 20, 0 0))\n\nLINESTRING (1 1,\n 9 1) # way\n",
+            [("place", ""), ("path", "")]),
+    "a name": (beside("LineString", [[1, 1], [9, 1]], role="path", name="ann"),
+               [("place", ""), ("path", "ann")]),
+    "a layer": (beside("Polygon", [TABLE], Layer="Robot ann"), [("place", ""), ("robot", "ann")]),
+    "its role before its layer": (beside("Polygon", [TABLE], role="obstacle", layer="robot"),
+                                  [("place", ""), ("obstacle", "")]),
+    "lines about the place": (beside("Polygon", [ROOM, TABLE], role="boundary"),
+                              [("place", ""), ("boundary", ""), ("boundary", "")]),
+    "a wall of a line": (beside("LineString", [[1, 1], [9, 1]], layer="wall_ext"),
+                         [("place", ""), ("boundary", "ext")]),
+    "a wall of an area": (beside("Polygon", [TABLE], role="wall"),
+                          [("place", ""), ("obstacle", "")]),
+    "many in one": (beside("MultiPolygon", [[TABLE], [[[20, 9], [22, 9], [22, 11], [20, 9]]]],
+                           role="obstacle"), [("place", ""), ("obstacle", ""), ("obstacle", "")]),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("how", ROLES)
+def test_a_property_or_layer_says_the_role(tmp_path: Path, how: str) -> None:
+    text, meant = ROLES[how]
+    assert [(one.role, one.name) for one in read(tmp_path, text).shapes] == meant
+
+
+def test_a_heading_is_in_degrees(tmp_path: Path) -> None:
+    (robot,) = read(tmp_path, beside("Polygon", [TABLE], role="robot", heading=180)).of("robot")
+    assert robot.heading == pytest.approx(pi)
+
+
+def test_an_obstacle_keeps_its_holes(tmp_path: Path) -> None:
+    (wall,) = read(tmp_path, beside("Polygon", [ROOM, TABLE], role="obstacle")).of("obstacle")
+    assert wall.geometry.area == 600.0 - 16.0
+
+
+JUPEDSIM = """GEOMETRYCOLLECTION (POLYGON ((0 0, 10 0, 10 5, 0 5, 0 0)),
+ POLYGON ((10.0004 1, 20 1, 20 4, 10.0004 4, 10.0004 1)), POLYGON ((18 3, 25 3, 25 9, 18 9, 18 3)))
+"""
+
+
+def test_places_that_overlap_or_abut_are_one(tmp_path: Path) -> None:
+    """As JuPedSim writes a geometry; half a millimetre is left by rounding."""
+    drawing = read(tmp_path, JUPEDSIM)
+    (whole,) = drawing.of("place")
+    assert whole.geometry.area == pytest.approx(50.0 + 30.0 + 42.0 - 2.0, abs=0.01)
+    check_says(drawing.facts[-1], "3 polygons united … 1.5 mm … 120.0 m²")
+    apart = read(tmp_path, "MULTIPOLYGON (((0 0, 9 0, 9 9, 0 0)), ((9.01 0, 20 0, 20 9, 9.01 0)))")
+    assert len(apart.of("place")) == 2
+
+
+def test_a_world_of_united_places(tmp_path: Path) -> None:
+    path = tmp_path / "hall.wkt"
+    path.write_text(JUPEDSIM + "LINESTRING (2 2.5, 17 2.5)\n")
+    made = import_world(path, Options(robot=(0.6, 0.4)))
+    (wall,) = made.world.boundaries or ()
+    assert shapely.Polygon(wall).area == pytest.approx(120.0, abs=0.01)
 
 
 def test_coordinates_of_a_national_grid_are_taken_from_an_origin(tmp_path: Path) -> None:
-    crs = "urn:ogc:def:crs:EPSG::32633"
-    imported = import_world(polygons(tmp_path, [moved(ROOM, 400_010.0, 5_812_345.5)], crs))
-    check_says(" ".join(imported.facts), f"crs, {crs} … origin … 400000, 5812000")
-    assert room(imported).bounds == (10.0, 345.5, 40.0, 365.5)
-    near = import_world(polygons(tmp_path, [moved(ROOM, 900_000.0, 10.0)], "EPSG:3857"))
-    assert room(near).bounds[0] == 900_000.0  # what can be had as it is stays so
-    track = tmp_path / "track.csv"
-    track.write_text("".join(f"{500_000 + x},5400123,4,4\n" for x in range(30)))
-    imported = import_world(track)
-    check_says(" ".join(imported.facts), "origin … 500000, 5400000")
-    walls = shapely.MultiLineString(list(imported.world.boundaries or ()))
-    assert walls.bounds == pytest.approx((0.0, 119.0, 29.0, 127.0))
-
-
-DEGREES = [[-100.0, 30.0], [-70.0, 30.0], [-70.0, 50.0], [-100.0, 50.0], [-100.0, 30.0]]
-
-
-def test_degrees_of_every_system_are_refused(tmp_path: Path) -> None:
-    """Those of two systems alone were; the others became metres in silence."""
-    code, wkt = 7844, tmp_path / "plan.wkt"
-    wkt.write_text(f"SRID={code};POLYGON((" + ", ".join(f"{x:g} {y:g}" for x, y in DEGREES) + "))")
-    for name in ("", f"urn:ogc:def:crs:EPSG:6.9:{code}"):
-        path = polygons(tmp_path, [DEGREES], name) if name else wkt
-        with pytest.raises(ImportSourceError) as caught:
-            import_world(path, Options())
-        check_says(str(caught.value), "degrees … --scale 1 if these are metres")
-        assert room(import_world(path, Options(scale=1.0))).area == pytest.approx(600.0)
-
-
-def test_a_geometry_goes_over_lines_until_its_brackets_are_closed(tmp_path: Path) -> None:
-    path = tmp_path / "plan.wkt"
-    path.write_text(
-        "GEOMETRYCOLLECTION (\nPOLYGON ((0 0, 40 0,\n40 20, 0 20, 0 0)),\n"
-        "LINESTRING (3 10, 37 10)\n)\n"
-    )
-    imported = import_world(path)
-    assert np.array(imported.world.reference_path)[:, 1].tolist() == [10.0, 10.0]
-
-
-NECK = "20 0, 20 9.9998, 23 9.9998, 23 0, 42 0, 42 20, 23 20, 23 10.0001, 20 10.0001, 20 20"
-
-
-def test_halves_joined_by_a_neck_below_a_millimetre_are_told_apart(tmp_path: Path) -> None:
-    """That with the path in it is the area; the other is listed with its size."""
-    path = tmp_path / "plan.wkt"
-    halves = {"LINESTRING (2 3, 18 3)": 20.0, "LINESTRING (25 3, 40 3)": 19.0}
-    for line, width in halves.items():
-        path.write_text(f"POLYGON ((0 0, {NECK}, 0 20, 0 0))\n{line}\n")
-        imported = import_world(path)
-        (wall,) = imported.world.boundaries
-        assert np.ptp(np.array(wall, dtype=float), axis=0).tolist() == [width, 20.0]
-        check_says(only(imported, "parts"), "2 parts … millimetre")
-        check_says(only(imported, "not the area"), f"{(39.0 - width) * 20.0:.3f} m² … left out")
+    for x, y, bounds in ((400_010.0, 5_812_345.5, (10.0, 345.5)), (900_000.0, 10.0, (900_000, 10))):
+        ring = [[a + x, b + y] for a, b in ROOM]
+        drawing = read(tmp_path, polygon(ring, crs={"name": "EPSG:25832"}), Options())
+        assert drawing.shapes[0].geometry.bounds[:2] == bounds
+        assert "EPSG:25832" in drawing.facts[1]
+        assert ("400000, 5812000" in " ".join(drawing.facts)) == (bounds[0] == 10.0)
 
 
 def test_what_points_have_beside_their_place_is_told(tmp_path: Path) -> None:
-    path = tmp_path / "plan.wkt"
-    for kind, said in (("Z", ["height"]), ("M", ["(M)"]), ("ZM", ["height", "(M)"])):
+    for kind, said in (("Z", ["heights"]), ("M", ["(M)"]), ("ZM", ["heights", "(M)"])):
         more = " 1" * len(kind)
-        path.write_text(f"POLYGON {kind} ((0 0{more}, 40 0{more}, 40 20{more}, 0 0{more}))")
-        told = [one for one in import_world(path).changes if "left out" in one]
-        assert len(told) == len(said)
-        for one, what in zip(told, said, strict=True):
-            assert what in one
+        text = f"POLYGON {kind} ((0 0{more}, 40 0{more}, 40 20{more}, 0 0{more}))"
+        told = " ".join(read(tmp_path, text).changes)
+        assert [one for one in ("heights", "(M)") if one in told] == said
 
 
-def test_a_polygon_that_crosses_itself_is_repaired(tmp_path: Path) -> None:
-    path = tmp_path / "p.wkt"
-    path.write_text("POLYGON ((0 0, 20 0, 20 10, 4 10, 4 12, 3 12, 3 10, 6 10, 0 10, 0 0))")
-    told = only(import_world(path), "repaired")
-    check_says(told, "repaired … Self-intersection")
-    path.write_text("MULTIPOLYGON (((0 0, 20 0, 20 10, 0 10, 0 0)), ((30 0, 34 0, 34 2, 30 0)))")
-    assert only(import_world(path), "polygon of 4.000 m² at")
+def test_a_neck_below_a_millimetre_parts_a_place(tmp_path: Path) -> None:
+    neck = "20 0, 20 9.9998, 23 9.9998, 23 0, 42 0, 42 20, 23 20, 23 10.0001, 20 10.0001, 20 20"
+    drawing = read(tmp_path, f"POLYGON ((0 0, {neck}, 0 20, 0 0))")
+    assert sorted(one.geometry.area for one in drawing.of("place")) == [380.0, 400.0]
+    assert "millimetre" in drawing.changes[0]
 
 
-def test_of_several_polygons_that_with_the_robots_is_taken(tmp_path: Path) -> None:
-    """Though another one is larger."""
-    shapes = {"boundary": ((0, 0, 40, 20), (50, 0, 74, 9)), "robot": ((53, 4, 54.8, 5),)}
-    features = [
-        {
-            "type": "Feature",
-            "properties": {"role": role},
-            "geometry": shapely.geometry.mapping(shapely.box(*corners)),
-        }
-        for role, boxes in shapes.items()
-        for corners in boxes
-    ]
-    path = tmp_path / "p.geojson"
-    path.write_text(json.dumps({"type": "FeatureCollection", "features": features}))
-    imported = import_world(path)
-    check_says(only(imported, "polygon of"), "800.000 m² … left out")
-    assert [robot.pose[:2] for robot in imported.world.robots] == [(53.9, 4.5)]
+def test_what_has_no_role_where_others_do_is_asked_about(tmp_path: Path) -> None:
+    text = beside("Polygon", [TABLE], name="table", layer="obstacels")
+    check_says(refusal(tmp_path, text), 'feature 2 "table" … "obstacels"; did you mean "obstacles"?'
+               ' … --ignore "table" … --ignore-others')  # fmt: skip
+    for options in ({"ignore": ("obstacels",)}, {"ignore_others": True}):
+        assert len(read(tmp_path, text, METRES.changed(**options)).shapes) == 1
 
 
-@pytest.mark.parametrize(
-    ("line", "told"),
-    [
-        ("2 5, 40 5", "leaves … (30.00, 5.00) … 10.00 m after … left out"),
-        ("-5 5, 28 5", "enters … (0.00, 5.00) … 5.00 m before … left out"),
-    ],
-)
-def test_a_path_that_leaves_the_area_is_cut_before_robots_are_sized(
-    line: str, told: str, tmp_path: Path
-) -> None:
-    path = tmp_path / "p.wkt"
-    path.write_text(f"POLYGON ((0 0, 30 0, 30 10, 0 10, 0 0))\nLINESTRING ({line})\n")
-    imported = import_world(path, Options(robots=3))
-    check_says(only(imported, "the area at"), told)
-    footprint: Any = imported.world.robots[0].footprint
-    assert (footprint.length, footprint.width) == (1.8, 1.0)
-    path.write_text("POLYGON ((0 0, 30 0, 30 10, 0 10, 0 0))\nLINESTRING (2 5, 60 5)\n")
-    with pytest.raises(
-        ImportSourceError, match=r"the path leaves the area at \(30\.[01]\d, 5\.00\)"
-    ):
-        import_world(path)
+DEGREES = [[13.4049, 52.52], [13.4052, 52.52], [13.4052, 52.5201], [13.4049, 52.52]]
+CRS = {"type": "name", "properties": {"name": "urn:ogc:def:crs:OGC:1.3:CRS84"}}
+FAULTS = {
+    "degrees": (polygon(DEGREES), "180 by 90 units: degrees? … ogr2ogr … --scale 1 if metres"),
+    "a crs": (polygon(ROOM, crs=CRS), "180 by 90 … CRS84 … degrees?"),
+    "srid": ("SRID=4326;POLYGON ((13 52, 14 52, 14 53, 13 52))", "SRID=4326 … degrees?"),
+    "nul": ("POLYGON ((0 0, 9 0, 9 9, 0 0))\0 oops (", ":1: … NUL"),
+    "a key twice": (
+        polygon(ROOM).replace('"coordinates"', '"coordinates": [], "coordinates"'),
+        '"coordinates" twice',
+    ),
+    "cut JSON": (polygon(ROOM)[:-5], ":1: … JSON"),
+    "not a number": (polygon(ROOM).replace("20", "NaN"), "NaN … finite"),
+    "too large": (polygon(ROOM).replace("20", "1e999"), "feature 1: … finite"),
+    "a list": ("[1]", 'GeoJSON … "type"'),
+    "a flag": (polygon([[0, True], *ROOM]), 'feature 1: … "Polygon" … [x, y]'),
+    "null": (polygon([[0, None], *ROOM]), '"Polygon" … [x, y]'),
+    "role": (beside("Polygon", [TABLE], role="obsacle"),
+             'feature 2: role: "obsacle" … place, boundary, obstacle, path, robot … "obstacle"'),
+    "heading": (beside("Polygon", [TABLE], role="robot", heading="north"), "heading … degrees"),
+    "an obstacle of a line": (beside("LineString", ROOM, role="obstacle"),
+                              'feature 2: … LineString … "obstacle" … Polygon'),
+    "a path of an area": (beside("Polygon", [TABLE], role="path"), '"path" … LineString'),
+    "a robot with a hole": (beside("Polygon", [ROOM, TABLE], role="robot"), "one outline"),
+    "crosses itself": (beside("Polygon", [BOW], role="obstacle"),
+                       "feature 2: … self-intersection at (6.00, 6.00)"),
+    "a hole at the outline": (json.dumps({"type": "Polygon", "coordinates": [
+        ROOM, [[0, 8], [2, 8], [2, 10], [0, 10], [0, 8]]]}), "self-intersection at (0.00, 10.00)"),
+    "nothing": (collection(), "no polygon"),
+    "nothing to ignore": (polygon(ROOM), "--ignore", {"ignore": ("table",)}),
+    "deep JSON": ('{"type":"Feature","geometry":' * 5000 + "1" + "}" * 5000, "nested"),
+    "a comma": ("POLYGON ((0 0, 30 0, 30 10, 0 10 0 0))", ":1: … not valid WKT"),
+    "a bracket": ("POLYGON ((0 0, 30 0, 30 10, 0 10, 0 0)\nLINESTRING (2 5, 9 5)\n",
+                  ":1: … 3 opening and 2 closing"),
+    "a word": ("POLIGON ((0 0, 30 0, 30 10, 0 0))", ":1: … WKT … 'POLIGON'"),
+    "a line alone": ("LINESTRING (0 0, 10 0)", "no polygon … where robots may go"),
+    "no geometry": ("# none\n", "holds no geometry"),
+    "thin": ("POLYGON ((0 0, 10 0, 10 1e-4, 0 0))", "no area to the millimetre"),
+    "far": ("POLYGON ((0 0, 1e9 0, 1e9 1e9, 0 0))", "1e+09 m … --scale"),
+    "deep WKT": ("GEOMETRYCOLLECTION(" * 500 + "POINT(0 0)" + ")" * 500, "nested … 20"),
+}  # fmt: skip
 
 
-@pytest.mark.parametrize("layer", ["Walls", "wall_ext"])
-def test_layers_are_roles_in_the_plural_too(tmp_path: Path, layer: str) -> None:
-    path = geojson(tmp_path, [("boundary", shapely.box(0, 0, 24, 14)),
-                              ("wall", shapely.LineString([(12, 0), (12, 6)]))])  # fmt: skip
-    text = path.read_text().replace('{"role": "wall", ', f'{{"role": "", "Layer": "{layer}", ')
-    assert layer in text
-    path.write_text(text)
-    made = import_world(path)
-    assert made.world.boundaries is not None
-    assert sorted(map(len, made.world.boundaries)) == [2, 5]
-
-
-@pytest.mark.deep
-def test_a_hole_of_very_many_corners_is_no_place(tmp_path: Path) -> None:
-    turn = np.linspace(0.0, 2.0 * np.pi, 2001, endpoint=False)
-    hole = 44.0 * np.stack([np.cos(turn), np.sin(turn)], axis=1)
-    road = shapely.Polygon(shapely.Point(0, 0).buffer(50.0, 64).exterior, [hole])
-    path = tmp_path / "road.wkt"
-    path.write_text(road.wkt)
-    assert free_area(import_world(path), tmp_path) == pytest.approx(road.area, rel=1e-3)
+@pytest.mark.parametrize("name", FAULTS)
+def test_a_refusal_says_what_is_wrong_and_where(tmp_path: Path, name: str) -> None:
+    text, message, *options = FAULTS[name]
+    check_says(refusal(tmp_path, text, Options(**(options[0] if options else {}))), message)

@@ -1,0 +1,345 @@
+"""GeoJSON and WKT in metres: polygons and lines, each with the role that the file states.
+
+Features of GeoJSON have a property ``role``, else ``layer`` says it. In WKT, and in GeoJSON in
+which no feature has either, polygons are places where robots may go, and a line is the path.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+from collections import Counter
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from itertools import accumulate
+from math import isfinite, radians
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import shapely
+
+from physim.authoring.importing.drawing import (
+    Drawing,
+    Shape,
+    grid_origin,
+    listed,
+    moved_to,
+    place,
+    refused,
+    rounded,
+)
+from physim.authoring.importing.options import Options
+from physim.authoring.importing.roles import hint, role_named, unroled
+from physim.authoring.importing.source import read_text
+from physim.authoring.importing.work import check_work
+from physim.errors import nearest
+from physim.escaping import escaped
+
+MOST_DEPTH = 20
+"""Geometries within geometries"""
+MOST_GEOMETRIES = 10_000
+MOST_LISTS = 1_000_000
+ROLES = ("place", "boundary", "obstacle", "path", "robot")
+ABUT = 1.5e-3
+"""[m] Places nearer than this abut: corners that are one may be rounded apart by 1.4 mm."""
+COLLECTIONS = {"FeatureCollection": "features", "GeometryCollection": "geometries"}
+PROJECT = "project them first (ogr2ogr -t_srs EPSG:32633, the UTM zone of the place)"
+
+
+@dataclass(frozen=True)
+class _Part:
+    """A single geometry of a source, in its units, and what the source says of it."""
+
+    geometry: Any
+    role: str = ""
+    name: str = ""
+    layer: str = ""
+    heading: float | None = None
+    """[rad]"""
+    label: str = ""
+    line: int | None = None
+
+
+def read_wkt(path: Path, options: Options) -> Drawing:
+    """Read a WKT file: one geometry, or one a line; ``#`` begins a comment."""
+    texts: list[tuple[int, str]] = []
+    opened = 0
+    for k, row in enumerate(read_text(path).split("\n"), start=1):
+        row = row.split("#", 1)[0].strip().rstrip(";")
+        begins = re.match(r"(SRID\s*=|[A-Za-z])", row) is not None
+        if row and (not texts or (begins and opened <= 0)):
+            texts.append((k, row))
+            opened = 0
+        elif row:  # a geometry may go over several lines
+            texts[-1] = texts[-1][0], f"{texts[-1][1]} {row}"
+        opened += row.count("(") - row.count(")")
+    if not texts:
+        raise refused(path, "holds no geometry; POLYGON ((x y, ...)) is needed")
+    parts: list[_Part] = []
+    stated = ""
+    for k, text in texts:
+        if srid := re.match(r"(SRID\s*=\s*\d{1,9})\s*(?:;\s*)?", text, re.I):
+            stated, text = srid[1], text[srid.end() :]
+        depth = max(accumulate((c == "(") - (c == ")") for c in text), default=0)
+        if depth > MOST_DEPTH or text.count("(") > MOST_LISTS or "\0" in text:
+            raise refused(path, f"nested deeper than {MOST_DEPTH} levels, or with NUL in it", k)
+        try:
+            with np.errstate(invalid="ignore", over="ignore"):
+                shape = shapely.from_wkt(text)
+        except (shapely.errors.ShapelyError, ValueError, NotImplementedError) as error:
+            reason = escaped(str(error).split(": ", 1)[-1].strip())[:100]
+            counts = f"{text.count('(')} opening and {text.count(')')} closing brackets"
+            raise refused(path, f"not valid WKT: {reason} ({counts})", k) from None
+        for one in _flat(shape):
+            role = "place" if one.geom_type == "Polygon" else "path"
+            parts.append(_Part(one, role, label=one.geom_type, line=k))
+    return _drawing(path, "WKT polygons", parts, stated, options)
+
+
+def read_geojson(path: Path, options: Options) -> Drawing:
+    """Read a GeoJSON file; raises ImportSourceError."""
+    text = read_text(path)
+    if text.count("[") > MOST_LISTS:
+        raise refused(path, f"more than {MOST_LISTS:,} points and lists; simplify the lines first")
+    try:
+        value = json.loads(
+            text, parse_constant=_not_finite, parse_int=float, object_pairs_hook=_once
+        )
+    except json.JSONDecodeError as error:
+        raise refused(path, f"not valid JSON: {error.msg}", error.lineno) from None
+    except RecursionError:
+        raise refused(path, "nested too deeply") from None
+    except ValueError as error:
+        raise refused(path, escaped(str(error))[:100]) from None
+    if not isinstance(value, dict) or "type" not in value:
+        raise refused(path, 'not GeoJSON: an object with "type" is needed')
+    features = value.get("features") if value["type"] == "FeatureCollection" else [value]
+    if not isinstance(features, list):
+        raise refused(path, 'not GeoJSON: "features" must be a list')
+    parts: list[_Part] = []
+    names = set[str]()
+    for k, feature in enumerate(features, start=1):
+        about = _about(path, feature, k)
+        own = {one for one in (about.name, about.layer) if one}
+        names |= own
+        if own & {*options.ignore}:
+            continue
+        geometry = feature.get("geometry") if feature.get("type") == "Feature" else feature
+        found = _geometries(path, geometry, about.label, 0) if geometry is not None else ()
+        parts += [replace(about, geometry=one) for one in found]
+        if len(parts) > MOST_GEOMETRIES:
+            raise refused(
+                path, f"more than {MOST_GEOMETRIES} geometries; leave out what is no wall"
+            )
+    for name in sorted({*options.ignore} - names):
+        near = nearest(name[:100], sorted(names))
+        raise refused(path, f"--ignore {escaped(name)}: no feature has that name or layer{near}")
+    if any(part.role or part.layer for part in parts):
+        parts = _with_roles(path, parts, options)
+    else:  # as in WKT
+        kinds = {"Polygon": "place", "LineString": "path", "LinearRing": "path"}
+        parts = [replace(one, role=kinds.get(one.geometry.geom_type, "")) for one in parts]
+    stated = json.dumps(value["crs"])[:80] if value.get("crs") else ""
+    return _drawing(path, "GeoJSON polygons", parts, stated, options)
+
+
+def _once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    """Object of its keys and values; programs differ in which of two values of a key they take."""
+    made = dict(pairs)
+    if len(made) < len(pairs):
+        twice = Counter(key for key, _ in pairs).most_common(1)[0][0]
+        raise ValueError(f'an object has the key "{twice[:30]}" twice; leave one out')
+    return made
+
+
+def _not_finite(word: str) -> float:
+    raise ValueError(f"{word} is not a finite number; coordinates are finite")
+
+
+def _about(path: Path, feature: Any, number: int) -> _Part:
+    """What a feature says of itself."""
+    if not isinstance(feature, dict):
+        raise refused(path, f"feature {number}: not GeoJSON: a feature is an object")
+    said = feature.get("properties") if feature.get("type") == "Feature" else None
+    about = {key.lower(): one for key, one in said.items()} if isinstance(said, dict) else {}
+    layer = str(about.get("layer") or "").strip()
+    role, rest = str(about.get("role") or "").strip().lower(), ""
+    if not role:
+        role, rest = ("place", "") if layer.lower() == "place" else role_named(layer)
+    given = [about.get("name"), rest, "" if role == "path" else feature.get("id")]
+    given = [int(one) if isinstance(one, float) and one.is_integer() else one for one in given]
+    name = next((str(one).strip() for one in given if one not in (None, "")), "")[:80]
+    label = f"feature {number}" + (f' "{escaped(name)}"' if name else "")
+    if role and role not in (*ROLES, "wall"):
+        message = f'{label}: role: "{escaped(role)[:40]}" is none of {", ".join(ROLES)}'
+        raise refused(path, message + nearest(role[:40], list(ROLES)))
+    heading = about.get("heading")
+    if role == "robot" and heading is not None:
+        if isinstance(heading, bool) or not isinstance(heading, float) or not isfinite(heading):
+            raise refused(path, f"{label}: heading: a number of degrees is needed, 0 along x")
+        heading = radians(heading)
+    else:
+        heading = None
+    return _Part(None, role, name, layer, heading, label)
+
+
+def _geometries(path: Path, value: Any, label: str, depth: int) -> Iterator[Any]:
+    """Single geometries of a GeoJSON geometry."""
+    kind = str(value.get("type")) if isinstance(value, dict) else ""
+    if depth > MOST_DEPTH or kind in ("Feature", "FeatureCollection"):
+        raise refused(path, f"{label}: nested too deeply, or features within a feature")
+    if kind == "GeometryCollection" and isinstance(value.get("geometries"), list):
+        for one in value["geometries"]:
+            yield from _geometries(path, one, label, depth + 1)
+        return
+    try:
+        if not _are_numbers(value["coordinates"], 0):
+            raise ValueError
+        yield from _flat(shapely.geometry.shape(value))
+    except (
+        shapely.errors.ShapelyError, ValueError, TypeError, LookupError, AttributeError,
+        OverflowError,
+    ):  # fmt: skip
+        message = f'{label}: geometry "{escaped(kind)[:40]}" cannot be read; coordinates are lists '
+        raise refused(path, f"{message}of [x, y]") from None
+
+
+def _are_numbers(value: Any, depth: int) -> bool:
+    if isinstance(value, list) and depth < MOST_DEPTH:
+        return all(_are_numbers(one, depth + 1) for one in value)
+    return isinstance(value, float)
+
+
+def _flat(shape: Any) -> list[Any]:
+    """Single geometries of a shapely one, empty ones left out."""
+    if shape is None or shape.is_empty:
+        return []
+    parts = [shape]
+    for _ in range(MOST_DEPTH):
+        parts = [one for part in parts for one in shapely.get_parts(part)]
+    return [one for one in parts if not one.is_empty]
+
+
+def _with_roles(path: Path, parts: list[_Part], options: Options) -> list[_Part]:
+    """Parts of a file that states roles: refuses those without, and shapes that suit no role."""
+    without = [one for one in parts if not one.role and one.geometry.geom_type != "Point"]
+    if without and not options.ignore_others:
+        said = [
+            (f'{one.label} of the layer "{escaped(one.layer)[:40]}"{hint(one.layer)}'
+             if one.layer else one.label, one.name or one.layer, None)
+            for one in without
+        ]  # fmt: skip
+        raise unroled(path, said)
+    found = []
+    for one in parts:
+        is_polygon, role = one.geometry.geom_type == "Polygon", one.role
+        if role == "wall":  # a line has no inside
+            role = "obstacle" if is_polygon else "boundary"
+        needs = {"path": "LineString"}.get(role, "Polygon")
+        if role and is_polygon == (role == "path") and role != "boundary":
+            raise refused(
+                path, f'{one.label}: a {one.geometry.geom_type} is no "{role}"; that is a {needs}'
+            )
+        found.append(replace(one, role=role))
+    return found
+
+
+def _drawing(path: Path, kind: str, parts: list[_Part], stated: str, options: Options) -> Drawing:
+    """Drawing [m] of parts with a role; ``stated`` is the system of coordinates, where one is."""
+    drawing = Drawing(kind, path)
+    drawing.facts.append(f"{options.unit:g} m per unit")
+    if len(parts) > MOST_GEOMETRIES:
+        raise refused(path, f"more than {MOST_GEOMETRIES} geometries; leave out what is no wall")
+    drawn = [one for one in parts if one.role and one.geometry.geom_type not in ("Point",)]
+    if len(drawn) < len(parts):
+        drawing.changes.append(
+            f"{len(parts) - len(drawn)} points or shapes without a role left out"
+        )
+    if not drawn:
+        raise refused(path, "holds no polygon and no line with a role")
+    points = [shapely.get_coordinates(one.geometry) * options.unit for one in drawn]
+    for one, own in zip(drawn, points, strict=True):
+        if not np.isfinite(own).all():
+            raise refused(path, f"{one.label}: a coordinate is not a finite number", one.line)
+    every = np.vstack(points)
+    is_small = stated or np.ptp(every, axis=0).max() < 1.0
+    if options.scale is None and is_small and (np.abs(every) <= (180.0, 90.0)).all():
+        about = f" ({escaped(stated)})" if stated else ""
+        message = f"within 180 by 90 units{about}: degrees? {PROJECT}; --scale 1 if metres"
+        raise refused(path, message)
+    if stated:
+        drawing.facts.append(f"lengths of {escaped(stated)} are taken as metres")
+    origin = grid_origin(every)
+    drawing.facts += moved_to(origin)
+    check_work(path, [one - origin for one in points])
+    for dimension, is_there in (("heights", shapely.has_z), ("measures (M)", shapely.has_m)):
+        if any(is_there(one.geometry) for one in drawn):
+            drawing.changes.append(f"{dimension} of points left out")
+    for one in drawn:
+        shape = shapely.transform(
+            shapely.force_2d(one.geometry), lambda p: p * options.unit - origin
+        )
+        drawing.shapes += _shapes(path, one, shape, drawing)
+    _unite(drawing)
+    if not drawing.of("place", "boundary", "obstacle"):
+        raise refused(path, "holds no polygon and no boundary; one says where robots may go")
+    return drawing
+
+
+def _shapes(path: Path, part: _Part, shape: Any, drawing: Drawing) -> list[Shape]:
+    """Shapes of a part whose geometry is in metres; polygons that are none are refused."""
+
+    def made(geometry: Any) -> Shape:
+        role: Any = part.role
+        return Shape(role, geometry, part.name, part.heading, part.label, part.line)
+
+    if shape.geom_type != "Polygon" or part.role == "boundary":
+        is_polygon = shape.geom_type == "Polygon"
+        rings = [shape.exterior, *shape.interiors] if is_polygon else [shape]
+        lines = [rounded(shapely.get_coordinates(ring)) for ring in rings]
+        if any(len(line) < 2 for line in lines):
+            raise refused(path, f"{part.label}: shorter than a millimetre; --scale?", part.line)
+        return [made(shapely.LineString(line)) for line in lines]
+    if not shape.is_valid:
+        at = [
+            float(one) for one in re.findall(r"[-+.\de]+(?=[ \]])", shapely.is_valid_reason(shape))
+        ]
+        where = f" at {place(at[-2:])}" if len(at) > 1 else ""
+        reason = escaped(shapely.is_valid_reason(shape).split("[")[0].lower())
+        raise refused(
+            path, f"{part.label}: no valid polygon: {reason}{where}; correct it", part.line
+        )
+    if part.role == "robot" and shape.interiors:
+        raise refused(path, f"{part.label}: a robot has one outline, and no holes", part.line)
+    near = shapely.transform(shape, lambda p: p.round(3) + 0.0)
+    whole = [near] if near.is_valid else shapely.get_parts(shapely.set_precision(shape, 1e-3))
+    whole = [one for one in whole if one.geom_type == "Polygon" and one.area > 0.0]
+    if not whole:
+        raise refused(
+            path, f"{part.label}: encloses no area to the millimetre; --scale?", part.line
+        )
+    if not near.is_valid:
+        told = f"{part.label}: {len(whole)} after rounding: a neck or wall is below a millimetre"
+        drawing.changes.append(told)
+    return [made(one) for one in whole]
+
+
+def _unite(drawing: Drawing) -> None:
+    """Unite places that overlap or abut; those that stay apart are listed."""
+    places = drawing.of("place")
+    if len(places) < 2:
+        return
+    united = shapely.union_all([one.geometry for one in places])
+    closed = united.buffer(ABUT / 2.0, join_style="mitre").buffer(-ABUT / 2.0, join_style="mitre")
+    united = shapely.set_precision(shapely.union(united, closed), 1e-3)
+    found = [one for one in shapely.get_parts(united) if one.geom_type == "Polygon"]
+    first = [next(one for one in places if one.geometry.intersects(area)) for area in found]
+    drawing.shapes = [
+        *(replace(one, geometry=area) for one, area in zip(first, found, strict=True)),
+        *drawing.of("boundary", "obstacle", "path", "robot"),
+    ]
+    told = f"{len(places)} polygons united where they overlap, or abut within {ABUT * 1e3:g} mm: "
+    sizes = [f"{one.area:.1f} m² about {place(one.representative_point().coords[0])}"
+             for one in found]  # fmt: skip
+    drawing.facts.append(told + ", ".join(listed(sizes)))

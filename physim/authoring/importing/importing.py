@@ -106,16 +106,12 @@ def _made(drawing: Drawing, options: Options) -> Imported:
 
 def _paths(drawing: Drawing, where: Place, options: Options, is_drawn: bool) -> Paths:
     """The paths drawn, and a route where the reference path is not, or another is asked for."""
-    if drawing.of("robot") and not is_drawn:
-        left = [
-            one
-            for one in drawing.shapes
-            if one.role == "robot" or (one.role == "path" and one.name)
-        ]
+    if (shapes := drawing.of("robot")) and not is_drawn:
+        left = {id(one) for one in drawing.of("robot", "path") if one.role == "robot" or one.name}
+        drawing.shapes = [one for one in drawing.shapes if id(one) not in left]
         drawing.changes.append(
-            f"{plural(len(left), 'drawn robot or path of one', 'drawn robots and paths of theirs')} left out (--robots)"
+            f"{plural(len(shapes), 'robot')} and their paths left out (--robots)"
         )
-        drawing.shapes = [one for one in drawing.shapes if one not in left]
     names = robot_names(drawing.of("robot"))
     paths = drawn_paths(drawing, names, options.close)
     if options.origin is not None or options.goal is not None:

@@ -227,6 +227,10 @@ def _outlined(
             f"at most {MOST_OBSTACLES} are read: is it noise? Larger --specks or a smoother map"
         )
     exact = shapely.transform(cells, placed)
+    if max(exact.bounds[2] - exact.bounds[0], exact.bounds[3] - exact.bounds[1]) < SMALLEST:
+        raise drawing.refusal(
+            f"the place is {exact.area:.3g} m² large; check resolution and --scale"
+        )
     tolerance = cell if options.tolerance is None else options.tolerance
     simple = _simplified(drawing, exact, tolerance)
     moved = max(_farthest(simple, exact), _farthest(exact, simple))

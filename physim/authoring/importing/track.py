@@ -14,6 +14,7 @@ from pathlib import Path
 import numpy as np
 import shapely
 
+from physim.authoring.importing.area import SMALLEST
 from physim.authoring.importing.drawing import (
     Drawing,
     Shape,
@@ -64,6 +65,8 @@ def read_track(path: Path, options: Options) -> Drawing:
         f"{width.min():.2f} to {width.max():.2f} m wide; {options.unit:g} m per unit"
     )
     drawing.facts += moved_to(origin)
+    if length < SMALLEST:
+        raise drawing.refusal(f"the centreline is {length:.3g} m long; check --scale")
     centre, left, right = _edges(table, is_closed)
     if is_closed:
         centre, left, right = _opened(drawing, centre, left, right, options)
@@ -73,8 +76,6 @@ def read_track(path: Path, options: Options) -> Drawing:
     road = _road(drawing, centre, left, right)
     way = Polyline(centre)
     margin = min(MARGIN, float(width.min()), 0.2 * way.length)
-    if length < 1.0:
-        raise drawing.refusal(f"the centreline is {length:.3g} m long; check --scale")
     line = rounded(way.stretch(margin, way.length - margin))
     drawing.shapes = [Shape("place", road), Shape("path", shapely.LineString(line))]
     drawing.facts.append(f"the path begins and ends {margin:g} m from the ends of the road")

@@ -145,7 +145,7 @@ CROSSED = [(0, 0), (40, 0), (40, 3), (0, 3), (0, 30), (20, 30)]
             {"lanes": 9, "robot": (1.8, 1.0)},
             "lane -6 m beside the path leaves the area … --lanes 8",
         ),
-        ([(5, 5), (45, 5)], {"robots": 30}, "30 robots of 1.8 x 1.0 m … fewer --robots"),
+        ([(5, 5), (45, 5)], {"robots": 30}, "30 robots of 1.8 x 1 m … fewer --robots"),
         ([(5, 5), (25, 5), (25, 5.5), (5, 5.5)], {"lanes": 3}, "bends too tightly for a lane"),
         ([(5, 5), (45, 5)], {"robot": (20.0, 12.0)}, "passes 5 m … 12 m wide … --robot fit"),
         ([(5, 1.2), (45, 1.2)], {}, "1.2 m to a wall … need 1.8 m; --robot fit makes them 1.2,"),

@@ -64,7 +64,8 @@ def test_which_tracks_are_closed(tmp_path: Path) -> None:
     path = tmp_path / "t.csv"
     for degrees, closed in ((360, True), (345, True), (240, False)):
         angle = np.radians(np.arange(0, degrees, 15))
-        imported = import_world(track(tmp_path, 20.0 * np.stack([np.cos(angle), np.sin(angle)], 1), 2.0))  # fmt: skip
+        ring = 20.0 * np.stack([np.cos(angle), np.sin(angle)], axis=1)
+        imported = import_world(track(tmp_path, ring, 2.0))
         assert any("cut open" in change for change in imported.changes) == closed
     square = track(tmp_path, [(0, 0), (20, 0), (20, 20), (0, 20)], 2.0)
     assert not any("cut open" in change for change in import_world(square, FIT).changes)

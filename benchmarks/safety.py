@@ -93,7 +93,7 @@ def page(folders: Sequence[Path]) -> str:
     table = "".join(lines[key] for key in sorted(lines, key=lambda key: (key[0], order[key[1]])))
     return TEXT.format(
         runs=runs, commands=commands(worlds), table=HEADER + table, versions=", ".join(versions),
-        most=most, bound=interval(*clopper_pearson(most, most)),
+        most=most, bound=interval(*map(float, clopper_pearson(most, most))),
     )  # fmt: skip
 
 

@@ -11,14 +11,13 @@ from __future__ import annotations
 import argparse
 import math
 import statistics
-from concurrent.futures import Executor
 from typing import NamedTuple
 
 from physim.analysis.metrics import Figures
 from physim.campaigns.cluster import executor
 from physim.campaigns.grid import make_grid
 from physim.campaigns.one_run import simulation_of
-from physim.campaigns.pool import Job, Stop, outcomes, worker_count
+from physim.campaigns.pool import Job, Stop, Workers, outcomes, worker_count
 from physim.campaigns.spec import RunSpec
 from physim.cli.values import seed_range
 from physim.record import Record
@@ -46,7 +45,7 @@ def run(spec: RunSpec, stop: Stop) -> Fared:
         )  # fmt: skip
 
 
-def study(name: str, seeds: range, workers: Executor) -> None:
+def study(name: str, seeds: range, workers: Workers) -> None:
     """Run a world with seeds and print what came of it."""
     grid = make_grid([name], seeds)
     jobs = ((spec.seed, Job(spec.note, run, (spec,))) for spec in grid)

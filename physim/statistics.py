@@ -1,11 +1,9 @@
 """How sure a figure from a number of runs is: intervals, tests, and goals that stop a campaign.
 
-Rates of a number of runs fixed beforehand have exact intervals (`clopper_pearson`). Where the
-number of runs depends on their outcomes these do not hold; a confidence sequence does (`running`).
-
-A campaign that stops when its interval suits it looks after every run. The exact interval for a
-fixed number of runs then misses the true rate far more often than it says; this one does not. For
-outcomes of a fixed rate p, s successes and f failures so far, and a prior Beta(a, b), the ratio
+Rates of a number of runs fixed beforehand have exact intervals (`clopper_pearson`). A campaign that
+stops when its interval suits it looks after every run; these then miss the true rate far more often
+than they say. A confidence sequence does not (`running`). For outcomes of a fixed rate p, s
+successes and f failures so far, and a prior Beta(a, b), the ratio
 
     M(p) = B(a + s, b + f) / B(a, b) / (p^s (1 - p)^f)
 
@@ -18,12 +16,8 @@ intervals holds p whenever all of them do; it may become empty, in the share alp
 some interval misses p; then the last one that was not empty stays.
 
 Two arms on the same seeds: what both share, the difficulty of a seed, cancels in the differences of
-its two runs. All tests are exact: they assume that seeds are independent of one another, and
+its two runs. The tests are exact: they assume that seeds are independent of one another, and
 nothing about how a measure is distributed.
-
-A goal says when a campaign has seen enough: ``0.02`` or ``2%``, the most that the interval of
-``rate`` may span; or RATE < or > NUMBER, as ``rate > 0.99``. ``rate`` is that of runs which are
-contact-free and finished. Nothing of it is evaluated.
 """
 
 from __future__ import annotations
@@ -34,7 +28,6 @@ import math
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -53,37 +46,22 @@ SHARE_OF_SIDE = 0.8
 """of the allowed error of `rate_difference` that goes to which arm is better, the rest to how often
 they differ: the sign of a difference matters more than its size"""
 RATES = ("rate", "contact_free", "finished")
+"""Of runs that are contact-free and finished; contact-free; finished"""
 GOAL = re.compile(rf"\s*(?:({'|'.join(RATES)})\s*([<>])\s*)?(\d*\.?\d+)(\s*%)?\s*")
-
-
-class Interval(NamedTuple):
-    """A value and the interval around it."""
-
-    value: float
-    low: float
-    high: float
 
 
 # Rates of a fixed number of runs
 
 
 def clopper_pearson(
-    successes: int, trials: int, confidence: float = CONFIDENCE
-) -> tuple[float, float]:
-    """Exact two-sided interval of a proportion (Clopper and Pearson, Biometrika 26, 1934).
-
-    Errs to the wide side: it covers the true rate with at least ``confidence``, and each of its
-    ends is beyond it with at most half of the rest. Without trials it is 0 to 1. Raises ValueError
-    unless 0 <= successes <= trials.
-    """
-    low, high = clopper_pearson_each(successes, trials, confidence)
-    return float(low), float(high)
-
-
-def clopper_pearson_each(
     successes: ArrayLike, trials: ArrayLike, confidence: float = CONFIDENCE
 ) -> tuple[FloatArray, FloatArray]:
-    """`clopper_pearson` of arrays of counts that can be broadcast: both ends, each an array."""
+    """Both ends of the exact two-sided interval of a proportion; arrays are broadcast.
+
+    Clopper and Pearson, Biometrika 26, 1934. Errs to the wide side: it covers the true rate with at
+    least ``confidence``, and each of its ends is beyond it with at most half of the rest. Without
+    trials it is 0 to 1. Raises ValueError unless 0 <= successes <= trials.
+    """
     from scipy.special import betaincinv
 
     s, n = np.broadcast_arrays(np.asarray(successes, float), np.asarray(trials, float))
@@ -109,11 +87,8 @@ def failure_bound(trials: int, confidence: float = CONFIDENCE) -> float:
 def runs_needed(rate: float, confidence: float = CONFIDENCE) -> int:
     """Return how many runs, none of which fails, show that the rate is at least ``rate``.
 
-    The fewest with ``failure_bound(runs) <= 1 - rate``: 2995 for 99.9 %. Raises ValueError unless
-    0 < rate < 1.
+    The fewest with ``failure_bound(runs) <= 1 - rate``, which is above 0: 2995 for 99.9 %.
     """
-    if not 0.0 < rate < 1.0:
-        raise ValueError("rate must be between 0 and 1")
     return math.ceil(math.log(1.0 - confidence) / math.log(rate))
 
 
@@ -193,16 +168,12 @@ def running(outcomes: ArrayLike, confidence: float = CONFIDENCE) -> Looks:
 def looks_needed(rate: float, confidence: float = CONFIDENCE) -> int:
     """Return how many runs, none of which fails, show at any look a rate of at least ``rate``.
 
-    The fewest after which the lower end is at least ``rate``: 8062 for 99.9 %, against 2995 of a
-    number fixed beforehand. Raises ValueError unless 0 < rate < 1.
+    The fewest after which the lower end is at least ``rate``, from 0 to below 1: 8062 for 99.9 %,
+    against 2995 of a number fixed beforehand.
     """
-    if not 0.0 < rate < 1.0:
-        raise ValueError("rate must be between 0 and 1")
-
-    def low(runs: int) -> float:
-        return float(at_each_look(runs, 0, confidence)[0])
-
-    return bisect.bisect_left(range(2**62), rate, lo=1, key=low)
+    return bisect.bisect_left(
+        range(2**62), rate, lo=1, key=lambda runs: float(at_each_look(runs, 0, confidence)[0])
+    )
 
 
 # Goals
@@ -232,7 +203,11 @@ class Goal:
 
 
 def read_goal(text: str) -> Goal:
-    """Read a goal. Raises ValueError with what was given and what is allowed."""
+    """Read a goal: ``0.02`` or ``2%``, the most that the interval of ``rate`` may span; or RATE <
+    or > NUMBER, as ``rate > 0.99``.
+
+    Raises ValueError with what was given and what is allowed.
+    """
     if found := GOAL.fullmatch(text):
         rate, sign, digits, percent = found.groups()
         number = float(digits) / (100.0 if percent else 1.0)
@@ -271,8 +246,9 @@ def decide(goal: Goal, outcomes: ArrayLike, confidence: float = CONFIDENCE) -> D
     looks = running(good, confidence)
     enough = goal.reached(looks.low, looks.high)
     at = int(np.argmax(enough)) if enough.any() else len(good) - 1
-    low, high = float(looks.low[at]), float(looks.high[at])
-    return _decision(goal, at + 1, int(looks.successes[at]), low, high, bool(enough[at]))
+    low, high, decided = float(looks.low[at]), float(looks.high[at]), bool(enough[at])
+    holds = (low > goal.number) == (goal.sign == ">") if goal.sign and decided else None
+    return Decision(at + 1, int(looks.successes[at]), low, high, decided, holds)
 
 
 class Watch:
@@ -280,7 +256,9 @@ class Watch:
 
     def __init__(self, goal: Goal, confidence: float = CONFIDENCE) -> None:
         self.goal, self.confidence = goal, confidence
-        self.runs = self.successes = 0
+        self.outcomes: list[bool] = []
+        """those that have a say"""
+        self.successes = 0
         self.is_empty = False
         """whether the intervals have nothing in common any more; the last one that had stays"""
         self.low, self.high = 0.0, 1.0
@@ -290,10 +268,11 @@ class Watch:
         """Whether it is decided with one more outcome; what comes after that has no say."""
         if self.decided:
             return True
-        self.runs += 1
+        self.outcomes.append(good)
         self.successes += good
-        ends = at_each_look([self.successes], [self.runs - self.successes], self.confidence)
-        low, high = max(self.low, float(ends[0][0])), min(self.high, float(ends[1][0]))
+        failures = len(self.outcomes) - self.successes
+        low, high = map(float, at_each_look(self.successes, failures, self.confidence))
+        low, high = max(self.low, low), min(self.high, high)
         self.is_empty |= low > high
         if not self.is_empty:
             self.low, self.high = low, high
@@ -303,26 +282,19 @@ class Watch:
     @property
     def decision(self) -> Decision:
         """What the outcomes so far say."""
-        found = self.runs, self.successes, self.low, self.high, self.decided
-        return _decision(self.goal, *found)
-
-
-def _decision(
-    goal: Goal, runs: int, successes: int, low: float, high: float, decided: bool
-) -> Decision:
-    holds = (low > goal.number) == (goal.sign == ">") if goal.sign and decided else None
-    return Decision(runs, successes, low, high, decided, holds)
+        return decide(self.goal, self.outcomes, self.confidence)
 
 
 # Two arms on the same seeds
 
 
-def mcnemar(only_a: int, only_b: int) -> float:
-    """P value of McNemar's test, exact and two-sided (McNemar, Psychometrika 12, 1947).
+def sign_test(only_a: int, only_b: int) -> float:
+    """P value of the sign test, exact and two-sided: of rates, McNemar's (Psychometrika 12, 1947).
 
-    ``only_a`` seeds succeed with A alone, ``only_b`` with B alone; if none is better each of these
-    is A's or B's with equal probability. Errs to the high side: without a difference it rejects at
-    p <= alpha in at most the share alpha of cases. 1 where the arms never differ.
+    A is the better one with ``only_a`` seeds, B with ``only_b``; ties say nothing. If none is
+    better each of these is A's or B's with equal probability. Errs to the high side: without a
+    difference it rejects at p <= alpha in at most the share alpha of cases. 1 where the arms never
+    differ.
     """
     from scipy.special import bdtr
 
@@ -331,50 +303,26 @@ def mcnemar(only_a: int, only_b: int) -> float:
 
 
 def rate_difference(
-    only_a: int, only_b: int, pairs: int, confidence: float = CONFIDENCE
-) -> Interval:
-    """Rate of A minus rate of B on the same seeds, with a conservative interval.
-
-    See `rate_differences`. Raises ValueError unless ``only_a + only_b <= pairs``.
-    """
-    low, high = rate_differences(only_a, only_b, pairs, confidence)
-    value = (only_a - only_b) / pairs if pairs else math.nan
-    return Interval(value, float(low), float(high))
-
-
-def rate_differences(
     only_a: ArrayLike, only_b: ArrayLike, pairs: ArrayLike, confidence: float = CONFIDENCE
 ) -> tuple[FloatArray, FloatArray]:
-    """Both ends of the interval of a paired difference of rates; arrays are broadcast.
+    """Both ends of the interval of rate A minus rate B on the same seeds; arrays are broadcast.
 
     The difference is d (2 t - 1): d the share of seeds on which the arms differ, t the share of
     these on which A is the better one. Given how many differ, those of A are binomial, so both have
     an exact interval (Clopper and Pearson 1934); their errors add up to ``1 - confidence``
     (Bonferroni), `SHARE_OF_SIDE` of it for t, and the interval is all that d and t allow. Errs to
     the wide side: it covers the true difference with at least ``confidence`` for any rates and
-    number of pairs.
+    number of pairs. Raises ValueError unless ``only_a + only_b <= pairs``.
     """
     a, b, n = np.broadcast_arrays(*(np.asarray(each, float) for each in (only_a, only_b, pairs)))
     error = 1.0 - confidence
-    side = clopper_pearson_each(a, a + b, 1.0 - SHARE_OF_SIDE * error)
-    often = clopper_pearson_each(a + b, n, 1.0 - (1.0 - SHARE_OF_SIDE) * error)
+    side = clopper_pearson(a, a + b, 1.0 - SHARE_OF_SIDE * error)
+    often = clopper_pearson(a + b, n, 1.0 - (1.0 - SHARE_OF_SIDE) * error)
     low, high = (2.0 * end - 1.0 for end in side)
     return (
         np.minimum(low * often[0], low * often[1]),
         np.maximum(high * often[0], high * often[1]),
     )
-
-
-def sign_test(differences: ArrayLike) -> float:
-    """P value of the two-sided sign test: is the median of the differences 0? Exact.
-
-    Differences of 0 say nothing and are left out. Errs to the high side. 1 without any other; nan
-    where a difference is.
-    """
-    d = np.asarray(differences, float)
-    if np.isnan(d).any():
-        return math.nan
-    return mcnemar(int(np.count_nonzero(d > 0)), int(np.count_nonzero(d < 0)))
 
 
 def rank_beyond(count: int, confidence: float = CONFIDENCE) -> int:
@@ -390,8 +338,10 @@ def rank_beyond(count: int, confidence: float = CONFIDENCE) -> int:
     return int(np.searchsorted(below, tail, side="right")) - 1
 
 
-def median_difference(differences: ArrayLike, confidence: float = CONFIDENCE) -> Interval:
-    """Median of paired differences (n,), with an interval between two of them; exact.
+def median_difference(
+    differences: ArrayLike, confidence: float = CONFIDENCE
+) -> tuple[float, float, float]:
+    """Median of paired differences (n,), and both ends of its interval, two of them; exact.
 
     The order statistics with which the sign test would not reject (Thompson, Annals of Mathematical
     Statistics 7, 1936). Errs to the wide side, for any distribution, ties included. It is the
@@ -401,11 +351,11 @@ def median_difference(differences: ArrayLike, confidence: float = CONFIDENCE) ->
     """
     d = np.sort(np.asarray(differences, float))
     if not len(d) or np.isnan(d[-1]):
-        return Interval(math.nan, -math.inf, math.inf)
+        return math.nan, -math.inf, math.inf
     value, beyond = float(np.median(d)), rank_beyond(len(d), confidence)
     if beyond < 0:
-        return Interval(value, -math.inf, math.inf)
-    return Interval(value, float(d[beyond]), float(d[-1 - beyond]))
+        return value, -math.inf, math.inf
+    return value, float(d[beyond]), float(d[-1 - beyond])
 
 
 def holm(p_values: Sequence[float]) -> list[float]:

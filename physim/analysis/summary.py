@@ -214,6 +214,8 @@ def table_rows(summary: Summary, brief: bool = False) -> Rows:
     end = f"{ENDED.get(record.ended, record.ended)} after {s.value('simulated_time'):.2f} s"
     robots = "1 robot" if record.robots == 1 else f"{record.robots} robots"
     factor = record.wall_clock.get("factor")
+    computes = s.value("collision_time_evaluations") is not None
+    none = "none" if computes else "n/a (the controller computes none)"
     return [
         ("run", f"{record.name}, seed {record.seed}, {robots}: {end}"),
         *record.setup.lines(),
@@ -229,7 +231,8 @@ def table_rows(summary: Summary, brief: bool = False) -> Rows:
         ("shortest distance", _told(s, "shortest_distance", 4)),
         ("shortest boundary distance",
          _told(s, "shortest_boundary_distance", 4, more=run.where_nearest_wall)),
-        ("shortest collision time", _collision_time(s)),
+        ("shortest collision time",  # `physim validate` has those of all bodies
+         _told(s, "shortest_collision_time", 3, none, "to what it considered")),
         ("farthest pair", _told(s, "farthest_distance", 2)),
         ("formation error, peak", _told(s, "formation_error_peak", 2)),
         ("formation error, final", _told(s, "formation_error_final", 2)),
@@ -296,13 +299,6 @@ def _each_contact(summary: Summary, found: Sequence[Episode | Graze]) -> Rows:
 def _more(count: int) -> Rows:
     """How many are not listed; no line where there are none."""
     return [("  ...", f"{count} more (physim summary --json lists all)")] if count > 0 else []
-
-
-def _collision_time(summary: Summary) -> str:
-    """Shortest collision time, and of what: `physim validate` has those of all bodies."""
-    known = summary.value("collision_time_evaluations") is not None
-    none = "none" if known else "n/a (the controller computes none)"
-    return _told(summary, "shortest_collision_time", 3, none, "to what it considered")
 
 
 def _motion(summary: Summary, brief: bool) -> Rows:

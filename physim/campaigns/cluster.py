@@ -3,19 +3,21 @@
 from __future__ import annotations
 
 import asyncio
+import functools
 import logging
 import os
 import re
 import tempfile
+import threading
 import zipfile
-from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import Executor, Future, ThreadPoolExecutor
+from collections.abc import Iterator, Sequence
+from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import contextmanager
 from dataclasses import replace
 from typing import Any
 
 from physim._version import __version__
-from physim.campaigns.pool import Job, Processes, elsewhere, worker_count
+from physim.campaigns.pool import Job, Processes, Workers, worker_count
 from physim.campaigns.sources import Source, is_installed, source_hash
 from physim.campaigns.spec import engine
 from physim.errors import PhysimError
@@ -30,7 +32,7 @@ LOGGERS = ("asyncio", "distributed", "tornado.application")
 
 
 @contextmanager
-def executor(workers: int | None = None, scheduler: str | None = None) -> Iterator[Executor]:
+def executor(workers: int | None = None, scheduler: str | None = None) -> Iterator[Workers]:
     """Processes of this machine, or with ``scheduler`` (``tcp://HOST:PORT``) a Dask cluster.
 
     What is under way when the block is left is given up. Raises PhysimError where the scheduler
@@ -49,8 +51,10 @@ def executor(workers: int | None = None, scheduler: str | None = None) -> Iterat
         processes.shutdown(cancel_futures=True)
 
 
-class Cluster(Executor):
+class Cluster(Workers):
     """The workers of a cluster; each does a job in a process of its own."""
+
+    here = False
 
     def __init__(self, client: Any) -> None:
         self.client = client
@@ -72,18 +76,25 @@ class Cluster(Executor):
                     file.writestr(name.replace(".", "/") + end, one.text)
             self.client.upload_file(path, load=False)
 
-    def submit(self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future[Any]:
-        """Have a job done, whatever ``fn`` is."""
-        found: Future[Any] = self.inner.submit(_there, args[0], self.archive)
+    def begin(self, job: Job) -> Future[Any]:
+        """Have a job done."""
+        found: Future[Any] = self.inner.submit(_there, job, self.archive)
         return found
 
 
 def _there(job: Job, archive: str) -> Any:
-    """Do a job, in a worker of the cluster."""
+    """Do a job in a process of the cluster's worker that this is called in."""
     from distributed import get_worker
 
     place = os.path.join(get_worker().local_directory, archive) if archive else ""
-    return elsewhere(replace(job, archive=place))
+    child = _child(os.getpid(), threading.get_ident())
+    return child.begin(replace(job, archive=place)).result()
+
+
+@functools.cache
+def _child(process: int, thread: int) -> Processes:
+    """The process of one thread of a worker, which a fork has not; it stays for the next job."""
+    return Processes(1)
 
 
 @contextmanager

@@ -18,13 +18,7 @@ from physim.campaigns.outcomes import CELL, Cell, FloatArray, Outcomes
 from physim.campaigns.rows import PREFIX
 from physim.campaigns.spec import Label
 from physim.errors import PhysimError
-from physim.statistics import (
-    holm,
-    mcnemar,
-    median_difference,
-    rate_difference,
-    sign_test,
-)
+from physim.statistics import holm, median_difference, rate_difference, sign_test
 
 ALPHA = 0.05
 FEWEST_PAIRS = 6
@@ -241,12 +235,13 @@ def _finding(name: str, better: int, a: FloatArray, b: FloatArray) -> Finding:
     gain = (b - a) * better
     only_a, only_b = int(np.count_nonzero(gain < 0)), int(np.count_nonzero(gain > 0))
     if name in RATE_TITLES:
-        found, p = rate_difference(only_b, only_a, len(a)), mcnemar(only_a, only_b)
-        middle_a, middle_b = np.mean(a), np.mean(b)
+        low, high = rate_difference(only_b, only_a, len(a))
+        a_is, b_is = np.mean(a), np.mean(b)
+        shift = (only_b - only_a) / len(a), float(low), float(high)
     else:
-        found, p = median_difference(b - a), sign_test(b - a)
-        middle_a, middle_b = np.median(a), np.median(b)
-    return Finding(name, len(a), float(middle_a), float(middle_b), *found, p, only_a, only_b)
+        a_is, b_is, shift = np.median(a), np.median(b), median_difference(b - a)
+    p = sign_test(only_a, only_b)
+    return Finding(name, len(a), float(a_is), float(b_is), *shift, p, only_a, only_b)
 
 
 def _without(cell: Cell, places: Sequence[int]) -> tuple[str, ...]:

@@ -7,7 +7,7 @@ import io
 import json
 import os
 from bisect import bisect_right
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -15,7 +15,6 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, TypeAdapter, ValidationError
 
 from physim._version import __version__
-from physim.campaigns import contradictions
 from physim.campaigns.rows import (
     FAILED,
     Rows,
@@ -305,13 +304,62 @@ def read(folder: str | os.PathLike[str]) -> pa.Table:
 
     Metrics of one's own have a column each, ``metric_NAME``. Of a run that was done again the last
     row that did not fail, else the last. Raises PhysimError where there is no campaign, a file of
-    rows cannot be read, a row is of no run of the campaign (its cell is not in ``campaign.json``,
-    or its key is not that of its cell and seed), or rows contradict themselves or one another.
+    rows cannot be read, or a row is of no run of the campaign (its cell is not in
+    ``campaign.json``, or its key is not that of its cell and seed).
     """
+    import pyarrow as pa
+
     place = Folder(folder)
-    table, place_of = all_rows(place)
-    _check_runs(place, table, place_of)
-    return in_order(table)
+    tables, starts, files, count = [schema().empty_table()], [0], place.rows.files(), 0
+    for file in files:
+        for some in read_rows(file):
+            tables.append(table_of(some))
+            count += len(some)
+        starts.append(count)
+    table = pa.concat_tables(tables, promote_options="default")
+    table = table.select([*schema().names, *sorted(columns_of(table))])
+    if wrong := _of_no_run(table, _keys_of(place)):
+        row, why = wrong
+        k = bisect_right(starts, row) - 1
+        where = f"{files[k]}:{row - starts[k] + 1}"
+        raise PhysimError(f"{where}: {escaped(why)}; is this a row of another campaign?")
+    return each_once(table)
+
+
+def _keys_of(place: Folder) -> dict[Label, tuple[str, ...]]:
+    """Of each cell the identity of its runs, world, versions. PhysimError for a changed world."""
+    found: dict[Label, tuple[str, ...]] = {}
+    for one in place.cells():
+        text = file_text(file := place.world_file(one.world_hash))
+        if short_hash(text) != one.world_hash:
+            raise PhysimError(f"{file}: was changed since its runs were made")
+        identity = identity_of(text, one.controller, one.source_hash, one.physim, one.engine)
+        found[one.label] = identity, one.world_hash, one.physim, one.engine
+    return found
+
+
+def _of_no_run(table: pa.Table, known: Mapping[Label, tuple[str, ...]]) -> tuple[int, str] | None:
+    """The first row that is of no run of these cells, and why."""
+    columns = (table[name].to_pylist() for name in (*ORDER, "world_hash", "physim", "engine"))
+    for k, (*label, seed, run, world_hash, physim, by) in enumerate(zip(*columns, strict=True)):
+        cell = known.get(tuple(label))
+        if cell is None:
+            return k, f"{CAMPAIGN} has no runs of {', '.join(part for part in label if part)}"
+        if (key_of(cell[0], seed), world_hash, physim, by) != (run, *cell[1:]):
+            what = f"{CAMPAIGN} makes of its world, controller and seed {seed}"
+            return k, f"run {run} is not what {what}"
+    return None
+
+
+def each_once(table: pa.Table) -> pa.Table:
+    """Of each run the last row that did not fail, or its last row, in the order of cells."""
+    codes = table["run"].combine_chunks().dictionary_encode().indices.to_numpy()
+    if len(codes) and codes.max() + 1 < len(codes):
+        fine = np.array([end not in FAILED for end in table["ended"].to_pylist()])
+        order = np.lexsort((np.arange(len(codes)), fine, codes))
+        last = np.flatnonzero(np.diff(codes[order], append=-1))
+        table = table.take(np.sort(order[last]))
+    return table.sort_by([(name, "ascending") for name in ORDER])
 
 
 def read_part(folder: Path, grid: Grid) -> pa.Table:
@@ -331,70 +379,3 @@ def write_results(folder: Path) -> None:
     made = io.BytesIO()  # parquet takes no path that is not UTF-8
     parquet.write_table(read(folder), made)
     write_whole(folder / RESULTS, made.getbuffer())
-
-
-def all_rows(place: Folder) -> tuple[pa.Table, Callable[[int], str]]:
-    """Every row that is on disk as a table, and what gives ``FILE:LINE`` of one by its number.
-
-    Raises PhysimError for a row that is none, or contradicts itself.
-    """
-    import pyarrow as pa
-
-    tables, starts, files, count = [schema().empty_table()], [0], place.rows.files(), 0
-    for file in files:
-        for some in read_rows(file):
-            tables.append(table_of(some))
-            count += len(some)
-        starts.append(count)
-    table = pa.concat_tables(tables, promote_options="default")
-    table = table.select([*schema().names, *sorted(columns_of(table))])
-
-    def place_of(row: int) -> str:
-        k = bisect_right(starts, row) - 1
-        return f"{files[k]}:{row - starts[k] + 1}"
-
-    if found := contradictions.of_itself(table):
-        row, what = found
-        raise PhysimError(f"{place_of(row)}: contradicts itself: {what}")
-    return table, place_of
-
-
-def _check_runs(place: Folder, table: pa.Table, place_of: Callable[[int], str]) -> None:
-    """Raise PhysimError for a row that is of no run of the campaign, or differs from another of
-    its run, with file and line; and for a world that was changed."""
-    known = {}
-    for one in place.cells():
-        text = file_text(file := place.world_file(one.world_hash))
-        if short_hash(text) != one.world_hash:
-            raise PhysimError(f"{file}: was changed since its runs were made")
-        identity = identity_of(text, one.controller, one.source_hash, one.physim, one.engine)
-        known[one.label] = identity, one.world_hash, one.physim, one.engine
-    columns = (table[name].to_pylist() for name in (*ORDER, "world_hash", "physim", "engine"))
-    for k, (*label, seed, run, world_hash, physim, by) in enumerate(zip(*columns, strict=True)):
-        cell = known.get(tuple(label))
-        if cell is None:
-            why = f"{CAMPAIGN} has no runs of {', '.join(part for part in label if part)}"
-        elif (key_of(cell[0], seed), world_hash, physim, by) != (run, *cell[1:]):
-            why = f"run {run} is not what {CAMPAIGN} makes of its world, controller and seed {seed}"
-        else:
-            continue
-        raise PhysimError(f"{place_of(k)}: {escaped(why)}; is this a row of another campaign?")
-    if other := contradictions.of_another(table):
-        runs, (name, value) = table["run"].to_pylist(), list(other.items())[1]
-        column = table[name].to_pylist()
-        k = max(k for k, run in enumerate(runs) if run == other["run"] and column[k] == value)
-        raise PhysimError(
-            f"{place_of(k)}: {name} is not that of another row of run {other['run']}; delete the "
-            "one that is wrong"
-        )
-
-
-def in_order(table: pa.Table) -> pa.Table:
-    """Of each run the last row that did not fail, or its last row, in the order of cells."""
-    codes = table["run"].combine_chunks().dictionary_encode().indices.to_numpy()
-    if len(codes) and codes.max() + 1 < len(codes):
-        fine = np.array([end not in FAILED for end in table["ended"].to_pylist()])
-        order = np.lexsort((np.arange(len(codes)), fine, codes))
-        last = np.flatnonzero(np.diff(codes[order], append=-1))
-        table = table.take(np.sort(order[last]))
-    return table.sort_by([(name, "ascending") for name in ORDER])

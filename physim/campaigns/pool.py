@@ -1,4 +1,4 @@
-"""Jobs for worker processes of this machine, or in a process beside a worker of another executor.
+"""Jobs for worker processes of this machine.
 
 A job that ends its process, or goes on beyond its limit, ends with an error of its own; another
 process takes the next job. Each worker has a pipe of its own, so that whatever a job does to it
@@ -7,7 +7,6 @@ costs that job alone. Only results are kept: memory does not grow with the numbe
 
 from __future__ import annotations
 
-import functools
 import math
 import multiprocessing
 import os
@@ -19,7 +18,7 @@ import time
 import traceback
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator
-from concurrent.futures import CancelledError, Executor, Future
+from concurrent.futures import CancelledError, Future
 from contextlib import contextmanager, redirect_stdout, suppress
 from dataclasses import dataclass
 from multiprocessing import resource_tracker
@@ -40,8 +39,6 @@ LOOK_SECONDS = 0.5
 """[s] between looks whether a worker is alive: what it forked may keep its pipe open"""
 POLL_SECONDS = 0.1
 MOST_WORKERS = 8
-USUAL_SLOTS = 16
-"""Jobs that an executor has at a time, where it does not say how many it can do"""
 ENDING = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 """What ends a command: its first process hears it, and tells the others."""
 WORKER, WARMING = "physim worker", "physim warming"
@@ -163,7 +160,23 @@ def settle() -> None:
     signal.pthread_sigmask(signal.SIG_UNBLOCK, ENDING)
 
 
-class Processes(Executor):
+class Workers:
+    """Whoever does jobs: `Processes` of this machine, or those of a cluster."""
+
+    workers: int
+    """jobs that are done at a time"""
+    here = True
+    """on this machine: jobs can be told to end early, and write and import its files"""
+
+    def begin(self, job: Job) -> Future[Any]:
+        """Have a job done. Its future may raise `LostError`, `OverdueError` or what it raised."""
+        raise NotImplementedError
+
+    def halt(self) -> None:
+        """Tell all jobs to end early."""
+
+
+class Processes(Workers):
     """Up to ``workers`` processes at work, begun when there is work and ended by `shutdown`.
 
     One that has run a controller of one's own waits for more of the same: another controller's runs
@@ -183,10 +196,6 @@ class Processes(Executor):
         self._at_exit: Finalize | None = None
         self._ends = False
 
-    def submit(self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future[Any]:
-        """As any executor does it; ``fn`` is a module-level function."""
-        return self.begin(Job(getattr(fn, "__name__", "a job"), _plainly, (fn, args, kwargs)))
-
     def begin(self, job: Job) -> Future[Any]:
         """Have a job done. Its future may raise `LostError`, `OverdueError` or what it raised."""
         check_guarded()
@@ -199,15 +208,14 @@ class Processes(Executor):
                 self._threads.append(threading.Thread(target=self._serve, daemon=True))
                 self._threads[-1].start()
             if self._at_exit is None:  # without a `shutdown` it ends with the program
-                last = {"cancel_futures": True}
-                self._at_exit = Finalize(None, self.shutdown, (), last, exitpriority=0)
+                self._at_exit = Finalize(None, self.shutdown, (True,), exitpriority=0)
         return future
 
     def halt(self) -> None:
         """Tell all jobs to end early."""
         self._halt.value = 1
 
-    def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:
+    def shutdown(self, cancel_futures: bool = False) -> None:
         """Begin no more jobs; end the workers after those that were begun, or at once.
 
         With ``cancel_futures`` jobs under way are told to end early, and their processes killed
@@ -224,9 +232,8 @@ class Processes(Executor):
                     found[0].cancel()
         for _ in self._threads:
             self._jobs.put(None)
-        if wait:
-            for thread in self._threads:
-                thread.join()
+        for thread in self._threads:
+            thread.join()
 
     def _serve(self) -> None:
         """Have jobs done, one after the other; the last of the threads to end ends the workers."""
@@ -398,10 +405,6 @@ def _end_with_parent() -> None:
         os._exit(1)
 
 
-def _plainly(fn: Callable[..., Any], args: Any, kwargs: Any, _: Stop) -> Any:
-    return fn(*args, **kwargs)
-
-
 class Outcome(NamedTuple):
     """What came of a job: a result, or an error."""
 
@@ -414,7 +417,7 @@ class Outcome(NamedTuple):
 
 def outcomes(
     jobs: Iterator[tuple[Any, Job] | None],
-    executor: Executor,
+    executor: Workers,
     stop: Stop,
     idle: Callable[[int], None] = lambda busy: None,
 ) -> Iterator[Outcome]:
@@ -426,8 +429,6 @@ def outcomes(
     """
     ended: queue.SimpleQueue[Future[Any]] = queue.SimpleQueue()
     under_way: dict[Future[Any], tuple[Any, Job]] = {}
-    workers = getattr(executor, "workers", None) or getattr(executor, "_max_workers", None)
-    room = 2 * workers if isinstance(workers, int) else USUAL_SLOTS
     stopped = False
     try:
         while True:
@@ -435,16 +436,15 @@ def outcomes(
                 stopped = True
                 for future in list(under_way):
                     future.cancel()
-                if isinstance(executor, Processes):
-                    executor.halt()
-            while not stopped and len(under_way) < room:
+                executor.halt()
+            while not stopped and len(under_way) < 2 * executor.workers:
                 found = next(jobs, None)
                 if found is None:
                     break
-                future = begin(executor, found[1])
+                future = executor.begin(found[1])
                 under_way[future] = found
                 future.add_done_callback(ended.put)
-            if not under_way or (stopped and not isinstance(executor, Processes)):
+            if not under_way or (stopped and not executor.here):
                 return
             idle(len(under_way))
             try:
@@ -458,8 +458,8 @@ def outcomes(
                 if stopped:
                     continue
                 raise PhysimError(
-                    "the executor gave up its jobs: is its cluster gone? What is done is kept; the "
-                    "same command goes on from there"
+                    "the workers gave up their jobs: is the cluster gone? What is done is kept; "
+                    "the same command goes on from there"
                 ) from None
             except Exception as error:
                 outcome = Outcome(key, job, None, error)
@@ -467,24 +467,6 @@ def outcomes(
     finally:
         for future in under_way:
             future.cancel()
-
-
-def begin(executor: Executor, job: Job) -> Future[Any]:
-    """Have a job done, by a process that it may end, whatever the executor is."""
-    if isinstance(executor, Processes):
-        return executor.begin(job)
-    return executor.submit(elsewhere, job)
-
-
-def elsewhere(job: Job) -> Any:
-    """Do a job in a process of the worker that this is called in: that is not ours to end."""
-    return _child(os.getpid(), threading.get_ident()).begin(job).result()
-
-
-@functools.cache
-def _child(process: int, thread: int) -> Processes:
-    """The process of one thread of a worker, which a fork has not; it stays for the next job."""
-    return Processes(1)
 
 
 def do_all(

@@ -37,8 +37,6 @@ DONE = (FINISHED, DURATION)
 """Ends of runs that ran as long as they were to"""
 FAILED = (ERROR, TIMEOUT, KILLED)
 """How a run ended that says nothing about its controller's safety"""
-TIMES = ("cpu_seconds", "wall_seconds")
-"""Columns that are not the same every time"""
 PREFIX = "metric_"
 """Of columns of metrics of one's own, so that no metric's name is that of another column"""
 LONGEST_ROW = 1_000_000

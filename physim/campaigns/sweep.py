@@ -1,4 +1,4 @@
-"""Runs in great number: by any executor, each once, each counted when its row is on disk."""
+"""Runs in great number: each is done once, and counted when its row is on disk."""
 
 from __future__ import annotations
 
@@ -6,12 +6,12 @@ import json
 import os
 import time
 from collections.abc import Callable, Collection, Iterable, Iterator
-from concurrent.futures import Executor
 from contextlib import AbstractContextManager
 from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
 
+from physim.campaigns.cluster import Cluster
 from physim.campaigns.folder import UNTIL, Folder, read, read_tree, write_results
 from physim.campaigns.grid import Grid
 from physim.campaigns.one_run import KEEP, Taken, one_line, ready, row_without_run, take
@@ -21,9 +21,9 @@ from physim.campaigns.pool import (
     LostError,
     Outcome,
     OverdueError,
-    Processes,
     StartError,
     Stop,
+    Workers,
     check_guarded,
     never,
     outcomes,
@@ -72,7 +72,7 @@ def silent(_: Tally) -> None:
 
 
 def runs(
-    specs: Iterable[RunSpec], executor: Executor, stop: Stop = never, *, judged: bool = False
+    specs: Iterable[RunSpec], executor: Workers, stop: Stop = never, *, judged: bool = False
 ) -> Iterator[tuple[RunSpec, Row]]:
     """Rows of runs, in the order in which they end; nothing is written.
 
@@ -88,7 +88,7 @@ def runs(
 def sweep(
     specs: Iterable[RunSpec],
     folder: str | os.PathLike[str],
-    executor: Executor,
+    executor: Workers,
     *,
     keep: str = "none",
     retry: bool = False,
@@ -111,8 +111,8 @@ def sweep(
     check_guarded()
     if keep not in KEEP:
         raise ValueError(f"keep = {keep!r}; allowed: {', '.join(KEEP)}")
-    if not isinstance(executor, Executor):
-        raise TypeError(f"executor = {executor!r}; it must be one, such as Processes(2)")
+    if not isinstance(executor, Workers):
+        raise TypeError(f"executor = {executor!r}; it must be Processes(2), or as many as you like")
     specs = specs if isinstance(specs, Grid) else _each_once(specs)
     place, tally = Folder(folder), Tally(len(specs))
     asked = specs.asked if isinstance(specs, Grid) and decided is None else None
@@ -128,7 +128,7 @@ def sweep(
 def sweep_until(
     grid: Grid,
     folder: Path,
-    executors: Callable[[], AbstractContextManager[Executor]],
+    executors: Callable[[], AbstractContextManager[Workers]],
     goal: Goal,
     *,
     keep: str = "none",
@@ -227,7 +227,7 @@ def _taken(outcome: Outcome) -> Taken | None:
 
 
 def _work(
-    place: Folder, specs: Collection[RunSpec], executor: Executor, keep: str, retry: bool,
+    place: Folder, specs: Collection[RunSpec], executor: Workers, keep: str, retry: bool,
     stop: Stop, progress: Callable[[Tally], None], decided: Decided | None, tally: Tally,
 ) -> None:  # fmt: skip
     """Do the runs that have no row, and write their rows, until ``decided`` says that it knows."""
@@ -260,9 +260,9 @@ def _work(
             tally.before += 1
             count(run, Came(*ends))
 
-    if carry := getattr(executor, "carry", None):  # modules of one's own to other machines
-        carry([source for cell in _cells(specs) for source in cell.sources])
-    records = place.records if isinstance(executor, Processes) else None
+    if isinstance(executor, Cluster):  # modules of one's own go to other machines
+        executor.carry([source for cell in _cells(specs) for source in cell.sources])
+    records = place.records if executor.here else None
     unwritten: list[Row] = []
     written = time.monotonic()
 

@@ -37,7 +37,7 @@ COMPILING = 15
 """[s] about, for what tells who was responsible"""
 STANDS_IN = "constant"
 """The controller that is asked once in place of one's own"""
-VARIED = ("pose", "heading", "speed", "settings")
+VARIED = ("pose", "heading", "speed")
 
 
 def _kinds(text: str) -> tuple[str, ...]:
@@ -54,7 +54,7 @@ def _kinds(text: str) -> tuple[str, ...]:
 @option("--budget", type=whole_from(1, 1_000_000), default=200, metavar="N",
         help="runs to search with at most (200)")  # fmt: skip
 @option("--vary", type=Value(_kinds), default="pose,heading", metavar="WHAT",
-        help="what is varied, of pose, heading, speed, settings (pose,heading)")  # fmt: skip
+        help="what is varied, of pose, heading, speed (pose,heading)")  # fmt: skip
 @flag("--whole-budget", "go on after the first failure, for the severest")
 @flag("--random", "search at random, to compare with")
 @option("--shrink", type=whole_from(0, 100_000), default=500, metavar="N",
@@ -77,9 +77,7 @@ def falsify(options: Options) -> int:
 
     bounds: pose: up to 1 m along x and y, or anywhere in the start region, clear of all else by
     0.3 m or what the world itself has; heading: any where it is random, else 0.5 rad to either
-    side; speed: limits of v and omega, half to all of each, as far as the controller takes them;
-    settings: numbers of the controller, within the bounds that it declares, half to twice where it
-    declares none
+    side; speed: limits of v and omega, half to all of each, as far as the controller takes them
 
     written to DIR:
       worst.yaml     the world that fails, shrunk; or the one that came nearest to it

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import sys
 from collections import Counter
-from concurrent.futures import Executor
 from contextlib import AbstractContextManager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -14,6 +13,7 @@ from physim.errors import plural
 
 if TYPE_CHECKING:
     from physim.campaigns.grid import Grid
+    from physim.campaigns.pool import Workers
     from physim.campaigns.spec import Label
     from physim.campaigns.sweep import Tally
     from physim.statistics import Decision, Goal
@@ -40,7 +40,7 @@ def run_grid(
     from physim.campaigns.cluster import executor
     from physim.campaigns.sweep import sweep, sweep_until
 
-    def team() -> AbstractContextManager[Executor]:
+    def team() -> AbstractContextManager[Workers]:
         return executor(workers, scheduler)
 
     decisions: dict[Label, Decision] = {}

@@ -13,8 +13,6 @@ from typing import NamedTuple
 
 import numpy as np
 import shapely
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
 from physim.compiled import compiled
 from physim.geometry.area import united
@@ -80,11 +78,15 @@ def _solids(walls: Shapes) -> IntArray:
     _, node = np.unique(walls.vertices[lines], axis=0, return_inverse=True)
     ends = np.repeat(body[is_line], 2), count + node.ravel()
     one, other = np.concatenate((touching, ends), axis=1)
-    total = count + len(lines)
-    graph = coo_array((np.ones(len(one), bool), (one, other)), (total, total))
-    label = connected_components(graph, directed=False)[1][:count]
-    _, first, of = np.unique(label, return_index=True, return_inverse=True)
-    return np.asarray(np.argsort(np.argsort(first))[of], dtype=np.int64)
+    least = np.arange(count + len(lines))  # of all that are known to be of one solid
+    while True:  # scipy has this, but takes as long to import as all of physim
+        before = least.copy()
+        np.minimum.at(least, one, before[other])
+        np.minimum.at(least, other, before[one])
+        least = least[least]
+        if np.array_equal(least, before):
+            break
+    return np.asarray(np.unique(least[:count], return_inverse=True)[1], dtype=np.int64)
 
 
 def _outline(parts: Sequence[FloatArray]) -> list[FloatArray]:

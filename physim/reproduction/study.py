@@ -75,7 +75,7 @@ class Share(NamedTuple):
     @property
     def text(self) -> str:
         """ "19 of 20 [75 %, 100 %]", the interval by Clopper and Pearson."""
-        low, high = clopper_pearson(self.good, self.of)
+        low, high = map(float, clopper_pearson(self.good, self.of))
         return f"{self.good} of {self.of} [{100 * low:.0f} %, {100 * high:.0f} %]"
 
 

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import copy
 import os
-import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from math import isfinite
@@ -18,7 +17,7 @@ import numpy as np
 
 from physim.errors import ControllerError, PhysimError, WorldError, plural
 from physim.parts.controller import BatchCapable, Controller
-from physim.parts.registry import CONTROLLER, checked_settings, find_part, made_part, part_names
+from physim.parts.registry import CONTROLLER, checked_settings, find_part, made_part
 from physim.parts.user_code import place_of
 from physim.parts.world_checks import robot_faults
 from physim.testing.rules import Finding, FindingLog, check_batch, check_plain
@@ -28,9 +27,6 @@ from physim.world.file import load_world, parse_world, read_world
 from physim.world.file.files import shipped_worlds
 from physim.world.layout.scene_builder import build_scene
 from physim.world.scene import Scene
-
-UNNAMED = ":"
-"""Type of controller of a world whose settings are for a class that cannot be named"""
 
 
 @dataclass(frozen=True)
@@ -43,30 +39,6 @@ class Candidate:
     """None: those of a world that has this controller, else the controller's own"""
     given: Controller | None
     """the object; it is never asked itself"""
-
-    def read(self, file: str | os.PathLike[str]) -> World:
-        """World as `load_world` takes it. Settings there without a ``type`` are this controller's;
-        a class that it names is not run, and its settings are left out."""
-        world, document = read_world(file, check_controller=False)
-        own = world.controller
-        is_nameless = bool(own.settings) and "type" not in own.model_fields_set
-        if ":" not in own.type and not is_nameless and not document.from_python:
-            return load_world(file)
-        name = self._importable()
-        if name is not None:
-            return read_world(file, controller=name)[0]
-        choice = own.model_copy(update={"type": UNNAMED})
-        return world.model_copy(update={"controller": choice})
-
-    def _importable(self) -> str | None:
-        """Name by which a world is given this controller; None where its class has none."""
-        if ":" in self.name or self.name in part_names(CONTROLLER):
-            return self.name
-        home, name = self.kind.__module__, self.kind.__qualname__
-        found: Any = sys.modules.get(home)
-        for part in name.split("."):
-            found = getattr(found, part, None)
-        return f"{home}:{name}" if found is self.kind and home != "__main__" else None
 
     def maker(self, world: World | None = None) -> Make:
         """How to make it for a world.
@@ -91,13 +63,14 @@ class Candidate:
         return make
 
     def _is_in(self, world: World) -> bool:
-        """Whether it is the world's own controller."""
+        """Whether it is the world's own controller: settings without a type are anybody's."""
+        choice, name = world.controller, world.controller.type
+        if choice.settings and "type" not in choice.model_fields_set:
+            return True
+        if ":" in name:
+            return name in (self.name, f"{self.kind.__module__}:{self.kind.__qualname__}")
         try:
-            name = world.controller.type
-            if name == UNNAMED:
-                return True
-            trusted = ":" in self.name or name == self._importable()
-            return self.kind is find_part(CONTROLLER, name, trusted=trusted)
+            return self.kind is find_part(CONTROLLER, name)
         except ControllerError:
             return False
 
@@ -288,7 +261,8 @@ def check_worlds(
     tried, refusal = False, ""
     given = worlds_to_try(worlds)
     for one in given:
-        world = one if isinstance(one, World) else chosen.read(one)
+        # whatever controller a file names is not made, but for this one
+        world = one if isinstance(one, World) else read_world(one, check_controller=False)[0]
         name = world.name if isinstance(one, World) else str(one)
         begins(name)
         part = _check_scene(name, build_scene(world), chosen.maker(world), seconds)

@@ -9,12 +9,12 @@ from typing import Any
 
 import pyarrow as pa
 
-from physim.campaigns import Folder, Row, RunSpec, spec_of
+from physim.campaigns import Row, RunSpec, spec_of
 from physim.world.file import parse_world
 from tests.helpers import inside
 
-TIMES, rows_of = inside("physim.campaigns", "TIMES", "rows_of")
-all_rows, in_order = inside("physim.campaigns", "all_rows", "in_order")
+rows_of, table_of = inside("physim.campaigns", "rows_of", "table_of")
+Rows, read_rows, each_once = inside("physim.campaigns", "Rows", "read_rows", "each_once")
 
 WORLD = """\
 name: small
@@ -93,7 +93,8 @@ def specs(count: int, text: str = WORLD) -> list[RunSpec]:
 
 def read(folder: Path) -> pa.Table:
     """All rows of a folder, each run once, whatever its campaign.json tells."""
-    return in_order(all_rows(Folder(folder))[0])
+    files = Rows(folder).files()
+    return each_once(table_of([row for one in files for some in read_rows(one) for row in some]))
 
 
 def rows_in(folder: Path) -> list[Row]:
@@ -103,7 +104,7 @@ def rows_in(folder: Path) -> list[Row]:
 
 def without_times(rows: Iterable[Row]) -> list[dict[str, Any]]:
     """All columns but those of the clock."""
-    return [{k: v for k, v in asdict(row).items() if k not in TIMES} for row in rows]
+    return [{k: v for k, v in asdict(row).items() if not k.endswith("_seconds")} for row in rows]
 
 
 def lines_on_disk(folder: Path) -> int:

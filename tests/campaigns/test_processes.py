@@ -106,7 +106,6 @@ def test_what_the_code_of_one_leaves_behind_is_not_met_by_that_of_another(
 
 
 UNGUARDED = {
-    "submit": "print(Processes(1).submit(abs, -3).result())",
     "sweep": "sweep([spec_of(world, seed) for seed in range(2)], 'campaign', Processes(2))",
     "command": "sys.exit(main(['sweep', 'straight', '--seeds', '0:2', '--set', "
     "'time.duration=0.5', '-o', 'campaign', '--workers', '2', '--quiet']))",
@@ -150,7 +149,7 @@ def test_jobs_that_do_not_end_when_told_to_are_stopped_not_lost(
 ) -> None:
     """Such as a controller that is slow to decide: what is lost counts as a failure."""
     monkeypatch.setattr(pool, "LAST_SECONDS", 0.5)
-    executor.submit(abs, -4).result()
+    executor.begin(Job("good", sample.echo, (4,))).result()
     futures = [
         executor.begin(Job("deaf", sample.hangs)),
         executor.begin(Job("starts", sample.hangs)),

@@ -196,18 +196,3 @@ def test_what_is_no_sweep_is_refused_before_a_run(
 def test_no_processes_would_wait_for_ever(workers: Any) -> None:
     with pytest.raises(ValueError, match="workers ="):
         Processes(workers)
-
-
-@pytest.mark.deep
-def test_a_foreign_executor_does_the_same_runs(tmp_path: Path) -> None:
-    from concurrent.futures import ThreadPoolExecutor
-
-    with ThreadPoolExecutor(1) as threads:
-        tally = sweep(specs(3), tmp_path / "out", threads, keep="all")
-    assert tally.failed == 0
-    assert without_times(rows_in(tmp_path / "out"))[0]["record"]
-    expected = [run_one(spec) for spec in specs(3)]
-    for row, one in zip(rows_in(tmp_path / "out"), expected, strict=True):
-        assert row.shortest_distance == one.shortest_distance
-        with Record.load(tmp_path / "out" / row.record) as record:
-            assert record.digest() == row.digest

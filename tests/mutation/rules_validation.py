@@ -118,14 +118,13 @@ def a_touch_before_explains_everything() -> None:
 
 
 @rule("validation")
-def warned_is_to_the_first_prediction() -> None:
-    """A contact lay ahead since the first decision that foretold one, even if others did not."""
+def warned_is_by_the_last_decision_alone() -> None:
+    """A contact lay ahead since the last decision, whatever those before it foretold."""
 
-    def first(value: Any, a: Any) -> Any:
-        some = [one for one in a.prediction.early if math.isfinite(one.error)]
-        return max((one.lead for one in some), default=value)
+    def last(value: Any, a: Any) -> Any:
+        return min(value, a.contact.touched - (a.contact.made or 0.0))
 
-    found("physim.analysis.validation.contact:_warning", first)
+    found(PREDICTION + "Predictor.ahead", last)
 
 
 # Ledgers

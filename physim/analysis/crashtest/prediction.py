@@ -59,16 +59,6 @@ class PackedCase(NamedTuple):
     dt: float
 
 
-def predict(batch: Packed) -> Prediction:
-    """Collision time and distances of every case."""
-    return Prediction(*_predict(batch, STEPS))
-
-
-def approach(batch: Packed, time: FloatArray) -> Approach:
-    """How every case stands at its time [s] (M,); nothing where that is inf."""
-    return Approach(*_approach(batch, STEPS, time))
-
-
 @compiled
 def packed_case(batch: Packed, k: int) -> PackedCase:
     """Case k of a batch."""
@@ -152,25 +142,23 @@ def swept_step(case: PackedCase, step: int) -> float:
 
 
 @compiled
-def _predict(batch: Packed, steps: int) -> tuple[FloatArray, IntArray, FloatArray]:
-    """Arrays of a `Prediction`."""
+def predict(batch: Packed) -> Prediction:
+    """Collision time and distances of every case."""
     cases = len(batch.first_robot) - 1
     time = np.empty(cases)
     renewed = np.empty(cases, np.int64)
-    distance = np.empty((cases, steps + 1))
+    distance = np.empty((cases, STEPS + 1))
     for k in range(cases):
         case = packed_case(batch, k)
-        time[k], renewed[k] = collision_time_of(case, steps * batch.dt)
-        for n in range(steps + 1):
+        time[k], renewed[k] = collision_time_of(case, STEPS * batch.dt)
+        for n in range(STEPS + 1):
             distance[k, n] = state_at(case, n * batch.dt)[0]
-    return time, renewed, distance
+    return Prediction(time, renewed, distance)
 
 
 @compiled
-def _approach(
-    batch: Packed, steps: int, time: FloatArray
-) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
-    """Arrays of an `Approach`."""
+def approach(batch: Packed, time: FloatArray) -> Approach:
+    """How every case stands at its time [s] (M,); nothing where that is inf."""
     cases = len(time)
     gap = np.full(cases, np.nan)
     closing = np.full(cases, np.nan)
@@ -182,16 +170,16 @@ def _approach(
         case = packed_case(batch, k)
         gap[k], speed = state_at(case, time[k])
         near = int(time[k] / batch.dt)
-        for n in range(max(0, near - 1), min(near + 2, steps)):
+        for n in range(max(0, near - 1), min(near + 2, STEPS)):
             t = swept_step(case, n)
             if t < np.inf:
                 swept[k] = n * batch.dt + t
                 swept_gap[k], later = state_at(case, swept[k])
                 closing[k] = min(speed, later)
                 break
-    return gap, closing, swept, swept_gap
+    return Approach(gap, closing, swept, swept_gap)
 
 
 def is_warm() -> bool:
     """Whether the kernels of a crash test lie compiled on disk; `approach` comes last."""
-    return is_cached(_approach)
+    return is_cached(approach)

@@ -62,6 +62,8 @@ class Touch:
     """[m] greatest depth"""
     place: tuple[float, float]
     """[m] world frame, where it began; of a graze where the two are closest"""
+    normal: tuple[float, float]
+    """from a to b, there"""
 
 
 @dataclass(frozen=True)
@@ -103,7 +105,8 @@ def contact_episodes(record: Record) -> tuple[Episode, ...]:
         episodes.append(
             Episode(
                 a, b, b < record.robots, step, step * record.dt, float(deepest["depth"]),
-                (float(mine["x"][0]), float(mine["y"][0])), len(mine), int(deepest["step"]),
+                (float(mine["x"][0]), float(mine["y"][0])),
+                (float(mine["nx"][0]), float(mine["ny"][0])), len(mine), int(deepest["step"]),
                 float(run["impulse"][0]), float(run["impulse"].sum()),
             )
         )  # fmt: skip
@@ -113,10 +116,10 @@ def contact_episodes(record: Record) -> tuple[Episode, ...]:
 def grazes(record: Record) -> tuple[Graze, ...]:
     """Contacts between two samples, in the order of time. A pair may have one a step."""
     rows = record.contacts[record.contacts["kind"] == Kind.SWEPT]
-    columns = (rows[key].tolist() for key in ("a", "b", "step", "depth", "x", "y"))
+    columns = (rows[key].tolist() for key in ("a", "b", "step", "depth", "x", "y", "nx", "ny"))
     return tuple(
-        Graze(a, b, b < record.robots, step, step * record.dt, depth, (x, y))
-        for a, b, step, depth, x, y in zip(*columns, strict=True)
+        Graze(a, b, b < record.robots, step, step * record.dt, depth, (x, y), (nx, ny))
+        for a, b, step, depth, x, y, nx, ny in zip(*columns, strict=True)
     )
 
 
@@ -193,9 +196,8 @@ def severity(
     sought in the record each time.
     """
     a, b, step = episode.a, episode.b, episode.step
-    row = first_row(record, episode)
-    point, normal = (float(row["x"]), float(row["y"])), np.array((row["nx"], row["ny"]))
-    one, other = (point_velocity(record, body, step, point, held) for body in (a, b))
+    normal = np.array(episode.normal)
+    one, other = (point_velocity(record, body, step, episode.place, held) for body in (a, b))
     relative = one - other
     closing = max(0.0, float(relative @ normal))
     sliding = float(abs(relative @ np.array((-normal[1], normal[0]))))
@@ -264,10 +266,3 @@ def point_velocity(
     vx, vy, omega = moved
     x, y = point[0] - now[0], point[1] - now[1]
     return np.array((vx - omega * y, vy + omega * x))
-
-
-def first_row(record: Record, episode: Episode) -> np.void:
-    """Row of the contact table at the first sample of an episode."""
-    rows = touching(record.contacts_over(episode.step, episode.step + 1))
-    found: np.void = rows[(rows["a"] == episode.a) & (rows["b"] == episode.b)][0]
-    return found

@@ -19,7 +19,7 @@ from physim.analysis.metrics.metric import Moment, Place, Series
 from physim.analysis.metrics.progress import blocks
 from physim.errors import PhysimError
 from physim.geometry.corridor import SIDES, width_spacing, widths_at
-from physim.geometry.queries import collision_times as times_of_pair
+from physim.geometry.queries import collision_times as times_of_pairs
 from physim.geometry.shapes import FloatArray, IntArray, body_parts
 from physim.record import Record
 
@@ -120,31 +120,28 @@ def pair_collision_times(record: Record, horizon: float = HORIZON) -> tuple[Seri
     (K, 2) that would meet first. Each robot keeps the command applied to it then, on its arc.
     """
     steps = np.unique(record.updates["step"])
-    pairs = np.array(list(combinations(range(record.robots), 2)), dtype=np.int64).reshape(-1, 2)
+    i, j = np.triu_indices(record.robots, 1)
     steps = steps[np.isin(steps, record.steps) & (steps < record.steps_run)]
-    if not len(steps) or not len(pairs):
+    if not len(steps) or not len(i):
         return Series(np.zeros(0), np.zeros(0)), np.zeros((0, 2))
-    steps = steps[:: -(-len(steps) * len(pairs) // MOST_TIMES)]
+    steps = steps[:: -(-len(steps) * len(i) // MOST_TIMES)]
     twist = np.zeros((len(steps), record.robots, 2))
     for begin, end in blocks(record):
         mine = slice(*np.searchsorted(steps, (begin, end)))
         if mine.start < mine.stop:
             twist[mine] = record.commands_over("applied", begin, end)[steps[mine] - begin]
     pose, shapes = record.pose[np.searchsorted(record.steps, steps)], record.shapes
-    reach = np.abs(twist[:, :, 0]) * horizon + shapes.radius
-    least, who = np.full(len(steps), np.inf), np.zeros((len(steps), 2))
-    for i, j in pairs:
-        gap = np.hypot(*(pose[:, i, :2] - pose[:, j, :2]).T)
-        near = np.flatnonzero(gap <= reach[:, i] + reach[:, j])
-        if not len(near):
-            continue
-        found = times_of_pair(
-            shapes, int(i), pose[near, i], twist[near, i],
-            shapes, int(j), pose[near, j], twist[near, j], horizon,
-        )  # fmt: skip
-        first = near[found < least[near]]
-        who[first] = (i, j)
-        least[near] = np.minimum(least[near], found)
+    reach = np.abs(twist[:, :, 0]) * horizon + shapes.radius[: record.robots]
+    gap = np.hypot(*np.moveaxis(pose[:, i, :2] - pose[:, j, :2], 2, 0))
+    k, pair = np.nonzero(gap <= reach[:, i] + reach[:, j])
+    a, b = i[pair], j[pair]
+    times = np.full(gap.shape, np.inf)
+    times[k, pair] = times_of_pairs(
+        shapes, a, pose[k, a], twist[k, a], shapes, b, pose[k, b], twist[k, b], horizon
+    )
+    first = np.argmin(times, axis=1)
+    least = times[np.arange(len(steps)), first]
+    who = np.where(np.isfinite(least)[:, None], np.stack((i[first], j[first]), axis=1), 0)
     return Series(steps * record.dt, least), who
 
 

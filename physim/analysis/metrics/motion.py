@@ -12,7 +12,6 @@ from math import sqrt
 from typing import Any, NamedTuple
 
 import numpy as np
-from scipy.sparse.csgraph import connected_components
 
 from physim.analysis.metrics.metric import Each, Moment, Series
 from physim.analysis.metrics.progress import (
@@ -220,6 +219,8 @@ def formation_parts(record: Record) -> Series | None:
     if pairs is None:
         gaps = np.diff(np.sort(found.values, axis=1), axis=1)
         return Series(found.time, 1.0 + (gaps > reach).sum(axis=1))
+    from scipy.sparse.csgraph import connected_components  # which takes long to import
+
     count, _ = connected_components(pairs, directed=False)
     return Series(found.time, np.full(len(found.time), float(count)))
 

@@ -12,9 +12,6 @@ from physim.geometry.shapes import FloatArray, body_parts
 from physim.record import Record
 from physim.world.walls import stretch_text
 
-MOST_LOOKS = 200
-"""Moments at which `farthest_between` looks."""
-
 
 def along_wall(record: Record, body: int, point: FloatArray | tuple[float, float]) -> str:
     """``at (1.5, 4), boundaries[0][16] to [17]``: a point (2,) [m] of a boundary of a run.
@@ -45,29 +42,13 @@ def nearest_points(record: Record, a: int, b: int, pose: FloatArray) -> FloatArr
 
     Of bodies that overlap the two are one point, of both.
     """
-    one, other = (
-        placed(record, body, pose[body][None])[0] if body < record.robots else _wall(record, body)
-        for body in (a, b)
-    )
-    return np.asarray(shapely.get_coordinates(shapely.shortest_line(one, other)))
 
+    def shape(body: int) -> Any:
+        if body < record.robots:
+            return placed(record, body, pose[body][None])[0]
+        parts = body_parts(record.walls, body - record.robots)
+        return shapely.GeometryCollection(
+            [shapely.LineString(one) if len(one) == 2 else shapely.Polygon(one) for one in parts]
+        )
 
-def farthest_between(record: Record, a: int, b: int, steps: tuple[int, int]) -> float:
-    """Largest distance [m] of robot ``a`` to body ``b`` from one step to another.
-
-    At `MOST_LOOKS` of the recorded steps, at most.
-    """
-    first, last = np.searchsorted(record.steps, (steps[0], steps[1] + 1))
-    rows = np.unique(np.linspace(first, last - 1, min(MOST_LOOKS, last - first)).astype(int))
-    poses = np.stack([record.pose_at(int(record.steps[row])) for row in rows])
-    mine = placed(record, a, poses[:, a])
-    other = placed(record, b, poses[:, b]) if b < record.robots else _wall(record, b)
-    return float(np.max(shapely.distance(mine, other)))
-
-
-def _wall(record: Record, body: int) -> Any:
-    """All parts of a boundary or obstacle as one shapely geometry."""
-    parts = body_parts(record.walls, body - record.robots)
-    return shapely.GeometryCollection(
-        [shapely.LineString(one) if len(one) == 2 else shapely.Polygon(one) for one in parts]
-    )
+    return np.asarray(shapely.get_coordinates(shapely.shortest_line(shape(a), shape(b))))

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
@@ -191,33 +191,18 @@ contact that begins in this step, NaN when none begins, inf when one should but 
 
 
 @dataclass
-class Approach:
-    """A stretch of consecutive samples over which two bodies are nearer than ``reach``."""
-
-    a: int
-    b: int
-    first: int
-    last: int
-    step: int
-    """sample of the smallest distance"""
-    distance: float
-    """[m] smallest signed distance at a sample"""
-
-
-@dataclass
 class AnalyticContacts:
-    """What the geometry says of K samples."""
+    """What the geometry says of all samples."""
 
     reach: float
     """[m] pairs farther apart than this are not listed"""
-    samples: int
-    robot_pairs: int
-    wall_pairs: int
     touching: NDArray[np.void]
     """rows of `NEAR` at which the shapes touch, in the order of steps"""
     grazes: NDArray[np.void]
     """rows of `NEAR`: apart at both samples of the step, touching between them"""
-    approaches: list[Approach] = field(default_factory=list)
+    nearest: NDArray[np.void]
+    """a row of `NEAR` for each pair that came within ``reach``: where it was nearest, and first so;
+    the nearest pair first"""
 
 
 def pose_blocks(record: Record) -> Iterator[tuple[FloatArray, int]]:
@@ -250,10 +235,7 @@ def analytic_contacts(record: Record) -> AnalyticContacts:
     """
     shapes, walls = record.shapes, record.walls
     reach = float(shapes.radius.max())  # about half the length of a robot
-    bodies = len(walls.body_start) - 1
-    touching, grazes = [np.zeros(0, NEAR)], [np.zeros(0, NEAR)]
-    running: dict[tuple[int, int], Approach] = {}
-    done: list[Approach] = []
+    touching, grazes, nearest = [np.zeros(0, NEAR)], [np.zeros(0, NEAR)], np.zeros(0, NEAR)
     room = Room()
     left = len(record.contacts) + MOST_UNKNOWN
     for poses, start in pose_blocks(record):
@@ -267,13 +249,17 @@ def analytic_contacts(record: Record) -> AnalyticContacts:
                 "run has such"
             )
         grazes.append(rows[(rows["distance"] > CONTACT) & np.isfinite(rows["entry"])])
-        follow(rows[rows["distance"] <= reach], running, done)
-    done += running.values()
-    done.sort(key=lambda approach: (approach.distance, approach.step, approach.a, approach.b))
-    return AnalyticContacts(
-        reach, record.samples, record.robots * (record.robots - 1) // 2, record.robots * bodies,
-        np.concatenate(touching), np.concatenate(grazes), done,
-    )  # fmt: skip
+        within = rows[rows["distance"] <= reach]
+        nearest = np.concatenate((nearest, within))
+        nearest = nearest[least_of_pairs(nearest["a"], nearest["b"], nearest["distance"])]
+    return AnalyticContacts(reach, np.concatenate(touching), np.concatenate(grazes), nearest)
+
+
+def least_of_pairs(a: IntArray, b: IntArray, values: FloatArray) -> IntArray:
+    """Rows of the least value of each pair, of equal ones the first; the least of all first."""
+    order = np.argsort(values, kind="stable")
+    pairs = a[order].astype(np.int64) << 32 | b[order]
+    return np.asarray(order[np.sort(np.unique(pairs, return_index=True)[1])])
 
 
 def pair_distance(record: Record, pose: FloatArray, a: int, b: int) -> float:
@@ -329,27 +315,3 @@ def near_rows(
     rows["step"], rows["a"], rows["b"] = who[:, 0] + start, who[:, 1], who[:, 2]
     rows["distance"], rows["entry"] = values.T
     return rows[np.lexsort((rows["b"], rows["a"], rows["step"]))]
-
-
-def follow(
-    rows: NDArray[np.void], running: dict[tuple[int, int], Approach], done: list[Approach]
-) -> None:
-    """Lengthen the approaches that go on in a block, in place, and move ended ones to ``done``."""
-    rows = rows[np.lexsort((rows["step"], rows["b"], rows["a"]))]
-    if not len(rows):
-        done += running.values()
-        running.clear()
-        return
-    new = (np.diff(rows["a"]) != 0) | (np.diff(rows["b"]) != 0) | (np.diff(rows["step"]) > 1)
-    for run in np.split(rows, np.flatnonzero(new) + 1):
-        nearest = run[int(np.argmin(run["distance"]))]
-        a, b, first, last = (int(v) for v in (run["a"][0], run["b"][0], *run["step"][[0, -1]]))
-        now = Approach(a, b, first, last, int(nearest["step"]), float(nearest["distance"]))
-        before = running.pop((a, b), None)
-        if before is not None and before.last == first - 1:
-            now.first = before.first
-            if before.distance <= now.distance:
-                now.step, now.distance = before.step, before.distance
-        elif before is not None:
-            done.append(before)
-        running[a, b] = now

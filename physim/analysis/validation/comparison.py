@@ -31,7 +31,7 @@ from physim.analysis.validation.analytic_contacts import (
     pair_distance,
     pose_blocks,
 )
-from physim.analysis.validation.mismatch import differs
+from physim.analysis.validation.finding import UNEXPLAINED, Finding, differs, stretches
 from physim.contacts import Kind, Phase, touching
 from physim.errors import RecordError
 from physim.geometry.clearance import clearances
@@ -46,7 +46,6 @@ from physim.tolerances import CONTACT
 TOLERANCE = "within tolerance"
 GRAZE = "graze between samples"
 REJECTED = "rejected false contact of the engine"
-UNEXPLAINED = "unexplained"
 
 ROUNDING = 1e-12
 """[m] Two ways to compute one distance differ by less, up to 10 km from the origin."""
@@ -68,29 +67,8 @@ SMALLEST = (
 Rows = NDArray[np.void]
 
 
-@dataclass(frozen=True)
-class Disagreement:
-    """A stretch of consecutive samples over which two sources disagree about a pair."""
-
-    a: int
-    b: int | None
-    """body ids; None where one body is concerned"""
-    step: int
-    """first sample"""
-    steps: int
-    """number of samples"""
-    time: float
-    """[s] of the first sample; of a swept contact, of its first touch"""
-    distance: float
-    """[m] signed, at the first sample, from the poses; of a swept contact the least between its
-    samples; NaN where no distance is in question"""
-    cause: str
-    what: str
-    """what each of the two says"""
-
-
 class Confusion(NamedTuple):
-    """How often engine and shapes say contact or apart, counted over pairs and steps."""
+    """How often engine and shapes say contact or apart, counted over pairs and samples."""
 
     both: int
     physical_only: int
@@ -100,16 +78,14 @@ class Confusion(NamedTuple):
 
 @dataclass(frozen=True)
 class Comparison:
-    """Tables for the kinds of pairs, and every disagreement in the order of time."""
+    """A table for each kind of pairs, and every disagreement in the order of time."""
 
     at_samples: dict[str, Confusion]
     """keys "robots" and "boundaries": contact at a sample"""
-    over_steps: dict[str, Confusion]
-    """contact at any instant from one sample to the next, both included"""
     rejected: int
     """contacts between separated shapes that the engine reported and its guard kept out, counted
     over pairs and samples"""
-    disagreements: tuple[Disagreement, ...]
+    disagreements: tuple[Finding, ...]
 
     @property
     def unexplained(self) -> int:
@@ -120,7 +96,7 @@ class Comparison:
 def compare(
     record: Record,
     analytic: AnalyticContacts,
-    distances: Iterable[Disagreement],
+    distances: Iterable[Finding],
 ) -> Comparison:
     """Hold the contacts of a record against the shapes; disagreements of ``distances`` are known.
 
@@ -130,46 +106,26 @@ def compare(
         *_contacts(record, analytic), *_swept_contacts(record, analytic), *_false_contacts(record),
         *distances,
     ]  # fmt: skip
-    found.sort(key=lambda one: (one.step, one.a, -1 if one.b is None else one.b))
-    samples = analytic.samples
-    theirs, ours, grazes = (
-        np.unique(_keys(rows, record))
-        for rows in (touching(record.contacts), analytic.touching, analytic.grazes)
-    )
-    theirs_over, ours_over = (_spread(keys, record, samples) for keys in (theirs, ours))
-    return Comparison(
-        _confusions(record, analytic, theirs, ours, samples),
-        _confusions(record, analytic, theirs_over, np.union1d(ours_over, grazes), samples - 1),
-        len(record.false_contacts), tuple(found),
-    )  # fmt: skip
+    found.sort(key=lambda one: (one.step or 0, one.bodies))
+    theirs, ours = (_keys(rows, record) for rows in (touching(record.contacts), analytic.touching))
+    at_samples, robots = {}, record.robots
+    every = {"robots": robots * (robots - 1) // 2,
+             "boundaries": robots * (len(record.bodies) - robots)}  # fmt: skip
+    for name, pairs in every.items():
+        a, b = (
+            keys[(keys % len(record.bodies) < robots) == (name == "robots")]
+            for keys in (theirs, ours)
+        )
+        both = len(np.intersect1d(a, b))
+        rest = pairs * record.samples - len(a) - len(b) + both
+        at_samples[name] = Confusion(both, len(a) - both, len(b) - both, rest)
+    return Comparison(at_samples, len(record.false_contacts), tuple(found))
 
 
 def _keys(rows: Rows, record: Record) -> IntArray:
     """One number for step and pair of each row, increasing with step, then a, then b."""
     n = len(record.bodies)
     return np.asarray((rows["step"] * n + rows["a"]) * n + rows["b"], dtype=np.int64)
-
-
-def _spread(keys: IntArray, record: Record, samples: int) -> IntArray:
-    """Steps (numbered by the sample at their end) that have one of these samples at an end."""
-    pairs = len(record.bodies) ** 2
-    step = keys // pairs
-    return np.union1d(keys[step > 0], keys[step < samples - 1] + pairs)
-
-
-def _confusions(
-    record: Record, analytic: AnalyticContacts, theirs: IntArray, ours: IntArray, times: int
-) -> dict[str, Confusion]:
-    found = {}
-    for name, pairs in (("robots", analytic.robot_pairs), ("boundaries", analytic.wall_pairs)):
-        a, b = (
-            keys[(keys % len(record.bodies) < record.robots) == (name == "robots")]
-            for keys in (theirs, ours)
-        )
-        both = len(np.intersect1d(a, b, assume_unique=True))
-        rest = pairs * max(0, times) - len(a) - len(b) + both
-        found[name] = Confusion(both, len(a) - both, len(b) - both, rest)
-    return found
 
 
 def _told(
@@ -180,24 +136,22 @@ def _told(
     what: str | Callable[[int], str],
     cause: str = UNEXPLAINED,
     near: bool = False,
-) -> Iterator[Disagreement]:
+) -> Iterator[Finding]:
     """What is wrong with rows (M,) of pairs that are ``distance`` (M,) [m] apart, one for each run
     of consecutive steps of a pair; ``near``: explained where all of a run as good as touch."""
     some = np.flatnonzero(wrong)
-    some = some[np.lexsort((rows["step"][some], rows["b"][some], rows["a"][some]))]
-    a, b, step = (rows[key][some] for key in ("a", "b", "step"))
-    cut = np.flatnonzero((np.diff(a) != 0) | (np.diff(b) != 0) | (np.diff(step) != 1)) + 1
-    for run in np.split(some, cut) if len(some) else ():
-        k = int(run[0])
-        close = near and (np.abs(distance[run]) <= CONTACT + ROUNDING).all()
-        at = int(rows["step"][k])
-        yield Disagreement(
-            int(rows["a"][k]), int(rows["b"][k]), at, len(run), at * record.dt, float(distance[k]),
-            TOLERANCE if close else cause, what if isinstance(what, str) else what(k),
+    step, a, b = (rows[key][some] for key in ("step", "a", "b"))
+    for run in stretches(step, a, b):
+        k, first = int(some[run[0]]), int(run[0])
+        close = near and (np.abs(distance[some[run]]) <= CONTACT + ROUNDING).all()
+        yield Finding(
+            what if isinstance(what, str) else what(k), (int(a[first]), int(b[first])),
+            int(step[first]), float(step[first] * record.dt), len(run), float(distance[k]),
+            TOLERANCE if close else cause,
         )  # fmt: skip
 
 
-def _contacts(record: Record, analytic: AnalyticContacts) -> Iterator[Disagreement]:
+def _contacts(record: Record, analytic: AnalyticContacts) -> Iterator[Finding]:
     """Contacts at samples: whether they are there, their rows, and whether they make episodes."""
     rows = record.contacts[record.contacts["kind"] == Kind.PHYSICAL]
     ours = analytic.touching
@@ -265,7 +219,7 @@ def _exact(record: Record, rows: Rows) -> dict[str, FloatArray]:
     return dict(zip(("x", "y", "nx", "ny", "depth"), (*found.T[:4], -found[:, 4]), strict=True))
 
 
-def _swept_contacts(record: Record, analytic: AnalyticContacts) -> Iterator[Disagreement]:
+def _swept_contacts(record: Record, analytic: AnalyticContacts) -> Iterator[Finding]:
     """Contacts between two samples, which the engine cannot see: the record against the shapes.
 
     Where only one of the two has it, their depths differ, or the row tells of more than one moment
@@ -300,7 +254,7 @@ def _swept_contacts(record: Record, analytic: AnalyticContacts) -> Iterator[Disa
             cause = UNEXPLAINED
             what = "touching between two samples, with a push or another phase than began"
         time = (step - 1) * record.dt + (record.dt if graze is None else float(graze["entry"]))
-        yield Disagreement(a, b, step, 1, time, least, cause, what)
+        yield Finding(what, (a, b), step, time, 1, least, cause)
 
 
 def _least(record: Record, a: int, b: int, step: int) -> float:
@@ -315,7 +269,7 @@ def _least(record: Record, a: int, b: int, step: int) -> float:
     return float(least_gap_walls(shapes, a, old[a], new[a], walls, parts, record.dt)[0])
 
 
-def _false_contacts(record: Record) -> Iterator[Disagreement]:
+def _false_contacts(record: Record) -> Iterator[Finding]:
     """Contacts that the engine reported and the exact check rejected: unexplained where the shapes
     touch after all, or are not as far apart as recorded."""
     rows = record.false_contacts
@@ -335,7 +289,7 @@ def _false_contacts(record: Record) -> Iterator[Disagreement]:
 # Distances
 
 
-def exact_distances(record: Record) -> tuple[Extremes, list[Disagreement]]:
+def exact_distances(record: Record) -> tuple[Extremes, list[Finding]]:
     """Compute every distance of a record with the poses of every step, block by block.
 
     Shortest and largest distances, when, of whom; and where ``/steps/clearance`` or
@@ -344,7 +298,7 @@ def exact_distances(record: Record) -> tuple[Extremes, list[Disagreement]]:
     shapes, walls = record.shapes, record.walls
     wall_grid = build_wall_grid(walls, REACH, CELL)
     extremes = Extremes(record.robots)
-    found: list[Disagreement] = []
+    found: list[Finding] = []
     for poses, start in pose_blocks(record):
         first, end = start + (start > 0), start + len(poses)
         block = clearances(poses[first - start :], shapes, walls, wall_grid)
@@ -366,12 +320,10 @@ def exact_distances(record: Record) -> tuple[Extremes, list[Disagreement]]:
 
 def _at(
     record: Record, i: int, other: int, step: int, distance: float, what: str, steps: int = 1
-) -> Disagreement:
-    """A disagreement about a distance of robot ``i`` to another body, if there is one (else -1)."""
-    a, b = (i, None) if other < 0 or other == i else (min(i, other), max(i, other))
-    return Disagreement(
-        a, b, int(step), steps, step * record.dt, float(distance), UNEXPLAINED, what
-    )  # fmt: skip
+) -> Finding:
+    """A finding about a distance of robot ``i`` to another body, if there is one (else -1)."""
+    bodies = (i,) if other < 0 or other == i else (min(i, other), max(i, other))
+    return Finding(what, bodies, int(step), float(step * record.dt), steps, float(distance))
 
 
 def distance_at(record: Record, a: int, b: int, step: int) -> float:
@@ -381,20 +333,20 @@ def distance_at(record: Record, a: int, b: int, step: int) -> float:
 
 def check_extremes(
     record: Record, whole: Record, analytic: AnalyticContacts, exact: Extremes
-) -> Iterator[Disagreement]:
+) -> Iterator[Finding]:
     """Where ``/extremes`` and ``/extremes_farthest`` are not those of the shapes.
 
     The shapes are those of the ``whole`` run, of every step. Smallest distances within reach of the
-    analytic contacts are those of their approaches, which another code finds than notes them during
-    a run. A killed run may have noted some of after its last sample, or not yet.
+    analytic contacts are those of their nearest samples, which another code finds than notes them
+    during a run. A killed run may have noted some of after its last sample, or not yet.
     """
     killed = record.ended == "running"
     due = exact.rows.copy()
-    for one in reversed(analytic.approaches):  # ends with the nearest
-        columns, _ = SMALLEST[one.b >= record.robots]
-        for me, other in ((one.a, one.b), (one.b, one.a)):
+    for step, a, b, distance, _ in reversed(analytic.nearest.tolist()):  # ends with the nearest
+        columns, _ = SMALLEST[b >= record.robots]
+        for me, other in ((a, b), (b, a)):
             if me < record.robots:
-                for column, value in zip(columns, (one.distance, one.step, other), strict=True):
+                for column, value in zip(columns, (distance, step, other), strict=True):
                     due[column][me] = value
     for columns, what in SMALLEST:
         least = due[columns[0]]
@@ -410,7 +362,7 @@ def check_extremes(
 
 def _moment(
     record: Record, i: int, noted: list[float], true: list[float], what: str, is_one: bool
-) -> Iterator[Disagreement]:
+) -> Iterator[Finding]:
     """Whether an extreme distance, its step and other body are as noted, or of equal ones, or of
     those of a part of the run where it ``is_one``, another: its moment is held by the distance."""
     value, at, other = noted[0], int(noted[1]), int(noted[2])

@@ -6,21 +6,16 @@ import math
 from dataclasses import dataclass
 from typing import Any
 
-import numpy as np
-
 from physim.analysis.metrics import Figures, Severity, masses, severity
-from physim.analysis.metrics.contacts import first_row
+from physim.analysis.metrics.contacts import Touch
 from physim.analysis.metrics.walls import along_wall
 from physim.analysis.validation.analytic_contacts import AnalyticContacts
 from physim.analysis.validation.decisions import DecisionTable
 from physim.analysis.validation.prediction import Prediction, Predictor
-from physim.analysis.validation.responsibility import RobotInContact, Touch, robots_in_contact
-from physim.contacts import Kind
+from physim.analysis.validation.responsibility import RobotInContact, robots_in_contact
 from physim.geometry.path import path_length, project
 from physim.record import Record
 
-MOST_EARLY = 100
-"""Pairs whose earlier predictions are compared, too"""
 UNKNOWN = Severity(math.nan, math.nan, None, None)
 
 
@@ -63,7 +58,7 @@ class Contact:
     """None between samples"""
     warning: float | None = None
     """[s] for how long before the contact it lay ahead without a break, under the commands of
-    the moment; None where earlier decisions were not looked at"""
+    the moment; None where there was no decision before it, and after the first contact of a pair"""
     responsible: tuple[int, ...]
     """robots that were responsible; a third one where it pushed one of the two; none where no rule
     of the controller says who"""
@@ -79,11 +74,8 @@ class Contact:
 
 def swept_contacts(record: Record, table: DecisionTable) -> tuple[Contact, ...]:
     """Every recorded contact between two samples, in the order of time."""
-    rows = record.contacts[record.contacts["kind"] == Kind.SWEPT]
-    return tuple(
-        _contact(record, table, row, number=k, depth=float(row["depth"]))
-        for k, row in enumerate(rows, 1)
-    )
+    found = enumerate(Figures(record).grazes, 1)
+    return tuple(_contact(record, table, one, number=number) for number, one in found)
 
 
 def contacts_of(
@@ -105,10 +97,10 @@ def contacts_of(
         a, b, step = one.a, one.b, one.step
         entry = entries.get((step, a, b), math.nan)
         touched = one.time + (entry - record.dt if math.isfinite(entry) else 0.0)
-        earlier = (a, b) not in seen and len(seen) < MOST_EARLY
+        hit = severity(record, one, mass, table.held)
+        prediction = predictor.predict(a, b, step, touched, hit.closing)
+        is_known = (a, b) not in seen and prediction.made is not None
         seen.add((a, b))
-        row, hit = first_row(record, one), severity(record, one, mass, table.held)
-        prediction = predictor.predict(a, b, step, touched, hit.closing, earlier)
         already = {
             body
             for other in episodes[: number - 1]
@@ -117,36 +109,23 @@ def contacts_of(
         }
         found.append(
             _contact(
-                record, table, row, number=number, severity=hit, depth=one.depth,
+                record, table, one, number=number, severity=hit,
                 duration=one.samples * record.dt, lasting=step + one.samples >= record.samples,
-                first_impulse=float(row["impulse"]), impulse=one.impulse,
+                first_impulse=one.impact, impulse=one.impulse,
                 also_touching=tuple(sorted(already - {a, b})), prediction=prediction,
-                warning=_warning(prediction),
+                warning=predictor.ahead(prediction) if is_known else None,
             )
         )  # fmt: skip
     return tuple(found)
 
 
-def _contact(record: Record, table: DecisionTable, row: np.void, **more: Any) -> Contact:
-    """The contact that begins with a row; ``more`` are fields that do not follow from it."""
-    touch = Touch.of(row)
+def _contact(record: Record, table: DecisionTable, touch: Touch, **more: Any) -> Contact:
+    """The contact of a touch; ``more`` are fields that do not follow from it."""
     sides, charged = robots_in_contact(record, table, touch)
     path = record.reference
-    station = project(path, 0, *touch.point, 0.0, path_length(path, 0))[0]
+    station = project(path, 0, *touch.place, 0.0, path_length(path, 0))[0]
     return Contact(
-        a=touch.a, b=touch.b, time=touch.step * record.dt, place=touch.point,
+        a=touch.a, b=touch.b, time=touch.time, place=touch.place, depth=touch.depth,
         station=float(station), normal=touch.normal, sides=sides, responsible=charged,
-        along=along_wall(record, touch.b, touch.point), **more,
+        along=along_wall(record, touch.b, touch.place), **more,
     )  # fmt: skip
-
-
-def _warning(prediction: Prediction) -> float | None:
-    """[s] since when the contact lay ahead at every decision up to it."""
-    if not prediction.early:
-        return None
-    warning = 0.0
-    for one in reversed(prediction.early):
-        if not math.isfinite(one.error):
-            break
-        warning = one.lead
-    return warning

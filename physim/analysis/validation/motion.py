@@ -34,6 +34,7 @@ from scipy.sparse.csgraph import connected_components
 
 from physim.analysis.validation.analytic_contacts import pair_distance, pose_blocks
 from physim.analysis.validation.decisions import DecisionTable
+from physim.analysis.validation.finding import Finding, stretches
 from physim.contacts import touching
 from physim.geometry.motion import arcs
 from physim.geometry.polygon import moment
@@ -48,38 +49,7 @@ LEVER = 40.0
 
 Strayed = tuple[IntArray, IntArray, FloatArray, FloatArray, FloatArray]
 """Of M steps that robots made and may not have made: sample at the end, robot, gap [m], turn [rad],
-and what was allowed [m]; see `Stray`"""
-
-
-@dataclass(frozen=True)
-class Stray:
-    """A stretch of consecutive steps in which a robot did not follow its commands."""
-
-    robot: int
-    step: int
-    """sample at the end of the first such step"""
-    steps: int
-    time: float
-    """[s] of that sample"""
-    gap: float
-    """[m] largest distance of a pose from the end of the arc; in contact, of a step"""
-    turn: float
-    """[rad] largest difference of a heading; in contact, turn of a step"""
-    allowed: float | None = None
-    """[m] what a step may be in contact, turns included; None where the robot touches nothing"""
-
-    @property
-    def sentence(self) -> str:
-        """What is wrong."""
-        if self.allowed is None:
-            return (
-                f"it touches nothing, yet its pose is {self.gap:.3g} m and {self.turn:.3g} rad "
-                "from where its command leads from the sample before"
-            )
-        return (
-            f"in contact it moved {self.gap:.3g} m and {self.turn:.3g} rad in a step; its command "
-            f"and what pushes it allow {self.allowed:.3g} m"
-        )
+and what was allowed [m], NaN where the robot touches nothing"""
 
 
 @dataclass(frozen=True)
@@ -91,8 +61,16 @@ class Motion:
     held: int
     """steps of robots in contact that were held to what they may move; 0 where no masses are
     known"""
-    strays: tuple[Stray, ...]
-    """in the order of time"""
+    off: tuple[Finding, ...]
+    """robots that touch nothing and did not follow their commands"""
+    far: tuple[Finding, ...]
+    """robots in contact that moved farther than commands and pushes allow"""
+
+    @property
+    def strays(self) -> tuple[Finding, ...]:
+        """Both, in the order of time."""
+        both = (*self.off, *self.far)
+        return tuple(sorted(both, key=lambda one: (one.step or 0, one.bodies)))
 
 
 def check_motion(record: Record, table: DecisionTable, mass: FloatArray | None) -> Motion:
@@ -107,7 +85,6 @@ def check_motion(record: Record, table: DecisionTable, mass: FloatArray | None) 
         touched[mine["step"], mine[who]] = True
     pushing = None if mass is None else Pushing(record, mass)
     checked = held = 0
-    found: list[Stray] = []
     off, far = [], []
     for poses, first in pose_blocks(record):
         last = first + len(poses) - 1
@@ -118,17 +95,18 @@ def check_motion(record: Record, table: DecisionTable, mass: FloatArray | None) 
         if pushing is not None:
             held += int((~free).sum())
             far.append(pushing.too_far(poses, first, command, ~free))
-    for some, is_free in ((off, True), (far, False)):
+    found: list[tuple[Finding, ...]] = [(), ()]
+    for k, some in enumerate((off, far)):
         if some:
             step, robot, gap, turn, allowed = map(np.concatenate, zip(*some, strict=True))
             kept = np.ones(len(step), dtype=np.bool_)
-            if is_free:
+            if some is off:
                 shift = np.maximum(gap, turn * table.radius[robot])
                 places = zip(robot.tolist(), step.tolist(), shift.tolist(), strict=True)
                 kept[:] = [not _pushed(record, table, touched, *place) for place in places]
             strayed = (step[kept], robot[kept], gap[kept], turn[kept], allowed[kept])
-            found += _stretches(record.dt, strayed)
-    return Motion(checked, held, tuple(sorted(found, key=lambda one: (one.step, one.robot))))
+            found[k] = tuple(_stretches(record.dt, strayed))
+    return Motion(checked, held, *found)
 
 
 def _off(
@@ -149,17 +127,22 @@ def _slack(poses: FloatArray) -> FloatArray:
     return np.asarray(ONE_STEP + ULPS * np.spacing(np.abs(poses[1:]).max(axis=2)))
 
 
-def _stretches(dt: float, strayed: Strayed) -> Iterator[Stray]:
-    """Consecutive steps of a robot as one."""
-    order = np.lexsort(strayed[:2])
-    step, robot, gap, turn, allowed = (column[order] for column in strayed)
-    cuts = np.flatnonzero((np.diff(step) != 1) | (np.diff(robot) != 0)) + 1
-    for run in np.split(np.arange(len(step)), cuts) if len(step) else ():
-        at, most = int(step[run[0]]), float(allowed[run].max())
-        yield Stray(
-            int(robot[run[0]]), at, len(run), at * dt, float(gap[run].max()),
-            float(turn[run].max()), None if math.isnan(most) else most,
-        )  # fmt: skip
+def _stretches(dt: float, strayed: Strayed) -> Iterator[Finding]:
+    """Consecutive steps of a robot as one, by the greatest of them."""
+    step, robot, *values = strayed
+    for run in stretches(step, robot):
+        gap, turn, allowed = (float(column[run].max()) for column in values)
+        who, at = int(robot[run[0]]), int(step[run[0]])
+        what = (
+            f"in contact it moved {gap:.3g} m and {turn:.3g} rad in a step; its command and what "
+            f"pushes it allow {allowed:.3g} m"
+        )
+        if math.isnan(allowed):
+            what = (
+                f"it touches nothing, yet its pose is {gap:.3g} m and {turn:.3g} rad from where "
+                "its command leads from the sample before"
+            )
+        yield Finding(what, (who,), at, at * dt, len(run))
 
 
 def _pushed(

@@ -1,65 +1,46 @@
-"""Near misses: the smallest distances and collision times that did not end in contact.
+"""Near misses: of pairs that never touched, how near they came and how soon they would have met.
 
-Distances are over all samples, one for each episode of a pair, see `_listed`, of approaches: a
-stretch of time over which a pair is nearer than the reach of the analytic contacts. Collision times
-are those of the deciding robot with every other body at every decision, under the commands that all
-hold from then on, computed here; one for each episode of a pair as well.
-Approaches that end in contact, at a sample or between two, are left out: they are contacts.
+Distances are the smallest of each pair over all samples, where it came within the reach of the
+analytic contacts. Collision times are the smallest of each pair over all decisions, of the deciding
+robot with every other body, under the commands that all hold from then on, computed here.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
 
-from physim.analysis.metrics.walls import farthest_between, near_wall
+from physim.analysis.metrics import Figures, Moment
+from physim.analysis.metrics.walls import near_wall
 from physim.analysis.validation.analytic_contacts import (
     FULL,
     AnalyticContacts,
     Room,
+    least_of_pairs,
     pose_blocks,
     walls_about,
 )
-from physim.analysis.validation.comparison import SMALLEST
 from physim.analysis.validation.decisions import DecisionTable
 from physim.analysis.validation.responsibility import has_priority
 from physim.compiled import compiled
 from physim.geometry.collision import collision_time_pair, collision_time_walls
 from physim.geometry.shapes import FloatArray, IntArray, Shapes, read_only
 from physim.record import Record
-from physim.record.writer import Extremes
-from physim.tolerances import CONTACT
 
 MOST_LISTED = 10
-MOST_LOOKED_AT = 1_000
-"""Stretches, the smallest first, among which episodes are told apart."""
 LOOK = 3.0
 """[s] Collision times beyond this are no near miss."""
 DECIDED = np.dtype([("step", "<i8"), ("robot", "<i8")])
 """Who decided when: the same type whatever columns a controller declares, for the kernel."""
-APART = 1.0
-"""[s] Decisions of a pair farther apart in time belong to two stretches."""
-TOGETHER = 5.0
-"""[s] Near misses of a pair closer in time are one: its smallest is listed."""
-PARTED = 1.0
-"""[m] So are those between which the pair is never farther apart than this."""
 
 
 @dataclass(frozen=True)
-class NearMiss:
-    """A smallest value, when and of whom."""
+class NearMiss(Moment):
+    """A smallest value [m] or [s], when and of which two bodies."""
 
-    a: int
-    b: int
-    step: int
-    time: float
-    """[s]"""
-    value: float
-    """[m] or [s]"""
     behind: int | None = None
     """robot that was behind along s*, and so had to consider the other; None for a boundary, and
     where the controller has no such rule"""
@@ -83,62 +64,40 @@ class NearMisses:
     """smallest distance of a robot and a boundary or obstacle"""
 
 
-def near_misses(
-    record: Record, analytic: AnalyticContacts, table: DecisionTable, exact: Extremes
-) -> NearMisses:
-    """Find the near misses of a record with the poses of every step; all by the shapes."""
-    dt, rows = record.dt, exact.rows
-    distances = [
-        NearMiss(near.a, near.b, near.step, near.step * dt, near.distance)
-        for near in analytic.approaches
-        if near.distance > CONTACT
-        and not _touched(analytic.grazes, near.a, near.b, near.first, near.last + 1)
-    ]
-    smallest = []
-    for (value, when, other), _ in SMALLEST:
-        who = int(np.argmin(rows[value]))
-        body, step = int(rows[other][who]), int(rows[when][who])
-        along = near_wall(record, who, body, step)
-        least = NearMiss(who, body, step, step * dt, float(rows[value][who]), along=along)
-        smallest.append(None if body < 0 else least)
+def near_misses(record: Record, analytic: AnalyticContacts, table: DecisionTable) -> NearMisses:
+    """Find the near misses of a record with the poses of every step."""
+    run, near = Figures(record), analytic.nearest
+    rows = np.concatenate((analytic.touching, analytic.grazes))
+    touched = set(zip(rows["a"].tolist(), rows["b"].tolist(), strict=True))
+
+    def listed(who: IntArray, values: FloatArray) -> tuple[NearMiss, ...]:
+        """Those of rows (M, 3) of step, a and b, the smallest first, whose pair never touched."""
+        some = ((*place, value) for place, value in zip(who.tolist(), values.tolist(), strict=True))
+        missed = [one for one in some if one[1:3] not in touched][:MOST_LISTED]
+        return tuple(_near_miss(table, *one) for one in missed)
+
+    def smallest(one: Moment | None) -> NearMiss | None:
+        if one is None or one.b is None:
+            return None
+        return NearMiss(**vars(one), along=near_wall(record, one.a, one.b, one.step))
+
+    places = np.column_stack([near[name] for name in ("step", "a", "b")])
     return NearMisses(
-        _listed(table, distances), _listed(table, _times(record)), analytic.reach, *smallest
-    )
+        listed(places, near["distance"]), listed(*_times(record)), analytic.reach,
+        smallest(run.nearest), smallest(run.nearest_wall),
+    )  # fmt: skip
 
 
-def _touched(rows: NDArray[np.void], a: int, b: int, first: int, last: int) -> bool:
-    """Whether one of the rows, in the order of steps, is of a pair in these steps."""
-    some = rows[slice(*np.searchsorted(rows["step"], (first, last + 1)))]
-    return bool(((some["a"] == a) & (some["b"] == b)).any())
-
-
-def _listed(table: DecisionTable, some: Sequence[NearMiss]) -> tuple[NearMiss, ...]:
-    """The first `MOST_LISTED` of ``some``, the smallest first: one of each pair and episode.
-
-    Two of a pair are one episode where less than `TOGETHER` lies between them, or where the pair
-    is never more than `PARTED` apart between them. Says who of two robots was behind (equal
-    stations: the higher index), or where a wall is.
-    """
-    record, kept = table.record, list[NearMiss]()
-    for one in some[:MOST_LOOKED_AT]:
-        if len(kept) == MOST_LISTED:
-            break
-        for other in kept:
-            first, last = sorted((one.step, other.step))
-            if (other.a, other.b) == (one.a, one.b) and (
-                (last - first) * record.dt < TOGETHER
-                or farthest_between(record, one.a, one.b, (first, last)) <= PARTED
-            ):
-                break
-        else:
-            kept.append(one)
-    for k, one in enumerate(kept):
-        if one.b >= record.robots:
-            kept[k] = replace(one, along=near_wall(record, one.a, one.b, one.step))
-        elif has_priority(record):
-            a, b = (table.reference_station(i, one.step) for i in (one.a, one.b))
-            kept[k] = replace(one, behind=one.b if a >= b else one.a)
-    return tuple(kept)
+def _near_miss(table: DecisionTable, step: int, a: int, b: int, value: float) -> NearMiss:
+    """One with who of two robots was behind (equal stations: the higher index), or the wall's
+    place."""
+    record, behind, along = table.record, None, ""
+    if b >= record.robots:
+        along = near_wall(record, a, b, step)
+    elif has_priority(record):
+        stations = [table.reference_station(i, step) for i in (a, b)]
+        behind = b if stations[0] >= stations[1] else a
+    return NearMiss(value, step, step * record.dt, a, b, behind, along)
 
 
 @compiled
@@ -188,8 +147,8 @@ def decision_times(
     return count
 
 
-def _times(record: Record) -> list[NearMiss]:
-    """Smallest value of each stretch of decisions of a pair, but for those that end in contact."""
+def _times(record: Record) -> tuple[IntArray, FloatArray]:
+    """Step, a and b (M, 3) of the smallest collision time of each pair, and that (M,) [s]."""
     decided = np.zeros(len(record.updates), dtype=DECIDED)
     for name in DECIDED.names or ():
         decided[name] = record.updates[name]
@@ -203,15 +162,5 @@ def _times(record: Record) -> list[NearMiss]:
         )
         found.append(room.filled(scan, 1))
     who, values = (np.concatenate(some) for some in zip(*found, strict=True))
-    order = np.lexsort((who[:, 0], who[:, 2], who[:, 1]))
-    who, xi = who[order], values[order, 0]
-    apart = np.diff(who[:, 0]) * record.dt > APART
-    cut = np.flatnonzero(apart | (np.diff(who[:, 1:], axis=0) != 0).any(axis=1)) + 1
-    smallest = []
-    for run in np.split(np.arange(len(who)), cut) if len(who) else ():
-        least = run[int(np.argmin(xi[run]))]
-        step, a, b = who[least].tolist()
-        last = int(who[run[-1], 0]) + round(APART / record.dt)
-        if not _touched(record.contacts, a, b, int(who[run[0], 0]), last + 1):
-            smallest.append(NearMiss(a, b, step, step * record.dt, float(xi[least])))
-    return sorted(smallest, key=lambda one: (one.value, one.step, one.a, one.b))
+    least = least_of_pairs(who[:, 1], who[:, 2], values[:, 0])
+    return who[least], values[least, 0]

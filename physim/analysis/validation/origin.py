@@ -14,7 +14,8 @@ from typing import Any
 
 import shapely
 
-from physim.analysis.validation.mismatch import (
+from physim.analysis.validation.finding import (
+    Finding,
     first_difference,
     unlike_attributes,
     unlike_scene,
@@ -56,14 +57,6 @@ class Inside:
     def fits(self, record: Record) -> bool:
         """Whether it has as many robots and bodies: else nothing is held robot by robot."""
         return len(self.scene.bodies) == len(record.bodies) and self.scene.robots == record.robots
-
-
-@dataclass(frozen=True)
-class Origin:
-    """What the comparison of a record with the world inside it found."""
-
-    differences: tuple[str, ...]
-    """what is in the record, and what it is by the world; one line each"""
 
 
 def world_inside(record: Record) -> Inside:
@@ -111,7 +104,7 @@ def controller_name(record: Record) -> str:
     return record.world.controller.type
 
 
-def compare_with_world(record: Record, inside: Inside) -> Origin:
+def compare_with_world(record: Record, inside: Inside) -> tuple[Finding, ...]:
     """Hold what is known before the first step against a record of the world inside at its start.
 
     Seed, step, names, footprints, walls, paths, areas, leads, start poses and what the controller
@@ -134,11 +127,10 @@ def compare_with_world(record: Record, inside: Inside) -> Origin:
             pose = record.read("/steps/pose", 0, 1), scene.start[None]
             first = first_difference(record, "/steps/pose", *pose, BY, False, record.steps)
             found += [] if first is None else [first]
-        names = max(record.names, start.names, key=len)
-        return Origin((*(one.line(names) for one in found), *_areas(record, start)))
+        return (*found, *_areas(record, start))
 
 
-def _areas(record: Record, start: Record) -> Iterator[str]:
+def _areas(record: Record, start: Record) -> Iterator[Finding]:
     for name in ("accessible", "safe"):
         one, other = (
             shapely.MultiLineString([[*ring, ring[0]] for ring in getattr(of, name)])
@@ -148,7 +140,7 @@ def _areas(record: Record, start: Record) -> Iterator[str]:
             continue
         far = shapely.hausdorff_distance(one, other, densify=1.0 / LOOKED_AT)
         if one.is_empty != other.is_empty or far > AREA:
-            yield f"the {name} area is another in the record than {BY}"
+            yield Finding(f"the {name} area is another in the record than {BY}")
 
 
 def check_made_from(record: Record, world: World, where: str | Path) -> None:

@@ -7,8 +7,7 @@ when it was predicted, to TIME = 1e-6 s, and be seen at the sample after that. S
 samples bodies move on the chord, not on the arc (`tolerances.chord`), which shifts a contact by
 the gap of the two over the closing speed.
 
-Earlier predictions err because commands change; they say how far ahead a contact lay under the
-commands of the moment.
+Earlier predictions say for how long a contact lay ahead under the commands of the moment.
 """
 
 from __future__ import annotations
@@ -45,17 +44,6 @@ NO_DECISION = f"{NOT_COMPARED}no decision before it"
 
 
 @dataclass(frozen=True)
-class Early:
-    """A prediction at some decision before a contact."""
-
-    step: int
-    lead: float
-    """[s] from the prediction to the actual contact"""
-    error: float
-    """[s] predicted less actual time; inf when no contact was predicted"""
-
-
-@dataclass(frozen=True)
 class Prediction:
     """What the last decision before a contact foretold, and what came."""
 
@@ -75,8 +63,6 @@ class Prediction:
     """[s] by which chord and tolerance may shift the contact"""
     verdict: str
     """`AGREES`, `DISAGREES`, or `NOT_COMPARED` and why"""
-    early: tuple[Early, ...] = ()
-    """earlier decisions, in the order of time"""
 
     @property
     def error(self) -> float | None:
@@ -84,6 +70,12 @@ class Prediction:
         if self.predicted is None or self.verdict not in (AGREES, DISAGREES):
             return None
         return self.predicted - self.touched
+
+    def due_text(self, digits: int) -> str:
+        """When the contact was due, with so many decimals."""
+        if self.predicted is None:
+            return "-"
+        return "none" if math.isinf(self.predicted) else f"{self.predicted:.{digits}f} s"
 
 
 def pair_time(
@@ -129,13 +121,11 @@ class Predictor:
                 return later + found
         return math.inf
 
-    def predict(
-        self, a: int, b: int, step: int, touched: float, closing: float, earlier: bool
-    ) -> Prediction:
+    def predict(self, a: int, b: int, step: int, touched: float, closing: float) -> Prediction:
         """Hold the contact that begins at ``step`` against what was predicted before it.
 
         ``touched`` [s] is the first touch by the swept check, ``closing`` [m/s] the speed at
-        which the two closed; ``earlier``: look at earlier decisions too.
+        which the two closed.
         """
         dt, found = self.record.dt, step * self.record.dt
         robots = [i for i in (a, b) if i < self.record.robots]
@@ -161,8 +151,7 @@ class Predictor:
             verdict = TOUCHED_BEFORE
         if not all(self._as_commanded(i, made, step) for i in robots):
             verdict = NOT_AS_COMMANDED
-        early = self._earlier(a, b, robots, made, step, touched) if earlier else ()
-        return Prediction(a, b, step, found, touched, made * dt, predicted, slack, verdict, early)
+        return Prediction(a, b, step, found, touched, made * dt, predicted, slack, verdict)
 
     def _as_commanded(self, robot: int, start: int, end: int) -> bool:
         v, omega = self.table.held(robot, start)
@@ -190,16 +179,19 @@ class Predictor:
         came = (when * dt - dt - slack <= predicted) & (predicted <= when * dt + slack)
         return bool(came.any())
 
-    def _earlier(
-        self, a: int, b: int, robots: list[int], made: int, step: int, touched: float
-    ) -> tuple[Early, ...]:
-        """Decisions of the last `HORIZON` before a contact, and the last one however early."""
-        first = min(made, step - math.floor(HORIZON / self.record.dt))
+    def ahead(self, contact: Prediction) -> float:
+        """[s] for how long before a contact it lay ahead at every decision of the two.
+
+        At those of the last `HORIZON`, and at the last one however early.
+        """
+        dt, touched, made = self.record.dt, contact.touched, contact.made or 0.0
+        first = min(round(made / dt), contact.step - math.floor(HORIZON / dt))
+        robots = [i for i in (contact.a, contact.b) if i < self.record.robots]
         steps = np.unique(np.concatenate([self.table.steps(i) for i in robots]))
-        steps = steps[(steps >= max(0, first)) & (steps < step)]
-        found = []
-        for at in (int(s) for s in steps):
-            time = at * self.record.dt
-            due = time + self.due(a, b, at, touched - time)
-            found.append(Early(at, touched - time, due - touched))
-        return tuple(found)
+        lead = 0.0
+        for step in steps[(steps >= first) & (steps < contact.step)][::-1].tolist():
+            before = touched - step * dt
+            if math.isinf(self.due(contact.a, contact.b, step, before)):
+                break
+            lead = before
+        return lead

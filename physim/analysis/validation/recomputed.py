@@ -17,13 +17,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from physim.analysis.validation.decisions import DecisionTable
-from physim.analysis.validation.mismatch import Mismatch, unlike_rows
+from physim.analysis.validation.finding import Finding, first_difference, unlike, unlike_rows
 from physim.analysis.validation.origin import Inside
-from physim.analysis.validation.rerun import decided_again
+from physim.analysis.validation.rerun import run_led
+from physim.errors import ControllerError
 from physim.parts.declarations import Declared
 from physim.parts.registry import CONTROLLER, DISTURBANCE, FILTER, SENSING, shipped_parts
 from physim.record import Record
-from physim.record.layout import COMMAND_STAGES, OPTIONAL
+from physim.record.layout import COMMAND_STAGES, OPTIONAL, OTHERS
 from physim.tolerances import SHARE
 
 PARTS = ("v", "omega")
@@ -38,7 +39,7 @@ class Recomputed:
     """of these, how many were made again by the world's own controller"""
     left_out: tuple[str, ...]
     """what could not be computed, and why"""
-    mismatches: tuple[Mismatch, ...]
+    mismatches: tuple[Finding, ...]
 
 
 def recompute(
@@ -58,7 +59,7 @@ def recompute(
     return Recomputed(len(whole.updates), replayed, left_out, tuple(found))
 
 
-def _check_commands(record: Record, table: DecisionTable, inside: Inside) -> Iterator[Mismatch]:
+def _check_commands(record: Record, table: DecisionTable, inside: Inside) -> Iterator[Finding]:
     """Hold both tables of commands against each other, the limits and the stages there were."""
     rows, commands, stages = record.updates, record.commands, inside.stages
     key, listed_key = (some["step"] * record.robots + some["robot"] for some in (rows, commands))
@@ -97,26 +98,26 @@ def _check_commands(record: Record, table: DecisionTable, inside: Inside) -> Ite
                 yield from unlike_rows(record, name, column, some, limit, by, wrong)
 
 
-def _check_counts(record: Record) -> Iterator[Mismatch]:
+def _check_counts(record: Record) -> Iterator[Finding]:
     """Hold counts and lists in attributes against the tables."""
     if "false_contacts" in record.tables:
         killed = record.ended == "running"  # it would have counted them in the end
         count = 0 if killed else len(record.false_contacts)
         if (told := record.rejected_contacts) != count:
             by = "by the table /false_contacts"
-            yield Mismatch.of(record, "attribute", "rejected_contacts", told, count, by)
+            yield unlike(record, "attribute", "rejected_contacts", told, count, by)
     for table in OPTIONAL:
         if table not in record.tables and (rows := len(record.read(f"/{table}"))):
             by = f"by that table, which has {rows} rows"
             both = f"without {table}", f"with {table}"
-            yield Mismatch.of(record, "attribute", "tables", *both, by)
+            yield unlike(record, "attribute", "tables", *both, by)
     apart = np.diff(record.steps[:-1])  # the last sample may be nearer
     for wrong in apart[apart != record.record_every][:1].tolist():
         told, by = record.record_every, "by the recorded steps"
-        yield Mismatch.of(record, "attribute", "record_every", told, wrong, by)
+        yield unlike(record, "attribute", "record_every", told, wrong, by)
 
 
-def _check_decisions(record: Record, inside: Inside) -> tuple[list[Mismatch], int, str]:
+def _check_decisions(record: Record, inside: Inside) -> tuple[list[Finding], int, str]:
     """Stations against poses, and decisions made again: how many, and why others are not."""
     rows, lead, own, why_not = record.updates, record.lead, inside.controller, inside.why_not
     station, deviation, reference = record.course[rows["step"], rows["robot"]].T
@@ -137,28 +138,22 @@ def _check_decisions(record: Record, inside: Inside) -> tuple[list[Mismatch], in
         why_not = f"{kind} is not shipped with physim, and need not decide alike twice"
     elif own is not None and record.declared != Declared.of(own):
         why_not = "the record declares others"
-    if why_not or own is None:
+    if why_not or own is None or not len(rows):
         return found, 0, why_not
-    again, others, broken = decided_again(record, inside.scene, own)
-    key, ours = (some["step"] * record.robots + some["robot"] for some in (rows, again))
-    both, theirs_at, ours_at = np.intersect1d(key, ours, return_indices=True)
-    by = f"decided again by {kind}"
-    left_out = ("step", "robot", "applied_v", "applied_omega", *due)  # which are held elsewhere
-    for name in (name for name in rows.dtype.names or () if name not in left_out):
-        exact = rows[name].copy()
-        exact[theirs_at] = again[name][ours_at]
-        found += unlike_rows(record, "/updates", name, rows, exact, by)
-    n, pairs = record.robots, []
-    for some in (record.considered, others):
-        decision = some["step"] * n + some["robot"]
-        pairs.append((decision * n + some["other"])[np.isin(decision, both)])
-    wrong = np.unique(np.setxor1d(*pairs) // n)
-    for robot in np.unique(wrong % n).tolist():
-        mine = wrong[wrong % n == robot]
-        told, true = (
-            ", ".join(record.names[j] for j in np.sort(some[some // n == mine[0]] % n)) or "nobody"
-            for some in pairs
-        )
-        place = {"robot": robot, "step": int(mine[0] // n), "count": len(mine)}
-        found.append(Mismatch.of(record, "/considered", "other", told, true, by, **place))
-    return found, len(both), broken
+    try:
+        again = run_led(record, inside.scene, own)
+    except ControllerError as error:
+        return found, 0, str(error).splitlines()[0]
+    killed = record.ended == "running"  # not all that was decided at its last step may be there
+    until = min(int(some.updates["step"][-1]) for some in (record, again)) - killed
+    held_elsewhere = ("applied_v", "applied_omega", *due)
+    names = [name for name in rows.dtype.names or () if name not in held_elsewhere]
+    for path, some, others in (
+        ("/updates", rows[names], again.updates[names]),
+        (OTHERS, record.considered, again.considered),
+    ):
+        some, others = (one[one["step"] <= until] for one in (some, others))
+        by = f"decided again by {kind}"
+        one = first_difference(record, path, some, others, by, exact=False)
+        found += [] if one is None else [one]
+    return found, int((rows["step"] <= until).sum()), ""

@@ -3,16 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from math import inf, isfinite
-from typing import NamedTuple
+from math import isfinite
+from statistics import median
 
-import numpy as np
-
-from physim.analysis.validation.comparison import UNEXPLAINED, Disagreement
 from physim.analysis.validation.contact import Contact
-from physim.analysis.validation.mismatch import SLACK
-from physim.analysis.validation.near_misses import LOOK, PARTED, TOGETHER, NearMiss
-from physim.analysis.validation.prediction import AGREES, Early, Prediction
+from physim.analysis.validation.finding import SLACK, UNEXPLAINED
+from physim.analysis.validation.near_misses import LOOK, NearMiss
+from physim.analysis.validation.prediction import AGREES, Prediction
 from physim.analysis.validation.told import sentences, wrapped
 from physim.analysis.validation.validation import Validation
 from physim.errors import plural
@@ -27,8 +24,6 @@ MOST_TOLD, MOST_TOLD_IN_FULL = 3, 100
 """Contacts that are told in sentences"""
 MOST_NAMED = 6
 """Boundaries and obstacles that are named"""
-LEADS = (0.0, 0.1, 0.5, 1.0, 2.0, 5.0, 10.0)
-"""[s] edges of the table of lead times"""
 ENDS = {
     "finished": "all robots arrived",
     "duration": "ran for its whole duration",
@@ -67,33 +62,27 @@ def warning_lines(validation: Validation) -> list[str]:
 
 def _head(validation: Validation, full: bool) -> list[str]:
     """What was run: world, controller and stages with their settings, and how it ended."""
-    run, setup, python = validation.run, validation.run.setup, ", given from Python"
+    run = validation.run
     others = [body.name for body in run.bodies[run.robots :]]
     walls = joined(others) if others else "no boundaries"
     if len(others) > MOST_NAMED:
         walls = f"{len(others)} boundaries and obstacles"
-    is_known = setup.controller.name == run.controller
-    controller = str(setup.controller) if is_known else run.controller
-    parts = [("controller", controller + (python if "controller" in dict(run.given) else ""))]
-    for stage, ones in setup.stages.items():
-        parts += [(stage.removesuffix("s"), str(one)) for one in ones]
-    for one in setup.others:
-        kind, _, name = one.partition(" ")
-        parts.append((kind, name + python))
+    (kind, controller), *stages = run.setup.lines()
+    controller += ", given from Python" if kind in dict(run.given) else ""
     lines = [
         "COLLISION SAFETY REPORT",
         f"  run         {run.name}, seed {run.seed}: {plural(run.robots, 'robot')}, {walls}",
         f"  record      {run.source}",
-        *(line for kind, text in parts for line in wrapped(f"{kind:<11} {text}", "  ", 14 * " ")),
+        *(
+            line
+            for label, text in ((kind, controller), *stages)
+            for line in wrapped(f"{label:<11} {text}", "  ", 14 * " ")
+        ),
         f"  time        {run.seconds:.2f} s of at most {run.planned:g} s, step {run.dt:g} s; "
         f"{ENDS.get(run.ended, run.ended)}",
     ]
-    made = _versions(validation)
+    made = run.setup.made_with
     return [*lines, f"  made by     {made}"] if made and full else lines
-
-
-def _versions(validation: Validation) -> str:
-    return ", ".join(f"{name} {one}" for name, one in sorted(validation.run.versions.items()))
 
 
 def _contacts(validation: Validation, full: bool) -> list[str]:
@@ -139,7 +128,7 @@ def _nearest(one: NearMiss, names: list[str]) -> str:
     if one.value < -CONTACT:
         near = f"overlapped by {length(-one.value)}"
     along = one.along and f", {one.along}"
-    return f"{names[one.a]} and {names[one.b]} {near} at {one.time:.2f} s{along}"
+    return f"{' and '.join(names[body] for body in one.bodies)} {near} at {one.time:.2f} s{along}"
 
 
 def _pair_rows(
@@ -176,12 +165,9 @@ def _checks(validation: Validation, full: bool) -> list[str]:
             f"  {'':<34}{'contact':>10}{'only':>10}{'only':>10}",
         ]
         for kind, label in (("robots", "robot and robot"), ("boundaries", "robot and boundary")):
-            for when, tables in (
-                ("at samples", comparison.at_samples), ("between, swept", comparison.over_steps)
-            ):  # fmt: skip
-                if sum(row := tables[kind]):
-                    cells = f"{row.both:>10,}{row.physical_only:>10,}{row.analytic_only:>10,}"
-                    lines.append(f"  {f'{label}, {when}':<34}{cells}{row.neither:>14,}")
+            if sum(row := comparison.at_samples[kind]):
+                cells = f"{row.both:>10,}{row.physical_only:>10,}{row.analytic_only:>10,}"
+                lines.append(f"  {f'{label}, at samples':<34}{cells}{row.neither:>14,}")
     said = []
     if comparison.rejected:
         times = "once" if comparison.rejected == 1 else f"{comparison.rejected:,} times"
@@ -189,8 +175,7 @@ def _checks(validation: Validation, full: bool) -> list[str]:
             f"The engine reported a contact of shapes that were apart {times}; the exact check "
             "rejected it."
         )
-    off = sum(stray.allowed is None for stray in motion.strays)
-    far = len(motion.strays) - off
+    off, far = len(motion.off), len(motion.far)
     said.append(
         f"Motion: {motion.checked:,} steps of robots that touch nothing, held against the arcs of "
         f"their applied commands: {f'{off} DIFFER' if off else f'all agree within {ONE_STEP:g} m'}."
@@ -233,78 +218,26 @@ def _again(validation: Validation) -> Iterator[str]:
         up_to = "" if again.whole else f", up to the first contact after {again.until:.2f} s"
         yield (
             "Simulated again by other versions than made the record "
-            f"({_versions(validation) or 'unknown'}): the same within {SLACK:g}{up_to}."
+            f"({validation.run.setup.made_with or 'unknown'}): the same within {SLACK:g}{up_to}."
         )
-
-
-class Told(NamedTuple):
-    """A disagreement in words."""
-
-    time: float | None
-    """[s]"""
-    bodies: tuple[int, ...]
-    extent: str
-    """how far off, and for how long"""
-    words: str
-    """its cause and what each side says"""
-
-
-def disagreements(validation: Validation) -> list[list[Told]]:
-    """Every disagreement, sort by sort, as the report and the page of a run tell it."""
-    pairs, again = validation.comparison.disagreements, validation.rerun
-    first = [] if again is None or again.difference is None else [again.difference]
-
-    def unexplained(what: str, time: float | None = None, *bodies: int | None) -> Told:
-        who = tuple(body for body in bodies if body is not None)
-        return Told(time, who, "", f"{UNEXPLAINED} ({what})")
-
-    return [
-        [unexplained(line) for line in validation.origin.differences],
-        [unexplained(one.what, one.time, one.robot) for one in validation.recomputed.mismatches],
-        [
-            unexplained(f"the first difference of the run: {one.what}", one.time, one.robot)
-            for one in first
-        ],
-        [
-            unexplained(f"{one.sentence}{_long(one.steps, 'steps')}", one.time, one.robot)
-            for one in validation.motion.strays
-        ],
-        [_pair(one) for one in sorted(pairs, key=lambda one: one.cause != UNEXPLAINED)],
-        [
-            unexplained(
-                f"first touch at {one.touched:.6f} s, but contact predicted at {one.made:.2f} s: "
-                f"{_due(one, 4)}", one.found, one.a, one.b,
-            )
-            for one in validation.mispredicted
-        ],
-    ]  # fmt: skip
-
-
-def _pair(one: Disagreement) -> Told:
-    apart = f", signed distance {one.distance:.3g} m" if isfinite(one.distance) else ""
-    bodies = (one.a,) if one.b is None else (one.a, one.b)
-    extent = apart + _long(one.steps, "samples")
-    return Told(one.time, bodies, extent, f"{one.cause} ({one.what})")
 
 
 def _disagreements(validation: Validation) -> list[str]:
     """Every disagreement on a line of its own, `MOST_LISTED` of each sort."""
-    sorts = disagreements(validation)
-    count = sum(map(len, sorts))
-    if not count:
+    sorts = validation.findings
+    every = [one for sort in sorts for one in sort]
+    if not every:
         return ["DISAGREEMENTS: none"]
-    explained = sum(one.cause != UNEXPLAINED for one in validation.comparison.disagreements)
-    lines = [f"DISAGREEMENTS: {count}, of which {count - explained} unexplained"]
+    wrong = sum(one.cause == UNEXPLAINED for one in every)
+    lines = [f"DISAGREEMENTS: {len(every)}, of which {wrong} unexplained"]
     for one in (one for sort in sorts for one in sort[:MOST_LISTED]):
         when = "" if one.time is None else f"{one.time:9.4f} s  "
-        who = " and ".join(validation.names[body] for body in one.bodies) + one.extent
-        lines += wrapped(f"{when}{who}{': ' if who else ''}{one.words}", "  ", 15 * " ")
+        who = " and ".join(validation.names[body] for body in one.bodies)
+        who += f", signed distance {one.distance:.3g} m" if isfinite(one.distance) else ""
+        lasts = f" for {one.steps} samples" if one.steps > 1 else ""
+        lines += wrapped(f"{when}{who}{': ' if who else ''}{one.words}{lasts}", "  ", 15 * " ")
     left = sum(len(sort[MOST_LISTED:]) for sort in sorts)
     return [*lines, f"  and {left} more (--json FILE has all)"] if left else lines
-
-
-def _long(steps: int, what: str) -> str:
-    return f" for {steps} {what}" if steps > 1 else ""
 
 
 def _expectations(validation: Validation, full: bool) -> list[str]:
@@ -318,7 +251,7 @@ def _expectations(validation: Validation, full: bool) -> list[str]:
 
 
 def _predictions(validation: Validation) -> list[str]:
-    """Table of first contacts, errors at the last decision, errors by lead time."""
+    """Table of first contacts, and errors at the last decision."""
     every = [one.prediction for one in validation.contacts if one.prediction is not None]
     if not every:
         return []
@@ -337,7 +270,7 @@ def _predictions(validation: Validation) -> list[str]:
         pair = f"{names[p.a]} and {names[p.b]}"
         note = "" if p.verdict == AGREES else f"  ({p.verdict})"
         lines.append(
-            f"  {number:<4}{made:>13}{_due(p, 6):>14}{p.touched:>12.6f} s{p.found:>8.2f} s"
+            f"  {number:<4}{made:>13}{p.due_text(6):>14}{p.touched:>12.6f} s{p.found:>8.2f} s"
             f"{error:>12}   {pair}{note}"
         )
     compared = [p for p in every if p.error is not None]
@@ -347,47 +280,14 @@ def _predictions(validation: Validation) -> list[str]:
         same = sum(p.verdict == AGREES for p in compared)
         share = f"{same} of {len(compared)}"
         lines.append(f"  Predicted by the last decision before contact: {share} in that step.")
-        median, largest = _sizes([p.error for p in compared])
-        if median:
+        if sizes := [abs(p.error) for p in compared if p.error is not None and isfinite(p.error)]:
             lines.append(
-                f"  Error: median {median}, largest {largest}; between samples robots move on "
-                "chords."
+                f"  Error: median {span(median(sizes))}, largest {span(max(sizes))}; between "
+                "samples robots move on chords."
             )
         if left := len(every) - len(compared):
             lines.append(
                 f"  {left} more cannot be compared: a robot in contact does not move as commanded."
-            )
-    return [*lines, *_by_lead([early for one in every for early in one.early])]
-
-
-def _due(one: Prediction, digits: int) -> str:
-    if one.predicted is None:
-        return "-"
-    return f"{one.predicted:.{digits}f} s" if one.predicted < inf else "none"
-
-
-def _sizes(errors: list[float | None]) -> tuple[str, str]:
-    """Median and largest size [s] of those that are finite; empty where none is."""
-    size = np.abs([one for one in errors if one is not None and isfinite(one)])
-    return (span(float(np.median(size))), span(float(size.max()))) if len(size) else ("", "")
-
-
-def _by_lead(early: list[Early]) -> list[str]:
-    if not early:
-        return []
-    lines = [
-        "  Earlier predictions for the first contact of each pair (commands change on the way):",
-        "  (foretold: share of decisions after which it would have come, had all kept their "
-        "commands)",
-        f"  {'lead time':>16}{'decisions':>11}{'foretold':>10}{'median error':>14}{'largest':>12}",
-    ]
-    for low, high in zip(LEADS[:-1], LEADS[1:], strict=True):
-        if some := [one.error for one in early if low <= one.lead < high]:
-            share = sum(map(isfinite, some)) / len(some)
-            median, largest = (text or "-" for text in _sizes([*some]))
-            lines.append(
-                f"  {f'{low:g} to {high:g} s':>16}{len(some):>11}{share:>10.0%}{median:>14}"
-                f"{largest:>12}"
             )
     return lines
 
@@ -402,16 +302,14 @@ def _near_misses(validation: Validation) -> list[str]:
                 duty = f" ({names[one.behind]} had to give way)"
             yield (
                 f"    {one.value:8.{digits}f} {unit}  at {one.time:8.2f} s  "
-                f"{names[one.a]} and {names[one.b]}{duty}"
+                f"{' and '.join(names[body] for body in one.bodies)}{duty}"
             )
         if not some:
             yield "    none"
 
     return [
-        "NEAR MISSES (approaches that did not end in contact)",
-        f"  (two of a pair only where {TOGETHER:g} s lie between them and it parted by more than "
-        f"{PARTED:g} m)",
-        f"  smallest distances, of approaches nearer than {near.reach:.2f} m",
+        "NEAR MISSES (of pairs that never touched, the smallest of each)",
+        f"  smallest distances, below {near.reach:.2f} m",
         *rows(near.distances, "m", 4),
         f"  smallest collision times of any two bodies under the commands that both hold, below "
         f"{LOOK:g} s",

@@ -12,24 +12,23 @@ from itertools import chain
 from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
-from numpy.typing import NDArray
 
 from physim.analysis.validation.analytic_contacts import pair_distance
-from physim.analysis.validation.mismatch import (
+from physim.analysis.validation.finding import (
     SLACK,
-    Mismatch,
+    Finding,
     first_difference,
+    unlike,
     unlike_attributes,
     unlike_scene,
 )
 from physim.analysis.validation.origin import PATHS, controller_name
 from physim.contacts import CONTACT_ROW, FALSE_CONTACT_ROW
-from physim.errors import ControllerError, PhysimError, RecordError, WorldError
+from physim.errors import PhysimError, RecordError, WorldError
 from physim.geometry.shapes import FloatArray
 from physim.record import Record
 from physim.record.layout import (
     ARRIVED,
-    CONSIDERED,
     EXTREMES,
     EXTREMES_FARTHEST,
     FIXED,
@@ -44,7 +43,6 @@ if TYPE_CHECKING:
     from physim.simulation.loop import Simulation
     from physim.world.scene import Scene
 
-Rows = NDArray[np.void]
 BY = "simulated again"
 BEFORE = ("name", "world", "seed", "dt", "steps_planned")
 AFTER = ("safe_distance", "ended", "steps_run", "rejected_contacts")
@@ -67,7 +65,7 @@ class Rerun:
     """of the record"""
     same_digest: bool
     """the run simulated again has the very digest"""
-    difference: Mismatch | None
+    difference: Finding | None
     """the first one in time"""
 
 
@@ -180,34 +178,21 @@ class _Led:
         self.contacts = self.contacts[:0]
 
 
-def decided_again(record: Record, scene: Scene, controller: Controller) -> tuple[Rows, Rows, str]:
-    """Decisions of a run that is led through the poses of a record, which has those of every step.
+def run_led(record: Record, scene: Scene, controller: Controller) -> Record:
+    """Run led through the poses of a record that has those of every step: it decides anew.
 
-    Rows of its update table and of considered robots, up to the end of the record or to where the
-    controller cannot decide, and what it says then.
+    Raises ControllerError where the controller cannot decide.
     """
     from physim.simulation.loop import Simulation
-    from physim.simulation.recorder import considered_rows, update_rows
+    from physim.simulation.recorder import SaveAt
+    from physim.simulation.run import record_run
 
     simulation = Simulation(scene, controller=controller)
     simulation.physics = cast(Any, _Led(record))
-    made, broken = [], ""
-    try:
-        for _ in range(record.steps_run):
-            simulation.step()
-            if (last := simulation.last) is not None and last.decisions is not None:
-                made.append(last)
-    except ControllerError as error:
-        broken = str(error).splitlines()[0]
-    if not made:
-        return record.updates[:0], record.considered[:0], broken
-    rows = update_rows(scene, made, record.updates.dtype)
-    counts, others = considered_rows(made, rows)
-    considered = np.zeros(len(others), CONSIDERED)
-    for name in ("step", "robot"):
-        considered[name] = np.repeat(counts[name], counts["count"])
-    considered["other"] = others
-    return rows, considered, broken
+    ended = record.steps_run
+    return record_run(
+        simulation, save=SaveAt(every=1), stop=lambda: simulation.step_number >= ended
+    )
 
 
 def compare_runs(record: Record, again: Record) -> Rerun:
@@ -226,7 +211,7 @@ def compare_runs(record: Record, again: Record) -> Rerun:
     return Rerun(exact, until * record.dt, whole, digest, same, difference)
 
 
-def _first_contact(record: Record, again: Record) -> Mismatch | None:
+def _first_contact(record: Record, again: Record) -> Finding | None:
     """A first contact that one run has and the other has not, or later, and that is none to touch
     or miss by a rounding: up to it both agree within `SLACK`."""
     tables = record.contacts, again.contacts
@@ -239,10 +224,10 @@ def _first_contact(record: Record, again: Record) -> Mismatch | None:
     if abs(pair_distance(again, again.pose_at(step), a, b)) <= SLACK:
         return None
     words, row = (("there", "not"), 0) if which == 0 else (("not there", "there"), None)
-    return Mismatch.of(record, "/contacts", None, *words, BY, row=row, robot=a, step=step)
+    return unlike(record, "/contacts", None, *words, BY, row=row, robot=a, step=step)
 
 
-def _first(record: Record, again: Record, until: int, exact: bool, whole: bool) -> Mismatch | None:
+def _first(record: Record, again: Record, until: int, exact: bool, whole: bool) -> Finding | None:
     """First difference: what is known before the run, then by time, then what sums it up."""
     before = chain(
         unlike_attributes(record, again, BEFORE, BY),
@@ -259,7 +244,7 @@ def _first(record: Record, again: Record, until: int, exact: bool, whole: bool) 
 
 def _table(
     record: Record, again: Record, path: str, until: int, exact: bool, whole: bool
-) -> Mismatch | None:
+) -> Finding | None:
     """First row of a table that differs, as far as it is compared: what was decided at the last
     step may follow from poses that are not, or a run was killed before all of it was written."""
     name = "considered" if path == OTHERS else path[1:]
@@ -273,7 +258,7 @@ def _table(
     return first_difference(record, path, rows, others, BY, exact)
 
 
-def _samples(record: Record, again: Record, path: str, until: int, exact: bool) -> Mismatch | None:
+def _samples(record: Record, again: Record, path: str, until: int, exact: bool) -> Finding | None:
     """First sample that differs; clearances of a coarse record are the least since the last one."""
     count = int(np.searchsorted(record.steps, until, side="right"))
     for low in range(0, count, BLOCK):
@@ -293,7 +278,7 @@ def _samples(record: Record, again: Record, path: str, until: int, exact: bool) 
 
 def _after(
     record: Record, again: Record, until: int, exact: bool, whole: bool
-) -> Iterator[Mismatch]:
+) -> Iterator[Finding]:
     """What sums up a run, where that can be compared; how well extremes must agree otherwise is
     held elsewhere. A killed run may have noted some of after its last sample."""
     killed = record.ended == "running"
@@ -312,4 +297,4 @@ def _after(
     elif killed:
         wrong &= (told >= 0) | (true < record.steps_run)
     for k in np.flatnonzero(wrong).tolist():
-        yield Mismatch.of(record, ARRIVED, None, told[k], true[k], BY, row=k, robot=k)
+        yield unlike(record, ARRIVED, None, told[k], true[k], BY, row=k, robot=k)

@@ -19,11 +19,10 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 
-from physim.analysis.metrics.contacts import point_velocity
+from physim.analysis.metrics.contacts import Touch, point_velocity
 from physim.analysis.validation.decisions import DecisionTable
 from physim.contacts import touching
 from physim.geometry.motion import arcs
@@ -31,8 +30,6 @@ from physim.parts.declarations import NO_NUMBER, Mode, Rule
 from physim.record import Record
 from physim.tolerances import PUSH
 
-COLUMNS = ("x", "y", "nx", "ny")
-"""Columns of a contact row: point and normal"""
 PARTS = ("front", "front left", "left", "rear left", "rear", "rear right", "right", "front right")
 """Where on a robot a point lies, seen from its reference point"""
 PRIORITY = "mode_switching"
@@ -42,22 +39,6 @@ PRIORITY = "mode_switching"
 def has_priority(record: Record) -> bool:
     """Whether the controller of a run has the paper's rule of priority."""
     return record.setup.controller.name == PRIORITY
-
-
-class Touch(NamedTuple):
-    """Where two bodies touch: a sample, a point [m], and the normal from a to b."""
-
-    a: int
-    b: int
-    step: int
-    point: tuple[float, float]
-    normal: tuple[float, float]
-
-    @classmethod
-    def of(cls, row: np.void) -> Touch:
-        """That of a row of the contact table."""
-        a, b, step, x, y, nx, ny = (row[key].item() for key in ("a", "b", "step", *COLUMNS))
-        return cls(a, b, step, (x, y), (nx, ny))
 
 
 def pushed_by(record: Record, table: DecisionTable, robot: int, touch: Touch) -> int | None:
@@ -123,7 +104,7 @@ def _exceeds_command(record: Record, table: DecisionTable, robot: int, touch: To
     before, now = record.pose_at(step - 1)[robot], record.pose_at(step)[robot]
     command = np.array([table.held(robot, step - 1)])
     x, y, turn = (now - arcs(before[None], command, record.dt)[0]) / record.dt
-    across, along = touch.point[0] - now[0], touch.point[1] - now[1]
+    across, along = touch.place[0] - now[0], touch.place[1] - now[1]
     nx, ny = touch.normal
     return bool(sign * ((x - turn * along) * nx + (y + turn * across) * ny) > PUSH)
 
@@ -133,7 +114,11 @@ def _contacts(record: Record, robot: int, step: int) -> list[Touch]:
     rows = touching(record.contacts_over(step - 1, step + 1))
     rows = rows[(rows["a"] == robot) | (rows["b"] == robot)]
     rows = rows[np.argsort(-rows["impulse"], kind="stable")]
-    return [Touch.of(row)._replace(step=step) for row in rows]
+    columns = (rows[key].tolist() for key in ("a", "b", "depth", "x", "y", "nx", "ny"))
+    return [
+        Touch(a, b, b < record.robots, step, step * record.dt, depth, (x, y), (nx, ny))
+        for a, b, depth, x, y, nx, ny in zip(*columns, strict=True)
+    ]
 
 
 @dataclass(frozen=True)
@@ -223,7 +208,7 @@ def _side(
     pusher: int | None,
     responsible: bool,
 ) -> RobotInContact:
-    step, (px, py) = touch.step, touch.point
+    step, (px, py) = touch.step, touch.place
     x, y, heading = record.pose_at(step)[i].tolist()
     vx, vy = point_velocity(record, i, step, (x, y), table.held)
     v, omega = table.held(i, step - 1) if step else (0.0, 0.0)

@@ -23,10 +23,10 @@ from physim.analysis.validation.comparison import (
 )
 from physim.analysis.validation.contact import Contact, contacts_of, swept_contacts
 from physim.analysis.validation.decisions import DecisionTable
+from physim.analysis.validation.finding import UNEXPLAINED, Finding
 from physim.analysis.validation.motion import Motion, check_motion
 from physim.analysis.validation.near_misses import NearMisses, near_misses
 from physim.analysis.validation.origin import (
-    Origin,
     compare_with_world,
     controller_name,
     world_inside,
@@ -94,8 +94,8 @@ class Validation:
     near_misses: NearMisses
     motion: Motion
     """whether robots that touch nothing moved as commanded"""
-    origin: Origin
-    """whether the record is that of the world inside it"""
+    origin: tuple[Finding, ...]
+    """what the record has otherwise than the world inside it gives"""
     recomputed: Recomputed
     """commands and counts held against the tables, and decisions made again"""
     expectations: tuple[Held, ...]
@@ -126,6 +126,25 @@ class Validation:
         return tuple(one for one in every if one is not None and one.verdict == DISAGREES)
 
     @property
+    def findings(self) -> list[tuple[Finding, ...]]:
+        """Every disagreement, sort by sort, as report and page list it."""
+        again, pairs = self.rerun, self.comparison.disagreements
+        first = []
+        if again is not None and (one := again.difference) is not None:
+            first = [replace(one, what=f"the first difference of the run: {one.what}")]
+        foretold = (
+            Finding(
+                f"first touch at {one.touched:.6f} s, but contact predicted at {one.made:.2f} s: "
+                f"{one.due_text(4)}", (one.a, one.b), one.step, one.found,
+            )
+            for one in self.mispredicted
+        )  # fmt: skip
+        return [
+            self.origin, self.recomputed.mismatches, tuple(first), self.motion.strays,
+            tuple(sorted(pairs, key=lambda one: one.cause != UNEXPLAINED)), tuple(foretold),
+        ]  # fmt: skip
+
+    @property
     def unexplained(self) -> int:
         """Disagreements of the checks without a cause."""
         return self.comparison.unexplained + len(self.mispredicted)
@@ -149,7 +168,7 @@ class Validation:
         if count := len(self.motion.strays):
             times = "once" if count == 1 else f"{count} times"
             found.append(f"poses do not follow the commands, {times}")
-        found += self.origin.differences[:1]
+        found += [one.line(self.names) for one in self.origin[:1]]
         if wrong := self.recomputed.mismatches:
             found.append(f"{plural(len(wrong), 'wrong value')}, {wrong[0].line(self.names)}")
         if self.rerun is not None and self.rerun.difference is not None:
@@ -233,7 +252,7 @@ def judge(
         _run(record, whole, source or str(record.path or "in memory")),
         compare(whole, analytic, distances),
         contacts_of(whole, analytic, table, Predictor(whole, table)),
-        swept_contacts(whole, table), near_misses(whole, analytic, table, exact),
+        swept_contacts(whole, table), near_misses(whole, analytic, table),
         check_motion(whole, table, inside.scene.mass if inside.fits(whole) else None),
         compare_with_world(record, inside), recomputed, tuple(expectations(whole)),
         Figures(whole).deep, rerun,
@@ -282,7 +301,7 @@ def json_of_validation(validation: Validation) -> str:
             said["sentences"] = sentences(one, names)
     found = {
         "format": "physim-validation",
-        "version": 2,
+        "version": 3,
         "units": UNITS,
         "verdict": validation.verdict,
         "exit_code": validation.code,
@@ -300,10 +319,7 @@ def _plain(value: Any) -> Any:
     if isinstance(value, Setup):
         return _plain(value.to_dict())
     if is_dataclass(value) and not isinstance(value, type):
-        return {
-            field.metadata.get("json", field.name): _plain(getattr(value, field.name))
-            for field in fields(value)
-        }
+        return {field.name: _plain(getattr(value, field.name)) for field in fields(value)}
     if isinstance(value, tuple) and hasattr(value, "_asdict"):
         return _plain(value._asdict())
     if isinstance(value, dict):

@@ -32,7 +32,7 @@ def role_named(name: str) -> tuple[str, str]:
     found = NAME.match(text.lower())
     if found is None:
         return "", ""
-    return OF_WORD[text[:3].lower()], text[len(found[1]) :].strip(" _.:#-")
+    return OF_WORD[text[:3].lower()], text[len(found[1]) :].strip(" _:#-")
 
 
 def hint(name: str) -> str:

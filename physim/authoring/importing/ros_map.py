@@ -20,7 +20,7 @@ import numpy as np
 import shapely
 from pydantic import BeforeValidator, Field
 
-from physim.authoring.importing.area import MOST_OBSTACLES, Clearance
+from physim.authoring.importing.area import MOST_OBSTACLES, SMALLEST, Clearance
 from physim.authoring.importing.drawing import DIGITS, Drawing, Shape, listed, place, refused
 from physim.authoring.importing.options import Options
 from physim.authoring.importing.source import read_image, read_text

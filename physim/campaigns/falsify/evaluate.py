@@ -18,7 +18,7 @@ from __future__ import annotations
 
 import tempfile
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from concurrent.futures import Executor, TimeoutError
+from concurrent.futures import TimeoutError
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import NamedTuple
@@ -27,7 +27,7 @@ import numpy as np
 
 from physim.analysis.metrics import Episode, Figures, Graze
 from physim.campaigns.one_run import one_line, ready
-from physim.campaigns.pool import POLL_SECONDS, Job, LostError, OverdueError, Stop, begin, never
+from physim.campaigns.pool import POLL_SECONDS, Job, LostError, OverdueError, Stop, Workers, never
 from physim.campaigns.spec import usual_limit
 from physim.errors import WorldError
 from physim.parts.controller import Controller
@@ -180,15 +180,15 @@ def in_this_process(stop: Stop = never) -> Evaluate:
     return lambda worlds: (judge_world(world, stop) for world in worlds)
 
 
-def by_executor(executor: Executor, world: World, stop: Stop = never) -> Evaluate:
-    """Evaluate worlds by the workers of an executor; a run that one of them does not survive, or
+def by_executor(executor: Workers, world: World, stop: Stop = never) -> Evaluate:
+    """Evaluate worlds by some workers; a run that one of them does not survive, or
     that takes too long, is one that broke off. All have controller and stages of ``world``."""
     limit, code = usual_limit(world), world.controller.type
 
     def evaluate(worlds: Sequence[World]) -> Iterator[Judged]:
         texts = (one.to_yaml() for one in worlds)
         jobs = (Job("a run", judge_text, (text,), limit, ready, code) for text in texts)
-        futures = [begin(executor, job) for job in jobs]
+        futures = [executor.begin(job) for job in jobs]
         try:
             for future in futures:
                 while True:

@@ -124,8 +124,8 @@ def found_text(found: Hunt) -> str:
         )
     if found.repaired:
         lines.append(
-            f"{found.repaired} of {found.runs} starts or settings were moved to where they are "
-            "allowed before they were run"
+            f"{found.repaired} of {found.runs} starts were moved to where they are allowed before "
+            "they were run"
         )
     if found.refused or found.broken:
         lines.append(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from math import pi
 from typing import Any, NamedTuple
@@ -12,21 +12,14 @@ import shapely
 
 from physim.errors import PhysimError, plural
 from physim.geometry.shapes import FloatArray
-from physim.parts.registry import (
-    CONTROLLER,
-    checked_settings,
-    find_part,
-    made_part,
-    make_part,
-    settings_model,
-)
-from physim.parts.world_checks import robot_faults, world_faults
+from physim.parts.registry import CONTROLLER, make_part
+from physim.parts.world_checks import robot_faults
 from physim.world import Robot, World
 from physim.world.layout.layout import lay_out
 from physim.world.layout.places import Occupancy
 from physim.world.scene import Layout
 
-POSE, HEADING, SPEED, SETTINGS = KINDS = ("pose", "heading", "speed", "settings")
+POSE, HEADING, SPEED = KINDS = ("pose", "heading", "speed")
 """What can be varied."""
 USUAL = (POSE, HEADING)
 """What is varied where nothing is said: how robots start, not what they are."""
@@ -36,11 +29,6 @@ TURN = 0.5
 """[rad] that a robot with a written heading may start off it, to either side"""
 SLOWEST = 0.5
 """[-] share of its limits of speed that a robot may have"""
-FACTOR = 2.0
-"""[-] A setting without two bounds of its own goes from its value over this to its value times
-this, as far as its one bound allows."""
-PROBE = 1e-3
-"""[-] A setting that cannot be changed by this share alone is tied to others, and stays."""
 HALVINGS = 20
 """of the span in which the least limit that the controller takes is looked for"""
 GAP = 0.3
@@ -48,8 +36,7 @@ GAP = 0.3
 SLACK = 1e-9
 """[m] by which a gap that is kept may be smaller, so that the start as written is within bounds"""
 SHARES = (1.0, 0.75, 0.5, 0.25)
-"""[-] of the way from what the world has to what is asked for that starts and settings are tried
-at"""
+"""[-] of the way from the start in the world to the one asked for at which starts are tried"""
 
 
 class Starts:
@@ -133,90 +120,6 @@ def pinned(world: World, seed: int | None = None) -> tuple[World, Layout]:
     return laid.world.changed(robots=robots, start=None), laid
 
 
-class Tunable(NamedTuple):
-    """A setting that is varied."""
-
-    key: str
-    base: float
-    low: float
-    high: float
-    whole: bool
-    """whether it is a whole number"""
-
-    def value(self, number: float) -> float | int:
-        """The setting at a number."""
-        return round(number) if self.whole else number
-
-
-class Settings:
-    """The numeric settings of the controller of a world."""
-
-    def __init__(self, world: World) -> None:
-        self._world, choice = world, world.controller
-        self._part = find_part(CONTROLLER, choice.type, trusted=True)
-        self.given = dict(choice.settings)
-        self.varied = tuple(one for one in self._numbers() if self._moves(one))
-
-    def _numbers(self) -> Iterator[Tunable]:
-        model = settings_model(self._part)
-        made, faults = checked_settings(self._part, self.given, ())
-        if model is None or made is None or faults:
-            return
-        for key, field in model.model_fields.items():
-            value = getattr(made, key)
-            if type(value) not in (int, float) or not value:
-                continue  # of 0 there is neither half nor double
-            lows, highs = (
-                [
-                    float(x)
-                    for m in field.metadata
-                    for n in names
-                    if (x := getattr(m, n, None)) is not None
-                ]
-                for names in (("ge", "gt"), ("le", "lt"))
-            )
-            if not (lows and highs):
-                low, high = sorted((value / FACTOR, value * FACTOR))
-                lows, highs = [*lows, low], [*highs, high]
-            yield Tunable(key, float(value), max(lows), min(highs), type(value) is int)
-
-    def _moves(self, one: Tunable) -> bool:
-        """Whether it can be changed alone, a little up or down; others stay as they are."""
-        step = 1.0 if one.whole else PROBE * one.base
-        near = (one.base + step, one.base - step)
-        return any(one.low <= at <= one.high and self._fit({one.key: one.value(at)}) for at in near)
-
-    def _fit(self, changed: Mapping[str, Any]) -> bool:
-        """Whether the controller takes settings, and the world and its robots beside them."""
-        settings, name = {**self.given, **changed}, self._world.controller.type
-        made, faults = checked_settings(self._part, settings, ())
-        if faults:
-            return False
-        controller = made_part(CONTROLLER, self._part, made, name)
-        choice = type(self._world.controller)(type=name, settings=settings)
-        world = self._world.changed(controller=choice)
-        robots = dict(enumerate(world.robots))
-        return not (
-            world_faults(controller, world, CONTROLLER.key) or robot_faults(controller, robots)
-        )
-
-    def repaired(self, numbers: Mapping[str, float]) -> tuple[dict[str, Any], bool]:
-        """Settings that the controller takes, and whether they are others than those asked for.
-
-        Where it refuses these together, each in turn goes as far as it may beside those before it.
-        """
-        asked = [(one, numbers[one.key]) for one in self.varied]
-        wanted = {one.key: one.value(number) for one, number in asked}
-        if self._fit(wanted):
-            return {**self.given, **wanted}, False
-        taken: dict[str, Any] = {}
-        for one, number in asked:
-            tried = (one.value(one.base + share * (number - one.base)) for share in SHARES)
-            each = ({**taken, one.key: value} for value in tried)
-            taken = next(filter(self._fit, each), taken)
-        return {**self.given, **taken}, True
-
-
 def least_limit(controller: Any, robot: Robot, key: str) -> float:
     """The least limit that a robot may have: half of its own, or more where that is refused.
 
@@ -245,9 +148,8 @@ class Dimension(NamedTuple):
 
     kind: str
     key: str
-    """x, y, heading; v, omega; or the name of a setting"""
+    """x, y, heading; v, omega"""
     robot: int
-    """number of the robot; -1 for a setting"""
     base: float
     """its value in the world"""
     low: float
@@ -279,7 +181,6 @@ class Space:
             for robot, one in zip(world.robots, starts, strict=True)
         ]  # fmt: skip
         self.starts = Starts(laid, self._regions)
-        self.settings = Settings(world) if SETTINGS in self.vary else None
         self.dimensions = tuple(self._dimensions())
         if not self.dimensions:
             raise PhysimError(f"--vary {','.join(vary)}: nothing in this world can be varied so")
@@ -307,11 +208,6 @@ class Space:
                 limit, least = getattr(robot.limits, key), least_limit(controller, robot, key)
                 if least < limit:
                     found.append(Dimension(SPEED, key, i, limit, least, limit))
-        if self.settings is not None:
-            found += [
-                Dimension(SETTINGS, one.key, -1, one.base, one.low, one.high)
-                for one in self.settings.varied
-            ]
         return found
 
     @property
@@ -326,14 +222,11 @@ class Space:
         values = self.low + np.clip(point, 0.0, 1.0) * (self.high - self.low)
         poses = self.starts.base.copy()
         limits: list[dict[str, float]] = [{} for _ in self.world.robots]
-        numbers: dict[str, float] = {}
         for one, value in zip(self.dimensions, values.tolist(), strict=True):
             if one.kind in (POSE, HEADING):
                 poses[one.robot, ("x", "y", "heading").index(one.key)] = value
-            elif one.kind == SPEED:
-                limits[one.robot][one.key] = value
             else:
-                numbers[one.key] = value
+                limits[one.robot][one.key] = value
         poses, moved = self.starts.repaired(poses)
         robots = tuple(
             robot.model_copy(
@@ -341,12 +234,7 @@ class Space:
             )
             for robot, pose, limit in zip(self.world.robots, poses.tolist(), limits, strict=True)
         )
-        world = self.world.changed(robots=robots)
-        if self.settings is None:
-            return Drawn(world, moved)
-        settings, changed = self.settings.repaired(numbers)
-        controller = type(world.controller)(type=world.controller.type, settings=settings)
-        return Drawn(world.changed(controller=controller), moved or changed)
+        return Drawn(self.world.changed(robots=robots), moved)
 
     def lines(self) -> list[str]:
         """What is varied and how far, a line a kind."""
@@ -374,7 +262,4 @@ class Space:
                 f"speed     limits of v and omega of {count}: from {SLOWEST:.0%} to 100% of each, "
                 "but none below what its controller takes"
             )
-        if self.settings is not None:
-            ranges = [f"{one.key} {one.low:.4g} to {one.high:.4g}" for one in self.settings.varied]
-            found.append(f"settings  {', '.join(ranges) or 'none that is a number'}")
         return found

@@ -212,7 +212,8 @@ def exact(name: str, hits: NDArray[np.bool_]) -> Rate:
     """Rate with the exact interval, which is for a number of runs fixed beforehand."""
     good, of = int(np.count_nonzero(hits)), len(hits)
     none_failed = (failure_bound(of), runs_needed(SHOWN)) if good == of > 0 else (None, None)
-    return Rate(name, good, of, *clopper_pearson(good, of), *none_failed)
+    low, high = map(float, clopper_pearson(good, of))
+    return Rate(name, good, of, low, high, *none_failed)
 
 
 def at_any_look(name: str, hits: NDArray[np.bool_]) -> Rate:

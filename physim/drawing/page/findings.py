@@ -11,7 +11,6 @@ from urllib.parse import urlencode
 
 from physim.analysis.summary import Summary
 from physim.analysis.validation import Validation, report
-from physim.analysis.validation.report import disagreements
 from physim.analysis.validation.told import sentences
 from physim.html import Html, lines, table, tag
 from physim.units import amount
@@ -154,7 +153,7 @@ def _findings(found: Validation, summary: Summary) -> Iterator[tuple[object, ...
             moment = _link(f"{time:.2f} s", time, asked)
         return kind, moment, _names(found, *bodies), words
 
-    for one in chain.from_iterable(disagreements(found)):
+    for one in chain.from_iterable(found.findings):
         yield row("disagreement", one.time, one.bodies, one.words)
     deep = {(low.a, low.b): low.sentence(names) for low in found.deep}
     for hit in (*found.contacts, *found.grazes):

@@ -294,7 +294,7 @@ class Physics:
     def _move(self, before: Pairs, pushes: Pairs) -> None:
         """Move all bodies by ``velocity`` and set ``contacts``, given the pairs ``before``."""
         self._arrays.write_velocity()
-        solved = self._count(split(before.key, self._bodies))
+        solved = self._count(split(before.key, self._bodies)) if len(before.key) else 0
         touches = self._engine.step(solved)
         self._arrays.read_pose()
         self.false_contacts = self._no_false

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 
 import numpy as np
 import pytest
@@ -39,22 +40,22 @@ def test_runs_as_they_are_follow_their_commands(apart, rear_end, into_wall):
 @pytest.mark.parametrize("part", [0, 2])
 def test_one_pose_shifted_by_a_millimetre(tmp_path, apart, part):
     found = judged(apart, tmp_path, cells("/steps/pose", (200, 1, part), lambda x: x + 1e-3))
-    (stray,) = found.motion.strays
-    assert (stray.robot, stray.step, stray.steps) == (1, 200, 2)
-    assert max(stray.gap, stray.turn) == pytest.approx(1e-3, rel=0.01)
+    (stray,) = found.motion.off
+    assert (stray.bodies, stray.step, stray.steps) == ((1,), 200, 2)
+    assert states(stray.what, "touches nothing", "0.001 rad" if part else "0.001 m")
     assert found.code == 3
     assert states(found.verdict, "poses", "commands", "once")
     said = " ".join(report(found).split())
     assert states(said, "2.0000 s", "fast", "unexplained", within=40)
-    assert json.loads(json_of_validation(found))["motion"]["strays"][0]["step"] == 200
+    assert json.loads(json_of_validation(found))["motion"]["off"][0]["step"] == 200
 
 
 def test_one_command_changed(tmp_path, apart):
     at = lambda rows: (rows["robot"] == 0) & (rows["step"] == 150)  # noqa: E731
     faster = column("/updates", "nominal_v", lambda v: v + 1e-3, at)
-    (stray,) = judged(apart, tmp_path, faster).motion.strays
-    assert (stray.robot, stray.step, stray.steps) == (0, 151, 10)
-    assert stray.gap == pytest.approx(1e-5, rel=1e-3)
+    (stray,) = judged(apart, tmp_path, faster).motion.off
+    assert (stray.bodies, stray.step, stray.steps) == ((0,), 151, 10)
+    assert states(stray.what, "1e-05 m")
 
 
 def test_a_pose_beside_a_contact_is_looked_at_too(tmp_path, into_wall):
@@ -63,7 +64,7 @@ def test_a_pose_beside_a_contact_is_looked_at_too(tmp_path, into_wall):
     assert (into_wall.contacts["step"] == step).any()
 
     shift = cells("/steps/pose", (step, 1, 0), lambda x: x + 1e-6)
-    assert [one.robot for one in judged(into_wall, tmp_path, shift).motion.strays] == [1]
+    assert [one.bodies for one in judged(into_wall, tmp_path, shift).motion.strays] == [(1,)]
 
 
 @pytest.mark.parametrize(("part", "by"), [(0, 0.05), (2, 0.2)])
@@ -74,12 +75,12 @@ def test_a_robot_in_contact_goes_no_farther_than_pushes_bring_it(tmp_path, rear_
     assert validate(rear_end).motion.held > 100
     shift = cells("/steps/pose", np.s_[step:, 0, part], lambda x: x + by)
     found = judged(rear_end, tmp_path, shift)
-    (stray,) = (one for one in found.motion.strays if one.allowed is not None)
-    assert (stray.robot, stray.step, stray.steps) == (0, step, 1)
-    assert max(stray.gap, stray.turn) == pytest.approx(abs(by), abs=0.02)
-    assert stray.allowed < 0.02
-    said = " ".join(report(found).split())
-    assert states(said, "slow", "in contact it moved", f"{stray.allowed:.3g} m", within=120)
+    (stray,) = found.motion.far
+    assert (stray.bodies, stray.step, stray.steps) == ((0,), step, 1)
+    gap, turn, allowed = (float(one) for one in re.findall(r"(\S+) (?:m|rad)\b", stray.what))
+    assert max(gap, turn) == pytest.approx(abs(by), abs=0.02)
+    assert allowed < 0.02
+    assert states(report(found), "slow", "in contact it moved", within=120)
     assert found.code == 3
 
 
@@ -89,8 +90,8 @@ def test_a_light_robot_that_a_heavy_one_pushes_goes_no_farther_than_it_may(tmp_p
     rows = pushed.contacts
     step = int(rows["step"][rows["phase"] == Phase.STAYS][5])
     found = judged(pushed, tmp_path, cells("/steps/pose", np.s_[step:, 0, 0], lambda x: x + 1.0))
-    (stray,) = (one for one in found.motion.strays if one.allowed is not None)
-    assert (stray.robot, stray.step, stray.steps) == (0, step, 1)
+    (stray,) = found.motion.far
+    assert (stray.bodies, stray.step, stray.steps) == ((0,), step, 1)
 
 
 def test_a_robot_that_stands_may_be_pushed_by_the_energy_of_another():
@@ -171,5 +172,5 @@ def test_a_robot_pushed_by_one_that_is_eased_out_of_a_contact_is_no_stray(row):
 def test_a_pose_beyond_what_a_push_can_do_is_found_beside_a_contact(row, tmp_path, step, by):
     shift = cells("/steps/pose", (step, 0, 0), lambda x: x + by)
     strays = judged(row, tmp_path, shift).motion.strays
-    assert [one.robot for one in strays] == [0]
+    assert [one.bodies for one in strays] == [(0,)]
     assert strays[0].step == step

@@ -88,7 +88,7 @@ def test_far_more_contacts_than_the_record_has(apart, tmp_path, monkeypatch):
         samples = record.samples
         monkeypatch.setattr(analytic_contacts, "MOST_UNKNOWN", samples)
         (one,) = (x for x in validate(record).comparison.disagreements if "no contact" in x.what)
-        assert (one.a, one.b, one.step, one.steps) == (0, 1, 0, samples)
+        assert (one.bodies, one.step, one.steps) == ((0, 1), 0, samples)
         assert one.distance == distance_at(record, 0, 1, 0) < -0.1
         monkeypatch.setattr(analytic_contacts, "MOST_UNKNOWN", samples - 1)
         with pytest.raises(RecordError, match=facts(str(samples - 1), "/contacts", "0 rows")):
@@ -126,19 +126,20 @@ def test_a_mode_and_a_rule(finished, tmp_path, name, value, recorded, exact):
     again = judged(finished, tmp_path, change).rerun.difference
     found = judged(finished, tmp_path, change, rerun=False)
     (one,) = found.recomputed.mismatches
-    assert (again.where, again.recorded, again.exact) == (one.where, recorded, exact)
-    assert (one.table, one.column, one.robot, one.step) == ("/updates", name, 0, 300)
-    assert (one.recorded, one.exact, one.count) == (recorded, exact, 1)
+    assert (one.bodies, one.step) == (again.bodies, again.step) == ((0,), 300)
+    for two in (one, again):
+        assert two.what.startswith("/updates, row ")
+        assert states(two.what, name, f"{recorded} in the record", exact)
     assert found.code == 3
-    (written,) = json.loads(json_of_validation(found))["recomputed"]["mismatches"]
-    assert (written["told"], written["exact"], "recorded" in written) == (recorded, exact, False)
+    assert json.loads(json_of_validation(found))["recomputed"]["mismatches"][0]["what"] == one.what
 
 
 def test_limits_hold_for_a_controller_that_is_not_made_again(tmp_path):
     """The slow one goes 0.5 m/s, the fast one 1.4 where the world inside allows 0.9."""
     found = judged(lane(REAR_END), tmp_path, world("v: 1.5", "v: 0.9"))
-    wrong = {(one.column, one.robot, one.exact) for one in found.recomputed.mismatches}
-    assert wrong == {("nominal_v", 1, 0.9)}
+    assert {one.bodies for one in found.recomputed.mismatches} == {(1,)}
+    for one in found.recomputed.mismatches:
+        assert states(one.what, "nominal_v is 1.4", "0.9 at most")
 
 
 def test_behind_stages_decisions_are_made_again_and_what_was_sensed_is_not_known():

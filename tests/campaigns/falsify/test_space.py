@@ -11,16 +11,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from physim import Simulation, build_scene
-from physim.errors import PhysimError
 from physim.world import World
 from physim.world.file import load_world
 from tests.campaigns.falsify.worlds import BOX, five_robots, robot
 from tests.helpers import inside
 
-FACTOR, KINDS, REACH = inside("physim.campaigns.falsify", "FACTOR", "KINDS", "REACH")
-Settings, Space, GAP = inside("physim.campaigns.falsify", "Settings", "Space", "GAP")
-pinned = inside("physim.campaigns.falsify", "pinned")
-CONTROLLER, make_part = inside("physim.parts", "CONTROLLER", "make_part")
+KINDS, REACH, GAP = inside("physim.campaigns.falsify", "KINDS", "REACH", "GAP")
+Space, pinned = inside("physim.campaigns.falsify", "Space", "pinned")
 lay_out, placed_outline = inside("physim.world.layout", "lay_out", "placed_outline")
 
 
@@ -110,35 +107,6 @@ def test_pinned_it_is_the_same_run() -> None:
         assert np.array_equal(lay_out(fixed).start, laid.start)
         assert np.array_equal(lay_out(world, 7).start, laid.start)
         assert fixed.start is None
-
-
-def test_settings_stay_within_what_the_controller_declares() -> None:
-    found = Settings(load_world("doorway"))
-    keys = {one.key for one in found.varied}
-    assert {"look_ahead", "safe_distance", "distance_low", "time_high", "beta"} <= keys
-    assert "update_period" not in keys  # dwell_times must add up to it
-    assert not {"speeds", "avoidance", "event_triggered"} & keys
-    for one in found.varied:
-        if one.key == "beta":
-            assert (one.low, one.high) == (0.0, 1.0)
-        else:
-            assert (one.low, one.high) == (one.base / FACTOR, one.base * FACTOR)
-
-
-@settings(max_examples=20)
-@given(st.data())
-def test_settings_that_contradict_one_another_are_repaired(data: st.DataObject) -> None:
-    space = Space(load_world("straight"), ("settings",))
-    point = np.array(data.draw(points(len(space.dimensions))))
-    world = space.at(point).world
-    found = make_part(CONTROLLER, world.controller.type, world.controller.settings).settings
-    assert found.distance_high >= found.distance_low
-    assert found.horizon >= found.time_high >= found.time_low
-
-
-def test_nothing_to_vary_is_refused() -> None:
-    with pytest.raises(PhysimError, match="settings"):
-        Space(five_robots(), ("settings",))
 
 
 def slow(controller: str, **limits: Any) -> World:

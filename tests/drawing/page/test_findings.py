@@ -43,7 +43,7 @@ def test_findings_are_all_told_and_names_in_them_are_only_names(renamed: Path) -
     assert words.count(NAME) >= 2
     assert found.code == 3  # the world inside has another name
     assert found.verdict in words
-    assert all(line in words for line in found.origin.differences)
+    assert all(one.what in words for one in found.origin)
     assert found.contacts
     for number, contact in enumerate(found.contacts, 1):
         assert f"#t={contact.time:.3f}&amp;contact={number}" in section

@@ -1,21 +1,21 @@
-"""Values of a record that are not those computed anew, or of the same run simulated again."""
+"""What is wrong with a record: the one form in which all checks say it; values that differ."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from physim.errors import plural
+from physim.geometry.shapes import IntArray
 from physim.parts.declarations import NO_NUMBER
 from physim.record import Record
 from physim.record.layout import ARRIVED, EXTREMES, OTHERS, STEPS, TABLES
 from physim.tolerances import LENGTH, TIME
-
-Value = bool | int | float | str
 
 SLACK = LENGTH
 """[m, rad, m/s] How well a value must agree with the one computed here."""
@@ -23,77 +23,80 @@ SLACKS = {"collision_time": TIME}
 """[s] of columns that are no lengths, angles or speeds"""
 
 
+UNEXPLAINED = "unexplained"
+
+
 @dataclass(frozen=True)
-class Mismatch:
-    """A value that is not the one computed, and how many more there are of its robot and column.
+class Finding:
+    """Two sources that disagree: about the whole run, or over a stretch of consecutive samples."""
 
-    ``table`` is a dataset of the record, or ``attribute``; what is about no row, column, robot or
-    time has None there.
-    """
+    what: str
+    """what each of the two says"""
+    bodies: tuple[int, ...] = ()
+    """ids; none where it is about no body"""
+    step: int | None = None
+    """first sample"""
+    time: float | None = None
+    """[s] of that sample; of a contact between samples, of its first touch"""
+    steps: int = 1
+    """number of samples"""
+    distance: float = math.nan
+    """[m] signed, of two bodies at the first sample, from the poses; of a contact between samples
+    the least there; NaN where no distance is in question"""
+    cause: str = UNEXPLAINED
 
-    table: str
-    column: str | None
-    row: int | None
-    robot: int | None
-    step: int | None
-    time: float | None
-    """[s]"""
-    recorded: Value = field(metadata={"json": "told"})
-    """in the record; its key in the JSON of a validation is ``told``"""
-    exact: Value
-    """computed"""
-    by: str
-    """from what"""
-    count: int = 1
-    """values of this robot and column that do not agree"""
-
-    @classmethod
-    def of(
-        cls,
-        record: Record,
-        table: str,
-        column: str | None,
-        recorded: Any,
-        exact: Any,
-        by: str,
-        *,
-        row: int | None = None,
-        robot: int | None = None,
-        step: int | None = None,
-        count: int = 1,
-    ) -> Mismatch:
-        """One value; its time follows from the step, modes and rules are told by their names."""
-        time = None if step is None else step * record.dt
-        told, due = (_value(record, column, one) for one in (recorded, exact))
-        return cls(table, column, row, robot, step, time, told, due, by, count)
+    @property
+    def words(self) -> str:
+        """The cause, and what each of the two says."""
+        return f"{self.cause} ({self.what})"
 
     def line(self, names: Sequence[str]) -> str:
-        """One line: when, who, where in the record, both values; ``names`` of the robots."""
+        """One line: when, who, what; ``names`` by body id."""
         when = [] if self.time is None else [f"{self.time:.4f} s"]
-        who = [] if self.robot is None else [names[self.robot]]
-        place = " ".join([*when, *who])
+        place = " ".join([*when, *(names[body] for body in self.bodies)])
         return f"{place}{': ' if place else ''}{self.what}"
 
-    @property
-    def what(self) -> str:
-        """Where in the record, and both values."""
-        more = self.count - 1
-        others = f" (and {plural(more, 'more row')} of it)" if more else ""
-        return (
-            f"{self.where} is {_text(self.recorded)} in the record, {_text(self.exact)} "
-            f"{self.by}{others}"
-        )
 
-    @property
-    def where(self) -> str:
-        """``/updates, row 12, collision_time`` or ``attribute ended``."""
-        if self.table == "attribute":
-            return f"attribute {self.column}"
-        row = None if self.row is None else f"row {self.row}"
-        return ", ".join(part for part in (self.table, row, self.column) if part)
+def unlike(
+    record: Record,
+    table: str,
+    column: str | None,
+    recorded: Any,
+    exact: Any,
+    by: str,
+    *,
+    row: int | None = None,
+    robot: int | None = None,
+    step: int | None = None,
+    count: int = 1,
+) -> Finding:
+    """A value of a dataset, or of an ``attribute``, that is not the ``exact`` one ``by`` something.
+
+    Says where it is (``/updates, row 12, collision_time`` or ``attribute ended``), both values,
+    modes and rules by their names, and how many more of the ``count`` there are.
+    """
+    where = f"attribute {column}"
+    if table != "attribute":
+        parts = (table, None if row is None else f"row {row}", column)
+        where = ", ".join(part for part in parts if part)
+    told, due = (_text(record, column, one) for one in (recorded, exact))
+    more = f" (and {plural(count - 1, 'more row')} of it)" if count > 1 else ""
+    return Finding(
+        f"{where} is {told} in the record, {due} {by}{more}", () if robot is None else (robot,),
+        step, None if step is None else step * record.dt,
+    )  # fmt: skip
 
 
-def _value(record: Record, column: str | None, value: Any) -> Value:
+def stretches(step: IntArray, *who: IntArray) -> Iterator[IntArray]:
+    """Numbers of rows (M,) in runs of consecutive steps of the same bodies, body by body."""
+    order = np.lexsort((step, *reversed(who)))
+    cut = np.diff(step[order]) != 1
+    for one in who:
+        cut |= np.diff(one[order]) != 0
+    yield from np.split(order, np.flatnonzero(cut) + 1) if len(order) else ()
+
+
+def _text(record: Record, column: str | None, value: Any) -> str:
     if column in ("mode", "rule") and not isinstance(value, str):
         some = record.modes if column == "mode" else record.declared.rules
         if value == NO_NUMBER:
@@ -104,12 +107,7 @@ def _value(record: Record, column: str | None, value: Any) -> Value:
         return f"({', '.join(f'{one:.10g}' for one in value.tolist())})"
     if isinstance(value, bytes):  # texts of a record
         return value.decode("utf-8", "replace")
-    made: Value = value.item() if isinstance(value, np.generic) else value
-    return made
-
-
-def _text(value: Value) -> str:
-    return f"{value:.9g}" if isinstance(value, float) else str(value)
+    return f"{value:.9g}" if isinstance(value, float | np.floating) else str(value)
 
 
 def unlike_rows(
@@ -120,7 +118,7 @@ def unlike_rows(
     exact: ArrayLike,
     by: str,
     wrong: NDArray[np.bool_] | None = None,
-) -> Iterator[Mismatch]:
+) -> Iterator[Finding]:
     """The first row of each robot whose column is not ``exact``, (M,) or one value.
 
     ``rows`` (M,) are those of a whole table. Which are wrong says ``wrong`` (M,); without it those
@@ -134,7 +132,7 @@ def unlike_rows(
     for robot, k, number in zip(robots.tolist(), some[first].tolist(), count.tolist(), strict=True):
         recorded, step = "there" if column is None else rows[column][k], int(rows["step"][k])
         place = {"row": k, "robot": robot, "step": step, "count": number}
-        yield Mismatch.of(record, table, column, recorded, values[k], by, **place)
+        yield unlike(record, table, column, recorded, values[k], by, **place)
 
 
 def differs(recorded: ArrayLike, exact: ArrayLike, slack: float) -> NDArray[np.bool_]:
@@ -153,7 +151,7 @@ def first_difference(
     by: str,
     exact: bool,
     steps: NDArray[np.int64] | None = None,
-) -> Mismatch | None:
+) -> Finding | None:
     """First row of a dataset that differs from others, or that one of the two lacks.
 
     ``exact``: to the bit, otherwise within the slack of a column. ``steps`` are those of samples.
@@ -161,15 +159,15 @@ def first_difference(
     names = rows.dtype.names or (None,)
     for name in names:
         if name is not None and name not in (others.dtype.names or ()):
-            return Mismatch.of(record, path, name, "there", "not", by)
+            return unlike(record, path, name, "there", "not", by)
     common = min(len(rows), len(others))
-    unlike: dict[str | None, NDArray[np.bool_]] = {}
+    differ: dict[str | None, NDArray[np.bool_]] = {}
     for name in names:
         some, more = (
             one[:common] if name is None else one[name][:common] for one in (rows, others)
         )
-        unlike[name] = _unlike(some, more, exact, SLACKS.get(name or "", SLACK))
-    wrong = [np.asarray(one.any(axis=tuple(range(1, one.ndim)))) for one in unlike.values()]
+        differ[name] = _differ(some, more, exact, SLACKS.get(name or "", SLACK))
+    wrong = [np.asarray(one.any(axis=tuple(range(1, one.ndim)))) for one in differ.values()]
     first = min((int(np.argmax(one)) for one in wrong if one.any()), default=common)
     if first == common == max(len(rows), len(others)):
         return None
@@ -180,18 +178,18 @@ def first_difference(
         step, robot = int(row["step"]), int(row["a" if "a" in row.dtype.names else "robot"])
     if first == common:
         told, due = ("there", "not") if first < len(rows) else ("not there", "there")
-        return Mismatch.of(record, path, None, told, due, by, row=first, robot=robot, step=step)
+        return unlike(record, path, None, told, due, by, row=first, robot=robot, step=step)
     column = next(name for name, one in zip(names, wrong, strict=True) if one[first])
     both = [one[first] if column is None else one[column][first] for one in (rows, others)]
     if path in STEPS:
-        robot, *part = np.argwhere(unlike[None][first])[0].tolist()
+        robot, *part = np.argwhere(differ[None][first])[0].tolist()
         both = [one[(robot, *part)] for one in both]
         column = ("x", "y", "heading")[part[0]] if part else None
     told, due = both
-    return Mismatch.of(record, path, column, told, due, by, row=first, robot=robot, step=step)
+    return unlike(record, path, column, told, due, by, row=first, robot=robot, step=step)
 
 
-def _unlike(
+def _differ(
     some: NDArray[Any], others: NDArray[Any], exact: bool, slack: float
 ) -> NDArray[np.bool_]:
     if some.dtype.kind != "f":
@@ -204,7 +202,7 @@ def _unlike(
 
 def unlike_attributes(
     record: Record, other: Record, names: Iterable[str], by: str
-) -> Iterator[Mismatch]:
+) -> Iterator[Finding]:
     """Attributes that are not those of the other record; of the world its first line."""
     for name in names:
         recorded, repeated = (
@@ -216,16 +214,16 @@ def unlike_attributes(
             counts = f"{len(lines)} lines", f"{len(others)} lines"
             recorded, repeated = next((two for two in both if two[0] != two[1]), counts)
         if recorded != repeated:
-            yield Mismatch.of(record, "attribute", name, recorded, repeated, by)
+            yield unlike(record, "attribute", name, recorded, repeated, by)
 
 
 def unlike_scene(
     record: Record, other: Record, paths: Iterable[str], by: str, exact: bool
-) -> Iterator[Mismatch]:
+) -> Iterator[Finding]:
     """Datasets of what stands still that are not as in the other record, each by its first row."""
     for path in paths:
         rows, others = record.read(path), other.read(path)
         if rows.shape != others.shape:
-            yield Mismatch.of(record, path, None, f"{len(rows)} rows", f"{len(others)} rows", by)
+            yield unlike(record, path, None, f"{len(rows)} rows", f"{len(others)} rows", by)
         elif found := first_difference(record, path, rows, others, by, exact):
             yield found

@@ -231,7 +231,7 @@ def _chosen(drawing: Drawing, options: Options, faces: list[Any], noded: Any) ->
         shape, what = robots[0], "the robot is"
     else:
         held, shape, what = faces, None, "there is"
-        if len(held) == 1 and len(_loose(noded)):
+        if len(held) == 1 and len(_loose(noded)) > 1:
             raise drawing.refusal(
                 f"one area is closed, {_areas(held)}, but other lines are open"
                 f"{_where_open(noded, faces)}; say which is the place: --from X,Y, or a path or "

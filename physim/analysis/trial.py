@@ -23,8 +23,8 @@ from physim.simulation.loop import Simulation
 from physim.simulation.run import is_warm, record_run
 from physim.world import World
 from physim.world.faults import describe
-from physim.world.layout.robots import path_of
 from physim.world.layout.scene_builder import build_scene
+from physim.world.scene import path_location
 
 MOST_STEPS = 100_000
 """Steps of a run that is tried, of ten robots at most as many: some 4 s"""
@@ -147,7 +147,7 @@ def _contacts(world: World, record: Record, run: Figures) -> Iterator[Fault]:
         if not robots <= told:
             told |= robots
             yield Fault(
-                path_of(world, one.a),
+                path_location(world, one.a),
                 f"{describe(record.names[one.a])} touches {describe(record.bodies[one.b].name)} "
                 f"at {place_text(*one.place, 4)} after {one.time:.1f} s",
             )
@@ -172,4 +172,4 @@ def _absent(world: World, record: Record, run: Figures) -> Iterator[Fault]:
             last = mine["other"][mine["step"] == mine["step"].max(initial=-1)]
             how = "it waits for" if k in last else "nearest to it is"
             said += f"; {how} {describe(record.bodies[k].name)}, {away:.2f} m away"
-        yield Fault(path_of(world, i), said)
+        yield Fault(path_location(world, i), said)

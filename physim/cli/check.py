@@ -143,7 +143,7 @@ def json_of(found: list[tuple[Findings, str | None]]) -> dict[str, object]:
     """Everything that was found, as JSON holds it."""
     return {
         "format": "physim-check",
-        "version": 1,
+        "version": 2,
         "errors": sum(len(findings.errors) for findings, _ in found),
         "warnings": sum(len(findings.warnings) for findings, _ in found),
         "worlds": [{**findings.as_json(), "trial": trial} for findings, trial in found],

@@ -18,7 +18,7 @@ from shapely.affinity import translate
 
 from physim.errors import Fault, Location
 from physim.geometry.polygon import circumscribed_radius
-from physim.geometry.shapes import FloatArray
+from physim.geometry.shapes import FloatArray, IntArray
 from physim.tolerances import CONTACT
 from physim.world.checks.findings import MOST_ALIKE
 from physim.world.checks.stations import leads, lines_of, spans, stations_on
@@ -155,9 +155,8 @@ def check_neighbours(laid: Layout) -> Iterator[Fault]:
     plan, count = laid.world.formation, len(laid.names)
     if plan is None or not plan.gain or count < 2 or plan.neighbours == "all":
         return
-    key, moments = "neighbours", [("", np.empty((0, 2), dtype=np.int64))]
+    moments: list[tuple[str, IntArray]] = []
     if plan.neighbours == "range":
-        key, moments = "range", []
         start = stations_on(shapely.LineString(laid.reference), laid)
         for when, at in (("in formation ", leads(laid)), ("at the start ", start)):
             order = np.argsort(at, kind="stable")
@@ -165,7 +164,8 @@ def check_neighbours(laid: Layout) -> Iterator[Fault]:
             moments.append((when, np.stack([order[:-1][near], order[1:][near]], axis=1)))
     else:
         index = {name: i for i, name in enumerate(laid.names)}
-        moments = [("", np.array([[index[a], index[b]] for a, b in plan.neighbours]))]
+        listed = [[index[a], index[b]] for a, b in plan.neighbours]
+        moments.append(("", np.array(listed, dtype=np.int64).reshape(-1, 2)))
     for when, pairs in moments:
         graph = coo_array((np.ones(len(pairs)), pairs.T), shape=(count, count))
         parts, part = connected_components(graph, directed=False)
@@ -173,9 +173,9 @@ def check_neighbours(laid: Layout) -> Iterator[Fault]:
             left = np.flatnonzero(part != np.argmax(np.bincount(part))).tolist()
             names = ", ".join(describe(laid.names[i]) for i in left[:MOST_ALIKE])
             more = f" and {len(left) - MOST_ALIKE} more" if len(left) > MOST_ALIKE else ""
-            by = f"range of {plan.range:.4g} m" if key == "range" else "pair"
+            by = f"range of {plan.range:.4g} m" if when else "pair"
             yield Fault(
-                ("formation", key),
+                ("formation", "range" if when else "neighbours"),
                 f"{when}no {by} connects {names}{more} with the other robots: by (7) neither side "
                 "keeps its distance to the other, whatever the gain; use a longer range, or list "
                 "pairs that lead from each robot to every other",

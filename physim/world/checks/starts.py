@@ -10,11 +10,11 @@ import numpy as np
 import shapely
 
 from physim.errors import Fault, place_text, plural
+from physim.geometry.outline import placed_outline
 from physim.geometry.polygon import circumscribed_radius
 from physim.tolerances import LENGTH
 from physim.world.checks.stations import lines_of
 from physim.world.faults import describe
-from physim.world.layout.shape_checks import placed_outline
 from physim.world.layout.shared import Shared
 from physim.world.scene import Layout
 
@@ -142,7 +142,7 @@ def check_random_headings(laid: Layout) -> Iterator[Fault]:
     swept = [
         shapely.Point(laid.start[i, :2]).buffer(circumscribed_radius(laid.footprints[i]) + LENGTH)
         if i in random
-        else placed_outline(laid.start[i], laid.footprints[i])
+        else placed_outline(laid.footprints[i], laid.start[i])
         for i in range(len(poses))
     ]
     others = [*laid.walls, *laid.solids]
@@ -166,7 +166,7 @@ def check_expected(laid: Layout) -> Iterator[Fault]:
     expect, count = laid.world.expect, len(laid.names)
     if expect is None:
         return
-    shapes = np.array([placed_outline(laid.start[i], laid.footprints[i]) for i in range(count)])
+    shapes = np.array([placed_outline(laid.footprints[i], laid.start[i]) for i in range(count)])
     names = [describe(name) for name in laid.names]
 
     def fault(key: str, who: str, gap: float, than: str) -> Fault:

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from itertools import pairwise
 from math import floor
 
 import numpy as np
 import shapely
 
+from physim.geometry.arc_length import Polyline
+from physim.geometry.outline import placed_outline, placed_outlines
 from physim.geometry.polygon import circumscribed_radius
 from physim.geometry.shapes import FloatArray, IntArray
 from physim.world import Start
@@ -40,7 +42,7 @@ class Occupancy:
 
     def stand(self, i: int, pose: FloatArray, gap: float) -> None:
         """Robot i stands at a pose and wants others ``gap`` [m] away."""
-        self.outline[i] = self.outlines(i, np.asarray(pose)[None])[0]
+        self.outline[i] = placed_outline(self.footprints[i], pose)
         self.place[i] = pose[:2]
         self.gap[i] = gap
         self.widest = max(self.widest, gap)
@@ -52,23 +54,13 @@ class Occupancy:
             self.cells.take(i, *self.place[i].tolist())
             self.place[i] = np.inf
 
-    def outlines(self, i: int, poses: FloatArray) -> FloatArray:
-        """Outlines (B,) of robot i at poses (B, 3), shapely polygons in the world frame."""
-        c, s = np.cos(poses[:, 2])[:, None], np.sin(poses[:, 2])[:, None]
-        x, y = self.footprints[i].T
-        points = np.stack(
-            [poses[:, :1] + c * x - s * y, poses[:, 1:2] + s * x + c * y],
-            axis=-1,
-        )
-        return np.asarray(shapely.polygons(points))
-
     def room(self, i: int, poses: FloatArray, free: shapely.Geometry, gap: float) -> FloatArray:
         """Room [m] beyond ``gap`` around robot i at poses (B, 3): negative where it does not fit.
 
         It must lie in ``free``. Each distance asks for the larger gap of the two robots.
         """
         room = np.full(len(poses), -1.0)
-        outlines = self.outlines(i, poses)
+        outlines = placed_outlines(self.footprints[i], poses)
         inside = np.flatnonzero(shapely.covers(free, outlines))
         room[inside] = shapely.distance(self.walls, outlines[inside]) - gap
         for k in inside[room[inside] >= 0.0]:
@@ -82,7 +74,7 @@ class Occupancy:
         self, i: int, poses: FloatArray, free: shapely.Geometry, gap: float
     ) -> int | None:
         """Which of the poses (B, 3) is the first with `room` for robot i; None where none has."""
-        outlines = self.outlines(i, poses)
+        outlines = placed_outlines(self.footprints[i], poses)
         for k in np.flatnonzero(shapely.covers(free, outlines)):
             near_wall = shapely.dwithin(self.walls, outlines[k], gap + ROUNDING)
             if near_wall and shapely.distance(self.walls, outlines[k]) - gap < 0.0:
@@ -144,21 +136,16 @@ class Cells:
         return floor(x / self.size), floor(y / self.size)
 
 
-class PathFrame:
+class PathFrame(Polyline):
     """The reference path, prolonged straight on at both ends: stations, deviations, headings."""
 
     def __init__(self, reference: FloatArray) -> None:
-        points = np.asarray(reference, dtype=np.float64)
-        steps = np.diff(points, axis=0)
-        far = 10.0 * float(np.ptp(points, axis=0).max()) + 1000.0
-        first = points[0] - far * steps[0] / np.hypot(*steps[0])
-        last = points[-1] + far * steps[-1] / np.hypot(*steps[-1])
-        self.points = np.vstack([first, points, last])
-        self.line, self.own = shapely.LineString(self.points), shapely.LineString(points)
-        steps = np.diff(self.points, axis=0)
-        length = np.hypot(*steps.T)
-        self.station = np.concatenate([[0.0], np.cumsum(length)])
-        self.direction = steps / length[:, None]
+        begin, end = reference[1] - reference[0], reference[-1] - reference[-2]
+        far = 10.0 * float(np.ptp(reference, axis=0).max()) + 1000.0
+        first = reference[0] - far * begin / np.hypot(*begin)
+        last = reference[-1] + far * end / np.hypot(*end)
+        super().__init__(np.vstack([first, reference, last]))
+        self.own = shapely.LineString(reference)
 
     def project(self, points: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Stations (B,) and deviations (B,), left positive, of points (B, 2) [m].
@@ -167,7 +154,7 @@ class PathFrame:
         the road elsewhere.
         """
         places = shapely.points(points)
-        station = shapely.line_locate_point(self.line, places)
+        station = shapely.line_locate_point(self.shape, places)
         own = shapely.line_locate_point(self.own, places)
         begin, end = self.station[1], self.station[-2]
         before, after = own <= 0.0, own >= self.own.length
@@ -180,13 +167,6 @@ class PathFrame:
         origin, direction = self.at(station)
         apart = points - origin
         return station, direction[:, 0] * apart[:, 1] - direction[:, 1] * apart[:, 0]
-
-    def at(self, station: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Points (B, 2) and directions (B, 2) at stations."""
-        last = len(self.direction) - 1
-        k = np.clip(np.searchsorted(self.station, station, side="right") - 1, 0, last)
-        direction = self.direction[k]
-        return self.points[k] + (station - self.station[k])[:, None] * direction, direction
 
 
 class Candidates:
@@ -203,7 +183,7 @@ class Candidates:
         members: Sequence[int],
         free: shapely.Geometry,
         along: PathFrame,
-        paths: Mapping[int, FloatArray],
+        paths: Sequence[FloatArray],
         occupied: Occupancy,
     ) -> None:
         self.start, self.along, self.occupied, self.free = start, along, occupied, free
@@ -256,11 +236,11 @@ class Candidates:
         if self.start.heading == "along":
             return low - self.occupied.radius[i], high + self.occupied.radius[i]
         angle = heading if self.start.heading == "random" else self.start.heading
-        bounds = shapely.bounds(self.occupied.outlines(i, np.array([[0.0, 0.0, angle]]))[0])
+        bounds = shapely.bounds(placed_outline(self.occupied.footprints[i], (0.0, 0.0, angle)))
         low, high = low - bounds[:2], high - bounds[2:]
         return np.minimum(low, high), np.maximum(low, high)
 
-    def _cut(self, members: Sequence[int], abreast: int, paths: Mapping[int, FloatArray]) -> None:
+    def _cut(self, members: Sequence[int], abreast: int, paths: Sequence[FloatArray]) -> None:
         outline = shapely.get_coordinates(shapely.segmentize(self.free, OUTLINE_STEP))
         station, deviation = self.along.project(outline)
         rows = [members[k : k + abreast] for k in range(0, len(members), abreast)]

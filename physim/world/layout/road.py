@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 import shapely
 
-from physim.errors import Fault, Location
+from physim.errors import Fault, Location, WorldError
 from physim.geometry.corridor import corridor_boundaries
 from physim.geometry.polygon import circumscribed_radius, least_width
 from physim.geometry.shapes import FloatArray
@@ -34,10 +34,10 @@ from physim.world.layout.road_line import (
     lanes_advance,
     walls_advance,
 )
-from physim.world.layout.shape_checks import outline_fault
 from physim.world.road import MARGIN
 from physim.world.robot import outline_of
 
+ROAD: Location = ("corridor", "random")
 ATTEMPTS = 60
 """Times that a road is drawn before it is refused"""
 CROWDED = 6
@@ -58,9 +58,6 @@ class DrawnRoad:
     """outlines (m, 2)"""
 
 
-ROAD: Location = ("corridor", "random")
-
-
 @dataclass(frozen=True)
 class Lane:
     """What a passage is for: a robot on its path."""
@@ -74,29 +71,20 @@ class Lane:
     """[m] least width of its footprint"""
 
 
-def with_drawn_road(world: Any) -> tuple[Any, list[Fault]]:
-    """A world with the road that its seed draws, if it has one, and why it cannot be drawn.
-
-    A road that cannot be drawn is left out.
-    """
-    corridor = world.corridor
-    if not isinstance(corridor, RandomCorridor) or world.boundaries is not None:
-        return world, []
+def with_drawn_road(world: World) -> World:
+    """A world with the road that its seed draws, if it has one; WorldError if none can be drawn."""
+    corridor: Any = world.corridor
+    if not isinstance(corridor, RandomCorridor):
+        return world
     road, margin = corridor.random, corridor.end_margin
-    nothing = Corridor.model_construct(centreline=None, width=None, end_margin=margin)
-    without = world.with_road(nothing, (), (), 0.0)
     lanes = _lanes(world)
-    passage, faults = _passage(road, lanes)
-    if faults:
-        return without, faults
+    passage = _passage(road, lanes)
     drawn = draw_road(road, margin, passage, sorted({lane.offset for lane in lanes}), world.seed)
-    if isinstance(drawn, Fault):
-        return without, [drawn]
     written = Corridor(
         centreline=drawn.centreline.tolist(), width=drawn.widths.tolist(), end_margin=margin
     )
     obstacles = tuple(_points(outline) for outline in drawn.obstacles)
-    return world.with_road(written, _points(drawn.way), obstacles, passage), []
+    return world.with_road(written, _points(drawn.way), obstacles, passage)
 
 
 def plain_world(world: World, name: str) -> World:
@@ -107,10 +95,10 @@ def plain_world(world: World, name: str) -> World:
 
 def draw_road(
     road: RandomRoad, end_margin: float, passage: float, offsets: list[float], seed: int
-) -> DrawnRoad | Fault:
+) -> DrawnRoad:
     """Road of a seed with a clear ``passage`` [m], and room for paths at these offsets [m].
 
-    A fault that says what to change where none of the roads drawn keeps to what is asked.
+    Raises WorldError where none of the roads drawn keeps to what is asked.
     """
     failed: Counter[str] = Counter()
     most, count = 0, 0
@@ -142,7 +130,7 @@ def draw_road(
         if clear_width(line, walls, obstacles) >= passage - LENGTH:
             return DrawnRoad(centreline, widths, way, obstacles)
         failed["narrow"] += 1
-    return _refused(road, failed, passage, most, count)
+    raise WorldError([_refused(road, failed, passage, most, count)])
 
 
 def clear_width(
@@ -179,18 +167,15 @@ def _refused(
     )
 
 
-def _lanes(world: Any) -> list[Lane]:
-    """Every footprint with the paths that it may follow, as far as both are sound."""
+def _lanes(world: World) -> list[Lane]:
+    """Every footprint with the paths that it may follow, of those beside the reference path."""
     found = []
     for e, entry in enumerate(world.entries):
-        is_group = isinstance(entry, RobotGroup)
-        shapes = entry.shapes if is_group else (entry.footprint,)
-        several = entry.paths if is_group else None
+        shapes: Any = entry.shapes if isinstance(entry, RobotGroup) else (entry.footprint,)
+        several = entry.paths if isinstance(entry, RobotGroup) else None
         paths = (entry.path,) if several is None else several
         for shape in shapes:
-            outline = None if shape is None else outline_of(shape)
-            if outline is None or outline_fault(outline):
-                continue
+            outline = outline_of(shape)
             reach, width = circumscribed_radius(outline), least_width(outline)
             for k, path in enumerate(paths):
                 where = ("path",) if several is None else ("paths", k)
@@ -199,8 +184,8 @@ def _lanes(world: Any) -> list[Lane]:
     return found
 
 
-def _passage(road: RandomRoad, lanes: list[Lane]) -> tuple[float, list[Fault]]:
-    """Clear width [m] that is guaranteed, and why it cannot be."""
+def _passage(road: RandomRoad, lanes: list[Lane]) -> float:
+    """Clear width [m] that is guaranteed; WorldError where it cannot be."""
     least, tightest = road.widths[0], road.bend_radii[0]
     far = [lane for lane in lanes if abs(lane.offset) >= tightest]
     if far:
@@ -209,7 +194,7 @@ def _passage(road: RandomRoad, lanes: list[Lane]) -> tuple[float, list[Fault]]:
             f"{lane.offset:g} m to the side there is no path in bends of {tightest:.4g} m radius; "
             "use a smaller offset, or larger radii"
         )
-        return 0.0, [Fault((*lane.where, "offset"), message)]
+        raise WorldError([Fault((*lane.where, "offset"), message)])
     if road.passage is None:
         half = max((abs(lane.offset) + lane.reach for lane in lanes), default=0.0) + MARGIN
         wanted = float(np.ceil(2000.0 * half - 1e-6) / 1000.0)
@@ -219,8 +204,8 @@ def _passage(road: RandomRoad, lanes: list[Lane]) -> tuple[float, list[Fault]]:
                 f"which every robot can turn round on its path with {MARGIN} m to either side; "
                 "widen the road, or state a passage"
             )
-            return wanted, [Fault((*ROAD, "width"), message)]
-        return wanted, []
+            raise WorldError([Fault((*ROAD, "width"), message)])
+        return wanted
     for lane in lanes:
         if (needed := 2.0 * abs(lane.offset) + lane.width) > road.passage:
             message = (
@@ -228,8 +213,8 @@ def _passage(road: RandomRoad, lanes: list[Lane]) -> tuple[float, list[Fault]]:
                 f"{lane.width:.4g} m wide on a path {lane.offset:g} m to the side: at least "
                 f"{needed:.6g} m; the passage lies about the reference path"
             )
-            return road.passage, [Fault((*ROAD, "passage"), message)]
-    return road.passage, []
+            raise WorldError([Fault((*ROAD, "passage"), message)])
+    return road.passage
 
 
 def _points(line: FloatArray) -> tuple[tuple[float, float], ...]:

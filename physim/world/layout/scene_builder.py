@@ -23,7 +23,7 @@ from physim.parts.registry import CONTROLLER, find_part, shipped_parts
 from physim.units import joined
 from physim.world import RobotGroup, World
 from physim.world.kinds import MOST_SEED
-from physim.world.layout.layout import lay_out, placed_anew
+from physim.world.layout.layout import lay_out, placed
 from physim.world.layout.shared import Shared
 from physim.world.run import DEFAULT_RANGE
 from physim.world.scene import DENSITY, Body, FormationPlan, Scene
@@ -98,7 +98,7 @@ def reseeded(scene: Scene, seed: int) -> Scene:
     is_drawn = any(isinstance(entry, RobotGroup) and entry.is_drawn for entry in world.entries)
     if is_drawn or world.is_road_random:
         return build_scene(scene.world, int(seed))  # footprints or roads are others, too
-    laid = placed_anew(scene.layout, world)
+    laid = placed(replace(scene.layout, world=world))
     formation = _formation(world, laid.start, laid.reference)
     return replace(
         scene,

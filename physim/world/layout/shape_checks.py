@@ -7,7 +7,6 @@ crossings.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
@@ -24,6 +23,7 @@ from physim.geometry.polygon import (
 from physim.geometry.shapes import FloatArray
 from physim.tolerances import CONTACT, LENGTH
 from physim.world.faults import describe
+from physim.world.scene import Layout
 from physim.world.walls import stretch_text
 
 MOST_REPORTED = 3
@@ -49,13 +49,6 @@ def corners_of_line(line: ArrayLike) -> FloatArray:
     return np.asarray(points[keep], dtype=np.float64)
 
 
-def placed_outline(pose: ArrayLike, footprint: ArrayLike) -> Any:
-    """Outline of a robot as a shapely polygon in the world frame."""
-    x, y, heading = np.asarray(pose, dtype=np.float64)
-    c, s = math.cos(heading), math.sin(heading)
-    return shapely.Polygon(np.asarray(footprint) @ np.array([[c, s], [-s, c]]) + (x, y))
-
-
 def outline_fault(outline: ArrayLike) -> str:
     """What is wrong with an outline; empty when it is simple and encloses an area."""
     points = corners(outline)
@@ -73,28 +66,16 @@ def outline_fault(outline: ArrayLike) -> str:
     return f"crosses or touches itself{near}; the corners must go once round the outline"
 
 
-def wall_faults(
-    robots: Sequence[Placed],
-    walls: Sequence[tuple[str, Any]],
-    solids: Sequence[tuple[str, Any]],
-    accessible: Any | None,
-    boundaries: Sequence[Any] | None = None,
-) -> list[Fault]:
-    """Robots in or against a boundary or obstacle, or outside the accessible area.
-
-    ``walls`` and ``solids`` are shapely lines and polygons, each with what to call it;
-    ``boundaries`` are those of the world as written. Without ``accessible`` only contact is
-    reported.
-    """
-    if not robots:
-        return []
+def wall_faults(laid: Layout, robots: Sequence[Placed]) -> list[Fault]:
+    """Robots in or against a boundary or obstacle, or outside the accessible area."""
+    walls, solids = laid.walls, laid.solids
+    accessible, boundaries = laid.area.polygon, laid.world.boundaries
     shapes = [robot.shape for robot in robots]
     tree = shapely.STRtree([shape for _, shape in (*walls, *solids)])
     near: list[list[int]] = [[] for _ in robots]
     for i, k in np.transpose(tree.query(shapes, predicate="dwithin", distance=CONTACT)):
         near[i].append(int(k))
-    if accessible is not None:
-        shapely.prepare(accessible)
+    shapely.prepare(accessible)
     faults = []
     for i, (number, given, shape) in enumerate(robots):
         where: Location = ("robots", number, "pose")
@@ -107,7 +88,7 @@ def wall_faults(
                 contact = _overlap(shape, body, label)
             place = stretch_text(boundaries, label, _meeting(shape, body))
             faults.append(Fault(where, f"{name} {contact} {place} at the start; move it away"))
-        if not near[i] and accessible is not None and not accessible.covers(shape):
+        if not near[i] and not accessible.covers(shape):
             far = accessible.distance(shape)
             away = f", {far:.4g} m from it" if far > 0.0 else ""
             message = f"{name} starts outside the accessible area{away}; move it inside"
@@ -115,9 +96,7 @@ def wall_faults(
     return faults
 
 
-def _boundary_message(shape: Any, label: str, wall: Any, accessible: Any | None) -> str:
-    if accessible is None:
-        return f"crosses {label}" if shape.intersection(wall).length > 0.0 else f"touches {label}"
+def _boundary_message(shape: Any, label: str, wall: Any, accessible: Any) -> str:
     beyond = shape.difference(accessible)
     if beyond.is_empty or not shape.intersects(wall):
         return f"touches {label}"
@@ -147,8 +126,6 @@ def _overlap(a: Any, b: Any, label: str) -> str:
 
 def robot_faults(robots: Sequence[Placed]) -> list[Fault]:
     """Pairs of robots that overlap or touch, reported at the later one."""
-    if not robots:
-        return []
     shapes = [robot.shape for robot in robots]
     tree = shapely.STRtree(shapes)
     pairs = np.transpose(tree.query(shapes, predicate="dwithin", distance=CONTACT))

@@ -8,9 +8,8 @@ equally likely; where robots crowd, the tightest of many is taken instead. A foo
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Sequence
 from math import pi
-from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import shapely
@@ -22,9 +21,7 @@ from physim.randomness import stream
 from physim.tolerances import CONTACT
 from physim.world import Start, World
 from physim.world.layout.places import Candidates, Occupancy, PathFrame
-
-if TYPE_CHECKING:
-    from physim.world.layout.layout import PartialLayout
+from physim.world.scene import Layout
 
 SLACK = 2.0 * CONTACT
 """[m] by which a gap is larger than asked for, so that no rounding makes it smaller"""
@@ -41,25 +38,23 @@ FILLED = 0.4
 """[-] share of a region that robots with half their gap around them fill at random with ease"""
 
 
-def start_poses(laid: PartialLayout) -> FloatArray:
-    """Start poses (N, 3) [m, m, rad] of a layout that is sound but for where its robots start.
+def start_poses(laid: Layout) -> FloatArray:
+    """Start poses (N, 3) [m, m, rad] of a layout, whatever its own are.
 
     Raises WorldError when a region does not hold its robots.
     """
-    world: World = laid.world
-    if laid.area is None or laid.reference is None:
-        raise ValueError("robots are placed in the accessible area, along the reference path")
-    occupied = Occupancy(
-        list(laid.footprints.values()), [shape for _, shape in (*laid.walls, *laid.solids)]
-    )
+    world = laid.world
+    occupied = Occupancy(laid.footprints, [shape for _, shape in (*laid.walls, *laid.solids)])
     free, along = laid.area.polygon, PathFrame(laid.reference)
-    poses = written_poses(world)
+    poses = np.full((len(world.robots), 3), np.nan)
     groups: dict[tuple[Start, Location], list[int]] = {}
     for i, robot in enumerate(world.robots):
         start = world.start_of(i)
-        if start is None:
+        if robot.pose is not None:
+            x, y, heading = robot.pose
+            poses[i] = x, y, drawn_heading(world.seed, i) if heading == "random" else heading
             occupied.stand(i, poses[i], gap=0.0)
-        else:
+        elif start is not None:
             shared: Location = ("start",) if robot.start is None else ()
             groups.setdefault((start, shared), []).append(i)
     faults = []
@@ -69,19 +64,6 @@ def start_poses(laid: PartialLayout) -> FloatArray:
         faults += [fault] if fault is not None else []
     if faults:
         raise WorldError(faults)
-    return poses
-
-
-def written_poses(world: Any) -> FloatArray:
-    """Poses (N, 3) [m, m, rad] of the robots of a world that have one, NaN of the others.
-
-    A random heading is uniform in [-pi, pi).
-    """
-    poses = np.full((len(world.robots), 3), np.nan)
-    for i, robot in enumerate(world.robots):
-        if robot.pose is not None:
-            x, y, heading = robot.pose
-            poses[i] = x, y, drawn_heading(world.seed or 0, i) if heading == "random" else heading
     return poses
 
 
@@ -102,7 +84,7 @@ class _Group:
         self.free = shapely.intersection(shapely.Polygon(start.region), accessible)
         shapely.prepare(self.free)
 
-    def place(self, poses: FloatArray, paths: Mapping[int, FloatArray]) -> Fault | None:
+    def place(self, poses: FloatArray, paths: Sequence[FloatArray]) -> Fault | None:
         """Fill in the poses of the group; the fault that says why not otherwise."""
         if self.free.area <= 0.0:
             return self._fault("none of it lies in the accessible area; draw it inside")

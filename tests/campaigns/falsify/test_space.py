@@ -18,7 +18,8 @@ from tests.helpers import inside
 
 KINDS, REACH, GAP = inside("physim.campaigns.falsify", "KINDS", "REACH", "GAP")
 Space, pinned = inside("physim.campaigns.falsify", "Space", "pinned")
-lay_out, placed_outline = inside("physim.world.layout", "lay_out", "placed_outline")
+lay_out = inside("physim.world.layout", "lay_out")
+placed_outline = inside("physim.geometry", "placed_outline")
 
 
 def in_region(**changes: Any) -> World:
@@ -37,7 +38,7 @@ def in_region(**changes: Any) -> World:
 def outlines(world: World) -> list[Any]:
     laid = lay_out(world)
     return [
-        placed_outline(pose, outline)
+        placed_outline(outline, pose)
         for pose, outline in zip(laid.start, laid.footprints, strict=True)
     ]
 

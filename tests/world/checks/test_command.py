@@ -65,7 +65,7 @@ def test_json(capsys, here):
     code, out, _ = run(capsys, "w.yaml", "v.yaml", "--json")
     found = json.loads(out)
     assert code == 2
-    assert (found["format"], found["version"]) == ("physim-check", 1)
+    assert (found["format"], found["version"]) == ("physim-check", 2)
     assert (found["errors"], found["warnings"]) == (1, 0)
     first, second = found["worlds"]
     (error,) = first["errors"]

@@ -15,22 +15,12 @@ DOCS = Path(__file__).parents[3] / "docs" / "CHECKING.md"
 MY_WORLD = """\
 name: my world
 time: {step: 0.01, duration: 60.0}
-corridor: {centreline: [[0, 0], [30, 0]], widht: 8.0}
+corridor: {centreline: [[0, 0], [30, 0]], width: 8.0}
 robots:
   - name: r1
+    pose: [6.0, 3.15, 90]
     footprint: {length: 1.8, width: 1.0}
-    pose: [6.0, 1.0, 90]
     path: {offset: 1.0}
-  - name: r2
-    footprint: [[-0.9, -0.5], [0.9, 0.5], [0.9, -0.5], [-0.9, 0.5]]
-    pose: [3.0, -1.0, 0.0]
-    path: {offset: -1.0}
-  - name: r3
-    footprint: {length: 1.8, width: 1.0}
-    pose: [5.0, 1.2, 0.0]
-    path: {offset: 1.0}
-formation: {spacing: [0.0, -3.0, -1.5]}
-controller: {type: mode_swiching}
 """
 
 HALL = """\
@@ -42,7 +32,7 @@ boundaries:
 reference_path: [[0, 0], [30, 0]]
 robots:
   - {name: r1, footprint: {length: 1.8, width: 1.0}, pose: [9, 0, 0], path: {offset: 0}}
-  - {name: r2, footprint: {length: 1.8, width: 1.0}, pose: [6, 1, 0], path: {offset: 1.0}}
+  - {name: r2, footprint: {length: 1.8, width: 1.0}, pose: [6.1, 1, 0], path: {offset: 1.0}}
   - {name: r3, footprint: {length: 1.8, width: 1.0}, pose: [3, 1.7, 0], path: {offset: 1.7}}
 """
 

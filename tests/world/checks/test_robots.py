@@ -123,8 +123,6 @@ TOLD = {
         ("E", WIDTH, '"600 cm"', "6 is meant")),
     "a decimal comma": (one("width: 8.0", 'width: "6,5"'), ...,
         ("E", WIDTH, "decimals take a point", "6.5")),
-    "a decimal comma in braces": (one("length: 1.8,", "length: 1,8,"), ...,
-        ("E", "", "decimals take a point", "length: 1.8")),
     "a minus of print": (one("{offset: -1.0}", "{offset: −1.5}"), ...,
         ("E", "12:20 robots[1].path.offset", "-1.5")),
     "an empty value that is needed": (one("width: 8.0", "width: "),

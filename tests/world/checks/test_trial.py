@@ -83,6 +83,62 @@ def test_what_the_world_expects_is_not_told(here: Path, capsys: pytest.CaptureFi
     assert "no warnings" in physim("check", "door.yaml", *given, capture=capsys).out
 
 
+SIZE = "footprint: {length: 1.2, width: 0.7}"
+FOLLOWING = f"""
+name: following
+time: {{step: 0.02, duration: 24.0}}
+corridor: {{centreline: [[0, 0], [40, 0]], width: 7.0}}
+robots:
+  - {{name: front, {SIZE}, pose: [30, 0, 3.1416], path: [[38, 0], [2, 0]], limits: {{v: 0.4}}}}
+  - {{name: rear, {SIZE}, pose: [34, 0, 3.1416], path: [[38, 0], [6, 0]]}}
+"""
+JUNCTION = f"""
+name: junction
+time: {{step: 0.02, duration: 60.0}}
+boundaries:
+  - [[-15, -3], [25, -3], [25, 3], [3, 3], [3, 20], [-3, 20], [-3, 3], [-15, 3], [-15, -3]]
+reference_path: [[-12, 0], [22, 0]]
+robots:
+  - {{name: a, {SIZE}, pose: [-2, 0, 0], path: [[-12, 0], [5, 0]]}}
+  - {{name: b, {SIZE}, pose: [0, 8, -1.5708], path: [[0, 17], [0, 0], [20, 0]]}}
+"""
+SAME_STOP = """
+name: two
+time: {step: 0.01, duration: 30.0}
+corridor: {centreline: [[0, 0], [20, 0]], width: 8.0}
+robots:
+  - {name: a, footprint: &box {length: 1.8, width: 1.0}, pose: [6.0, 1.5, 0.0], path: {offset: 1.5}}
+  - {name: b, footprint: *box, pose: [3.0, -1.0, 0.0], path: {offset: 1.5}}
+"""
+WALL = """
+name: alone
+time: {step: 0.01, duration: 20.0}
+boundaries: [[[-2, -2], [12.7, -2], [12.7, 2], [-2, 2], [-2, -2]]]
+reference_path: [[0, 0], [12, 0]]
+robots:
+  - {name: r1, footprint: {length: 0.8, width: 0.5}, pose: [2, 0, 0], path: {offset: 0}}
+"""
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        (FOLLOWING, r'"front" touches "rear" at'),
+        (JUNCTION, r'"b" (stands|still moves).* short '),
+        (SAME_STOP, r'"b" (stands|still moves).* short '),
+        (WALL, r'"r1" stands .* short .* nearest to it is "boundary 1"'),
+        (LANE, r'"(east|west)" (stands|touches) '),
+    ],
+    ids=["runs into another", "in the way", "stops in one place", "a wall ahead", "head on"],
+)
+def test_what_keeps_robots_from_their_stops_is_told(
+    here: Path, capsys: pytest.CaptureFixture[str], text: str, told: str
+) -> None:
+    (here / "w.yaml").write_text(text)
+    out = physim("check", "w.yaml", capture=capsys).out
+    assert re.search(told, out), out
+
+
 def test_a_run_that_would_take_long_is_not_made(
     here: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -7,16 +7,20 @@ import re
 
 import pytest
 
-from physim.errors import Fault
+from physim.errors import Fault, WorldError
 from physim.world import World
 from physim.world.file import parse_world
 from tests.helpers import STRAIGHT, facts, inside
 
-partial_layout = inside("physim.world.layout", "partial_layout")
+lay_out = inside("physim.world.layout", "lay_out")
 
 
 def found(world: World) -> list[Fault]:
-    return list(partial_layout(world).faults)
+    try:
+        lay_out(world)
+    except WorldError as error:
+        return list(error.faults)
+    return []
 
 
 def standing(world: World, *poses: tuple[float, float, float]) -> World:

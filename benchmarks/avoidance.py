@@ -25,7 +25,7 @@ import numpy as np
 import physim
 from physim.analysis import metrics
 from physim.campaigns.pool import Job, do_all
-from physim.cli.values import seed_range
+from physim.cli.options import seed_range
 from physim.contacts import Phase
 from physim.errors import PhysimError
 from physim.record import Record

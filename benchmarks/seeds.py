@@ -19,7 +19,7 @@ from physim.campaigns.grid import make_grid
 from physim.campaigns.one_run import simulation_of
 from physim.campaigns.pool import Job, Stop, Workers, outcomes, worker_count
 from physim.campaigns.spec import RunSpec
-from physim.cli.values import seed_range
+from physim.cli.options import seed_range
 from physim.record import Record
 from physim.simulation.run import record_run
 from physim.world.file.files import shipped_worlds

@@ -20,7 +20,7 @@ from physim.escaping import escaped_lines
 
 OWN = (
     "physim|numpy|scipy|shapely|numba|llvmlite|pymunk|h5py|cv2|matplotlib|PIL|av|yaml|"
-    "pydantic|svgelements|click"
+    "pydantic|svgelements|cyclopts"
 )
 """Modules whose warnings are for those who work on physim."""
 

@@ -233,7 +233,7 @@ def test_third_parties_stay_where_they_belong() -> None:
             "physim.kept",
             "physim.c_calls",
         ),
-        "click": ("physim.cli",),
+        "cyclopts": ("physim.cli",),
         "cma": ("physim.campaigns",),
         "pyarrow": ("physim.campaigns",),
         "distributed": ("physim.campaigns",),

@@ -6,15 +6,12 @@ import errno
 import os
 import sys
 from collections.abc import Sequence
-from contextlib import suppress
 
-from physim.cli.signals import INTERRUPTED, Break, breaks, is_kept
+from physim.cli.progress import INTERRUPTED, Break, handling
 from physim.streams import failed_at, gates, silence, without_warnings
 
 UNWRITTEN = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO, errno.EBADF)
 """What a standard output answers that takes nothing more."""
-
-
 FAULT = 70
 """Exit code of an exception that nobody expected: a fault in physim (EX_SOFTWARE of sysexits)."""
 
@@ -33,38 +30,35 @@ def main(arguments: Sequence[str] | None = None) -> int:
         from physim.campaigns.pool import end_if_importing
 
         end_if_importing()
-    alone = arguments is None
-    with without_warnings(), gates(), breaks(last=alone) as broken:
-        code = _run(arguments, broken)
-        if alone and code == INTERRUPTED and is_kept():
-            with suppress(OSError, ValueError):
-                sys.stdout.flush()
-            os._exit(code)  # a thread that the user's code left behind would go on for ever
-        return code
+    broken = Break()
+    words = sys.argv[1:] if arguments is None else arguments
+    with without_warnings(), gates(), handling(broken):
+        try:
+            return _with_streams(words, broken)
+        except KeyboardInterrupt:
+            pass
+        except SystemExit:
+            raise
+        except BaseException:  # somebody else's code may raise what is no Exception
+            if not broken.came:
+                import traceback
+
+                _tell(traceback.format_exc().rstrip())
+                _tell(
+                    "physim: this is a fault in physim itself, not in its input; please report it"
+                )
+                return FAULT
+        broken.ends = True
+        _tell("interrupted")
+        return INTERRUPTED
 
 
-def _run(arguments: Sequence[str] | None, broken: Break) -> int:
-    """Run; an interrupt and a fault in physim are exit codes."""
-    try:
-        return _with_streams(arguments, broken)
-    except KeyboardInterrupt:
-        pass
-    except SystemExit:
-        raise
-    except BaseException:  # somebody else's code may raise what is no Exception
-        if not broken.came:
-            return _fault()
-    broken.ignore()
-    _print_error("interrupted")
-    return INTERRUPTED
-
-
-def _with_streams(arguments: Sequence[str] | None, broken: Break) -> int:
+def _with_streams(words: Sequence[str], broken: Break) -> int:
     """Run, and report outputs that take nothing more."""
     code = 0
     try:
         try:
-            code = _main(arguments, broken)
+            code = _run(words, broken)
         finally:
             sys.stdout.flush()
     except OSError as error:
@@ -81,52 +75,42 @@ def _with_streams(arguments: Sequence[str] | None, broken: Break) -> int:
             where = os.fsdecode(error.filename)
         else:  # numba tells no file
             where = "standard output" if is_output else "a file (of numba's cache, perhaps)"
-        _print_error(f"{where}: cannot be written ({error.strerror})")
+        _tell(f"{where}: cannot be written ({error.strerror})")
         return 2
     return code
 
 
-def _main(arguments: Sequence[str] | None, broken: Break) -> int:
+def _run(words: Sequence[str], broken: Break) -> int:
+    """Run; what a user can mend is told in its own words."""
     from physim.errors import PhysimError
 
     try:
-        from physim.cli.parser import run_command
+        from physim.cli.commands import run_command
 
-        return run_command(sys.argv[1:] if arguments is None else arguments)
+        return run_command(words)
     except PhysimError as error:
         if broken.came:  # what was being imported made an error of it
             raise KeyboardInterrupt from None
-        _print_error(str(error))
-        _tell_folder_gone()
-        return 2
+        _tell(str(error))
+        _is_folder_gone()
     except FileNotFoundError:
-        if not _tell_folder_gone():
+        if not _is_folder_gone():
             raise
-        return 2
     except MemoryError as error:
         why = f" ({error})" if str(error) else ""
-        _print_error(f"out of memory{why}: the machine, or a limit such as ulimit -v, has no more")
-        return 2
+        _tell(f"out of memory{why}: the machine, or a limit such as ulimit -v, has no more")
+    return 2
 
 
-def _tell_folder_gone() -> bool:
+def _is_folder_gone() -> bool:
     """Say so where the working folder is not there any more, by which relative names fail."""
     try:
         os.getcwd()
     except FileNotFoundError:
-        _print_error("the folder that this was started in is gone; change to one that is there")
+        _tell("the folder that this was started in is gone; change to one that is there")
         return True
     return False
 
 
-def _fault() -> int:
-    """Exit code of the exception that is being handled, which is told in full."""
-    import traceback
-
-    _print_error(traceback.format_exc().rstrip())
-    _print_error("physim: this is a fault in physim itself, not in its input; please report it")
-    return FAULT
-
-
-def _print_error(text: str) -> None:
+def _tell(text: str) -> None:
     print(text, file=sys.stderr, flush=True)

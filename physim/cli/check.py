@@ -2,20 +2,26 @@
 
 from __future__ import annotations
 
-import json
 import sys
 import time
 from dataclasses import replace
+from json import dumps
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TextIO
+from typing import TYPE_CHECKING, Annotated, Any, TextIO
 
-import click
-
-from physim.cli.output import inputs, new_file
-from physim.cli.parser import Options, changes, command, flag, option
-from physim.cli.progress import Bar, interrupts, watch
-from physim.cli.signals import INTERRUPTED
-from physim.cli.values import PATH, WORLD_HELP
+from physim.cli.options import (
+    AS_IT_IS,
+    WORLD_HELP,
+    Changes,
+    JsonFlag,
+    Out,
+    World,
+    option,
+    to,
+)
+from physim.cli.output import Target, inputs
+from physim.cli.progress import INTERRUPTED, Bar, interrupts
+from physim.cli.progress import watch as on_each_save
 from physim.errors import PhysimError, WorldError
 
 if TYPE_CHECKING:
@@ -27,19 +33,16 @@ MOST_ROWS = 12
 """Robots in the table of room; of more those with least room."""
 
 
-@command("check", "find every fault of a world before running it")
-@click.argument(
-    "worlds",
-    nargs=-1,
-    required=True,
-    metavar="WORLD...",
-    help=WORLD_HELP,
-)
-@changes("every world")
-@flag("--no-run", "only look at the file, without a trial run")
-@flag("--json", "print everything as JSON instead")
-@flag("--watch", "check again whenever a file is saved, until Ctrl-C")  # fmt: skip
-def check_command(options: Options) -> int:
+def check(
+    *worlds: Annotated[str, option(WORLD_HELP, "WORLD...", required=True)],
+    changes: Changes = AS_IT_IS,
+    no_run: Annotated[bool, option("only look at the file, without a trial run")] = False,
+    json: JsonFlag = False,
+    watch: Annotated[
+        bool, option("check again whenever a file is saved, until Ctrl-C")
+    ] = False,
+    out: Out,
+) -> int:  # fmt: skip
     """Read worlds strictly and look at their geometry: all errors and warnings at once, each with
     file, line and column, and the room that each robot has on its path. Then run a world without
     errors once, and tell which robots touch something or do not arrive: these are warnings, too.
@@ -56,19 +59,22 @@ def check_command(options: Options) -> int:
       physim check ten_robots --seed 3 --set corridor.width=6.0
                                                  as physim run with these would read it
     """
-    return _check_on_save(options) if options.watch else _check_once(options)
 
+    def once() -> int:
+        told = {**changes.reading, "seed": changes.seed}
+        found = [looked_at(world, run=not no_run, quiet=json, **told) for world in worlds]
+        if json:
+            print(dumps(json_of(found), indent=1), file=out)
+        else:
+            print("\n".join(text_of(*one) for one in found), end="")
+        return 0 if all(findings.ok for findings, _ in found) else 2
 
-def _check_on_save(options: Options) -> int:
-    """Check now and after each save, until Ctrl-C."""
+    def on_save() -> None:
+        print(f"-- {time.strftime('%H:%M:%S')}")
+        once()
+        out.flush()
 
-    def check() -> None:
-        text = f"-- {time.strftime('%H:%M:%S')}"
-        print(text)
-        _check_once(options)
-        options.stdout.flush()
-
-    return watch([_file(world) for world in options.worlds], check)
+    return on_each_save([_file(world) for world in worlds], on_save) if watch else once()
 
 
 def _file(world: str) -> Path:
@@ -79,22 +85,6 @@ def _file(world: str) -> Path:
         return find_world(world)
     except WorldError:
         return Path(world)
-
-
-def _check_once(options: Options) -> int:
-    """Check worlds once and print what is found; returns the exit code."""
-    found = [
-        looked_at(
-            world, run=not options.no_run, quiet=options.json, overrides=options.overrides,
-            controller=options.controller, seed=options.seed,
-        )
-        for world in options.worlds
-    ]  # fmt: skip
-    if options.json:
-        print(json.dumps(json_of(found), indent=1), file=options.stdout)
-    else:
-        print("\n".join(text_of(*one) for one in found), end="")
-    return 0 if all(findings.ok for findings, _ in found) else 2
 
 
 def looked_at(
@@ -188,19 +178,18 @@ def _room(profiles: tuple[ClearanceProfile, ...]) -> list[str]:
     return [*(line.rstrip() for line in lines), ""]
 
 
-@command("preview", "draw a world before it is run")
-@click.argument("world", metavar="WORLD", help=WORLD_HELP)
-@option(
-    "-o",
-    "--output",
-    type=PATH,
-    metavar="FILE",
-    help="picture, ending in .png or .svg (default: the world's file name with .png, here)",
-)
-@flag("--watch", "draw again whenever the world is saved, until Ctrl-C")
-@flag("--force", "overwrite an existing picture")
-@changes()  # fmt: skip
-def preview(options: Options) -> int:
+def preview(
+    world: World, /, *,
+    output: Annotated[
+        Path | None,
+        to("picture, ending in .png or .svg (default: the world's file name with .png, here)"),
+    ] = None,
+    watch: Annotated[
+        bool, option("draw again whenever the world is saved, until Ctrl-C")
+    ] = False,
+    force: Annotated[bool, option("overwrite an existing picture")] = False,
+    changes: Changes = AS_IT_IS,
+) -> int:  # fmt: skip
     """Draw one picture of a world: boundaries, safe and danger area, paths, robots at the start,
     the narrowest place, and the width along the path of the first robot.
 
@@ -214,14 +203,38 @@ def preview(options: Options) -> int:
       physim preview my_world.yaml -o my_world.svg
       physim preview my_world.yaml --watch       keep the picture open beside the editor
     """
-    from physim.drawing.preview import save_preview
+    from physim.drawing.preview import FORMATS, save_preview
+    from physim.world.checks import check_world
+    from physim.world.file.files import find_world, stem_of
 
-    path = _picture(options)
-    if options.watch:
-        return _draw_on_save(options, path)
-    layout = _laid_out(options)
+    file = find_world(world)
+    path = output or Path(f"{stem_of(file)}.png")
+    if not path.is_dir() and path.suffix.lower()[1:] not in FORMATS:
+        raise PhysimError(f"{path}: a picture ends in .png or .svg")
+    Target(path, force, inputs(world)).file(in_new=True)
+
+    def draw(layout: Layout) -> None:
+        save_preview(layout, path, trusted=changes.controller is not None)
+
+    def draw_and_tell() -> None:
+        """Draw, and print what `physim check` finds; with faults the picture stays."""
+        try:
+            draw(_laid_out(world, changes))
+        except PhysimError as error:
+            print(error, file=sys.stderr)
+            _log(f"{path} stays as it is until the faults are corrected", sys.stderr)
+            return
+        _log(f"{path} drawn", sys.stdout)
+        found = check_world(world, **changes.reading, seed=changes.seed)
+        for kind, group in (("error", found.errors), ("warning", found.warnings)):
+            for finding in group:
+                print(f"{kind}: {finding}", file=sys.stderr, flush=True)
+
+    if watch:
+        return on_each_save([file], draw_and_tell)
+    layout = _laid_out(world, changes)
     with interrupts() as interrupt:  # the picture is whole in any case
-        save_preview(layout, path, trusted=options.controller is not None)
+        draw(layout)
     print(path)
     if interrupt():
         print("interrupted when the picture was drawn", file=sys.stderr)
@@ -229,55 +242,16 @@ def preview(options: Options) -> int:
     return 0
 
 
-def _picture(options: Options) -> Path:
-    """Where to draw. Raises PhysimError for another ending and an existing file."""
-    from physim.drawing.preview import FORMATS
-    from physim.world.file.files import find_world, stem_of
-
-    path: Path = options.output or Path(f"{stem_of(find_world(options.world))}.png")
-    if not path.is_dir() and path.suffix.lower()[1:] not in FORMATS:
-        raise PhysimError(f"{path}: a picture ends in .png or .svg")
-    new_file(path, options.force, *inputs(options.world))
-    return path
-
-
-def _laid_out(options: Options) -> Layout:
+def _laid_out(given: str, changes: Changes) -> Layout:
     """Read and check the world; every fault with its place in the file."""
     from physim.world.file import read_world
     from physim.world.layout.layout import lay_out
 
-    world, document = read_world(
-        options.world, overrides=options.overrides, controller=options.controller
-    )
+    world, document = read_world(given, **changes.reading)
     try:
-        return lay_out(world, options.seed)
+        return lay_out(world, changes.seed)
     except WorldError as error:
         raise document.error(error.faults) from None
-
-
-def _draw_on_save(options: Options, path: Path) -> int:
-    """Draw on every save and print what `physim check` finds; with faults the picture stays."""
-    from physim.drawing.preview import save_preview
-    from physim.world.checks import check_world
-    from physim.world.file.files import find_world
-
-    def draw() -> None:
-        try:
-            save_preview(_laid_out(options), path, trusted=options.controller is not None)
-        except PhysimError as error:
-            print(error, file=sys.stderr)
-            _log(f"{path} stays as it is until the faults are corrected", sys.stderr)
-        else:
-            _log(f"{path} drawn", sys.stdout)
-            found = check_world(
-                options.world, overrides=options.overrides, controller=options.controller,
-                seed=options.seed,
-            )  # fmt: skip
-            for kind, group in (("error", found.errors), ("warning", found.warnings)):
-                for finding in group:
-                    print(f"{kind}: {finding}", file=sys.stderr, flush=True)
-
-    return watch([find_world(options.world)], draw)
 
 
 def _log(text: str, to: TextIO) -> None:

@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from json import dumps
+from typing import TYPE_CHECKING, Annotated, Any
 
-import click
-
-from physim.cli.parser import Options, command, flag, option
+from physim.cli.options import CONTROLLER_HELP, WORLD_HELP, JsonFlag, Out, option, real
 from physim.cli.progress import Bar, announce_compiling
-from physim.cli.values import WORLD_HELP, number_from
 from physim.errors import Fault, Location, WorldError, plural
 
 if TYPE_CHECKING:
@@ -22,35 +19,29 @@ COMPILING = 25
 """[s] about, for all that a run needs"""
 
 
-@command("check-controller", "does a controller keep to what every run relies on?")
-@click.argument(
-    "controller",
-    metavar="CONTROLLER",
-    help="a registered controller (physim list) or your own as module:Class",
-)
-@option(
-    "--world",
-    "worlds",
-    multiple=True,
-    metavar="WORLD",
-    help=f"{WORLD_HELP}; instead of all shipped ones of up to 100 robots (may be repeated)",
-)
-@option(
-    "--seconds",
-    type=number_from(0.001, 1e6),
-    metavar="S",
-    help="simulated time of each world [s] (2)",
-)
-@option(
-    "--set",
-    "overrides",
-    multiple=True,
-    metavar="KEY=VALUE",
-    help="a setting of the controller, instead of those in the worlds, e.g. "
-    "controller.look_ahead=3.0 (may be repeated)",
-)
-@flag("--json", "print everything as JSON instead")  # fmt: skip
-def check_controller_command(options: Options) -> int:
+def check_controller(
+    controller: Annotated[str, option(CONTROLLER_HELP, "CONTROLLER")], /, *,
+    world: Annotated[
+        tuple[str, ...],
+        option(
+            f"{WORLD_HELP}; instead of all shipped ones of up to 100 robots (may be repeated)",
+            "WORLD",
+        ),
+    ] = (),
+    seconds: Annotated[
+        float | None,
+        option("simulated time of each world [s] (2)", "S", read=real(0.001, 1e6)),
+    ] = None,
+    set: Annotated[
+        tuple[str, ...],
+        option(
+            "a setting of the controller, instead of those in the worlds, e.g. "
+            "controller.look_ahead=3.0 (may be repeated)", "KEY=VALUE",
+        ),
+    ] = (),
+    json: JsonFlag = False,
+    out: Out,
+) -> int:  # fmt: skip
     """Let a controller decide for the first seconds of worlds and in awkward situations, ask it for
     the same decisions again under other conditions, and report what comes out differently.
     Worlds whose robots it refuses are reported and left out. All this is asked in one process: what
@@ -83,34 +74,39 @@ def check_controller_command(options: Options) -> int:
       physim check-controller my_module:MyController --world my_world.yaml --seconds 20
       physim check-controller mode_switching --set controller.look_ahead=3.0 --json
     """
+    from physim.simulation.run import is_warm, warm_up
     from physim.testing.check import SECONDS, SITUATIONS, check_worlds, worlds_to_try
+    from physim.world.file import load_world
+    from physim.world.layout.scene_builder import build_scene
 
-    chosen = _chosen(options)
-    worlds = worlds_to_try(options.worlds or None)
-    _prepare()
+    chosen = _chosen(controller, set)
+    worlds = worlds_to_try(world or None)
+    if not is_warm():
+        announce_compiling("all that a run needs", COMPILING, quiet=False)
+        warm_up(build_scene(load_world("straight")))
     parts: list[WorldResult] = []
     with Bar("check", len(worlds) + len(SITUATIONS), "worlds", quiet=False) as bar:
 
         def begins(name: str) -> None:
             bar.update(len(parts), name)
 
-        for part in check_worlds(chosen, worlds, options.seconds or SECONDS, begins):
+        for part in check_worlds(chosen, worlds, seconds or SECONDS, begins):
             parts.append(part)  # one by one: `begins` counts them
-    if options.json:
-        print(json.dumps(json_of(chosen.name, parts), indent=1), file=options.stdout)
+    if json:
+        print(dumps(json_of(chosen.name, parts), indent=1), file=out)
     else:
         print(text_of(chosen.name, parts), end="")
     return FOUND if any(part.findings for part in parts) else 0
 
 
-def _chosen(options: Options) -> Candidate:
+def _chosen(controller: str, overrides: Sequence[str]) -> Candidate:
     """Find the controller and check its settings; each fault with its place."""
     from physim.testing.check import candidate
     from physim.world.file import read_document
 
     document = read_document("controller: {}", "--set")
-    settings, document = _settings(document, options.overrides)
-    chosen = candidate(options.controller, settings or None)
+    settings, document = _settings(document, overrides)
+    chosen = candidate(controller, settings or None)
     try:
         if settings:
             chosen.maker()
@@ -144,17 +140,6 @@ def _ends(values: object) -> list[Location]:
     if not isinstance(values, dict):
         return [()]
     return [(key, *end) for key, value in values.items() for end in _ends(value)]
-
-
-def _prepare() -> None:
-    """Compile the kernels where that is still to be done, and say so."""
-    from physim.simulation.run import is_warm, warm_up
-    from physim.world.file import load_world
-    from physim.world.layout.scene_builder import build_scene
-
-    if not is_warm():
-        announce_compiling("all that a run needs", COMPILING, quiet=False)
-        warm_up(build_scene(load_world("straight")))
 
 
 def text_of(name: str, parts: list[WorldResult]) -> str:

@@ -2,37 +2,37 @@
 
 from __future__ import annotations
 
-import json
 import re
 import sys
+from json import dumps
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
-import click
-
-from physim.cli.output import (
-    alone,
-    inputs,
-    new_json,
-    new_page,
-    spare,
-    write_json,
-    write_text,
+from physim.cli.options import (
+    LONGEST_QUOTE,
+    JsonFile,
+    Out,
+    Seeds,
+    option,
+    path,
+    quoted,
+    seed_range,
+    to,
+    whole,
+    words,
 )
-from physim.cli.parser import Options, command, flag, option
-from physim.cli.signals import INTERRUPTED
-from physim.cli.sweeping import names_of, run_grid, tell_fixed, usual_folder
-from physim.cli.values import LONGEST_QUOTE, PATH, OneOf, Value, quoted, seed_range, whole_from
+from physim.cli.output import PAGE, Target, check_json, inputs, write_json, write_text
+from physim.cli.progress import INTERRUPTED
+from physim.cli.sweeping import run_grid, spare, tell_fixed, usual_folder
 from physim.errors import PhysimError, nearest
-from physim.escaping import escaped
 
 if TYPE_CHECKING:
-    from physim.campaigns.compare import Arm, Comparison
+    from physim.campaigns.grid import Grid
     from physim.campaigns.outcomes import Outcomes
 
 OWN = re.compile(r"([a-z][a-z0-9_]*):(more|less)")
 """A metric that a package registered, and which of its values are the better ones"""
-DIMENSIONS = ["controller", "settings", "world"]
+By = Literal["controller", "settings", "world"]
 
 
 def measures(text: str) -> dict[str, int]:
@@ -63,44 +63,64 @@ def measures(text: str) -> dict[str, int]:
     return found
 
 
-@command("compare", "is A better than B? differences on the same seeds")
-@click.argument(
-    "a", metavar="A", type=PATH, help="folder of a campaign (physim sweep); with --seeds a world"
-)
-@click.argument("b", metavar="[B]", type=PATH, required=False, help="another one, but with --by")
-@option(
-    "--seeds", type=Value(seed_range), metavar="A:B",
-    help="run the world A (or the worlds A and B) with the seeds A to B - 1 first, then compare",
-)  # fmt: skip
-@option("--controller", metavar="NAME,...", help="with --seeds: each of these controllers")
-@option(
-    "--set", "axes", multiple=True, metavar="KEY=V1,V2",
-    help="with --seeds: each of these values of a world (may be repeated)",
-)  # fmt: skip
-@option("--runs", type=PATH, metavar="DIR", help="with --seeds: folder of rows (sweeps/WORLD)")
-@option(
-    "--workers", type=whole_from(1, 1024), metavar="N",
-    help="with --seeds: processes on this machine (as many as cores, at most 8)",
-)  # fmt: skip
-@option(
-    "--by",
-    type=OneOf(DIMENSIONS),
-    metavar="WHAT",
-    help="compare the cells of A that differ in this alone: controller, settings or world",
-)
-@option(
-    "--only",
-    type=Value(measures),
-    metavar="NAME,...",
-    help="only these rates and "
-    "measures; metrics of your own as NAME:more or NAME:less, by what is better",
-)
-@option("-o", "--output", type=PATH, metavar="FILE", help="write a page with all pairs as points")
-@option("--json", type=PATH, metavar="FILE", help="write all to FILE (-: standard output) as JSON")
-@flag("--explain", "tell how differences are estimated and tested")
-@flag("--force", "overwrite an existing FILE")
-@flag("--quiet", "print no table")  # fmt: skip
-def compare(options: Options) -> int:
+def compare(
+    a: Annotated[
+        Path, option("folder of a campaign (physim sweep); with --seeds a world", "A", read=path)
+    ],
+    b: Annotated[
+        Path | None, option("another one, but with --by", "[B]", read=path)
+    ] = None, /, *,
+    seeds: Annotated[
+        Seeds | None,
+        option(
+            "run the world A (or the worlds A and B) with the seeds A to B - 1 first, then compare",
+            "A:B", read=seed_range,
+        ),
+    ] = None,
+    controller: Annotated[
+        tuple[str, ...],
+        option("with --seeds: each of these controllers", "NAME,...", read=words),
+    ] = (),
+    set: Annotated[
+        tuple[str, ...],
+        option(
+            "with --seeds: each of these values of a world (may be repeated)", "KEY=V1,V2"
+        ),
+    ] = (),
+    runs: Annotated[
+        Path | None,
+        option("with --seeds: folder of rows (sweeps/WORLD)", "DIR", read=path),
+    ] = None,
+    workers: Annotated[
+        int | None,
+        option(
+            "with --seeds: processes on this machine (as many as cores, at most 8)", "N",
+            read=whole(1, 1024),
+        ),
+    ] = None,
+    by: Annotated[
+        By | None,
+        option(
+            "compare the cells of A that differ in this alone: controller, settings or world",
+            "WHAT",
+        ),
+    ] = None,
+    only: Annotated[
+        Any,
+        option(
+            "only these rates and measures; metrics of your own as NAME:more or NAME:less, by what "
+            "is better", "NAME,...", read=measures,
+        ),
+    ] = None,
+    output: Annotated[Path | None, to("write a page with all pairs as points")] = None,
+    json: JsonFile = None,
+    explain: Annotated[
+        bool, option("tell how differences are estimated and tested")
+    ] = False,
+    force: Annotated[bool, option("overwrite an existing FILE")] = False,
+    quiet: Annotated[bool, option("print no table")] = False,
+    out: Out,
+) -> int:  # fmt: skip
     """Compare two controllers, settings or worlds on the same seeds: differences with intervals,
     tested, and corrected for how many are looked at. Seeds that only one has are left out.
 
@@ -124,126 +144,107 @@ def compare(options: Options) -> int:
       physim compare runs/before runs/after -o compared.html
       physim compare runs/study --by settings --only rate,time_to_finish --json -
     """
-    from physim.campaigns.compare import by
+    from physim.campaigns.compare import between
+    from physim.campaigns.compare import by as pairs_by
     from physim.campaigns.compare import compare as compared
-    from physim.campaigns.folder import Folder
+    from physim.campaigns.folder import Folder, read_part
+    from physim.campaigns.grid import make_grid
     from physim.campaigns.measures import USUAL
-    from physim.campaigns.unlike import with_unlike
-
-    spare(options.json, *_folders(options), option="--json")
-    spare(options.output, *_folders(options))
-    read = inputs(*_given(options)) if options.seeds is not None else ()
-    new_json(options.json, options.force, *read)
-    alone(options.json, options.output)
-    if options.output is not None:
-        new_page(options.output, options.force, *read)
-    _check(options)
-    if options.seeds is not None:
-        made = _made(options)
-        if made is None:
-            return INTERRUPTED
-        pairs, name = made
-    elif options.by:
-        order = [cell.label for cell in Folder(options.a).cells()]
-        pairs = by(outcomes(options.a), options.by, order)
-        name = f"{options.a}, by {options.by}"
-    else:
-        pairs, name = _two(options.a, options.b), f"{options.a} and {options.b}"
-    found = compared(pairs, options.only or USUAL)
-    if options.seeds is None and options.b is not None:
-        found = with_unlike(found, Folder(options.a), Folder(options.b))
-    _write_out(options, found, name)
-    return 0
-
-
-def _write_out(options: Options, found: list[Comparison], name: str) -> None:
-    """Write page, JSON and table of what was found in the pairs called ``name``."""
+    from physim.campaigns.outcomes import Outcomes
     from physim.campaigns.report.page import comparison_page
     from physim.campaigns.report.text import comparison_text, comparison_values
     from physim.campaigns.rows import PREFIX
+    from physim.campaigns.sweep import read_until
+    from physim.campaigns.unlike import with_unlike
 
-    looked = options.seeds is None and any(map(_looked_at, _folders(options)))
-    if options.output is not None:
-        write_text(options.output, comparison_page(found, name, looked))
-    if options.json is not None:
+    given = tuple(str(one) for one in (a, b) if one is not None)
+    folders = [Path(one) for one in given]
+    read: tuple[Path, ...] = ()
+    if seeds is not None:
+        folders, read = [runs or usual_folder(given)], inputs(*given)
+    spare(json, "--json", *folders)
+    spare(output, "-o", *folders)
+    check_json(json, force, read, [] if output is None else [output])
+    if output is not None:
+        Target(output, force, read).file(ends=PAGE)
+    needs = {"--controller": controller, "--set": set, "--runs": runs, "--workers": workers}
+    _check(b, by, seeds is not None, [name for name, value in needs.items() if value])
+    if seeds is not None:
+        grid = make_grid(given, range(*seeds), set, list(controller), paired=True)
+        dimension = by or _what_differs(grid, given)
+        if dimension not in _differing(grid):
+            raise PhysimError(f"--by {dimension}: there is only one")
+        tell_fixed(grid, quiet)
+        tally, _ = run_grid(grid, folders[0], workers=workers, quiet=quiet)
+        if tally.interrupted:
+            return INTERRUPTED
+        order = [cell.label for cell in grid.cells]
+        pairs = pairs_by(Outcomes(read_part(folders[0], grid)), dimension, order)
+        name = f"{', '.join(given)}, by {dimension}"
+    elif by:
+        pairs = pairs_by(outcomes(a), by, [cell.label for cell in Folder(a).cells()])
+        name = f"{a}, by {by}"
+    else:
+        one, another = folders
+        pairs = between(outcomes(one), outcomes(another), (str(one), str(another)))
+        name = f"{a} and {b}"
+    found = compared(pairs, only or USUAL)
+    if seeds is None and b is not None:
+        found = with_unlike(found, Folder(a), Folder(b))
+    # whether the number of runs depends on their outcomes
+    looked = seeds is None and any(read_until(one) is not None for one in folders)
+    if output is not None:
+        write_text(output, comparison_page(found, name, looked))
+    if json is not None:
         values = comparison_values(found, looked)
-        write_json(options, json.dumps(values, indent=2, ensure_ascii=False, allow_nan=False))
-    if options.quiet:
-        return
-    sys.stdout.write(comparison_text(found, looked, options.explain))
+        write_json(json, dumps(values, indent=2, ensure_ascii=False, allow_nan=False), out)
+    if quiet:
+        return 0
+    sys.stdout.write(comparison_text(found, looked, explain))
     known = {finding.name for one in found for finding in one.findings}
-    for asked in [name for name in options.only or () if name not in known]:
-        measure = escaped(asked.removeprefix(PREFIX))
+    for asked in [name for name in only or () if name not in known]:
+        measure = asked.removeprefix(PREFIX)
         sys.stdout.write(f"{measure}: not compared, as no seed has a value on both sides\n")
-    if options.output is not None:
-        sys.stdout.write(f"written to {options.output}\n")
+    if output is not None:
+        sys.stdout.write(f"written to {output}\n")
+    return 0
 
 
-def _check(options: Options) -> None:
+def _check(b: Path | None, by: str | None, with_seeds: bool, need_seeds: list[str]) -> None:
     """Raise PhysimError for options that do not go together."""
-    if options.seeds is not None:
-        if options.by is not None and options.b is not None and options.by != "world":
+    if with_seeds:
+        if by not in (None, "world") and b is not None:
             raise PhysimError("--by: two worlds are compared by world")
         return
-    given = {"--controller": options.controller, "--set": options.axes, "--runs": options.runs,
-             "--workers": options.workers}  # fmt: skip
-    for one, value in given.items():
-        if value:
-            raise PhysimError(f"{one}: needs --seeds A:B, the seeds to run")
-    if (options.b is None) == (options.by is None):
-        given_words = "is missing" if options.b is None else "cannot be combined with B"
+    if need_seeds:
+        raise PhysimError(f"{need_seeds[0]}: needs --seeds A:B, the seeds to run")
+    if (b is None) == (by is None):
+        given = "is missing" if b is None else "cannot be combined with B"
         raise PhysimError(
-            f"--by: {given_words}; compare two folders, physim compare A B, the cells of one, "
-            f"physim compare A --by {DIMENSIONS[0]}, or run a world for it, physim compare WORLD "
+            f"--by: {given}; compare two folders, physim compare A B, the cells of one, "
+            "physim compare A --by controller, or run a world for it, physim compare WORLD "
             "--seeds A:B --controller X,Y"
         )
 
 
-def _given(options: Options) -> tuple[str, ...]:
-    return tuple(str(one) for one in (options.a, options.b) if one is not None)
+def _differing(grid: Grid) -> list[str]:
+    """What the cells of a grid differ in."""
+    from physim.campaigns.outcomes import CELL
+
+    columns = zip(*(cell.label for cell in grid.cells), strict=True)
+    return [name for name, values in zip(CELL, columns, strict=True) if len(set(values)) > 1]
 
 
-def _folders(options: Options) -> tuple[Path, ...]:
-    """Folders of the campaigns that are compared, or are made first."""
-    if options.seeds is not None:
-        return (options.runs or usual_folder(_given(options)),)
-    return tuple(map(Path, _given(options)))
-
-
-def _made(options: Options) -> tuple[list[tuple[Arm, Arm, str]], str] | None:
-    """Make the runs, and what of them is to be compared; None when that was interrupted."""
-    from physim.campaigns.compare import by
-    from physim.campaigns.folder import read_part
-    from physim.campaigns.grid import make_grid
-    from physim.campaigns.outcomes import CELL, Outcomes
-
-    worlds = _given(options)
-    names = names_of(options.controller)
-    grid = make_grid(worlds, range(*options.seeds), options.axes, names, paired=True)
-    several = [
-        name
-        for name, values in zip(
-            CELL,
-            zip(*(cell.label for cell in grid.cells), strict=True), strict=True,
-        )
-        if len(set(values)) > 1
-    ]  # fmt: skip
-    if options.by is None and len(several) != 1:
+def _what_differs(grid: Grid, worlds: tuple[str, ...]) -> str:
+    """The one thing that cells differ in. Raises PhysimError where there is none, or another."""
+    several = _differing(grid)
+    if len(several) != 1:
         what = f"{' and '.join(several)} differ: give --by" if several else "nothing to compare"
         raise PhysimError(
             f"{' '.join(worlds)}: {what}; compared are several --controller X,Y, --set KEY=V1,V2, "
             "or two worlds"
         )
-    dimension = options.by or several[0]
-    if dimension not in several:
-        raise PhysimError(f"--by {dimension}: there is only one")
-    (folder,) = _folders(options)
-    tell_fixed(grid, options.quiet)
-    tally, _ = run_grid(grid, folder, workers=options.workers, quiet=options.quiet)
-    if tally.interrupted:
-        return None
-    pairs = by(Outcomes(read_part(folder, grid)), dimension, [cell.label for cell in grid.cells])
-    return pairs, f"{', '.join(worlds)}, by {dimension}"
+    return several[0]
 
 
 def outcomes(folder: Path) -> Outcomes:
@@ -251,24 +252,11 @@ def outcomes(folder: Path) -> Outcomes:
     from physim.campaigns.folder import Folder, read
     from physim.campaigns.outcomes import Outcomes, missing
     from physim.campaigns.report.text import missing_words
-    from physim.cli.simulating import tell_notices
+    from physim.cli.simulating import tell
 
     found = Outcomes(read(folder))
     if not len(found):
         raise PhysimError(f"{folder}: its campaign has no runs yet")
     if lacks := missing_words(missing(Folder(folder).asked(), found)):
-        tell_notices([escaped(f"{folder}: {lacks}")])
+        tell([f"{folder}: {lacks}"])
     return found
-
-
-def _two(a: Path, b: Path) -> list[tuple[Arm, Arm, str]]:
-    from physim.campaigns.compare import between
-
-    return between(outcomes(a), outcomes(b), (str(a), str(b)))
-
-
-def _looked_at(folder: Path) -> bool:
-    """Whether the number of runs depends on their outcomes."""
-    from physim.campaigns.sweep import read_until
-
-    return read_until(folder) is not None

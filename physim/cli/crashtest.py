@@ -6,16 +6,11 @@ import re
 import sys
 import time
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import Annotated
 
-from physim.cli.output import new_json, remove_earlier, write_json
-from physim.cli.parser import Options, command, flag, option
-from physim.cli.progress import Bar, announce_compiling, interrupts
-from physim.cli.signals import INTERRUPTED
-from physim.cli.values import PATH, WHOLE, whole_from
-
-if TYPE_CHECKING:
-    from physim.analysis.crashtest.report import CrashReport
+from physim.cli.options import WHOLE, JsonFile, Out, option, to, whole
+from physim.cli.output import Target, check_json, remove, write_json
+from physim.cli.progress import INTERRUPTED, Bar, announce_compiling, interrupts
 
 DISAGREE = 3
 COMPILING = 15
@@ -24,31 +19,21 @@ CASE = re.compile(r"case-\d{6,}\.yaml")
 """Name of a world that a crash test wrote"""
 
 
-@command("crashtest", "random shapes: does the engine agree with analysis?")
-@option(
-    "--cases",
-    type=whole_from(1, 10**9),
-    default=10_000,
-    metavar="N",
-    help="number of random cases (10000)",
-)
-@option("--seed", type=WHOLE, default=0, metavar="N", help="seed of the cases (0)")
-@option(
-    "--json",
-    type=PATH,
-    metavar="FILE",
-    help="write the figures to FILE (-: standard output) as JSON",
-)
-@option(
-    "-o",
-    "--output",
-    type=PATH,
-    metavar="DIR",
-    help="folder for the worlds of unexplained cases (default: crashtest-SEED)",
-)
-@flag("--force", "overwrite FILE, and the worlds in DIR")
-@flag("--quiet", "print neither progress nor table")  # fmt: skip
-def crashtest(options: Options) -> int:
+def crashtest(
+    *,
+    cases: Annotated[
+        int, option("number of random cases (10000)", "N", read=whole(1, 10**9))
+    ] = 10_000,
+    seed: Annotated[int, option("seed of the cases (0)", "N", read=WHOLE)] = 0,
+    json: JsonFile = None,
+    output: Annotated[
+        Path | None,
+        to("folder for the worlds of unexplained cases (default: crashtest-SEED)", "DIR"),
+    ] = None,
+    force: Annotated[bool, option("overwrite FILE, and the worlds in DIR")] = False,
+    quiet: Annotated[bool, option("print neither progress nor table")] = False,
+    out: Out,
+) -> int:  # fmt: skip
     """Throw random footprints at each other and at walls, at constant (v, omega), and compare the
     first physical contact of each throw with its collision time. Every case on which they differ
     for no known reason is written as a world that physim run replays.
@@ -63,18 +48,26 @@ def crashtest(options: Options) -> int:
       physim crashtest
       physim crashtest --cases 100000 --seed 1 --json crashtest.json
     """
+    from physim.analysis.crashtest import crash_test
     from physim.analysis.crashtest.prediction import is_warm
     from physim.analysis.crashtest.report import text
 
-    folder = options.output or Path(f"crashtest-{options.seed}")
-    new_json(options.json, options.force)
+    folder = output or Path(f"crashtest-{seed}")
+    check_json(json, force)
     earlier = [file for file in sorted(folder.glob("case-*.yaml")) if CASE.fullmatch(file.name)]
-    remove_earlier(folder, earlier, options.force, what="worlds of an earlier crash test")
+    Target(folder, force).folder(earlier, "worlds of an earlier crash test")
+    remove(earlier)
     if not is_warm():
-        announce_compiling("the collision checks", COMPILING, options.quiet)
-    report = _simulate_throws(options, folder)
-    write_json(options, report.to_json())
-    if not options.quiet:
+        announce_compiling("the collision checks", COMPILING, quiet)
+    started = time.monotonic()
+
+    def progress(done: int) -> None:
+        bar.update(done, lambda: f"{done / (time.monotonic() - started):.0f}/s")
+
+    with interrupts() as interrupt, Bar("crash test", cases, "cases", quiet) as bar:
+        report = crash_test(cases, seed, folder=folder, progress=progress, stop=interrupt)
+    write_json(json, report.to_json(), out)
+    if not quiet:
         if report.interrupted:
             cut = f"interrupted after {report.cases:,} of {report.asked:,} cases"
             print(f"{cut}; the results so far:", file=sys.stderr, flush=True)
@@ -82,18 +75,3 @@ def crashtest(options: Options) -> int:
     if report.interrupted:
         return INTERRUPTED
     return DISAGREE if report.unexplained else 0
-
-
-def _simulate_throws(options: Options, folder: Path) -> CrashReport:
-    from physim.analysis.crashtest import crash_test
-
-    started = time.monotonic()
-
-    def progress(done: int) -> None:
-        bar.update(done, lambda: f"{done / (time.monotonic() - started):.0f}/s")
-
-    quiet = options.quiet
-    with interrupts() as interrupt, Bar("crash test", options.cases, "cases", quiet) as bar:
-        return crash_test(
-            options.cases, options.seed, folder=folder, progress=progress, stop=interrupt
-        )

@@ -3,108 +3,123 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING
-
-import click
+from typing import TYPE_CHECKING, Annotated, Literal
 
 from physim.cli.new import check_schema, write_schema
-from physim.cli.output import its_folder, new_file, world_name, write_text
-from physim.cli.parser import Options, command, flag, option
-from physim.cli.values import COUNT, DISTANCE, PATH, POSITIVE, OneOf, Value, pair, size
+from physim.cli.options import COUNT, DISTANCE, POSITIVE, option, pair, path, size, to
+from physim.cli.output import WORLD, Target, write_text
 
 if TYPE_CHECKING:
     from physim.authoring.importing import Imported
 
-FORMATS = ("track", "ros-map", "svg", "wkt", "geojson")
+Format = Literal["track", "ros-map", "svg", "wkt", "geojson"]
 LINES, ROUTE = "Lines", "Path and robots"
-ASKED = (
-    "format", "scale", "tolerance", "specks", "start", "gap", "open", "origin", "goal", "robots",
-    "lanes", "robot", "no_formation", "close", "name", "boundary", "ignore", "ignore_others",
-)  # fmt: skip
+Place = tuple[float, float]
 
 
-@command("import", "a world from a track, map, drawing or polygons")
-@click.argument("source", metavar="SOURCE", type=PATH, help="the file to import")
-@option("-o", "--output", type=PATH, metavar="WORLD", required=True, help="the world file to write")
-@flag("--force", "overwrite an existing file")
-@option("--format", type=OneOf(FORMATS), help="kind of the source (default: by suffix)")
-@option("--name", metavar="NAME", help="name of the world (default: that of the source)")
-@option(
-    "--scale",
-    type=POSITIVE,
-    metavar="M",
-    section=LINES,
-    help="metres per unit of the source (default: 1; svg: the document's real-world units)",
-)
-@option(
-    "--tolerance",
-    type=POSITIVE,
-    metavar="M",
-    section=LINES,
-    help="[m] how far lines may move: simplified outlines (one cell), flattened curves (0.01)",
-)
-@option(
-    "--close",
-    type=POSITIVE,
-    metavar="M",
-    section=LINES,
-    help="[m] join ends of walls, and of pieces of a path, that are at most so far apart",
-)
-@option(
-    "--boundary",
-    multiple=True,
-    metavar="ID",
-    section=LINES,
-    help="a shape or group of an SVG drawing, by id or label, that is a wall (may be repeated)",
-)
-@option(
-    "--ignore",
-    multiple=True,
-    metavar="NAME",
-    section=LINES,
-    help="a shape, group or feature without a role that is left out (may be repeated)",
-)
-@flag("--ignore-others", "leave out all shapes and features without a role", section=LINES)
-@option(
-    "--specks",
-    type=DISTANCE,
-    metavar="M2",
-    section=LINES,
-    help="[m²] occupied patches of a map up to this area are left out (default: 2 cells)",
-)
-@option(
-    "--start",
-    type=DISTANCE,
-    metavar="S",
-    section=LINES,
-    help="[m] station at which a closed track is cut open (0)",
-)
-@option(
-    "--gap", type=POSITIVE, metavar="M", section=LINES, help="[m] of road left out at the cut (2)"
-)
-@flag("--open", "the track is an open one, near as its ends may be", section=LINES)
-@option(
-    "--from",
-    "origin",
-    type=Value(pair),
-    metavar="X,Y",
-    section=ROUTE,
-    help="[m] where the path begins (default: as drawn, else far from its end)",
-)
-@option("--to", "goal", type=Value(pair), metavar="X,Y", section=ROUTE, help="[m] where it ends")
-@option("--robots", type=COUNT, metavar="N", section=ROUTE, help="robots (default: as drawn, or 1)")
-@option("--lanes", type=COUNT, metavar="K", section=ROUTE, help="robots abreast (1)")
-@option(
-    "--robot",
-    type=Value(size),
-    metavar="L,W|fit",
-    section=ROUTE,
-    help="[m] length and width of a robot (1.8,1.0), or fit: as large as fits, at most that",
-)
-@flag("--no-formation", "robots go each by itself, not in a formation", section=ROUTE)
-@flag("--untried", "do not drive the world made once, to see if all robots arrive")
-@flag("--quiet", "no report, and no drive")  # fmt: skip
-def import_command(options: Options) -> int:
+def import_world(
+    source: Annotated[Path, option("the file to import", "SOURCE", read=path)], /, *,
+    output: Annotated[Path, to("the world file to write", "WORLD")],
+    force: Annotated[bool, option("overwrite an existing file")] = False,
+    format: Annotated[
+        Format | None, option("kind of the source (default: by suffix)")
+    ] = None,
+    name: Annotated[
+        str | None, option("name of the world (default: that of the source)", "NAME")
+    ] = None,
+    scale: Annotated[
+        float | None,
+        option(
+            "metres per unit of the source (default: 1; svg: the document's real-world units)", "M",
+            read=POSITIVE, section=LINES,
+        ),
+    ] = None,
+    tolerance: Annotated[
+        float | None,
+        option(
+            "[m] how far lines may move: simplified outlines (one cell), flattened curves (0.01)",
+            "M", read=POSITIVE, section=LINES,
+        ),
+    ] = None,
+    close: Annotated[
+        float | None,
+        option(
+            "[m] join ends of walls, and of pieces of a path, that are at most so far apart", "M",
+            read=POSITIVE, section=LINES,
+        ),
+    ] = None,
+    boundary: Annotated[
+        tuple[str, ...],
+        option(
+            "a shape or group of an SVG drawing, by id or label, that is a wall (may be repeated)",
+            "ID", section=LINES,
+        ),
+    ] = (),
+    ignore: Annotated[
+        tuple[str, ...],
+        option(
+            "a shape, group or feature without a role that is left out (may be repeated)", "NAME",
+            section=LINES,
+        ),
+    ] = (),
+    ignore_others: Annotated[
+        bool, option("leave out all shapes and features without a role", section=LINES)
+    ] = False,
+    specks: Annotated[
+        float | None,
+        option(
+            "[m²] occupied patches of a map up to this area are left out (default: 2 cells)", "M2",
+            read=DISTANCE, section=LINES,
+        ),
+    ] = None,
+    start: Annotated[
+        float | None,
+        option(
+            "[m] station at which a closed track is cut open (0)", "S", read=DISTANCE, section=LINES
+        ),
+    ] = None,
+    gap: Annotated[
+        float | None,
+        option("[m] of road left out at the cut (2)", "M", read=POSITIVE, section=LINES),
+    ] = None,
+    open: Annotated[
+        bool, option("the track is an open one, near as its ends may be", section=LINES)
+    ] = False,
+    origin: Annotated[
+        Place | None,
+        option(
+            "[m] where the path begins (default: as drawn, else far from its end)", "X,Y", "--from",
+            read=pair, section=ROUTE, allow_leading_hyphen=True,
+        ),
+    ] = None,
+    goal: Annotated[
+        Place | None,
+        option(
+            "[m] where it ends", "X,Y", "--to", read=pair, section=ROUTE, allow_leading_hyphen=True
+        ),
+    ] = None,
+    robots: Annotated[
+        int | None,
+        option("robots (default: as drawn, or 1)", "N", read=COUNT, section=ROUTE),
+    ] = None,
+    lanes: Annotated[
+        int | None, option("robots abreast (1)", "K", read=COUNT, section=ROUTE)
+    ] = None,
+    robot: Annotated[
+        Place | Literal["fit"] | None,
+        option(
+            "[m] length and width of a robot (1.8,1.0), or fit: as large as fits, at most that",
+            "L,W|fit", read=size, section=ROUTE,
+        ),
+    ] = None,
+    no_formation: Annotated[
+        bool, option("robots go each by itself, not in a formation", section=ROUTE)
+    ] = False,
+    untried: Annotated[
+        bool, option("do not drive the world made once, to see if all robots arrive")
+    ] = False,
+    quiet: Annotated[bool, option("no report, and no drive")] = False,
+) -> int:  # fmt: skip
     """Make a world from a race-track CSV, ROS map, SVG drawing, WKT or GeoJSON, and list every line
     that was dropped or repaired. Beside it goes world.schema.json, by which editors complete keys.
 
@@ -129,25 +144,23 @@ def import_command(options: Options) -> int:
     from physim.authoring import importing
     from physim.cli.check import judge
 
-    source, output = options.source, options.output
-    _check_output(source, output, options.force)
-    asked = importing.Options(**{key: getattr(options, key) for key in ASKED})
+    Target(output, force, [source]).file(ends=WORLD)
+    check_schema(output, force, source)
+    asked = importing.Options(
+        format=format, scale=scale, tolerance=tolerance, specks=specks, start=start, gap=gap,
+        open=open, origin=origin, goal=goal, robots=robots, lanes=lanes, robot=robot, name=name,
+        no_formation=no_formation, close=close, boundary=boundary, ignore=ignore,
+        ignore_others=ignore_others,
+    )  # fmt: skip
     imported = importing.import_world(source, asked)
-    written = write_schema(output, options.force)  # first: without the world nothing is imported
+    written = write_schema(output, force)  # first: without the world nothing is imported
     write_text(output, imported.text)
-    if not options.quiet:
+    if not quiet:
         *files, steps = written.splitlines()
         print("\n".join([*_report(source, imported), *files]), flush=True)
-        judge(output, not options.untried)
+        judge(output, not untried)
         print(steps)
     return 0
-
-
-def _check_output(source: Path, output: Path, force: bool) -> None:
-    world_name(output)
-    new_file(output, force, source)
-    its_folder(output)
-    check_schema(output, force, source)
 
 
 def _report(source: Path, imported: Imported) -> list[str]:

@@ -2,25 +2,21 @@
 
 from __future__ import annotations
 
-import json
 import sys
 import textwrap
 from collections.abc import Mapping
-from typing import TYPE_CHECKING
+from json import dumps
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
 
-import click
-
-from physim.cli.parser import Options, command, flag
-from physim.cli.values import RECORD, RECORD_HELP
+from physim.cli.options import RECORD_HELP, JsonFlag, Out, option, record_file
 from physim.errors import PhysimError
 
 if TYPE_CHECKING:
     from physim.analysis.metrics import Definition
 
 
-@command("list", "the worlds, controllers and other parts available")
-@flag("--json", "print JSON instead of a table")
-def listing(options: Options) -> int:
+def listing(*, json: JsonFlag = False, out: Out) -> int:
     """List the shipped worlds and, a line each, what is registered: controllers, sensing stages,
     filters, disturbances, observers; of metrics and plots those of other packages.
 
@@ -46,10 +42,10 @@ def listing(options: Options) -> int:
     for kind, own in ((METRIC, DEFINITIONS), (PLOT, NAMES)):
         entries = found[f"{kind.word}s"]
         entries |= {name: taken_name(kind, name) for name in entries if name in own}
-    if options.json:
+    if json:
         keys = ["worlds", *(kind.group.removeprefix("physim.") for kind in kinds)]
         values = dict(zip(keys, found.values(), strict=True))
-        print(json.dumps(values, indent=2), file=options.stdout)
+        print(dumps(values, indent=2), file=out)
         return 0
     width = max(len(name) for entries in found.values() for name in entries)
     for title, entries in found.items():
@@ -66,11 +62,17 @@ LINE = 96
 """Characters a line of the definitions."""
 
 
-@command("summary", "figures of a record: contacts, distances, times")
-@click.argument("record", metavar="[RECORD]", required=False, type=RECORD, help=RECORD_HELP)
-@flag("--json", "print everything as JSON instead")
-@flag("--definitions", "print what each metric means instead, with its unit and equation or figure")
-def summary(options: Options) -> int:
+def summary(
+    record: Annotated[Path | None, option(RECORD_HELP, "[RECORD]", read=record_file)] = None,
+    /,
+    *,
+    json: JsonFlag = False,
+    definitions: Annotated[
+        bool,
+        option("print what each metric means instead, with its unit and equation or figure"),
+    ] = False,
+    out: Out,
+) -> int:
     """Print contacts, distances, collision times, formation errors and modes of a record, and
     whether what its world expects held.
 
@@ -87,22 +89,20 @@ def summary(options: Options) -> int:
     from physim.analysis.summary import summarise, table
     from physim.record import Record
 
-    if options.definitions:
-        if options.record is not None:
+    if definitions:
+        if record is not None:
             raise PhysimError("--definitions: takes no record; it explains the metrics")
         own, faults = own_metrics(DEFINITIONS)
         known = {**DEFINITIONS, **own}
-        text = _definitions_json(known) if options.json else _definitions(known)
-        print(text, end="", file=options.stdout)
+        print(_definitions_json(known) if json else _definitions(known), end="", file=out)
         for fault in faults:
             print(fault, file=sys.stderr)
         return 0
-    if options.record is None:
+    if record is None:
         raise PhysimError("physim summary: RECORD is missing; or give --definitions")
-    with Record.load(options.record) as record:
-        found = summarise(record)
-    text = found.to_json() if options.json else table(found)
-    print(text, end="", file=options.stdout)
+    with Record.load(record) as opened:
+        found = summarise(opened)
+    print(found.to_json() if json else table(found), end="", file=out)
     return 0
 
 
@@ -124,4 +124,4 @@ def _definitions_json(known: Mapping[str, Definition]) -> str:
         name: {"unit": one.unit, "meaning": one.meaning, "source": one.source}
         for name, one in known.items()
     }
-    return json.dumps(entries, indent=2, ensure_ascii=False) + "\n"
+    return dumps(entries, indent=2, ensure_ascii=False) + "\n"

@@ -6,20 +6,10 @@ import os
 import re
 import shlex
 from pathlib import Path
+from typing import Annotated, Literal, get_args
 
-import click
-
-from physim.cli.output import (
-    empty_folder,
-    inputs,
-    its_folder,
-    new_file,
-    world_name,
-    write_text,
-    writing,
-)
-from physim.cli.parser import Options, command, flag, option
-from physim.cli.values import PATH, WHOLE, OneOf
+from physim.cli.options import WHOLE, option, path, to
+from physim.cli.output import WORLD, Target, inputs, write_text, writing
 from physim.errors import PhysimError, WorldError
 from physim.escaping import escaped
 
@@ -32,7 +22,7 @@ def check_schema(world: Path, force: bool, *inputs: Path) -> None:
     if force and schema.is_dir():
         raise PhysimError(f"{schema}: is a folder; the schema of worlds goes there")
     if force:
-        new_file(schema, True, *inputs)
+        Target(schema, True, inputs).file()
 
 
 def write_schema(world: Path, force: bool) -> str:
@@ -64,10 +54,11 @@ def _holds(file: Path, text: str) -> bool:
         return False
 
 
-@command("schema", "the JSON Schema of world files, for editors")
-@option("-o", "--output", type=PATH, metavar="FILE", help="write it to a file instead")
-@flag("--force", "overwrite an existing file")
-def schema(options: Options) -> int:
+def schema(
+    *,
+    output: Annotated[Path | None, to("write it to a file instead")] = None,
+    force: Annotated[bool, option("overwrite an existing file")] = False,
+) -> int:
     """Print the JSON Schema of world files: every key with its unit and meaning.
 
     An editor that knows YAML schemas (VS Code with the YAML extension, and all others that use
@@ -87,40 +78,48 @@ def schema(options: Options) -> int:
     """
     from physim.world.file.schema import schema_text
 
-    if options.output is None:
-        if options.force:
+    if output is None:
+        if force:
             raise PhysimError("--force: needs -o FILE; printed is nothing overwritten")
         print(schema_text(), end="")
         return 0
-    new_file(options.output, options.force)
-    write_text(options.output, schema_text())
-    print(f"written to {options.output}")
+    write_text(Target(output, force).file(), schema_text())
+    print(f"written to {output}")
     return 0
 
 
-TEMPLATES = ("corridor", "bend", "doorway", "s_bend", "roundabout", "warehouse", "random")
+Template = Literal["corridor", "bend", "doorway", "s_bend", "roundabout", "warehouse", "random"]
+TEMPLATES = get_args(Template)
 
 
-@command("new", "a world to begin with, every key explained")
-@click.argument("name", metavar="[NAME]", required=False, help="name of the world, and of its file")
-@option("--template", type=OneOf(TEMPLATES), help="the road (corridor)")
-@option("--robots", type=WHOLE, metavar="N", help="how many, in lanes and rows (3)")
-@option(
-    "--from",
-    "drawn",
-    metavar="WORLD",
-    help="instead of a template: a world with corridor.random, its road written out as drawn",
-)
-@option("--seed", type=WHOLE, metavar="N", help="with --from: the seed, instead of the world's own")
-@option("-o", "--output", type=PATH, metavar="FILE", help="file to write (default: NAME.yaml)")
-@option(
-    "--project",
-    type=PATH,
-    metavar="DIR",
-    help="make a folder with worlds/, controllers/ with an example, media/ and a README",
-)
-@flag("--force", "overwrite existing files")  # fmt: skip
-def new(options: Options) -> int:
+def new(
+    name: Annotated[str | None, option("name of the world, and of its file", "[NAME]")] = None,
+    /, *,
+    template: Annotated[Template | None, option("the road (corridor)")] = None,
+    robots: Annotated[
+        int | None, option("how many, in lanes and rows (3)", "N", read=WHOLE)
+    ] = None,
+    drawn: Annotated[
+        str | None,
+        option(
+            "instead of a template: a world with corridor.random, its road written out as drawn",
+            "WORLD", "--from",
+        ),
+    ] = None,
+    seed: Annotated[
+        int | None,
+        option("with --from: the seed, instead of the world's own", "N", read=WHOLE),
+    ] = None,
+    output: Annotated[Path | None, to("file to write (default: NAME.yaml)")] = None,
+    project: Annotated[
+        Path | None,
+        option(
+            "make a folder with worlds/, controllers/ with an example, media/ and a README", "DIR",
+            read=path,
+        ),
+    ] = None,
+    force: Annotated[bool, option("overwrite existing files")] = False,
+) -> int:  # fmt: skip
     """Write NAME.yaml, a world that runs as it is, with a comment on every key, and beside it
     world.schema.json, by which editors complete keys and show what they mean. --from writes a
     world whose road the seed draws, with that road written out.
@@ -142,18 +141,24 @@ def new(options: Options) -> int:
       physim new my_road --from random_road --seed 7
                                                  the road that this seed draws, as a plain world
     """
-    if options.drawn is not None:
-        return _drawn(options)
-    if options.seed is not None:
+    if drawn is not None:
+        for key, value in (("template", template), ("robots", robots), ("project", project)):
+            if value is not None:
+                raise PhysimError(f"--{key}: cannot be combined with --from, which gives the world")
+        return _drawn(drawn, seed, name, output, force)
+    if seed is not None:
         raise PhysimError("--seed: needs --from, a world whose road a seed draws")
-    if options.project is not None:
-        return _project(options)
-    if options.name is None and options.output is None:
+    road = template or TEMPLATES[0]
+    if project is not None:
+        if output is not None:
+            raise PhysimError("--project: names a folder, and -o a file; give one of them")
+        return _project(project, name, road, robots, force)
+    if name is None and output is None:
         raise PhysimError("physim new: NAME is missing, as in physim new my_corridor")
-    name, stem = _named(options.name if options.name is not None else options.output.name)
-    file = options.output or Path(f"{stem}.yaml")
-    _check_file(file, options.force)
-    _write(file, _world(name, options), options.force)
+    title, stem = _named(name if name is not None else output.name if output else "")
+    file = output or Path(f"{stem}.yaml")
+    _check_file(file, force)
+    _write(file, _world(title, road, robots), force)
     return 0
 
 
@@ -163,9 +168,7 @@ def _check_file(file: Path, force: bool, *inputs: Path) -> None:
 
     if file.name == FILE:
         raise PhysimError(f"{file}: is the name of the schema; choose another one")
-    world_name(file)
-    new_file(file, force, *inputs)
-    its_folder(file)
+    Target(file, force, inputs).file(ends=WORLD)
     check_schema(file, force, *inputs)
 
 
@@ -175,46 +178,41 @@ def _write(file: Path, text: str, force: bool) -> None:
     print(written)
 
 
-def _drawn(options: Options) -> int:
+def _drawn(
+    source: str, seed: int | None, name: str | None, output: Path | None, force: bool
+) -> int:
     """Write out the road that a seed draws."""
     from physim.authoring.drawn import drawn_text
     from physim.world.file import read_world
 
-    for key in ("template", "robots", "project"):
-        if getattr(options, key) is not None:
-            raise PhysimError(f"--{key}: cannot be combined with --from, which gives the world")
-    world, document = read_world(options.drawn, seed=options.seed, check_controller=False)
-    given = options.output.name if options.output is not None else f"{world.stem}_{world.seed}"
-    name, stem = _named(options.name if options.name is not None else given)
-    file = options.output or Path(f"{stem}.yaml")
-    _check_file(file, options.force, *inputs(options.drawn))
-    command = f"physim new {shlex.quote(name)} --from {shlex.quote(options.drawn)}"
+    world, document = read_world(source, seed=seed, check_controller=False)
+    given = output.name if output is not None else f"{world.stem}_{world.seed}"
+    title, stem = _named(name if name is not None else given)
+    file = output or Path(f"{stem}.yaml")
+    _check_file(file, force, *inputs(source))
+    command = f"physim new {shlex.quote(title)} --from {shlex.quote(source)}"
     try:
-        text = drawn_text(world, name, f"{command} --seed {world.seed}")
+        text = drawn_text(world, title, f"{command} --seed {world.seed}")
     except WorldError as error:
         raise document.error(error.faults) from None
-    _write(file, text, options.force)
+    _write(file, text, force)
     return 0
 
 
-def _project(options: Options) -> int:
+def _project(folder: Path, name: str | None, road: str, robots: int | None, force: bool) -> int:
     from physim.authoring.templates import new_project
     from physim.world.file.schema import schema_text
 
-    folder: Path = options.project
-    if options.output is not None:
-        raise PhysimError("--project: names a folder, and -o a file; give one of them")
-    name, stem = _named(
-        options.name if options.name is not None else options.template or TEMPLATES[0]
-    )
+    name, stem = _named(name if name is not None else road)
     title = Path(os.path.abspath(folder)).name or name
     if not title.isprintable():
         raise PhysimError(
             f'--project "{escaped(str(folder))[:60]}": a name with signs that cannot be shown; use '
             "letters and digits, as in my_study"
         )
-    files = new_project(title, stem, _world(name, options), schema_text())
-    empty_folder(folder, options.force, *(folder / place for place in files), option="--project")
+    files = new_project(title, stem, _world(name, road, robots), schema_text())
+    made = [folder / place for place in files]
+    Target(folder, force, option="--project").folder(made, empty=True)
     with writing(folder):
         for place, text in files.items():
             (folder / place).parent.mkdir(parents=True, exist_ok=True)
@@ -252,11 +250,10 @@ def _named(given: str) -> tuple[str, str]:
     return name, stem or "world"
 
 
-def _world(name: str, options: Options) -> str:
+def _world(name: str, template: str, count: int | None) -> str:
     from physim.authoring.templates import most_robots, world_text
 
-    template = options.template or TEMPLATES[0]
-    robots = 3 if options.robots is None else options.robots
+    robots = 3 if count is None else count
     most = most_robots(template)
     if not 1 <= robots <= most:
         raise PhysimError(f"--robots {robots}: the template {template} has room for 1 to {most}")

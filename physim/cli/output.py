@@ -6,9 +6,9 @@ import os
 import sys
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, redirect_stdout
+from dataclasses import dataclass
 from pathlib import Path
-from types import SimpleNamespace
-from typing import TextIO
+from typing import NoReturn, TextIO
 
 from physim.drafts import check_regular, discard, draft_of
 from physim.errors import PhysimError, WorldError
@@ -19,81 +19,119 @@ STDOUT = Path("-")
 """What stands for standard output where a file is asked for."""
 SUMMARY = "summary.json"
 FILES = ("record.h5", "video.mp4", f"video{CUT_SHORT}.mp4", SUMMARY, "page.html")
+PAGE, WORLD = (".html", ".htm"), (".yaml", ".yml")
+KINDS: dict[tuple[str, ...], str] = {
+    PAGE: "a page ends in .html",
+    WORLD: "a world file ends in .yaml",
+}
 
 
-def output_folder(folder: Path, force: bool, *inputs: Path) -> Path:
-    """Make the output folder and return it.
+@dataclass(frozen=True)
+class Target:
+    """A file or folder that a command is to write, and whether what is there may be overwritten.
 
-    Raises PhysimError when it holds an earlier run and ``force`` is not set, when it is a file,
-    when it cannot be written, or when one of ``inputs`` would be overwritten. With ``force`` the
-    earlier run's own files are removed, others are left alone.
+    ``inputs`` are files that the command reads, ``others`` what it writes besides, ``option`` is
+    what names the target.
     """
-    earlier = [folder / name for name in FILES if os.path.lexists(folder / name)]
-    remove_earlier(folder, earlier, force, *inputs, what="an earlier run")
-    with writing(folder):
-        folder.mkdir(parents=True, exist_ok=True)
-        if not os.access(folder, os.W_OK | os.X_OK):
-            raise PermissionError(13, "Permission denied")
-    return folder
+
+    path: Path
+    force: bool
+    inputs: Sequence[Path] = ()
+    option: str = "-o"
+    others: Sequence[Path] = ()
+
+    def file(
+        self, *, ends: tuple[str, ...] = (), another: str = "file", in_new: bool = False
+    ) -> Path:
+        """The file. Raises PhysimError unless it may be written.
+
+        It may not where an input is or something other than a regular file, nor without ``force``
+        where anything exists, nor where there is no folder for it, unless the command makes one
+        (``in_new``). ``option`` names it, or another ``another``.
+        """
+        path = self.path
+        if path.is_dir():
+            self._refuse(f"is a folder; {self.option} takes a file")
+        if ends and path.suffix.lower() not in ends:
+            self._refuse(KINDS[ends])
+        if any(map(self._is, self.inputs)):
+            self._refuse(f"is the input; {self.option} takes another {another}")
+        if any(path.resolve() == other.resolve() for other in self.others):
+            self._refuse(f"is what the command writes besides; {self.option} takes another file")
+        check_regular(path)
+        if os.path.lexists(path) and not self.force:
+            self._refuse(
+                f"exists; use --force to overwrite it, or {self.option} for another {another}"
+            )
+        if not in_new and not path.absolute().parent.is_dir():
+            self._refuse(f"there is no folder {path.parent}")
+        return path
+
+    def folder(self, earlier: Sequence[Path] = (), what: str = "", empty: bool = False) -> Path:
+        """The folder, which need not exist. Raises PhysimError unless it may be written to.
+
+        It may not where it is a file, nor without ``force`` where it holds one of the files
+        ``earlier``, which are ``what``, or, if it is to be ``empty``, anything; nor, at all, where
+        one of these is an input, no regular file, or a record that a run is writing.
+        """
+        from physim.record.lock import check_unwritten
+
+        path = self.path
+        if os.path.lexists(path) and not path.is_dir():
+            self._refuse(f"is a file; {self.option} takes a folder")
+        with writing(path):
+            found = [one for one in earlier if os.path.lexists(one)]
+            held = empty and path.exists() and any(path.iterdir())
+        for one in found:
+            if one.is_dir() and empty:
+                continue
+            Target(one, True, self.inputs, self.option).file()
+            check_unwritten(one)
+        if (held or (found and not empty)) and not self.force:
+            holds = "is not empty" if empty else f"holds {what} ({found[0].name})"
+            self._refuse(
+                f"{holds}; use --force to overwrite it, or {self.option} for another folder"
+            )
+        return path
+
+    def _is(self, source: Path) -> bool:
+        try:
+            return os.path.samefile(source, self.path)
+        except (OSError, ValueError):
+            return False
+
+    def _refuse(self, why: str) -> NoReturn:
+        raise PhysimError(f"{self.path}: {why}")
+
+
+def remove(files: Sequence[Path]) -> None:
+    """Remove files of an earlier command; another one may have removed them just now."""
+    for file in files:
+        with writing(file.parent):
+            file.unlink(missing_ok=True)
 
 
 @contextmanager
 def run_folder(folder: Path, force: bool, *inputs: Path) -> Iterator[Path]:
-    """`output_folder`, which no other run may take before all files of this one are written."""
+    """Make the folder of a run; no other run may take it before all files of this one are written.
+
+    Raises PhysimError as `Target.folder`. With ``force`` the earlier run's own files are removed,
+    others are left alone.
+    """
     from physim.record.lock import WriteLock, check_unwritten
 
     summary = folder / SUMMARY
     check_unwritten(summary)
-    output_folder(folder, force, *inputs)
+    earlier = [folder / name for name in FILES]
+    Target(folder, force, inputs).folder(earlier, "an earlier run")
+    remove(earlier)
     with writing(folder):
+        folder.mkdir(parents=True, exist_ok=True)
         lock = WriteLock(summary)
     try:
         yield folder
     finally:
         lock.release()
-
-
-def remove_earlier(
-    folder: Path,
-    earlier: Sequence[Path],
-    force: bool,
-    *inputs: Path,
-    what: str,
-    later: bool = False,
-) -> None:
-    """Remove from a folder the files of an earlier command, or nothing.
-
-    ``later`` leaves that to the caller, who knows then that there is something to put in their
-    place. Raises PhysimError where there are any and ``force`` is not set, where one is no regular
-    file, one of ``inputs`` or a record that a run is writing, and where it is no folder.
-    """
-    from physim.record.lock import check_unwritten
-
-    a_folder(folder)
-    for file in earlier:
-        new_file(file, True, *inputs)
-        check_unwritten(file)
-    if earlier and not force:
-        raise PhysimError(
-            f"{folder}: holds {what} ({earlier[0].name}); "
-            "use --force to overwrite it, or -o for another folder"
-        )
-    with writing(folder):
-        for file in () if later else earlier:
-            file.unlink(missing_ok=True)  # another command may have removed it just now
-
-
-def empty_folder(folder: Path, force: bool, *files: Path, option: str = "-o") -> None:
-    """Raise PhysimError unless ``files`` may be written in a folder: an empty one, or by force."""
-    a_folder(folder, option)
-    for file in files:
-        check_regular(file)
-    with writing(folder):
-        if not force and folder.exists() and any(folder.iterdir()):
-            raise PhysimError(
-                f"{folder}: is not empty; use --force to overwrite it, "
-                f"or {option} for another folder"
-            )
 
 
 @contextmanager
@@ -103,34 +141,6 @@ def writing(path: Path) -> Iterator[None]:
         yield
     except OSError as error:
         raise PhysimError(f"{path}: cannot be written ({error.strerror})") from None
-
-
-def a_folder(path: Path, option: str = "-o") -> None:
-    """Raise PhysimError where something exists that is no folder."""
-    if path.exists() and not path.is_dir():
-        raise PhysimError(f"{path}: is a file; {option} takes a folder")
-    if path.is_symlink() and not path.exists():
-        raise PhysimError(f"{path}: is a link to what is not there; {option} takes a folder")
-
-
-def new_file(
-    path: Path, force: bool, *inputs: Path, option: str = "-o", another: str = "file"
-) -> None:
-    """Raise PhysimError unless a file may be written.
-
-    It may not where one of ``inputs`` is, nor where something other than a regular file is, nor
-    without ``force`` where anything exists. ``option`` names the file, or another ``another``.
-    """
-    if path.is_dir():
-        raise PhysimError(f"{path}: is a folder; {option} takes a file")
-    for source in inputs:
-        if _same(source, path):
-            raise PhysimError(f"{path}: is the input; {option} takes another {another}")
-    check_regular(path)
-    if os.path.lexists(path) and not force:
-        raise PhysimError(
-            f"{path}: exists; use --force to overwrite it, or {option} for another {another}"
-        )
 
 
 def inputs(*given: str | Path | None) -> tuple[Path, ...]:
@@ -147,56 +157,16 @@ def inputs(*given: str | Path | None) -> tuple[Path, ...]:
     return tuple(files)
 
 
-def its_folder(path: Path) -> None:
-    """Raise PhysimError where the folder of a file does not exist."""
-    if not path.absolute().parent.is_dir():
-        raise PhysimError(f"{path}: there is no folder {path.parent}")
-
-
-def new_json(path: Path | None, force: bool, *inputs: Path) -> None:
+def check_json(
+    path: Path | None, force: bool, inputs: Sequence[Path] = (), others: Sequence[Path] = ()
+) -> None:
     """Raise PhysimError unless ``--json`` may be written to a file; ``-`` is standard output."""
     if path is not None and path != STDOUT:
-        new_file(path, force, *inputs, option="--json")
-        its_folder(path)
-
-
-def world_name(path: Path) -> None:
-    """Raise PhysimError for the name of a world file that no command would take for one."""
-    if not path.is_dir() and path.suffix.lower() not in (".yaml", ".yml"):
-        raise PhysimError(f"{path}: a world file ends in .yaml")
-
-
-def new_page(path: Path, force: bool, *inputs: Path, option: str = "-o") -> None:
-    """Raise PhysimError unless a page may be written to a file."""
-    if path.suffix.lower() not in (".html", ".htm"):
-        raise PhysimError(f"{path}: a page ends in .html")
-    new_file(path, force, *inputs, option=option)
-    its_folder(path)
-
-
-def alone(path: Path | None, *others: Path | None, option: str = "--json") -> None:
-    """Raise PhysimError where a file to be written is one of others that the command writes."""
-    if path is None or path == STDOUT:
-        return
-    if any(other is not None and path.resolve() == other.resolve() for other in others):
-        raise PhysimError(
-            f"{path}: is what the command writes besides; {option} takes another file"
-        )
-
-
-def spare(path: Path | None, *folders: Path, option: str = "-o") -> None:
-    """Raise PhysimError where a file to be written is a part of a campaign that is read."""
-    from physim.campaigns.folder import is_part
-
-    for folder in folders:
-        if path is not None and is_part(path, folder):
-            raise PhysimError(
-                f"{path}: is a part of the campaign in {folder}; {option} takes another file"
-            )
+        Target(path, force, inputs, "--json", others).file()
 
 
 @contextmanager
-def output_of(json: Path | bool | None) -> Iterator[TextIO]:
+def json_alone(json: Path | bool | None) -> Iterator[TextIO]:
     """Standard output, for JSON alone where ``--json`` asks for it there.
 
     All else that is printed then, by the user's code too, goes to standard error.
@@ -206,12 +176,12 @@ def output_of(json: Path | bool | None) -> Iterator[TextIO]:
         yield stdout
 
 
-def write_json(options: SimpleNamespace, text: str) -> None:
+def write_json(path: Path | None, text: str, out: TextIO) -> None:
     """Write what ``--json`` asks for, if anything. Raises PhysimError when it cannot be written."""
-    if options.json == STDOUT:
-        options.stdout.write(text if text.endswith("\n") else text + "\n")
-    elif options.json is not None:
-        write_text(options.json, text)
+    if path == STDOUT:
+        out.write(text if text.endswith("\n") else text + "\n")
+    elif path is not None:
+        write_text(path, text)
 
 
 def write_text(path: Path, text: str) -> None:
@@ -223,10 +193,3 @@ def write_text(path: Path, text: str) -> None:
             part.replace(path)
         finally:  # of an error or Ctrl-C nothing is left
             discard(part)
-
-
-def _same(one: Path, other: Path) -> bool:
-    try:
-        return os.path.samefile(one, other)
-    except (OSError, ValueError):
-        return False

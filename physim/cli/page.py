@@ -5,14 +5,11 @@ from __future__ import annotations
 import sys
 from contextlib import ExitStack
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Annotated
 
-import click
-
-from physim.cli.output import new_page
-from physim.cli.parser import Options, command, flag, option
+from physim.cli.options import RECORD_HELP, option, record_file, to
+from physim.cli.output import PAGE, Target
 from physim.cli.progress import announce_compiling
-from physim.cli.values import PATH, RECORD, RECORD_HELP
 from physim.errors import PhysimError
 
 if TYPE_CHECKING:
@@ -24,21 +21,19 @@ if TYPE_CHECKING:
 COMPILING = 15
 """[s] about, for what is said of contacts"""
 NAME = "page.html"
-
-
-@command("page", "a run in the browser: watch, scrub, ask why")
-@click.argument("records", metavar="RECORD...", nargs=-1, required=True, type=RECORD,
-                help=f"{RECORD_HELP}; of several runs, shown in step")  # fmt: skip
-@option(
-    "-o",
-    "--output",
-    type=PATH,
-    metavar="FILE",
-    help="file, ending in .html (default: page.html beside the first record)",
+RECORDS = option(
+    f"{RECORD_HELP}; of several runs, shown in step", "RECORD...", read=record_file, required=True
 )
-@flag("--force", "overwrite an existing file")
-@flag("--quiet", "do not print the name of the file")  # fmt: skip
-def page(options: Options) -> int:
+
+
+def page(
+    *records: Annotated[Path, RECORDS],
+    output: Annotated[
+        Path | None, to("file, ending in .html (default: page.html beside the first record)")
+    ] = None,
+    force: Annotated[bool, option("overwrite an existing file")] = False,
+    quiet: Annotated[bool, option("do not print the name of the file")] = False,
+) -> int:
     """Write one HTML file that shows a run in a browser, from disk and without network.
 
     It plays, scrubs and zooms; a click on a robot shows what it saw and why it decided as it did,
@@ -58,17 +53,13 @@ def page(options: Options) -> int:
     from physim.drawing.page import MOST_RUNS
     from physim.record import Record
 
-    output = options.output or options.records[0].parent / NAME
-    if len(options.records) > MOST_RUNS:
-        raise PhysimError(
-            f"{options.records[MOST_RUNS]}: is one record too many; a page shows {MOST_RUNS}"
-        )
-    new_page(output, options.force, *options.records)
+    if len(records) > MOST_RUNS:
+        raise PhysimError(f"{records[MOST_RUNS]}: is one record too many; a page shows {MOST_RUNS}")
+    file = Target(output or records[0].parent / NAME, force, records).file(ends=PAGE)
     with ExitStack() as opened:
-        records = [opened.enter_context(Record.load(path)) for path in options.records]
-        make_page(records, output, options.quiet)
-    if not options.quiet:
-        print(output)
+        make_page([opened.enter_context(Record.load(path)) for path in records], file, quiet)
+    if not quiet:
+        print(file)
     return 0
 
 

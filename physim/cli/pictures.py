@@ -7,67 +7,68 @@ import sys
 from collections.abc import Callable
 from contextlib import ExitStack
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
-import click
-
-from physim.cli.output import CUT_SHORT, a_folder, new_file
-from physim.cli.parser import Options, command, flag, option
-from physim.cli.progress import Bar, interrupts
-from physim.cli.signals import INTERRUPTED
-from physim.cli.values import (
-    PATH,
+from physim.cli.options import (
     POSITIVE,
-    PRINTED,
-    RECORD,
-    RECORD_HELP,
-    OneOf,
-    not_among,
-    number_from,
-    whole_from,
+    Record,
+    one_of,
+    option,
+    print_width,
+    quoted,
+    real,
+    record_file,
+    to,
+    whole,
+    words,
 )
+from physim.cli.output import CUT_SHORT, Target
+from physim.cli.progress import INTERRUPTED, Bar, interrupts
 from physim.drafts import check_regular
 from physim.errors import PhysimError, plural
 
 if TYPE_CHECKING:
-    from physim.record import Record
+    from physim.record import Record as Opened
 
 
 SNAPSHOTS = "trajectories"
 """The figure with robots at several times"""
 
 
-@command("plot", "draw the figures of a record")
-@click.argument("record", metavar="RECORD", type=RECORD, help=RECORD_HELP)
-@option(
-    "--only",
-    metavar="NAMES",
-    help="figures to draw, as listed below, with commas between (default: all)",
-)
-@option(
-    "-o",
-    "--output",
-    type=PATH,
-    metavar="DIR",
-    help="folder for the pictures (default: that of the record)",
-)
-@option(
-    "--format", type=OneOf(("png", "svg", "pdf")), default="png", help="kind of the pictures (png)"
-)
-@flag("--force", "overwrite existing pictures")
-@flag("--no-title", "without title and name of the run, for a paper with captions")
-@option(
-    "--width",
-    type=PRINTED,
-    metavar="IN",
-    help="width in print: column (3.5 in), page (7.16 in), or inches; writing keeps its size",
-)
-@option(
-    "--snapshots", type=POSITIVE, metavar="S",
-    help="simulated seconds between the robots in trajectories (default: about ten in the run, "
-    "fewer of long clusters)",
-)  # fmt: skip
-def plot(options: Options) -> int:
+def plot(
+    record: Record, /, *,
+    only: Annotated[
+        tuple[str, ...] | None,
+        option(
+            "figures to draw, as listed below, with commas between (default: all)", "NAMES",
+            read=words,
+        ),
+    ] = None,
+    output: Annotated[
+        Path | None, to("folder for the pictures (default: that of the record)", "DIR")
+    ] = None,
+    format: Annotated[
+        Literal["png", "svg", "pdf"], option("kind of the pictures (png)")
+    ] = "png",
+    force: Annotated[bool, option("overwrite existing pictures")] = False,
+    no_title: Annotated[
+        bool, option("without title and name of the run, for a paper with captions")
+    ] = False,
+    width: Annotated[
+        float | None,
+        option(
+            "width in print: column (3.5 in), page (7.16 in), or inches; writing keeps its size",
+            "IN", read=print_width,
+        ),
+    ] = None,
+    snapshots: Annotated[
+        float | None,
+        option(
+            "simulated seconds between the robots in trajectories (default: about ten in the run, "
+            "fewer of long clusters)", "S", read=POSITIVE,
+        ),
+    ] = None,
+) -> int:  # fmt: skip
     """Draw the figures of the paper, and more, from a record alone.
 
     figures (docs/FIGURES.md says what each shows and how it is computed):
@@ -93,105 +94,99 @@ def plot(options: Options) -> int:
       physim plot out/record.h5 --only distances --no-title --width column --format pdf
     """
     from physim.drawing.plots import draw, names, not_replaced
-    from physim.record import Record
+    from physim.record import Record as Opened
 
-    known = only = names()
-    if options.only is not None:
-        only = tuple(name.strip() for name in options.only.split(","))
-    folder = options.output or options.record.parent
-    for name in only:
+    known = names()
+    chosen = known if only is None else only
+    for name in chosen:
         if name not in known:
-            raise PhysimError(f"--only {not_among(name, list(known))}")
-    if options.snapshots is not None and SNAPSHOTS not in only:
+            raise PhysimError(f"--only {quoted(name)}: must be {one_of(name, known)}")
+    if snapshots is not None and SNAPSHOTS not in chosen:
         raise PhysimError(f"--snapshots: is of {SNAPSHOTS}, which --only leaves out")
-    a_folder(folder)
-    for name in only:
-        new_file(folder / f"{name}.{options.format}", options.force, options.record,
-                 another="folder")  # fmt: skip
-    for fault in not_replaced(only):
+    folder = Target(output or record.parent, force).folder()
+    for name in chosen:
+        Target(folder / f"{name}.{format}", force, [record]).file(another="folder", in_new=True)
+    for fault in not_replaced(chosen):
         print(f"WARNING  {fault}", file=sys.stderr)
     left_out: list[str] = []
-    with interrupts() as interrupt, Record.load(options.record) as record:
+    with interrupts() as interrupt, Opened.load(record) as opened:
         files = draw(
-            record, folder, only=None if options.only is None else only, format=options.format,
-            force=options.force, snapshots=options.snapshots, stop=interrupt,
-            title=not options.no_title, width=options.width,
+            opened, folder, only=only, format=format, force=force, snapshots=snapshots,
+            stop=interrupt, title=not no_title, width=width,
             left_out=lambda name, why: left_out.append(f"{name} is left out: {why}"),
         )  # fmt: skip
     for file in files:
         print(file)
     for line in left_out:
         print(line, file=sys.stderr)
-    if len(files) + len(left_out) < len(set(only)):
-        print(f"interrupted after {len(files)} of {plural(len(set(only)), 'picture')}",
-              file=sys.stderr)  # fmt: skip
+    of = len(set(chosen))
+    if len(files) + len(left_out) < of:
+        print(f"interrupted after {len(files)} of {plural(of, 'picture')}", file=sys.stderr)
         return INTERRUPTED
     return 0
 
 
-@command("video", "films and stills of a record, or of two")
-@click.argument("record", metavar="RECORD", type=RECORD, help=RECORD_HELP)
-@click.argument(
-    "other", metavar="[RECORD]", required=False, type=RECORD, help="another run, as by --beside"
-)
-@option(
-    "-o",
-    "--output",
-    type=PATH,
-    metavar="FILE",
-    help="file, ending in .mp4, .gif, .webp, or .png for a still (default: video.mp4 beside the "
-    "record, or beside.mp4; frame.png)",
-)
-@option(
-    "--beside",
-    type=RECORD,
-    metavar="RECORD",
-    help="another run, shown on the right; titles say in what the two worlds differ",
-)
-@option(
-    "--from",
-    "start",
-    type=number_from(0.0, 1e9),
-    default=0.0,
-    metavar="T",
-    help="simulated time at which the video begins [s] (0)",
-)
-@option(
-    "--to",
-    "end",
-    type=number_from(0.0, 1e9),
-    default=math.inf,
-    metavar="T",
-    help="simulated time at which it ends [s] (default: the end of the run)",
-)
-@option(
-    "--at",
-    type=number_from(0.0, 1e9),
-    metavar="T",
-    help="a still of this simulated time [s] instead of a film",
-)
-@flag("--force", "overwrite an existing file")
-@option(
-    "--fps",
-    type=whole_from(1, 240),
-    metavar="N",
-    help="frames a second of video, 1 to 240 (25; GIF, which cannot hold all: 20)",
-)
-@option(
-    "--width",
-    type=whole_from(160, 1280, "an even number from 160 to 1280", step=2),
-    metavar="PX",
-    help="width of the picture (1280; GIF and WebP: 800); the height goes with it",
-)
-@option(
-    "--speed",
-    type=number_from(0.001, 1e6),
-    metavar="X",
-    help="simulated seconds a second of video, 0.001 to 1000000 (default: chosen so that the "
-    "video lasts at most 80 s, GIF and WebP 20 s, and 1.5 s on the last picture)",
-)
-@flag("--quiet", "no progress bar")  # fmt: skip
-def video(options: Options) -> int:
+SECONDS = real(0.0, 1e9)
+
+
+def video(
+    record: Record,
+    other: Annotated[
+        Path | None,
+        option(
+            "another run, shown on the right; titles say in what the two worlds differ",
+            "[RECORD]", read=record_file,
+        ),
+    ] = None, /, *,
+    output: Annotated[
+        Path | None,
+        to(
+            "file, ending in .mp4, .gif, .webp, or .png for a still (default: video.mp4 beside the "
+            "record, or beside.mp4; frame.png)"
+        ),
+    ] = None,
+    start: Annotated[
+        float,
+        option(
+            "simulated time at which the video begins [s] (0)", "T", "--from", read=SECONDS
+        ),
+    ] = 0.0,
+    end: Annotated[
+        float,
+        option(
+            "simulated time at which it ends [s] (default: the end of the run)", "T", "--to",
+            read=SECONDS,
+        ),
+    ] = math.inf,
+    at: Annotated[
+        float | None,
+        option("a still of this simulated time [s] instead of a film", "T", read=SECONDS),
+    ] = None,
+    force: Annotated[bool, option("overwrite an existing file")] = False,
+    fps: Annotated[
+        int | None,
+        option(
+            "frames a second of video, 1 to 240 (25; GIF, which cannot hold all: 20)", "N",
+            read=whole(1, 240),
+        ),
+    ] = None,
+    width: Annotated[
+        int | None,
+        option(
+            "width of the picture (1280; GIF and WebP: 800); the height goes with it", "PX",
+            read=whole(160, 1280, "an even number from 160 to 1280", step=2),
+        ),
+    ] = None,
+    speed: Annotated[
+        float | None,
+        option(
+            "simulated seconds a second of video, 0.001 to 1000000 (default: chosen so that the "
+            "video lasts at most 80 s, GIF and WebP 20 s, and 1.5 s on the last picture)", "X",
+            read=real(0.001, 1e6),
+        ),
+    ] = None,
+    quiet: Annotated[bool, option("no progress bar")] = False,
+) -> int:  # fmt: skip
     """Make a film of a record, MP4 (H.264), GIF or WebP, or with --at a still.
 
     exit codes:
@@ -205,76 +200,62 @@ def video(options: Options) -> int:
       physim video out/record.h5 --at 47.2 -o frame.png
       physim video with/record.h5 without/record.h5 -o both.mp4 --to 40
     """
-    from physim.record import Record
+    from physim.drawing.video import still
+    from physim.record import Record as Opened
 
-    if options.other is not None and options.beside is not None:
-        raise PhysimError(f"--beside {options.beside}: there is a second record, {options.other}")
-    beside = options.other or options.beside
-    inputs = [options.record] if beside is None else [options.record, beside]
-    name = "video.mp4" if beside is None else "beside.mp4"
-    output = options.output or options.record.parent / (name if options.at is None else "frame.png")
-    _check_kind(options, output)
-    new_file(output, options.force, *inputs)
+    inputs = [record] if other is None else [record, other]
+    usual = "frame.png" if at is not None else "video.mp4" if other is None else "beside.mp4"
+    file = output or record.parent / usual
+    film = {"--from": start != 0.0, "--to": end != math.inf, "--fps": fps is not None}
+    _check_kind(file, at, fps, [name for name, given in film.items() if given])
+    Target(file, force, inputs).file()
     with interrupts() as interrupt, ExitStack() as opened:
-        records = [opened.enter_context(Record.load(path)) for path in inputs]
-        how = {
-            "beside": records[1] if len(records) > 1 else None,
-            "speed": options.speed,
-            "width": options.width,
+        records = [opened.enter_context(Opened.load(path)) for path in inputs]
+        for one in records:
+            _tell_spacing(one, at)
+        over = max([0.0, *(float(time) for one in records for time in one.time[-1:])])
+        how: dict[str, Any] = {
+            "beside": records[1] if other else None,
+            "speed": speed,
+            "width": width,
         }
-        for record in records:
-            _tell_spacing(record, options.at)
-        if options.at is not None:
-            made = _still(records, output, options.at, how)
-        else:
-            _check_times(options.start, options.end, records)
+        if at is None:
+            _check_times(start, end, over)
             made = write_video(
-                records[0], output, options.quiet, interrupt, fps=options.fps,
-                start=options.start, end=options.end, **how,
-            )  # fmt: skip
-    if made != output:
+                records[0], file, quiet, interrupt, fps=fps, start=start, end=end, **how
+            )
+        elif at > over:
+            raise PhysimError(f"--at {at:g}: the run ends at {over:.15g} s")
+        else:
+            still(records[0], file, at, **how)
+            made = file
+    if made != file:
         print(f"interrupted; the video so far is {made}", file=sys.stderr)
         return INTERRUPTED
-    if not options.quiet:
-        print(output)
+    if not quiet:
+        print(file)
     return 0
 
 
-def _check_kind(options: Options, output: Path) -> None:
+def _check_kind(file: Path, at: float | None, fps: int | None, of_film: list[str]) -> None:
     """Raise PhysimError where the file is of no kind there is, or of another than asked for."""
     from physim.drawing.video.film import STILL, check_still, kind_of, named, rate
 
-    suffix = output.suffix.lower()
-    if options.at is None:
-        if suffix == STILL:
-            raise PhysimError(f"{output}: is a still; --at T says of which simulated time")
-        rate(kind_of(output), options.fps, "--fps")
+    is_still = file.suffix.lower() == STILL
+    if at is None:
+        if is_still:
+            raise PhysimError(f"{file}: is a still; --at T says of which simulated time")
+        rate(kind_of(file), fps, "--fps")
         return
-    film = {"--from": options.start != 0.0, "--to": options.end != math.inf,
-            "--fps": options.fps is not None}  # fmt: skip
-    for name, given in film.items():
-        if given:
-            raise PhysimError(f"{name}: is of a film; --at {options.at:g} makes a still")
-    if suffix != STILL:
-        raise PhysimError(
-            f"--at {options.at:g}: makes a still, which {output} cannot be; did you mean "
-            f'"{named(output, STILL)}"?'
-        )
-    check_still(output)
+    if of_film:
+        raise PhysimError(f"{of_film[0]}: is of a film; --at {at:g} makes a still")
+    if not is_still:
+        meant = f'did you mean "{named(file, STILL)}"?'
+        raise PhysimError(f"--at {at:g}: makes a still, which {file} cannot be; {meant}")
+    check_still(file)
 
 
-def _still(records: list[Record], output: Path, time: float, how: dict[str, Any]) -> Path:
-    """Write a still. Raises PhysimError for a time after the end of the longest run."""
-    from physim.drawing.video import still
-
-    over = _over(records)
-    if time > over:
-        raise PhysimError(f"--at {time:g}: the run ends at {over:.15g} s")
-    still(records[0], output, time, **how)
-    return output
-
-
-def _tell_spacing(record: Record, at: float | None) -> None:
+def _tell_spacing(record: Opened, at: float | None) -> None:
     """Say of a coarse record that pictures show the samples that it has."""
     from physim.drawing.timeline import coarse_spacing, samples_before
 
@@ -288,14 +269,8 @@ def _tell_spacing(record: Record, at: float | None) -> None:
         print(f"WARNING  {every}: the picture shows that of {shown:g} s", file=sys.stderr)
 
 
-def _over(records: list[Record]) -> float:
-    """End of the longest run [s]."""
-    return max([0.0, *(float(time) for record in records for time in record.time[-1:])])
-
-
-def _check_times(start: float, end: float, records: list[Record]) -> None:
+def _check_times(start: float, end: float, over: float) -> None:
     """Raise PhysimError unless --from comes before --to, and before the end of the longest run."""
-    over = _over(records)
     last = min(end, over)
     if not start < last and (start, last) != (0.0, 0.0):
         to = "" if math.isinf(end) else f", --to {end:g}"
@@ -306,7 +281,7 @@ def _check_times(start: float, end: float, records: list[Record]) -> None:
 
 
 def write_video(
-    record: Record, path: Path, quiet: bool, stop: Callable[[], bool], **film: Any
+    record: Opened, path: Path, quiet: bool, stop: Callable[[], bool], **film: Any
 ) -> Path:
     """Render with a progress bar; returns the file. ``film`` goes to `physim.drawing.video.render`.
 

@@ -6,19 +6,17 @@ works on every file system.
 
 from __future__ import annotations
 
-import os
 import signal
 import sys
 import threading
 import time
 import traceback
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from pathlib import Path
 from types import FrameType
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-from physim.cli.signals import INTERRUPTED, heard
 from physim.errors import PhysimError
 from physim.escaping import escaped
 from physim.streams import unescaped
@@ -26,13 +24,13 @@ from physim.streams import unescaped
 if TYPE_CHECKING:
     from physim.simulation.loop import Simulation
 
-
+INTERRUPTED = 130
+"""Exit code of a command that a signal ended."""
 REFRESH_SECONDS = 0.1
 PATIENCE = 1.0
-"""[s] after which a second Ctrl-C breaks off what has not heard the first"""
-TOLD_AFTER, ENDED_AFTER = 3.0, 10.0
-"""[s] after which a signal that nobody has heard is told of, and, where it is none of a keyboard,
-sent again: whoever sent it may be a queue, which kills next"""
+"""[s] after which a second signal breaks off what has not heard the first"""
+EVERY = 0.15
+"""[s] between two looks at a file that is watched"""
 
 
 class Bar:
@@ -89,20 +87,55 @@ class Bar:
             self.visible = False
 
 
+@contextmanager
+def handling(handler: Callable[[int, FrameType | None], None]) -> Iterator[None]:
+    """Handle SIGINT, SIGTERM and SIGHUP while a block runs: they ask a command to end.
+
+    SIGHUP comes when the terminal is closed; a command started by ``nohup`` does not hear it, and
+    none is heard outside the main thread.
+    """
+    heard = [signal.SIGINT, signal.SIGTERM]
+    hangup = getattr(signal, "SIGHUP", None)
+    if hangup is not None and signal.getsignal(hangup) is not signal.SIG_IGN:
+        heard.append(hangup)
+    if threading.current_thread() is not threading.main_thread():
+        heard = []
+    before = {number: signal.signal(number, handler) for number in heard}
+    try:
+        yield
+    finally:
+        for number, one in before.items():
+            signal.signal(number, one)
+
+
+class Break:
+    """Raises KeyboardInterrupt at a signal, and knows that there was one."""
+
+    def __init__(self) -> None:
+        self.came = False
+        self.ends = False
+        """whether the command is ending, so that no more is raised"""
+
+    def __call__(self, number: int, frame: FrameType | None) -> None:
+        """Handle a signal."""
+        self.came = True
+        if not self.ends:
+            raise KeyboardInterrupt
+
+
 class Interrupt:
-    """Counts Ctrl-C, SIGTERM and SIGHUP instead of breaking off in the middle of a file."""
+    """Counts signals instead of breaking off in the middle of a file."""
 
     def __init__(self) -> None:
         self.count = 0
         self._unheard: float | None = None
-        self._timers: list[threading.Timer] = []
 
     def __call__(self) -> bool:
         """Whether there was one."""
         self._unheard = None
         return self.count > 0
 
-    def _note(self, number: int, frame: FrameType | None) -> None:
+    def note(self, number: int, frame: FrameType | None) -> None:
         """Count it. Raises KeyboardInterrupt where nobody has asked for a while after the last.
 
         A controller may never return.
@@ -111,37 +144,7 @@ class Interrupt:
         if self._unheard is not None and now - self._unheard > PATIENCE:
             raise KeyboardInterrupt
         self.count += 1
-        if self._unheard is None:
-            self._unheard = now
-            self._after(TOLD_AFTER, self._tell, now, number)
-            if number != signal.SIGINT:
-                self._after(ENDED_AFTER, self._send_again, now, number)
-
-    def _after(self, seconds: float, do: Callable[[float, int], None], *given: Any) -> None:
-        timer = threading.Timer(seconds, do, given)
-        timer.daemon = True
-        timer.start()
-        self._timers.append(timer)
-
-    def _tell(self, since: float, number: int) -> None:
-        if self._unheard == since:
-            typed = number == signal.SIGINT
-            name = "Ctrl-C" if typed else signal.Signals(number).name
-            how = "once more breaks it off" if typed else "it is broken off soon"
-            with suppress(OSError, ValueError):
-                print(
-                    f"{name}: not heard by what is under way (a controller that does not return?); "
-                    f"{how}", file=sys.stderr, flush=True,
-                )  # fmt: skip
-
-    def _send_again(self, since: float, number: int) -> None:
-        if self._unheard == since:
-            os.kill(os.getpid(), number)
-
-    def forget(self) -> None:
-        """Do nothing more about what nobody has heard."""
-        for timer in self._timers:
-            timer.cancel()
+        self._unheard = now if self._unheard is None else self._unheard
 
 
 @contextmanager
@@ -152,23 +155,15 @@ def interrupts() -> Iterator[Interrupt]:
     controller raises.
     """
     interrupt = Interrupt()
-    before = {number: signal.signal(number, interrupt._note) for number in heard()}
     try:
-        yield interrupt
+        with handling(interrupt.note):
+            yield interrupt
     except KeyboardInterrupt as error:
         if interrupt.count:
             raise
         *_, last = traceback.extract_tb(error.__traceback__)
-        where = f"{escaped(last.filename)}:{last.lineno}"
+        where = f"{last.filename}:{last.lineno}"
         raise PhysimError(f"{where}: raised KeyboardInterrupt; nobody interrupted") from error
-    finally:
-        interrupt.forget()
-        for number, handler in before.items():
-            signal.signal(number, handler)
-
-
-EVERY = 0.15
-"""[s] between two looks"""
 
 
 def watch(paths: Sequence[Path], changed: Callable[[], object]) -> int:

@@ -5,36 +5,37 @@ from __future__ import annotations
 import re
 import sys
 from pathlib import Path
+from typing import Annotated
 
-import click
-
+from physim.cli.options import option, quoted, to
 from physim.cli.output import FILES, run_folder
-from physim.cli.parser import Options, command, flag, option
 from physim.cli.pictures import write_video
-from physim.cli.progress import interrupts
-from physim.cli.signals import INTERRUPTED
-from physim.cli.values import PATH
+from physim.cli.progress import INTERRUPTED, interrupts
 from physim.errors import PhysimError
-from physim.escaping import escaped
 
 DISAGREE = 3
 
 
-@command("replay", "one run of a sweep again: record and video")
-@click.argument(
-    "run", metavar="DIR:ROW",
-    help="a folder of physim sweep, and the number of a row in its results.parquet, from 0, or the "
-    "digits in its column run, as many as are needed",
-)  # fmt: skip
-@option("-o", "--output", type=PATH, metavar="DIR", help="output folder (default: runs/WORLD-SEED)")
-@option(
-    "--controller", metavar="NAME",
-    help="the row's own controller, where that is a class of yours: code is only run when named",
-)  # fmt: skip
-@flag("--force", "overwrite an earlier run in the output folder")
-@flag("--no-video", "make no video")
-@flag("--quiet", "print neither progress nor result")  # fmt: skip
-def replay(options: Options) -> int:
+def replay(
+    run: Annotated[
+        str,
+        option(
+            "a folder of physim sweep, and the number of a row in its results.parquet, from 0, or "
+            "the digits in its column run, as many as are needed", "DIR:ROW",
+        ),
+    ], /, *,
+    output: Annotated[Path | None, to("output folder (default: runs/WORLD-SEED)", "DIR")] = None,
+    controller: Annotated[
+        str | None,
+        option(
+            "the row's own controller, where that is a class of yours: code is only run when named",
+            "NAME",
+        ),
+    ] = None,
+    force: Annotated[bool, option("overwrite an earlier run in the output folder")] = False,
+    no_video: Annotated[bool, option("make no video")] = False,
+    quiet: Annotated[bool, option("print neither progress nor result")] = False,
+) -> int:  # fmt: skip
     """Run one row of a sweep again, and write its record.h5 and video.mp4. The record is the same
     bit for bit; it is held against the row.
 
@@ -52,14 +53,15 @@ def replay(options: Options) -> int:
     from physim.campaigns.replay import check, find_row, replay, spec_of_row
     from physim.record import Record
 
-    place, colon, which = options.run.rpartition(":")
-    if not colon or not place or "\n" in place:
-        raise PhysimError(f"{escaped(options.run)}: is not DIR:ROW, as sweeps/ten_robots:0")
+    place, _, which = run.rpartition(":")
+    if not place or "\n" in place:
+        raise PhysimError(f"{quoted(run)}: is not DIR:ROW, as sweeps/ten_robots:0")
     campaign = Folder(place)
     row = find_row(campaign, which)
-    spec = spec_of_row(campaign, row, options.controller)
-    folder = options.output or usual_folder(row.world, row.seed, row.run)
-    with run_folder(folder, options.force), interrupts() as interrupt:
+    spec = spec_of_row(campaign, row, controller)
+    usual = re.sub(r"[^\w-]+", "_", f"{row.world}-{row.seed}-{row.run[:6]}")
+    folder = output or Path("runs") / usual
+    with run_folder(folder, force), interrupts() as interrupt:
         path = folder / "record.h5"
         broke = replay(spec, path, interrupt)
         if not path.exists():
@@ -71,10 +73,10 @@ def replay(options: Options) -> int:
             differing = [] if interrupt() else check(record, row)
             if broke and not row.failed and differing:
                 differing = [f"broke off here: {broke}"]  # the figures follow from it
-            if not options.no_video and not interrupt():
-                write_video(record, folder / "video.mp4", options.quiet, interrupt)
+            if not no_video and not interrupt():
+                write_video(record, folder / "video.mp4", quiet, interrupt)
             ended, seconds = record.ended, record.steps_run * record.dt
-    if not options.quiet:
+    if not quiet:
         if broke and not differing:
             print(f"broke off: {broke}", file=sys.stderr)
         print(f"run {row.run}: {spec.note}; ended {ended} after {seconds:g} s")
@@ -84,8 +86,3 @@ def replay(options: Options) -> int:
     if interrupt():
         return INTERRUPTED
     return DISAGREE if differing else 0
-
-
-def usual_folder(world: str, seed: int, run: str) -> Path:
-    """Where a run goes that is given no folder: in ``runs``, whatever its world is called."""
-    return Path("runs") / re.sub(r"[^\w-]+", "_", f"{world}-{seed}-{run[:6]}")

@@ -2,51 +2,52 @@
 
 from __future__ import annotations
 
-import json
 import sys
+from json import dumps
 from pathlib import Path
+from typing import Annotated
 
-import click
-
-from physim.cli.output import (
-    STDOUT,
-    alone,
-    inputs,
-    new_file,
-    new_json,
-    new_page,
-    spare,
-    write_json,
-    write_text,
-)
-from physim.cli.parser import Options, command, flag, option
-from physim.cli.progress import Bar, interrupts
-from physim.cli.signals import INTERRUPTED
-from physim.cli.values import PATH
+from physim.cli.options import JsonFile, Out, option, path, to
+from physim.cli.output import PAGE as PAGES
+from physim.cli.output import STDOUT, Target, check_json, inputs, write_json, write_text
+from physim.cli.progress import INTERRUPTED, Bar, interrupts
+from physim.cli.sweeping import spare
 from physim.drafts import check_regular
 from physim.errors import PhysimError
 
 PAGE = "report.html"
 
 
-@command("report", "how likely a contact is: rates, intervals, the worst")
-@click.argument("folder", metavar="DIR", type=PATH, help="folder of a campaign (physim sweep)")
-@option(
-    "-o", "--output", type=PATH, metavar="FILE", help=f"page to write (DIR/{PAGE}, again each time)"
-)
-@option("--json", type=PATH, metavar="FILE", help="write all figures to FILE (-: standard output)")
-@flag("--videos", "make the videos of the runs with pictures, and link to them")
-@flag("--pages", "make the pages of these runs for the browser, and link to their moments")
-@flag("--no-pictures", "do not run any again for their pictures")
-@option(
-    "--controller", "controllers", multiple=True, metavar="NAME",
-    help="a class of yours that runs of DIR had, so that they can be run again for their pictures: "
-    "code is only run when named (may be repeated)",
-)  # fmt: skip
-@flag("--explain", "tell which intervals these are, and when they hold")
-@flag("--force", "overwrite an existing FILE, or a DIR/report.html of another kind")
-@flag("--quiet", "print no table")  # fmt: skip
-def report(options: Options) -> int:
+def report(
+    folder: Annotated[Path, option("folder of a campaign (physim sweep)", "DIR", read=path)],
+    /,
+    *,
+    output: Annotated[Path | None, to(f"page to write (DIR/{PAGE}, again each time)")] = None,
+    json: JsonFile = None,
+    videos: Annotated[
+        bool, option("make the videos of the runs with pictures, and link to them")
+    ] = False,
+    pages: Annotated[
+        bool,
+        option("make the pages of these runs for the browser, and link to their moments"),
+    ] = False,
+    no_pictures: Annotated[bool, option("do not run any again for their pictures")] = False,
+    controller: Annotated[
+        tuple[str, ...],
+        option(
+            "a class of yours that runs of DIR had, so that they can be run again for their "
+            "pictures: code is only run when named (may be repeated)", "NAME",
+        ),
+    ] = (),
+    explain: Annotated[
+        bool, option("tell which intervals these are, and when they hold")
+    ] = False,
+    force: Annotated[
+        bool, option(f"overwrite an existing FILE, or a DIR/{PAGE} of another kind")
+    ] = False,
+    quiet: Annotated[bool, option("print no table")] = False,
+    out: Out,
+) -> int:  # fmt: skip
     """Report a campaign as a table and as one page of HTML: for each world, settings and
     controller how many runs were contact-free, finished, and both, with intervals; distances and
     times; the worst runs of each, by the severity of their contacts, and runs that did not finish,
@@ -74,36 +75,34 @@ def report(options: Options) -> int:
     from physim.campaigns.report.text import report_text, report_values
     from physim.campaigns.sweep import read_until
 
-    folder: Path = options.folder
-    page: Path = options.output or folder / PAGE
-    if options.no_pictures and (options.videos or options.pages):
-        made = "--videos" if options.videos else "--pages"
+    page = output or folder / PAGE
+    if no_pictures and (videos or pages):
+        made = "--videos" if videos else "--pages"
         raise PhysimError(f"{made}: cannot be combined with --no-pictures")
-    spare(options.json, folder, option="--json")
-    spare(options.output, folder)
-    new_json(options.json, options.force, *inputs(folder))
-    alone(options.json, page)
-    if options.output is not None:
-        new_page(page, options.force)
+    spare(json, "--json", folder)
+    spare(output, "-o", folder)
+    check_json(json, force, inputs(folder), [page])
+    if output is not None:
+        Target(page, force).file(ends=PAGES)
     asked = Folder(folder).asked()
     draws = {cell.label: cell.draws for cell in Folder(folder).cells()}
     check_regular(page)
     if page.exists() and not is_report(page):
-        new_file(page, options.force)
+        Target(page, force).file()
     until = read_until(folder)
     goal, first = (None, None) if until is None else (until.goal, until.first)
     found = report_of(Outcomes(read(folder)), str(folder), goal, first, asked, draws)
-    with interrupts() as interrupt, Bar("pictures", 1.0, "runs", options.quiet) as bar:
+    with interrupts() as interrupt, Bar("pictures", 1.0, "runs", quiet) as bar:
         shown = pictures(
-            found, folder, page, options.controllers, videos=options.videos, pages=options.pages,
-            stills=not options.no_pictures, progress=bar.count, stop=interrupt,
+            found, folder, page, controller, videos=videos, pages=pages, stills=not no_pictures,
+            progress=bar.count, stop=interrupt,
         )  # fmt: skip
         write_text(page, report_page(found, shown))
-        if options.json is not None:
-            values = json.dumps(report_values(found), indent=2, ensure_ascii=False, allow_nan=False)
-            write_json(options, values)
-        if not options.quiet:
-            sys.stdout.write(report_text(found, options.explain))
-        if options.json != STDOUT or not options.quiet:
+        if json is not None:
+            values = dumps(report_values(found), indent=2, ensure_ascii=False, allow_nan=False)
+            write_json(json, values, out)
+        if not quiet:
+            sys.stdout.write(report_text(found, explain))
+        if json != STDOUT or not quiet:
             sys.stdout.write(f"written to {page}\n")
         return INTERRUPTED if interrupt() else 0

@@ -9,13 +9,11 @@ import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Annotated
 
-from physim.cli.output import empty_folder, write_text, writing
-from physim.cli.parser import Options, command, flag, option
-from physim.cli.progress import Bar, announce_compiling, interrupts
-from physim.cli.signals import INTERRUPTED
-from physim.cli.values import PATH, whole_from
+from physim.cli.options import Workers, option, to
+from physim.cli.output import Target, write_text, writing
+from physim.cli.progress import INTERRUPTED, Bar, announce_compiling, interrupts
 from physim.errors import PhysimError, plural
 
 if TYPE_CHECKING:
@@ -30,28 +28,23 @@ NEW, PARTIAL = ".reproducing-", "interrupted"
 """Folders of new results while there are earlier ones, and after an interrupt"""
 
 
-@command("reproduce", "the paper's figures again, reported beside measured")
-@option("--figure", metavar="N", help="only what this figure of the paper needs")
-@option("--study", metavar="NAME", help="only this study of a claim that the paper makes in words")
-@option(
-    "-o",
-    "--output",
-    type=PATH,
-    metavar="DIR",
-    default=Path("reproduction"),
-    help="folder to write to (reproduction)",
-)
-@flag("--quick", "few seeds: some minutes instead of half an hour")
-@flag("--no-video", "make no videos")
-@option(
-    "--workers",
-    type=whole_from(1, 64),
-    metavar="N",
-    help="processes, 1 to 64 (as many as cores, at most 8)",
-)
-@flag("--force", "overwrite an existing DIR")
-@flag("--quiet", "print neither progress nor verdicts")  # fmt: skip
-def reproduce(options: Options) -> int:
+def reproduce(
+    *,
+    figure: Annotated[
+        str | None, option("only what this figure of the paper needs", "N")
+    ] = None,
+    study: Annotated[
+        str | None, option("only this study of a claim that the paper makes in words", "NAME")
+    ] = None,
+    output: Annotated[Path, to("folder to write to (reproduction)", "DIR")] = Path("reproduction"),
+    quick: Annotated[
+        bool, option("few seeds: some minutes instead of half an hour")
+    ] = False,
+    no_video: Annotated[bool, option("make no videos")] = False,
+    workers: Workers = None,
+    force: Annotated[bool, option("overwrite an existing DIR")] = False,
+    quiet: Annotated[bool, option("print neither progress nor verdicts")] = False,
+) -> int:  # fmt: skip
     """Run the experiments of the paper, draw its figures, make the videos, and write what it
     reports beside what is measured, with a verdict for every claim.
 
@@ -75,26 +68,30 @@ def reproduce(options: Options) -> int:
       physim reproduce --quick
       physim reproduce --figure 6 -o fig6
     """
-    if options.figure is not None and options.study is not None:
+    if figure is not None and study is not None:
         raise PhysimError("--study: cannot be combined with --figure")
     from physim.campaigns.pool import worker_count
     from physim.reproduction.page import PAGES, pages
-    from physim.reproduction.run import make_plan
+    from physim.reproduction.run import is_warm, make_plan, warm_up
     from physim.reproduction.run import reproduce as run_all
 
-    plan = make_plan(options.figure, options.study, options.quick, not options.no_video)
-    with _new_results(options.output, plan, options.force) as new:
+    given = [("--figure", figure), ("--study", study)]
+    command = ["physim", "reproduce", *(word for one in given if one[1] for word in one if word)]
+    plan = make_plan(figure, study, quick, not no_video)
+    with _new_results(output, plan, force) as new:
         with interrupts() as interrupt:
-            _warm_up(plan, options.quiet)
-            with Bar("reproduce", 1.0, "jobs", options.quiet) as bar:
+            if not is_warm():  # once, before workers would each do so
+                announce_compiling("controller, distances and collision times", COMPILING, quiet)
+                warm_up()
+            with Bar("reproduce", 1.0, "jobs", quiet) as bar:
                 report = run_all(
-                    plan, new, workers=options.workers or worker_count(),
-                    command=_command(options), stop=interrupt, progress=bar.count,
+                    plan, new, workers=workers or worker_count(), stop=interrupt,
+                    command=shlex.join(command + ["--quick"] * quick), progress=bar.count,
                 )  # fmt: skip
             for name, text in pages(report, new).items():
                 write_text(new / name, text)
-        folder = _put(new, options.output, report.interrupted)
-    if not options.quiet:
+        folder = _put(new, output, report.interrupted)
+    if not quiet:
         print(_verdicts(report), end="")
         print(f"written to {folder}/: {', '.join(PAGES)}")
     return INTERRUPTED if report.interrupted else 0
@@ -112,7 +109,8 @@ def _new_results(folder: Path, plan: Plan, force: bool) -> Iterator[Path]:
     from physim.reproduction.run import PICTURES
 
     check_unwritten(folder / JSON)
-    empty_folder(folder, force, *(folder / name for name in (PICTURES, *plan.worlds, *PAGES)))
+    made = [folder / name for name in (PICTURES, *plan.worlds, *PAGES)]
+    Target(folder, force).folder(made, empty=True)
     with writing(folder):
         folder.mkdir(parents=True, exist_ok=True)
         lock = WriteLock(folder / JSON)
@@ -161,27 +159,6 @@ def _put(new: Path, folder: Path, interrupted: bool) -> Path:
             else:
                 file.replace(goal)
     return folder
-
-
-def _warm_up(plan: Plan, quiet: bool) -> None:
-    """Compile the kernels once, before workers would each do so."""
-    from physim.reproduction.run import is_warm, warm_up
-
-    cold = not is_warm()
-    if cold:
-        announce_compiling("controller, distances and collision times", COMPILING, quiet)
-        warm_up()
-
-
-def _command(options: Options) -> str:
-    """The command as it may be typed again."""
-    words = ["physim", "reproduce"]
-    for name in ("figure", "study"):
-        if (value := getattr(options, name)) is not None:
-            words += [f"--{name}", value]
-    if options.quick:
-        words.append("--quick")
-    return shlex.join(words)
 
 
 def _verdicts(report: Report) -> str:

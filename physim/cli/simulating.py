@@ -6,7 +6,7 @@ import sys
 from collections.abc import Callable, Iterable
 from pathlib import Path
 
-from physim.cli.parser import Options
+from physim.cli.options import Changes
 from physim.cli.progress import Bar, announce_compiling, interrupts
 from physim.cli.warming import second_process
 from physim.errors import PhysimError, WorldError, plain_key
@@ -22,9 +22,8 @@ from physim.world.checks.starts import check_walled_off
 from physim.world.file import Document, read_world
 from physim.world.file.loading import unused_settings
 from physim.world.layout.scene_builder import build_scene
-from physim.world.scene import Scene
 
-EVERY_STEP = "time.record_every=1"
+EVERY_STEP = "time.record_every"
 COMPILING = 25
 """[s] about, for all that a run needs"""
 
@@ -32,8 +31,8 @@ COMPILING = 25
 def ready(
     world: World,
     document: Document,
-    seed: int | None,
-    options: Options,
+    changes: Changes,
+    quiet: bool,
     path: Path | None = None,
 ) -> Simulation:
     """Simulation of a world that was read, with the kernels loaded or compiled.
@@ -43,68 +42,59 @@ def ready(
     that counts from the start as beyond a wall: it might be said to have arrived.
     """
     try:
-        scene = build_scene(world, seed)
+        scene = build_scene(world, changes.seed)
     except WorldError as error:
         raise document.error(error.faults) from None
-    tell_notices(document.lines(check_walled_off(scene.layout)))
+    tell(document.lines(check_walled_off(scene.layout)))
 
     def controller() -> Controller:
-        choice, trusted = world.controller, options.controller is not None
+        choice, trusted = world.controller, changes.controller is not None
         made: Controller = make_part(CONTROLLER, choice.type, choice.settings, trusted=trusted)
         return made
 
     declared = Declared.of(controller())
     size = size_of(scene, world.time.record_every, len(declared.columns))
     check_room(size, path)
-    if path is not None and size.is_large and not options.quiet:
+    if path is not None and size.is_large and not quiet:
         print(size.line(), file=sys.stderr, flush=True)
-    _prepare(scene, controller(), options)
+    if is_warm():
+        warm_up(scene, controller())
+    else:
+        announce_compiling("controller and distances", COMPILING, quiet)
+        second = second_process(world.controller.type)
+        wait = () if second is None else (second.wait,)
+        seconds = warm_up(scene, controller(), *wait)
+        if not quiet:
+            text = f"compiled in {seconds:.0f} s and kept for later runs"
+            print(text, file=sys.stderr, flush=True)
     return Simulation(scene, controller=controller())
 
 
-def _prepare(scene: Scene, controller: Controller, options: Options) -> None:
-    """Compile the kernels where that is still to be done, and say so; load them otherwise."""
-    if is_warm():
-        warm_up(scene, controller)
-        return
-    announce_compiling("controller and distances", COMPILING, options.quiet)
-    second = second_process(scene.world.controller.type)
-    seconds = warm_up(scene, controller, second.wait) if second else warm_up(scene, controller)
-    if not options.quiet:
-        text = f"compiled in {seconds:.0f} s and kept for later runs"
-        print(text, file=sys.stderr, flush=True)
+def world_given(given: str, changes: Changes) -> tuple[World, Document]:
+    """World that is given to a command with its changes; every step of its run is a sample.
 
-
-def world_given(options: Options, given: str) -> tuple[World, Document]:
-    """World that is given to a command, with the changes of the command line."""
-    overrides = _every_step(options)
-    world, document = read_world(given, overrides=overrides, controller=options.controller)
-    tell_warnings(document)
+    What is to be noted of it is told. Raises PhysimError where another spacing is asked for.
+    """
+    if any(plain_key(one) == EVERY_STEP for one in changes.set):
+        raise PhysimError(f"--set {EVERY_STEP}: a validation looks at every step")
+    every = (*changes.set, f"{EVERY_STEP}=1")
+    world, document = read_world(given, overrides=every, controller=changes.controller)
+    tell(document.lines(document.warnings))
     return world, document
 
 
-def _every_step(options: Options) -> list[str]:
-    """Changes of the command line, with a sample of every step. Raises PhysimError for another."""
-    if any(plain_key(one) == EVERY_STEP.partition("=")[0] for one in options.overrides):
-        raise PhysimError("--set time.record_every: a validation looks at every step")
-    return [*options.overrides, EVERY_STEP]
-
-
-def tell_warnings(document: Document) -> None:
-    """Say what is to be noted about a world, once, even to those who want quiet.
+def tell(lines: Iterable[str]) -> None:
+    """Say what is to be noted, a line each, even to those who want quiet.
 
     The run may not be the one that they expect.
     """
-    tell_notices(document.lines(document.warnings))
-
-
-def tell_notices(lines: Iterable[str]) -> None:
-    """Say what is to be noted, a line each."""
     for line in lines:
         print(f"WARNING  {line}", file=sys.stderr, flush=True)
 
 
-def run_of_record(record: Record, options: Options, needed: bool) -> Record | str:
+def run_of_record(
+    record: Record, controller: str | None, quiet: bool, needed: bool
+) -> Record | str:
     """Simulate the run of a record again, as far as it goes; Ctrl-C raises KeyboardInterrupt.
 
     Where it cannot be it gives the reason, or raises PhysimError where it is ``needed``.
@@ -112,11 +102,11 @@ def run_of_record(record: Record, options: Options, needed: bool) -> Record | st
     from physim.analysis.validation.rerun import AgainError, run_again, simulation_again
 
     name = f"{record.name}, seed {record.seed}"
-    bar = Bar(name, record.steps_run * record.dt, "s", options.quiet)
+    bar = Bar(name, record.steps_run * record.dt, "s", quiet)
     try:
-        simulation = simulation_again(record, controller=_controller(record, options.controller))
+        simulation = simulation_again(record, controller=_controller(record, controller))
         if not is_warm():
-            announce_compiling("controller and distances", COMPILING, options.quiet)
+            announce_compiling("controller and distances", COMPILING, quiet)
         with interrupts() as interrupt, bar:
             again = run_again(record, simulation, stop=interrupt, progress=bar.simulated)
     except AgainError as error:
@@ -137,19 +127,15 @@ def _controller(record: Record, named: str | None) -> Controller | None:
     own = record.world.controller
     settings = own.settings if named == own.type else {}
     if left := [key for key in own.settings if key not in settings]:
-        text = unused_settings(left, own.type, named)
-        print(f"WARNING  world of {record.path}: controller: {text}", file=sys.stderr, flush=True)
+        tell([f"world of {record.path}: controller: {unused_settings(left, own.type, named)}"])
     made: Controller = make_part(CONTROLLER, named, settings, trusted=True)
     return made
 
 
 def run_world(
-    world: World,
-    document: Document,
-    seed: int | None,
-    options: Options,
+    world: World, document: Document, changes: Changes, quiet: bool,
     stop: Callable[[], bool] | None = None,
-) -> Record:
+) -> Record:  # fmt: skip
     """Run to the end, or until ``stop`` says so, in memory.
 
     Without ``stop`` Ctrl-C raises KeyboardInterrupt, after the step that is under way: in the
@@ -157,13 +143,13 @@ def run_world(
     """
     if stop is None:
         with interrupts() as interrupt:
-            record = run_world(world, document, seed, options, interrupt)
+            record = run_world(world, document, changes, quiet, interrupt)
         if interrupt():
             record.close()
             raise KeyboardInterrupt
         return record
-    simulation = ready(world, document, seed, options)
+    simulation = ready(world, document, changes, quiet)
     scene = simulation.scene
     name = f"{scene.world.name}, seed {scene.seed}"
-    with Bar(name, scene.steps * scene.dt, "s", options.quiet) as bar:
+    with Bar(name, scene.steps * scene.dt, "s", quiet) as bar:
         return record_run(simulation, stop=stop, progress=bar.simulated)

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from physim.cli.progress import Bar, announce_compiling, interrupts
-from physim.errors import plural
+from physim.errors import PhysimError, plural
 
 if TYPE_CHECKING:
     from physim.campaigns.grid import Grid
@@ -68,16 +68,6 @@ def run_grid(
     return tally, decisions
 
 
-def names_of(text: str | None) -> list[str]:
-    """Names of ``NAME,...``; none where it was not given. Raises PhysimError for an empty one."""
-    from physim.errors import PhysimError
-
-    names = [] if text is None else [name.strip() for name in text.split(",")]
-    if "" in names:
-        raise PhysimError("--controller: a name is missing between its commas")
-    return names
-
-
 def usual_folder(worlds: tuple[str, ...]) -> Path:
     """``sweeps/`` and the names of the worlds."""
     from physim.world.file.files import stem_of
@@ -85,6 +75,17 @@ def usual_folder(worlds: tuple[str, ...]) -> Path:
     stems = list(dict.fromkeys(map(stem_of, worlds)))
     name = "+".join(stems) if len(stems) <= 3 else f"{stems[0]}+{len(stems) - 1}"
     return Path("sweeps") / name
+
+
+def spare(path: Path | None, option: str, *folders: Path) -> None:
+    """Raise PhysimError where a file to be written is a part of a campaign that is read."""
+    from physim.campaigns.folder import is_part
+
+    for folder in folders:
+        if path is not None and is_part(path, folder):
+            raise PhysimError(
+                f"{path}: is a part of the campaign in {folder}; {option} takes another file"
+            )
 
 
 def tell_fixed(grid: Grid, quiet: bool) -> None:

@@ -1,29 +1,42 @@
-"""``physim validate``."""
+"""``physim validate``: a record, a world that is run first, or many seeds of one."""
 
 from __future__ import annotations
 
-import json
 import shlex
 import sys
+from collections.abc import Callable
 from dataclasses import asdict, replace
+from json import dumps
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Annotated, TextIO
 
-import click
-
-from physim.cli.output import alone, inputs, new_json, new_page, write_json
+from physim.cli.options import (
+    AS_IT_IS,
+    RECORD_HELP,
+    WORKERS_HELP,
+    Changes,
+    JsonFile,
+    Out,
+    Seeds,
+    option,
+    path,
+    record_file,
+    seed_range,
+    whole,
+)
+from physim.cli.output import PAGE, Target, check_json, inputs, write_json
 from physim.cli.page import make_page
-from physim.cli.parser import Options, changes, command, flag, option
-from physim.cli.progress import Bar, announce_compiling, interrupts
-from physim.cli.signals import INTERRUPTED
-from physim.cli.values import PATH, RECORD_HELP, Value, record_file, seed_range, whole_from
+from physim.cli.progress import INTERRUPTED, Bar, announce_compiling, interrupts
 from physim.errors import PhysimError, WorldError
 
 if TYPE_CHECKING:
     from physim.analysis.validation import Validation
+    from physim.campaigns.rows import Row
     from physim.record import Record
     from physim.world import World
     from physim.world.file import Document
+
+    Report = Callable[[Validation, Record], int]
 
 MOST_TOLD = 10
 """Seeds whose verdicts are printed"""
@@ -31,48 +44,53 @@ COMPILING = 15
 """[s] about, for the checks"""
 
 
-@command("validate", "contacts of a run, exact checks, who was responsible")
-@click.argument(
-    "given",
-    metavar="WORLD|RECORD",
-    help=f"{RECORD_HELP}; or a world to run first: its file, or the name of a shipped one",
-)
-@option(
-    "--json",
-    type=PATH,
-    metavar="FILE",
-    help="write everything to FILE (-: standard output) as JSON",
-)
-@option(
-    "--page",
-    type=PATH,
-    metavar="FILE",
-    help="write the run as a page for the browser (.html), each finding with a link to its moment",
-)
-@flag("--force", "overwrite an existing FILE")
-@option("--world", metavar="WORLD", help="check that the record was made from WORLD")
-@option(
-    "--seeds",
-    type=Value(seed_range),
-    metavar="A:B",
-    help="run the world with each of the seeds A to B - 1, and report how many are contact-free",
-)
-@option(
-    "--rerun/--no-rerun",
-    default=True,
-    help="whether to simulate the world inside RECORD again, too: does it give the same run?",
-)
-@changes()
-@option(
-    "--workers",
-    type=whole_from(1, 64),
-    metavar="N",
-    help="with --seeds, processes, 1 to 64 (as many as cores, at most 8)",
-)
-@flag("--verbose", "with --seeds, print the verdict of every seed as it comes")
-@flag("--full", "tell every contact, all tables and near misses, too")
-@flag("--quiet", "print only the verdict")  # fmt: skip
-def validate_command(options: Options) -> int:
+def validate(
+    given: Annotated[
+        str,
+        option(
+            f"{RECORD_HELP}; or a world to run first: its file, or the name of a shipped one",
+            "WORLD|RECORD",
+        ),
+    ], /, *,
+    json: JsonFile = None,
+    page: Annotated[
+        Path | None,
+        option(
+            "write the run as a page for the browser (.html), each finding with a link to its "
+            "moment", "FILE", read=path,
+        ),
+    ] = None,
+    force: Annotated[bool, option("overwrite an existing FILE")] = False,
+    world: Annotated[
+        str | None, option("check that the record was made from WORLD", "WORLD")
+    ] = None,
+    seeds: Annotated[
+        Seeds | None,
+        option(
+            "run the world with each of the seeds A to B - 1, and report how many are contact-free",
+            "A:B", read=seed_range,
+        ),
+    ] = None,
+    rerun: Annotated[
+        bool,
+        option(
+            "whether to simulate the world inside RECORD again, too: does it give the same run?",
+            negative="--no-rerun",
+        ),
+    ] = True,
+    changes: Changes = AS_IT_IS,
+    workers: Annotated[
+        int | None, option(f"with --seeds: {WORKERS_HELP}", "N", read=whole(1, 64))
+    ] = None,
+    verbose: Annotated[
+        bool, option("with --seeds, print the verdict of every seed as it comes")
+    ] = False,
+    full: Annotated[
+        bool, option("tell every contact, all tables and near misses, too")
+    ] = False,
+    quiet: Annotated[bool, option("print only the verdict")] = False,
+    out: Out,
+) -> int:  # fmt: skip
     """Hold the physical contacts of a run against exact distances and collision times, and report
     every contact: who, where, and who was responsible.
 
@@ -90,37 +108,53 @@ def validate_command(options: Options) -> int:
       physim validate three_robots --controller path_following --page contacts.html
       physim validate my_world.yaml --seeds 1:101 --json seeds.json
     """
-    from physim.cli import simulating as rerun
+    from physim.analysis.validation import report as report_text
+    from physim.analysis.validation import warning_lines
+    from physim.analysis.validation.validation import json_of_validation
+    from physim.cli.simulating import world_given
     from physim.record import Record
 
-    _check(options)
-    given = inputs(options.given, options.world)
-    new_json(options.json, options.force, *given)
-    alone(options.json, options.page)
-    if options.page is not None:
-        if options.seeds is not None:
-            raise PhysimError("--page: is of one run; not with --seeds")
-        new_page(options.page, options.force, *given, option="--page")
-    if (path := _record(options.given)) is None:
-        if options.world is not None:
-            raise PhysimError("--world: needs a record; it checks where the record came from")
-        if not options.rerun:
-            raise PhysimError("--no-rerun: needs a record; a world has to be simulated")
-        world, document = rerun.world_given(options, options.given)
-        return _validate_world(world, document, options)
-    with Record.load(path) as record:
-        return _validate_record(record, options)
+    many = {"--page": page, "--no-rerun": not rerun, "--full": full, "--seed": changes.seed}
+    one = {"--workers": workers, "--verbose": verbose}
+    for name, value in (one if seeds is None else many).items():
+        if value not in (None, False):
+            why = "needs --seeds A:B, the seeds to run" if seeds is None else "not with --seeds"
+            raise PhysimError(f"{name}: {why}")
+    read = inputs(given, world)
+    check_json(json, force, read, [] if page is None else [page])
+    if page is not None:
+        Target(page, force, read, "--page").file(ends=PAGE)
 
+    def report(found: Validation, record: Record) -> int:
+        """Write and tell what was found in a run."""
+        if page is not None:
+            make_page([record], page, quiet, found)
+            if not quiet:
+                print(f"the run, its findings linked to their moments: {page}", file=sys.stderr)
+        write_json(json, json_of_validation(found), out)
+        short = "\n".join([*warning_lines(found), f"verdict: {found.verdict}"]) + "\n"
+        print(short if quiet else report_text(found, full), end="")
+        return found.code
 
-def _check(options: Options) -> None:
-    """Raise PhysimError for options that do not go together."""
-    if options.seeds is not None and not options.rerun:
-        raise PhysimError("--no-rerun: is of one record; not with --seeds")
-    if options.seeds is not None and options.full:
-        raise PhysimError("--full: is of one run; not with --seeds")
-    for name, value in (("--workers", options.workers), ("--verbose", options.verbose)):
-        if options.seeds is None and value:
-            raise PhysimError(f"{name}: needs --seeds A:B, the seeds to run")
+    if (file := _record(given)) is not None:
+        with Record.load(file) as record:
+            if world is not None:
+                _check_origin(record, world, changes)
+            if seeds is None:
+                return _of_record(record, world, rerun, changes, quiet, report)
+    elif world is not None:
+        raise PhysimError("--world: needs a record; it checks where the record came from")
+    elif not rerun:
+        raise PhysimError("--no-rerun: needs a record; a world has to be simulated")
+    to_run, document = world_given(str(file or given), changes)
+    if seeds is None or not _varies(to_run):
+        return _of_world(to_run, document, changes, quiet, report)
+    again = ["physim", "validate", given]
+    again += [word for one in changes.set for word in ("--set", one)]
+    again += ["--controller", changes.controller] if changes.controller else []
+    _warm_up(to_run, document, replace(changes, seed=seeds[0]), quiet)
+    rows, stopped = _runs_of(to_run, seeds, workers, verbose, quiet)
+    return _report_seeds(to_run, seeds, rows, stopped, json, out, quiet, again)
 
 
 def _record(given: str) -> Path | None:
@@ -128,159 +162,149 @@ def _record(given: str) -> Path | None:
     from physim.world.file.files import find_world, is_record
 
     try:
-        path = record_file(str(find_world(given)))
+        file = record_file(str(find_world(given)))
     except WorldError:  # there is neither
-        path = Path(given)
-    return path if path.suffix in (".h5", ".hdf5") or is_record(path) else None
+        file = Path(given)
+    return file if file.suffix in (".h5", ".hdf5") or is_record(file) else None
 
 
-def _validate_record(record: Record, options: Options) -> int:
+def _check_origin(record: Record, given: str, changes: Changes) -> None:
+    """Raise PhysimError where a record was made from another world."""
     from physim.analysis.validation.origin import check_made_from
-    from physim.analysis.validation.validation import NOT_ASKED, missing
-    from physim.cli import simulating as rerun
+    from physim.cli.simulating import world_given
 
-    if options.world is not None:
-        world, _ = rerun.world_given(options, options.world)
-        check_made_from(record, world, options.world)
-    if options.seeds is not None:
-        return _validate_world(*rerun.world_given(options, str(record.path)), options)
-    if options.seed is not None:
+    world, _ = world_given(given, changes)
+    check_made_from(record, world, given)
+
+
+def _of_record(
+    record: Record, world: str | None, rerun: bool, changes: Changes, quiet: bool, report: Report
+) -> int:
+    """Validate a record, and the same run made again."""
+    from physim.analysis.validation.validation import NOT_ASKED, missing
+    from physim.cli.simulating import run_of_record
+
+    if changes.seed is not None:
         raise PhysimError("--seed: needs a world; a record has its own seed")
     lacking = missing(record)
-    if lacking and not options.rerun:
+    if lacking and not rerun:
         raise PhysimError(f"--no-rerun: {record.path} has to be simulated again: {lacking}")
-    if options.overrides and options.world is None:
+    if changes.set and world is None:
         raise PhysimError("--set: needs a world or --world; a record is run again as it was made")
-    if options.controller and not options.rerun and options.world is None:
+    if changes.controller and not rerun and world is None:
         raise PhysimError("--controller: needs a world, or a record that is simulated again")
-    again = rerun.run_of_record(record, options, bool(lacking)) if options.rerun else NOT_ASKED
+    again: Record | str = NOT_ASKED
+    if rerun:
+        again = run_of_record(record, changes.controller, quiet, bool(lacking))
     if isinstance(again, str):
-        return _report(_judged(record, None, again, str(record.path), options), options, record)
+        return report(_judged(record, None, again, str(record.path), quiet), record)
     with again:
-        found = _judged(record, again, "", str(record.path), options)
-        return _report(found, options, again if lacking else record)
+        found = _judged(record, again, "", str(record.path), quiet)
+        return report(found, again if lacking else record)
 
 
-def _validate_world(world: World, document: Document, options: Options) -> int:
+def _varies(world: World) -> bool:
+    """Whether runs of a world differ by their seed; what is to be said of that is told."""
+    from physim.cli.simulating import tell
     from physim.world.layout.scene_builder import TO_DRAW, may_vary, seeds_note
 
-    if options.seeds is None:
-        return _report(_run_and_validate(world, document, options.seed, options), options)
-    if options.seed is not None:
-        raise PhysimError("--seed: cannot be combined with --seeds")
     if not may_vary(world):
-        found = _run_and_validate(world, document, None, options)
         print(
             "Nothing in this world is random: every seed gives the same run, so there is one run "
             f"and no rate; {TO_DRAW}.\n",
         )
-        return _report(found, options)
+        return False
     if note := seeds_note(world):
-        print(f"WARNING  {note}", file=sys.stderr)
-    return _validate_seeds(world, document, options)
+        tell([note])
+    return True
 
 
-def _validate_seeds(world: World, document: Document, options: Options) -> int:
-    """Run every seed and validate it; Ctrl-C ends that, and what is known by then is reported."""
-    from physim.analysis.validation.validation import CONTACTS, DISAGREE, FREE
-    from physim.campaigns.cluster import executor
-    from physim.campaigns.outcomes import Outcomes
-    from physim.campaigns.report.contents import report_of
-    from physim.campaigns.report.text import report_text, report_values
-    from physim.campaigns.rows import table_of
-    from physim.campaigns.spec import spec_of
-    from physim.campaigns.sweep import runs
+def _of_world(
+    world: World, document: Document, changes: Changes, quiet: bool, report: Report
+) -> int:
+    """Run a world once and validate that."""
+    from physim.cli.simulating import run_world
 
-    first, last = options.seeds
-    rows = []
-    _warm_up(world, document, options)
-    with (
-        interrupts() as interrupt,
-        Bar(world.name, last - first, "seeds", options.quiet) as bar,
-        executor(options.workers) as workers,
-    ):
-        specs = (spec_of(world, seed, name=world.name) for seed in range(first, last))
-        for _, row in runs(specs, workers, interrupt, judged=True):
-            rows.append(row)
-            bar.update(len(rows))
-            if options.verbose:
-                print(f"seed {row.seed:>6}: {row.verdict or row.reason}", flush=True)
-    rows.sort(key=lambda row: row.seed)
-    cell = spec_of(world, first, name=world.name)
-    found = report_of(Outcomes(table_of(rows)), world.name, draws={cell.label: cell.draws})
-    if not options.quiet:
-        cells = tuple(replace(one, worst=()) for one in found.cells)  # there is nothing to replay
-        print(report_text(replace(found, cells=cells)))
-    wrong = [row for row in rows if row.verdict.startswith("checks disagree")]
-    told = wrong or [row for row in rows if row.verdict != "contact-free"]
-    for row in told[:MOST_TOLD]:
-        print(f"seed {row.seed}: {row.verdict or row.reason}")
-    if told and not options.quiet:
-        again = ["physim", "validate", options.given, "--seed", str(told[0].seed)]
-        again += [word for one in options.overrides for word in ("--set", one)]
-        again += ["--controller", options.controller] if options.controller else []
-        print(f"the first of them in full: {shlex.join(again)}")
-    code = INTERRUPTED if interrupt() else DISAGREE if wrong else CONTACTS if told else FREE
-    values = {**report_values(found), "exit_code": code, "seeds": [asdict(row) for row in rows]}
-    write_json(options, json.dumps(values, indent=2, ensure_ascii=False, allow_nan=False) + "\n")
-    if interrupt():
-        print(f"interrupted after {len(rows)} of {last - first} seeds", file=sys.stderr)
-    if failed := next((row for row in rows if row.failed), None):
-        raise PhysimError(f"seed {failed.seed}: {failed.reason}")
-    return code
+    with run_world(world, document, changes, quiet) as record:
+        source = f"simulated just now from {document.source}"
+        return report(_judged(record, None, "", source, quiet), record)
 
 
-def _warm_up(world: World, document: Document, options: Options) -> None:
+def _judged(
+    record: Record, again: Record | None, why_not: str, source: str, quiet: bool
+) -> Validation:
+    from physim.analysis.validation import is_warm, judge
+    from physim.cli.warming import finish
+
+    if not is_warm():
+        finish(quiet)
+    if not is_warm():
+        announce_compiling("the checks of the validation", COMPILING, quiet)
+    return judge(record, again, why_not, source=source)
+
+
+def _warm_up(world: World, document: Document, changes: Changes, quiet: bool) -> None:
     """Compile the kernels once, before workers would each do so."""
     from physim.analysis.validation import is_warm as checks_are_warm
     from physim.simulation.run import is_warm
 
     if not (is_warm() and checks_are_warm()):
         short = world.changed(time={"step": world.time.step, "duration": world.time.step})
-        _run_and_validate(short, document, options.seeds[0], options)
+        _of_world(short, document, changes, quiet, lambda found, record: 0)
 
 
-def _run_and_validate(
-    world: World, document: Document, seed: int | None, options: Options
-) -> Validation:
-    from physim.cli import simulating as rerun
+def _runs_of(
+    world: World, seeds: Seeds, workers: int | None, verbose: bool, quiet: bool
+) -> tuple[list[Row], bool]:
+    """Run and validate every seed; rows by seed, and whether Ctrl-C ended that early."""
+    from physim.campaigns.cluster import executor
+    from physim.campaigns.spec import spec_of
+    from physim.campaigns.sweep import runs
 
-    with rerun.run_world(world, document, seed, options) as record:
-        source = f"simulated just now from {document.source}"
-        found = _judged(record, None, "", source, options)
-        _write_page(found, record, options)
-        return found
-
-
-def _judged(
-    record: Record, again: Record | None, why_not: str, source: str, options: Options
-) -> Validation:
-    from physim.analysis.validation import is_warm, judge
-    from physim.cli.warming import finish
-
-    if not is_warm():
-        finish(options.quiet)
-    if not is_warm():
-        announce_compiling("the checks of the validation", COMPILING, options.quiet)
-    return judge(record, again, why_not, source=source)
+    rows: list[Row] = []
+    with (
+        interrupts() as interrupt,
+        Bar(world.name, seeds[1] - seeds[0], "seeds", quiet) as bar,
+        executor(workers) as team,
+    ):
+        specs = (spec_of(world, seed, name=world.name) for seed in range(*seeds))
+        for _, row in runs(specs, team, interrupt, judged=True):
+            rows.append(row)
+            bar.update(len(rows))
+            if verbose:
+                print(f"seed {row.seed:>6}: {row.verdict or row.reason}", flush=True)
+    return sorted(rows, key=lambda row: row.seed), interrupt()
 
 
-def _write_page(found: Validation, record: Record, options: Options) -> None:
-    if options.page is not None:
-        make_page([record], options.page, options.quiet, found)
-        if not options.quiet:
-            print(f"the run, its findings linked to their moments: {options.page}", file=sys.stderr)
+def _report_seeds(
+    world: World, seeds: Seeds, rows: list[Row], stopped: bool, json: Path | None, out: TextIO,
+    quiet: bool, again: list[str],
+) -> int:  # fmt: skip
+    """Tell how many seeds are contact-free and which are not; the exit code."""
+    from physim.analysis.validation.validation import CONTACTS, DISAGREE, FREE
+    from physim.campaigns.outcomes import Outcomes
+    from physim.campaigns.report.contents import report_of
+    from physim.campaigns.report.text import report_text, report_values
+    from physim.campaigns.rows import table_of
+    from physim.campaigns.spec import spec_of
 
-
-def _report(found: Validation, options: Options, record: Record | None = None) -> int:
-    """Tell what was found; with a record its page is written first, where one is asked for."""
-    from physim.analysis.validation import report, warning_lines
-    from physim.analysis.validation.validation import json_of_validation
-
-    if record is not None:
-        _write_page(found, record, options)
-    write_json(options, json_of_validation(found))
-    short = [*warning_lines(found), f"verdict: {found.verdict}"]
-    text = "\n".join(short) + "\n" if options.quiet else report(found, options.full)
-    print(text, end="")
-    return found.code
+    cell = spec_of(world, seeds[0], name=world.name)
+    found = report_of(Outcomes(table_of(rows)), world.name, draws={cell.label: cell.draws})
+    if not quiet:
+        cells = tuple(replace(one, worst=()) for one in found.cells)  # there is nothing to replay
+        print(report_text(replace(found, cells=cells)))
+    wrong = [row for row in rows if row.verdict.startswith("checks disagree")]
+    told = wrong or [row for row in rows if row.verdict != "contact-free"]
+    for row in told[:MOST_TOLD]:
+        print(f"seed {row.seed}: {row.verdict or row.reason}")
+    if told and not quiet:
+        words = [*again, "--seed", str(told[0].seed)]
+        print(f"the first of them in full: {shlex.join(words)}")
+    code = INTERRUPTED if stopped else DISAGREE if wrong else CONTACTS if told else FREE
+    values = {**report_values(found), "exit_code": code, "seeds": [asdict(row) for row in rows]}
+    write_json(json, dumps(values, indent=2, ensure_ascii=False, allow_nan=False) + "\n", out)
+    if stopped:
+        print(f"interrupted after {len(rows)} of {seeds[1] - seeds[0]} seeds", file=sys.stderr)
+    if failed := next((row for row in rows if row.failed), None):
+        raise PhysimError(f"seed {failed.seed}: {failed.reason}")
+    return code

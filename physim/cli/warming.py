@@ -13,14 +13,14 @@ import sys
 from contextlib import suppress
 from multiprocessing.connection import Connection
 
-from physim.campaigns.pool import WARMING, begun_apart, settle
+from physim.campaigns.pool import WARMING, begun_apart, settle, worker_count
 from physim.compiled import is_kept
 from physim.geometry.clearance import fill
 
 WORLD = "three_robots"
 CONTROLLER = "constant"
 """Makes no decision that would have to be compiled."""
-SECONDS = "0.2"
+SECONDS = 0.2
 """[s] simulated"""
 
 
@@ -49,8 +49,7 @@ class SecondProcess:
 
 def second_process(controller: str) -> SecondProcess | None:
     """A second process that compiles; None where it would not help."""
-    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
-    if (cores or 1) < 2 or not is_kept(fill):
+    if worker_count() < 2 or not is_kept(fill):
         return None
     try:
         return SecondProcess(controller)
@@ -79,8 +78,7 @@ def warm_up_motion_alone() -> None:
     from physim.world.file import load_world
     from physim.world.layout.scene_builder import build_scene
 
-    world = load_world(WORLD).changed(controller={"type": CONTROLLER})
-    warm_up_motion(build_scene(world))
+    warm_up_motion(build_scene(load_world(WORLD).changed(controller={"type": CONTROLLER})))
 
 
 def warm_up_checks(controller: str) -> None:

@@ -169,7 +169,6 @@ def test_a_signal_at_the_start(number: signal.Signals, late: float, here: Path) 
 
 
 OWN = """
-import threading, time
 import physim
 
 STILL = physim.Decision(v=0.0, omega=0.0, hold=0.1)
@@ -180,14 +179,6 @@ class Loop:
             open("stuck", "w").close()
             while True:
                 pass
-        return STILL
-
-class Thread:
-    def __init__(self):
-        threading.Thread(target=time.sleep, args=(1000,)).start()
-
-    def decide(self, observation, memory):
-        time.sleep(0.01)
         return STILL
 """
 
@@ -209,22 +200,6 @@ def test_a_controller_that_never_returns_is_broken_off_by_a_second_signal(here: 
         end(process)
     assert (process.returncode, err) == (130, "interrupted\n")
     Record.load(here / "out/record.h5").close()
-
-
-@pytest.mark.deep
-def test_one_signal_ends_a_run_whose_controller_left_a_thread(here: Path) -> None:
-    (here / "own_thread.py").write_text(OWN)
-    given = ("--controller", "own_thread:Thread", "-o", "out", "--no-video")
-    process = started("run", "three_robots", *given, folder=here)
-    try:
-        wait_for_samples(process, here / "out/record.h5", 20)
-        process.terminate()
-        process.communicate(timeout=60)
-    finally:
-        end(process)
-    assert process.returncode == 130
-    with Record.load(here / "out/record.h5") as record:
-        assert record.ended == "interrupted"
 
 
 @pytest.mark.deep

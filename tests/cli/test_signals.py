@@ -4,30 +4,32 @@ from __future__ import annotations
 
 import os
 import signal
-import threading
 import time
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 
-from physim.cli import FAULT, Break, breaks, main
+from physim.cli import FAULT, main
 from tests.helpers import inside
 
-interrupts, listing = inside("physim.cli", "interrupts", "listing")
+interrupts = inside("physim.cli", "interrupts")
 
 SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 
 
-def stop_at_once(monkeypatch, number: int) -> None:
-    """Put in the place of every command one that is hit by a signal while it works."""
+def put_in_place(monkeypatch: pytest.MonkeyPatch, *numbers: int, error: object = None) -> None:
+    """Put in the place of every command one that signals hit while it works, or an error ends."""
 
     def work(arguments: object) -> int:
-        os.kill(os.getpid(), number)
+        for number in numbers:
+            os.kill(os.getpid(), number)
+        if isinstance(error, BaseException):
+            raise error
         time.sleep(0.2)
         return 0
 
-    monkeypatch.setattr("physim.cli.parser.run_command", work)
+    monkeypatch.setattr("physim.cli.commands.run_command", work)
 
 
 @pytest.fixture
@@ -41,12 +43,9 @@ def handlers() -> Iterator[None]:
 
 @pytest.mark.parametrize("number", SIGNALS)
 def test_a_signal_ends_a_command_with_130_and_one_line(
-    number: int,
-    handlers: None,
-    monkeypatch,
-    capsys,
+    number: int, handlers: None, monkeypatch, capsys
 ) -> None:
-    stop_at_once(monkeypatch, number)
+    put_in_place(monkeypatch, number)
     before = [signal.getsignal(one) for one in SIGNALS]
     assert main(["list"]) == 130
     assert capsys.readouterr() == ("", "interrupted\n")
@@ -55,7 +54,7 @@ def test_a_signal_ends_a_command_with_130_and_one_line(
 
 def test_a_command_started_by_nohup_goes_on(handlers: None, monkeypatch) -> None:
     signal.signal(signal.SIGHUP, signal.SIG_IGN)
-    stop_at_once(monkeypatch, signal.SIGHUP)
+    put_in_place(monkeypatch, signal.SIGHUP)
     assert main(["list"]) == 0
 
 
@@ -81,126 +80,41 @@ def test_what_does_not_hear_the_first_is_broken_off_by_the_second(
     assert interrupt.count == 4
 
 
-def test_what_nobody_hears_is_told_and_broken_off(handlers: None, monkeypatch, capsys) -> None:
-    """A queue sends SIGTERM once, and then kills: what was simulated would be lost."""
-    monkeypatch.setattr("physim.cli.progress.PATIENCE", 0.0)
-    monkeypatch.setattr("physim.cli.progress.TOLD_AFTER", 0.05)
-    monkeypatch.setattr("physim.cli.progress.ENDED_AFTER", 0.2)
-    with interrupts(), pytest.raises(KeyboardInterrupt):
-        hit(signal.SIGTERM)
-    assert "SIGTERM: not heard" in capsys.readouterr().err
-
-
-def test_ctrl_c_that_nobody_hears_is_told_and_waits_for_another(
-    handlers: None, monkeypatch, capsys
-) -> None:
-    monkeypatch.setattr("physim.cli.progress.TOLD_AFTER", 0.05)
-    monkeypatch.setattr("physim.cli.progress.ENDED_AFTER", 0.1)
-    with interrupts() as interrupt:
-        hit(signal.SIGINT)
-        assert "Ctrl-C: not heard" in capsys.readouterr().err
-        assert interrupt()
-    assert interrupt.count == 1
-
-
-def test_nothing_is_told_of_what_was_heard(handlers: None, monkeypatch, capsys) -> None:
-    monkeypatch.setattr("physim.cli.progress.TOLD_AFTER", 0.3)
-    monkeypatch.setattr("physim.cli.progress.ENDED_AFTER", 0.4)
-    for number in (signal.SIGINT, signal.SIGTERM):
-        with interrupts() as interrupt:
-            os.kill(os.getpid(), number)
-            assert interrupt()
-            time.sleep(0.6)
-            assert interrupt.count == 1
-    assert capsys.readouterr().err == ""
-
-
-@pytest.mark.parametrize("left", [False, True])
-def test_a_thread_left_behind_does_not_outlive_a_signal(handlers: None, left: bool) -> None:
-    stop = threading.Event()
-    thread = threading.Thread(target=stop.wait)
-    if left:
-        thread.start()
-    with breaks(last=True):
-        pass
-    stop.set()
-    after = signal.SIG_DFL if left else signal.SIG_IGN
-    assert {signal.getsignal(one) for one in SIGNALS} == {after}
-
-
-def test_a_command_that_is_ending_is_not_broken_off_again() -> None:
-    found = Break(alone=False)
-    with pytest.raises(KeyboardInterrupt):
-        found(signal.SIGINT, None)
-    found.ignore()
-    try:
-        found(signal.SIGINT, None)
-    except KeyboardInterrupt:  # which would end the tests
-        pytest.fail("it was broken off again")
-    assert found.came
-
-
 class OddError(BaseException):
     """What is no Exception, as some libraries have."""
 
 
-ERRORS = [IndexError("beyond the end"), ValueError("x"), OSError("odd"), OddError("odd")]
+ENDS = [
+    (IndexError("beyond the end"), FAULT, "this is a fault in physim"),
+    (OSError("odd"), FAULT, "this is a fault in physim"),
+    (OddError("odd"), FAULT, "this is a fault in physim"),
+    (FileNotFoundError(2, "No such file or directory"), FAULT, "this is a fault in physim"),
+    (KeyboardInterrupt(), 130, "interrupted"),
+    (MemoryError("Unable to allocate 3 GiB"), 2, "out of memory (Unable to allocate 3 GiB)"),
+]
 
 
-@pytest.mark.parametrize("error", ERRORS)
-def test_a_fault_in_physim(monkeypatch, capsys, error: BaseException) -> None:
-    def broken(options: object) -> int:
-        raise error
-
-    monkeypatch.setattr(listing, "callback", broken)
-    assert main(["list"]) == FAULT == 70
-    err = capsys.readouterr().err
-    assert err.startswith("Traceback (most recent call last):\n")
-    assert f"{type(error).__name__}: {error}" in err
-    assert err.splitlines()[-1].startswith("physim: this is a fault in physim")
-
-
-@pytest.mark.parametrize("error", [KeyboardInterrupt(), SystemExit(5)])
-def test_ends_that_are_no_fault(monkeypatch, error: BaseException) -> None:
-    def ended(options: object) -> int:
-        raise error
-
-    monkeypatch.setattr(listing, "callback", ended)
-    if isinstance(error, SystemExit):
-        with pytest.raises(SystemExit):
-            main(["list"])
-    else:
-        assert main(["list"]) == 130
-
-
-@pytest.mark.parametrize("error", [MemoryError(), MemoryError("Unable to allocate 3 GiB")])
-def test_no_memory_is_no_fault(monkeypatch, capsys, error: MemoryError) -> None:
-    def full(options: object) -> int:
-        raise error
-
-    monkeypatch.setattr(listing, "callback", full)
-    assert main(["list"]) == 2
-    (line,) = capsys.readouterr().err.splitlines()
-    assert line.startswith("out of memory")
-    assert str(error) in line
-
-
-@pytest.mark.parametrize("gone", [True, False])
-def test_a_working_folder_that_is_gone_is_no_fault(
-    monkeypatch, capsys, tmp_path: Path, gone: bool
+@pytest.mark.parametrize(("error", "code", "said"), ENDS, ids=repr)
+def test_how_an_error_that_nobody_caught_ends(
+    error: BaseException, code: int, said: str, monkeypatch, capsys
 ) -> None:
-    """A file that is missing otherwise, and of which nobody has thought, still is one."""
-
-    def missing(options: object) -> int:
-        raise FileNotFoundError(2, "No such file or directory")
-
-    folder = tmp_path / "folder"
-    folder.mkdir()
-    monkeypatch.chdir(folder)
-    if gone:
-        folder.rmdir()
-    monkeypatch.setattr(listing, "callback", missing)
-    assert main(["list"]) == (2 if gone else 70)
+    put_in_place(monkeypatch, error=error)
+    assert main(["list"]) == code
     told = capsys.readouterr().err
-    assert ("gone" in told) == gone
-    assert ("Traceback" in told) != gone
+    assert said in told.splitlines()[-1]
+    assert (code == FAULT) == told.startswith("Traceback") == (str(error) in told and code == FAULT)
+
+
+def test_an_end_that_somebody_asked_for_stays_what_it_is(monkeypatch) -> None:
+    put_in_place(monkeypatch, error=SystemExit(5))
+    with pytest.raises(SystemExit):
+        main(["list"])
+
+
+def test_a_working_folder_that_is_gone_is_no_fault(monkeypatch, capsys, tmp_path: Path) -> None:
+    (tmp_path / "folder").mkdir()
+    monkeypatch.chdir(tmp_path / "folder")
+    (tmp_path / "folder").rmdir()
+    put_in_place(monkeypatch, error=FileNotFoundError(2, "No such file or directory"))
+    assert main(["list"]) == 2
+    assert "gone" in capsys.readouterr().err

@@ -41,7 +41,7 @@ def test_as_a_user_sees_it(here: Path) -> None:
     loaded = shell("run", "--help", folder=here, PYTHONPROFILEIMPORTTIME="1")
     assert loaded.code == 0
     assert loaded.out.startswith("Usage: physim")
-    assert " click\n" in loaded.err
+    assert " cyclopts\n" in loaded.err
     for heavy in ("numpy", "numba", "pymunk", "h5py", "pydantic", "av", "cv2", "shapely"):
         assert f" {heavy}\n" not in loaded.err
 
@@ -147,7 +147,7 @@ def breaks_a_pipe(interrupted: bool) -> Callable[[object], int]:
 def test_a_broken_pipe_to_a_worker_is_not_taken_for_an_output_that_nobody_reads(
     monkeypatch, capsys, interrupted: bool, code: int
 ) -> None:
-    monkeypatch.setattr("physim.cli.parser.run_command", breaks_a_pipe(interrupted))
+    monkeypatch.setattr("physim.cli.commands.run_command", breaks_a_pipe(interrupted))
     assert main(["list"]) == code
     told = capsys.readouterr().err
     assert (told == "interrupted\n") == interrupted

@@ -9,13 +9,12 @@ import subprocess
 import sys
 from pathlib import Path
 
-import click
 import pytest
 
 from tests.cli.commands import physim
 from tests.helpers import extending, inside
 
-commands = inside("physim.cli", "commands")
+COMMANDS, app_of = inside("physim.cli", "COMMANDS", "app_of")
 
 ROOT = Path(__file__).parents[2]
 PAGES = [ROOT / "README.md", ROOT / "worlds/README.md", *sorted((ROOT / "docs").glob("*.md"))]
@@ -52,14 +51,14 @@ def test_every_command_and_option_of_a_page_exists(page: Path) -> None:
         if not re.search("…|\\.\\.\\.", inline):
             told.append(shlex.split(inline.replace("\n", " ")))
     for words in told:
-        with click.Context(commands) as context:
-            command = commands.get_command(context, words[0])
-            assert command is not None, words
-            options = {name for one in command.params for name in (*one.opts, *one.secondary_opts)}
-            given = {word.partition("=")[0] for word in words if re.match(r"--?[a-zA-Z]", word)}
-            assert given <= options | {"--help", "-h"}, words
-            if words in lines_of(text):
-                command.make_context(words[0], words[1:], parent=context)
+        assert words[0] in COMMANDS, words
+        app = app_of(words[0])
+        arguments = app.assemble_argument_collection()
+        options = {name for one in arguments for name in one.names}
+        given = {word.partition("=")[0] for word in words if re.match(r"--?[a-zA-Z]", word)}
+        assert given <= options | {"--help", "-h"}, words
+        if words in lines_of(text):
+            app.parse_args(words[1:], exit_on_error=False, print_error=False)
 
 
 def test_every_kind_of_part_has_an_example() -> None:

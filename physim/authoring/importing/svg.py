@@ -29,7 +29,7 @@ from physim.authoring.importing.drawing import (
 from physim.authoring.importing.options import Options
 from physim.authoring.importing.roles import hint, role_named, unroled
 from physim.authoring.importing.source import MOST_TEXT, read_bytes
-from physim.authoring.importing.svg_lines import length, numbers, outline, subpaths
+from physim.authoring.importing.svg_lines import MOST_POINTS, length, numbers, outline, subpaths
 from physim.authoring.importing.work import check_work
 from physim.errors import nearest
 from physim.escaping import escaped
@@ -48,8 +48,9 @@ MOST_LEVELS = 100
 SVG = "{http://www.w3.org/2000/svg}"
 LABEL = "{http://www.inkscape.org/namespaces/inkscape}label"
 HREF = "{http://www.w3.org/1999/xlink}href"
-UNITS = {"mm": 1e-3, "cm": 1e-2, "in": 0.0254, "pt": 0.0254 / 72.0, "pc": 0.0254 / 6.0}
-"""[m] of units of a page"""
+UNITS = ("mm", "cm", "in", "pt", "pc")
+"""Those of a page that say how large it is"""
+METRES_PER_PIXEL = 0.0254 / 96.0
 
 GROUPS = ("svg", "g", "a", "symbol")
 LINES = {
@@ -145,8 +146,8 @@ def _tree(path: Path) -> Any:
 def _hides(sheet: str) -> str:
     """The first declaration of a style sheet that may do more than paint; empty without any."""
     sheet = re.sub(r"/\*.*?(?:\*/|\Z)", " ", sheet, flags=re.S)
-    sheet = re.sub(r'"[^"\n]*"|\'[^\'\n]*\'|url\([^)]*\)', "0", sheet)
-    sheet = re.sub(r"@font-face\s*\{[^{}]*\}|@(?:import|charset|namespace)\b[^;{}]*;", " ", sheet)
+    sheet = re.sub(r'"[^"\n]*"|\'[^\'\n]*\'|url\([^()]*\)', "0", sheet)
+    sheet = re.sub(r"@font-face\s*\{[^{}]*\}|@(?:import|charset|namespace)\b[^;{}@]*;", " ", sheet)
     depth = 0
     for text, end in re.findall(r"([^{};]*)([{};]|\Z)", sheet):
         if end == "{":
@@ -196,6 +197,7 @@ class _Reader:
     unread: Counter[str] = field(default_factory=Counter)
     names: set[str] = field(default_factory=set)
     count: int = 0
+    points: int = 0
 
     def __post_init__(self) -> None:
         self.drawing = Drawing("SVG drawing", self.path)
@@ -207,47 +209,37 @@ class _Reader:
 
     def _frame(self) -> Any:
         """Matrix from user units of the page to metres of the world; says its scale."""
-        root, line = self.root, self.root.sourceline
-        sizes = {}
-        for key in ("width", "height"):
-            given = root.get(key, "").strip()
-            found = re.fullmatch(r"([\d.]+(?:e[+-]?\d+)?)\s*([a-z]*)", given.lower())
-            unit = found[2] if found else ""
-            if found and unit in (*UNITS, "", "px") and (size := float(found[1])) > 0.0:
-                sizes[key] = size * UNITS.get(unit, 0.0254 / 96.0)
-            elif given and not (given.endswith("%") or given == "auto"):
-                message = f'{key}="{escaped(given)[:40]}": a length above 0 such as 240mm is needed'
-                raise refused(self.path, message, line)
-            if key == "width":
-                in_metres = unit in UNITS
-        pixel = 0.0254 / 96.0
-        box = [0.0, 0.0, *(sizes.get(key, 0.0) / pixel for key in ("width", "height"))]
+        root, scale = self.root, self.options.scale
+        sides = [root.get(key, "").strip().lower() for key in ("width", "height")]
+        view = root.get("viewBox", "")
         try:
-            if given := root.get("viewBox"):
-                box = numbers(given)
-            x, y, width, height = box
-            if given and not min(width, height) > 0.0:
-                raise ValueError("width and height, the last two, must be above 0")
+            is_said = [bool(one) and one[-1] != "%" for one in sides]
+            size = [length(one) if said else 0.0 for one, said in zip(sides, is_said, strict=True)]
+            if not all(side > 0.0 for side, said in zip(size, is_said, strict=True) if said):
+                raise ValueError("width and height must be above 0")
+            box = numbers(view) or [0.0, 0.0, *size]
+            if len(box) != 4 or (view and not min(box[2:]) > 0.0):
+                raise ValueError("four numbers are needed, the last two above 0")
         except ValueError as error:
-            message = f'viewBox="{escaped(given)[:60]}": four numbers are needed: {error}'
-            raise refused(self.path, message, line) from None
-        scale = self.options.scale
-        if scale is not None:
-            self.drawing.facts.append(f"{scale:g} m per user unit (--scale)")
-        elif not in_metres:
-            message = "the page has no real-world units; --scale M says how many metres a user "
-            raise refused(self.path, f"{message}unit is", line)
-        else:
-            scale = sizes["width"] / width
-            if "height" in sizes and abs(sizes["height"] / height / scale - 1.0) > 1e-3:
+            given = f'width="{sides[0]}" height="{sides[1]}" viewBox="{view}"'
+            message = f"<svg {escaped(given)[:120]}>: {error}"
+            raise refused(self.path, message, root.sourceline) from None
+        x, y, width, height = box
+        told = f"{scale:g} m per user unit (--scale)" if scale is not None else ""
+        if scale is None:
+            if not sides[0].endswith(UNITS) or not size[0] > 0.0:
+                message = "the page has no real-world units; --scale M says how many metres a user "
+                raise refused(self.path, f"{message}unit is", root.sourceline)
+            if size[1] > 0.0 and abs(size[1] / height * width / size[0] - 1.0) > 1e-3:
                 message = (
                     "width, height and viewBox stretch the page; give it one scale, or --scale"
                 )
-                raise refused(self.path, message, line)
-            self.drawing.facts.append(f"real-world size of the page: {scale:.6g} m per user unit")
+                raise refused(self.path, message, root.sourceline)
+            scale = size[0] / width * METRES_PER_PIXEL
+            told = f"real-world units of the page ({sides[0]}): {scale:.6g} m per user unit"
         corner = f"the page's {'lower' if height > 0.0 else 'upper'} left corner"
-        self.drawing.facts[-1] += (
-            f"; curves flattened within {self.tolerance:g} m; y turned up, {corner} is (0, 0)"
+        self.drawing.facts.append(
+            f"{told}; curves flattened within {self.tolerance:g} m; y turned up, {corner} is (0, 0)"
         )
         return svgelements.Matrix(scale, 0.0, 0.0, -scale, -x * scale, (y + height) * scale)
 
@@ -333,7 +325,7 @@ class _Reader:
                       or COMMON.fullmatch(key) or value.strip() == "none"
                       or (tag == "use" and key in ("width", "height"))):  # fmt: skip
                 unread = unread or f': the attribute "{escaped(key)[:40]}" is not read'
-        style = re.sub(r"/\*.*?\*/", " ", given.get("style", ""), flags=re.S)
+        style = re.sub(r"/\*.*?(?:\*/|\Z)", " ", given.get("style", ""), flags=re.S)
         for one in style.split(";"):
             key, _, value = (part.strip().lower() for part in one.partition(":"))
             if key == "all":  # sets those before it aside
@@ -409,8 +401,11 @@ class _Reader:
         """Take the lines of a shape; ValueError where they are none of its role."""
         role, name, line = state.role, state.name, element.sourceline
         heading = None
-        if role == "robot" and (said := re.fullmatch(r"(.*?)\s*@\s*([-+]?\d+(?:\.\d+)?)", name)):
-            name, heading = said[1], radians(float(said[2]))
+        if role == "robot" and "@" in name:
+            name, _, said = (one.strip() for one in name.rpartition("@"))
+            if len(degrees := numbers(said)) != 1:
+                raise ValueError(f'"@{escaped(said)[:40]}": one number of degrees is needed')
+            heading = radians(degrees[0])
         m = state.matrix
         turn = np.array([[m.a, m.b], [m.c, m.d]])
         tolerance = self.tolerance / float(np.linalg.norm(turn, 2))
@@ -425,6 +420,9 @@ class _Reader:
             if not np.isfinite(points).all():
                 raise ValueError("a coordinate is not a finite number")
         placed = [(points, closed) for points, closed in placed if len(points) > 1]
+        self.points += sum(len(points) for points, _ in placed)
+        if self.points > MOST_POINTS:
+            raise ValueError(f"more than {MOST_POINTS} points up to here; simplify the drawing")
         if not placed:
             self.drawing.changes.append(f"line {line}: {called}: a line of no length, left out")
         geometries: list[Any] = [shapely.LineString(points) for points, _ in placed]

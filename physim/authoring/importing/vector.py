@@ -63,22 +63,23 @@ class _Part:
 
 def read_wkt(path: Path, options: Options) -> Drawing:
     """Read a WKT file: one geometry, or one a line; ``#`` begins a comment."""
-    texts: list[tuple[int, str]] = []
+    texts: list[tuple[int, list[str]]] = []
     opened = 0
     for k, row in enumerate(read_text(path).split("\n"), start=1):
         row = row.split("#", 1)[0].strip().rstrip(";")
         begins = re.match(r"(SRID\s*=|[A-Za-z])", row) is not None
         if row and (not texts or (begins and opened <= 0)):
-            texts.append((k, row))
+            texts.append((k, [row]))
             opened = 0
         elif row:  # a geometry may go over several lines
-            texts[-1] = texts[-1][0], f"{texts[-1][1]} {row}"
+            texts[-1][1].append(row)
         opened += row.count("(") - row.count(")")
     if not texts:
         raise refused(path, "holds no geometry; POLYGON ((x y, ...)) is needed")
     parts: list[_Part] = []
     stated = ""
-    for k, text in texts:
+    for k, rows in texts:
+        text = " ".join(rows)
         if srid := re.match(r"(SRID\s*=\s*\d{1,9})\s*(?:;\s*)?", text, re.I):
             stated, text = srid[1], text[srid.end() :]
         depth = max(accumulate((c == "(") - (c == ")") for c in text), default=0)
@@ -126,6 +127,8 @@ def read_geojson(path: Path, options: Options) -> Drawing:
         if own & {*options.ignore}:
             continue
         geometry = feature.get("geometry") if feature.get("type") == "Feature" else feature
+        if geometry is not feature and isinstance(geometry, dict) and geometry.get("crs"):
+            raise refused(path, f"{about.label}: has a crs of its own; give one to the file")
         found = _geometries(path, geometry, about.label, 0) if geometry is not None else ()
         parts += [replace(about, geometry=one) for one in found]
         if len(parts) > MOST_GEOMETRIES:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 import shutil
 from pathlib import Path
+from typing import get_args
 
 import pytest
 
@@ -145,7 +146,7 @@ def test_what_the_check_says_of_the_world_is_told(
 
 
 def test_formats_of_the_command_line_are_those_of_the_import() -> None:
-    OFFERED = inside("physim.cli", "FORMATS")
+    OFFERED = get_args(inside("physim.cli", "Format"))
 
     assert OFFERED == FORMATS
 

@@ -273,6 +273,8 @@ HOSTILE = {
     "points": (svg(f'<path id="boundary" d="M{" 1" * 300_000}"/>'), "50000 points"),
     "elements": (svg("<g/>" * 100_000), "100000 elements"),
     "a comment without end": ("<!DOCTYPE svg>" + "<!--" * 100_000, ":1: … XML"),
+    "a sheet of links": (svg("<style>" + "url(" * 200_000 + "</style>"), ":2: … style sheet"),
+    "imports": (svg("<style>.a{" + "@import" * 200_000 + "</style>"), ":2: … style sheet"),
     "not XML": ("<svg><path</svg>", ":1: … XML"),
     "not SVG": ("<html></html>", ":1: … <html> … <svg>"),
     "a name that acts on a terminal": (svg('<rect id="r&#x202e;m"/>'), "r\\u202em"),
@@ -304,7 +306,7 @@ FAULTS = {
     "viewBox of three": (page('viewBox="0 0 24"'), ':1: … viewBox="0 0 24" … four numbers'),
     "viewBox negative": (page('viewBox="0 0 -24 14"'), ':1: … viewBox="0 0 -24 14" … above 0'),
     "no page width": (page('width="0mm" viewBox="0 0 24 14"'), ':1: … width="0mm" … above 0'),
-    "page in ems": (page('width="30em" viewBox="0 0 24 14"'), ':1: … width="30em" … 240mm'),
+    "page in ems": (page('width="30em" viewBox="0 0 24 14"'), ':1: … width="30em" … a number'),
     "place": (rect(place='x="a" y="6" width="1" height="1"'), ':3: … obstacle … x="a"'),
     "place in percent": (rect(place='x="50%" width="1" height="1"'), ':3: … x="50%" … with px'),
     "negative width": (rect(place='width="-1" height="1"'), ':3: … obstacle … width="-1"'),
@@ -346,6 +348,8 @@ FAULTS = {
     "crosses itself": (data("M 5,5 7,7 7,5 5,7 Z"), ":3: … obstacle … itself at (6.00, 8.00)"),
     "outlines that cross": (data("M4,4h4v4h-4zM6,6h4v4h-4z"), ":3: … obstacle … cross each other"),
     "a robot of two": (inner('<path id="robot r" d="M4,4h1v1z M6,6h1v1z"/>'), ":3: … one outline"),
+    "a heading": (inner('<rect inkscape:label="robot a @north" width="2" height="1"/>'),
+                  ':3: … "north" … a number'),
     "a wall with an inside": (inner('<rect id="wall" width="9" height="9"/>'),
                               ':3: … "wall" … obstacle … boundary'),
     "no boundary": (svg(PATH), "--boundary"),
@@ -361,7 +365,12 @@ FAULTS = {
 }  # fmt: skip
 
 
-@pytest.mark.parametrize("name", [*HOSTILE, *FAULTS])
+SLOW = pytest.param("copies of copies", marks=pytest.mark.deep)
+
+
+@pytest.mark.parametrize(
+    "name", [SLOW, *[one for one in [*HOSTILE, *FAULTS] if one != "copies of copies"]]
+)
 def test_a_refusal_names_the_line_the_element_and_what_is_wrong(tmp_path: Path, name: str) -> None:
     text, message = {**HOSTILE, **FAULTS}[name]
     check_says(refusal(tmp_path, text), message)

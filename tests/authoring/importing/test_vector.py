@@ -155,6 +155,10 @@ CRS = {"type": "name", "properties": {"name": "urn:ogc:def:crs:OGC:1.3:CRS84"}}
 FAULTS = {
     "degrees": (polygon(DEGREES), "180 by 90 units: degrees? … ogr2ogr … --scale 1 if metres"),
     "a crs": (polygon(ROOM, crs=CRS), "180 by 90 … CRS84 … degrees?"),
+    "a crs of its own": (
+        json.dumps({"type": "Feature", "geometry": json.loads(polygon(ROOM, crs=CRS))}),
+        "feature 1: … crs of its own",
+    ),
     "srid": ("SRID=4326;POLYGON ((13 52, 14 52, 14 53, 13 52))", "SRID=4326 … degrees?"),
     "nul": ("POLYGON ((0 0, 9 0, 9 9, 0 0))\0 oops (", ":1: … NUL"),
     "a key twice": (

@@ -129,14 +129,14 @@ def test_the_command_writes_beside_the_first_record(
     for name in ("a", "b"):
         Path(name).mkdir()
         free.save(Path(name, "record.h5"))
-    pair = ("video", "a/record.h5", "--beside", "b/record.h5")
+    pair = ("video", "a/record.h5", "b/record.h5")
     assert said(*pair)[:2] == (0, f"{Path('a/beside.mp4')}\n")
     assert "--force" in said(*pair).err
     kept = Path("b/record.h5").read_bytes()
     assert said(*pair, "-o", "b/record.h5", "--force").code == 2
     assert Path("b/record.h5").read_bytes() == kept
     Path("no.h5").write_text("no record")
-    bad = said("video", "a/record.h5", "--beside", "no.h5", "-o", "x.mp4")
+    bad = said("video", "a/record.h5", "no.h5", "-o", "x.mp4")
     assert bad.code == 2
     assert "no.h5" in bad.err
     assert not Path("x.mp4").exists()

@@ -1,0 +1,198 @@
+"""The commands: how one is found, run, and what is said of mistakes in what follows its name.
+
+A command is a function in a module of its own. Its arguments are typed and tell their help
+(`physim.cli.options`); its docstring is the rest of its help: one paragraph, then exit codes and
+examples as they are printed. Such a module imports what is heavy within its functions, so that help
+comes at once.
+"""
+
+from __future__ import annotations
+
+import traceback
+from collections.abc import Sequence
+from importlib import import_module
+from typing import TYPE_CHECKING
+
+from physim.errors import PhysimError, nearest, plain_key
+
+if TYPE_CHECKING:
+    from cyclopts import App, Argument, ArgumentCollection, CycloptsError
+
+GROUPS = {
+    "run": {
+        "list": ("listing:listing", "the worlds, controllers and other parts available"),
+        "run": ("run:run", "run a world: record, video and summary"),
+        "summary": ("listing:summary", "figures of a record: contacts, distances, times"),
+        "plot": ("pictures:plot", "draw the figures of a record"),
+        "video": ("pictures:video", "films and stills of a record, or of two"),
+        "page": ("page:page", "a run in the browser: watch, scrub, ask why"),
+    },
+    "judge": {
+        "validate": ("validate:validate", "contacts of a run, exact checks, who was responsible"),
+        "check-controller": (
+            "check_controller:check_controller",
+            "does a controller keep to what every run relies on?",
+        ),
+        "crashtest": (
+            "crashtest:crashtest", "random shapes: does the engine agree with analysis?",
+        ),
+    },
+    "author": {
+        "new": ("new:new", "a world to begin with, every key explained"),
+        "import": ("importing:import_world", "a world from a track, map, drawing or polygons"),
+        "check": ("check:check", "find every fault of a world before running it"),
+        "preview": ("check:preview", "draw a world before it is run"),
+        "schema": ("new:schema", "the JSON Schema of world files, for editors"),
+    },
+    "study": {
+        "sweep": ("sweep:sweep", "many runs: worlds, seeds, settings, controllers"),
+        "replay": ("replay:replay", "one run of a sweep again: record and video"),
+        "report": ("report:report", "how likely a contact is: rates, intervals, the worst"),
+        "compare": ("compare:compare", "is A better than B? differences on the same seeds"),
+        "falsify": ("falsify:falsify", "the worst that can happen: searched, shrunk, told"),
+        "reproduce": ("reproduce:reproduce", "the paper's figures again, reported beside measured"),
+    },
+}  # fmt: skip
+"""By job, the commands in the order of the help: where each is defined, and what it is for."""
+COMMANDS = {name: where for group in GROUPS.values() for name, (where, _) in group.items()}
+HELP, VERSION = ("-h", "--help"), "--version"
+
+
+def run_command(arguments: Sequence[str]) -> int:
+    """Run the command that the arguments name; returns its exit code.
+
+    Raises PhysimError, one line, for arguments that it does not take.
+    """
+    from physim.cli.help import overview, page
+
+    name, *rest = arguments or HELP
+    if name in HELP:
+        print(overview(), end="")
+        return 0
+    if name == VERSION:
+        from physim._version import __version__
+
+        print(f"physim {__version__}")
+        return 0
+    if name not in COMMANDS:
+        raise PhysimError(f"{_unknown(name)} (see physim --help)")
+    app = app_of(name)
+    ends = rest.index("--") if "--" in rest else len(rest)
+    if not set(HELP).isdisjoint(rest[:ends]):
+        print(page(name, app), end="")
+        return 0
+    return _run(name, app, rest)
+
+
+def app_of(name: str) -> App:
+    """The command of this name, imported."""
+    from cyclopts import App, Group, Parameter
+
+    module, _, function = COMMANDS[name].partition(":")
+    together = Group("Options", validator=check_together)
+    app = App(
+        name=name, help_flags=(), version_flags=(), group_arguments=together,
+        group_parameters=together, default_parameter=Parameter(negative=(), required=False),
+    )  # fmt: skip
+    app.default(getattr(import_module(f"physim.cli.{module}"), function))
+    return app
+
+
+def _run(name: str, app: App, words: list[str]) -> int:
+    from cyclopts import CycloptsError
+
+    from physim.cli.output import json_alone
+
+    try:
+        function, bound, more = app.parse_args(words, exit_on_error=False, print_error=False)
+    except CycloptsError as error:
+        raise PhysimError(f"{_explained(name, error)} (see physim {name} --help)") from None
+    given = bound.arguments
+    try:
+        with json_alone(given.get("json")) as out:
+            kept = {"out": out} if "out" in more else {}
+            return int(function(*bound.args, **bound.kwargs, **kept))
+    except PhysimError as error:
+        if getattr(given.get("changes"), "traceback", False) and error.__cause__ is not None:
+            traceback.print_exception(error.__cause__)
+        raise
+
+
+def check_together(given: ArgumentCollection) -> None:
+    """Raise ValueError for what is required and missing, and for a key that has two values."""
+    from physim.cli.options import quoted
+
+    missing = [
+        label(one) for one in given
+        if one.parse and not one.keys and one.field_info.required and not one.has_tokens
+    ]  # fmt: skip
+    if missing:
+        raise ValueError(f"{' and '.join(missing)} {'is' if len(missing) == 1 else 'are'} missing")
+    values = {one.names[-1]: [token.value for token in one.tokens] for one in given}
+    seed = next((name for name in ("--seed", "--seeds") if values.get(name)), "")
+    keys = ["seed"] * bool(seed) + [plain_key(text) for text in values.get("--set", ())]
+    if twice := next((key for key in keys if keys.count(key) > 1), None):
+        also = f", once by {seed}" if twice == "seed" and seed else ""
+        raise ValueError(f"--set {quoted(twice)}: is given twice{also}")
+
+
+def label(argument: Argument) -> str:
+    """An option or argument as errors name it: ``-o/--output``, ``WORLD``."""
+    if argument.index is None:
+        return "/".join(argument.names)
+    return (argument.parameter.metavar or argument.name).strip("[].")
+
+
+def _unknown(name: str) -> str:
+    """What is said of a word in the place of a command that is none."""
+    from physim.cli.options import quoted
+
+    word = quoted(name)
+    if name.startswith("-"):
+        return (
+            f"{word}: is no option of physim itself; write physim COMMAND ... {word}"
+            f"{nearest(name, [*HELP, VERSION])}"
+        )
+    close = nearest(name[:60], list(COMMANDS))
+    return f"physim {word}: no such command; there are {', '.join(COMMANDS)}{close}"
+
+
+def _explained(command: str, error: CycloptsError) -> str:
+    """A mistake in the words of all errors: the option, what was given, what is allowed."""
+    import cyclopts
+
+    from physim.cli.options import one_of, quoted
+
+    argument = error.argument
+    name = "" if argument is None else label(argument)
+    if isinstance(error, cyclopts.UnknownOptionError):
+        given = (error.token.keyword or error.token.value).partition("=")[0]
+        known = [name for one in error.argument_collection if one.parse for name in one.names]
+        close = nearest(given.strip("-"), [one[2:] for one in known if one.startswith("--")])
+        close = close.replace('"', '"--', 1)
+        return f"{quoted(given)}: physim {command} has no such option{close}"
+    if isinstance(error, cyclopts.RepeatArgumentError):
+        return f"{error.token.keyword}: is given twice; it takes one value"
+    if isinstance(error, cyclopts.UnusedCliTokensError):
+        app = app_of(command)
+        taken = [label(one) for one in app.assemble_argument_collection() if one.index is not None]
+        return (
+            f"{quoted((error.unused_tokens or [''])[0])}: is one argument too many; "
+            f"physim {command} takes {' and '.join(taken) or 'options'} only"
+        )
+    if argument is None:  # of all of them together
+        text = getattr(error, "exception_message", "") or str(error)
+        return text if text.startswith("--") else f"physim {command}: {text}"
+    choices = argument.get_choices(force=True)
+    if isinstance(error, cyclopts.MissingArgumentError):
+        if error.keyword is None:
+            return f"physim {command}: {name} is missing"
+        if choices:
+            return f"{name}: its value is missing; must be one of {', '.join(choices)}"
+        metavar = argument.parameter.metavar
+        return f"{name}: its {metavar} is missing; {name} {metavar}: {argument.parameter.help}"
+    token = getattr(error, "token", None) or next(iter(argument.tokens))
+    if argument.is_flag():
+        return f"{name}: takes no value; given {quoted(token.value)}"
+    allowed = one_of(token.value, choices) if choices else getattr(error, "msg", None) or error
+    return f"{name} {quoted(token.value)}: must be {allowed}"

@@ -1,0 +1,218 @@
+"""Options that commands share, and kinds of values: each reads a text, or says what is allowed.
+
+A command is a function; ``Annotated[int | None, option("help", "N", read=COUNT)]`` makes an option
+of one of its arguments. A reader raises ValueError with what is allowed in the text's place, for
+example ``a number greater than 0``.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+import sys
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Any, TextIO
+
+from cyclopts import Parameter
+
+from physim.drawing.printed import WIDTHS, printed_width
+from physim.errors import nearest
+from physim.escaping import escaped
+
+LONGEST_QUOTE = 60
+"""Characters of what was given that an error repeats."""
+LARGEST_NUMBER = 10**15
+
+
+def option(
+    text: str,
+    metavar: str | None = None,
+    *names: str,
+    read: Callable[[str], object] | None = None,
+    section: str | None = None,
+    **more: Any,
+) -> Parameter:
+    """An option or argument with its help: ``names``, where they differ from that in Python."""
+    if read is not None:
+        more |= {"converter": lambda _, tokens: read(tokens[0].value), "n_tokens": 1}
+    if section is not None:
+        more["group"] = section
+    return Parameter(names or None, help=text, metavar=metavar, **more)
+
+
+def quoted(text: str) -> str:
+    """What was given, in quotes where it would not be seen as one word."""
+    text = escaped(text[: LONGEST_QUOTE + 1])
+    text = text if len(text) <= LONGEST_QUOTE else text[: LONGEST_QUOTE - 1] + "…"
+    return text if text and re.fullmatch(r"[^\s\"']+", text) else f'"{text}"'
+
+
+def one_of(given: str, allowed: Sequence[str]) -> str:
+    """``one of ALLOWED``, and the one that is nearest to what was given."""
+    return f"one of {', '.join(allowed)}{nearest(given[:LONGEST_QUOTE], list(allowed))}"
+
+
+def whole(least: int, most: int, allowed: str = "", step: int = 1) -> Callable[[str], int]:
+    """Reader of whole numbers between two bounds, both allowed, every ``step`` of them from 0."""
+
+    def read(text: str) -> int:
+        value = int(text) if text.isascii() and text.isdigit() and len(text) < 19 else -1
+        if not least <= value <= most or value % step:
+            raise ValueError(allowed or f"a whole number from {least} to {most}")
+        return value
+
+    return read
+
+
+def real(
+    least: float, most: float = sys.float_info.max, allowed: str = ""
+) -> Callable[[str], float]:
+    """Reader of numbers between two bounds, both allowed."""
+
+    def read(text: str) -> float:
+        value = _number(text)
+        if not least <= value <= most:
+            raise ValueError(allowed or f"a number from {least:.15g} to {most:.15g}")
+        return value
+
+    return read
+
+
+WHOLE = whole(0, LARGEST_NUMBER, "a whole number from 0 to 10^15")
+COUNT = whole(1, 10_000)
+POSITIVE = real(math.nextafter(0.0, 1.0), allowed="a number greater than 0")
+DISTANCE = real(0.0, allowed="a number of 0 or more")
+
+
+def print_width(text: str) -> float:
+    """Read a width in print [in]."""
+    return printed_width(text if text in WIDTHS else _number(text))
+
+
+def seed_range(text: str) -> tuple[int, int]:
+    """Read seeds A:B, half-open."""
+    first, _, last = text.partition(":")
+    try:
+        ends = (WHOLE(first), WHOLE(last))
+    except ValueError:
+        raise ValueError("A:B, two whole numbers from 0 to 10^15, as 1:101") from None
+    if ends[1] <= ends[0]:
+        raise ValueError("A:B with A below B: it goes from A to B - 1")
+    return ends
+
+
+def pair(text: str) -> tuple[float, float]:
+    """Read X,Y [m], two finite numbers."""
+    x, y = _numbers(text)
+    if not (abs(x) <= LARGEST_NUMBER and abs(y) <= LARGEST_NUMBER):
+        raise ValueError("X,Y, two numbers [m], as 14.5,-3")
+    return x, y
+
+
+def size(text: str) -> tuple[float, float] | Literal["fit"]:
+    """Read LENGTH,WIDTH [m], two numbers greater than 0, or fit."""
+    if text == "fit":
+        return "fit"
+    length, width = _numbers(text)
+    if not (0.0 < length <= 1000.0 and 0.0 < width <= 1000.0):
+        raise ValueError("LENGTH,WIDTH, two numbers above 0, at most 1000 [m], as 1.8,1.0, or fit")
+    return length, width
+
+
+def _numbers(text: str) -> tuple[float, float]:
+    first, _, last = text.partition(",")
+    return _number(first), _number(last)
+
+
+def _number(text: str) -> float:
+    """Number in plain digits, or NaN, which no bounds hold."""
+    try:
+        return float(text) if text.isascii() and "_" not in text else math.nan
+    except ValueError:
+        return math.nan
+
+
+def path(text: str) -> Path:
+    """Read the name of a file or folder."""
+    if not text:  # Python's would be the working folder; mostly it is a variable that is not set
+        raise ValueError("the name of a file or folder")
+    if "\n" in text:  # it would end the lines that tell of it, and begin some of its own
+        raise ValueError("the name of a file or folder in one line")
+    return Path(text)
+
+
+def json_file(text: str) -> Path:
+    """Read the name of a file, or - for standard output."""
+    if text.startswith("-") and text != "-":  # an option, most likely
+        raise ValueError("the name of a file, or - for standard output")
+    return path(text)
+
+
+def record_file(text: str) -> Path:
+    """File of a record that is named by itself or by the folder of its run."""
+    given = path(text)
+    return given / "record.h5" if given.is_dir() else given
+
+
+def words(text: str) -> tuple[str, ...]:
+    """Read NAME,..."""
+    names = tuple(name.strip() for name in text.split(","))
+    if "" in names:
+        raise ValueError("NAME,... with a name before and behind each comma")
+    return names
+
+
+RECORD_HELP = "a run: its folder or its record.h5"
+WORLD_HELP = (
+    "a world file; the name of a shipped world, or of one in worlds/; or the record.h5 of a run, "
+    "whose world is taken"
+)
+JSON_HELP = "write everything to FILE (-: standard output) as JSON"
+CONTROLLER_HELP = "a registered controller (physim list) or your own as module:Class"
+WORKERS_HELP = "processes, 1 to 64 (as many as cores, at most 8)"
+
+Out = Annotated[TextIO, Parameter(parse=False)]
+"""Standard output, for the JSON of a command; what it prints otherwise goes by `print`"""
+JsonFile = Annotated[
+    Path | None, option(JSON_HELP, "FILE", read=json_file, allow_leading_hyphen=True)
+]
+JsonFlag = Annotated[bool, option("print everything as JSON instead")]
+World = Annotated[str, option(WORLD_HELP, "WORLD")]
+Record = Annotated[Path, option(RECORD_HELP, "RECORD", read=record_file)]
+Workers = Annotated[int | None, option(WORKERS_HELP, "N", read=whole(1, 64))]
+Seeds = tuple[int, int]
+"""First seed, and the one after the last"""
+
+
+def to(text: str, metavar: str = "FILE") -> Parameter:
+    """``-o/--output``: where a command writes."""
+    return option(text, metavar, "-o", "--output", read=path)
+
+
+@Parameter(name="*")
+@dataclass(frozen=True)
+class Changes:
+    """What the command line changes in a world before it is run."""
+
+    seed: Annotated[int | None, option("seed, instead of the world's own", "N", read=WHOLE)] = None
+    controller: Annotated[str | None, option(CONTROLLER_HELP, "NAME")] = None
+    traceback: Annotated[
+        bool, option("show where code of your own failed, with all calls that led there")
+    ] = False
+    set: Annotated[
+        tuple[str, ...],
+        option(
+            "change one value of the world, e.g. robots.0.limits.v=1.2, or leave one out, e.g. "
+            "formation=null (may be repeated)", "KEY=VALUE",
+        ),
+    ] = ()  # fmt: skip
+
+    @property
+    def reading(self) -> dict[str, Any]:
+        """What `physim.world.file.read_world` takes of it."""
+        return {"overrides": self.set, "controller": self.controller}
+
+
+AS_IT_IS = Changes()

@@ -35,7 +35,7 @@ from physim.world.layout.shape_checks import (
     wall_faults,
 )
 from physim.world.layout.start_poses import start_poses
-from physim.world.layout.tunnelling import Moving, tunnelling
+from physim.world.layout.step import step_faults
 from physim.world.scene import Layout, wall_label
 
 MOST_MEETINGS = 100_000
@@ -62,7 +62,7 @@ def lay_out(world: World, seed: int | None = None) -> Layout:
     centreline, widths = _corridor_line(world.corridor)
     boundaries = _boundaries(world, centreline, widths, faults)
     paths = paths_of(world, reference, faults)
-    _check_step(world, footprints, faults)
+    faults += step_faults(world, footprints)
     _raise(world, faults)
     lines = list(boundaries.values())
     try:
@@ -104,15 +104,6 @@ def _check_regions(world: World, faults: list[Fault]) -> None:
     for where, holder in holders:
         if holder.start is not None and (message := outline_fault(holder.start.region)):
             faults.append(Fault((*where, "start", "region"), message))
-
-
-def _check_step(world: World, footprints: list[FloatArray], faults: list[Fault]) -> None:
-    """Refuse steps in which a robot could pass through something."""
-    moving = [
-        Moving(i, robot.name, outline, robot.limits.v, robot.limits.omega)
-        for i, (robot, outline) in enumerate(zip(world.robots, footprints, strict=True))
-    ]
-    faults += world.as_written(tunnelling(moving, world.time.step))
 
 
 def _corridor_line(corridor: Corridor | None) -> tuple[FloatArray | None, FloatArray | None]:

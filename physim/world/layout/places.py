@@ -208,14 +208,6 @@ class Candidates:
         place = draw.uniform(*self._box(i, heading), (size, 2))
         return np.column_stack([place, self._headings(place, heading)])
 
-    def width_beside(self, i: int, room: shapely.Geometry) -> float:
-        """Width [m] across the road from the right to the left end of ``room``, in the row of i."""
-        outline = shapely.get_coordinates(shapely.segmentize(room, OUTLINE_STEP))
-        station, deviation = self.along.project(outline)
-        low, high = self.cells[i][:2]
-        here = deviation[(station >= low - OUTLINE_STEP) & (station <= high + OUTLINE_STEP)]
-        return float(np.ptp(here)) if len(here) else 0.0
-
     def _middle(self, i: int, headings: FloatArray) -> FloatArray:
         """Middle (B, 2) of footprint i from its reference point, at headings (B,)."""
         low, high = shapely.bounds(shapely.Polygon(self.occupied.footprints[i])).reshape(2, 2)

@@ -15,7 +15,7 @@ import numpy as np
 import shapely
 
 from physim.errors import Fault, Location, WorldError
-from physim.geometry.polygon import circumscribed_radius, least_width
+from physim.geometry.polygon import circumscribed_radius
 from physim.geometry.shapes import FloatArray
 from physim.randomness import stream
 from physim.tolerances import CONTACT
@@ -123,7 +123,7 @@ class _Group:
             self.occupied.leave(placed)
             if not placed and attempt >= 1:
                 break
-        return self._fault(self._crowded(most, stuck, candidates))
+        return self._fault(self._crowded(most, stuck))
 
     def _found(
         self, i: int, candidates: Candidates, draw: np.random.Generator, tight: bool
@@ -143,79 +143,22 @@ class _Group:
                 return np.asarray(poses[fits[np.argmin(room[fits])]])
         return None
 
-    def _crowded(self, placed: int, stuck: int, candidates: Candidates) -> str:
+    def _crowded(self, placed: int, stuck: int) -> str:
         """What to do about robots that do not fit: in figures."""
-        gap, n, name = self.start.min_gap, len(self.members), self.world.robots[stuck].name
-        room = self.free.difference(self.occupied.kept_clear(gap))
-        if placed == 0 and (too_narrow := self._narrow(room, name)):
-            return too_narrow
-        free = room.area
+        start, name = self.start, self.world.robots[stuck].name
+        free = self.free.difference(self.occupied.kept_clear(start.min_gap)).area
         need = sum(
-            shapely.Polygon(self.occupied.footprints[i]).buffer(0.5 * gap).area
+            shapely.Polygon(self.occupied.footprints[i]).buffer(0.5 * start.min_gap).area
             for i in self.members
         )
-        counted = (
-            f"{placed} of {n} robots could be placed in it with gaps of {gap:.6g} m, then none "
-            f'for "{name}"; {free:.3g} m² of it are free, and the robots with half the gap around '
-            f"them take {need:.3g} m²"
-        )
-        if too_wide := self._too_wide(room, stuck, candidates):
-            return f"{counted}; {too_wide}"
-        if need > FILLED * free:
-            return (
-                f"{counted}; about {_rounded_up(need / FILLED)} m² are enough: enlarge the region, "
-                "or use a smaller min_gap or fewer robots"
-            )
-        rows = ", fewer abreast or none" if self.start.abreast is not None else ""
-        return f"{counted}, but not in this shape; use a wider region{rows} or a smaller min_gap"
-
-    def _too_wide(self, room: shapely.Geometry, stuck: int, candidates: Candidates) -> str:
-        """What to say where the robots abreast of one need more width than ``room`` has there."""
-        abreast, gap = self.start.abreast, self.start.min_gap
-        if abreast is None:
-            return ""
-        place = self.members.index(stuck) // abreast * abreast
-        row = self.members[place : place + abreast]
-        need = sum(self._across(i) for i in row) + (len(row) - 1) * gap
-        wide = candidates.width_beside(stuck, room)
-        if need <= wide:
-            return ""
+        fewer = "fewer robots" if start.abreast is None else "fewer robots or fewer abreast"
         return (
-            f"side by side {len(row)} abreast with these gaps need {need:.4g} m across the road, "
-            f"{need + 2.0 * gap:.4g} m from wall to wall, and {wide:.4g} m of it are {gap:.6g} m "
-            "from all walls; use fewer abreast, a smaller min_gap, or a wider region and road"
-        )
-
-    def _across(self, i: int) -> float:
-        """Width [m] that robot i takes across the road; if it may stand at a slant, the least."""
-        footprint = self.occupied.footprints[i]
-        return (
-            float(np.ptp(footprint[:, 1]))
-            if self.start.heading == "along"
-            else (least_width(footprint))
-        )
-
-    def _narrow(self, room: shapely.Geometry, name: str) -> str:
-        """What to say where no place of ``room`` is as wide as any robot at its narrowest."""
-        wide = 0.0
-        if not room.is_empty:
-            wide = 2.0 * shapely.maximum_inscribed_circle(room, tolerance=1e-3).length
-        need = min(least_width(self.occupied.footprints[i]) for i in self.members)
-        if wide >= need:
-            return ""
-        return (
-            f'no place in it is as wide as "{name}" needs: {self.free.area:.3g} of its '
-            f"{shapely.Polygon(self.start.region).area:.3g} m² lie in the accessible area, and "
-            f"{self.start.min_gap:.6g} m (min_gap) from all else the widest place is {wide:.3g} m "
-            f"wide, while a robot is {need:.3g} m at its narrowest; move the region inside, or use "
-            "a wider one or a smaller min_gap"
+            f"{placed} of {len(self.members)} robots could be placed in it with gaps of "
+            f'{start.min_gap:.6g} m, then none for "{name}"; {free:.3g} m² of it are free, and the '
+            f"robots with half the gap around them take {need:.3g} m², best no more than "
+            f"{FILLED:.0%} of it; enlarge the region, or use a smaller min_gap or {fewer}"
         )
 
     def _fault(self, message: str) -> Fault:
         where = self.where or (*self.world.entry_of(self.members[0]), "start")
         return Fault((*where, "region"), message)
-
-
-def _rounded_up(area: float) -> str:
-    unit = 10.0 ** max(np.floor(np.log10(area)) - 1.0, 0.0)
-    return f"{np.ceil(area / unit) * unit:.0f}"

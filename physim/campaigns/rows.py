@@ -66,6 +66,11 @@ class Came(NamedTuple):
     finished: bool
     """all robots arrived"""
 
+    @property
+    def rate(self) -> bool:
+        """Whether it was contact-free and finished."""
+        return self.contact_free and self.finished
+
 
 @dataclass(
     frozen=True, kw_only=True, slots=True,

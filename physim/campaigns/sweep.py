@@ -166,8 +166,7 @@ def sweep_until(
 
 
 def _decides(watch: Watch, came: Came) -> bool:
-    safe = came.contact_free and came.finished
-    return watch.add(safe if watch.goal.rate == "rate" else getattr(came, watch.goal.rate))
+    return watch.add(getattr(came, watch.goal.rate))
 
 
 def job_of(spec: RunSpec, keep: str, records: Path | None, judged: bool = False) -> Job:

@@ -41,6 +41,13 @@ def import_world(
             "M", read=POSITIVE, section=LINES,
         ),
     ] = None,
+    close: Annotated[
+        float | None,
+        option(
+            "[m] join ends of walls, and of pieces of a path, that are at most so far apart", "M",
+            read=POSITIVE, section=LINES,
+        ),
+    ] = None,
     boundary: Annotated[
         tuple[str, ...],
         option(
@@ -99,12 +106,15 @@ def import_world(
         int | None, option("robots abreast (1)", "K", read=COUNT, section=ROUTE)
     ] = None,
     robot: Annotated[
-        Place | None,
+        Place | Literal["fit"] | None,
         option(
-            "[m] length and width of a robot (default: as large as fits, at most 1.8,1.0)", "L,W",
-            read=size, section=ROUTE,
+            "[m] length and width of a robot (1.8,1.0), or fit: as large as fits, at most that",
+            "L,W|fit", read=size, section=ROUTE,
         ),
     ] = None,
+    no_formation: Annotated[
+        bool, option("robots go each by itself, not in a formation", section=ROUTE)
+    ] = False,
     untried: Annotated[
         bool, option("do not drive the world made once, to see if all robots arrive")
     ] = False,
@@ -127,7 +137,7 @@ def import_world(
 
     examples:
       physim import track.csv -o track.yaml --robots 6 --lanes 2
-      physim import map.yaml -o office.yaml --robots 5 --from 1,2 --to 14.5,-3
+      physim import map.yaml -o office.yaml --robots 5 --robot fit --from 1,2 --to 14.5,-3
       physim import plan.svg -o plan.yaml --scale 0.1
     """
     # both now: Ctrl-C in the import of a module would end the command with the world just written
@@ -139,7 +149,8 @@ def import_world(
     asked = importing.Options(
         format=format, scale=scale, tolerance=tolerance, specks=specks, start=start, gap=gap,
         open=open, origin=origin, goal=goal, robots=robots, lanes=lanes, robot=robot, name=name,
-        boundary=boundary, ignore=ignore, ignore_others=ignore_others,
+        no_formation=no_formation, close=close, boundary=boundary, ignore=ignore,
+        ignore_others=ignore_others,
     )  # fmt: skip
     imported = importing.import_world(source, asked)
     written = write_schema(output, force)  # first: without the world nothing is imported

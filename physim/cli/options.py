@@ -13,7 +13,7 @@ import sys
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any, TextIO
+from typing import Annotated, Any, Literal, TextIO
 
 from cyclopts import Parameter
 
@@ -111,11 +111,13 @@ def pair(text: str) -> tuple[float, float]:
     return x, y
 
 
-def size(text: str) -> tuple[float, float]:
-    """Read LENGTH,WIDTH [m], two numbers greater than 0."""
+def size(text: str) -> tuple[float, float] | Literal["fit"]:
+    """Read LENGTH,WIDTH [m], two numbers greater than 0, or fit."""
+    if text == "fit":
+        return "fit"
     length, width = _numbers(text)
     if not (0.0 < length <= 1000.0 and 0.0 < width <= 1000.0):
-        raise ValueError("LENGTH,WIDTH, two numbers above 0, at most 1000 [m], as 1.8,1.0")
+        raise ValueError("LENGTH,WIDTH, two numbers above 0, at most 1000 [m], as 1.8,1.0, or fit")
     return length, width
 
 

@@ -5,28 +5,35 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from pydantic import Field
+from pydantic import Discriminator, Field, Tag
 
 from physim.authoring.importing.drawing import DIGITS, refused
 from physim.world.base import Model
-from physim.world.kinds import Flag, Number, Sequence, Text, Whole
+from physim.world.kinds import Flag, Number, Sequence, Text, Whole, is_word
 
 Above = Annotated[Number, Field(gt=0.0)]
 Least = Annotated[Number, Field(ge=0.0)]
 Counted = Annotated[Whole, Field(ge=1, le=10_000)]
 Pair = Annotated[tuple[Number, Number], Sequence]
+Side = Annotated[Number, Field(ge=10.0**-DIGITS)]
+Size = Annotated[
+    Annotated[Literal["fit"], Tag("<word>")]
+    | Annotated[tuple[Side, Side], Sequence, Tag("<value>")],
+    Discriminator(is_word),
+]
 
 
 class Options(Model):
     """What the user asked for; None where the source or the import decides.
 
     Lengths [m]: ``tolerance`` of simplified and flattened lines, ``start`` and ``gap`` of a closed
-    track, ``origin`` and ``goal`` (x, y) of the route, ``robot`` (length, width). ``scale`` [m per
-    unit of the source], ``specks`` [m²] the largest occupied patch that is left out. ``open``: the
-    track is open, whatever its ends look like. ``boundary`` are ids or labels of shapes and groups
-    of an SVG drawing that are walls; ``ignore`` are those of a drawing, or names and layers of
-    features, that are left out, ``ignore_others`` leaves out all without a role. Raises WorldError
-    for values that cannot be.
+    track, ``origin`` and ``goal`` (x, y) of the route, ``robot`` (length, width) or "fit", as large
+    as the path has room for, ``close`` the longest gap between ends of lines that is closed.
+    ``scale`` [m per unit of the source], ``specks`` [m²] the largest occupied patch that is left
+    out. ``open``: the track is open, whatever its ends look like. ``boundary`` are ids or labels of
+    shapes and groups of an SVG drawing that are walls; ``ignore`` are those of a drawing, or names
+    and layers of features, that are left out, ``ignore_others`` leaves out all without a role.
+    Raises WorldError for values that cannot be.
     """
 
     format: Literal["track", "ros-map", "svg", "wkt", "geojson"] | None = None
@@ -40,7 +47,9 @@ class Options(Model):
     goal: Pair | None = None
     robots: Counted | None = None
     lanes: Counted | None = None
-    robot: Annotated[tuple[Above, Above], Sequence] | None = None
+    robot: Size | None = None
+    no_formation: Flag = False
+    close: Above | None = None
     name: Text | None = None
     boundary: Annotated[tuple[Text, ...], Sequence] = ()
     ignore: Annotated[tuple[Text, ...], Sequence] = ()
@@ -62,6 +71,7 @@ ONLY_FOR = {
     "open": (("track",), "says that a track (.csv) is open, near as its ends may be"),
     "specks": (("ros-map",), "says which occupied patches of a ROS map are left out"),
     "boundary": (("svg",), "says which shapes of an SVG drawing are walls"),
+    "close": (("svg", "wkt", "geojson"), "joins ends of lines of a drawing"),
     "ignore": (("svg", "geojson"), "says which shapes of a drawing are left out"),
     "ignore_others": (("svg", "geojson"), "leaves out the shapes of a drawing without a role"),
 }
@@ -73,20 +83,9 @@ TOLERANT = ("ros-map", "svg")
 """Kinds of source of which every line is made within ``tolerance``, not only one of many points"""
 
 
-LEAST_ROBOT = 10.0**-DIGITS
-"""[m] length and width of a robot that a world can be written with"""
-
-
 def check_options(source: Path, kind: str, options: Options) -> None:
     """Refuse options that would be without effect for a kind of source, or that none can take."""
     for name, (kinds, purpose) in ONLY_FOR.items():
         if getattr(options, name) != Options.model_fields[name].default and kind not in kinds:
             option = f"--{name.replace('_', '-')}"
             raise refused(source, f"{option}: {purpose}; this is read as {kind}")
-    if options.robot is not None and not min(options.robot) >= LEAST_ROBOT:
-        sides = ",".join(f"{side:g}" for side in options.robot)
-        raise refused(
-            source,
-            f"--robot {sides}: length and width must be at least {LEAST_ROBOT:g} m, as worlds are "
-            "written to the millimetre",
-        )

@@ -11,171 +11,288 @@ cells that meet at a corner alone do not make a passage.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from math import cos, sin
+from math import cos, sin, tau
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any, Literal
 
 import cv2
 import numpy as np
 import shapely
+from pydantic import BeforeValidator, Field
 
-from physim.authoring.importing.drawing import DIGITS, MOST_LISTED, Drawing, listed, place, refused
-from physim.authoring.importing.enclosure import MOST_OBSTACLES, check_size
-from physim.authoring.importing.lines import Outline
+from physim.authoring.importing.area import MOST_OBSTACLES, SMALLEST, Clearance
+from physim.authoring.importing.drawing import DIGITS, Drawing, Shape, listed, place, refused
 from physim.authoring.importing.options import Options
-from physim.authoring.importing.ros_map_file import RosMap, read_map_file
-from physim.authoring.importing.source import read_image
+from physim.authoring.importing.source import read_image, read_text
+from physim.errors import Fault, WorldError, nearest
 from physim.escaping import escaped
 from physim.geometry.shapes import FloatArray
+from physim.world.base import Model
+from physim.world.file import read_document
+from physim.world.kinds import Flag, Number, Sequence, Text
 
 SPECK = 2.0
 """[cells] Occupied patches up to this many are left out unless the user says otherwise."""
 LARGEST_CELL = 2.0
 """[m] of a cell from which on the scale is doubted: robots are no longer"""
 MOST_LOST = 0.1
-"""[-] share of its area that a ring may lose or gain when it is simplified"""
+"""[-] share of its area that a hole may lose or gain when outlines are simplified"""
 MOST_EDGES = 1_000_000
 """Edges of cells in the outline of the free region."""
 MOST_BORDERS = 4_000_000
 """Edges between free and other cells of a map: it has no more patches than a quarter of them."""
+WORTH = 0.01
+"""[-] share of the largest free region from which on another may be meant"""
+HARDLY, FEW = 0.02, 0.1
+"""[-] shares of free cells below which a map is refused, and doubted, if most would be free with
+another negate or mode"""
+UNKNOWN = 205.0 / 255.0
+"""[-] brightness that map_saver gives to what is unknown"""
+
+Share = Annotated[Number, Field(ge=0.0, le=1.0)]
 
 
-def outline_map(
-    path: Path,
-    drawing: Drawing,
-    free: Any,
-    cell: float,
-    origin: tuple[float, float, float],
-    options: Options,
-) -> None:
-    """Fill in boundaries, obstacles and area of a drawing from free cells.
+class RosMap(Model):
+    """The YAML of a map; ``origin`` x, y [m], yaw [rad] of the lower left corner of its image."""
+
+    image: Text
+    resolution: Annotated[Number, Field(ge=1e-6, le=1e3)]
+    origin: Annotated[
+        tuple[Annotated[Number, Field(ge=-1e6, le=1e6)], ...],
+        Field(min_length=2, max_length=3),
+        Sequence,
+    ]
+    negate: Annotated[Flag, BeforeValidator(lambda v: bool(v) if v in (0, 1) else v)] = False
+    occupied_thresh: Share = 0.65
+    free_thresh: Share = 0.196
+    mode: Literal["trinary", "scale", "raw"] = "trinary"
+
+    def free(self, brightness: Any, clear: Any) -> Any:
+        """(rows, columns) bool of the cells that are free, as they lie in the image.
+
+        Departure from nav2, which averages opacity with the colours in ``trinary`` mode: so white
+        that is transparent is unknown as here, but grey of unknown cells that is opaque is free.
+        """
+        if self.mode == "raw":
+            return np.round(brightness * 255.0) / 100.0 < self.free_thresh
+        occupancy = brightness if self.negate else 1.0 - brightness
+        return (occupancy < self.free_thresh) & ~clear
+
+
+def read_ros_map(path: Path, options: Options) -> Drawing:
+    """Read a map into a drawing: outlines of its free region, or of that at ``--from``.
+
+    Raises ImportSourceError, where several free regions may be meant, too.
+    """
+    drawing = Drawing(kind="ROS map", path=path)
+    found, image = _read_yaml(drawing)
+    brightness, clear = read_image(image)
+    free = found.free(brightness, clear)
+    rows, columns = free.shape
+    cell = found.resolution * options.unit
+    drawing.facts.append(
+        f"{columns} x {rows} cells of {cell:g} m from {escaped(image.name)}, "
+        f"{columns * cell:.1f} x {rows * cell:.1f} m, {100.0 * free.mean():.0f} % free; "
+        "what is unknown counts as occupied"
+    )
+    if (free & (np.abs(brightness - UNKNOWN) < 1e-3)).any():
+        drawing.changes.append(
+            f"WARNING: grey 205, which map_saver writes for unknown, is free below free_thresh "
+            f"{found.free_thresh:g}; 0.196 takes it as unknown"
+        )
+    _check_free(drawing, found, brightness, clear)
+    if cell > LARGEST_CELL:
+        drawing.changes.append(
+            f"check the scale: cells of {cell:g} m; a map's resolution is in metres, 0.05 for 5 cm "
+            "(--scale 0.001 for millimetres)"
+        )
+    x, y, yaw = (*found.origin, 0.0)[:3]
+    region = _outlined(
+        drawing, np.flipud(free).copy(), cell, (x * options.unit, y * options.unit, yaw), options
+    )
+    drawing.shapes = [Shape("place", region)]
+    return drawing
+
+
+def _check_free(drawing: Drawing, found: RosMap, brightness: Any, clear: Any) -> None:
+    """Name another negate or mode where hardly a cell is free; refuse it where next to none is."""
+    share = found.free(brightness, clear).mean()
+    others: dict[str, dict[str, Any]] = {
+        f"negate: {int(not found.negate)}": {"negate": not found.negate},
+        "mode: trinary": {"mode": "trinary"},
+    }
+    shares = {
+        key: found.model_copy(update=update).free(brightness, clear).mean()
+        for key, update in others.items()
+    }
+    meant = [f"with {key} {100.0 * v:.0f} %" for key, v in shares.items() if v > 0.5]
+    message = f"{100.0 * share:.2g} % of the cells are free; see negate, mode and free_thresh"
+    if meant:
+        message = f"{100.0 * share:.2g} % of the cells are free, {', '.join(meant)} would be"
+    if share == 0.0 or (meant and share < HARDLY):
+        raise drawing.refusal(message + "; if it is right, crop the image" * bool(meant))
+    if meant and share < FEW:
+        drawing.changes.append(f"WARNING: {message}")
+
+
+def _read_yaml(drawing: Drawing) -> tuple[RosMap, Path]:
+    """What a map says, and the path of its image; ImportSourceError with the line of a fault."""
+    path, keys = drawing.path, list(RosMap.model_fields)
+    text = read_text(path)
+    if not text.strip():
+        raise refused(path, f"the file is empty; a map has {', '.join(keys)}", 1)
+    document = read_document(text, escaped(str(path)))
+    values = document.values
+    if not isinstance(values, dict):
+        raise refused(path, f"a map is a mapping of keys: {', '.join(keys)}", 1)
+    if {"name", "robots"} <= set(values) and not set(values) & set(keys):
+        message = "is a world of physim already, and no map; physim run takes it as it is"
+        raise refused(path, message)
+    faults: tuple[Fault, ...] = ()
+    others = [key for key in values if key not in keys]
+    if others and {"image", "resolution", "origin"} <= set(values):
+        drawing.changes.append(f"keys left out: {', '.join(escaped(str(key)) for key in others)}")
+        values = {key: value for key, value in values.items() if key in keys}
+    try:
+        found = RosMap(**values)
+        if found.free_thresh > found.occupied_thresh:
+            said = f"{found.free_thresh:g} is above occupied_thresh, {found.occupied_thresh:g}"
+            faults = (Fault(("free_thresh",), said),)
+        if len(found.origin) > 2 and abs(found.origin[2]) > tau:
+            said = f"{found.origin[2]:g} is a yaw in rad, at most a full turn; is it in degrees?"
+            faults = (Fault(("origin", 2), said),)
+        image = _image(path, found.image)
+        if isinstance(image, str):
+            faults = (Fault(("image",), image),)
+    except WorldError as error:
+        faults = tuple(error.faults)
+    if faults:
+        raise refused(path, str(faults[0]), document.position(faults[0].location).line)
+    return found, Path(image)
+
+
+def _image(path: Path, name: str) -> Path | str:
+    """The image beside the map, never a file elsewhere; or what is wrong with its name."""
+    folder, given = path.parent.resolve(), escaped(name[:100])
+    try:
+        image = (folder / name).resolve()
+        is_there = image.is_file()
+    except (OSError, RuntimeError, ValueError):
+        return f'"{given}" is not the name of a file'
+    if not image.is_relative_to(folder):
+        return f'"{given}" lies outside the folder of the map; put the image beside it'
+    if is_there:
+        return image if Path(name).is_absolute() else path.parent / name
+    there = sorted(p.name for p in folder.iterdir() if p.suffix in (".pgm", ".png"))
+    return f'no file "{given}" in {folder.name or "/"}{nearest(name, there)}'
+
+
+def _outlined(
+    drawing: Drawing, free: Any, cell: float, origin: tuple[float, float, float], options: Options
+) -> Any:
+    """Shapely polygon [m] of the free region that is meant; what is left out is listed.
 
     ``free`` (rows, columns) bool, the lowest row first; ``cell`` [m] the side of a cell;
     ``origin`` x, y [m] and yaw [rad] of the lower left corner.
     """
-    tolerance = cell if options.tolerance is None else options.tolerance
-    specks = SPECK * cell * cell if options.specks is None else options.specks
-    free = free.copy()
-    if not free.any():
-        raise refused(path, "no cell of the map is free; see negate and free_thresh")
-    _check_borders(path, free)
-    centre = _Centres(cell, origin)
-    drawing.changes += _fill_specks(free, specks, cell, centre)
-    region = _region(path, drawing, free, cell, centre, options.origin)
-    cells = _polygon(path, region)
-    _check_holes(path, len(cells.interiors))
-    exact = shapely.transform(cells, lambda at: centre.placed(at * cell))
-    x0, y0, x1, y1 = exact.bounds
-    check_size(path, np.array([x1 - x0, y1 - y0]))
-    polygon = _simplified(path, exact, tolerance)
-    moved = max(_farthest(polygon, exact), _farthest(exact, polygon))
-    drawing.facts.append(
-        f"outlines along the edges of cells, simplified within {tolerance:g} m: moved by at most "
-        f"{moved:.4f} m (Hausdorff distance), area {exact.area:.2f} to {polygon.area:.2f} m²"
-    )
-    drawing.area = polygon
-    drawing.add_outline(polygon)
+    x, y, yaw = origin
+    turn = np.array([[cos(yaw), sin(yaw)], [-sin(yaw), cos(yaw)]])
 
+    def placed(cells: FloatArray) -> FloatArray:
+        return np.asarray(cells * cell @ turn + (x, y))
 
-def _check_borders(path: Path, free: Any) -> None:
-    """Refuse noise, as memory grows with the number of patches."""
     borders = sum(np.count_nonzero(np.diff(free, axis=axis)) for axis in (0, 1))
     if borders > MOST_BORDERS:
-        raise refused(
-            path,
+        raise drawing.refusal(
             f"{borders} edges between free and other cells, at most {MOST_BORDERS} are worked on: "
-            "is it noise? Smooth the image or make its cells larger",
+            "is it noise? Smooth the image or make its cells larger"
         )
+    specks = SPECK * cell * cell if options.specks is None else options.specks
+    _, labels, area, middles = _patches(~free, 8, cell)
+    small = (area > 0.0) & (area <= specks * (1.0 + 1e-9))
+    free |= small[labels] & ~free
+    drawing.changes += listed(
+        sorted(np.flatnonzero(small), key=lambda k: -area[k]),
+        lambda k: (
+            f"speck of {area[k]:.4g} m² at {place(placed(middles[k] + 0.5))}: left out (--specks)"
+        ),
+    )
+    at = None
+    if options.origin is not None:
+        at = np.floor(turn @ (np.array(options.origin) - (x, y)) / cell).astype(int)
+    cells = _polygon(drawing, _region(drawing, free, cell, placed, at))
+    if len(cells.interiors) > MOST_OBSTACLES:
+        raise drawing.refusal(
+            f"{len(cells.interiors)} occupied patches within the free region would be obstacles; "
+            f"at most {MOST_OBSTACLES} are read: is it noise? Larger --specks or a smoother map"
+        )
+    exact = shapely.transform(cells, placed)
+    if max(exact.bounds[2] - exact.bounds[0], exact.bounds[3] - exact.bounds[1]) < SMALLEST:
+        raise drawing.refusal(
+            f"the place is {exact.area:.3g} m² large; check resolution and --scale"
+        )
+    tolerance = cell if options.tolerance is None else options.tolerance
+    simple = _simplified(drawing, exact, tolerance)
+    moved = max(_farthest(simple, exact), _farthest(exact, simple))
+    drawing.facts.append(
+        f"outlines along the edges of cells, simplified within {tolerance:g} m: moved by at most "
+        f"{moved:.4f} m, area {exact.area:.2f} to {simple.area:.2f} m²"
+    )
+    return simple
 
 
-@dataclass(frozen=True)
-class _Centres:
-    """From cells to the world."""
-
-    cell: float
-    origin: tuple[float, float, float]
-
-    def placed(self, points: FloatArray) -> FloatArray:
-        """Points [m] from the lower left corner in the frame of the world."""
-        x, y, yaw = self.origin
-        c, s = cos(yaw), sin(yaw)
-        return np.asarray(points @ np.array([[c, s], [-s, c]]) + (x, y))
-
-    def of(self, cells: FloatArray) -> FloatArray:
-        """Middles of cells (column, row)."""
-        return self.placed((np.asarray(cells) + 0.5) * self.cell)
-
-    def column_row(self, point: tuple[float, float]) -> tuple[int, int]:
-        """Cell that a point of the world lies in."""
-        x, y, yaw = self.origin
-        c, s = cos(yaw), sin(yaw)
-        column, row = np.array([[c, s], [-s, c]]) @ (point[0] - x, point[1] - y) // self.cell
-        return int(column), int(row)
-
-
-def _fill_specks(free: Any, most: float, cell: float, centre: _Centres) -> list[str]:
-    """Free the cells of small occupied patches; returns what was left out, largest first."""
+def _patches(cells: Any, connectivity: int, cell: float) -> tuple[int, Any, Any, Any]:
+    """Count and labels of connected cells, from 1, their areas [m²], and middles [cells]."""
     count, labels, stats, middles = cv2.connectedComponentsWithStats(
-        (~free).astype(np.uint8), connectivity=8
+        cells.astype(np.uint8), connectivity=connectivity
     )
     area = stats[:, cv2.CC_STAT_AREA] * cell * cell
-    small = (area <= most * (1.0 + 1e-9)) & (np.arange(count) > 0)
-    free |= small[labels] & ~free
-    order = np.flatnonzero(small)[np.argsort(-area[small], kind="stable")]
-    return listed(
-        list(order),
-        lambda k: (
-            f"speck of {area[k]:.4g} m² at {place(centre.of(middles[k]))}: left out (--specks)"
-        ),
-    )
+    area[0] = 0.0
+    return count, labels, area, middles
 
 
-def _region(
-    path: Path,
-    drawing: Drawing,
-    free: Any,
-    cell: float,
-    centre: _Centres,
-    inside: tuple[float, float] | None,
-) -> Any:
-    """Cells of the largest free region, or of the one at ``inside``; the others are listed."""
-    _, labels, stats, middles = cv2.connectedComponentsWithStats(
-        free.astype(np.uint8), connectivity=4
-    )
-    area = stats[:, cv2.CC_STAT_AREA].astype(np.float64)
-    area[0] = -1.0
-    chosen = int(np.argmax(area))
-    if inside is not None:
-        column, row = centre.column_row(inside)
-        rows, columns = free.shape
+def _region(drawing: Drawing, free: Any, cell: float, placed: Any, at: Any) -> Any:
+    """Cells of the free region at a cell (column, row), or of the largest; the others are listed.
+
+    Refused where it may be another that is meant: the margin round a track may be the largest.
+    """
+    count, labels, area, _ = _patches(free, 4, cell)
+    order = np.argsort(-area, kind="stable")[: count - 1]
+
+    def told(k: int) -> str:
+        inner = cv2.distanceTransform((labels == k).astype(np.uint8), cv2.DIST_L2, 3)
+        row, column = np.unravel_index(np.argmax(inner), inner.shape)
+        return f"{area[k]:.4g} m² about {place(placed(np.array([column, row]) + 0.5))}"
+
+    chosen = int(order[0])
+    if at is not None:
+        (column, row), (rows, columns) = at, free.shape
         if not (0 <= column < columns and 0 <= row < rows) or not free[row, column]:
-            raise refused(path, f"--from {place(inside)}: not in a free cell of the map")
+            raise drawing.refusal("--from: not in a free cell of the map")
         chosen = int(labels[row, column])
-    others = [k for k in np.argsort(-area, kind="stable") if k not in (0, chosen)]
-    drawing.changes += listed(
-        others,
-        lambda k: (
-            f"free region of {area[k] * cell * cell:.4g} m² about "
-            f"{place(centre.of(middles[k]))}: not connected, left out"
-        ),
-    )
-    if len(others) > MOST_LISTED:
-        rest = area[others].sum() * cell * cell
-        drawing.changes.append(f"free regions left out: {rest:.4g} m² in all")
+    else:
+        edge = {*labels[0], *labels[-1], *labels[:, 0], *labels[:, -1]}
+        large = [k for k in order if area[k] >= WORTH * area[chosen]]
+        if len(large) > 1 and not edge.isdisjoint(large):
+            regions = "; ".join(told(k) for k in large[:5])
+            raise drawing.refusal(
+                f"{len(large)} free regions, and the map is free at the edge of the image: which "
+                f"is the place? --from X,Y in one of them: {regions}"
+            )
+    left = [k for k in order if k != chosen]
+    drawing.changes += listed(left, lambda k: f"free region of {told(k)}: not connected, left out")
     return labels == chosen
 
 
-def _polygon(path: Path, region: Any) -> Any:
+def _polygon(drawing: Drawing, region: Any) -> Any:
     """Exact outline of a region [cells], lower left corner of the map at (0, 0)."""
     padded = np.pad(region, 1)
     flat, steep = padded[1:, :] != padded[:-1, :], padded[:, 1:] != padded[:, :-1]
     count = int(flat.sum() + steep.sum())
     if count > MOST_EDGES:
-        raise refused(
-            path,
+        raise drawing.refusal(
             f"the outline of the free region has {count} edges, at most {MOST_EDGES} are read; "
-            "larger --specks or a smoother map",
+            "larger --specks or a smoother map"
         )
     sides = np.vstack([_sides(flat, steep), _sides(steep.T, flat.T)[:, :, ::-1]]).astype(np.float64)
     faces = shapely.get_parts(shapely.polygonize(shapely.linestrings(sides)))
@@ -201,91 +318,31 @@ def _sides(flat: Any, steep: Any) -> Any:
     return np.stack([np.stack([first - 1, rows], 1), np.stack([last, rows], 1)], axis=1)
 
 
-def _check_holes(path: Path, count: int) -> None:
-    """Refuse more holes than a world has obstacles before their outlines are worked on."""
-    if count > MOST_OBSTACLES:
-        raise refused(
-            path,
-            f"{count} occupied patches within the free region would be obstacles; at most "
-            f"{MOST_OBSTACLES} are read: is it noise? Larger --specks or a smoother map",
-        )
+def _simplified(drawing: Drawing, exact: Any, tolerance: float) -> Any:
+    """Valid polygon on the millimetre grid, within ``tolerance`` of the exact one.
 
-
-def _simplified(path: Path, exact: Any, tolerance: float) -> Any:
-    """Valid polygon on the millimetre grid, within ``tolerance`` of the exact one."""
+    Holes that would lose or gain too much of their area stay as they are.
+    """
     grid = 10.0**-DIGITS
     for share in (1.0, 0.5, 0.25, 0.0):
-        rings = [
-            _simple_ring(ring, max(share * tolerance - grid, 0.0))
-            for ring in (exact.exterior, *exact.interiors)
+        simple = shapely.simplify(exact, max(share * tolerance - grid, 0.0))
+        holes = [
+            kept if abs(_area(kept) - _area(hole)) <= MOST_LOST * _area(hole) else hole
+            for kept, hole in zip(simple.interiors, exact.interiors, strict=True)
         ]
-        simple = _on_grid(shapely.Polygon(rings[0], rings[1:]), grid)
-        kept = len(getattr(simple, "interiors", ())) == len(exact.interiors)
-        if simple.geom_type == "Polygon" and simple.is_valid and kept and not simple.is_empty:
-            return simple
-    parts = [one for one in shapely.get_parts(simple) if one.geom_type == "Polygon"]
-    if len(parts) != 1:
-        raise refused(path, "its outlines cannot be rounded to the millimetre; smooth the map")
-    return parts[0]
+        found = shapely.Polygon(simple.exterior, holes)
+        if found.is_valid:
+            found = shapely.set_precision(found, grid)
+            parts = [one for one in shapely.get_parts(found) if one.geom_type == "Polygon"]
+            if len(parts) == 1 and len(parts[0].interiors) == len(holes):
+                return parts[0]
+    raise drawing.refusal("its outlines cannot be rounded to the millimetre; smooth the map")
 
 
-def _on_grid(polygon: Any, grid: float) -> Any:
-    """Polygon rounded to a grid; an empty one where rings cross, each simplified by itself."""
-    try:
-        return shapely.set_precision(polygon, grid)
-    except shapely.errors.GEOSException:
-        return shapely.Polygon()
-
-
-def _simple_ring(ring: Any, tolerance: float) -> Any:
-    """Ring with fewer corners, within a tolerance; a small one keeps its area, with a smaller."""
-    line, exact = shapely.LineString(ring), shapely.Polygon(ring)
-    for share in (1.0, 0.5, 0.25):  # as a line: a polygon's first corner would move farther
-        points = shapely.get_coordinates(shapely.simplify(line, share * tolerance))
-        lost = abs(shapely.Polygon(points).area - exact.area) if len(points) > 3 else np.inf
-        if lost <= MOST_LOST * exact.area:
-            return shapely.LinearRing(points)
-    return shapely.simplify(ring, 0.0)
+def _area(ring: Any) -> float:
+    return float(shapely.Polygon(ring).area)
 
 
 def _farthest(a: Any, b: Any) -> float:
     """[m] Largest distance of a corner of ``a`` to the outline of ``b``."""
-    return float(Outline(b).distances(shapely.points(shapely.get_coordinates(a))).max())
-
-
-def read_ros_map(path: Path, options: Options) -> Drawing:
-    """Read a map into a drawing: outlines of its largest free region, or of that at ``--from``."""
-    found = read_map_file(path)
-    brightness, clear = read_image(found.image)
-    free = _free(found, brightness, clear)
-    drawing = Drawing(kind="ROS map")
-    rows, columns = free.shape
-    cell = found.resolution * options.unit
-    drawing.facts.append(
-        f"{columns} x {rows} cells of {cell:g} m from {escaped(found.image.name)}, "
-        f"{columns * cell:.1f} x {rows * cell:.1f} m, {100.0 * free.mean():.0f} % free; "
-        "what is unknown counts as occupied"
-    )
-    if cell > LARGEST_CELL:
-        drawing.changes.append(
-            f"check the scale: cells of {cell:g} m; a map's resolution is in metres, 0.05 for 5 cm "
-            "(--scale 0.001 for millimetres)"
-        )
-    drawing.changes += found.changes
-    x, y, yaw = found.origin
-    origin = (x * options.unit, y * options.unit, yaw)
-    outline_map(path, drawing, np.flipud(free), cell, origin, options)
-    return drawing
-
-
-def _free(found: RosMap, brightness: Any, clear: Any) -> Any:
-    """(rows, columns) bool, top row first.
-
-    Departure from nav2, which averages opacity with the colours in ``trinary`` mode: so white that
-    is transparent is unknown as here, but grey of unknown cells that is opaque becomes free.
-    """
-    if found.mode == "raw":
-        percent = np.round(brightness * 255.0)
-        return percent / 100.0 < found.free
-    occupancy = brightness if found.negate else 1.0 - brightness
-    return (occupancy < found.free) & ~clear
+    return float(Clearance(b).of(shapely.points(shapely.get_coordinates(a))).max())

@@ -7,8 +7,8 @@ longer, and is then drawn smooth, without coming nearer to the walls than it mus
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -17,11 +17,11 @@ from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components, dijkstra
 from scipy.spatial import cKDTree
 
-from physim.authoring.importing.drawing import Drawing, ImportSourceError, place, refused, rounded
-from physim.authoring.importing.fit import LENGTH, ROOM, room_of
-from physim.authoring.importing.lines import Outline, clearances, length_of, points_at, samples
+from physim.authoring.importing.area import Clearance, Place
+from physim.authoring.importing.drawing import Drawing, ImportSourceError, place, rounded
 from physim.authoring.importing.options import Options
-from physim.authoring.importing.work import GRAIN, coarse
+from physim.authoring.importing.size import LENGTH, ROOM, room_of
+from physim.geometry.arc_length import Polyline
 from physim.geometry.shapes import FloatArray
 
 KEPT = 0.9
@@ -30,29 +30,30 @@ ROUNDS = 60
 """Times that every point moves towards the middle of its neighbours."""
 
 
-def smooth(line: FloatArray, area: Outline, room: float) -> FloatArray:
+def smooth(line: FloatArray, area: Clearance, room: float) -> FloatArray:
     """Straighten and round a line (n, 2) whose points have clearance ``room`` [m] in ``area``.
 
     One that is too long for points close to each other is straightened alone.
     """
     line = _straightened(line, area, room)
-    at = samples(length_of(line), 0.3 * room)
-    points = points_at(line, at)
-    if len(at) > 1 and at[1] - at[0] > 0.5 * room:
+    way = Polyline(line)
+    count = int(np.ceil(way.length / (0.3 * room)))
+    if count > MOST_SAMPLES:
         return line
-    low = np.minimum(area.clearances(points), room)
+    points = way.at(np.linspace(0.0, way.length, count + 1))[0]
+    low = np.minimum(area.at(points), room)
     for _ in range(ROUNDS):
         moved = points.copy()
         moved[1:-1] = 0.5 * points[1:-1] + 0.25 * (points[:-2] + points[2:])
-        allowed = area.clearances(moved) >= low
+        allowed = area.at(moved) >= low
         points = np.where(allowed[:, None], moved, points)
     simple = shapely.simplify(shapely.LineString(points), 0.02 * room)
     return np.asarray(shapely.get_coordinates(simple))
 
 
-def _straightened(line: FloatArray, area: Outline, room: float) -> FloatArray:
+def _straightened(line: FloatArray, area: Clearance, room: float) -> FloatArray:
     """Replace stretches by straight ones that keep away from the walls nearly as well."""
-    gaps = area.clearances(line)
+    gaps = area.at(line)
     kept, k = [0], 0
     while k < len(line) - 1:
         reach = len(line) - 1 - k
@@ -60,7 +61,7 @@ def _straightened(line: FloatArray, area: Outline, room: float) -> FloatArray:
             j = k + reach
             there = float(gaps[k : j + 1].min())
             wanted = max(KEPT * min(there, 4.0 * room), min(there, room))
-            if area.distances(shapely.LineString(line[[k, j]])).min() >= wanted:
+            if area.of(shapely.LineString(line[[k, j]])).min() >= wanted:
                 break
             reach = reach // 2 if reach > 8 else reach - 1
         k += max(reach, 1)
@@ -68,10 +69,16 @@ def _straightened(line: FloatArray, area: Outline, room: float) -> FloatArray:
     return np.asarray(line[kept])
 
 
+MOST_SAMPLES = 5_000
+"""Points of a line that is rounded"""
 MOST_CELLS = 80_000
 """Cells of the grid within the area"""
+END_ROOM = 1.6
+"""[-] times the clearance of the path where it begins and ends, where no place is asked for"""
+MANY = 2_000
+"""Points from which on an outline is taken coarsely for the search"""
 ROUGH = 0.01
-"""[-] of the distance of two cells: to this an outline of many points is taken for the search"""
+"""[-] of the distance of two cells: how coarsely"""
 WORTH = 0.6
 """[-] A route this share of the longest is long enough: then a wider one counts more."""
 SIZES = (1.0, 0.8, 0.64, 0.5, 0.4, 0.32, 0.25, 0.2, 0.16, 0.125, 0.1, 0.08, 0.06, 0.04, 0.02, 0.01)
@@ -100,49 +107,81 @@ class _Grid:
         return coo_matrix((weight, (self.first[keep], self.second[keep])), (size, size)).tocsr()
 
 
-def find_route(path: Path, drawing: Drawing, options: Options) -> None:
-    """Set the reference path of a drawing that has none; says how it was found.
+def find_route(drawing: Drawing, where: Place, options: Options, reach: float) -> FloatArray:
+    """A path (n, 2) [m] from --from to --to, or far; it says how it was found.
 
-    Raises ImportSourceError when --from or --to lies outside, or nothing leads from one to the
-    other.
+    Lanes go ``reach`` [m] beside it, at size 1. Raises ImportSourceError when --from or --to lies
+    outside, or nothing leads from one to the other.
     """
-    area = drawing.area
+    area = where.area
     step = float(np.sqrt(area.area / MOST_CELLS))
-    rough = Outline(coarse(area, ROUGH * step))
+    rough = where.clearance
+    if shapely.get_num_coordinates(area) > MANY:
+        simple = shapely.simplify(area, ROUGH * step)
+        rough = Clearance(simple) if simple.is_valid and simple.area > 0.0 else rough
     grid = _grid(rough, step)
-    _check_inside(path, drawing, "--from", options.origin)
-    _check_inside(path, drawing, "--to", options.goal)
-    if options.origin is None and drawing.robots and options.robots is None:
-        options = options.changed(origin=_rear(path, grid, drawing, options))
-    room, a, b = _ends(path, grid, options)
+    for word, point in (("--from", options.origin), ("--to", options.goal)):
+        if point is not None and not area.covers(shapely.Point(point)):
+            raise drawing.refusal(f"{word} {place(point)}: not in the place of the robots")
+    robots = drawing.of("robot") if options.robots is None else []
+    rooms = _rooms(options, [shape.points for shape in robots], reach)
+    if options.origin is None and robots:
+        options = options.changed(origin=_rear(drawing, grid, options, rooms))
+    room, a, b = _ends(drawing, grid, options, rooms)
     graph = grid.graph(room, widest=True)
     before = dijkstra(graph, directed=False, indices=a, return_predecessors=True)[1]
     chain = [b]
     while chain[-1] != a:
         chain.append(int(before[chain[-1]]))
-    line = rounded(smooth(grid.nodes[chain[::-1]], rough, room))
-    drawing.reference = line
-    length = length_of(line)
-    exact = coarse(area, GRAIN)
-    gaps = clearances(points_at(line, samples(length, 0.1 * room)), exact)
+    way = Polyline(smooth(grid.nodes[chain[::-1]], rough, room))
+    at = np.linspace(0.0, way.length, int(np.clip(way.length / (0.1 * room), 1, MOST_SAMPLES)) + 1)
+    gaps = where.clearance.at(way.at(at)[0])
+    wide = np.flatnonzero(
+        (gaps >= END_ROOM * room) & (np.minimum(at, way.length - at) < 2.0 * room)
+    )
+    first = at[wide[0]] if wide.size and options.origin is None else 0.0
+    last = at[wide[-1]] if wide.size and options.goal is None else way.length
+    line = rounded(way.stretch(first, last) if last - first > 0.5 * way.length else way.points)
+    way = Polyline(line)
     drawing.facts.append(
-        f"path found from {place(line[0])} to {place(line[-1])}, {length:.2f} m, at "
+        f"path found from {place(line[0])} to {place(line[-1])}, {way.length:.2f} m, at "
         f"least {gaps.min():.2f} m from every boundary (--from, --to)"
     )
+    return line
+
+
+def _rooms(options: Options, drawn: Sequence[FloatArray], reach: float) -> list[float]:
+    """Clearances [m] to try, largest first: of the robots asked for or drawn, or of all sizes."""
+    if options.robot == "fit":
+        return [(ROOM + reach) * size for size in SIZES]
+    box = options.robot or (LENGTH, 1.0)
+    if options.robot is None and not drawn:
+        return [ROOM + reach]
+    if drawn:
+        sides = [_sides(outline) for outline in drawn]
+        box = (max(one[0] for one in sides), max(one[1] for one in sides))
+    size = box[0] / LENGTH
+    return [room + reach * size for room in (ROOM * size, room_of(box), 0.55 * box[1])]
+
+
+def _sides(outline: FloatArray) -> tuple[float, float]:
+    """Longer and shorter side [m] of the smallest rectangle about an outline."""
+    rectangle = shapely.Polygon(outline).minimum_rotated_rectangle
+    short, long = sorted(np.hypot(*np.diff(shapely.get_coordinates(rectangle)[:3], axis=0).T))
+    return float(long), float(short)
 
 
 def _rear(
-    path: Path, grid: _Grid, drawing: Drawing, options: Options
+    drawing: Drawing, grid: _Grid, options: Options, rooms: list[float]
 ) -> tuple[float, float] | None:
     """Where of the robots drawn the one stands whose way to the goal is longest.
 
     Without a goal that is the place farthest from the first of them. None where no way is found.
     """
-    hulls = [shapely.MultiPoint(one.outline).convex_hull for one in drawing.robots]
-    centres = shapely.get_coordinates(shapely.centroid(hulls))
+    centres = np.array([one.geometry.centroid.coords[0] for one in drawing.of("robot")])
     first = (float(centres[0][0]), float(centres[0][1]))
     try:
-        room, _, goal = _ends(path, grid, options.changed(origin=first))
+        room, _, goal = _ends(drawing, grid, options.changed(origin=first), rooms)
     except ImportSourceError:
         return None
     away = dijkstra(grid.graph(room, widest=False), directed=False, indices=goal)
@@ -152,7 +191,7 @@ def _rear(
     return float(x), float(y)
 
 
-def _grid(outline: Outline, step: float) -> _Grid:
+def _grid(outline: Clearance, step: float) -> _Grid:
     """Square grid of nodes ``step`` [m] apart inside the area, linked to eight neighbours."""
     x0, y0, x1, y1 = outline.area.bounds
     xs, ys = np.arange(x0 + step / 2.0, x1, step), np.arange(y0 + step / 2.0, y1, step)
@@ -161,7 +200,7 @@ def _grid(outline: Outline, step: float) -> _Grid:
     index = np.full(mask.shape, -1)
     index[mask] = np.arange(int(mask.sum()))
     nodes = np.stack([gx[mask], gy[mask]], axis=1)
-    gaps = outline.clearances(nodes)
+    gaps = outline.at(nodes)
     firsts, seconds, lengths = [], [], []
     for dy, dx in ((0, 1), (1, 0), (1, 1), (1, -1)):
         here = index[: len(ys) - dy, max(-dx, 0) : len(xs) - max(dx, 0)]
@@ -178,34 +217,24 @@ def _grid(outline: Outline, step: float) -> _Grid:
     return _Grid(nodes, gaps, first[clear], second[clear], length[clear])
 
 
-def _check_inside(
-    path: Path, drawing: Drawing, word: str, point: tuple[float, float] | None
-) -> None:
-    if point is None or drawing.area.covers(shapely.Point(point)):
-        return
-    why = ", which is that with the path of the source in it"
-    message = f"{word} {place(point)}: not in the area of the robots"
-    raise refused(path, message if drawing.reference is None else message + why)
-
-
-def _ends(path: Path, grid: _Grid, options: Options) -> tuple[float, int, int]:
+def _ends(
+    drawing: Drawing, grid: _Grid, options: Options, rooms: list[float]
+) -> tuple[float, int, int]:
     """The clearance to keep [m], and the nodes at which the path begins and ends.
 
     Of the clearances tried, largest first, the first that leaves a route between the points asked
     for, or one nearly as long as the smallest does.
     """
-    if options.robot is not None:
-        rooms = [ROOM * options.robot[0] / LENGTH, room_of(options.robot), 0.55 * options.robot[1]]
-    else:
-        rooms = [ROOM * size for size in SIZES]
     origin, goal = options.origin, options.goal
+    smaller = "--robot fit, or a smaller --robot LENGTH,WIDTH"
     if origin is not None and goal is not None:
         for room in rooms:
             pair = _joined(grid, room, origin, goal)
             if pair is not None:
                 return room, *pair
-        raise refused(
-            path, f"no route from {place(origin)} to {place(goal)} that a robot fits through"
+        raise drawing.refusal(
+            f"no route from {place(origin)} to {place(goal)} with {rooms[-1]:.3g} m to the walls, "
+            f"which the robots need; {smaller}"
         )
     smallest = _far(grid, rooms[-1], origin) if goal is None else None
     enough = WORTH * smallest[2] if smallest is not None else 0.0
@@ -214,7 +243,9 @@ def _ends(path: Path, grid: _Grid, options: Options) -> tuple[float, int, int]:
         if found is not None and found[2] >= enough and found[2] > 4.0 * room:
             a, b, _ = found
             return (room, a, b) if goal is None else (room, b, a)
-    raise refused(path, "no route that a robot fits through; --robot LENGTH,WIDTH may be smaller")
+    raise drawing.refusal(
+        f"no route with {rooms[-1]:.3g} m to the walls, which the robots need; {smaller}"
+    )
 
 
 def _near(grid: _Grid, room: float, point: tuple[float, float]) -> int | None:

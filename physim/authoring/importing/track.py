@@ -1,275 +1,242 @@
-"""A centreline with widths becomes a corridor: two walls, two caps, and the centreline between."""
+"""A centreline with widths, in the race-track convention: ``x_m, y_m, w_tr_right_m, w_tr_left_m``.
+
+Commas or semicolons between values; lines that begin with ``#`` are comments. A line above the
+numbers, comment or not, may name the columns, in any order; without names they are these four. The
+road is the union of what lies between each two of its points.
+"""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import math
+import re
 from pathlib import Path
 
 import numpy as np
 import shapely
 
-from physim.authoring.importing.drawing import Drawing, listed, moved_to, place, refused, rounded
-from physim.authoring.importing.enclosure import check_size
-from physim.authoring.importing.lines import (
-    CrossingError,
-    distances_to,
-    length_of,
-    points_at,
-    samples,
-    stations,
-    without_loops,
+from physim.authoring.importing.area import SMALLEST
+from physim.authoring.importing.drawing import (
+    Drawing,
+    Shape,
+    grid_origin,
+    listed,
+    moved_to,
+    place,
+    refused,
+    rounded,
 )
 from physim.authoring.importing.options import Options
 from physim.authoring.importing.source import read_text
-from physim.authoring.importing.track_file import TrackFile, read_track_file
 from physim.authoring.importing.work import check_work
+from physim.errors import nearest
+from physim.escaping import escaped
+from physim.geometry.arc_length import Polyline
 from physim.geometry.shapes import FloatArray
-from physim.world.layout.self_overlap import legs_that_meet
 
-CLOSED = 2.0
-"""[-] A track is closed when its ends are no further apart than this times its longest step."""
-CLOSED_SHARE, CLOSABLE_SHARE = 0.2, 0.5
-"""[-] ... and than this share of its length; and than the second, if --start says it is closed"""
+COLUMNS = ("x_m", "y_m", "w_tr_right_m", "w_tr_left_m")
+NAME = re.compile(r"[^\W\d][\w.\-/°]*\s*(\[[^\]]*\]|\([^)]*\))?")
+"""One word, and a unit in brackets after it."""
+MOST_POINTS, MOST_LINES = 15_000, 300_000
+"""Points of a track; lines of a file, with empty ones, comments and points that are repeated"""
+CLOSED, CLOSED_SHARE, CLOSABLE_SHARE = 2.0, 0.2, 0.5
+"""[-] A track is closed when its ends are no further apart than the first times its longest step
+and the second of its length; than the third, if --start says that it is closed."""
 GAP = 2.0
 """[m] of road left out where a closed track is cut open"""
-FOLDED = 0.5
-"""[-] share of the stated width below which a wall is reported as too near"""
-SLIGHTLY = 0.05
-"""[-] share by which a road may be narrower than stated before that is reported"""
-ABOUT = 2.0
-"""[-] times the stated width along the road within which a narrower place explains a near wall"""
-NEAR = 1e-6
-"""[m] points of the file this near the road's centreline lie on it, and not in the gap"""
-HAIR = 1e-7
-"""[-] share by which walls are drawn in, so that one that two stretches share crosses nothing"""
-THIN = 2e-3
-"""[m] by which they are drawn in where they would still touch to the millimetre"""
+MARGIN = 3.0
+"""[m] from the ends of the road at which its path begins and ends, less on a narrow road"""
 BEND = 3.0
-"""[-] Widths along the track within which it may overlap, in bends of many points"""
-SHORTEST_LOOP = 0.01
-"""[m] A loop shorter than this is not told."""
-LONGEST_LOOP = 6.0
-"""[-] A loop of a sideways line is a bend up to this times the largest width on that side."""
-
-SMOOTH = "noisy points become a clean track when they are smoothed or thinned"
-"""What to do about a track that crosses itself and should not."""
-ELSEWHERE = "; one that begins in a tight corner is cut open elsewhere by --start"
-
-
-@dataclass(frozen=True)
-class _Road:
-    """Points (n, 2) of the centreline and of both walls beside them [m]."""
-
-    centre: FloatArray
-    right: FloatArray
-    left: FloatArray
-
-    def cut(self, start: float, length: float) -> _Road:
-        """Stretch of a closed road (last point as the first) from a station of its centreline."""
-        station = stations(self.centre)
-        twice = np.concatenate((station, station[1:] + station[-1]))
-        inside = twice[(twice > start + 1e-6) & (twice < start + length - 1e-6)]
-        at = np.concatenate(([start], inside, [start + length]))
-        lines = (np.vstack([line, line[1:]]) for line in (self.centre, self.right, self.left))
-        return _Road(*(np.stack([np.interp(at, twice, line[:, k]) for k in (0, 1)], axis=1)
-                       for line in lines))  # fmt: skip
+"""[-] widths along the track within which its stretches may overlap: in bends they do"""
 
 
 def read_track(path: Path, options: Options) -> Drawing:
-    """Read a race-track CSV into a drawing with its centreline as the reference path."""
-    file = read_track_file(path, read_text(path), options.unit)
-    closed, total = _closed(file, options)
-    kind = "closed" if closed else "open"
-    drawing = Drawing(kind="centreline with widths (race-track convention)")
-    drawing.changes += file.changes
-    width = file.left + file.right
+    """Read a race-track CSV into a drawing with its centreline as the path.
+
+    Raises ImportSourceError, with file:line for what a row or the names of columns say.
+    """
+    drawing = Drawing(kind="centreline with widths (race-track convention)", path=path)
+    table = _table(drawing, read_text(path), options.unit)
+    origin = grid_origin(table[:, :2])
+    table[:, :2] -= origin
+    width = table[:, 2:].sum(axis=1)
+    is_closed, length = _closed(table[:, :2], options)
     drawing.facts.append(
-        f"{len(file.points)} points, {total:.1f} m, {kind}, {width.min():.2f} to "
-        f"{width.max():.2f} m wide as stated; {options.unit:g} m per unit"
+        f"{len(table)} points, {length:.1f} m, {'closed' if is_closed else 'open'}, "
+        f"{width.min():.2f} to {width.max():.2f} m wide; {options.unit:g} m per unit"
     )
-    drawing.facts += moved_to(file.origin)
-    road = _road(file, closed)
-    check_work(path, [road.centre, road.left, road.right])
-    check_size(path, np.ptp(np.vstack([road.left, road.right]), axis=0))
-    if _shares_a_wall(file, closed):
-        road = _road(file, closed, THIN)
-        drawing.changes.append(
-            f"two stretches of the road share a wall: walls drawn in by {1000.0 * THIN:g} mm, so "
-            "that each has its own"
-        )
-    if closed:
-        road = _opened(path, road, total, options, drawing)
+    drawing.facts += moved_to(origin)
+    if length < SMALLEST:
+        raise drawing.refusal(f"the centreline is {length:.3g} m long; check --scale")
+    centre, left, right = _edges(table, is_closed)
+    if is_closed:
+        centre, left, right = _opened(drawing, centre, left, right, options)
     elif options.start is not None or options.gap is not None:
         raise refused(path, "--start and --gap are for closed tracks; this one is open")
-    _report_folds(file, drawing, road)
-    left = _wall(path, "left", road.left, float(file.left.max()), drawing, closed)
-    right = _wall(path, "right", road.right, float(file.right.max()), drawing, closed)
-    crossing = shapely.intersection(shapely.LineString(left), shapely.LineString(right))
-    if not crossing.is_empty:
-        at = place(shapely.get_coordinates(crossing)[0])
-        raise refused(
-            path,
-            f"the left edge meets the right one at {at}: the track crosses itself "
-            f"there, or its points are noisy; {SMOOTH}",
-        )
-    _check_overlap(path, road)
-    drawing.facts += _as_made(road.centre, left, right, float(width.min()))
-    caps = [np.array([left[0], right[0]]), np.array([left[-1], right[-1]])]
-    drawing.boundaries = [rounded(line) for line in (left, right, *caps)]
-    drawing.reference = rounded(road.centre)
+    check_work(path, [left, right])
+    road = _road(drawing, centre, left, right)
+    way = Polyline(centre)
+    margin = min(MARGIN, float(width.min()), 0.2 * way.length)
+    line = rounded(way.stretch(margin, way.length - margin))
+    drawing.shapes = [Shape("place", road), Shape("path", shapely.LineString(line))]
+    drawing.facts.append(f"the path begins and ends {margin:g} m from the ends of the road")
     return drawing
 
 
-def _shares_a_wall(file: TrackFile, closed: bool) -> bool:
-    """Whether two stretches share a wall: nothing of it is left to cut off, or touches itself to
-    the millimetre, where it is drawn in by `THIN`."""
-    as_stated, drawn_in = _road(file, closed), _road(file, closed, THIN)
-    for side, width in (("left", file.left), ("right", file.right)):
-        longest = LONGEST_LOOP * float(width.max())
-        stated, thin = (
-            _without_loops(getattr(one, side), longest) for one in (as_stated, drawn_in)
-        )
-        if thin is None:
-            continue  # said where the wall is made
-        if stated is None or stated[1] > 1.1 * thin[1] + 0.1:
-            return True
-        line = rounded(stated[0])
-        if len(line) > 1 and not shapely.LineString(line).is_simple:
-            return True
-    return False
-
-
-def _without_loops(wall: FloatArray, longest: float) -> tuple[FloatArray, float] | None:
-    """A wall without its loops, and how long they were [m]; None where one is no bend."""
-    try:
-        clean, loops = without_loops(wall, longest)
-    except CrossingError:
-        return None
-    return clean, sum(length for _, length in loops)
-
-
-def _check_overlap(path: Path, road: _Road) -> None:
-    """Refuse stretches that run into each other, far from each other along the road."""
-    left, right = road.left, road.right
-    halves = (np.hypot(*(side - road.centre).T) for side in (left, right))
-    width = 2.0 * np.maximum(*halves)  # what a bend takes goes by the wider side
-    if found := legs_that_meet(width, left, right, BEND):
-        station = stations(road.centre)
-        raise refused(
-            path,
-            f"the track runs into itself at {place(np.array(found[2]))}: its stretches at "
-            f"{station[found[0]]:.1f} m and {station[found[1]]:.1f} m along it have less than "
-            "their widths between them; make the widths there smaller",
-        )
-
-
-def _as_made(centre: FloatArray, left: FloatArray, right: FloatArray, stated: float) -> list[str]:
-    """Say how far apart the walls are [m] where that is less than the file states.
-
-    The sum of the shortest distances from the centreline to either wall, as `physim preview` has
-    it: at a corner the walls keep their distance along its bisector, and lie nearer beside it.
-    """
-    at = samples(length_of(centre), 0.1)
-    points = points_at(centre, at)
-    width = distances_to(left, points) + distances_to(right, points)
-    k = int(np.argmin(width))
-    if width[k] >= (1.0 - SLIGHTLY) * stated:
-        return []
-    return [
-        f"walls {width[k]:.2f} to {width.max():.2f} m apart as made, narrowest at "
-        f"{place(points[k])}: in bends they lie nearer than stated"
+def _table(drawing: Drawing, text: str, scale: float) -> FloatArray:
+    """(n, 4) [m] values in the order of `COLUMNS`; repeated points are dropped and listed."""
+    path, rows = drawing.path, text.split("\n")
+    if len(rows) > MOST_LINES:
+        raise refused(path, f"{len(rows)} lines; at most {MOST_LINES} are read")
+    numbered = [(k, row.strip()) for k, row in enumerate(rows, start=1) if row.strip()]
+    data = [
+        (k, row) for k, row in numbered if row[0] != "#" and not row.lstrip(' ,;"')[:1].isalpha()
     ]
+    if not data:
+        raise refused(path, f"no row that begins with a number; columns: {', '.join(COLUMNS)}")
+    first, row = data[0]
+    if re.search(r"\t|^\S+( +\S+){3}$", row) and not re.search("[,;]", row):
+        between = "tabs" if "\t" in row else "spaces"
+        raise refused(path, f"{between} between the columns; separate them by commas", first)
+    separator = ";" if ";" in row else ","
+    count = len(row.split(separator))
+    order, extra = _columns(path, numbered, first, separator, count)
+    if extra:
+        drawing.changes.append(f"columns left out: {escaped(', '.join(extra))}"[:200])
+    table, repeated = list[list[float]](), list[str]()
+    for k, row in numbered:
+        if row[0] == "#" or k < first:
+            continue
+        values = [value * scale for value in _numbers(path, k, row, separator, count, order)]
+        if table and math.dist(table[-1][:2], values[:2]) <= 1e-6:
+            repeated.append(f"line {k}: repeats the point before it, dropped")
+            continue
+        table.append(values)
+        if len(table) > MOST_POINTS:
+            raise refused(path, f"more than {MOST_POINTS} points", k)
+    if len(table) < 2:
+        raise refused(path, f"{len(table)} points; a centreline needs at least 2")
+    drawing.changes += listed(repeated)
+    return np.array(table)
 
 
-def _report_folds(file: TrackFile, drawing: Drawing, road: _Road) -> None:
-    """Report where a wall lies much nearer to the centreline than the width that is stated."""
-    on_road = distances_to(road.centre, file.points) < NEAR
-    for side, wall, width in (("left", road.left, file.left), ("right", road.right, file.right)):
-        gap = distances_to(wall, file.points)
-        share = np.where(on_road, gap / width, 1.0)
-        k = int(np.argmin(share))
-        if share[k] < FOLDED:
-            why = "narrows abruptly" if _narrows(file.points, width, k, gap[k]) else "folds"
-            drawing.changes.append(
-                f"{side} wall comes within {gap[k]:.2f} m of the centreline at "
-                f"{place(file.points[k])}, {width[k]:.2f} m are stated: the road {why} there"
-            )
+def _columns(
+    path: Path, rows: list[tuple[int, str]], first: int, separator: str, count: int
+) -> tuple[list[int], list[str]]:
+    """Places of the four columns in a row, and the names of others; refused where names differ."""
+    header, line = list[str](), first
+    for k, row in rows:
+        if k >= first:
+            break
+        names = [name.strip(" \"'#\t").lower() for name in re.split("[,;\t]", row)]
+        words = len(names) > 1 and all(NAME.fullmatch(name) for name in names if name)
+        columns = len(names) in (4, count) or any(name[:1] == "x" for name in names)
+        if row[0] != "#" or "x_m" in row.lower() or (words and columns):
+            header, line = names, k
+    if not header:
+        if count != 4:
+            needed = f"{count} columns and no names; 4 are needed: {', '.join(COLUMNS)}"
+            raise refused(path, needed, first)
+        return [0, 1, 2, 3], []
+    for name in COLUMNS:
+        if header.count(name) != 1:
+            there = escaped(", ".join(header))[:200]
+            what = "no column" if name not in header else "more than one column"
+            near = nearest(name, header) if name not in header else ""
+            raise refused(path, f"{what} {name}; the columns are {there}{near}; rename them", line)
+    return [header.index(name) for name in COLUMNS], [n for n in header if n and n not in COLUMNS]
 
 
-def _narrows(points: FloatArray, width: FloatArray, k: int, gap: float) -> bool:
-    """Whether the road close to point ``k`` is stated to be about as narrow as ``gap`` [m]."""
-    at = stations(points)
-    close = np.abs(at - at[k]) <= ABOUT * width[k]
-    return bool((width[close] <= 1.1 * gap + NEAR).any())
+def _numbers(
+    path: Path, line: int, row: str, separator: str, count: int, order: list[int]
+) -> list[float]:
+    """The four values of a row, finite, widths above 0."""
+    cells = [cell.strip(' "') for cell in row.split(separator)]
+    if separator == ";" and "," in row:
+        raise refused(path, "numbers with a decimal comma; write a point", line)
+    if len(cells) <= max(order) or any(cells[count:]):
+        comma = "; numbers with a decimal comma? write a point" if len(cells) > count else ""
+        raise refused(path, f"{len(cells)} values in {count} columns{comma}", line)
+    values = []
+    for name, cell in zip(COLUMNS, (cells[k] for k in order), strict=True):
+        try:
+            value = float(cell) if cell.isascii() and "_" not in cell else math.nan
+        except ValueError:
+            raise refused(path, f'{name}: "{escaped(cell[:40])}" is not a number', line) from None
+        if not math.isfinite(value):
+            raise refused(path, f"{name}: {escaped(cell[:40])} is not a finite number", line)
+        if name.startswith("w_") and value <= 0.0:
+            raise refused(path, f"{name}: {value:g}; a width must be greater than 0", line)
+        values.append(value)
+    return values
 
 
-def _closed(file: TrackFile, options: Options) -> tuple[bool, float]:
+def _closed(points: FloatArray, options: Options) -> tuple[bool, float]:
     """Whether the last point leads back to the first, and the length of the centreline [m]."""
-    steps = np.hypot(*np.diff(file.points, axis=0).T)
-    gap = float(np.hypot(*(file.points[0] - file.points[-1])))
-    length = float(steps.sum())
+    steps = np.hypot(*np.diff(points, axis=0).T)
+    gap, length = float(np.hypot(*(points[0] - points[-1]))), float(steps.sum())
     most = min(CLOSED * float(steps.max()), CLOSED_SHARE * length)
-    if options.open:
-        most = -1.0
-    elif options.start is not None:
+    if options.start is not None:
         most = CLOSABLE_SHARE * length
-    closed = len(file.points) > 3 and gap <= most
+    closed = len(points) > 3 and gap <= most and not options.open
     return closed, length + (gap if closed else 0.0)
 
 
-def _road(file: TrackFile, closed: bool, spare: float = 0.0) -> _Road:
-    """Walls at the stated widths, square to the direction from the point before to the next."""
-    points, right, left = file.points, file.right, file.left
-    if closed and np.hypot(*(points[0] - points[-1])) > 1e-6:
-        points, right, left = (np.concatenate((a, a[:1])) for a in (points, right, left))
-    ahead = np.vstack([points[1:], points[1:2] if closed else points[-1:]])
-    behind = np.vstack([points[-2:-1] if closed else points[:1], points[:-1]])
-    after, before = ahead - points, points - behind
-    for d in (after, before):
-        length = np.hypot(*d.T)
-        d /= np.where(length > 0.0, length, 1.0)[:, None]
-    direction = after + before
-    size = np.hypot(*direction.T)
-    direction = np.where((size > 1e-9)[:, None], direction, after)
-    direction /= np.hypot(*direction.T)[:, None]
+def _edges(table: FloatArray, is_closed: bool) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Centreline and both edges (n, 2) [m], square to the direction from point to next but one."""
+    if is_closed and np.hypot(*(table[0, :2] - table[-1, :2])) > 1e-6:
+        table = np.vstack([table, table[:1]])
+    points = table[:, :2]
+    ahead = np.vstack([points[1:], points[1:2] if is_closed else points[-1:]]) - points
+    behind = points - np.vstack([points[-2:-1] if is_closed else points[:1], points[:-1]])
+    units = [d / np.maximum(np.hypot(*d.T), 1e-300)[:, None] for d in (ahead, behind)]
+    direction = units[0] + units[1]
+    size = np.hypot(*direction.T)[:, None]
+    direction = np.where(size > 1e-9, direction / np.maximum(size, 1e-9), units[0])
     normal = np.stack([-direction[:, 1], direction[:, 0]], axis=1)
-    right, left = (1.0 - HAIR) * right - spare, (1.0 - HAIR) * left - spare
-    return _Road(points, points - right[:, None] * normal, points + left[:, None] * normal)
+    return points, points + table[:, 3:] * normal, points - table[:, 2:3] * normal
 
 
-def _opened(path: Path, road: _Road, total: float, options: Options, drawing: Drawing) -> _Road:
-    """Cut a closed road open: a robot's path has a beginning and an end."""
-    start = 0.0 if options.start is None else options.start
-    gap = GAP if options.gap is None else options.gap
-    if not 0.0 <= start < total:
-        raise refused(path, f"--start {start:g}: the track is {total:.1f} m long, from 0")
-    if not 0.0 < gap < 0.5 * total:
-        raise refused(path, f"--gap {gap:g}: more than 0 and less than half of {total:.1f} m")
-    cut = road.cut(start, total - gap)
+def _opened(
+    drawing: Drawing, centre: FloatArray, left: FloatArray, right: FloatArray, options: Options
+) -> tuple[FloatArray, ...]:
+    """Cut a closed road open: a path of a formation has a beginning and an end."""
+    way = Polyline(centre)
+    start, gap = options.start or 0.0, GAP if options.gap is None else options.gap
+    if not start < way.length:
+        raise drawing.refusal(f"--start {start:g}: the track is {way.length:.1f} m long, from 0")
+    if not gap < 0.5 * way.length:
+        raise drawing.refusal(f"--gap {gap:g}: must be less than half of {way.length:.1f} m")
+    twice = np.concatenate((way.station, way.station[1:] + way.length))
+    end = start + way.length - gap
+    inside = twice[(twice > start + 1e-6) & (twice < end - 1e-6)]
+    at = np.concatenate(([start], inside, [end]))
+    cut = tuple(
+        np.stack([np.interp(at, twice, np.concatenate((v, v[1:]))) for v in line.T], axis=1)
+        for line in (centre, left, right)
+    )
     drawing.changes.append(
-        f"closed track cut open at station {start:g} m, {place(cut.centre[0])}: the corridor ends "
+        f"closed track cut open at station {start:g} m, {place(cut[0][0])}: the road ends "
         f"{gap:g} m before it begins (--start, --gap; --open: it is no closed one)"
     )
     return cut
 
 
-def _wall(
-    path: Path, side: str, line: FloatArray, width: float, drawing: Drawing, closed: bool
-) -> FloatArray:
-    try:
-        clean, loops = without_loops(line, LONGEST_LOOP * width)
-    except CrossingError as error:
-        raise refused(
-            path,
-            f"the {side} edge crosses itself at {place(error.point)}: the track passes over itself "
-            f"there, or two of its stretches overlap, or its points are noisy; {SMOOTH}"
-            f"{ELSEWHERE * closed}",
-        ) from None
-    drawing.changes += listed(
-        [loop for loop in loops if loop[1] >= SHORTEST_LOOP],
-        lambda loop: (
-            f"{side} wall crossed itself in a tight bend at {place(loop[0])}: loop of "
-            f"{loop[1]:.2f} m cut off"
-        ),
-    )
-    return clean
+def _road(drawing: Drawing, centre: FloatArray, left: FloatArray, right: FloatArray) -> object:
+    """The road as a shapely polygon; refused where stretches far apart along it meet."""
+    a, b, c, d = right[:-1], right[1:], left[1:], left[:-1]
+    halves = [shapely.polygons(np.stack(corners, axis=1)) for corners in ((a, b, c), (a, c, d))]
+    pieces = shapely.union(*halves)
+    first, second = shapely.STRtree(pieces).query(pieces, predicate="intersects")
+    station, width = Polyline(centre).station, np.hypot(*(left - right).T)
+    apart = station[second] - station[first + 1]
+    met = np.flatnonzero(apart > BEND * np.maximum(width[first], width[second]))
+    if met.size:
+        k = met[0]
+        raise drawing.refusal(
+            f"the road meets itself at {place(centre[first[k]])}: its stretches at "
+            f"{station[first[k]]:.1f} m and {station[second[k]]:.1f} m overlap or share an edge; "
+            "make the widths there smaller, smooth noisy points, or cut a closed track open "
+            "elsewhere (--start)"
+        )
+    road = shapely.union_all(pieces, grid_size=1e-3)
+    return max(shapely.get_parts(road), key=shapely.area)

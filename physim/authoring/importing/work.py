@@ -6,12 +6,9 @@ What is beyond them would take minutes or gigabytes, and is hardly a place for r
 from __future__ import annotations
 
 from collections.abc import Sequence
-from itertools import accumulate
 from pathlib import Path
-from typing import Any
 
 import numpy as np
-import shapely
 
 from physim.authoring.importing.drawing import refused
 from physim.geometry.shapes import FloatArray
@@ -26,10 +23,6 @@ MOST_ACROSS = 2_000
 outside."""
 FARTHEST = 50_000.0
 """[m] extent of a place"""
-MANY = 2_000
-"""Points from which on an outline is taken coarsely, where that is enough."""
-GRAIN = 1e-3
-"""[m] Worlds are written to the millimetre."""
 
 
 def check_work(path: Path, lines: Sequence[FloatArray]) -> None:
@@ -67,29 +60,6 @@ def check_work(path: Path, lines: Sequence[FloatArray]) -> None:
             f"the lines go to and fro across the place more than {MOST_ACROSS} times; leave out "
             "what is no wall",
         )
-
-
-def coarse(area: Any, within: float) -> Any:
-    """A shapely area whose outline is ``within`` [m] of that given; the same where it is simple.
-
-    Distances to an outline are looked up by the ten thousand, and each look-up may cost a time in
-    proportion to the points of it.
-    """
-    if shapely.get_num_coordinates(area) <= MANY:
-        return area
-    simple = shapely.simplify(area, within)
-    return simple if simple.is_valid and simple.area > 0.0 else area
-
-
-def lines_of(shape: Any) -> list[FloatArray]:
-    """Every line (n, 2) of a single shapely geometry."""
-    rings = [shape.exterior, *shape.interiors] if shape.geom_type == "Polygon" else [shape]
-    return [shapely.get_coordinates(ring) for ring in rings]
-
-
-def depth_of(text: str) -> int:
-    """Brackets within brackets."""
-    return max(accumulate((c == "(") - (c == ")") for c in text), default=0)
 
 
 def _dense(segments: FloatArray, extent: FloatArray) -> bool:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 from typing import Any
 
@@ -20,6 +21,7 @@ from tests.authoring.importing.plans import (
     office,
     only,
     pgm,
+    refusal,
     write_map,
 )
 
@@ -30,15 +32,15 @@ def test_specks_regions_and_doors_of_a_map(tmp_path: Path) -> None:
     free[60, 60:62] = False  # two cells: left out
     free[80:83, 80] = False  # three: kept
     free[2:5, 2:6] = True  # outside: another region
-    imported = import_world(write_map(tmp_path, free, corner))
+    imported = import_world(write_map(tmp_path, free, corner), Options(robot="fit"))
     rows = len(free)
     x, y = corner[0] + 61.0 * CELL, corner[1] + (rows - 60.5) * CELL
     check_says(only(imported, "speck"), f"0.02 m² … ({x:.2f}, {y:.2f}) … left out … --specks")
-    check_says(only(imported, "region"), "0.12 m² … (-2.60, … left out")
+    check_says(only(imported, "region"), "0.12 m² … left out")
     assert [len(ring) for ring in imported.world.obstacles] == [4]
-    kept = import_world(tmp_path / "map.yaml", Options(specks=1e-6))
+    kept = import_world(tmp_path / "map.yaml", Options(specks=1e-6, robot="fit"))
     assert len(kept.world.obstacles) == 2
-    there = import_world(tmp_path / "map.yaml", Options(specks=0.031))
+    there = import_world(tmp_path / "map.yaml", Options(specks=0.031, robot="fit"))
     assert len(there.world.obstacles) == 0
 
 
@@ -47,7 +49,7 @@ def test_cells_that_meet_at_a_corner_are_no_passage(tmp_path: Path) -> None:
     free[5:40, 5:60] = True
     free[40:75, 60:115] = True
     free[40:70, 5:60] = False
-    imported = import_world(write_map(tmp_path, free, (0.0, 0.0)))
+    imported = import_world(write_map(tmp_path, free, (0.0, 0.0)), Options(robot="fit"))
     boundaries = imported.world.boundaries or ()
     assert shapely.Polygon(boundaries[0]).area == pytest.approx(5.5 * 3.5)
     check_says(only(imported, "region"), "not connected … left out")
@@ -87,6 +89,7 @@ def test_thresholds_and_modes(
     (tmp_path / "map.img").write_bytes(data)
     (tmp_path / "map.yaml").write_text(map_yaml("map.img", 0.5, (0, 0), **more))
     imported = import_world(tmp_path / "map.yaml", Options(tolerance=0.1))
+    assert any("205" in one for one in imported.changes) == (more == {"free_thresh": 0.25})
     x0, y0, x1, y1 = shapely.LineString((imported.world.boundaries or ())[0]).bounds
     bands = np.flatnonzero(free)
     assert (x0, x1) == (10.0 * bands[0], 10.0 * (bands[-1] + 1))
@@ -100,37 +103,38 @@ def test_transparent_cells_are_unknown(tmp_path: Path) -> None:
     for mode, width in (("scale", 20.0), ("trinary", 20.0), ("raw", None)):
         (tmp_path / "map.yaml").write_text(map_yaml("map.png", 0.5, (0, 0), mode=mode))
         if width is None:  # 255 is unknown in percent
-            with pytest.raises(ImportSourceError, match="no cell"):
+            with pytest.raises(ImportSourceError, match="0 % of the cells are free"):
                 import_world(tmp_path / "map.yaml")
             continue
         line = shapely.LineString((import_world(tmp_path / "map.yaml").world.boundaries or ())[0])
         assert line.bounds == (0.0, 0.0, width, 20.0)
 
 
-def test_a_path_that_ends_far_from_where_it_was_asked_to_is_told_first(tmp_path: Path) -> None:
-    """A room of 12 m with a bay of 3 m, not deep, where robots that fit elsewhere have no room.
+def test_the_margin_round_a_track_is_not_taken_for_it(tmp_path: Path) -> None:
+    """It is the largest free region, and reaches the edge of the image: which is meant is asked."""
+    track = shapely.box(10, 10, 40, 30) - shapely.box(14, 14, 36, 26)
+    walls = shapely.box(9, 9, 41, 31) - shapely.box(15, 15, 35, 25) - track
+    plan = shapely.box(0, 0, 50, 40) - walls
+    path = write_map(tmp_path, *free_cells(plan, 0.5, margin=0), 0.5)
+    said = refusal(path, Options())
+    check_says(said, "3 free regions … edge of the image … --from X,Y … 1296 m² … 336 m² … 200 m²")
+    x, y = re.findall(r"336 m² about \((.*?), (.*?)\)", said)[0]
+    there = import_world(path, Options(origin=(float(x), float(y)), robot="fit"))
+    assert shapely.Polygon((there.world.boundaries or ())[0]).bounds == (10, 10, 40, 30)
 
-    For a deep one they are smaller.
-    """
-    plan = shapely.union(shapely.box(0.0, 0.0, 30.0, 12.0), shapely.box(30.0, 4.5, 34.0, 7.5))
-    there = write_map(tmp_path, *free_cells(plan))
-    asked = Options(origin=(4.0, 6.0), goal=(33.0, 6.0))
-    far = import_world(there, asked)
-    end = np.array((far.world.reference_path or ())[-1])
-    away = float(np.hypot(*(end - (33.0, 6.0))))
-    assert away > 3.6
-    check_says(far.changes[0], f"{away:.2f} m … --to (33.00, 6.00) … --robot")
-    assert only(far, "--to") == far.changes[0]
-    near = import_world(there, Options(origin=(4.0, 6.0), goal=(33.0, 6.0), robot=(0.6, 0.4)))
-    assert not any("--to" in change for change in near.changes)
-    back = import_world(there, Options(origin=(33.0, 6.0), goal=(4.0, 6.0)))
-    check_says(only(back, "--from"), "--from (33.00, 6.00)")
-    deep = shapely.union(shapely.box(0.0, 0.0, 30.0, 12.0), shapely.box(30.0, 4.5, 40.0, 7.5))
-    small = import_world(
-        write_map(tmp_path, *free_cells(deep)), Options(origin=(4.0, 6.0), goal=(38.0, 6.0))
-    )
-    assert not any("--to" in change for change in small.changes)
-    assert max(np.hypot(*np.ptp(one.outline, axis=0)) for one in small.world.robots) < 2.0
+
+@pytest.mark.parametrize(
+    ("more", "says"),
+    [({"negate": 1}, "0.67 % … negate: 0 99 %"), ({"mode": "raw"}, "0.67 % … mode: trinary 99 %")],
+)
+def test_a_map_with_hardly_a_free_cell_names_what_may_be_wrong(
+    tmp_path: Path, more: dict[str, Any], says: str
+) -> None:
+    pixels = np.full((40, 60), 254)
+    pixels[10:12, 10:18] = 0
+    (tmp_path / "map.pgm").write_bytes(pgm(pixels))
+    (tmp_path / "map.yaml").write_text(map_yaml("map.pgm", 0.5, (0, 0), **more))
+    check_says(refusal(tmp_path / "map.yaml", Options(specks=0.0)), says)
 
 
 @pytest.mark.parametrize(("cell", "is_doubted"), [(5.0, True), (0.5, False)])

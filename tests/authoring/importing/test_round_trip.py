@@ -31,7 +31,7 @@ from tests.helpers import inside
 MILLIMETRE = 0.001
 ROUNDED = 0.75 * MILLIMETRE
 """[m] farthest that a corner moves when both coordinates are rounded to the millimetre"""
-ONE = Options(robots=1)
+FIT = Options(robot="fit")
 
 
 def outline(world: Any) -> Any:
@@ -59,18 +59,16 @@ def track_csv(points: Any, right: float, left: float, separator: str = ",") -> s
 
 
 @pytest.mark.parametrize("separator", [",", ";"])
-def test_track_walls_lie_at_the_stated_widths(tmp_path: Path, separator: str) -> None:
+def test_the_edges_of_a_track_lie_at_the_stated_widths(tmp_path: Path, separator: str) -> None:
     path = tmp_path / "t.csv"
     path.write_text(track_csv(gentle(), 2.0, 3.0, separator))
-    world = import_world(path, ONE).world
-    assert world.boundaries is not None
+    world = import_world(path).world
     line = shapely.LineString(gentle())
-    left, right = (shapely.LineString(wall) for wall in world.boundaries[:2])
-    for wall, offset in ((left, 3.0), (right, -2.0)):
-        true = line.offset_curve(offset, quad_segs=64)
-        assert apart(wall, true) < 0.002
+    sides = [line.offset_curve(offset, quad_segs=64) for offset in (3.0, -2.0)]
+    caps = [shapely.LineString([one.coords[k] for one in sides]) for k in (0, -1)]
+    assert apart(outline(world), shapely.union_all([*sides, *caps])) < 0.002
     reference = shapely.LineString(world.reference)
-    assert reference.length > 0.85 * line.length
+    assert reference.length == pytest.approx(line.length - 6.0, abs=0.01)
     assert max(line.distance(shapely.Point(p)) for p in reference.coords) < ROUNDED
 
 
@@ -82,17 +80,13 @@ def test_shipped_corridor_comes_back_from_csv(tmp_path: Path) -> None:
     rows = [f"{x},{y},{w / 2},{w / 2}" for (x, y), w in zip(points, width, strict=True)]
     path = tmp_path / "t.csv"
     path.write_text("x_m,y_m,w_tr_right_m,w_tr_left_m\n" + "\n".join(rows))
-    imported = import_world(path, Options(robots=6, lanes=2))
-    assert not any("the area at" in change for change in imported.changes)  # it ends on its edge
-    world = imported.world
+    world = import_world(path, Options(robots=6, lanes=2, robot="fit")).world
     offset_polyline = inside("physim.geometry", "offset_polyline")
 
-    assert world.boundaries is not None
-    for wall, side in zip(world.boundaries, (0.5, -0.5), strict=False):
+    for side in (0.5, -0.5):
         true = shapely.LineString(offset_polyline(points, side * width))
-        assert (
-            apart(shapely.LineString(wall), true) < 0.2
-        )  # mitre against normal, half-widths of 6 m
+        away = shapely.distance(outline(world), shapely.points(np.array(true.coords)))
+        assert away.max() < 0.2  # mitre against normal, half-widths of 6 m
     assert not world.obstacles
 
 
@@ -103,18 +97,13 @@ def test_closed_track_is_cut_open_where_asked(tmp_path: Path) -> None:
     path.write_text(track_csv(ring, 2.0, 3.0))
     quarter = 0.25 * 2.0 * np.pi * 20.0
     imported = import_world(path, Options(start=quarter, gap=4.0))
-    world = imported.world
     assert "cut open at station 31.4159 m, (0.00, 20.00)" in "\n".join(imported.changes)
-    assert world.boundaries is not None
-    left, right, first, last = (np.array(line) for line in world.boundaries)
-    assert np.abs(np.hypot(*left.T) - 17.0).max() < 0.005
-    assert np.abs(np.hypot(*right.T) - 22.0).max() < 0.005
-    assert np.abs(first[:, 0]).max() < 0.005  # the first cap stands on the y axis
-    reference = shapely.LineString(world.reference)
-    assert shapely.LineString(last).distance(shapely.LineString(first)) == pytest.approx(
-        3.4, abs=0.1
-    )
-    assert reference.length < 2.0 * np.pi * 20.0 - 4.0
+    road = shapely.Polygon((imported.world.boundaries or ())[0])
+    away = np.hypot(*shapely.get_coordinates(road.exterior).T)
+    assert (np.minimum(np.abs(away - 17.0), np.abs(away - 22.0)) < 0.005).all()
+    gap = 4.0 / 20.0 * (22.0**2 - 17.0**2) / 2.0
+    assert road.area == pytest.approx(np.pi * (22.0**2 - 17.0**2) - gap, rel=1e-3)
+    assert road.exterior.distance(shapely.Point(0.0, 20.0)) < 2e-3  # the cap stands on the y axis
 
 
 @pytest.mark.parametrize(("tolerance", "plain"), [(None, True), (0.02, False)])
@@ -125,7 +114,7 @@ def test_map_outlines_are_within_the_tolerance(
     free, corner = free_cells(office())
     path = write_map(tmp_path, free, corner)
     (tmp_path / "map.pgm").write_bytes(pgm(np.where(free, 254, 0), plain))
-    world = import_world(path, Options(tolerance=tolerance)).world
+    world = import_world(path, Options(tolerance=tolerance, robot="fit")).world
     limit = (CELL if tolerance is None else tolerance) + CELL * np.sqrt(0.5) + ROUNDED
     assert apart(outline(world), office().boundary) <= limit
 
@@ -133,7 +122,7 @@ def test_map_outlines_are_within_the_tolerance(
 def test_map_that_lies_along_cells_comes_back_exactly(tmp_path: Path) -> None:
     plan = shapely.box(0, 0, 12, 8).difference(shapely.box(5, 3, 6, 5))
     free, corner = free_cells(plan)
-    world = import_world(write_map(tmp_path, free, corner)).world
+    world = import_world(write_map(tmp_path, free, corner), FIT).world
     assert apart(outline(world), plan.boundary) < ROUNDED
     assert len(world.boundaries or ()) == 1
     assert len((world.boundaries or ((),))[0]) == 5
@@ -160,10 +149,19 @@ def test_svg_with_transforms_comes_back(tmp_path: Path) -> None:
     body = f'<g id="boundary" transform="translate(3,1) scale(2)"><path d="{placed}"/></g>'
     path = tmp_path / "plan.svg"
     path.write_text(svg(body))
-    assert apart(outline(import_world(path, Options(scale=1.0)).world), plan.boundary) < ROUNDED
+    assert (
+        apart(
+            outline(import_world(path, Options(scale=1.0, robot="fit", origin=(12.0, 1.5))).world),
+            plan.boundary,
+        )
+        < ROUNDED
+    )
     path.write_text(svg(body, 'width="1200cm" height="700cm" viewBox="0 0 24 14"'))
     half = shapely.affinity.scale(plan.boundary, 0.5, 0.5, origin=(0, 0))
-    assert apart(outline(import_world(path).world), half) < ROUNDED
+    assert (
+        apart(outline(import_world(path, Options(robot="fit", origin=(6.0, 0.75))).world), half)
+        < ROUNDED
+    )
 
 
 def test_curves_are_within_the_stated_tolerance(tmp_path: Path) -> None:
@@ -181,7 +179,7 @@ def test_curves_are_within_the_stated_tolerance(tmp_path: Path) -> None:
     )
     path = tmp_path / "c.svg"
     path.write_text(svg(body))
-    world = import_world(path, Options(scale=1.0, tolerance=tolerance)).world
+    world = import_world(path, Options(scale=1.0, tolerance=tolerance, robot="fit")).world
     ring = np.array(world.obstacles[0]) - (12.0, 7.0)
     middles = 0.5 * (ring + np.roll(ring, 1, axis=0))
     assert np.abs(np.hypot(*ring.T) - 1.5).max() < ROUNDED
@@ -202,10 +200,10 @@ def test_wkt_and_geojson_come_back(tmp_path: Path) -> None:
     wkt.write_text(plan.wkt)
     geojson.write_text(json.dumps(shapely.geometry.mapping(plan)))
     for path in (wkt, geojson):
-        world = import_world(path).world
+        world = import_world(path, FIT).world
         assert apart(outline(world), plan.boundary) < ROUNDED
         assert len(world.obstacles) == len(plan.interiors)
-    half = import_world(wkt, Options(scale=0.5)).world
+    half = import_world(wkt, Options(scale=0.5, robot="fit")).world
     scaled = shapely.affinity.scale(plan.boundary, 0.5, 0.5, origin=(0, 0))
     assert apart(outline(half), scaled) < ROUNDED
 
@@ -236,9 +234,9 @@ def advance(record: Record, imported: Imported) -> np.ndarray:
 FORMATS = {
     "track.csv": Options(robots=6, lanes=2),
     "hall.svg": Options(scale=0.1),
-    "office.yaml": Options(robots=5),
-    "office.wkt": Options(robots=4, lanes=2),
-    "office.geojson": Options(robots=3, origin=(1.5, 1.5), goal=(22.0, 12.0)),
+    "office.yaml": Options(robots=5, robot="fit"),
+    "office.wkt": Options(robots=4, robot="fit"),
+    "office.geojson": Options(robots=3, robot="fit", origin=(1.5, 1.5), goal=(22.0, 12.0)),
 }
 
 

@@ -25,7 +25,7 @@ TEXTS = {
     ),
     "points.csv": ("".join(f"{k},0,3,3\n" for k in range(15_001)), "15000 points"),
     "lines.csv": ("0,0,3,3\n1,0,3,3\n" + "\n" * 300_001, "lines"),
-    "row.csv": ("0,0,3,3\n" + "1" * 1_000_000, ":2: … none of a table"),
+    "row.csv": ("0,0,3,3\n" + "1" * 1_000_000, ":2: … 1 values in 4 columns"),
     "lists.geojson": ('{"type":"LineString","coordinates":[' + "[],\n" * 1_000_001 + "]}", ""),
     "crs.geojson": ('{"type":"Polygon","crs":"' + "epsg" * 100_000 + '","coordinates":[]}', ""),
     "srid.wkt": (f"SRID=1{BLANKS}(\nPOLYGON ((0 0, 9 0, 9 9, 0 0))", ""),
@@ -66,7 +66,7 @@ LINES = {
         [("boundary", shapely.box(-9, -9, 99, 99)),
          *(("obstacle", shapely.box(k / 60, k % 60, k / 60 + 0.01, k % 60 + 0.5))
            for k in range(3600))],
-        "3600 obstacles",
+        "3601 obstacles",
     ),
 }  # fmt: skip
 

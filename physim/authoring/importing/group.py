@@ -1,0 +1,93 @@
+"""Boxes that are filled in: a group in lanes beside the path, in rows one behind the other."""
+
+from __future__ import annotations
+
+from math import hypot
+
+import numpy as np
+import shapely
+
+from physim.authoring.importing.area import Place
+from physim.authoring.importing.drawing import Drawing
+from physim.authoring.importing.drawn import Placed, lane, lap
+from physim.authoring.importing.options import Options
+from physim.authoring.importing.size import Size, check_way
+from physim.geometry.arc_length import Polyline
+from physim.geometry.area import shrunk
+from physim.geometry.outline import placed_outline
+from physim.geometry.shapes import FloatArray
+
+LANE, ROW, COLUMN = 2.0, 4.0, 3.2
+"""[m] at size 1 from lane to lane, from row to row of several lanes, and from robot to robot of
+one"""
+GAP, WALL_GAP = 0.5, 0.15
+"""[m] at size 1 least distance at the start of robots to each other, and to a wall"""
+MOST_SHARE = 0.6
+"""[-] share of the path that the group may take up at the start"""
+
+
+def offsets_of(options: Options) -> list[float]:
+    """Offsets [m] of lanes at size 1, left positive, from the middle outwards."""
+    lanes = min(options.lanes or 1, options.robots or options.lanes or 1)
+    offsets = [LANE * (k - 0.5 * (lanes - 1)) for k in range(lanes)]
+    return sorted(offsets, key=lambda offset: (abs(offset), -offset))
+
+
+def fill_in(
+    drawing: Drawing, where: Place, line: FloatArray, size: Size, options: Options
+) -> list[Placed]:
+    """Place ``--robots`` boxes in ``--lanes`` lanes beside a path (n, 2) [m], the first foremost.
+
+    Neighbouring lanes are staggered, so that the group arrives as it starts: no two stop abreast
+    of each other. Raises ImportSourceError where a lane, or so many robots, have no room.
+    """
+    factor, offsets = size.factor, offsets_of(options)
+    count = options.robots or len(offsets)
+    lanes = []
+    for offset in [round(factor * offset, 3) for offset in offsets]:
+        what = f"lane {offset:+g} m beside the path" if offset else "path"
+        beside = lane(drawing, line, offset)
+        advice = f"--lanes {max(len(offsets) - 1, 1)}, or a smaller --robot"
+        width = size.box[1] + 2.0 * WALL_GAP * factor
+        check_way(drawing, where, beside, width, what, None, advice)
+        lanes.append((beside, offset))
+    inner = shrunk(where.area, WALL_GAP * factor, 16)
+    shapely.prepare(inner)
+    half = np.array(size.box) / 2.0
+    box = half * [(-1, -1), (1, -1), (1, 1), (-1, 1)]
+    step = factor * (ROW / len(lanes) if len(lanes) > 1 else COLUMN)
+    way, near = Polyline(line), hypot(*size.box) + GAP * factor
+    station, robots, shapes = 0.0, list[Placed](), list[object]()
+    centres = np.full((count, 2), np.inf)
+    for k in reversed(range(count)):
+        beside, offset = lanes[k % len(lanes)]
+        while True:
+            if station > MOST_SHARE * way.length:
+                raise drawing.refusal(
+                    f"room for {len(robots)} of {count} robots of {size.box[0]:g} x "
+                    f"{size.box[1]:g} m on the first {station:.1f} m of the path; fewer "
+                    "--robots, more --lanes, a smaller --robot LENGTH,WIDTH, or --robot fit"
+                )
+            pose = _pose(way, Polyline(beside), offset, station, factor)
+            shape = placed_outline(box, pose)
+            close = np.flatnonzero(np.hypot(*(centres - pose[:2]).T) <= near)
+            is_apart = all(shape.distance(shapes[j]) >= GAP * factor for j in close)
+            if is_apart and inner.covers(shape):
+                break
+            station += 0.1 * factor
+        centres[len(robots)] = pose[:2]
+        shapes.append(shape)
+        robots.append(Placed(f"r{k + 1}", size.box, size.box, pose, beside, offset))
+        station += step
+    robots.reverse()
+    return [lap(one) for one in robots] if way.is_ring() else robots
+
+
+def _pose(
+    way: Polyline, beside: Polyline, offset: float, station: float, window: float
+) -> tuple[float, float, float]:
+    """Place on a lane beside a station of the reference path, heading along the lane."""
+    tx, ty = way.chords(station, window)
+    at = beside.nearest(way.at(station)[0] + offset * np.array([-ty, tx]))[0]
+    (x, y), (cx, cy) = beside.at(at)[0], beside.chords(at, window)
+    return round(float(x), 3), round(float(y), 3), round(float(np.arctan2(cy, cx)), 4)

@@ -2,41 +2,21 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import Any
+
+from pydantic_core import from_json
 
 MOST_BYTES = 20_000_000
 """Bytes of a file that is read"""
 
 
-class TwiceError(ValueError):
-    """An object has a key twice."""
-
-
-def parse_json(text: str | bytes, once: bool = False) -> Any:
-    """Value of a JSON text. Raises ValueError, with ``once`` also for a key that is given twice."""
+def parse_json(text: str | bytes) -> Any:
+    """Value of a JSON text. Raises ValueError."""
     try:
-        return json.loads(text, object_pairs_hook=_each_once if once else None)
-    except TwiceError:
-        raise
-    except json.JSONDecodeError as error:
-        raise ValueError(f"no JSON: {error.msg}, line {error.lineno}") from None
-    except UnicodeDecodeError:
-        raise ValueError("no UTF-8") from None
-    except RecursionError:
-        raise ValueError("no JSON that can be read: nested too deeply") from None
-    except ValueError:  # of Python, for a whole number of thousands of digits
-        raise ValueError("no JSON that can be read: a number has too many digits") from None
-
-
-def _each_once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
-    tree = dict(pairs)
-    if len(tree) < len(pairs):
-        keys = [key for key, _ in pairs]
-        twice = next(key for key in keys if keys.count(key) > 1)
-        raise TwiceError(f"{json.dumps(twice[:40])} is given twice")
-    return tree
+        return from_json(text)
+    except ValueError as error:
+        raise ValueError(f"no JSON that can be read: {error}") from None
 
 
 def file_json(path: Path) -> Any:

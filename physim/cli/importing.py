@@ -106,7 +106,7 @@ def import_world(
         int | None, option("robots abreast (1)", "K", read=COUNT, section=ROUTE)
     ] = None,
     robot: Annotated[
-        Place | Literal["fit"] | None,
+        Place | str | None,
         option(
             "[m] length and width of a robot (1.8,1.0), or fit: as large as fits, at most that",
             "L,W|fit", read=size, section=ROUTE,

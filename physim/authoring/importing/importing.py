@@ -192,7 +192,7 @@ def _written(
     if len(text) > MOST_TEXT:
         raise drawing.refusal(
             f"the world would have {len(text) / 1e6:.1f} MB, and a world file has at most "
-            f"{MOST_TEXT / 1e6:.0f} MB; simplify the source, or --tolerance M"
+            f"{MOST_TEXT / 1e6:.0f} MB; simplify the source"
         )
     world = parse_world(text, "the world")
     return Imported(text, world, drawing.kind, tuple(drawing.facts), tuple(drawing.changes))

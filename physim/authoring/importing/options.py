@@ -70,6 +70,7 @@ ONLY_FOR = {
     "gap": (("track",), "says how much road is left out where a closed track (.csv) is cut open"),
     "open": (("track",), "says that a track (.csv) is open, near as its ends may be"),
     "specks": (("ros-map",), "says which occupied patches of a ROS map are left out"),
+    "tolerance": (("ros-map", "svg"), "says how far outlines of a map and curves may move"),
     "boundary": (("svg",), "says which shapes of an SVG drawing are walls"),
     "close": (("svg", "wkt", "geojson"), "joins ends of lines of a drawing"),
     "ignore": (("svg", "geojson"), "says which shapes of a drawing are left out"),
@@ -77,10 +78,6 @@ ONLY_FOR = {
 }
 """Options that some kinds of source alone have a use for: these, and what it is; the others serve
 all."""
-
-
-TOLERANT = ("ros-map", "svg")
-"""Kinds of source of which every line is made within ``tolerance``, not only one of many points"""
 
 
 def check_options(source: Path, kind: str, options: Options) -> None:

@@ -144,28 +144,35 @@ def _check_ground(laid: Layout, faults: list[Fault]) -> None:
         return
     line = shapely.LineString(laid.reference)
     first, last = outside[0].tolist()
-    middle = line.interpolate(0.5 * (first + last))
     place = f"from {first:.2f} m to {last:.2f} m along it"
-    through = [k for k, (_, solid) in enumerate(laid.solids) if solid.covers(middle)]
-    if not through:
-        message = f"it leaves the accessible area {place}; draw it between the boundaries"
-        faults.append(Fault(laid.reference_key, message))
-    elif _is_cut(laid, line):
-        at = line.interpolate(first)
+    inside = [shapely.get_coordinates(line.intersection(solid)) for _, solid in laid.solids]
+    begin = [
+        float(shapely.line_locate_point(line, shapely.points(at)).min(initial=np.inf))
+        for at in inside
+    ]
+    met = [int(k) for k in np.argsort(begin) if np.isfinite(begin[k])]
+    if met and _is_cut(laid, line):
+        k = next((k for k in met if not _is_cut(laid, line, without=k)), met[0])
+        at = line.interpolate(begin[k])
         message = (
-            f"closes the way at {place_text(at.x, at.y)}, {first:.2f} m along the reference path, "
-            "so that no robot can pass; make it smaller, or move it"
+            f"stands right across the way at {place_text(at.x, at.y)}, {begin[k]:.2f} m along the "
+            "reference path, so that no robot can pass; make it smaller, or move it"
         )
-        faults.append(Fault(("obstacles", through[0]), message))
-    else:
-        message = f"it leads through {laid.solids[through[0]][0]} {place}; lead it around"
-        faults.append(Fault(laid.reference_key, message))
+        faults.append(Fault(("obstacles", k), message))
+        return
+    middle = line.interpolate(0.5 * (first + last))
+    through = next((name for name, solid in laid.solids if solid.covers(middle)), None)
+    message = f"it leaves the accessible area {place}; draw it between the boundaries"
+    if through is not None:
+        message = f"it leads through {through} {place}; lead it around"
+    faults.append(Fault(laid.reference_key, message))
 
 
-def _is_cut(laid: Layout, line: shapely.LineString) -> bool:
+def _is_cut(laid: Layout, line: shapely.LineString, without: int | None = None) -> bool:
     """Whether the obstacles leave the beginning and the end of s* in different parts."""
     face = accessible_area(list(laid.boundaries.values()), [], laid.reference).polygon
-    parts = shapely.get_parts(face.difference(united([solid for _, solid in laid.solids])))
+    solids = [solid for k, (_, solid) in enumerate(laid.solids) if k != without]
+    parts = shapely.get_parts(face.difference(united(solids)))
     free = [line.intersection(part) for part in parts]
     begins, ends = (
         [k for k, piece in enumerate(free) if piece.distance(shapely.Point(end)) <= LENGTH]

@@ -87,8 +87,7 @@ TOLD = {
     "obstacles that cut the way together":
         (among(bent("[[0, 0], [15, -0.1], [15.5, 0.1], [30, 0]]"),
                box(15, -5, 15.5, 0), box(15, 0, 15.5, 5)),
-         *(("E", f"14:{13 + 44 * k} obstacles[{k}]", f"with obstacles[{1 - k}]",
-            "right across the way") for k in (0, 1))),
+         ("E", "14:13 obstacles[0]", "(15, -0.1)", "right across the way")),
     "a centreline that crosses itself":
         (bent("[[0, 0], [40, 0], [40, 30], [20, 30], [20, -30]]"), ...,
          ("E", CENTRELINE, "into itself")),
@@ -140,7 +139,7 @@ def test_only_those_that_cut_the_way_are_named(tmp_path):
     """Two that meet beside the path; it leads through a third, and in and out of a fourth."""
     boxes = [box(20, -1, 21, 1), box(12, -5, 13, 0.5), box(12, 0.4, 13, 5)]
     errors, _ = lines(check(tmp_path, among(CORRIDOR, *boxes)))
-    assert [error.split("obstacles[")[1][0] for error in errors] == ["1", "2"]
+    assert [error.split("obstacles[")[1][0] for error in errors] == ["1"]
     arch = "[[8, -5], [8, 1], [14, 1], [14, -5], [13.5, -5], [13.5, 0.5], [8.5, 0.5], [8.5, -5]]"
     errors, _ = lines(check(tmp_path, among(CORRIDOR, arch)))
     assert errors

@@ -111,7 +111,7 @@ TOLD = {
         ("E", f"6:25 {FOOTPRINT[5:]}.length",
          "at most 1000", "given 1800", "write 18", "millimetres, 1.8")),
     "centimetres": (one(SIZE, "{length: 180, width: 100}\n    pose: [6.0"), ...,
-        ("E", POSE, '"a"'),
+        ("E", "2:14 time.step", '"a"'),
         ("W", FOOTPRINT, '"a"', "180 m", "write 1.8", "millimetres, 0.18")),
     "a width in centimetres": (one("width: 8.0", "width: 160"), ...,
         ("W", WIDTH, "160 m", "write 1.6")),

@@ -18,7 +18,13 @@ from scipy.sparse.csgraph import connected_components, dijkstra
 from scipy.spatial import cKDTree
 
 from physim.authoring.importing.area import Clearance, Place
-from physim.authoring.importing.drawing import Drawing, ImportSourceError, place, rounded
+from physim.authoring.importing.drawing import (
+    Drawing,
+    ImportSourceError,
+    extent,
+    place,
+    rounded,
+)
 from physim.authoring.importing.options import Options
 from physim.authoring.importing.size import LENGTH, ROOM, room_of
 from physim.geometry.arc_length import Polyline
@@ -122,7 +128,9 @@ def find_route(drawing: Drawing, where: Place, options: Options, reach: float) -
     grid = _grid(rough, step)
     for word, point in (("--from", options.origin), ("--to", options.goal)):
         if point is not None and not area.covers(shapely.Point(point)):
-            raise drawing.refusal(f"{word} {place(point)}: not in the place of the robots")
+            raise drawing.refusal(
+                f"{word} {place(point)}: not in the place of the robots, {extent(area)}"
+            )
     robots = drawing.of("robot") if options.robots is None else []
     rooms = _rooms(options, [shape.points for shape in robots], reach)
     if options.origin is None and robots:

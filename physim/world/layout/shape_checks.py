@@ -87,7 +87,8 @@ def wall_faults(laid: Layout, robots: Sequence[Placed]) -> list[Fault]:
             else:
                 contact = _overlap(shape, body, label)
             place = stretch_text(boundaries, label, _meeting(shape, body))
-            faults.append(Fault(where, f"{name} {contact} {place} at the start; move it away"))
+            remedy = "move it away" + (", or make it smaller" if len(near[i]) > 1 else "")
+            faults.append(Fault(where, f"{name} {contact} {place} at the start; {remedy}"))
         if not near[i] and not accessible.covers(shape):
             far = accessible.distance(shape)
             away = f", {far:.4g} m from it" if far > 0.0 else ""

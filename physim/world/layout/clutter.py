@@ -12,9 +12,10 @@ from math import pi
 import numpy as np
 import shapely
 
+from physim.geometry.arc_length import Polyline
 from physim.geometry.shapes import FloatArray
 from physim.randomness import stream
-from physim.world.layout.road_line import DECIMALS, stations
+from physim.world.layout.road_line import DECIMALS
 from physim.world.road import RandomRoad
 
 GAP = 0.3
@@ -37,7 +38,7 @@ def draw_clutter(
 ) -> list[FloatArray] | int:
     """Outlines (n, 2) [m] of the obstacles; or how many there was room for, where not for all."""
     draw = stream(seed, "road clutter", attempt)
-    station = stations(centreline)
+    station = Polyline(centreline).station
     first, last = road.ends, float(station[-1]) - road.ends
     count = round(road.clutter * (last - first) / 100.0)
     inside = shapely.Polygon(_ring(walls))
@@ -98,7 +99,7 @@ def _candidates(
     count: int,
 ) -> tuple[list[FloatArray], FloatArray, FloatArray]:
     """Outlines of obstacles anywhere on a stretch of the road, their sizes and stations [m]."""
-    station = stations(centreline)
+    station = Polyline(centreline).station
     at, aside = draw.uniform(low, high, count), draw.uniform(-0.5, 0.5, count)
     sizes, angles = draw.uniform(*road.sizes, count), draw.uniform(0.0, 2.0 * pi, count)
     kinds, shares = draw.integers(len(road.shapes), size=count), draw.uniform(0.0, 1.0, count)

@@ -11,6 +11,7 @@ from math import ceil, pi
 import numpy as np
 import shapely
 
+from physim.geometry.arc_length import Polyline
 from physim.geometry.corridor import SIDES, corridor_boundaries, offset_polyline
 from physim.geometry.shapes import FloatArray
 from physim.randomness import stream
@@ -80,7 +81,7 @@ def _straight(length: float) -> list[float]:
 def draw_widths(road: RandomRoad, centreline: FloatArray, seed: int, attempt: int) -> FloatArray:
     """Width (n,) [m] at each point of a centreline: the greatest one at the ends."""
     low, high = road.widths
-    station = stations(centreline)
+    station = Polyline(centreline).station
     knots = _knots(road, float(station[-1]))
     drawn = stream(seed, "road width", attempt).uniform(low, high, len(knots))
     drawn[:1], drawn[-1:] = high, high
@@ -100,7 +101,7 @@ def draw_way(
 
     It swings from the middle of the road to its sides, as far as there is room.
     """
-    station = stations(centreline)
+    station = Polyline(centreline).station
     knots = _knots(road, float(station[-1]))
     drawn = stream(seed, "road way", attempt).uniform(-1.0, 1.0, len(knots))
     drawn[:1], drawn[-1:] = 0.0, 0.0
@@ -137,11 +138,6 @@ def lanes_advance(way: FloatArray, offsets: list[float]) -> bool:
 def walls_advance(lines: dict[str, FloatArray], centreline: FloatArray) -> bool:
     """Whether the walls of a corridor go on in the sense of its centreline everywhere."""
     return all(_advances(lines[side][1:-1], centreline) for side in SIDES)
-
-
-def stations(line: FloatArray) -> FloatArray:
-    """Station (n,) [m] of each point of a polyline."""
-    return np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(line, axis=0).T))])
 
 
 def _advances(line: FloatArray, beside: FloatArray) -> bool:

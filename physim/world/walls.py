@@ -6,23 +6,11 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
+import shapely
 from numpy.typing import ArrayLike
 
 from physim.errors import place_text
 from physim.tolerances import CONTACT
-
-
-def nearest_stretch(line: ArrayLike, point: ArrayLike) -> int:
-    """Number k of the stretch, from point k of a polyline (n, 2) [m] to the next, nearest to one.
-
-    The first of equally near ones.
-    """
-    points, at = np.asarray(line, dtype=np.float64), np.asarray(point, dtype=np.float64)
-    along = np.diff(points, axis=0)
-    length = np.maximum((along * along).sum(axis=1), 1e-300)
-    share = np.clip(((at - points[:-1]) * along).sum(axis=1) / length, 0.0, 1.0)
-    away = np.hypot(*(points[:-1] + share[:, None] * along - at).T)
-    return int(np.argmax(away <= away.min() + CONTACT))
 
 
 def stretch_text(boundaries: Sequence[Any] | None, name: str, point: ArrayLike) -> str:
@@ -39,7 +27,10 @@ def stretch_text(boundaries: Sequence[Any] | None, name: str, point: ArrayLike) 
     line = boundaries[number]
     if line is None or len(line) < 2:
         return said
-    k = nearest_stretch(line, (x, y))
+    points = np.asarray(line, dtype=np.float64)
+    pieces = shapely.linestrings(np.stack([points[:-1], points[1:]], axis=1))
+    away = shapely.distance(pieces, shapely.Point(x, y))
+    k = int(np.argmax(away <= away.min() + CONTACT))  # the first of equally near ones
     return f"{said}, boundaries[{number}][{k}] to [{k + 1}]"
 
 

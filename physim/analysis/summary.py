@@ -11,7 +11,7 @@ from typing import Any
 
 from physim.analysis.expectations import Held, expectations
 from physim.analysis.metrics import DEFINITIONS, Episode, Figures, Graze, Metric
-from physim.analysis.metrics.walls import along_wall
+from physim.analysis.metrics.distances import along_wall
 from physim.html import labelled
 from physim.record import Record
 from physim.units import amount, percent

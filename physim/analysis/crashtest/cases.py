@@ -88,6 +88,8 @@ class Packed(NamedTuple):
     """(N, 3)"""
     command: FloatArray
     """(N, 2)"""
+    mass: FloatArray
+    """(N,) [kg]"""
     first_robot: IntArray
     """(M + 1,) case k has the robots from first_robot[k] to first_robot[k + 1] - 1"""
     first_wall: IntArray
@@ -99,21 +101,18 @@ class Packed(NamedTuple):
 def pack(dt: float, cases: tuple[Case, ...]) -> Packed:
     """Pack cases of one time step."""
     layouts = [case.layout for case in cases]
-    robots, walls = (
+    robots = [robot for one in layouts for robot in one.robots]
+    first_robot, first_wall = (
         np.concatenate(([0], np.cumsum([len(one) for one in some]))).astype(np.int64)
         for some in ([one.robots for one in layouts], [case.walls for case in cases])
     )
     return Packed(
-        pack_parts([robot.parts for one in layouts for robot in one.robots]),
+        pack_parts([robot.parts for robot in robots]),
         pack_parts([parts for case in cases for parts in case.walls]),
         np.concatenate([one.start for one in layouts]),
-        np.concatenate([one.command for one in layouts]), robots, walls, dt,
+        np.concatenate([one.command for one in layouts]),
+        np.array([DENSITY * robot.area for robot in robots]), first_robot, first_wall, dt,
     )  # fmt: skip
-
-
-def masses(cases: tuple[Case, ...]) -> FloatArray:
-    """(N,) [kg] of the robots of all cases."""
-    return np.array([DENSITY * robot.area for case in cases for robot in case.layout.robots])
 
 
 def place_of(index: int) -> Place:

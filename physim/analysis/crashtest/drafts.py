@@ -240,7 +240,7 @@ class Draft:
         inner = np.sort(rng.uniform(ends[0] + 0.1, ends[1] - 0.1, int(rng.integers(0, 4))))
         along = np.concatenate((ends[:1], inner, ends[1:]))
         along = along[np.concatenate(([True], np.diff(along) > 1e-3))]
-        return self._facing(robot, foot + along[:, None] * direction)
+        return self._alone(robot, foot + along[:, None] * direction)
 
     def corner(self) -> Layout:
         """Two walls that meet at any angle from 20 to 340 degrees."""
@@ -251,7 +251,7 @@ class Draft:
             tip + rng.uniform(0.5, 4.0) * np.array((cos(angle), sin(angle)))
             for angle in (first, first + opening)
         ]
-        return self._facing(robot, np.array((ends[0], tip, ends[1])))
+        return self._alone(robot, np.array((ends[0], tip, ends[1])))
 
     def wall_end(self) -> Layout:
         """Free end of a wall, or a stub with both ends near."""
@@ -259,7 +259,7 @@ class Draft:
         end = self._near(robot)
         direction, _ = self._axes()
         length = rng.uniform(1.0, 5.0) if rng.random() < 0.7 else rng.uniform(0.05, 0.5)
-        return self._facing(robot, np.array((end, end + length * direction)))
+        return self._alone(robot, np.array((end, end + length * direction)))
 
     def wall_graze(self) -> Layout:
         """Passing a wall, or the end of one, within a hair: along it, or turning away as it
@@ -297,16 +297,16 @@ class Draft:
             + np.stack((x * part[:, 0] - y * part[:, 1], y * part[:, 0] + x * part[:, 1]), axis=1)
             for part in (solid.outline, *solid.parts)
         )
-        return self._alone(robot)._replace(solids=(turned,))
+        return self._alone(robot, solids=(turned,))
 
-    def _facing(self, robot: Footprint, line: FloatArray) -> Layout:
-        return self._alone(robot)._replace(lines=(line,))
-
-    def _alone(self, robot: Footprint) -> Layout:
-        """A robot that is at the origin of the place at the meeting."""
+    def _alone(
+        self, robot: Footprint, *lines: FloatArray, solids: tuple[tuple[FloatArray, ...], ...] = ()
+    ) -> Layout:
+        """A robot that is at the origin of the place at the meeting, and what stands there."""
         order = self._order(robot, self._most(robot))
         pose = (*self.origin, self._angle())
-        return _back((robot,), (pose,), [order], self._time())
+        found = _back((robot,), (pose,), [order], self._time())
+        return found._replace(lines=lines, solids=solids)
 
     def _most(self, *robots: Footprint) -> float:
         """Largest speed [m/s] of any point that a world with these robots may have."""

@@ -7,14 +7,14 @@ what a controller says of itself.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from physim.analysis.metrics.metric import Each, Series
+from physim.analysis.metrics.metric import Each, Series, section
 from physim.errors import PhysimError
 from physim.geometry.shapes import FloatArray, IntArray
 from physim.record import Record
@@ -197,8 +197,7 @@ def _stood(record: Record) -> NDArray[np.bool_]:
 
 def arrival_tolerance(record: Record) -> float:
     """[m] by which a robot may be short of its stop station, or past it: the world's, or 0.1."""
-    arrival = record.world_settings.get("arrival")
-    tolerance = arrival.get("tolerance") if isinstance(arrival, Mapping) else None
+    tolerance = section(record, "arrival").get("tolerance")
     if isinstance(tolerance, float) or (isinstance(tolerance, int) and abs(tolerance) < 2**63):
         return float(tolerance)
     from physim.world import Arrival

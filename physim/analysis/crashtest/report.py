@@ -17,7 +17,6 @@ xi, and lists every unexplained case.
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import IntEnum
@@ -29,6 +28,7 @@ from numpy.typing import NDArray
 from physim.analysis.crashtest.cases import TIME_STEPS
 from physim.analysis.crashtest.drafts import KINDS
 from physim.geometry.shapes import FloatArray
+from physim.json_text import json_text
 from physim.tolerances import CONTACT, ROUNDING, TIME
 
 NEVER = -1
@@ -200,9 +200,9 @@ class CrashReport:
                 for name, some in (("straight", grazes & flat), ("arcs", grazes & ~flat))
             },
             "searches_taken_up_again": int(rows["renewed"].sum()),
-            "unexplained": [vars(one) for one in self.unexplained],
+            "unexplained": self.unexplained,
         }  # fmt: skip
-        return json.dumps(tree, indent=2, ensure_ascii=False) + "\n"
+        return json_text(tree)
 
 
 def _counts(rows: NDArray[np.void]) -> dict[str, int]:

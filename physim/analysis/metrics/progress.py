@@ -162,7 +162,13 @@ def absent(record: Record) -> tuple[Absent, ...]:
     """Robots that have not arrived at the end of the run, by index; none of a run without poses."""
     if not record.samples:
         return ()
-    stands, tolerance = _stood(record), arrival_tolerance(record)
+    tolerance = arrival_tolerance(record)
+    # they stand whom all samples since the last one before the final half second show there
+    begin = record.time[-1] - STILL_TIME
+    first = max(int(np.searchsorted(record.time, begin + 1e-9, side="right")) - 1, 0)
+    off = record.pose[first:, :, :2] - record.pose[-1, :, :2]
+    most = still_distances(record.shapes.radius[: record.robots])
+    stands = (np.hypot(*off.transpose(2, 0, 1)) <= most).all(axis=0)
     room, lines, found = most_beside(record.shapes, record.course[0, :, 1]), record.paths, []
     for i in np.flatnonzero(record.arrived < 0).tolist():
         mine, station = slice(*lines.start[i : i + 2]), float(record.course[-1, i, 0])
@@ -181,18 +187,6 @@ def absent(record: Record) -> tuple[Absent, ...]:
             )
         )  # fmt: skip
     return tuple(found)
-
-
-def _stood(record: Record) -> NDArray[np.bool_]:
-    """(N,) whether all samples since the last one before the final `STILL_TIME` show robots there.
-
-    Samples may be far apart; a shorter run shows it from its start.
-    """
-    begin = record.time[-1] - STILL_TIME
-    first = max(int(np.searchsorted(record.time, begin + 1e-9, side="right")) - 1, 0)
-    off = record.pose[first:, :, :2] - record.pose[-1, :, :2]
-    most = still_distances(record.shapes.radius[: record.robots])
-    return np.asarray((np.hypot(*off.transpose(2, 0, 1)) <= most).all(axis=0))
 
 
 def arrival_tolerance(record: Record) -> float:

@@ -82,18 +82,14 @@ def taken_name(kind: Any, name: str) -> str:
 
 def _definition(name: str, part: Any) -> Definition:
     lines = (type(part).__doc__ or "").strip().splitlines()
-    texts = {
-        "unit": getattr(part, "unit", None),
-        "definition": getattr(part, "definition", lines[0] if lines else None),
-        "source": getattr(part, "source", "-"),
-    }
+    usual = {"unit": None, "definition": lines[0] if lines else None, "source": "-"}
+    texts = {key: getattr(part, key, value) for key, value in usual.items()}
     for key, value in texts.items():
         if not (isinstance(value, str) and value.isprintable() and 0 < len(value) <= 300):
             raise PhysimError(
                 f'metric "{name}": {type(part).__name__}.{key} must be a line of text'
                 + (', "-" where there is none' if key != "definition" else "")
             )
-    unit, meaning, source = (str(value) for value in texts.values())
 
     def find(run: Figures) -> Found:
         try:
@@ -107,6 +103,7 @@ def _definition(name: str, part: Any) -> Definition:
         except ValueError as error:
             raise PhysimError(f'metric "{name}" gives {error}') from None
 
+    unit, meaning, source = (str(value) for value in texts.values())
     return Definition(name, unit, meaning.rstrip("."), source, find)
 
 

@@ -38,26 +38,6 @@ def test_averaged_speeds_of_arcs_are_their_own() -> None:
     assert np.allclose(found.rotational, omega, rtol=0, atol=1e-12)
 
 
-@pytest.mark.parametrize("every", [41, 100])
-def test_a_coarse_record_has_nearly_the_speeds_of_a_fine_one(every: int) -> None:
-    """Commands change between its samples, of which chords say nothing."""
-    world = physim.load_world("u_turn")
-    with (
-        physim.simulate(world) as fine,
-        physim.simulate(world.changed(time={"record_every": every})) as coarse,
-    ):
-        full, some = metrics.averaged_speeds(fine), metrics.averaged_speeds(coarse)
-    assert len(some.time) == len(full.time) > 100
-    assert np.allclose(some.forward, full.forward, rtol=0, atol=0.04, equal_nan=True)
-    assert np.allclose(some.rotational, full.rotational, rtol=0, atol=0.04, equal_nan=True)
-
-
-def test_samples_farther_apart_than_the_window_have_no_averaged_speed() -> None:
-    world = physim.parse_world(LANE, overrides=["time.duration=20.0", "time.record_every=1100"])
-    with physim.simulate(world, controller=Drivers((1.0, 0.8), (0.5, -0.9))) as record:
-        assert len(metrics.averaged_speeds(record).time) == 0
-
-
 def test_a_window_reaches_neither_beyond_the_run_nor_beyond_arrival() -> None:
     pose = np.zeros((1501, 2, 3))
     pose[:, :, 0] = np.minimum(0.01 * np.arange(1501), 12.0)[:, None] * [1.0, 0.5]
@@ -72,10 +52,13 @@ def test_a_window_reaches_neither_beyond_the_run_nor_beyond_arrival() -> None:
     assert found.forward[-1, 1] == pytest.approx(0.5 * 7.0 / 10.0)
 
 
-def test_a_run_shorter_than_the_window_has_no_averaged_speed() -> None:
+def test_runs_shorter_than_the_window_and_samples_farther_apart_have_no_averaged_speed() -> None:
     record = history(pose=arcs(np.ones(2), np.ones(2), 900), steps_run=899)
     assert len(metrics.averaged_speeds(record).time) == 0
     assert "averaged_speed_max" not in metrics.measure(record)
+    world = physim.parse_world(LANE, overrides=["time.duration=20.0", "time.record_every=1100"])
+    with physim.simulate(world, controller=Drivers((1.0, 0.8), (0.5, -0.9))) as record:
+        assert len(metrics.averaged_speeds(record).time) == 0
 
 
 def test_deviations_and_their_root_mean_square() -> None:
@@ -190,13 +173,15 @@ def test_width_is_from_wall_to_wall() -> None:
     assert np.allclose(np.minimum(*gaps), least)
 
 
-def room(walls: FloatArray, path: list[list[float]]) -> Record:
-    """One robot on a path within one closed line of walls."""
+def recorded(world: str, path: FloatArray, bodies: dict[str, list[FloatArray]]) -> Record:
+    """One robot on a path beside bodies by name: obstacles are called box."""
     scene = make_scene(1)
-    scene.walls = pack_parts([list(pairwise(walls))])
-    scene.bodies = (scene.bodies[0], Body(1, "boundary", "boundary 1"))
-    scene.paths = pack_polylines([np.array(path)])
-    out = RecordWriter(None, scene, "boundaries: []", name="room")
+    scene.walls = pack_parts(list(bodies.values()))
+    kinds = ["obstacle" if name == "box" else "boundary" for name in bodies]
+    others = (Body(1 + k, *of) for k, of in enumerate(zip(kinds, bodies, strict=True)))
+    scene.bodies = (scene.bodies[0], *others)
+    scene.paths = pack_polylines([path])
+    out = RecordWriter(None, scene, world, name="room")
     out.close("duration", steps_run=0, rejected=0, wall_clock={})
     return out.record()
 
@@ -204,33 +189,26 @@ def room(walls: FloatArray, path: list[list[float]]) -> Record:
 def test_a_wall_across_the_path_has_no_width() -> None:
     """A room of 30 m by 16 m; the nearest points on both sides lie on the end wall until 8 m."""
     walls = np.array([[0.0, 0.0], [30.0, 0.0], [30.0, 16.0], [0.0, 16.0], [0.0, 0.0]])
-    found = metrics.corridor_width(room(walls, [[1.0, 8.0], [29.0, 8.0]]))
+    path = np.array([[1.0, 8.0], [29.0, 8.0]])
+    record = recorded("boundaries: []", path, {"boundary 1": list(pairwise(walls))})
+    found = metrics.corridor_width(record)
     x = found.points[:, 0]
     between = (x > 8.0 + 1e-9) & (x < 22.0 - 1e-9)
     assert np.isnan(found.width[(x < 8.0 - 1e-9) | (x > 22.0 + 1e-9)]).all()
     assert found.width[between] == pytest.approx(16.0)
-    assert np.nanmin(found.width) == pytest.approx(16.0)
+    assert metrics.Figures(record).value("width_min") == pytest.approx(16.0)
 
 
 def corridor(path_offset: float, obstacle: bool = False) -> Record:
     """One robot on a path beside the centreline of a bent corridor with caps."""
-    scene = make_scene(1)
     left, right = (offset_polyline(CENTRELINE, np.full(4, s * WIDTH / 2)) for s in (1, -1))
-    lines = [left, right, np.array([left[0], right[0]]), np.array([left[-1], right[-1]])]
-    names = ["left wall", "right wall", "start cap", "end cap"]
-    bodies = [list(pairwise(line)) for line in lines]
-    kinds = ["boundary"] * 4
+    caps = {f"{end} cap": np.array([left[k], right[k]]) for end, k in (("start", 0), ("end", -1))}
+    lines = {"left wall": left, "right wall": right, **caps}
+    bodies = {name: list(pairwise(line)) for name, line in lines.items()}
     if obstacle:
-        bodies.append([np.array([[5.0, -3.0], [6.0, -3.0], [6.0, -2.0], [5.0, -2.0]])])
-        names, kinds = [*names, "box"], [*kinds, "obstacle"]
-    scene.walls = pack_parts(bodies)
-    rows = zip(kinds, names, strict=True)
-    others = [Body(1 + k, kind, name) for k, (kind, name) in enumerate(rows)]
-    scene.bodies = (scene.bodies[0], *others)
-    scene.paths = pack_polylines([offset_polyline(CENTRELINE, np.full(4, path_offset))])
-    out = RecordWriter(None, scene, "corridor: {width: 8.0}", name="corridor")
-    out.close("duration", steps_run=0, rejected=0, wall_clock={})
-    return out.record()
+        bodies["box"] = [np.array([[5.0, -3.0], [6.0, -3.0], [6.0, -2.0], [5.0, -2.0]])]
+    path = offset_polyline(CENTRELINE, np.full(4, path_offset))
+    return recorded("corridor: {width: 8.0}", path, bodies)
 
 
 @pytest.mark.parametrize("offset", [0.0, 3.9, -3.9])

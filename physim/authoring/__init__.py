@@ -1,1 +1,1 @@
-"""New worlds: from templates, and from tracks, maps and drawings."""
+"""New worlds: like shipped ones, and from tracks, maps and drawings."""

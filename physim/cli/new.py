@@ -6,7 +6,7 @@ import os
 import re
 import shlex
 from pathlib import Path
-from typing import Annotated, Literal, get_args
+from typing import Annotated
 
 from physim.cli.options import WHOLE, option, path, to
 from physim.cli.output import WORLD, Target, inputs, write_text, writing
@@ -88,21 +88,19 @@ def schema(
     return 0
 
 
-Template = Literal["corridor", "bend", "doorway", "s_bend", "roundabout", "warehouse", "random"]
-TEMPLATES = get_args(Template)
-
-
 def new(
     name: Annotated[str | None, option("name of the world, and of its file", "[NAME]")] = None,
     /, *,
-    template: Annotated[Template | None, option("the road (corridor)")] = None,
+    like: Annotated[
+        str | None, option("which world to begin with (straight)", "WORLD")
+    ] = None,
     robots: Annotated[
-        int | None, option("how many, in lanes and rows (3)", "N", read=WHOLE)
+        int | None, option("how many, where that world has one group", "N", read=WHOLE)
     ] = None,
     drawn: Annotated[
         str | None,
         option(
-            "instead of a template: a world with corridor.random, its road written out as drawn",
+            "instead of --like: a world with corridor.random, its road written out as drawn",
             "WORLD", "--from",
         ),
     ] = None,
@@ -124,11 +122,12 @@ def new(
     world.schema.json, by which editors complete keys and show what they mean. --from writes a
     world whose road the seed draws, with that road written out.
 
-    templates:
-      corridor    straight, 8 m wide           s_bend      a turn left and a turn right
-      bend        a quarter turn               roundabout  in, three quarters round, out
-      doorway     a door one robot wide        warehouse   a path through aisles between shelves
-      random      bends and obstacles that the seed draws, beside a clear passage
+    worlds to begin with, among others:
+      straight    two robots, the smallest     s_bend          a turn left and a turn right
+      doorway     a door one robot wide        crossing        two roads cross
+      merging     two roads become one         roundabout      in, three quarters round, out
+      warehouse   aisles between shelves       hundred_robots  one group: --robots says how many
+      random_road bends and obstacles that the seed draws, beside a clear passage
 
     exit codes:
       0    written; the world runs as it is
@@ -136,29 +135,31 @@ def new(
 
     examples:
       physim new my_corridor
-      physim new my_door --template doorway --robots 5
-      physim new --project my_study --template warehouse
+      physim new my_fleet --like hundred_robots --robots 20
+      physim new --project my_study --like warehouse
       physim new my_road --from random_road --seed 7
                                                  the road that this seed draws, as a plain world
     """
+    from physim.authoring.new import new_text
+
     if drawn is not None:
-        for key, value in (("template", template), ("robots", robots), ("project", project)):
+        for key, value in (("like", like), ("robots", robots), ("project", project)):
             if value is not None:
                 raise PhysimError(f"--{key}: cannot be combined with --from, which gives the world")
         return _drawn(drawn, seed, name, output, force)
     if seed is not None:
         raise PhysimError("--seed: needs --from, a world whose road a seed draws")
-    road = template or TEMPLATES[0]
+    like = like or "straight"
     if project is not None:
         if output is not None:
             raise PhysimError("--project: names a folder, and -o a file; give one of them")
-        return _project(project, name, road, robots, force)
+        return _project(project, name, like, robots, force)
     if name is None and output is None:
         raise PhysimError("physim new: NAME is missing, as in physim new my_corridor")
     title, stem = _named(name if name is not None else output.name if output else "")
     file = output or Path(f"{stem}.yaml")
     _check_file(file, force)
-    _write(file, _world(title, road, robots), force)
+    _write(file, new_text(title, like, robots), force)
     return 0
 
 
@@ -182,7 +183,7 @@ def _drawn(
     source: str, seed: int | None, name: str | None, output: Path | None, force: bool
 ) -> int:
     """Write out the road that a seed draws."""
-    from physim.authoring.drawn import drawn_text
+    from physim.authoring.new import drawn_text
     from physim.world.file import read_world
 
     world, document = read_world(source, seed=seed, check_controller=False)
@@ -199,18 +200,18 @@ def _drawn(
     return 0
 
 
-def _project(folder: Path, name: str | None, road: str, robots: int | None, force: bool) -> int:
-    from physim.authoring.templates import new_project
+def _project(folder: Path, name: str | None, like: str, robots: int | None, force: bool) -> int:
+    from physim.authoring.new import new_project, new_text
     from physim.world.file.schema import schema_text
 
-    name, stem = _named(name if name is not None else road)
+    name, stem = _named(name if name is not None else Path(like).stem)
     title = Path(os.path.abspath(folder)).name or name
     if not title.isprintable():
         raise PhysimError(
             f'--project "{escaped(str(folder))[:60]}": a name with signs that cannot be shown; use '
             "letters and digits, as in my_study"
         )
-    files = new_project(title, stem, _world(name, road, robots), schema_text())
+    files = new_project(title, stem, new_text(name, like, robots), schema_text())
     made = [folder / place for place in files]
     Target(folder, force, option="--project").folder(made, empty=True)
     with writing(folder):
@@ -248,13 +249,3 @@ def _named(given: str) -> tuple[str, str]:
         raise PhysimError(f'"{shown}": is a path, not a name; -o takes a path')
     stem = re.sub(r"[^\w-]+", "_", name).strip("_")
     return name, stem or "world"
-
-
-def _world(name: str, template: str, count: int | None) -> str:
-    from physim.authoring.templates import most_robots, world_text
-
-    robots = 3 if count is None else count
-    most = most_robots(template)
-    if not 1 <= robots <= most:
-        raise PhysimError(f"--robots {robots}: the template {template} has room for 1 to {most}")
-    return world_text(name, template, robots)

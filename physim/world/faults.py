@@ -7,7 +7,10 @@ from __future__ import annotations
 
 import re
 import types
+import unicodedata
 from collections.abc import Callable, Mapping
+from math import pi
+from types import MappingProxyType
 from typing import Annotated, Any, Union, cast, get_args, get_origin
 
 from pydantic import BaseModel, Tag, ValidationError
@@ -15,18 +18,12 @@ from pydantic.fields import FieldInfo
 
 from physim.errors import Fault, Location, nearest
 from physim.escaping import escaped
-from physim.world.number_hints import in_metres, of_commas, of_flat, of_text
-
-TAGS = frozenset(
-    {"<value>", "<word>", "<list>", "<mapping>", "<robot>", "<group>", "<corridor>", "<random>"}
-)
-"""Parts of a location that distinguish alternatives of a value and that no author wrote."""
 
 
 def model_at(model: type[BaseModel], location: Location) -> type[BaseModel] | None:
     """Return the model whose keys may stand at ``location``, or None.
 
-    A location as pydantic gives it may hold tags (``<box>``) that choose among alternatives.
+    A location as pydantic gives it may hold tags (``<list>``) that choose among alternatives.
     """
     found = _walk(model, location)
     for option in _options(found):
@@ -39,8 +36,13 @@ def field_at(model: type[BaseModel], location: Location) -> FieldInfo | None:
     """Return the field of that name at ``location``, with its description, or None."""
     if not location or not isinstance(location[-1], str):
         return None
-    holder = model_at(model, location[:-1])
-    return holder.model_fields.get(location[-1]) if holder is not None else None
+    fields = (getattr(one, "model_fields", {}) for one in _options(_walk(model, location[:-1])))
+    return next((found[location[-1]] for found in fields if location[-1] in found), None)
+
+
+def _is_tag(part: str | int) -> bool:
+    """Whether a part of a location chooses among alternatives of a value; no author wrote it."""
+    return isinstance(part, str) and part[:1] == "<" and part[-1:] == ">"
 
 
 def _walk(model: type[BaseModel], location: Location) -> Any:
@@ -52,7 +54,7 @@ def _walk(model: type[BaseModel], location: Location) -> Any:
 
 def _step(here: Any, part: str | int) -> Any:
     """Annotation one key, index or tag further in; None when there is nothing."""
-    if part in TAGS:
+    if _is_tag(part):
         return next(iter(_options(here, tag=part)), None)
     for option in _options(here):
         if isinstance(option, type) and issubclass(option, BaseModel):
@@ -96,6 +98,26 @@ LISTS = ("sequence", "list_type", "tuple_type")
 LOOKS_NUMERIC = re.compile(r"[-+]?[0-9.][0-9._eE+-]*")
 
 
+WITH_UNIT = re.compile(r"\s*([+-]?\d+(?:\.\d*)?)\s*([a-z°/]+)\s*", re.IGNORECASE)
+"""Number and unit in one text, as in "6 m"."""
+DECIMAL_COMMA = re.compile(r"\s*([+-]?\d+),(\d+)\s*")
+"""Number as written in many languages, as in "6,5"."""
+NUMBER = re.compile(r"[+-]?\d+(?:\.\d*)?(?:e[+-]?\d+)?", re.IGNORECASE)
+MINUSES = dict.fromkeys(map(ord, "\N{MINUS SIGN}\N{EN DASH}\N{HYPHEN}\N{NON-BREAKING HYPHEN}"), "-")
+"""Signs that look like a minus, as programs for texts and files of print have them"""
+SCALES = MappingProxyType(
+    {
+        "[m]": {"m": 1.0, "cm": 0.01, "mm": 0.001, "km": 1000.0},
+        "[s]": {"s": 1.0, "sec": 1.0, "ms": 0.001, "min": 60.0, "h": 3600.0},
+        "[m/s]": {"m/s": 1.0, "cm/s": 0.01, "mm/s": 0.001, "km/h": 1.0 / 3.6},
+        "[rad]": {"rad": 1.0, "deg": pi / 180.0, "°": pi / 180.0},
+        "[rad/s]": {"rad/s": 1.0, "deg/s": pi / 180.0, "°/s": pi / 180.0},
+        "[kg]": {"kg": 1.0, "g": 0.001, "t": 1000.0},
+    }
+)
+"""What a number with another unit is worth in that of a key, as its description begins."""
+
+
 def describe(value: Any) -> str:
     """Write a given value briefly on one line, as a message shows it."""
     if value is None:
@@ -137,23 +159,22 @@ def faults_of(error: ValidationError, model: type[BaseModel]) -> list[Fault]:
         if details["type"] == "extra_forbidden":
             holder = model_at(model, raw[:-1])
             allowed, advice = keys_of(holder), _advice(holder, location[-1])
-            faults.append(unknown_key(location, allowed, advice or _within(holder, location[-1])))
+            faults.append(unknown_key(location, allowed, advice))
             corrected |= {
                 (*location[:-1], key) for key in allowed if advice or _meant(location[-1], key)
             }
         elif details["type"] == "missing" and not isinstance(location[-1], int):
-            missing.append(Fault(location, _missing(model, raw) + _misspelt_type(details)))
+            missing.append(Fault(location, _missing(model, raw)))
         else:
             choice = _choice(model, raw)
             what = message(cast(Mapping[str, Any], details), choice)
-            more = _other_units(model, raw, details) or _what_is_missing(model, raw, details)
-            faults.append(Fault(location, what + more))
+            faults.append(Fault(location, what + _other_units(model, raw, details)))
     return faults + [fault for fault in missing if fault.location not in corrected]
 
 
 def plain_location(location: Location) -> Location:
     """Location as the author sees it: without the tags that distinguish alternatives."""
-    parts = tuple(part for part in location if part not in TAGS)
+    parts = tuple(part for part in location if not _is_tag(part))
     for place in SETTINGS:
         if parts[: len(place)] == place:
             end = len(place) + (place != ("controller",))  # of a list one entry
@@ -175,15 +196,6 @@ def _advice(model: type[BaseModel] | None, key: str | int) -> str:
     return known.get(str(key).lower(), "")
 
 
-def _within(model: type[BaseModel] | None, key: str | int) -> str:
-    """Where a key stands that is not one of a model, but of a mapping in it."""
-    if model is not None and isinstance(key, str):
-        for name in model.model_fields:
-            if field_at(model, (name, key)) is not None:
-                return f'did you mean "{name}.{key}"?'
-    return ""
-
-
 def keys_of(model: type[BaseModel] | None) -> list[str]:
     """Keys that a model takes."""
     return list(model.model_fields) if model is not None else []
@@ -199,18 +211,10 @@ def _missing(model: type[BaseModel], location: Location) -> str:
     return f"missing; needed: {needed}" if needed else "missing; it has no default"
 
 
-def _misspelt_type(details: Mapping[str, Any]) -> str:
-    """Hint where a part is named by a key that is nearly ``type``: it went among its settings."""
-    given = details["input"] if details["loc"][-1] == "type" else None
-    settings = given.get("settings", {}) if isinstance(given, Mapping) else {}
-    near = [key for key in settings if isinstance(key, str) and _meant(key[:100], "type")]
-    return f'; {describe(near[0])} given; did you mean "type"?' if near else ""
-
-
 def _other_units(model: type[BaseModel], location: Location, details: Mapping[str, Any]) -> str:
     """What to write for a number with a unit or a comma, and for a length too large for metres."""
     is_coordinate = bool(location) and isinstance(location[-1], int)
-    while location and (isinstance(location[-1], int) or location[-1] in TAGS):
+    while location and (isinstance(location[-1], int) or _is_tag(location[-1])):
         location = location[:-1]
     field = field_at(model, location)
     unit, _, meaning = ((field.description if field is not None else "") or "").partition(" ")
@@ -222,24 +226,36 @@ def _other_units(model: type[BaseModel], location: Location, details: Mapping[st
             return ""
         origin = ", or subtract an origin from all points of a map" if is_coordinate else ""
         return f"; {in_metres(given)}{origin}"
-    if kind == "too_long":
-        return of_commas(given, details["ctx"]["max_length"])
-    return of_text(given, unit) if isinstance(given, str) and kind not in LISTS else ""
+    return _of_text(given, unit) if isinstance(given, str) and kind not in LISTS else ""
 
 
-def _what_is_missing(model: type[BaseModel], location: Location, details: Mapping[str, Any]) -> str:
-    """What a list of fixed length holds, where an entry of it is missing."""
-    if details["type"] != "missing":
+def _of_text(given: str, unit: str) -> str:
+    """What to write for a text that is a number with a unit or a comma; ``unit`` is the key's."""
+    plain = unicodedata.normalize("NFKC", given).translate(MINUSES)
+    if plain != given and NUMBER.fullmatch(plain):
+        return f"; write it with the signs of a keyboard: {plain}"
+    if comma := DECIMAL_COMMA.fullmatch(given):
+        return f"; decimals take a point: {comma[1]}.{comma[2]}"
+    found = WITH_UNIT.fullmatch(given)
+    if found is None:
         return ""
-    while location and (isinstance(location[-1], int) or location[-1] in TAGS):
-        location = location[:-1]
-    field = field_at(model, location)
-    return f": {field.description}" if field is not None and field.description else ""
+    scale = SCALES.get(unit, {}).get(found[2].lower())
+    if scale is None:
+        return "; units are not written, each key has its own"
+    return f"; units are not written: {float(found[1]) * scale:.6g} is meant"
+
+
+def in_metres(length: float) -> str:
+    """What to write where a length is likely none in metres."""
+    return (
+        f"lengths are in metres: if centimetres are meant, write {length / 100.0:.6g}, if "
+        f"millimetres, {length / 1000.0:.6g}"
+    )
 
 
 def _choice(model: type[BaseModel], location: Location) -> str:
     """What a value of several kinds may be, where none of them was given."""
-    if not location or location[-1] not in TAGS:
+    if not location or not _is_tag(location[-1]):
         return ""
     field = field_at(model, location[:-1])
     return f"must be: {field.description}" if field is not None else ""
@@ -251,9 +267,7 @@ def message(details: Mapping[str, Any], needed: str = "") -> str:
     context = details.get("ctx", {})
     kind = str(details["type"])
     if kind in _NEEDED:
-        is_robots = kind in LISTS and details["loc"] == ("robots",)
-        more = '; begin each robot with "- "' if is_robots else ""
-        return f"{needed or _NEEDED[kind]}; given {describe(given)}{_hint(kind, given) or more}"
+        return f"{needed or _NEEDED[kind]}; given {describe(given)}{_hint(kind, given)}"
     if kind == "literal_error":
         words = re.findall(r"'([^']*)'", context["expected"])
         near = nearest(str(given)[:100].lower(), words)
@@ -265,12 +279,12 @@ def message(details: Mapping[str, Any], needed: str = "") -> str:
         return str(context.get("error", details["msg"]))
     if kind in _SPECIAL:
         return _SPECIAL[kind](context, given)
-    return f"{details['msg']}; given {describe(given)}{of_flat(given) if kind == 'points' else ''}"
+    return f"{details['msg']}; given {describe(given)}"
 
 
 def _words(words: list[str], details: Mapping[str, Any]) -> str:
     """What may be given where one of some words may; beside a number if there are tags."""
-    if details["loc"] and details["loc"][-1] in TAGS:
+    if details["loc"] and _is_tag(details["loc"][-1]):
         return f"must be a number or the word {' or '.join(words)}"
     return f"must be {details['ctx']['expected'].replace(chr(39), '')}"
 

@@ -1,4 +1,4 @@
-"""``new``, ``check`` and ``preview``: worlds from templates, roads drawn by the seed, pictures."""
+"""``new``, ``check`` and ``preview``: worlds, roads drawn by the seed, pictures."""
 
 from __future__ import annotations
 
@@ -15,15 +15,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-import yaml
 
-from physim import build_scene, simulate
+from physim import simulate
 from physim.record import Record
-from physim.world.file import load_world, parse_world
+from physim.world.file import load_world
 from tests.cli.commands import SMALL, physim, shell, started, tree
 from tests.helpers import facts, inside
 
-TEMPLATES = inside("physim.cli", "TEMPLATES")
 lay_out = inside("physim.world.layout", "lay_out")
 schema_text = inside("physim.world.file", "schema_text")
 
@@ -50,7 +48,7 @@ def test_new_writes_a_world_and_the_schema_beside_it(here: Path, capsys) -> None
     assert list(tree(here)) == ["my_corridor.yaml", "small.yaml", "world.schema.json"]
     assert len({stat.S_IMODE(path.stat().st_mode) for path in here.iterdir()}) == 1
     world = load_world("my_corridor.yaml")
-    assert (world.name, len(world.robots)) == ("my_corridor", 3)
+    assert (world.name, len(world.robots)) == ("my_corridor", 2)
     schema = here / "world.schema.json"
     assert schema.read_text() == schema_text()
     schema.write_text("{}")  # one that is there is kept
@@ -62,10 +60,10 @@ def test_new_writes_a_world_and_the_schema_beside_it(here: Path, capsys) -> None
     assert schema.read_text() == schema_text()
 
 
-def test_template_robots_and_place_are_chosen(here: Path, capsys) -> None:
+def test_world_robots_and_place_are_chosen(here: Path, capsys) -> None:
     (here / "w").mkdir()
     place = "w/one two.yaml"
-    done = physim("new", "--template", "doorway", "--robots", 5, "-o", place, capture=capsys)
+    done = physim("new", "--like", "hundred_robots", "--robots", 5, "-o", place, capture=capsys)
     assert "physim run 'w/one two.yaml'" in done.out
     world = load_world(place)
     assert (world.name, len(world.robots)) == ("one two", 5)
@@ -87,23 +85,6 @@ def test_names_are_safe_in_files_and_whole_in_worlds(
 ) -> None:
     assert physim("new", name, capture=capsys).code == 0
     assert load_world(here / file).name == inside
-
-
-@pytest.mark.parametrize("template", TEMPLATES)
-def test_a_new_world_draws_its_starts_until_it_is_told_not_to(
-    template: str, here: Path, capsys
-) -> None:
-    physim("new", "w", "--template", template, capture=capsys)
-    text = (here / "w.yaml").read_text(encoding="utf-8")
-    world = parse_world(text)
-    assert (build_scene(world, 1).start != build_scene(world, 2).start).any()
-    assert "draws nothing" in text  # and this is how
-    told = yaml.safe_load("[" + text.partition("pose: [")[2].partition("]")[0] + "]")
-    robots = [{**one, "start": None, "pose": told} for one in yaml.safe_load(text)["robots"][:1]]
-    fixed = world.changed(robots=[{k: v for k, v in one.items() if v} for one in robots])
-    starts = [build_scene(fixed, seed).start.tolist() for seed in (1, 2)]
-    assert starts[0] == [told]
-    assert template == "random" or starts[0] == starts[1]
 
 
 def test_rates_say_what_they_are_drawn_over_or_that_nothing_is_random(here: Path, capsys) -> None:
@@ -138,7 +119,7 @@ def test_force_writes_over_the_files_of_a_project_alone(here: Path, capsys) -> N
 
 @pytest.mark.deep
 def test_the_commands_of_a_projects_readme_run(tmp_path: Path) -> None:
-    done = shell("new", "--project", "my study", "--template", "bend", folder=tmp_path)
+    done = shell("new", "--project", "my study", "--like", "s_bend", folder=tmp_path)
     assert done.code == 0, done.err
     project = tmp_path / "my study"
     readme = (project / "README.md").read_text()
@@ -150,7 +131,7 @@ def test_the_commands_of_a_projects_readme_run(tmp_path: Path) -> None:
         done = shell(*command[1:], folder=project)
         assert done.code == 0, done.out + done.err
     made = {name for name in set(tree(project)) - before if "__pycache__" not in name}
-    assert {"runs/bend/video.mp4", "runs/cautious/video.mp4", "media/bend.png"} <= made
+    assert {"runs/s_bend/video.mp4", "runs/cautious/video.mp4", "media/s_bend.png"} <= made
     with Record.load(project / "runs/cautious/record.h5") as record:
         assert "controllers.cautious:Cautious" in record.world_text
 

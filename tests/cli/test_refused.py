@@ -27,7 +27,6 @@ corridor:
 robots:
   - {name: a, footprint: {length: 1.2, width: 0.8}, pose: [6.0, 0.0, random], path: {offset: 0.3}}
 """
-TEMPLATES = "corridor, bend, doorway, s_bend, roundabout, warehouse, random"
 SOUND = "tests.testing.broken:Sound"
 ADJUSTABLE = "tests.testing.broken:Adjustable"
 BELOW_10_15 = "a whole number from 0 to 10^15"
@@ -94,8 +93,6 @@ OPTIONS: Table = {
     ("run", "x", "-o", "--force"): ("-o/--output", "DIR is missing", "runs/NAME-SEED"),
     ("run", "x", "-o", ""): ('-o/--output ""', "name of a file or folder"),
     ("summary", ""): ('RECORD ""', "name of a file or folder"),
-    ("new", "--template"): ("--template", "missing", TEMPLATES),
-    ("new", "--template", "bent"): ("--template bent", TEMPLATES, '"bend"'),
     ("plot", "x", "--format", "pgn"): ("--format pgn", "png, svg, pdf", '"png"'),
     ("video", "x", "--fps", "0"): ("--fps 0", "whole number from 1 to 240"),
     ("video", "x", "--fps", "241"): ("--fps 241", "whole number from 1 to 240"),
@@ -166,7 +163,7 @@ TOGETHER: Table = {
     ("sweep", "three_robots", "--seeds", "1:9", "--until", "0.1", "--shard", "1/2"): (
         "--until:", "--shard",
     ),
-    ("new", "--from", "drawn.yaml", "--template", "bend"): ("--template", "--from"),
+    ("new", "--from", "drawn.yaml", "--like", "doorway"): ("--like", "--from"),
     ("new", "--from", "drawn.yaml", "--robots", "3"): ("--robots", "--from"),
     ("new", "--from", "drawn.yaml", "--project", "p"): ("--project", "--from"),
     ("new", "a", "--seed", "3"): ("--seed", "--from"),
@@ -252,8 +249,9 @@ INPUTS: Table = {
     ("new", "a/b"): ('"a/b":', "is a path", "-o"),
     ("new", "a\\b"): ("", "is a path"),
     ("new", "x" * 101): ("", "at most 100", "given 101"),
-    ("new", "a", "--robots", "0"): ("--robots 0:", "corridor", "1 to 22"),
-    ("new", "a", "--robots", "11", "--template", "doorway"): ("--robots 11:", "doorway", "1 to 9"),
+    ("new", "a", "--robots", "0", "--like", "jam"): ("--robots 0:", "1 to 20000"),
+    ("new", "a", "--robots", "11"): ("--robots 11:", "straight", "one by one"),
+    ("new", "a", "--like", "dorway"): ("dorway:", "no such file", '"doorway"'),
     ("preview", "small.yaml", "-o", "a.png", "--set", "robots.0.pose=[1, 2]"): (
         "--set robots.0.pose:",
     ),
@@ -291,7 +289,7 @@ OUTPUTS: Table = {
     ("new", "--project", "a\nb"): ("", r"a\u000ab", "in one line"),
     ("new", "--project", "full/loop"): ("full/loop",),
     ("new", "a/b", "--project", "new"): ('"a/b":', "is a path"),
-    ("new", "--project", "new", "--robots", "99"): ("--robots 99:", "1 to 22"),
+    ("new", "--project", "new", "--robots", "99"): ("--robots 99:", "straight"),
 }  # fmt: skip
 """Places that cannot be written, or are taken"""
 
@@ -311,7 +309,7 @@ def test_it_is_refused_in_one_line(
 
 
 def test_nothing_is_suggested_that_is_not_near(capsys) -> None:
-    for arguments in (("run", "x", "--fast"), ("none.yaml",), ("new", "--template", "q")):
+    for arguments in (("run", "x", "--fast"), ("none.yaml",), ("new", "a", "--like", "q")):
         assert "did you mean" not in physim(*arguments, capture=capsys).err
 
 

@@ -11,8 +11,7 @@ import numpy as np
 from physim.errors import Fault, Location
 from physim.world import Corridor, Robot, World
 from physim.world.checks.findings import MOST_ALIKE
-from physim.world.faults import describe
-from physim.world.number_hints import in_metres
+from physim.world.faults import describe, in_metres
 
 LONGEST_ROBOT = 30.0
 """[m] A longer robot is likely given in millimetres or centimetres."""

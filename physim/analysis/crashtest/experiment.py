@@ -13,17 +13,17 @@ from pathlib import Path
 
 import numpy as np
 
-from physim.analysis.crashtest.cases import (
+from physim.analysis.crashtest.drafts import (
+    KINDS,
+    STEPS,
     TIME_STEPS,
     Case,
-    Packed,
+    build_store,
     case_world,
     draw_case,
-    pack,
     place_of,
 )
-from physim.analysis.crashtest.drafts import KINDS, STEPS, build_store
-from physim.analysis.crashtest.prediction import approach, predict
+from physim.analysis.crashtest.prediction import Packed, approach, pack, predict
 from physim.analysis.crashtest.report import (
     NEVER,
     ROW,

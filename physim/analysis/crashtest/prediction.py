@@ -1,4 +1,7 @@
-"""Contacts of the cases of a batch as analysis predicts them, by kernels without the engine."""
+"""Contacts of the cases of a batch as analysis predicts them, by kernels without the engine.
+
+A batch holds many cases of one time step in one space, far apart.
+"""
 
 from __future__ import annotations
 
@@ -7,18 +10,56 @@ from typing import NamedTuple
 
 import numpy as np
 
-from physim.analysis.crashtest.cases import Packed
-from physim.analysis.crashtest.drafts import STEPS
+from physim.analysis.crashtest.drafts import STEPS, Case
 from physim.compiled import compiled, is_cached
 from physim.geometry.collision import collision_time_pair, collision_time_walls
 from physim.geometry.motion import arc
 from physim.geometry.separation import body_separation, wall_separation
-from physim.geometry.shapes import FloatArray, IntArray
+from physim.geometry.shapes import FloatArray, IntArray, Shapes, pack_parts
 from physim.geometry.swept import swept_pair, swept_walls
 from physim.tolerances import CONTACT, ROUNDING
+from physim.world.scene import DENSITY
 
 MOST_RENEWED = 2000
 """How often a search for a collision time that reached its cap is taken up again."""
+
+
+class Packed(NamedTuple):
+    """M cases of one time step with N robots in all, for the kernels."""
+
+    shapes: Shapes
+    """of the N robots"""
+    walls: Shapes
+    """of all cases, world frame"""
+    start: FloatArray
+    """(N, 3)"""
+    command: FloatArray
+    """(N, 2)"""
+    mass: FloatArray
+    """(N,) [kg]"""
+    first_robot: IntArray
+    """(M + 1,) case k has the robots from first_robot[k] to first_robot[k + 1] - 1"""
+    first_wall: IntArray
+    """(M + 1,) likewise of the bodies of ``walls``"""
+    dt: float
+    """[s]"""
+
+
+def pack(dt: float, cases: tuple[Case, ...]) -> Packed:
+    """Pack cases of one time step."""
+    layouts = [case.layout for case in cases]
+    robots = [robot for one in layouts for robot in one.robots]
+    first_robot, first_wall = (
+        np.concatenate(([0], np.cumsum([len(one) for one in some]))).astype(np.int64)
+        for some in ([one.robots for one in layouts], [case.walls for case in cases])
+    )
+    return Packed(
+        pack_parts([robot.parts for robot in robots]),
+        pack_parts([parts for case in cases for parts in case.walls]),
+        np.concatenate([one.start for one in layouts]),
+        np.concatenate([one.command for one in layouts]),
+        np.array([DENSITY * robot.area for robot in robots]), first_robot, first_wall, dt,
+    )  # fmt: skip
 
 
 class Prediction(NamedTuple):

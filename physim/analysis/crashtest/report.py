@@ -25,8 +25,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from physim.analysis.crashtest.cases import TIME_STEPS
-from physim.analysis.crashtest.drafts import KINDS
+from physim.analysis.crashtest.drafts import KINDS, TIME_STEPS
 from physim.geometry.shapes import FloatArray
 from physim.json_text import json_text
 from physim.tolerances import CONTACT, ROUNDING, TIME

@@ -1,4 +1,4 @@
-"""Verdicts on cases made up by hand: a step of 0.1 s, shapes that close at 1 m/s."""
+"""Verdicts on cases made up by hand: a step of 0.1 s, shapes that close at 1 m/s; speeds."""
 
 from __future__ import annotations
 
@@ -9,7 +9,8 @@ from tests.helpers import inside
 
 NEVER, Verdict, classify = inside("physim.analysis.crashtest", "NEVER", "Verdict", "classify")
 first_sample = inside("physim.analysis.crashtest", "first_sample")
-FloatArray = inside("physim.geometry", "FloatArray")
+FloatArray, arc = inside("physim.geometry", "FloatArray", "arc")
+point_speed = inside("physim.analysis.crashtest", "point_speed")
 
 STEP = 0.1
 INF, NAN = float("inf"), float("nan")
@@ -84,3 +85,28 @@ def test_a_graze_within_the_tolerance_may_count_either_way(least: float, verdict
 def test_the_first_sample_counts_what_is_within_the_tolerance() -> None:
     assert first_sample(np.array([0.1, 2e-9, 1e-9, -1.0])) == 2
     assert first_sample(APART) == NEVER
+
+
+# Speeds of points of moving robots, against small moves along the exact arc
+
+SHORT = 1e-5
+"""[s] Central differences over it are good to 1e-9 m/s: omega^3 times the arm times its square."""
+
+
+@pytest.mark.parametrize("case", range(50))
+def test_the_speed_of_a_point_is_that_of_its_arc(case: int) -> None:
+    rng = np.random.default_rng([90, case])
+    pose = np.array([*rng.uniform(-5.0, 5.0, 2), rng.uniform(-3.0, 3.0)])
+    command = np.array([rng.uniform(-2.0, 2.0), rng.uniform(-1.5, 1.5)])
+    arm = rng.uniform(-1.0, 1.0, 2)
+    angle = rng.uniform(-3.0, 3.0)
+    normal = np.array([np.cos(angle), np.sin(angle)])
+
+    def place(t: float) -> np.ndarray:
+        x, y, heading = arc(tuple(pose), command[0], command[1], t)
+        c, s = np.cos(heading), np.sin(heading)
+        return np.array([x + c * arm[0] - s * arm[1], y + s * arm[0] + c * arm[1]])
+
+    velocity = (place(SHORT) - place(-SHORT)) / (2.0 * SHORT)
+    found = point_speed(pose, command, *place(0.0), *normal)
+    assert found == pytest.approx(float(velocity @ normal), abs=1e-8)

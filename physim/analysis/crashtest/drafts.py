@@ -147,11 +147,11 @@ def _nonconvex(rng: Generator) -> FloatArray:
         points = list(zip(radii * np.cos(angles), radii * np.sin(angles), strict=True))
     else:
         low, high = sorted((s, t) if sort == 2 else (0.1 + 0.8 * s, 0.1 + 0.8 * t))
-        one, two, high = low * a, high * a, u * b
+        left, right, top = low * a, high * a, u * b
         points = (
             [(0, 0), (a, 0), (a, s * b), (t * a, s * b), (t * a, b), (0, b)],
-            [(0, 0), (a, 0), (a, b), (two, b), (two, high), (one, high), (one, b), (0, b)],
-            [(one, 0), (two, 0), (two, high), (a, high), (a, b), (0, b), (0, high), (one, high)],
+            [(0, 0), (a, 0), (a, b), (right, b), (right, top), (left, top), (left, b), (0, b)],
+            [(left, 0), (right, 0), (right, top), (a, top), (a, b), (0, b), (0, top), (left, top)],
         )[sort]
     made = np.array(points, dtype=np.float64)
     middle = 0.5 * (made.min(axis=0) + made.max(axis=0))
@@ -170,9 +170,7 @@ SORTS: dict[str, Callable[[Generator], FloatArray]] = {
 class Draft:
     """One case in the making: its random numbers, its place and step, and robots to draw from."""
 
-    def __init__(
-        self, rng: Generator, origin: tuple[float, float], dt: float, store: Store
-    ) -> None:
+    def __init__(self, rng: Generator, origin: Place, dt: float, store: Store) -> None:
         self.rng, self.origin, self.dt, self.store = rng, origin, dt, store
 
     def robot(self, sort: str = "") -> Footprint:

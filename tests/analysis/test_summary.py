@@ -114,7 +114,7 @@ def test_bounds_on_what_a_run_does_not_have_hold() -> None:
         assert summarise(record).held
 
 
-@pytest.mark.parametrize("world", ["- 1\n", "expect: 5\n"])
+@pytest.mark.parametrize("world", ["name: none\n", "- 1\n", "expect: 5\n"])
 def test_world_without_expectations(world: str) -> None:
     with make_record(seconds=0.2, world_text=world) as record:
         assert expectations(record) == []

@@ -33,6 +33,7 @@ from physim.geometry.shapes import FloatArray, Shapes, pack_parts
 from physim.randomness import stream
 from physim.tolerances import TUNNEL_FRACTION
 from physim.world import World
+from physim.world.scene import DENSITY
 
 STEPS = 48
 """Steps that a case lasts."""
@@ -77,8 +78,8 @@ class Footprint(NamedTuple):
     """[m] of the disc about the reference point"""
     width: float
     """[m] least width of a part"""
-    area: float
-    """[m^2]"""
+    mass: float
+    """[kg]"""
     packed: Shapes
     """the one body, for kernels"""
 
@@ -113,8 +114,8 @@ def build_store(seed: int) -> Store:
             outline = counter_clockwise(points)
             parts = convex_parts(outline)
             if (width := smallest_width(parts)) >= THINNEST:
-                radius, area = circumscribed_radius(outline), abs(signed_area(outline))
-                return Footprint(outline, parts, radius, width, area, pack_parts([parts]))
+                radius, mass = circumscribed_radius(outline), DENSITY * abs(signed_area(outline))
+                return Footprint(outline, parts, radius, width, mass, pack_parts([parts]))
 
     return {name: tuple(usable(name, k) for k in range(STORED)) for name in SORTS}
 

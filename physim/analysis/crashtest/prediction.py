@@ -18,7 +18,6 @@ from physim.geometry.separation import body_separation, wall_separation
 from physim.geometry.shapes import FloatArray, IntArray, Shapes, pack_parts
 from physim.geometry.swept import swept_pair, swept_walls
 from physim.tolerances import CONTACT, ROUNDING
-from physim.world.scene import DENSITY
 
 MOST_RENEWED = 2000
 """How often a search for a collision time that reached its cap is taken up again."""
@@ -58,7 +57,7 @@ def pack(dt: float, cases: tuple[Case, ...]) -> Packed:
         pack_parts([parts for case in cases for parts in case.walls]),
         np.concatenate([one.start for one in layouts]),
         np.concatenate([one.command for one in layouts]),
-        np.array([DENSITY * robot.area for robot in robots]), first_robot, first_wall, dt,
+        np.array([robot.mass for robot in robots]), first_robot, first_wall, dt,
     )  # fmt: skip
 
 

@@ -112,7 +112,7 @@ def test_files_of_other_kinds(tmp_path):
         "missing.yaml": ["no such file"],
         "dangling.yaml": ["no such file"],
         "loop.yaml": ["cannot be read", "symbolic links"],
-        "folder.yaml": ["folder", "not a world file"],
+        "folder.yaml": ["is a folder"],
         "pipe.yaml": ["not a regular file"],
         "missing/w.yaml": ["no such file", "no folder"],
         "/dev/zero": ["not a regular file"],

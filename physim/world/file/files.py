@@ -151,10 +151,11 @@ def _instead(path: Path) -> str:
 def _worlds(folder: Path) -> list[str]:
     """Names of the world files of a folder."""
     try:
-        names = sorted(entry.name for entry in os.scandir(folder) if entry.is_file())
+        names = sorted(os.listdir(folder))
     except OSError:
         return []
-    return [name for name in names if name.endswith(SUFFIXES) and name.isprintable()]
+    worlds = [name for name in names if name.endswith(SUFFIXES) and name.isprintable()]
+    return [name for name in worlds if os.path.isfile(folder / name)]
 
 
 def _nearest(given: str, worlds: Sequence[str]) -> str:

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from json import dumps
 from typing import TYPE_CHECKING, Annotated, Any
 
-from physim.cli.options import CONTROLLER_HELP, WORLD_HELP, JsonFlag, Out, option, real
+from physim.cli.options import JsonFlag, Out, kind, real
 from physim.cli.progress import Bar, announce_compiling
 from physim.errors import Fault, Location, WorldError, plural
 
@@ -20,25 +20,10 @@ COMPILING = 25
 
 
 def check_controller(
-    controller: Annotated[str, option(CONTROLLER_HELP, "CONTROLLER")], /, *,
-    world: Annotated[
-        tuple[str, ...],
-        option(
-            f"{WORLD_HELP}; instead of all shipped ones of up to 100 robots (may be repeated)",
-            "WORLD",
-        ),
-    ] = (),
-    seconds: Annotated[
-        float | None,
-        option("simulated time of each world [s] (2)", "S", read=real(0.001, 1e6)),
-    ] = None,
-    set: Annotated[
-        tuple[str, ...],
-        option(
-            "a setting of the controller, instead of those in the worlds, e.g. "
-            "controller.look_ahead=3.0 (may be repeated)", "KEY=VALUE",
-        ),
-    ] = (),
+    controller: str, /, *,
+    world: tuple[str, ...] = (),
+    seconds: Annotated[float | None, kind(real(0.001, 1e6))] = None,
+    set: tuple[str, ...] = (),
     json: JsonFlag = False,
     out: Out,
 ) -> int:  # fmt: skip
@@ -47,6 +32,17 @@ def check_controller(
     Worlds whose robots it refuses are reported and left out. All this is asked in one process: what
     differs from one to the next, as the order of a set of text or hash() of text does, is found by
     physim validate RECORD.
+
+    arguments:
+      CONTROLLER  a registered controller (physim list) or your own as module:Class
+
+    options:
+      --world WORLD  a world file; the name of a shipped world, or of one in worlds/; or the
+          record.h5 of a run, whose world is taken; instead of all shipped ones of up to 100 robots
+          (may be repeated)
+      --seconds S  simulated time of each world [s] (2)
+      --set KEY=VALUE  a setting of the controller, instead of those in the worlds, e.g.
+          controller.look_ahead=3.0 (may be repeated)
 
     rules, each finding names the one that is broken:
       raises       decide raises nothing

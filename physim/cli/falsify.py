@@ -10,14 +10,14 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from physim.cli.options import (
     AS_IT_IS,
-    WORKERS_HELP,
     Changes,
     JsonFile,
     Out,
+    Output,
+    Workers,
     World,
+    kind,
     one_of,
-    option,
-    to,
     whole,
     words,
 )
@@ -43,51 +43,44 @@ VARIED = ("pose", "heading", "speed")
 def kinds(text: str) -> tuple[str, ...]:
     """Read what is to be varied. Raises ValueError with what is allowed."""
     found = words(text)
-    for kind in found:
-        if kind not in VARIED:
-            raise ValueError(one_of(kind, VARIED))
+    for one in found:
+        if one not in VARIED:
+            raise ValueError(one_of(one, VARIED))
     return found
 
 
 def falsify(
     world: World, /, *,
-    budget: Annotated[
-        int, option("runs to search with at most (200)", "N", read=whole(1, 1_000_000))
-    ] = 200,
-    vary: Annotated[
-        tuple[str, ...],
-        option(
-            "what is varied, of pose, heading, speed (pose,heading)", "WHAT", read=kinds
-        ),
-    ] = ("pose", "heading"),
-    whole_budget: Annotated[
-        bool, option("go on after the first failure, for the severest")
-    ] = False,
-    random: Annotated[bool, option("search at random, to compare with")] = False,
-    shrink: Annotated[
-        int,
-        option(
-            "runs to shrink a failure with at most (500); 0 leaves it as found", "N",
-            read=whole(0, 100_000),
-        ),
-    ] = 500,
-    workers: Annotated[
-        int | None, option(f"{WORKERS_HELP}; the result is the same", "N", read=whole(1, 64))
-    ] = None,
-    output: Annotated[
-        Path | None, to("output folder (default: falsified/NAME-SEED)", "DIR")
-    ] = None,
-    json: JsonFile = None,
-    force: Annotated[bool, option("overwrite an earlier search in DIR")] = False,
+    budget: Annotated[int, kind(whole(1, 1_000_000))] = 200,
+    vary: Annotated[tuple[str, ...], kind(kinds)] = ("pose", "heading"),
+    whole_budget: bool = False,
+    random: bool = False,
+    shrink: Annotated[int, kind(whole(0, 100_000))] = 500,
+    workers: Workers | None = None,
+    output: Output | None = None,
+    json: JsonFile | None = None,
+    force: bool = False,
     changes: Changes = AS_IT_IS,
-    no_video: Annotated[bool, option("make no video")] = False,
-    quiet: Annotated[bool, option("print the result only")] = False,
+    no_video: bool = False,
+    quiet: bool = False,
     out: Out,
 ) -> int:  # fmt: skip
     """Look for the start in which robots come nearest to a contact, or touch hardest, by CMA-ES on
     the signed swept clearance, and of contacts on the closing speed. The first failure ends the
     search and is shrunk: fewest robots, shortest time, straightest walls, roundest numbers with
     which it still fails.
+
+    options:
+      --budget N  runs to search with at most (200)
+      --vary WHAT  what is varied, of pose, heading, speed (pose,heading)
+      --whole-budget  go on after the first failure, for the severest
+      --random  search at random, to compare with
+      --shrink N  runs to shrink a failure with at most (500); 0 leaves it as found
+      --workers N  processes, 1 to 64 (as many as cores, at most 8); the result is the same
+      -o, --output DIR  output folder (default: falsified/NAME-SEED)
+      --force  overwrite an earlier search in DIR
+      --no-video  make no video
+      --quiet  print the result only
 
     bounds: pose: up to 1 m along x and y, or anywhere in the start region, clear of all else by
     0.3 m or what the world itself has; heading: any where it is random, else 0.5 rad to either

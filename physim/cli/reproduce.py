@@ -9,9 +9,9 @@ import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING
 
-from physim.cli.options import Workers, option, to
+from physim.cli.options import Output, Workers
 from physim.cli.output import Target, write_text, writing
 from physim.cli.progress import INTERRUPTED, Bar, announce_compiling, interrupts
 from physim.errors import PhysimError, plural
@@ -30,23 +30,27 @@ NEW, PARTIAL = ".reproducing-", "interrupted"
 
 def reproduce(
     *,
-    figure: Annotated[
-        str | None, option("only what this figure of the paper needs", "N")
-    ] = None,
-    study: Annotated[
-        str | None, option("only this study of a claim that the paper makes in words", "NAME")
-    ] = None,
-    output: Annotated[Path, to("folder to write to (reproduction)", "DIR")] = Path("reproduction"),
-    quick: Annotated[
-        bool, option("few seeds: some minutes instead of half an hour")
-    ] = False,
-    no_video: Annotated[bool, option("make no videos")] = False,
-    workers: Workers = None,
-    force: Annotated[bool, option("overwrite an existing DIR")] = False,
-    quiet: Annotated[bool, option("print neither progress nor verdicts")] = False,
+    figure: str | None = None,
+    study: str | None = None,
+    output: Output = Path('reproduction'),
+    quick: bool = False,
+    no_video: bool = False,
+    workers: Workers | None = None,
+    force: bool = False,
+    quiet: bool = False,
 ) -> int:  # fmt: skip
     """Run the experiments of the paper, draw its figures, make the videos, and write what it
     reports beside what is measured, with a verdict for every claim.
+
+    options:
+      --figure N  only what this figure of the paper needs
+      --study NAME  only this study of a claim that the paper makes in words
+      -o, --output DIR  folder to write to (reproduction)
+      --quick  few seeds: some minutes instead of half an hour
+      --no-video  make no videos
+      --workers N  processes, 1 to 64 (as many as cores, at most 8)
+      --force  overwrite an existing DIR
+      --quiet  print neither progress nor verdicts
 
     figures: 1, 2, 3, 3a, 4, 6, 7, 8 (5 is the flow chart of the rules)
     studies: alpha, energy, bends, routes, avoidance, switching, hysteresis,

@@ -11,6 +11,7 @@ from __future__ import annotations
 import re
 import traceback
 from collections.abc import Sequence
+from functools import cache
 from importlib import import_module
 from inspect import cleandoc, signature
 from typing import TYPE_CHECKING, Annotated, Any, get_args, get_type_hints
@@ -105,8 +106,9 @@ def app_of(name: str) -> App:
     return app
 
 
+@cache
 def tell_arguments(command: Any) -> None:
-    """Put what the docstring of a command says of its arguments into their types."""
+    """Put what the docstring of a command says of its arguments into their types, once."""
     from cyclopts import Parameter
 
     hints = get_type_hints(command, include_extras=True)
@@ -123,9 +125,10 @@ def tell_arguments(command: Any) -> None:
                 option, _, metavar = left.rpartition(", ")[2].partition(" ")
                 name = option.lstrip("-").replace("-", "_")
                 name = name if name in hints else f"{name}_"
-            group = None if title in ("arguments", "options") else title.capitalize()
-            told = Parameter(help=text, metavar=metavar or None, group=group)
-            command.__annotations__[name] = Annotated[hints[name], told]
+            hint: Any = Annotated[hints[name], Parameter(help=text, metavar=metavar or None)]
+            if title not in ("arguments", "options"):
+                hint = Annotated[hint, Parameter(group=title.capitalize())]
+            command.__annotations__[name] = hint
 
 
 def tables(docstring: str) -> list[tuple[str, list[tuple[str, str]]]]:

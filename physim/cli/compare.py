@@ -20,9 +20,10 @@ from physim.cli.options import (
     kind,
     quoted,
 )
-from physim.cli.output import PAGE, Target, check_json, inputs, write_json, write_text
+from physim.cli.output import PAGE, Target, check_json, inputs, write_json
 from physim.cli.progress import INTERRUPTED
 from physim.cli.sweeping import run_grid, spare, tell_fixed, usual_folder
+from physim.drafts import write_text
 from physim.errors import PhysimError, nearest
 
 if TYPE_CHECKING:

@@ -13,8 +13,6 @@ from physim.cli.output import Target, check_json, remove, write_json
 from physim.cli.progress import INTERRUPTED, Bar, announce_compiling, interrupts
 
 DISAGREE = 3
-COMPILING = 15
-"""[s] about, for the collision checks"""
 CASE = re.compile(r"case-\d{6,}\.yaml")
 """Name of a world that a crash test wrote"""
 
@@ -60,7 +58,7 @@ def crashtest(
     Target(folder, force).folder(earlier, "worlds of an earlier crash test")
     remove(earlier)
     if not is_warm():
-        announce_compiling("the collision checks", COMPILING, quiet)
+        announce_compiling("the collision checks", quiet)
     started = time.monotonic()
 
     def progress(done: int) -> None:

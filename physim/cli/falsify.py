@@ -22,9 +22,10 @@ from physim.cli.options import (
     words,
 )
 from physim.cli.output import FILES as OF_RUN
-from physim.cli.output import Target, check_json, inputs, remove, write_json, write_text
+from physim.cli.output import Target, check_json, inputs, remove, write_json
 from physim.cli.output import writing as writing_to
 from physim.cli.progress import INTERRUPTED, Bar, Interrupt, announce_compiling, interrupts
+from physim.drafts import write_text
 from physim.errors import PhysimError
 
 if TYPE_CHECKING:
@@ -33,8 +34,6 @@ if TYPE_CHECKING:
     from physim.campaigns.falsify.space import Space
 
 FAILED = 1
-COMPILING = 15
-"""[s] about, for what tells who was responsible"""
 STANDS_IN = "constant"
 """The controller that is asked once in place of one's own"""
 VARIED = ("pose", "heading", "speed")
@@ -255,7 +254,7 @@ def _write(
         if not is_warm():
             finish(quiet)
         if not is_warm():
-            announce_compiling("the checks of the validation", COMPILING, quiet)
+            announce_compiling("the checks of the validation", quiet)
         paragraph = story(record, validate(record, rerun=False))
         write_text(folder / STORY, paragraph)
         if film is not None:

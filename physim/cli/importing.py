@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 from physim.cli.new import check_schema, write_schema
 from physim.cli.options import Count, Distance, File, Output, Place, Positive, kind, size
-from physim.cli.output import WORLD, Target, write_text
+from physim.cli.output import WORLD, Target
+from physim.drafts import write_text
 
 if TYPE_CHECKING:
     from physim.authoring.importing import Imported

@@ -8,7 +8,8 @@ import shlex
 from pathlib import Path
 
 from physim.cli.options import File, Output, Whole
-from physim.cli.output import WORLD, Target, inputs, write_text, writing
+from physim.cli.output import WORLD, Target, inputs, writing
+from physim.drafts import write_text
 from physim.errors import PhysimError, WorldError
 from physim.escaping import escaped
 

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import NoReturn, TextIO
 
-from physim.drafts import check_regular, discard, draft_of
+from physim.drafts import check_regular, write_text
 from physim.errors import PhysimError, WorldError
 
 CUT_SHORT = ".cut_short"
@@ -182,14 +182,3 @@ def write_json(path: Path | None, text: str, out: TextIO) -> None:
         out.write(text if text.endswith("\n") else text + "\n")
     elif path is not None:
         write_text(path, text)
-
-
-def write_text(path: Path, text: str) -> None:
-    """Write a text file, whole or not at all. Raises PhysimError when it cannot be written."""
-    part = draft_of(path)
-    with writing(path):
-        try:
-            part.write_text(text, encoding="utf-8")
-            part.replace(path)
-        finally:  # of an error or Ctrl-C nothing is left
-            discard(part)

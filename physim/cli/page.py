@@ -20,8 +20,6 @@ if TYPE_CHECKING:
     from physim.analysis.validation import Validation
     from physim.record import Record
 
-COMPILING = 15
-"""[s] about, for what is said of contacts"""
 NAME = "page.html"
 
 
@@ -78,7 +76,7 @@ def make_page(
     from physim.drawing.page import drawn_between, is_warm, write_page
 
     if any(len(record.contacts) for record in records) and not is_warm():
-        announce_compiling("what is said of contacts", COMPILING, quiet)
+        announce_compiling("what is said of contacts", quiet)
     write_page(records, output, found)
     if between := drawn_between(records):
         print(f"WARNING  {output}: {between}: contacts may lie beside them", file=sys.stderr)

@@ -7,10 +7,10 @@ from json import dumps
 
 from physim.cli.options import File, JsonFile, Out, Output
 from physim.cli.output import PAGE as PAGES
-from physim.cli.output import STDOUT, Target, check_json, inputs, write_json, write_text
+from physim.cli.output import STDOUT, Target, check_json, inputs, write_json
 from physim.cli.progress import INTERRUPTED, Bar, interrupts
 from physim.cli.sweeping import spare
-from physim.drafts import check_regular
+from physim.drafts import check_regular, write_text
 from physim.errors import PhysimError
 
 PAGE = "report.html"

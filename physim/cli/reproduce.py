@@ -12,16 +12,15 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from physim.cli.options import Output, Workers
-from physim.cli.output import Target, write_text, writing
+from physim.cli.output import Target, writing
 from physim.cli.progress import INTERRUPTED, Bar, announce_compiling, interrupts
+from physim.drafts import write_text
 from physim.errors import PhysimError, plural
 
 if TYPE_CHECKING:
     from physim.reproduction.model import Report
     from physim.reproduction.run import Plan
 
-COMPILING = 30
-"""[s] about, for all that its jobs need"""
 PICTURE = re.compile(r"(\d[a-z]?|study)-[a-z_]+\.png")
 """Name of a picture that a reproduction drew"""
 NEW, PARTIAL = ".reproducing-", "interrupted"
@@ -85,7 +84,7 @@ def reproduce(
     with _new_results(output, plan, force) as new:
         with interrupts() as interrupt:
             if not is_warm():  # once, before workers would each do so
-                announce_compiling("controller, distances and collision times", COMPILING, quiet)
+                announce_compiling("controller, distances and collision times", quiet)
                 warm_up()
             with Bar("reproduce", 1.0, "jobs", quiet) as bar:
                 report = run_all(

@@ -7,10 +7,11 @@ import sys
 from pathlib import Path
 
 from physim.cli.options import AS_IT_IS, Changes, Output, World
-from physim.cli.output import FILES, SUMMARY, inputs, run_folder, write_text
+from physim.cli.output import FILES, SUMMARY, inputs, run_folder
 from physim.cli.page import make_page
 from physim.cli.pictures import write_video
 from physim.cli.progress import INTERRUPTED, Bar, interrupts
+from physim.drafts import write_text
 from physim.errors import PhysimError
 
 FAILED = 1

@@ -18,9 +18,6 @@ if TYPE_CHECKING:
     from physim.campaigns.sweep import Tally
     from physim.statistics import Decision, Goal
 
-COMPILING = 30
-"""[s] about, for all that runs need"""
-
 
 def run_grid(
     grid: Grid,
@@ -113,5 +110,5 @@ def _warm_up(quiet: bool) -> None:
     from physim.simulation.run import is_warm
 
     if not is_warm():
-        announce_compiling("controller and distances", COMPILING, quiet)
+        announce_compiling("controller and distances", quiet)
         ready()

@@ -29,8 +29,6 @@ if TYPE_CHECKING:
 
 MOST_TOLD = 10
 """Seeds whose verdicts are printed"""
-COMPILING = 15
-"""[s] about, for the checks"""
 
 
 def validate(
@@ -84,6 +82,7 @@ def validate(
     """
     from physim.analysis.validation import report as report_text
     from physim.analysis.validation import warning_lines
+    from physim.analysis.validation.origin import check_made_from
     from physim.analysis.validation.validation import json_of_validation
     from physim.cli.simulating import world_given
     from physim.record import Record
@@ -113,7 +112,7 @@ def validate(
     if (file := _record(given)) is not None:
         with Record.load(file) as record:
             if world is not None:
-                _check_origin(record, world, changes)
+                check_made_from(record, world_given(world, changes)[0], world)
             if seeds is None:
                 return _of_record(record, world, rerun, changes, quiet, report)
     elif world is not None:
@@ -140,15 +139,6 @@ def _record(given: str) -> Path | None:
     except WorldError:  # there is neither
         file = Path(given)
     return file if file.suffix in (".h5", ".hdf5") or is_record(file) else None
-
-
-def _check_origin(record: Record, given: str, changes: Changes) -> None:
-    """Raise PhysimError where a record was made from another world."""
-    from physim.analysis.validation.origin import check_made_from
-    from physim.cli.simulating import world_given
-
-    world, _ = world_given(given, changes)
-    check_made_from(record, world, given)
 
 
 def _of_record(
@@ -213,7 +203,7 @@ def _judged(
     if not is_warm():
         finish(quiet)
     if not is_warm():
-        announce_compiling("the checks of the validation", COMPILING, quiet)
+        announce_compiling("the checks of the validation", quiet)
     return judge(record, again, why_not, source=source)
 
 

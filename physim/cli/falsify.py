@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import shlex
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -22,9 +20,8 @@ from physim.cli.options import (
     words,
 )
 from physim.cli.output import FILES as OF_RUN
-from physim.cli.output import Target, check_json, inputs, remove, write_json
-from physim.cli.output import writing as writing_to
-from physim.cli.progress import INTERRUPTED, Bar, Interrupt, announce_compiling, interrupts
+from physim.cli.output import Target, alone, check_json, inputs, remove, write_json
+from physim.cli.progress import INTERRUPTED, Bar, Interrupt, interrupts
 from physim.drafts import write_text
 from physim.errors import PhysimError
 
@@ -104,7 +101,7 @@ def falsify(
     """
     from physim.campaigns.cluster import executor
     from physim.campaigns.falsify.evaluate import accepted, by_executor
-    from physim.campaigns.falsify.results import FILES, found_json, found_text
+    from physim.campaigns.falsify.results import FILES, WORST, found_json, found_text
     from physim.campaigns.falsify.search import hunt
 
     check_json(json, force, inputs(world))
@@ -114,16 +111,13 @@ def falsify(
     files = [folder / name for name in made]
     check_json(json, force, others=files)
     Target(folder, force, inputs(world)).folder(files, "an earlier search")
-    with writing_to(folder):
-        folder.mkdir(parents=True, exist_ok=True)
     if not quiet:
         print("varied:\n" + "\n".join(f"  {line}" for line in space.lines()), flush=True)
     typed = ["physim", "falsify", world, "--budget", str(budget), "--vary", ",".join(vary)]
     typed += ["--whole-budget"] * whole_budget + ["--random"] * random
-    for name, value in (("--seed", changes.seed), ("--controller", changes.controller)):
-        typed += [] if value is None else [name, str(value)]
-    typed += [word for one in changes.set for word in ("--set", one)]
-    with interrupts() as interrupt, _alone(folder), executor(workers) as team:
+    typed += [] if changes.seed is None else ["--seed", str(changes.seed)]
+    typed += changes.words
+    with interrupts() as interrupt, alone(folder / WORST), executor(workers) as team:
         evaluate = by_executor(team, space.world, interrupt)
         accepts = accepted(changes.controller)
         with Bar("search", budget, "runs", quiet) as bar:
@@ -176,20 +170,6 @@ def _space(given: str, changes: Changes, vary: tuple[str, ...], quiet: bool) -> 
     return Space(world, vary)
 
 
-@contextmanager
-def _alone(folder: Path) -> Iterator[None]:
-    """Keep others from the folder. RecordError where another search is writing to it."""
-    from physim.campaigns.falsify.results import WORST
-    from physim.record.lock import WriteLock
-
-    with writing_to(folder):
-        lock = WriteLock(folder / WORST)
-    try:
-        yield
-    finally:
-        lock.release()
-
-
 def _note(found: Hunt) -> str:
     if (worst := found.judged) is None or worst.clearance is None:
         return ""
@@ -220,7 +200,7 @@ def _write(
     controller: str | None, command: str, film: Path | None, quiet: bool,
 ) -> str:  # fmt: skip
     """Write the files; the paragraph. Empty where it was interrupted twice."""
-    from physim.analysis.validation import is_warm, validate
+    from physim.analysis.validation import validate
     from physim.campaigns.falsify.evaluate import StoppedError
     from physim.campaigns.falsify.results import (
         FOUND,
@@ -233,7 +213,7 @@ def _write(
         write_world,
     )
     from physim.cli.pictures import write_video
-    from physim.cli.warming import finish
+    from physim.cli.warming import checks_ready
 
     if found.world is None or found.judged is None:
         return ""
@@ -251,10 +231,7 @@ def _write(
     except StoppedError:
         return ""
     with record:
-        if not is_warm():
-            finish(quiet)
-        if not is_warm():
-            announce_compiling("the checks of the validation", quiet)
+        checks_ready(quiet)
         paragraph = story(record, validate(record, rerun=False))
         write_text(folder / STORY, paragraph)
         if film is not None:

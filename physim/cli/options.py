@@ -209,5 +209,11 @@ class Changes:
         """What `physim.world.file.read_world` takes of it."""
         return {"overrides": self.set, "controller": self.controller}
 
+    @property
+    def words(self) -> list[str]:
+        """Controller and values as they are typed; not the seed."""
+        named = ["--controller", self.controller] if self.controller else []
+        return [*named, *(word for one in self.set for word in ("--set", one))]
+
 
 AS_IT_IS = Changes()

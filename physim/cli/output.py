@@ -118,18 +118,30 @@ def run_folder(folder: Path, force: bool, *inputs: Path) -> Iterator[Path]:
     Raises PhysimError as `Target.folder`. With ``force`` the earlier run's own files are removed,
     others are left alone.
     """
-    from physim.record.lock import WriteLock, check_unwritten
+    from physim.record.lock import check_unwritten
 
     summary = folder / SUMMARY
     check_unwritten(summary)
     earlier = [folder / name for name in FILES]
     Target(folder, force, inputs).folder(earlier, "an earlier run")
     remove(earlier)
-    with writing(folder):
-        folder.mkdir(parents=True, exist_ok=True)
-        lock = WriteLock(summary)
-    try:
+    with alone(summary):
         yield folder
+
+
+@contextmanager
+def alone(file: Path) -> Iterator[None]:
+    """Make the folder of a file, and keep others from it while a block runs.
+
+    Raises RecordError where another command is writing there.
+    """
+    from physim.record.lock import WriteLock
+
+    with writing(file.parent):
+        file.parent.mkdir(parents=True, exist_ok=True)
+        lock = WriteLock(file)
+    try:
+        yield
     finally:
         lock.release()
 

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from physim.cli.options import Output, Workers
-from physim.cli.output import Target, writing
+from physim.cli.output import Target, alone, writing
 from physim.cli.progress import INTERRUPTED, Bar, announce_compiling, interrupts
 from physim.drafts import write_text
 from physim.errors import PhysimError, plural
@@ -107,18 +107,15 @@ def _new_results(folder: Path, plan: Plan, force: bool) -> Iterator[Path]:
     Raises PhysimError where there is something already that is not to be overwritten, and where
     another reproduction is writing there.
     """
-    from physim.record.lock import WriteLock, check_unwritten
+    from physim.record.lock import check_unwritten
     from physim.reproduction.page import JSON, PAGES
     from physim.reproduction.run import PICTURES
 
     check_unwritten(folder / JSON)
     made = [folder / name for name in (PICTURES, *plan.worlds, *PAGES)]
     Target(folder, force).folder(made, empty=True)
-    with writing(folder):
-        folder.mkdir(parents=True, exist_ok=True)
-        lock = WriteLock(folder / JSON)
     new = folder
-    try:
+    with alone(folder / JSON):
         with writing(folder):
             for left in folder.glob(f"{NEW}*"):  # by one that was killed
                 shutil.rmtree(left)
@@ -128,11 +125,11 @@ def _new_results(folder: Path, plan: Plan, force: bool) -> Iterator[Path]:
                 _remove_pictures(folder / PICTURES)
             for name in (PICTURES, *plan.worlds):
                 (new / name).mkdir(exist_ok=True)
-        yield new
-    finally:
-        if new != folder:
-            shutil.rmtree(new, ignore_errors=True)
-        lock.release()
+        try:
+            yield new
+        finally:
+            if new != folder:
+                shutil.rmtree(new, ignore_errors=True)
 
 
 def _remove_pictures(folder: Path) -> None:

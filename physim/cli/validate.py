@@ -15,7 +15,7 @@ from cyclopts import Parameter
 from physim.cli.options import AS_IT_IS, Changes, File, JsonFile, Out, Seeds, Workers, record_file
 from physim.cli.output import PAGE, Target, check_json, inputs, write_json
 from physim.cli.page import make_page
-from physim.cli.progress import INTERRUPTED, Bar, announce_compiling, interrupts
+from physim.cli.progress import INTERRUPTED, Bar, interrupts
 from physim.errors import PhysimError, WorldError
 
 if TYPE_CHECKING:
@@ -122,9 +122,7 @@ def validate(
     to_run, document = world_given(str(file or given), changes)
     if seeds is None or not _varies(to_run):
         return _of_world(to_run, document, changes, quiet, report)
-    again = ["physim", "validate", given]
-    again += [word for one in changes.set for word in ("--set", one)]
-    again += ["--controller", changes.controller] if changes.controller else []
+    again = ["physim", "validate", given, *changes.words]
     _warm_up(to_run, document, replace(changes, seed=seeds[0]), quiet)
     rows, stopped = _runs_of(to_run, seeds, workers, verbose, quiet)
     return _report_seeds(to_run, seeds, rows, stopped, json, out, quiet, again)
@@ -197,13 +195,10 @@ def _of_world(
 def _judged(
     record: Record, again: Record | None, why_not: str, source: str, quiet: bool
 ) -> Validation:
-    from physim.analysis.validation import is_warm, judge
-    from physim.cli.warming import finish
+    from physim.analysis.validation import judge
+    from physim.cli.warming import checks_ready
 
-    if not is_warm():
-        finish(quiet)
-    if not is_warm():
-        announce_compiling("the checks of the validation", quiet)
+    checks_ready(quiet)
     return judge(record, again, why_not, source=source)
 
 

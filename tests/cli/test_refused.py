@@ -223,7 +223,7 @@ INPUTS: Table = {
     ("reproduce", "--figure", "5"): ("--figure 5:", "flow chart"),
     ("reproduce", "--study", "bend"): ('--study "bend":', "bends"),
     ("import", "rim.svg", "-o", "o.yaml", "--scale", "1"): (
-        "rim.svg:", "--boundary", '"rim" (line 2, 26 x 11 m)',
+        "rim.svg:2:", '"rim" (line 2)', '--ignore "rim"',
     ),
     ("new", "--from", "straight"): ("", "straight.yaml", "no corridor.random"),
     ("new", "--from", "drawn.yaml", "--seed", "-1"): ("--seed", "-1"),

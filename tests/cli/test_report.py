@@ -69,7 +69,7 @@ def test_neither_a_campaign_nor_what_is_no_page_is_written_over(
     both = ("-o", tmp_path / "b.html", "--json", tmp_path / "." / "b.html")
     done = physim(command[0], made, *command[1:], *both, capture=capsys)
     assert done.code == 2
-    check_error(done.err, "--json takes another file")
+    check_error(done.err, f"{tmp_path / 'b.html'}:", "--json takes another file")
     assert (tree(made), tree(tmp_path)) == before
 
 

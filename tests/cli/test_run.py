@@ -272,17 +272,6 @@ def test_a_controller_that_raises_keyboard_interrupt_is_no_ctrl_c(own: Path, cap
     assert re.search(facts("own.py:43", "KeyboardInterrupt"), done.err), done.err
 
 
-def test_a_registered_controller_in_place_of_the_worlds(here: Path, capsys) -> None:
-    done = physim(
-        "run", "small.yaml", "--controller", "path_following", "-o", "out", "--no-video",
-        "--set", "time.duration=0.5", capture=capsys,
-    )  # fmt: skip
-    assert (done.code, done.err) == (0, "")
-    with Record.load(here / "out/record.h5") as record:
-        assert record.world.controller.type == "path_following"
-        assert (record.updates["considered"] == 0).all()
-
-
 def test_a_run_has_its_folder_until_all_its_files_are_written(
     tmp_path: Path, monkeypatch, capsys
 ) -> None:

@@ -16,7 +16,8 @@ def parse_json(text: str | bytes) -> Any:
     try:
         return from_json(text)
     except ValueError as error:
-        raise ValueError(f"no JSON that can be read: {error}") from None
+        told = str(error).replace("recursion limit exceeded", "nested too deep")
+        raise ValueError(f"no JSON that can be read: {told}") from None
 
 
 def file_json(path: Path) -> Any:

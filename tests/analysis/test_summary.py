@@ -102,7 +102,7 @@ def test_exactly_on_the_bound_holds_and_what_is_missed_differs_from_it() -> None
 
 
 def test_bounds_on_what_a_run_does_not_have_hold() -> None:
-    world = "expect: {min_distance: 0.05, max_distance: 1.0, contacts: null}"
+    world = "expect: {min_distance: 0.05, max_distance: 1.0}"
     with make_record(robots=1, seconds=1.0, world_text=world) as record:
         assert [tuple(one) for one in expectations(record)] == [
             ("min_distance", 0.05, None, True),
@@ -111,7 +111,7 @@ def test_bounds_on_what_a_run_does_not_have_hold() -> None:
         assert summarise(record).held
 
 
-@pytest.mark.parametrize("world", ["", "expect:\n", "- 1\n", "expect: 5\n"])
+@pytest.mark.parametrize("world", ["name: none\n", "- 1\n", "expect: 5\n"])
 def test_world_without_expectations(world: str) -> None:
     with make_record(seconds=0.2, world_text=world) as record:
         assert expectations(record) == []

@@ -153,7 +153,7 @@ def test_a_name_leads_nowhere(
         (("small.yaml", "--seeds", "2:2"), "A below B"),
         (("small.yaml", "--seeds", "0:1000001"), "--yes"),
         (("small.yaml", "--shard", "3/2"), "I of N"),
-        (("small.yaml", "--controller", "constant,"), "missing"),
+        (("small.yaml", "--controller", "constant,"), "comma"),
         (("small.yaml", "--workers", "2", "--scheduler", "tcp://127.0.0.1:1"), "--scheduler"),
         (("small.yaml", "-o", "small.yaml"), "is a file"),
         (("small.yaml", "-o", "."), "no campaign"),

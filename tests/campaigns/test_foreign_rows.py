@@ -98,7 +98,6 @@ def test_a_changed_world_is_told(campaign: Path) -> None:
         lambda cells: cells * 2,
         lambda cells: [{**cells[0], "world_hash": "../../outside"}],
         lambda cells: [{**cells[0], "world_hash": ""}],
-        lambda cells: [{**cells[0], "engine": "\ud800"}],
         lambda cells: {},
         lambda cells: [3],
     ],

@@ -79,7 +79,7 @@ def test_parts_are_those_that_chains_of_neighbours_connect(
     course = metrics.formation_parts(drive(f"formation: {{{neighbours}}}"))
     assert course is not None
     assert course.values[STEPS].tolist() == parts
-    assert metrics.formation_parts(drive("formation: null")) is None
+    assert metrics.formation_parts(drive("name: none")) is None
 
 
 def test_rms_is_of_each_robot_and_of_all() -> None:

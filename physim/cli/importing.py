@@ -5,9 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
-from physim.cli.new import check_schema, write_schema
+from physim.cli.new import check_files, write_schema
 from physim.cli.options import Count, Distance, File, Output, Place, Positive, kind, size
-from physim.cli.output import WORLD, Target
 from physim.drafts import write_text
 
 if TYPE_CHECKING:
@@ -99,8 +98,7 @@ def import_world(
     from physim.authoring import importing
     from physim.cli.check import judge
 
-    Target(output, force, [source]).file(ends=WORLD)
-    check_schema(output, force, source)
+    check_files(output, force, source)
     asked = importing.Options(
         format=format, scale=scale, tolerance=tolerance, specks=specks, start=start, gap=gap,
         open=open, origin=from_, goal=to, robots=robots, lanes=lanes, robot=robot, name=name,

@@ -14,15 +14,15 @@ from physim.errors import PhysimError, WorldError
 from physim.escaping import escaped
 
 
-def check_schema(world: Path, force: bool, *inputs: Path) -> None:
-    """Raise PhysimError where `write_schema` would not write: over an input, or something odd."""
+def check_files(world: Path, force: bool, *inputs: Path) -> None:
+    """Raise PhysimError where a world and its schema cannot be written: over an input, too."""
     from physim.world.file.schema import FILE
 
-    schema = world.with_name(FILE)
-    if force and schema.is_dir():
-        raise PhysimError(f"{schema}: is a folder; the schema of worlds goes there")
+    if world.name == FILE:
+        raise PhysimError(f"{world}: is the name of the schema; choose another one")
+    Target(world, force, inputs).file(ends=WORLD)
     if force:
-        Target(schema, True, inputs).file()
+        Target(world.with_name(FILE), True, inputs).file()
 
 
 def write_schema(world: Path, force: bool) -> str:
@@ -154,19 +154,9 @@ def new(
         raise PhysimError("physim new: NAME is missing, as in physim new my_corridor")
     title, stem = _named(name if name is not None else output.name if output else "")
     file = output or Path(f"{stem}.yaml")
-    _check_file(file, force)
+    check_files(file, force)
     _write(file, new_text(title, like, robots), force)
     return 0
-
-
-def _check_file(file: Path, force: bool, *inputs: Path) -> None:
-    """Raise PhysimError where a world and its schema cannot be written."""
-    from physim.world.file.schema import FILE
-
-    if file.name == FILE:
-        raise PhysimError(f"{file}: is the name of the schema; choose another one")
-    Target(file, force, inputs).file(ends=WORLD)
-    check_schema(file, force, *inputs)
 
 
 def _write(file: Path, text: str, force: bool) -> None:
@@ -186,7 +176,7 @@ def _drawn(
     given = output.name if output is not None else f"{world.stem}_{world.seed}"
     title, stem = _named(name if name is not None else given)
     file = output or Path(f"{stem}.yaml")
-    _check_file(file, force, *inputs(source))
+    check_files(file, force, *inputs(source))
     command = f"physim new {shlex.quote(title)} --from {shlex.quote(source)}"
     try:
         text = drawn_text(world, title, f"{command} --seed {world.seed}")

@@ -10,11 +10,10 @@ import pytest
 
 from physim import parse_world, simulate
 from physim.analysis.crashtest import crash_test
+from physim.drafts import write_text
 from tests.cli.commands import SMALL, physim, tree
-from tests.helpers import check_error, inside
+from tests.helpers import check_error
 from tests.helpers.records import make_record
-
-write_text = inside("physim.cli", "write_text")
 
 TRACK = "x_m,y_m,w_tr_right_m,w_tr_left_m\n0,0,4,4\n20,0,4,4\n40,0,4,4\n"
 

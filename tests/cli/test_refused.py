@@ -336,16 +336,6 @@ def test_a_faulty_world_is_refused_at_its_place(fault: str, here: Path, capsys) 
     assert tree(here) == before
 
 
-def test_all_faults_of_a_world_are_told_at_once(here: Path, capsys) -> None:
-    text = SMALL.replace("step: 0.02", "stap: 0.02").replace("length: 1.8", "length: -1.8")
-    (here / "w.yaml").write_text(text)
-    done = physim("run", "w.yaml", capture=capsys)
-    lines = done.err.splitlines()
-    assert done.code == 2
-    assert lines[0].startswith("w.yaml:3:8: time.stap: unknown key; ")
-    assert any(line.startswith("w.yaml:7:25: robots[0].footprint.length: ") for line in lines)
-
-
 RECORDS = {
     "rows": (lambda file: file["/contacts"].resize(200_000_000, axis=0), "/contacts"),
     "acts": (lambda file: file.attrs.create("version", ACTS), "record version"),

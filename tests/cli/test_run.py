@@ -136,11 +136,6 @@ def test_the_record_holds_the_world_as_it_was_run(here: Path, capsys) -> None:
         assert world.controller.settings["beta"] == 0.25
         assert world.robots[1].pose == (3.0, -1.0, "random")
         assert world.robots[0] == load_world("small.yaml").robots[0]
-        (here / "again.yaml").write_text(record.world_text)
-        digest = record.digest()
-    assert physim("run", "again.yaml", "-o", "2", "--no-video", capture=capsys).code == 0
-    with Record.load(here / "2/record.h5") as record:
-        assert record.digest() == digest
 
 
 OWN = """\

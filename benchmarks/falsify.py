@@ -110,7 +110,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
             chance(given.draws)
         return 0
     names = given.worlds or [
-        name for name in shipped_worlds() if len(physim.load_world(name).robots) <= MOST_ROBOTS
+        name for name in shipped_worlds() if physim.load_world(name).robot_count <= MOST_ROBOTS
     ]
     print(HEAD, flush=True)
     for name in names:

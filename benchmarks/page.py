@@ -38,7 +38,7 @@ def main(names: list[str]) -> None:
 def measure(name: str, folder: Path, browser: object) -> str:
     """Run a world, write its page, and watch it; one line."""
     world = load_world(find_world(name))
-    if len(world.robots) > 100:
+    if world.robot_count > 100:
         duration = min(world.time.duration, LONGEST)
         world = world.changed(time=world.time.model_copy(update={"duration": duration}))
     record = simulate(world, path=folder / f"{name}.h5")

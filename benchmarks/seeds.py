@@ -62,7 +62,7 @@ def study(name: str, seeds: range, workers: Workers) -> None:
     world = simulation_of(cell).scene.world
     of = f"of {len(found)}"
     print(
-        f"{name}: {len(world.robots)} robots, {world.time.duration:g} s, "
+        f"{name}: {world.robot_count} robots, {world.time.duration:g} s, "
         f"{sum(not one.contacts for one in found.values())} {of} contact-free, "
         f"{sum(one.ended == 'finished' for one in found.values())} {of} finished, "
         f"shortest distance {spread([one.distance for one in found.values()])}, "

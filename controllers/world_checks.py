@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from physim.errors import Fault, Location, plural
+from physim.world import each_robot
 
 from .settings import ModeSwitchingSettings
 
@@ -171,7 +172,8 @@ def _needs(settings: ModeSwitchingSettings, world: World) -> Iterator[tuple[floa
     """Ranges [m] that are needed, with what happens below them."""
     plan = world.formation
     fastest = settings.speed if plan is None else max(plan.speed, plan.limits[1])
-    around = [max(hypot(x, y) for x, y in robot.outline) for robot in world.robots]
+    robots, _ = each_robot(world.robots, world.seed)
+    around = [max(hypot(x, y) for x, y in robot.outline) for robot in robots]
     radii = sorted(around)
     yield (
         radii[-1] + settings.boundary_low,
@@ -190,7 +192,7 @@ def _needs(settings: ModeSwitchingSettings, world: World) -> Iterator[tuple[floa
     )
     reaches = sorted(
         radius + min(fastest, robot.limits.v) * settings.time_low
-        for radius, robot in zip(around, world.robots, strict=True)
+        for radius, robot in zip(around, robots, strict=True)
     )
     yield (
         sum(reaches[-2:]),

@@ -44,7 +44,7 @@ SECONDS = 3.0 if os.environ.get("PHYSIM_DEEP") else 1.0
 MANY = 100
 """Robots from above which one step is tried, as shipped, and a few robots looked at: the plain form
 of a thousand takes half a second a step, and all of them see the like"""
-LARGE = tuple(name for name in WORLDS if len(load_world(find_world(name)).robots) > MANY)
+LARGE = tuple(name for name in WORLDS if load_world(find_world(name)).robot_count > MANY)
 
 FAST = ("three_robots", "doorway", "nonconvex")
 """Worlds of the fast tier; the others are deep"""

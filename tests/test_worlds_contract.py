@@ -26,7 +26,7 @@ shipped = functools.cache(load_world)
 scene_of = functools.cache(lambda name: build_scene(shipped(name)))
 NAMES = tuple(shipped_worlds())
 every_world = pytest.mark.parametrize("name", NAMES)
-LARGE = {name for name in NAMES if len(shipped(name).robots) > MANY}
+LARGE = {name for name in NAMES if shipped(name).robot_count > MANY}
 
 
 @every_world
@@ -42,7 +42,7 @@ def test_file_explains_itself(name: str) -> None:
     bounds = (world.expect.min_distance, world.expect.min_boundary_distance)
     assert world.expect.contacts == 0 or None not in bounds, "touching is bounded or ruled out"
     comments = [line.partition("#")[2] for line in text.splitlines()]
-    posed = any(robot.pose is not None for robot in world.robots)
+    posed = any(world.start_of(entry) is None for entry in world.robots)
     for unit in ("[m]", "[s]", *(["[m, m, rad]"] if posed else [])):
         assert any(unit in comment for comment in comments), unit
 
@@ -59,7 +59,7 @@ def test_file_and_saved_world_mean_the_same_scene(name: str) -> None:
 @every_world
 def test_scene_of_another_seed_differs_where_something_is_random_and_there_alone(name: str) -> None:
     world = shipped(name)
-    poses = [robot.pose for robot in world.robots]
+    poses = [robot.pose for robot in scene_of(name).layout.robots]
     free = [i for i, pose in enumerate(poses) if pose is None or pose[2] == "random"]
     fixed = [i for i, pose in enumerate(poses) if pose is not None]
     a, b = scene_of(name), build_scene(world, world.seed + 1)
@@ -74,8 +74,8 @@ def test_scene_is_sound(name: str) -> None:
     assert [body.id for body in scene.bodies] == list(range(len(scene.bodies)))
     kinds = [body.kind for body in scene.bodies]
     assert kinds == sorted(kinds, key=("robot", "boundary", "obstacle").index)
-    assert kinds.count("robot") == n == len(scene.world.robots)
-    assert scene.names == tuple(robot.name for robot in scene.world.robots)
+    assert kinds.count("robot") == n == scene.world.robot_count
+    assert scene.names == tuple(robot.name for robot in scene.layout.robots)
     assert len(scene.bodies) - n == len(scene.walls.body_start) - 1
     assert scene.steps * scene.dt == pytest.approx(scene.world.time.duration, rel=1e-9)
     assert scene.formation.lead.shape == (n,)
@@ -107,7 +107,7 @@ def _check_arrays(scene: Scene) -> None:
 
 def first_seconds(world: World, most: float = 5.0) -> World:
     """The same world for a short time, shorter where many robots make it long."""
-    step, seconds = world.time.step, min(most, 500.0 / len(world.robots))
+    step, seconds = world.time.step, min(most, 500.0 / world.robot_count)
     return world.changed(time={"step": step, "duration": round(seconds / step) * step})
 
 
@@ -154,7 +154,7 @@ def test_a_run_repeats_and_holds_every_expectation(name: str) -> None:
 
 def _check_run(record: Any, world: World) -> None:
     steps = len(record.pose)
-    assert record.pose.shape == (steps, len(world.robots), 3)
+    assert record.pose.shape == (steps, world.robot_count, 3)
     assert np.isfinite(record.pose).all()
     assert np.isfinite(record.boundary_clearance).all()
     assert not np.isnan(record.clearance).any()

@@ -24,7 +24,7 @@ from physim.simulation.run import is_warm, record_run
 from physim.world import World
 from physim.world.faults import describe
 from physim.world.layout.scene_builder import build_scene
-from physim.world.scene import path_location
+from physim.world.scene import Layout
 
 MOST_STEPS = 100_000
 """Steps of a run that is tried, of ten robots at most as many: some 4 s"""
@@ -74,7 +74,7 @@ def try_world(
         simulation = Simulation(build_scene(world), controller=controller)
         ending = _Ending(simulation, stop)
         with record_run(simulation, stop=ending, progress=progress) as record:
-            return _shown(world, record, ending.why)
+            return _shown(simulation.scene.layout, record, ending.why)
     except ControllerError as error:
         return Trial("tried, not to the end", (Fault(("controller",), str(error)),))
     except PhysimError as error:  # as of a record too large for the memory
@@ -86,10 +86,10 @@ def _too_long(world: World) -> str:
     steps = round(world.time.duration / world.time.step)
     solids = [getattr(one, "outline", one) for one in world.obstacles or ()]
     points = sum(len(line) for line in (*(world.boundaries or ()), *solids))
-    if points <= MOST_POINTS and steps * max(len(world.robots) / 10.0, 1.0) <= MOST_STEPS:
+    if points <= MOST_POINTS and steps * max(world.robot_count / 10.0, 1.0) <= MOST_STEPS:
         return ""
     walls = f" between walls of {points:,} points" if points > MOST_POINTS else ""
-    return f"{steps:,} steps of {plural(len(world.robots), 'robot')}{walls}"
+    return f"{steps:,} steps of {plural(world.robot_count, 'robot')}{walls}"
 
 
 @dataclass
@@ -119,9 +119,9 @@ class _Ending:
         return bool(self.why) or self.stop()
 
 
-def _shown(world: World, record: Record, why: str) -> Trial:
+def _shown(laid: Layout, record: Record, why: str) -> Trial:
     """What a run shows, in short and of each robot."""
-    run, expect = Figures(record), world.expect
+    run, expect = Figures(record), laid.world.expect
     count = len(run.episodes) + len(run.grazes)
     left = len(run.absent)
     do = "does" if left == 1 else "do"
@@ -133,13 +133,13 @@ def _shown(world: World, record: Record, why: str) -> Trial:
     )
     faults: list[Fault] = []
     if expect is None or expect.contacts is None or count > expect.contacts:
-        faults += islice(_contacts(world, record, run), MOST_TOLD)
+        faults += islice(_contacts(laid, record, run), MOST_TOLD)
     if expect is None or expect.finished is not False:
-        faults += _absent(world, record, run)
+        faults += _absent(laid, record, run)
     return Trial(line, tuple(faults))
 
 
-def _contacts(world: World, record: Record, run: Figures) -> Iterator[Fault]:
+def _contacts(laid: Layout, record: Record, run: Figures) -> Iterator[Fault]:
     """Contacts in the order of time, each of a robot that no earlier one has told of."""
     told: set[int] = set()
     for one in sorted([*run.episodes, *run.grazes], key=lambda one: one.time):
@@ -147,13 +147,13 @@ def _contacts(world: World, record: Record, run: Figures) -> Iterator[Fault]:
         if not robots <= told:
             told |= robots
             yield Fault(
-                path_location(world, one.a),
+                laid.path_entry(one.a),
                 f"{describe(record.names[one.a])} touches {describe(record.bodies[one.b].name)} "
                 f"at {place_text(*one.place, 4)} after {one.time:.1f} s",
             )
 
 
-def _absent(world: World, record: Record, run: Figures) -> Iterator[Fault]:
+def _absent(laid: Layout, record: Record, run: Figures) -> Iterator[Fault]:
     """Robots that do not arrive; of one that stands what is nearest, and whether it waits for it.
 
     It waits for a robot that its controller considered in its last decision.
@@ -172,4 +172,4 @@ def _absent(world: World, record: Record, run: Figures) -> Iterator[Fault]:
             last = mine["other"][mine["step"] == mine["step"].max(initial=-1)]
             how = "it waits for" if k in last else "nearest to it is"
             said += f"; {how} {describe(record.bodies[k].name)}, {away:.2f} m away"
-        yield Fault(path_location(world, i), said)
+        yield Fault(laid.path_entry(i), said)

@@ -15,13 +15,12 @@ from physim._version import __version__
 from physim.errors import ControllerError, Fault, Location, PhysimError, WorldError
 from physim.escaping import escaped
 from physim.parts.registry import CONTROLLER, STAGES, find_part, settings_model
-from physim.world import RobotGroup, World
+from physim.world import Corridor, RandomCorridor, RobotGroup, World
 from physim.world.faults import field_at
 from physim.world.file import read_document, read_world
 from physim.world.file.schema import FILE
 from physim.world.kinds import MOST_ROBOTS
 from physim.world.layout.layout import lay_out
-from physim.world.layout.road import plain_world
 
 WIDTH = 100
 """Columns of a comment"""
@@ -35,7 +34,7 @@ def new_text(name: str, like: str, robots: int | None = None) -> str:
     """
     world, _ = read_world(like)
     if robots is not None:
-        groups = [k for k, one in enumerate(world.entries) if isinstance(one, RobotGroup)]
+        groups = [k for k, one in enumerate(world.robots) if isinstance(one, RobotGroup)]
         if len(groups) != 1:
             raise PhysimError(
                 f"--robots {robots}: {like} lists its robots one by one; add them to the file, or "
@@ -84,7 +83,7 @@ def _commented(world: World) -> Iterator[str]:
     for key, field in World.model_fields.items():
         if key not in document.values:
             yield from _comment(f"{key}: {field.description}")
-    for key, field in type(world.entries[0]).model_fields.items():
+    for key, field in type(world.robots[0]).model_fields.items():
         if key not in document.values["robots"][0]:
             yield from _comment(f"of a robot, {key}: {field.description}")
 
@@ -118,17 +117,23 @@ def drawn_text(world: World, name: str, command: str) -> str:
     ``world`` does; what else is random still comes from the same seed. ``command`` is what it was
     made with. Raises WorldError where there is no such road, or it cannot be drawn.
     """
-    if not world.is_road_random:
+    if not isinstance(world.corridor, RandomCorridor):
         message = "has no corridor.random, so nothing of its road is drawn; copy the file instead"
         raise WorldError([Fault((), message)])
-    laid = lay_out(world)
+    laid, margin = lay_out(world), world.corridor.end_margin
+    plain = world.changed(
+        name=name,
+        corridor=Corridor(centreline=laid.centreline, width=laid.widths, end_margin=margin),
+        reference_path=laid.reference,
+        obstacles=laid.obstacles,
+    )
     lines = [
         f"# yaml-language-server: $schema={FILE}",
         f"# The road of {escaped(world.name)} as seed {world.seed} draws it, made by physim "
         f"{__version__} with",
         f"#   {escaped(command)}",
     ]
-    return "\n".join(lines) + "\n" + plain_world(laid.world, name).to_yaml()
+    return "\n".join(lines) + "\n" + plain.to_yaml()
 
 
 EXAMPLE = '''\

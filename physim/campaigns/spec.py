@@ -144,7 +144,7 @@ def spec_of(
 
 def usual_limit(world: World) -> float:
     """[s] that a run of a world may take, where nothing else is said."""
-    return LEAST_LIMIT + STEP_LIMIT * len(world.robots) * world.time.steps
+    return LEAST_LIMIT + STEP_LIMIT * world.robot_count * world.time.steps
 
 
 @functools.cache

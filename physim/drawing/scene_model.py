@@ -85,7 +85,7 @@ class SceneModel:
     ) -> SceneModel:
         """Model of a world before its run; no kernel is called."""
         world, drawn = layout.world, layout.boundaries
-        names = [("robot", robot.name) for robot in world.robots]
+        names = [("robot", robot.name) for robot in layout.robots]
         names += [("boundary", name) for name in drawn]
         names += [("obstacle", f"obstacle {k + 1}") for k in range(len(layout.obstacles))]
         area = layout.area

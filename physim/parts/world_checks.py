@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any, Protocol, runtime_checkable
 
 from physim.errors import ControllerError, Fault, Location
@@ -40,12 +41,21 @@ class DoubtsWorld(Protocol):
         ...
 
 
-def robot_faults(controller: object, robots: Mapping[int, Robot]) -> list[Fault]:
+def robot_faults(
+    controller: object, robots: Sequence[Robot], entries: Sequence[int]
+) -> list[Fault]:
     """What a controller says about robots before a run; empty where it says nothing.
 
-    ``robots`` by number. Raises `ControllerError` where its ``robot_faults`` fails.
+    It is given robots by number; each fault is told once, at the entry of ``robots`` that the robot
+    is written in. Raises `ControllerError` where its ``robot_faults`` fails.
     """
-    return _faults(controller, "robot_faults", "(robots)", robots)
+    found: dict[Fault, None] = {}
+    for fault in _faults(controller, "robot_faults", "(robots)", dict(enumerate(robots))):
+        where = fault.location
+        if where[:1] == ("robots",) and where[1:] and where[1] in range(len(entries)):
+            fault = replace(fault, location=("robots", entries[int(where[1])], *where[2:]))
+        found[fault] = None
+    return list(found)
 
 
 def world_faults(part: object, world: World, where: Location) -> list[Fault]:

@@ -42,7 +42,7 @@ from physim.parts.world_checks import (
 )
 from physim.simulation.decision_checks import check_applied, check_commands
 from physim.simulation.sensed_checks import sound_sensed
-from physim.world import World
+from physim.world import World, each_robot
 from physim.world.file.loading import unused_settings
 from physim.world.scene import Scene
 
@@ -154,12 +154,12 @@ def parts_of(
 
 def part_faults(parts: Parts, world: World) -> list[Fault]:
     """What the parts of a run say against a world; see `physim.parts.world_checks`."""
-    faults = robot_faults(parts.controller, dict(enumerate(world.robots)))
+    faults = robot_faults(parts.controller, *each_robot(world.robots, world.seed))
     faults += world_faults(parts.controller, world, CONTROLLER.key)
     for kind, stage in parts.stages:
         for k, part in enumerate(stage):
             faults += world_faults(part, world, (*kind.key, k))
-    return world.as_written(faults)
+    return faults
 
 
 def class_name(part: object) -> str:

@@ -242,7 +242,7 @@ def check_controller(
 def worlds_to_try(worlds: Sequence[WorldLike] | None) -> list[WorldLike]:
     """Worlds to be tried: those given, else all shipped of at most `MOST_ROBOTS` robots."""
     if worlds is None:
-        return [one for one in shipped_worlds() if len(load_world(one).robots) <= MOST_ROBOTS]
+        return [one for one in shipped_worlds() if load_world(one).robot_count <= MOST_ROBOTS]
     return [worlds] if isinstance(worlds, World | str | os.PathLike) else list(worlds)
 
 
@@ -283,8 +283,7 @@ def check_worlds(
 def _check_scene(name: str, scene: Scene, make: Make, seconds: float) -> WorldResult:
     """Try a controller in one world."""
     controller = make()
-    if faults := robot_faults(controller, dict(enumerate(scene.world.robots))):
-        faults = scene.world.as_written(faults)
+    if faults := robot_faults(controller, scene.layout.robots, scene.layout.entries):
         more = f" (and {len(faults) - 1} more)" if len(faults) > 1 else ""
         return WorldResult(name, False, 0, (), f"{faults[0]}{more}")
     found = FindingLog(name, place_of(type(controller).decide).strip(" ()"))

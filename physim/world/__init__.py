@@ -1,6 +1,6 @@
 """The world as its author writes it: frozen models whose attributes are the keys of the file."""
 
-from physim.world.group import RobotGroup
+from physim.world.group import RobotGroup, each_robot
 from physim.world.kinds import FrozenMapping, thawed
 from physim.world.model import Corridor, World
 from physim.world.road import RandomCorridor, RandomRoad
@@ -27,5 +27,6 @@ __all__ = [
     "Start",
     "Time",
     "World",
+    "each_robot",
     "thawed",
 ]

@@ -6,9 +6,8 @@ drawn by the seed. Each robot draws from (seed, "footprint", robot), so that no 
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
-from itertools import islice
-from typing import TYPE_CHECKING, Annotated, Any
+from collections.abc import Iterable, Mapping
+from typing import Annotated, Any
 
 from pydantic import AfterValidator, Discriminator, Field, Tag
 from pydantic_core import PydanticCustomError
@@ -100,7 +99,7 @@ class RobotGroup(Model):
 
             drawn = int(stream(seed, "footprint", number).integers(len(shapes)))
         return Robot.model_construct(
-            name=self.name and numbered(self.name, number),  # None where it is no pattern
+            name=numbered(self.name, number),
             footprint=shapes[drawn],
             pose=None,
             start=self.start,
@@ -124,42 +123,35 @@ def is_group(value: Any) -> bool:
     return not value.keys().isdisjoint(("count", "footprints", "paths"))
 
 
-if TYPE_CHECKING:
-    Entry = Robot
-    """What a world holds after reading: each robot by itself."""
-else:
-    Entry = Annotated[
-        Annotated[Robot, Tag("<robot>")] | Annotated[RobotGroup, Tag("<group>")],
-        Discriminator(lambda value: "<group>" if is_group(value) else "<robot>"),
-    ]
+Entry = Annotated[
+    Annotated[Robot, Tag("<robot>")] | Annotated[RobotGroup, Tag("<group>")],
+    Discriminator(lambda value: "<group>" if is_group(value) else "<robot>"),
+]
 
 
 def limited(entries: tuple[Any, ...]) -> tuple[Any, ...]:
     """The entries, if they stand for no more robots than a world may hold."""
-    count = sum(one.count if isinstance(one, RobotGroup) else 1 for one in entries)
-    if count > MOST_ROBOTS:
+    if (count := robot_count(entries)) > MOST_ROBOTS:
         lengths = {"max_length": MOST_ROBOTS, "actual_length": count}
         raise PydanticCustomError("too_long", "too long", lengths)
     return entries
 
 
+def robot_count(entries: Iterable[Robot | RobotGroup]) -> int:
+    """Number of robots that entries stand for."""
+    return sum(one.count if isinstance(one, RobotGroup) else 1 for one in entries)
+
+
 def each_robot(
-    entries: Iterable[Any], seed: int
-) -> tuple[tuple[Robot, ...], tuple[tuple[int, int], ...]]:
-    """The robots that entries stand for, and for each the number of its entry and its place there.
-
-    No more than a world may hold; a group of unknown size stands for none.
-    """
-    where = tuple(islice(_places(entries), MOST_ROBOTS))
-    kept = tuple(entries)
-    robots = (
-        one.robot(number, place, seed) if isinstance(one, RobotGroup) else one
-        for number, (one, place) in enumerate((kept[entry], place) for entry, place in where)
-    )
-    return tuple(robots), where
-
-
-def _places(entries: Iterable[Any]) -> Iterator[tuple[int, int]]:
-    for entry, one in enumerate(entries):
-        for place in range((one.count or 0) if isinstance(one, RobotGroup) else 1):
-            yield entry, place
+    entries: Iterable[Robot | RobotGroup], seed: int
+) -> tuple[tuple[Robot, ...], tuple[int, ...]]:
+    """The robots that entries stand for under a seed, and for each the number of its entry."""
+    robots: list[Robot] = []
+    where: list[int] = []
+    for e, one in enumerate(entries):
+        if isinstance(one, RobotGroup):
+            robots += [one.robot(len(where) + place, place, seed) for place in range(one.count)]
+        else:
+            robots.append(one)
+        where += [e] * (len(robots) - len(where))
+    return tuple(robots), tuple(where)

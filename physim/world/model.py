@@ -8,10 +8,9 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Iterable, Mapping
-from dataclasses import replace
+from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 from pydantic import (
     AfterValidator,
@@ -19,24 +18,21 @@ from pydantic import (
     ConfigDict,
     Discriminator,
     Field,
-    PrivateAttr,
     Tag,
 )
 
-from physim.errors import Fault, Location
+from physim.errors import Fault
 from physim.html import labelled
 from physim.world.base import Model
 from physim.world.faults import describe
-from physim.world.group import Entry, RobotGroup, each_robot, limited
+from physim.world.group import Entry, RobotGroup, limited, robot_count
 from physim.world.kinds import (
     MOST_ROBOTS,
     MOST_SEED,
     MOST_WALLS,
-    FrozenMapping,
     Label,
     Length,
     Number,
-    Point,
     Polygon,
     Polyline,
     Text,
@@ -76,14 +72,10 @@ class Corridor(Model):
     )
 
 
-if TYPE_CHECKING:
-    Road = Corridor
-    """What a world holds when it is laid out: a road that was drawn, if it was to be."""
-else:
-    Road = Annotated[
-        Annotated[Corridor, Tag("<corridor>")] | Annotated[RandomCorridor, Tag("<random>")],
-        Discriminator(lambda value: "<random>" if is_random_corridor(value) else "<corridor>"),
-    ]
+Road = Annotated[
+    Annotated[Corridor, Tag("<corridor>")] | Annotated[RandomCorridor, Tag("<random>")],
+    Discriminator(lambda value: "<random>" if is_random_corridor(value) else "<corridor>"),
+]
 
 
 class World(Model):
@@ -155,22 +147,10 @@ class World(Model):
     expect: Expectation | None = Field(default=None, description="what the run must satisfy")
     physics: Physics = Field(default=Physics(), description="material in contact")
 
-    _entries: tuple[Robot | RobotGroup, ...] = PrivateAttr(default=())
-    _where: tuple[tuple[int, int], ...] = PrivateAttr(default=())
-    _replaced: FrozenMapping = PrivateAttr(default=FrozenMapping())
-    _passage: float | None = PrivateAttr(default=None)
-
-    def model_post_init(self, _context: Any) -> None:
-        """Keep the entries as written, and put the robots that they stand for in their place."""
-        self._entries = self.robots
-        robots, self._where = each_robot(self.robots, self.seed or 0)
-        self.__dict__["robots"] = robots
-
     def __repr__(self) -> str:
         """Name, seed and size; `to_yaml` gives all of it."""
-        seed = "" if self.seed is None else f" seed {self.seed}"
-        size = f"{len(self.robots)} robot{'' if len(self.robots) == 1 else 's'}"
-        return f"<World {describe(self.name)}{seed}: {size}, {self.time.duration:g} s>"
+        size = f"{self.robot_count} robot{'' if self.robot_count == 1 else 's'}"
+        return f"<World {describe(self.name)} seed {self.seed}: {size}, {self.time.duration:g} s>"
 
     def __str__(self) -> str:
         """As its `repr`: the fields of all robots would be a wall of text."""
@@ -182,36 +162,13 @@ class World(Model):
         rows = {
             "world": self.name,
             "": self.description,
-            "seed": str(self.seed or 0),
-            "robots": str(len(self.robots)),
+            "seed": str(self.seed),
+            "robots": str(self.robot_count),
             "duration": f"{self.time.duration:g} s, in steps of {self.time.step:g} s",
             "formation": formation,
             "controller": self.controller.type,
         }
         return labelled((label, text) for label, text in rows.items() if text)
-
-    @property
-    def entries(self) -> tuple[Robot | RobotGroup, ...]:
-        """The robots as written: a group in one piece."""
-        return self._entries
-
-    def entry_of(self, i: int) -> Location:
-        """Where Robot i is written, e.g. ``("robots", 0)``."""
-        return ("robots", self._where[i][0])
-
-    def place_of(self, i: int) -> int:
-        """Number of Robot i within its entry, from 0."""
-        return self._where[i][1]
-
-    def as_written(self, faults: Iterable[Fault]) -> list[Fault]:
-        """Faults that count robots as faults that count entries of ``robots``, each once."""
-        found: dict[Fault, None] = {}
-        for fault in faults:
-            where = fault.location
-            if where[:1] == ("robots",) and where[1:] and where[1] in range(len(self._where)):
-                fault = replace(fault, location=(*self.entry_of(int(where[1])), *where[2:]))
-            found[fault] = None
-        return list(found)
 
     def rule_faults(self) -> list[Fault]:
         """Faults between several values: counts, names, times; see `physim.world.rules`."""
@@ -220,58 +177,14 @@ class World(Model):
         return rule_faults(self)
 
     @property
+    def robot_count(self) -> int:
+        """Number of robots: a group counts as many."""
+        return robot_count(self.robots)
+
+    @property
     def is_road_random(self) -> bool:
-        """Whether the seed draws the road, drawn yet or not."""
-        return is_random_corridor(self.written("corridor"))
-
-    @property
-    def is_road_drawn(self) -> bool:
-        """Whether the road stands here as the seed drew it (`with_road`)."""
-        return bool(self._replaced)
-
-    @property
-    def passage(self) -> float | None:
-        """[m] Clear width along the reference path that a drawn road guarantees, else None."""
-        return self._passage
-
-    def with_road(
-        self,
-        corridor: Corridor,
-        reference_path: tuple[Point, ...],
-        obstacles: tuple[tuple[Point, ...], ...],
-        passage: float,
-    ) -> World:
-        """This world with a road in place of the one that is to be drawn.
-
-        `written`, and so `changed` and `to_yaml`, still give what its author wrote.
-        """
-        drawn = {"corridor": corridor, "reference_path": reference_path, "obstacles": obstacles}
-        world = self.model_copy()
-        world._replaced = FrozenMapping({key: getattr(self, key) for key in drawn})
-        world._passage = passage
-        world.__dict__.update(drawn)
-        return world
-
-    def of_the_road(self, faults: Iterable[Fault]) -> list[Fault]:
-        """Faults of what the seed drew as faults of what it was told to draw."""
-        if not self.is_road_random:
-            return list(faults)
-        drawn = (
-            ("obstacles",), ("reference_path",), ("corridor", "centreline"), ("corridor", "width"),
-        )  # fmt: skip
-        return [
-            replace(fault, location=("corridor", "random"))
-            if any(fault.location[: len(place)] == place for place in drawn)
-            else fault
-            for fault in faults
-        ]
-
-    @property
-    def reference(self) -> tuple[Point, ...]:
-        """Points of the reference path [m]: the centreline where none is given."""
-        if self.reference_path is not None:
-            return self.reference_path
-        return getattr(self.corridor, "centreline", ())
+        """Whether the seed draws the road."""
+        return isinstance(self.corridor, RandomCorridor)
 
     @property
     def sensing_range(self) -> float:
@@ -280,10 +193,10 @@ class World(Model):
             return self.sensing.range
         return self.formation.range if self.formation is not None else DEFAULT_RANGE
 
-    def start_of(self, i: int) -> Start | None:
-        """Region in which Robot i is placed: its own or the world's; None when it has a pose."""
-        robot = self.robots[i]
-        return None if robot.pose is not None else robot.start or self.start
+    def start_of(self, entry: Robot | RobotGroup) -> Start | None:
+        """Region in which an entry is placed: its own or the world's; None when it has a pose."""
+        has_pose = isinstance(entry, Robot) and entry.pose is not None
+        return None if has_pose else entry.start or self.start
 
     @property
     def stem(self) -> str:
@@ -301,16 +214,10 @@ class World(Model):
         ``--set formation.gain=0.02`` does; with a ``type`` it is another part, without the settings
         of the one before. None for a setting of the controller leaves that setting out.
         """
-        values = {key: self.written(key) for key in type(self).model_fields}
+        values = {key: getattr(self, key) for key in type(self).model_fields}
         return World(
             **values | {key: _changed(values.get(key), new) for key, new in changes.items()}
         )
-
-    def written(self, key: str) -> Any:
-        """Value of a key as its author wrote it."""
-        if key in self._replaced:
-            return self._replaced[key]
-        return self.entries if key == "robots" else getattr(self, key)
 
     def to_yaml(self) -> str:
         """Write the world as YAML text, units as comments; loads back equal."""

@@ -52,7 +52,7 @@ def _time(world: World) -> Iterator[Fault]:
 
 
 def _walls(world: World) -> Iterator[Fault]:
-    corridor = world.written("corridor")
+    corridor = world.corridor
     if corridor is None and world.boundaries is None:
         yield Fault((), "neither corridor nor boundaries; a world needs one of them")
     elif corridor is None and world.reference_path is None:
@@ -72,7 +72,7 @@ def _walls(world: World) -> Iterator[Fault]:
 def _robot_names(world: World) -> Iterator[tuple[int, str]]:
     """Number of the entry and name of each robot, one by one."""
     number = 0
-    for e, entry in enumerate(world.entries):
+    for e, entry in enumerate(world.robots):
         for _ in range(entry.count if isinstance(entry, RobotGroup) else 1):
             is_group = isinstance(entry, RobotGroup)
             yield e, numbered(entry.name, number) if is_group else entry.name
@@ -97,7 +97,7 @@ def _names(world: World) -> Iterator[Fault]:
 def _robots(world: World) -> Iterator[Fault]:
     """Every robot has one place, one footprint and one path, and speeds that it can follow."""
     starts: list[tuple[Location, Start | None]] = [((), world.start)]
-    for e, entry in enumerate(world.entries):
+    for e, entry in enumerate(world.robots):
         where: Location = ("robots", e)
         pose = entry.pose if isinstance(entry, Robot) else None
         starts.append((where, entry.start))
@@ -143,7 +143,7 @@ def _formation(world: World) -> Iterator[Fault]:
     leads, where = world.formation.spacing, ("formation", "spacing")
     if isinstance(leads, str):
         return
-    if len(leads) != (count := len(list(_robot_names(world)))):
+    if len(leads) != (count := world.robot_count):
         message = f"{len(leads)} leads for {count} robots"
         yield Fault(where, f"{message}; give one lead [m] per robot, or the word initial")
     elif leads[0] != 0.0:
@@ -180,7 +180,7 @@ def _distinct(world: World) -> Iterator[Fault]:
 
 
 def _polylines(world: World) -> Iterator[tuple[Location, Sequence[Point]]]:
-    corridor = world.written("corridor")
+    corridor = world.corridor
     if corridor is not None and not isinstance(corridor, RandomCorridor):
         yield ("corridor", "centreline"), corridor.centreline
     if world.reference_path is not None:
@@ -192,7 +192,7 @@ def _polylines(world: World) -> Iterator[tuple[Location, Sequence[Point]]]:
 
 def _paths(world: World) -> Iterator[tuple[Location, Sequence[Point]]]:
     """Paths of robots that are written as waypoints."""
-    for e, entry in enumerate(world.entries):
+    for e, entry in enumerate(world.robots):
         several = (entry.paths or ()) if isinstance(entry, RobotGroup) else ()
         places: list[Location] = [("paths", k) for k in range(len(several))]
         for place, path in zip([("path",), *places], [entry.path, *several], strict=True):
@@ -215,7 +215,7 @@ def _expected(world: World) -> Iterator[Fault]:
 
 def _road(world: World) -> Iterator[Fault]:
     """Faults of a road that the seed draws, and of what cannot stand beside one."""
-    corridor = world.written("corridor")
+    corridor = world.corridor
     if not isinstance(corridor, RandomCorridor):
         return
     for fault in _of_road(corridor.random):

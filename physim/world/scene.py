@@ -7,6 +7,8 @@ the seed alone and does not change during a run.
 
 from __future__ import annotations
 
+from bisect import bisect_left
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -16,7 +18,7 @@ import shapely
 from physim.errors import Location
 from physim.geometry.shapes import FloatArray, IntArray, Polylines, Shapes
 from physim.world.group import RobotGroup
-from physim.world.robot import Offset
+from physim.world.robot import Offset, Robot
 
 if TYPE_CHECKING:
     from physim.geometry.area import Area
@@ -71,7 +73,11 @@ class Layout:
     """
 
     world: World
-    """the effective world, with the seed in it"""
+    """the effective world as written, with the seed in it"""
+    robots: tuple[Robot, ...]
+    """the N robots that its entries stand for"""
+    entries: tuple[int, ...]
+    """for each robot the number of the entry in which it is written"""
     centreline: FloatArray | None
     """(n, 2) middle of the corridor; None in a world with boundaries"""
     widths: FloatArray | None
@@ -90,22 +96,39 @@ class Layout:
     """N paths (n, 2); one array for robots of the same path"""
     start: FloatArray
     """(N, 3) poses [m, m, rad]"""
+    passage: float | None
+    """[m] clear width along the reference path that a road drawn by the seed guarantees; None where
+    the road is written"""
 
     @property
     def names(self) -> list[str]:
         """Names of the N robots."""
-        return [robot.name for robot in self.world.robots]
+        return [robot.name for robot in self.robots]
 
     @property
     def reference_key(self) -> Location:
         """Where the reference path is written."""
+        if self.passage is not None:
+            return ("corridor", "random")
         own = self.world.reference_path is not None
         return ("reference_path",) if own else ("corridor", "centreline")
 
+    def obstacle_key(self, k: int) -> Location:
+        """Where obstacle k is written."""
+        return ("obstacles", k) if self.passage is None else ("corridor", "random")
+
+    def entry_key(self, i: int) -> Location:
+        """Where Robot i is written."""
+        return ("robots", self.entries[i])
+
+    def path_entry(self, i: int) -> Location:
+        """Where the path of Robot i is written, of one beside the reference path the mapping."""
+        return path_location(self.world, self.entries, i)
+
     def path_key(self, i: int) -> Location:
         """Where the path of Robot i is written."""
-        where = path_location(self.world, i)
-        return (*where, "offset") if isinstance(self.world.robots[i].path, Offset) else where
+        where = self.path_entry(i)
+        return (*where, "offset") if isinstance(self.robots[i].path, Offset) else where
 
     @cached_property
     def walls(self) -> list[Named]:
@@ -117,20 +140,23 @@ class Layout:
     @cached_property
     def solids(self) -> list[Named]:
         """Obstacles as shapely polygons."""
-        drawn = self.world.is_road_drawn
+        drawn = self.passage is not None
         return [
             (f"obstacle {k + 1}" if drawn else f"obstacles[{k}]", shapely.Polygon(ring))
             for k, ring in enumerate(self.obstacles)
         ]
 
 
-def path_location(world: World, i: int) -> Location:
-    """Where the path of Robot i is written: a group may have several, taken in turn."""
-    where = world.entry_of(i)
-    group = world.entries[int(where[1])]
+def path_location(world: World, entries: Sequence[int], i: int) -> Location:
+    """Where the path of Robot i is written: a group may have several, taken in turn.
+
+    ``entries`` are the numbers of the entries of all robots.
+    """
+    e = entries[i]
+    group = world.robots[e]
     if isinstance(group, RobotGroup) and group.paths is not None:
-        return (*where, "paths", world.place_of(i) % len(group.paths))
-    return (*where, "path")
+        return ("robots", e, "paths", (i - bisect_left(entries, e)) % len(group.paths))
+    return ("robots", e, "path")
 
 
 def wall_label(name: str) -> str:

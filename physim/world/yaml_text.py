@@ -36,7 +36,7 @@ def _block(model: BaseModel, indent: int) -> Iterator[str]:
     """Lines of a model as a block mapping."""
     space = " " * indent
     for key, unit in _keys(type(model)):
-        value = model.written(key) if isinstance(model, World) else getattr(model, key)
+        value = getattr(model, key)
         if value is None or (key in ABSENT and not value):
             continue
         if isinstance(value, Choice):

@@ -31,7 +31,7 @@ def test_a_new_world_is_the_shipped_one_with_every_key_explained(like: str) -> N
 
 
 def test_a_group_may_have_another_count() -> None:
-    assert len(parse_world(new_text("w", "hundred_robots", 20)).robots) == 20
+    assert parse_world(new_text("w", "hundred_robots", 20)).robot_count == 20
     for like, robots, *parts in (
         ("straight", 3, "--robots 3", "straight", "one by one"),
         ("jam", 0, "--robots 0", "1 to 20000"),

@@ -47,7 +47,7 @@ def test_new_writes_a_world_and_the_schema_beside_it(here: Path, capsys) -> None
     assert list(tree(here)) == ["my_corridor.yaml", "small.yaml", "world.schema.json"]
     assert len({stat.S_IMODE(path.stat().st_mode) for path in here.iterdir()}) == 1
     world = load_world("my_corridor.yaml")
-    assert (world.name, len(world.robots)) == ("my_corridor", 2)
+    assert (world.name, world.robot_count) == ("my_corridor", 2)
     schema = here / "world.schema.json"
     assert schema.read_text() == schema_text()
     schema.write_text("{}")  # one that is there is kept
@@ -65,7 +65,7 @@ def test_world_robots_and_place_are_chosen(here: Path, capsys) -> None:
     done = physim("new", "--like", "hundred_robots", "--robots", 5, "-o", place, capture=capsys)
     assert "physim run 'w/one two.yaml'" in done.out
     world = load_world(place)
-    assert (world.name, len(world.robots)) == ("one two", 5)
+    assert (world.name, world.robot_count) == ("one two", 5)
     assert list(tree(here / "w")) == ["one two.yaml", "world.schema.json"]
 
 

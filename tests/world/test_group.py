@@ -11,7 +11,7 @@ import pytest
 from physim import build_scene
 from physim.errors import WorldError
 from physim.randomness import stream
-from physim.world import Box, Offset, Robot, RobotGroup, World
+from physim.world import Box, Offset, Robot, RobotGroup, World, each_robot
 from physim.world.checks import check_world
 from physim.world.file import load_world, parse_world
 from tests.helpers import facts, inside
@@ -47,18 +47,20 @@ def fleet(**keys: Any) -> World:
 
 def test_a_group_stands_for_robots_one_by_one() -> None:
     world = fleet()
-    assert [robot.name for robot in world.robots] == [
+    robots, entries = each_robot(world.robots, world.seed)
+    assert entries == (0,) * 20 + (1, 2, 2)
+    assert [robot.name for robot in robots] == [
         *(f"r{k}" for k in range(1, 21)), "boss", "late 22", "late 23",
     ]  # fmt: skip
-    first, late = world.robots[:20], world.robots[21:]
+    first, late = robots[:20], robots[21:]
     assert [robot.path.offset for robot in first] == [-3.0, -1.0, 1.0, 3.0] * 5
     assert all(isinstance(robot, Robot) and robot.limits.v == 1.0 for robot in first)
     assert all(robot.footprint == Box(length=0.6, width=0.4) for robot in late)
-    assert [world.start_of(i) for i in (0, 20, 22)] == [world.start, None, late[1].start]
+    assert [world.start_of(robots[i]) for i in (0, 20, 22)] == [world.start, None, late[1].start]
     second = RobotGroup(count=3, name="s{number}", footprint=Box(length=1, width=1), paths=LANES)
-    moved = fleet(robots=[world.robots[20], second], start=world.start)
-    assert [robot.path.offset for robot in moved.robots[1:]] == [-1.0, 1.0, -1.0]
-    assert [robot.name for robot in moved.robots[1:]] == ["s2", "s3", "s4"]
+    moved, _ = each_robot([robots[20], second], 0)
+    assert [robot.path.offset for robot in moved[1:]] == [-1.0, 1.0, -1.0]
+    assert [robot.name for robot in moved[1:]] == ["s2", "s3", "s4"]
 
 
 LANES = (Offset(offset=-1.0), Offset(offset=1.0))
@@ -66,8 +68,8 @@ LANES = (Offset(offset=-1.0), Offset(offset=1.0))
 
 def test_a_scene_of_a_group_is_that_of_its_robots_written_out() -> None:
     world = fleet()
-    by_hand = fleet(robots=world.robots)
-    assert by_hand.entries == world.robots
+    by_hand = fleet(robots=each_robot(world.robots, world.seed)[0])
+    assert (len(world.robots), len(by_hand.robots)) == (3, world.robot_count) == (3, 23)
     one, other = build_scene(world), build_scene(by_hand)
     assert one.names == other.names
     for key in ("start", "mass", "limits", "stop_station"):
@@ -79,20 +81,18 @@ def test_a_scene_of_a_group_is_that_of_its_robots_written_out() -> None:
 
 def test_footprints_are_drawn_by_the_seed_each_from_its_own_stream() -> None:
     world = fleet()
-    shapes = world.entries[0].footprints
-    drawn = [shapes.index(robot.footprint) for robot in world.robots[:20]]
+    group, *others = world.robots
+    robots, _ = each_robot(world.robots, 3)
+    drawn = [group.footprints.index(robot.footprint) for robot in robots[:20]]
     assert drawn == [int(stream(3, "footprint", i).integers(2)) for i in range(20)]
     assert set(drawn) == {0, 1}
-    fewer = fleet(robots=[world.entries[0].model_copy(update={"count": 7}), *world.entries[1:]])
-    assert [robot.footprint for robot in fewer.robots[:7]] == [
-        robot.footprint for robot in world.robots[:7]
-    ]
+    fewer, _ = each_robot([group.model_copy(update={"count": 7}), *others], 3)
+    assert [robot.footprint for robot in fewer[:7]] == [robot.footprint for robot in robots[:7]]
 
 
 def test_another_seed_draws_anew() -> None:
     world = fleet()
     other = world.changed(seed=4)
-    assert [r.footprint for r in other.robots] != [r.footprint for r in world.robots]
     assert other.changed(seed=3) == world
     scene = build_scene(world)
     assert is_random(world)
@@ -110,7 +110,6 @@ def test_a_saved_group_stays_a_group_and_means_the_same() -> None:
     assert again == world
     assert hash(again) == hash(world)
     assert again.to_yaml() == text
-    assert again.entries == world.entries
     assert len(text) < 1500
     assert np.array_equal(build_scene(again).start, build_scene(world).start)
 
@@ -120,8 +119,9 @@ def test_the_command_line_reaches_into_a_group(tmp_path: Path) -> None:
     file.write_text(TEXT, "utf-8")
     given = ["robots.0.count=8", "robots.0.paths.1.offset=-1.5", 'robots.2.name="t{number}"']
     world = load_world(file, overrides=given)
-    assert [robot.name for robot in world.robots[7:]] == ["r8", "boss", "t10", "t11"]
-    assert world.robots[1].path == Offset(offset=-1.5)
+    robots, _ = each_robot(world.robots, world.seed)
+    assert [robot.name for robot in robots[7:]] == ["r8", "boss", "t10", "t11"]
+    assert robots[1].path == Offset(offset=-1.5)
     assert check_world(file).errors == ()
 
 

@@ -427,7 +427,7 @@ def size_of(world: World) -> dict[str, Any]:
     corridor = tree.get("corridor") or {}
     walls = [corridor.get("centreline") or [], *(tree.get("boundaries") or [])]
     return {
-        "robots": len(world.robots),
+        "robots": world.robot_count,
         "duration": world.time.duration,
         "wall_points": sum(map(len, walls)),
         "obstacles": len(world.obstacles),

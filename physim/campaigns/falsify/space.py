@@ -14,7 +14,7 @@ from physim.errors import PhysimError, plural
 from physim.geometry.shapes import FloatArray
 from physim.parts.registry import CONTROLLER, make_part
 from physim.parts.world_checks import robot_faults
-from physim.world import Robot, World
+from physim.world import Robot, World, each_robot
 from physim.world.layout.layout import lay_out
 from physim.world.layout.places import Occupancy
 from physim.world.scene import Layout
@@ -103,7 +103,8 @@ class Starts:
 
 def starts_of(world: World) -> Starts:
     """Where the robots of a world may start, its own starts first. Raises WorldError."""
-    return Starts(lay_out(world), [None] * len(world.robots))
+    laid = lay_out(world)
+    return Starts(laid, [None] * len(laid.robots))
 
 
 def pinned(world: World, seed: int | None = None) -> tuple[World, Layout]:
@@ -115,7 +116,7 @@ def pinned(world: World, seed: int | None = None) -> tuple[World, Layout]:
     laid = lay_out(world, seed)
     robots = tuple(
         robot.model_copy(update={"pose": tuple(pose), "start": None})
-        for robot, pose in zip(laid.world.robots, laid.start.tolist(), strict=True)
+        for robot, pose in zip(laid.robots, laid.start.tolist(), strict=True)
     )
     return laid.world.changed(robots=robots, start=None), laid
 
@@ -129,7 +130,7 @@ def least_limit(controller: Any, robot: Robot, key: str) -> float:
 
     def takes(limit: float) -> bool:
         limits = robot.limits.model_copy(update={key: limit})
-        return not robot_faults(controller, {0: robot.model_copy(update={"limits": limits})})
+        return not robot_faults(controller, [robot.model_copy(update={"limits": limits})], [0])
 
     taken = float(getattr(robot.limits, key))
     refused = SLOWEST * taken
@@ -172,13 +173,14 @@ class Space:
         """Lay out the bounds. Raises WorldError for a world that cannot be run, PhysimError where
         nothing can be varied."""
         self.world, laid = pinned(world, seed)
+        self.robots, _ = each_robot(self.world.robots, self.world.seed)
         self.vary = tuple(kind for kind in KINDS if kind in vary)
-        starts = [world.start_of(i) for i in range(len(world.robots))]
+        starts = [world.start_of(robot) for robot in laid.robots]
         self._regions = [None if one is None else shapely.Polygon(one.region) for one in starts]
         self._any_heading = [
             robot.pose[2] == "random" if robot.pose is not None else one is None
             or one.heading == "random"
-            for robot, one in zip(world.robots, starts, strict=True)
+            for robot, one in zip(laid.robots, starts, strict=True)
         ]  # fmt: skip
         self.starts = Starts(laid, self._regions)
         self.dimensions = tuple(self._dimensions())
@@ -192,7 +194,7 @@ class Space:
         controller, choice = None, self.world.controller
         if SPEED in self.vary:  # one of one's own is asked only where that is needed
             controller = make_part(CONTROLLER, choice.type, choice.settings, trusted=True)
-        for i, robot in enumerate(self.world.robots):
+        for i, robot in enumerate(self.robots):
             x, y, heading = self.starts.base[i].tolist()
             if POSE in self.vary:
                 left, low, right, high = (x - REACH, y - REACH, x + REACH, y + REACH)
@@ -221,7 +223,7 @@ class Space:
         """The world at a point (D,) of the unit box, or as near to it as is allowed."""
         values = self.low + np.clip(point, 0.0, 1.0) * (self.high - self.low)
         poses = self.starts.base.copy()
-        limits: list[dict[str, float]] = [{} for _ in self.world.robots]
+        limits: list[dict[str, float]] = [{} for _ in self.robots]
         for one, value in zip(self.dimensions, values.tolist(), strict=True):
             if one.kind in (POSE, HEADING):
                 poses[one.robot, ("x", "y", "heading").index(one.key)] = value
@@ -232,13 +234,13 @@ class Space:
             robot.model_copy(
                 update={"pose": tuple(pose), "limits": robot.limits.model_copy(update=limit)}
             )
-            for robot, pose, limit in zip(self.world.robots, poses.tolist(), limits, strict=True)
+            for robot, pose, limit in zip(self.robots, poses.tolist(), limits, strict=True)
         )
         return Drawn(self.world.changed(robots=robots), moved)
 
     def lines(self) -> list[str]:
         """What is varied and how far, a line a kind."""
-        found, count = [], plural(len(self.world.robots), "robot")
+        found, count = [], plural(len(self.robots), "robot")
         if POSE in self.vary:
             places = {
                 f"up to {REACH:g} m along x and y from the start"

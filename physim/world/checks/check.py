@@ -91,7 +91,7 @@ def _of_layout(world: World) -> tuple[list[Fault], tuple[ClearanceProfile, ...],
         faults += [fault for check in CHECKS for fault in check(laid)]
         profiles = clearance_profiles(laid)
         faults += paths.check_room(laid, profiles, faults)
-        return laid.world.of_the_road(faults), profiles, ground.road_note(laid)
+        return faults, profiles, ground.road_note(laid)
     except WorldError as error:
         faults = list(error.faults)
         if all(fault.location[:1] != ("boundaries",) for fault in faults):

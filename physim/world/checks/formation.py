@@ -47,7 +47,7 @@ def check_ends(laid: Layout) -> Iterator[Fault]:
         return
     at, is_told = stations_on(reference, laid), laid.world.formation is None
     for i, (line, (begin, stop)) in enumerate(zip(lines_of(laid), spans(laid), strict=True)):
-        where: Location = (*laid.world.entry_of(i), "pose")
+        where: Location = (*laid.entry_key(i), "pose")
         name, reach = describe(laid.names[i]), circumscribed_radius(laid.footprints[i])
         end = line.interpolate(stop)
         if begin >= stop:
@@ -91,7 +91,7 @@ def check_duration(laid: Layout) -> Iterator[Fault]:
     if expect is None or not expect.finished:
         return
     way = np.subtract(*spans(laid).T[::-1])
-    needed = way / [robot.limits.v for robot in laid.world.robots]
+    needed = way / [robot.limits.v for robot in laid.robots]
     i = int(np.argmax(needed))
     if needed[i] > duration:
         yield Fault(
@@ -139,11 +139,11 @@ def check_slow(laid: Layout) -> Iterator[Fault]:
     if plan is None or len(laid.names) < 2:
         return
     low = plan.limits[0]
-    slow = [i for i, robot in enumerate(laid.world.robots) if robot.limits.v < low]
+    slow = [i for i, robot in enumerate(laid.robots) if robot.limits.v < low]
     for i in slow[:MOST_ALIKE]:
         yield Fault(
-            (*laid.world.entry_of(i), "limits", "v"),
-            f"{describe(laid.names[i])} drives at most {laid.world.robots[i].limits.v:.6g} m/s and "
+            (*laid.entry_key(i), "limits", "v"),
+            f"{describe(laid.names[i])} drives at most {laid.robots[i].limits.v:.6g} m/s and "
             f"cannot keep up: by formation.limits the others drive at least {low:.6g} m/s; raise "
             "this limit, or lower the least speed of the formation",
             "warning",

@@ -35,7 +35,7 @@ def check_obstacles(laid: Layout) -> Iterator[Fault]:
         left = len(outside) - 1
         more = f" (so {'does' if left == 1 else 'do'} {plural(left, 'more')})" if left else ""
         yield Fault(
-            ("obstacles", outside[0]),
+            laid.obstacle_key(outside[0]),
             f"lies outside the accessible area, at {place_text(x, y)}{more}: no robot can meet it; "
             "move it between the boundaries, or remove it",
             "warning",
@@ -88,12 +88,12 @@ def check_folds(laid: Layout) -> Iterator[Fault]:
 
 def road_note(laid: Layout) -> str:
     """What is to be known of a road that was drawn by the seed: the checks hold for that one."""
-    world, line, width = laid.world, laid.centreline, laid.widths
-    if not world.is_road_drawn or line is None or width is None:
+    line, width = laid.centreline, laid.widths
+    if laid.passage is None or line is None or width is None:
         return ""
     return (
-        f"road drawn by seed {world.seed}: {shapely.LineString(line).length:.1f} m long, "
+        f"road drawn by seed {laid.world.seed}: {shapely.LineString(line).length:.1f} m long, "
         f"{width.min():.4g} to {width.max():.4g} m wide, "
-        f"{plural(len(world.obstacles), 'obstacle')}, passage of {world.passage:.4g} m; other "
+        f"{plural(len(laid.obstacles), 'obstacle')}, passage of {laid.passage:.4g} m; other "
         "seeds draw other roads"
     )

@@ -51,7 +51,7 @@ def check_paths(laid: Layout) -> Iterator[Fault]:
                 "it; lead the path around it",
                 "warning",
             )
-        if isinstance(path := laid.world.robots[i].path, Offset):
+        if isinstance(path := laid.robots[i].path, Offset):
             yield from _folds(laid, i, path.offset)
         else:
             yield from _against(laid, i, line, reference)
@@ -183,7 +183,7 @@ def check_room(
         is_told = laid.path_key(i) in known and profile.narrowest[3] <= CONTACT
         if profile.verdict == NOT and not is_told:
             together.setdefault(profile.narrowest, []).append(profile)
-        if laid.world.entry_of(i) in faulty:
+        if laid.entry_key(i) in faulty:
             continue
         if r not in parts:
             parts[r] = shapely.get_parts(laid.area.shrunk(r, 8))

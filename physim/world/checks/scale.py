@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from physim.errors import Fault, Location
-from physim.world import Corridor, Robot, World
+from physim.world import Corridor, Robot, World, each_robot
 from physim.world.checks.findings import MOST_ALIKE
 from physim.world.faults import describe, in_metres
 
@@ -42,7 +42,8 @@ def check_scale(world: World) -> Iterator[Fault]:
 
 
 def _doubts(world: World) -> Iterator[tuple[Location, str]]:
-    sizes = [float(np.ptp(robot.outline, axis=0).max()) for robot in world.robots]
+    robots, entries = each_robot(world.robots, world.seed)
+    sizes = [float(np.ptp(robot.outline, axis=0).max()) for robot in robots]
     if isinstance(world.corridor, Corridor):
         widest, longest = float(np.max(world.corridor.width)), max(sizes, default=0.0)
         if widest > WIDEST_CORRIDOR or widest > WIDEST_FOR_ROBOTS * longest > 0.0:
@@ -50,9 +51,9 @@ def _doubts(world: World) -> Iterator[tuple[Location, str]]:
             yield ("corridor", "width"), said
     yield from _large_ground(world)
     told: dict[Location, str] = {}
-    for i, (robot, size) in enumerate(zip(world.robots, sizes, strict=True)):
+    for robot, e, size in zip(robots, entries, sizes, strict=True):
         if len(told) < MOST_ALIKE:
-            for where, said in _of_robot(robot, size, world.entry_of(i)):
+            for where, said in _of_robot(robot, size, ("robots", e)):
                 told.setdefault(where, said)  # of a group the first
     yield from told.items()
     if world.start is not None:

@@ -31,7 +31,7 @@ def check_footprints(laid: Layout) -> Iterator[Fault]:
     for i in range(len(laid.names)):
         if (far := away(laid.footprints[i])) > LENGTH:
             yield Fault(
-                (*laid.world.entry_of(i), "footprint"),
+                (*laid.entry_key(i), "footprint"),
                 "the reference point (0, 0), about which the robot turns and which follows the "
                 f"path, lies {far:.4g} m outside the footprint; corners are given relative to that "
                 "point",
@@ -43,7 +43,7 @@ def check_start_used(laid: Layout) -> Iterator[Fault]:
     """A region of the world's in which no robot starts."""
     world = laid.world
     if world.start is not None and all(
-        world.start_of(i) is not world.start for i in range(len(world.robots))
+        world.start_of(entry) is not world.start for entry in world.robots
     ):
         yield Fault(
             ("start",),
@@ -77,7 +77,7 @@ def check_walled_off(laid: Layout) -> Iterator[Fault]:
             i, left = hidden[0], len(hidden) - 1
             more = f", and {plural(left, 'more robot')} so" if left else ""
             yield Fault(
-                (*laid.world.entry_of(i), "pose"),
+                (*laid.entry_key(i), "pose"),
                 f"{describe(laid.names[i])} counts as at station "
                 f"{paths[i].project(starts[i]):.2f} m of {called}, which is nearest at "
                 f"{place_text(end[i, 0], end[i, 1], 4)}, beyond a wall or an obstacle{more}; start "
@@ -90,7 +90,7 @@ def check_far(laid: Layout) -> Iterator[Fault]:
     """Robots that are written to start far from their paths, as where x and y are swapped."""
     far = []
     for i, line in enumerate(lines_of(laid)):
-        if laid.world.robots[i].pose is not None:
+        if laid.robots[i].pose is not None:
             start = shapely.Point(laid.start[i, :2])
             away = line.distance(start)
             if away > FAR * circumscribed_radius(laid.footprints[i]):
@@ -99,7 +99,7 @@ def check_far(laid: Layout) -> Iterator[Fault]:
         i, away, foot = far[0]
         more = f", and {plural(len(far) - 1, 'more robot')} so" if len(far) > 1 else ""
         yield Fault(
-            (*laid.world.entry_of(i), "pose"),
+            (*laid.entry_key(i), "pose"),
             f"{describe(laid.names[i])} starts {away:.4g} m away from its path, which is nearest "
             f"at {place_text(foot.x, foot.y, 4)}{more}; are x and y swapped, or is the path "
             "another's?",
@@ -110,7 +110,7 @@ def check_far(laid: Layout) -> Iterator[Fault]:
 def check_headings(laid: Layout) -> Iterator[Fault]:
     """Robots that are written to start with their backs to their path."""
     for i, line in enumerate(lines_of(laid)):
-        pose = laid.world.robots[i].pose
+        pose = laid.robots[i].pose
         if pose is None or pose[2] == "random" or abs(pose[2]) > 2.0 * pi:
             continue
         points = shapely.get_coordinates(line)
@@ -121,7 +121,7 @@ def check_headings(laid: Layout) -> Iterator[Fault]:
         away = abs((pose[2] - along + pi) % (2.0 * pi) - pi)
         if away > pi / 2.0 + 1e-6:
             yield Fault(
-                (*laid.world.entry_of(i), "pose", 2),
+                (*laid.entry_key(i), "pose", 2),
                 f"{describe(laid.names[i])} starts facing {np.degrees(away):.0f} degrees away from "
                 f"its path, which goes {along:.4g} rad ({np.degrees(along):.0f} degrees) there; it "
                 "will have to turn round",
@@ -135,7 +135,7 @@ def check_random_headings(laid: Layout) -> Iterator[Fault]:
     Judged by the circle that the robot sweeps when it turns on the spot: no false comfort, but a
     warning may be too cautious for a long robot.
     """
-    poses = [robot.pose for robot in laid.world.robots]
+    poses = [robot.pose for robot in laid.robots]
     random = {i for i, pose in enumerate(poses) if pose is not None and pose[2] == "random"}
     if not random:
         return
@@ -154,7 +154,7 @@ def check_random_headings(laid: Layout) -> Iterator[Fault]:
             met.setdefault(i, names[k])
     for i, name in sorted(met.items()):
         yield Fault(
-            (*laid.world.entry_of(i), "pose", 2),
+            (*laid.entry_key(i), "pose", 2),
             f"random; with this seed {describe(laid.names[i])} starts clear, with another it may "
             f"touch {name}; leave room to turn, or write a heading",
             "warning",

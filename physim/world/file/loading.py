@@ -21,7 +21,7 @@ from physim.parts.registry import (
     made_part,
 )
 from physim.parts.world_checks import HOOKS, robot_faults, world_doubts, world_faults
-from physim.world import World
+from physim.world import World, each_robot
 from physim.world.faults import describe
 from physim.world.file.document import Document, apply_overrides, put, read_document
 from physim.world.file.files import world_document
@@ -140,13 +140,13 @@ def _of_parts(world: World, document: Document, trusted: bool) -> tuple[list[Fau
             elif not found and any(hasattr(part, hook) for hook in HOOKS):
                 built = made_part(kind, part, made, name)
                 if is_controller:
-                    found = robot_faults(built, dict(enumerate(world.robots)))
+                    found = robot_faults(built, *each_robot(world.robots, world.seed))
                 found = found or world_faults(built, world, where)
                 doubts += [] if found else world_doubts(built, world, where)
             faults += found
         except ControllerError as error:
             faults.append(Fault((*where, "type"), str(error)))
-    return world.as_written(faults), world.as_written(doubts)
+    return faults, doubts
 
 
 def _at(values: Any, location: Location) -> Mapping[str, Any]:

@@ -22,8 +22,8 @@ from physim.geometry.shapes import FloatArray
 from physim.geometry.tangles import meet_more_often, segments_of
 from physim.geometry.thinning import thinned
 from physim.tolerances import LENGTH
-from physim.world import Corridor, World
-from physim.world.layout.road import with_drawn_road
+from physim.world import RandomCorridor, World, each_robot
+from physim.world.layout.road import drawn_road
 from physim.world.layout.robots import footprints_of, paths_of
 from physim.world.layout.self_overlap import self_overlap
 from physim.world.layout.shape_checks import (
@@ -51,19 +51,27 @@ def lay_out(world: World, seed: int | None = None) -> Layout:
     world = world if seed is None else world.changed(seed=seed)
     faults: list[Fault] = []
     _check_regions(world, faults)
-    footprints = footprints_of(world, faults)
+    robots, entries = each_robot(world.robots, world.seed)
+    footprints = footprints_of(world, robots, faults)
     for k, ring in enumerate(world.obstacles):
         if message := outline_fault(ring):
             faults.append(Fault(("obstacles", k), message))
-    _raise(world, faults)
-    world = with_drawn_road(world)
-    obstacles = [np.array(ring) for ring in world.obstacles]
-    reference = corners_of_line(world.reference)
-    centreline, widths = _corridor_line(world.corridor)
+    _raise(faults)
+    centreline = widths = passage = None
+    obstacles, line = [np.array(ring) for ring in world.obstacles], None
+    if world.reference_path is not None:
+        line = np.array(world.reference_path)
+    if isinstance(world.corridor, RandomCorridor):
+        road, passage = drawn_road(world, world.corridor)
+        centreline, widths, line, obstacles = road.centreline, road.widths, road.way, road.obstacles
+    elif world.corridor is not None:
+        centreline = np.array(world.corridor.centreline)
+        widths = np.zeros(len(centreline)) + np.array(world.corridor.width)
+    reference = corners_of_line(np.array(centreline if line is None else line))
     boundaries = _boundaries(world, centreline, widths, faults)
-    paths = paths_of(world, reference, faults)
-    faults += step_faults(world, footprints)
-    _raise(world, faults)
+    paths = paths_of(world, robots, entries, reference, faults)
+    faults += step_faults(world.time.step, robots, entries, footprints)
+    _raise(faults)
     lines = list(boundaries.values())
     try:
         area = accessible_area(lines, obstacles, reference)
@@ -72,11 +80,11 @@ def lay_out(world: World, seed: int | None = None) -> Layout:
         message = f"{error}; {gaps([wall_label(name) for name in boundaries], lines)}"
         raise WorldError([Fault(where, message)]) from error
     laid = Layout(
-        world, centreline, widths, boundaries, obstacles, reference, area, footprints, paths,
-        np.empty((0, 3)),
+        world, robots, entries, centreline, widths, boundaries, obstacles, reference, area,
+        footprints, paths, np.empty((0, 3)), passage,
     )  # fmt: skip
     _check_ground(laid, faults)
-    _raise(world, faults)
+    _raise(faults)
     return placed(laid)
 
 
@@ -84,34 +92,27 @@ def placed(laid: Layout) -> Layout:
     """The layout with the robots where its world and seed put them; WorldError if it cannot."""
     laid = replace(laid, start=start_poses(laid))
     standing = [
-        Placed(i, laid.names[i], placed_outline(footprint, pose))
-        for i, (footprint, pose) in enumerate(zip(laid.footprints, laid.start, strict=True))
+        Placed((*laid.entry_key(i), "pose"), robot.name, placed_outline(footprint, pose))
+        for i, (robot, footprint, pose) in enumerate(
+            zip(laid.robots, laid.footprints, laid.start, strict=True)
+        )
     ]
-    faults = wall_faults(laid, standing) + robot_faults(standing)
-    _raise(laid.world, laid.world.as_written(faults))
+    _raise(wall_faults(laid, standing) + robot_faults(standing))
     return laid
 
 
-def _raise(world: World, faults: Iterable[Fault]) -> None:
+def _raise(faults: Iterable[Fault]) -> None:
     """Raise WorldError with the faults, if there are any, each once."""
-    if faults := world.of_the_road(dict.fromkeys(faults)):
-        raise WorldError(faults)
+    if found := list(dict.fromkeys(faults)):
+        raise WorldError(found)
 
 
 def _check_regions(world: World, faults: list[Fault]) -> None:
     holders: list[tuple[Location, Any]] = [((), world)]
-    holders += [(("robots", i), entry) for i, entry in enumerate(world.entries)]
+    holders += [(("robots", i), entry) for i, entry in enumerate(world.robots)]
     for where, holder in holders:
         if holder.start is not None and (message := outline_fault(holder.start.region)):
             faults.append(Fault((*where, "start", "region"), message))
-
-
-def _corridor_line(corridor: Corridor | None) -> tuple[FloatArray | None, FloatArray | None]:
-    """Centreline (n, 2) [m] of a corridor and its width (n,) at each of these points."""
-    if corridor is None:
-        return None, None
-    centreline = np.array(corridor.centreline)
-    return centreline, np.zeros(len(centreline)) + np.array(corridor.width)
 
 
 def _boundaries(
@@ -158,7 +159,7 @@ def _check_ground(laid: Layout, faults: list[Fault]) -> None:
             f"stands right across the way at {place_text(at.x, at.y)}, {begin[k]:.2f} m along the "
             "reference path, so that no robot can pass; make it smaller, or move it"
         )
-        faults.append(Fault(("obstacles", k), message))
+        faults.append(Fault(laid.obstacle_key(k), message))
         return
     middle = line.interpolate(0.5 * (first + last))
     through = next((name for name, solid in laid.solids if solid.covers(middle)), None)

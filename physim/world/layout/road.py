@@ -23,7 +23,7 @@ from physim.geometry.corridor import corridor_boundaries
 from physim.geometry.polygon import circumscribed_radius, least_width
 from physim.geometry.shapes import FloatArray
 from physim.tolerances import LENGTH
-from physim.world import Corridor, Offset, RandomCorridor, RandomRoad, RobotGroup, World
+from physim.world import Offset, RandomCorridor, RandomRoad, RobotGroup, World
 from physim.world.layout.clutter import draw_clutter
 from physim.world.layout.road_line import (
     ASTRAY,
@@ -71,26 +71,16 @@ class Lane:
     """[m] least width of its footprint"""
 
 
-def with_drawn_road(world: World) -> World:
-    """A world with the road that its seed draws, if it has one; WorldError if none can be drawn."""
-    corridor: Any = world.corridor
-    if not isinstance(corridor, RandomCorridor):
-        return world
-    road, margin = corridor.random, corridor.end_margin
+def drawn_road(world: World, corridor: RandomCorridor) -> tuple[DrawnRoad, float]:
+    """The road that the seed of a world draws, and its clear width [m].
+
+    Raises WorldError where none can be drawn.
+    """
     lanes = _lanes(world)
-    passage = _passage(road, lanes)
-    drawn = draw_road(road, margin, passage, sorted({lane.offset for lane in lanes}), world.seed)
-    written = Corridor(
-        centreline=drawn.centreline.tolist(), width=drawn.widths.tolist(), end_margin=margin
-    )
-    obstacles = tuple(_points(outline) for outline in drawn.obstacles)
-    return world.with_road(written, _points(drawn.way), obstacles, passage)
-
-
-def plain_world(world: World, name: str) -> World:
-    """World of another name in which a road that was drawn is written out; nothing else differs."""
-    drawn = {key: getattr(world, key) for key in ("corridor", "reference_path", "obstacles")}
-    return world.changed(name=name, **drawn)
+    passage = _passage(corridor.random, lanes)
+    offsets = sorted({lane.offset for lane in lanes})
+    road = draw_road(corridor.random, corridor.end_margin, passage, offsets, world.seed)
+    return road, passage
 
 
 def draw_road(
@@ -170,7 +160,7 @@ def _refused(
 def _lanes(world: World) -> list[Lane]:
     """Every footprint with the paths that it may follow, of those beside the reference path."""
     found = []
-    for e, entry in enumerate(world.entries):
+    for e, entry in enumerate(world.robots):
         shapes: Any = entry.shapes if isinstance(entry, RobotGroup) else (entry.footprint,)
         several = entry.paths if isinstance(entry, RobotGroup) else None
         paths = (entry.path,) if several is None else several
@@ -215,7 +205,3 @@ def _passage(road: RandomRoad, lanes: list[Lane]) -> float:
             )
             raise WorldError([Fault((*ROAD, "passage"), message)])
     return road.passage
-
-
-def _points(line: FloatArray) -> tuple[tuple[float, float], ...]:
-    return tuple((float(x), float(y)) for x, y in line)

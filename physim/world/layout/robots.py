@@ -5,6 +5,7 @@ Robots of equal outlines share one array, and so do robots of equal paths.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -13,16 +14,16 @@ from physim.errors import Fault
 from physim.geometry.corridor import offset_polyline
 from physim.geometry.polygon import counter_clockwise
 from physim.geometry.shapes import FloatArray, read_only
-from physim.world import Offset, RobotGroup, World
+from physim.world import Offset, Robot, RobotGroup, World
 from physim.world.layout.shape_checks import corners_of_line, outline_fault
 from physim.world.robot import outline_of
 from physim.world.scene import path_location
 
 
-def footprints_of(world: World, faults: list[Fault]) -> list[FloatArray]:
+def footprints_of(world: World, robots: Sequence[Robot], faults: list[Fault]) -> list[FloatArray]:
     """Footprints (n, 2) [m]; of a group all are judged, drawn by this seed or not."""
     known: dict[Any, FloatArray] = {}
-    for e, entry in enumerate(world.entries):
+    for e, entry in enumerate(world.robots):
         several = entry.footprints if isinstance(entry, RobotGroup) else None
         shapes: Any = (entry.footprint,) if several is None else several
         for k, footprint in enumerate(shapes):
@@ -34,18 +35,24 @@ def footprints_of(world: World, faults: list[Fault]) -> list[FloatArray]:
                 faults.append(Fault(("robots", e, *where), message))
             else:
                 known[outline] = read_only(counter_clockwise(np.array(outline)))
-    return [] if faults else [known[robot.outline] for robot in world.robots]
+    return [] if faults else [known[robot.outline] for robot in robots]
 
 
-def paths_of(world: World, reference: FloatArray, faults: list[Fault]) -> list[FloatArray]:
+def paths_of(
+    world: World,
+    robots: Sequence[Robot],
+    entries: Sequence[int],
+    reference: FloatArray,
+    faults: list[Fault],
+) -> list[FloatArray]:
     """Waypoints (n, 2) [m] of every path."""
     known: dict[Any, FloatArray] = {}
     is_bend_told = False
-    for i, robot in enumerate(world.robots):
+    for i, robot in enumerate(robots):
         if robot.path in known:
             continue
         known[robot.path] = reference  # until it is known better
-        where = path_location(world, i)
+        where = path_location(world, entries, i)
         try:
             if isinstance(robot.path, Offset):
                 offset = np.full(len(reference), robot.path.offset)
@@ -59,4 +66,4 @@ def paths_of(world: World, reference: FloatArray, faults: list[Fault]) -> list[F
             if not is_bend_told:
                 faults.append(Fault((*where, "offset"), f"the reference path {error}"))
             is_bend_told = True
-    return [known[robot.path] for robot in world.robots]
+    return [known[robot.path] for robot in robots]

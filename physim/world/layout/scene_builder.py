@@ -21,12 +21,12 @@ from physim.geometry.shapes import (
 from physim.geometry.wall_grid import build_wall_grid
 from physim.parts.registry import CONTROLLER, find_part, shipped_parts
 from physim.units import joined
-from physim.world import RobotGroup, World
+from physim.world import Robot, RobotGroup, World
 from physim.world.kinds import MOST_SEED
 from physim.world.layout.layout import lay_out, placed
 from physim.world.layout.shared import Shared
 from physim.world.run import DEFAULT_RANGE
-from physim.world.scene import DENSITY, Body, FormationPlan, Scene
+from physim.world.scene import DENSITY, Body, FormationPlan, Layout, Scene
 
 GRID_CELL = 2.0
 """[m] cell of the wall look-up"""
@@ -45,8 +45,8 @@ def build_scene(world: World, seed: int | None = None) -> Scene:
         [_segments(line) for line in laid.boundaries.values()]
         + [list(convex_parts(obstacle)) for obstacle in laid.obstacles]
     )
-    formation = _formation(world, laid.start, laid.reference)
-    names = [("robot", robot.name) for robot in world.robots]
+    formation = _formation(laid)
+    names = [("robot", robot.name) for robot in laid.robots]
     names += [("boundary", name) for name in laid.boundaries]
     names += [("obstacle", f"obstacle {k + 1}") for k in range(len(laid.obstacles))]
     paths = pack_polylines(laid.paths)
@@ -63,15 +63,15 @@ def build_scene(world: World, seed: int | None = None) -> Scene:
         wall_grid=build_wall_grid(walls, world.sensing_range, GRID_CELL),
         mass=np.array([
             _mass(robot.mass, size(outline))
-            for robot, outline in zip(world.robots, footprints, strict=True)
+            for robot, outline in zip(laid.robots, footprints, strict=True)
         ]),
-        limits=np.array([(robot.limits.v, robot.limits.omega) for robot in world.robots]),
+        limits=np.array([(robot.limits.v, robot.limits.omega) for robot in laid.robots]),
         start=laid.start,
         paths=paths,
         reference=pack_polylines([laid.reference]),
         outside=tuple(outside(path) for path in laid.paths),
-        speeds=tuple(robot.speeds for robot in world.robots),
-        omegas=tuple(robot.omegas for robot in world.robots),
+        speeds=tuple(robot.speeds for robot in laid.robots),
+        omegas=tuple(robot.omegas for robot in laid.robots),
         stop_station=_stop_stations(paths, formation),
         formation=formation,
         sensing_range=world.sensing_range,
@@ -95,11 +95,11 @@ def reseeded(scene: Scene, seed: int) -> Scene:
     world = scene.world.model_copy(update={"seed": int(seed)})
     if not is_random(world):
         return replace(scene, world=world, seed=int(seed))
-    is_drawn = any(isinstance(entry, RobotGroup) and entry.is_drawn for entry in world.entries)
+    is_drawn = any(isinstance(entry, RobotGroup) and entry.is_drawn for entry in world.robots)
     if is_drawn or world.is_road_random:
         return build_scene(scene.world, int(seed))  # footprints or roads are others, too
     laid = placed(replace(scene.layout, world=world))
-    formation = _formation(world, laid.start, laid.reference)
+    formation = _formation(laid)
     return replace(
         scene,
         world=world,
@@ -140,9 +140,9 @@ def seeds_draw(world: World) -> str:
 
 def _drawn(world: World) -> list[str]:
     """What of the scene the seed draws."""
-    starts = [world.start_of(i) for i in range(len(world.robots))]
-    poses = (robot.pose for robot in world.robots if robot.pose is not None)
-    groups = (entry for entry in world.entries if isinstance(entry, RobotGroup))
+    starts = [world.start_of(entry) for entry in world.robots]
+    poses = (entry.pose for entry in world.robots if isinstance(entry, Robot) and entry.pose)
+    groups = (entry for entry in world.robots if isinstance(entry, RobotGroup))
     found = {
         "road": world.is_road_random,
         "footprints": any(group.is_drawn for group in groups),
@@ -188,17 +188,17 @@ def _mass(given: float | None, area: float) -> float:
     return DENSITY * abs(area) if given is None else given
 
 
-def _formation(world: World, start: FloatArray, reference: FloatArray) -> FormationPlan:
+def _formation(laid: Layout) -> FormationPlan:
     """Desired leads: as listed, or those of the start poses along s*."""
-    n = len(start)
-    plan = world.formation
+    n = len(laid.robots)
+    plan = laid.world.formation
     if plan is None:
         none = np.zeros((0, 0), dtype=np.int64)
         return FormationPlan(False, 0.0, 1.0, 0.0, 1.0, np.zeros(n), none, DEFAULT_RANGE)
     if plan.spacing == "initial":
-        path = Path(reference)
+        path = Path(laid.reference)
         length = path.length
-        station = np.array([project(path.lines, 0, x, y, 0.0, length)[0] for x, y, _ in start])
+        station = np.array([project(path.lines, 0, x, y, 0.0, length)[0] for x, y, _ in laid.start])
         lead = station - station[0]
     else:
         lead = np.array(plan.spacing)
@@ -209,7 +209,7 @@ def _formation(world: World, start: FloatArray, reference: FloatArray) -> Format
         v_min=plan.limits[0],
         v_max=plan.limits[1],
         lead=lead,
-        adjacency=_adjacency(plan.neighbours, [robot.name for robot in world.robots]),
+        adjacency=_adjacency(plan.neighbours, laid.names),
         range=np.inf if plan.neighbours == "all" else plan.range,
     )
 

@@ -35,7 +35,8 @@ MOST_PAIRS = 200
 class Placed(NamedTuple):
     """A robot where it starts."""
 
-    number: int
+    where: Location
+    """its pose, as written"""
     name: str
     shape: Any
     """its outline as a shapely polygon in the world frame"""
@@ -77,8 +78,7 @@ def wall_faults(laid: Layout, robots: Sequence[Placed]) -> list[Fault]:
         near[i].append(int(k))
     shapely.prepare(accessible)
     faults = []
-    for i, (number, given, shape) in enumerate(robots):
-        where: Location = ("robots", number, "pose")
+    for i, (where, given, shape) in enumerate(robots):
         name = describe(given)
         for k in sorted(near[i])[:MOST_REPORTED]:
             label, body = (*walls, *solids)[k]
@@ -134,7 +134,7 @@ def robot_faults(robots: Sequence[Placed]) -> list[Fault]:
         first, second = robots[i], robots[j]
         contact = _overlap(second.shape, first.shape, describe(first.name))
         message = f"{describe(second.name)} {contact} at the start; move them apart"
-        faults.append(Fault(("robots", second.number, "pose"), message))
+        faults.append(Fault(second.where, message))
     return faults
 
 

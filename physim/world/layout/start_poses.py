@@ -19,7 +19,7 @@ from physim.geometry.polygon import circumscribed_radius
 from physim.geometry.shapes import FloatArray
 from physim.randomness import stream
 from physim.tolerances import CONTACT
-from physim.world import Start, World
+from physim.world import Start
 from physim.world.layout.places import Candidates, Occupancy, PathFrame
 from physim.world.scene import Layout
 
@@ -46,10 +46,10 @@ def start_poses(laid: Layout) -> FloatArray:
     world = laid.world
     occupied = Occupancy(laid.footprints, [shape for _, shape in (*laid.walls, *laid.solids)])
     free, along = laid.area.polygon, PathFrame(laid.reference)
-    poses = np.full((len(world.robots), 3), np.nan)
+    poses = np.full((len(laid.robots), 3), np.nan)
     groups: dict[tuple[Start, Location], list[int]] = {}
-    for i, robot in enumerate(world.robots):
-        start = world.start_of(i)
+    for i, robot in enumerate(laid.robots):
+        start = world.start_of(robot)
         if robot.pose is not None:
             x, y, heading = robot.pose
             poses[i] = x, y, drawn_heading(world.seed, i) if heading == "random" else heading
@@ -59,7 +59,7 @@ def start_poses(laid: Layout) -> FloatArray:
             groups.setdefault((start, shared), []).append(i)
     faults = []
     for (start, where), members in groups.items():
-        group = _Group(start, members, where, occupied, along, free, world)
+        group = _Group(start, members, where, occupied, along, free, laid)
         fault = group.place(poses, laid.paths)
         faults += [fault] if fault is not None else []
     if faults:
@@ -77,10 +77,10 @@ class _Group:
 
     def __init__(
         self, start: Start, members: list[int], where: Location, occupied: Occupancy,
-        along: PathFrame, accessible: shapely.Polygon, world: World,
+        along: PathFrame, accessible: shapely.Polygon, laid: Layout,
     ) -> None:  # fmt: skip
         self.start, self.members, self.where = start, members, where
-        self.occupied, self.along, self.world, self.seed = occupied, along, world, world.seed
+        self.occupied, self.along, self.laid, self.seed = occupied, along, laid, laid.world.seed
         self.free = shapely.intersection(shapely.Polygon(start.region), accessible)
         shapely.prepare(self.free)
 
@@ -145,7 +145,7 @@ class _Group:
 
     def _crowded(self, placed: int, stuck: int) -> str:
         """What to do about robots that do not fit: in figures."""
-        start, name = self.start, self.world.robots[stuck].name
+        start, name = self.start, self.laid.names[stuck]
         free = self.free.difference(self.occupied.kept_clear(start.min_gap)).area
         need = sum(
             shapely.Polygon(self.occupied.footprints[i]).buffer(0.5 * start.min_gap).area
@@ -160,5 +160,5 @@ class _Group:
         )
 
     def _fault(self, message: str) -> Fault:
-        where = self.where or (*self.world.entry_of(self.members[0]), "start")
+        where = self.where or (*self.laid.entry_key(self.members[0]), "start")
         return Fault((*where, "region"), message)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -10,17 +11,18 @@ from physim.errors import Fault, Location
 from physim.geometry.polygon import circumscribed_radius, convex_parts, smallest_width
 from physim.geometry.shapes import FloatArray
 from physim.tolerances import TUNNEL_FRACTION
-from physim.world import Limits, World
+from physim.world import Limits, Robot
 from physim.world.faults import describe
 from physim.world.layout.shared import Shared
 
 
-def step_faults(world: World, footprints: list[FloatArray]) -> list[Fault]:
+def step_faults(
+    step: float, robots: Sequence[Robot], entries: Sequence[int], footprints: list[FloatArray]
+) -> list[Fault]:
     """Refuse (v + r omega) dt beyond a quarter of the smallest width of any convex part.
 
     One fault at most: of the step, or of the limits of the one robot that is too fast for it.
     """
-    step, robots = world.time.step, world.robots
     radius, width = (
         np.array(list(map(Shared(of), footprints)))
         for of in (circumscribed_radius, lambda outline: smallest_width(convex_parts(outline)))
@@ -34,7 +36,7 @@ def step_faults(world: World, footprints: list[FloatArray]) -> list[Fault]:
     at_usual = min(v[i], usual.v) + radius[i] * min(omega[i], usual.omega)
     where: Location = ("time", "step")
     if count == 1 and at_usual * step <= limit:
-        where = (*world.entry_of(i), "limits")
+        where = ("robots", entries[i], "limits")
     unit = 10.0 ** (math.floor(math.log10(limit / speed[i])) - 2)  # three digits, rounded down
     largest = math.floor(limit / speed[i] / unit) * unit
     others = f", and {count - 1} more move too far" if count > 1 else ""

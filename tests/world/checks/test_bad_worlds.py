@@ -61,7 +61,7 @@ TOLD = {
     "one coordinate": (boundary("[[0], [1]]"), ...,
         ("E", AT, "boundaries[1][0][1]", "one more number")),
     "a flat list": (boundary("[0, 0, 1, 0]"), ...,
-        ("E", AT, "boundaries[1]", "points", "[[0, 0], [1, 0]]")),
+        ("E", AT, "boundaries[1]", "points [x, y]")),
     "a mapping for a point": (boundary("[{x: 0, y: 0}, {x: 1, y: 0}]"), ...,
         ("E", AT, "list", "given a mapping")),
     "one point": (boundary("[[0, 0]]"), ("E", "5:5 boundaries[1]", "at least 2", "given 1")),

@@ -73,4 +73,4 @@ def test_a_controller_of_ones_own_may_refuse_robots(tmp_path):
 
 def test_a_check_that_answers_something_else_is_reported_in_one_line():
     with pytest.raises(ControllerError, match=facts("Picky.robot_faults", "an int", "Fault")):
-        robot_faults(Picky(Picky.Settings(fault=False)), {})
+        robot_faults(Picky(Picky.Settings(fault=False)), [], [])

@@ -23,8 +23,9 @@ from physim.world.file import load_world, parse_world
 from tests.helpers import examples, facts, inside
 from tests.helpers.same import differences
 
-lay_out, plain_world = inside("physim.world.layout", "lay_out", "plain_world")
+lay_out = inside("physim.world.layout", "lay_out")
 Layout = inside("physim.world", "Layout")
+drawn_text = inside("physim.authoring", "drawn_text")
 
 Array = NDArray[np.float64]
 
@@ -91,8 +92,8 @@ def closed(ring: Array) -> Array:
 
 
 def centreline(laid: Layout) -> Array:
-    assert laid.world.corridor is not None
-    return np.array(laid.world.corridor.centreline)
+    assert laid.centreline is not None
+    return laid.centreline
 
 
 def check_road(laid: Layout, road: dict[str, Any]) -> None:
@@ -150,7 +151,7 @@ def check_road(laid: Layout, road: dict[str, Any]) -> None:
 
     rings = [closed(outline) for outline in laid.obstacles]
     clear = distances(sampled(laid.reference, 0.05), segments([*walls.values(), *rings]))
-    passage = laid.world.passage
+    passage = laid.passage
     assert passage is not None
     assert 2.0 * clear.min() >= passage - 2.0 * AS_ROUNDED
 
@@ -206,7 +207,7 @@ USUAL = {
 
 def test_the_shipped_road_is_as_stated_with_every_seed() -> None:
     shipped = load_world("random_road")
-    written = shipped.written("corridor").random
+    written = shipped.corridor.random
     assert {key: getattr(written, key) for key in USUAL} == {
         key: tuple(value) if isinstance(value, list) else value for key, value in USUAL.items()
     }
@@ -249,17 +250,14 @@ def test_clutter_leaves_the_road_and_both_leave_starts_as_they_are() -> None:
 def test_a_drawn_world_is_still_written_as_its_author_wrote_it() -> None:
     own = world(0.5, -0.5, clutter=5.0)
     laid = lay_out(own)
-    assert laid.world.to_yaml() == own.to_yaml()
-    assert laid.world.changed() == own == parse_world(own.to_yaml())
-    assert laid.world.obstacles
-    assert own.obstacles == () == laid.world.written("obstacles")
-    assert np.array_equal(np.array(laid.world.reference), laid.reference)
+    assert laid.obstacles
+    assert laid.world == own == parse_world(own.to_yaml())
 
 
 def test_the_plain_world_moves_as_the_drawn_one() -> None:
     short = {"time": {"step": 0.01, "duration": 4.0}}
     shipped = load_world("random_road", overrides=["seed=4"]).changed(**short)
-    plain = parse_world(plain_world(lay_out(shipped).world, "plain").to_yaml())
+    plain = parse_world(drawn_text(shipped, "plain", "physim new"))
     assert not plain.is_road_random
     assert plain.obstacles
     with simulate(shipped) as one, simulate(plain) as other:
@@ -273,7 +271,7 @@ def test_the_plain_world_moves_as_the_drawn_one() -> None:
 def test_the_passage_when_none_is_stated() -> None:
     """Both boxes reach 0.7211 m from their reference points; 0.3 m more, on either side."""
     laid = lay_out(world(0.4, -0.9, width=[6.0, 8.0]))
-    assert laid.world.passage == pytest.approx(2.0 * (0.9 + 0.52**0.5 + 0.3), abs=1e-3)
+    assert laid.passage == pytest.approx(2.0 * (0.9 + 0.52**0.5 + 0.3), abs=1e-3)
     with pytest.raises(WorldError, match=facts("corridor.random.width", "3.843 m", "3.8 m")):
         lay_out(world(0.4, -0.9, width=[3.8, 8.0]))
 

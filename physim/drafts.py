@@ -1,4 +1,4 @@
-"""Files that are written whole or not at all, under a hidden name until then."""
+"""Names under which files are written until they are whole."""
 
 from __future__ import annotations
 
@@ -42,18 +42,6 @@ def check_regular(path: Path) -> None:
         raise PhysimError(f"{path}: is not a regular file but {kind}, which is not overwritten")
 
 
-def write_text(path: Path, text: str) -> None:
-    """Write a text file, whole or not at all. Raises PhysimError when it cannot be written."""
-    draft = draft_of(path)
-    try:
-        draft.write_text(text, encoding="utf-8", newline="\n")
-        draft.replace(path)
-    except OSError as error:
-        raise PhysimError(f"{path}: cannot be written ({error.strerror})") from None
-    finally:  # of an error or Ctrl-C nothing is left
-        discard(draft)
-
-
 def discard(draft: Path) -> None:
     """Remove what is left of a draft after an error, which stays the one to be told.
 
@@ -63,4 +51,4 @@ def discard(draft: Path) -> None:
         draft.unlink(missing_ok=True)
 
 
-__all__ = ["check_regular", "discard", "draft_of", "write_text"]
+__all__ = ["check_regular", "discard", "draft_of"]

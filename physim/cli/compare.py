@@ -23,8 +23,8 @@ from physim.cli.options import (
 from physim.cli.output import PAGE, Target, check_json, inputs, write_json
 from physim.cli.progress import INTERRUPTED
 from physim.cli.sweeping import run_grid, spare, tell_fixed, usual_folder
-from physim.drafts import write_text
 from physim.errors import PhysimError, nearest
+from physim.files import write_text
 
 if TYPE_CHECKING:
     from physim.campaigns.grid import Grid

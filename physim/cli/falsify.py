@@ -22,8 +22,8 @@ from physim.cli.options import (
 from physim.cli.output import FILES as OF_RUN
 from physim.cli.output import Target, alone, check_json, inputs, remove, write_json
 from physim.cli.progress import INTERRUPTED, Bar, Interrupt, interrupts
-from physim.drafts import write_text
 from physim.errors import PhysimError
+from physim.files import write_text
 
 if TYPE_CHECKING:
     from physim.campaigns.falsify.search import Hunt

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 from physim.cli.new import check_files, write_schema
 from physim.cli.options import Count, Distance, File, Output, Place, Positive, kind, size
-from physim.drafts import write_text
+from physim.files import write_text
 
 if TYPE_CHECKING:
     from physim.authoring.importing import Imported

@@ -9,9 +9,9 @@ from pathlib import Path
 
 from physim.cli.options import File, Output, Whole
 from physim.cli.output import WORLD, Target, inputs, writing
-from physim.drafts import write_text
 from physim.errors import PhysimError, WorldError
 from physim.escaping import escaped
+from physim.files import write_text
 
 
 def check_files(world: Path, force: bool, *inputs: Path) -> None:

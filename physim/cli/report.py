@@ -10,8 +10,9 @@ from physim.cli.output import PAGE as PAGES
 from physim.cli.output import STDOUT, Target, check_json, inputs, write_json
 from physim.cli.progress import INTERRUPTED, Bar, interrupts
 from physim.cli.sweeping import spare
-from physim.drafts import check_regular, write_text
+from physim.drafts import check_regular
 from physim.errors import PhysimError
+from physim.files import write_text
 
 PAGE = "report.html"
 

@@ -14,8 +14,8 @@ from typing import TYPE_CHECKING
 from physim.cli.options import Output, Workers
 from physim.cli.output import Target, alone, writing
 from physim.cli.progress import INTERRUPTED, Bar, announce_compiling, interrupts
-from physim.drafts import write_text
 from physim.errors import PhysimError, plural
+from physim.files import write_text
 
 if TYPE_CHECKING:
     from physim.reproduction.model import Report

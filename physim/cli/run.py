@@ -11,8 +11,8 @@ from physim.cli.output import FILES, SUMMARY, inputs, run_folder
 from physim.cli.page import make_page
 from physim.cli.pictures import write_video
 from physim.cli.progress import INTERRUPTED, Bar, interrupts
-from physim.drafts import write_text
 from physim.errors import PhysimError
+from physim.files import write_text
 
 FAILED = 1
 

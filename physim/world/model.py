@@ -230,7 +230,7 @@ class World(Model):
 
         Raises PhysimError when it cannot be written.
         """
-        from physim.drafts import write_text
+        from physim.files import write_text
 
         write_text(Path(path), self.to_yaml())
 

@@ -10,7 +10,7 @@ import pytest
 
 from physim import parse_world, simulate
 from physim.analysis.crashtest import crash_test
-from physim.drafts import write_text
+from physim.files import write_text
 from tests.cli.commands import SMALL, physim, tree
 from tests.helpers import check_error
 from tests.helpers.records import make_record

@@ -18,9 +18,9 @@ from physim.campaigns.falsify.search import Hunt
 from physim.campaigns.falsify.shrink import Shrunk, size_of
 from physim.campaigns.falsify.space import Space
 from physim.campaigns.pool import never
-from physim.drafts import write_text
 from physim.errors import PhysimError, plural
 from physim.escaping import escaped
+from physim.files import write_text
 from physim.record import Record
 from physim.simulation.loop import Simulation
 from physim.simulation.recorder import SaveAt

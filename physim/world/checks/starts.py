@@ -10,6 +10,7 @@ import numpy as np
 import shapely
 
 from physim.errors import Fault, place_text, plural
+from physim.geometry.arc_length import Polyline
 from physim.geometry.outline import placed_outline
 from physim.geometry.polygon import circumscribed_radius
 from physim.tolerances import LENGTH
@@ -108,11 +109,8 @@ def check_headings(laid: Layout) -> Iterator[Fault]:
         pose = laid.robots[i].pose
         if pose is None or pose[2] == "random" or abs(pose[2]) > 2.0 * pi:
             continue
-        points = shapely.get_coordinates(line)
-        at = np.concatenate(([0.0], np.cumsum(np.hypot(*np.diff(points, axis=0).T))))
-        k = int(np.searchsorted(at, line.project(shapely.Point(pose[:2])), side="right")) - 1
-        k = min(k, len(points) - 2)
-        along = float(np.arctan2(*(points[k + 1] - points[k])[::-1]))
+        station = line.project(shapely.Point(pose[:2]))
+        along = float(np.arctan2(*Polyline(line.coords).at(station)[1][::-1]))
         away = abs((pose[2] - along + pi) % (2.0 * pi) - pi)
         if away > pi / 2.0 + 1e-6:
             yield Fault(

@@ -72,7 +72,8 @@ class Drawing:
     """Shapes of a source, and what is told of it.
 
     ``kind`` says what it was read as, ``path`` is that of the source; ``facts`` say what was read
-    and how, ``changes`` every shape that was dropped or repaired.
+    and how, ``changes`` every shape that was dropped or repaired; ``doubt`` what to look at where
+    no place or route is found.
     """
 
     kind: str
@@ -80,6 +81,7 @@ class Drawing:
     shapes: list[Shape] = field(default_factory=list)
     facts: list[str] = field(default_factory=list)
     changes: list[str] = field(default_factory=list)
+    doubt: str = ""
 
     def of(self, *roles: Role) -> list[Shape]:
         """Shapes of some roles, in the order of the source."""

@@ -33,6 +33,7 @@ LAYERS = {
     "physim.streams": (0, 1),
     "physim.stray_settings": (0, 0),
     "physim.drafts": (0, 1),
+    "physim.files": (0, 2),
     "physim.json_text": (0, 0),
     "physim.frontend": (0, 0),
     "physim.linking": (0, 1),

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from typing import NamedTuple
 
 from physim.analysis.metrics import Figures
+from physim.analysis.metrics.metric import section
 from physim.errors import RecordError
 from physim.record import Record
 
@@ -53,7 +53,11 @@ def expectations(record: Record) -> list[Held]:
     does not hold then. A distance that a run does not have (one robot, no walls) holds any bound.
     """
     cut = record.ended in ("running", "interrupted") and record.steps_run < record.steps_planned
-    run, wanted = Figures(record), _wanted(record)
+    run, wanted = Figures(record), section(record, "expect")
+    for key, value in wanted.items():
+        huge = isinstance(value, int) and abs(value) > 2**63  # no float has it
+        if not isinstance(value, bool | float | int | None) or huge:
+            raise RecordError(f"world text of {record!r}: expect.{key} is {value!r}, not a number")
     found: dict[str, Figure] = {
         "contacts": len(run.episodes) + len(run.grazes),
         "min_distance": run.value("shortest_distance"),
@@ -61,27 +65,13 @@ def expectations(record: Record) -> list[Held]:
         "max_distance": run.value("farthest_distance"),
         "finished": None if cut else run.value("finished"),
     }
-    return [
-        Held(key, wanted[key], got, _holds(key, wanted[key], got))
-        for key, got in found.items()
-        if wanted.get(key) is not None
-    ]
-
-
-def _holds(key: str, wanted: Figure, got: Figure) -> bool:
-    if key == "finished":
-        return got is wanted
-    if got is None or wanted is None:
-        return True
-    return got >= wanted if key.startswith("min_") else got <= wanted
-
-
-def _wanted(record: Record) -> Mapping[str, Figure]:
-    expect = record.world_settings.get("expect")
-    if not isinstance(expect, Mapping):
-        return {}
-    for key, value in expect.items():
-        huge = isinstance(value, int) and abs(value) > 2**63  # no float has it
-        if not isinstance(value, bool | float | int | None) or huge:
-            raise RecordError(f"world text of {record!r}: expect.{key} is {value!r}, not a number")
-    return expect
+    held = []
+    for key, got in found.items():
+        if (bound := wanted.get(key)) is None:
+            continue
+        if key == "finished":
+            holds = got is bound
+        else:
+            holds = got is None or (got >= bound if key.startswith("min_") else got <= bound)
+        held.append(Held(key, bound, got, holds))
+    return held

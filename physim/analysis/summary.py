@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-import json
-import math
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from types import MappingProxyType
 from typing import Any
 
 from physim.analysis.expectations import Held, expectations
-from physim.analysis.metrics import DEFINITIONS, Episode, Figures, Graze, Metric
-from physim.analysis.metrics.walls import along_wall
+from physim.analysis.metrics import DEFINITIONS, Deep, Episode, Figures, Graze, Metric
+from physim.analysis.metrics.distances import along_wall
+from physim.errors import plural
 from physim.html import labelled
+from physim.json_text import json_text
 from physim.record import Record
 from physim.units import amount, percent
 from physim.world.faults import describe
@@ -124,18 +124,7 @@ class Summary:
             "metric_faults": self.metric_faults,
             "contacts": None if self.contacts is None else [self._contact(e) for e in run.episodes],
             "grazes": [self._contact(one) for one in run.grazes],
-            "deep_contacts": [
-                {
-                    "bodies": self.names_of(one.a, one.b),
-                    "from_s": one.time,
-                    "max_depth_m": one.depth,
-                    "time_s": one.depth_time,
-                    "place_m": one.place,
-                    **({"where": one.along} if one.along else {}),
-                    "text": one.sentence(self.bodies),
-                }
-                for one in run.deep
-            ],
+            "deep_contacts": [self._deep(one) for one in run.deep],
             "not_arrived": [
                 {
                     "robot": self.bodies[one.robot],
@@ -153,7 +142,7 @@ class Summary:
             "expectations": [dict(sorted(one._asdict().items())) for one in self.expectations],
             "wall_clock": dict(sorted(record.wall_clock.items())),
         }
-        return json.dumps(_finite(tree), indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+        return json_text(tree)
 
     def _metric(self, one: Metric) -> dict[str, Any]:
         """A metric with its unit; what it does not have is left out."""
@@ -174,6 +163,17 @@ class Summary:
         where = self.where(one)
         return {**told, "where": where} if where else told
 
+    def _deep(self, one: Deep) -> dict[str, Any]:
+        return {
+            "bodies": self.names_of(one.a, one.b),
+            "from_s": one.time,
+            "max_depth_m": one.depth,
+            "time_s": one.depth_time,
+            "place_m": one.place,
+            **({"where": one.along} if one.along else {}),
+            "text": one.sentence(self.bodies),
+        }
+
     def where(self, one: Episode | Graze) -> str:
         """Where along a wall a contact began; empty between robots."""
         return along_wall(self.run.record, one.b, one.place)
@@ -186,15 +186,6 @@ def summarise(record: Record) -> Summary:
     found = Summary(run, metrics, faults, tuple(expectations(record)))
     found.to_json()  # reads all that it needs: the record may be closed
     return found
-
-
-def _finite(value: Any) -> Any:
-    """Value in types that JSON knows; infinite and NaN become None."""
-    if isinstance(value, dict):
-        return {key: _finite(item) for key, item in value.items()}
-    if isinstance(value, list | tuple):
-        return [_finite(item) for item in value]
-    return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
 def table(summary: Summary, brief: bool = False) -> str:
@@ -212,21 +203,17 @@ def table_rows(summary: Summary, brief: bool = False) -> Rows:
     """Label and text of each line of the table, for whoever sets it out otherwise."""
     s, run, record = summary, summary.run, summary.run.record
     end = f"{ENDED.get(record.ended, record.ended)} after {s.value('simulated_time'):.2f} s"
-    robots = "1 robot" if record.robots == 1 else f"{record.robots} robots"
     factor = record.wall_clock.get("factor")
     computes = s.value("collision_time_evaluations") is not None
     none = "none" if computes else "n/a (the controller computes none)"
+    grazes = f"{len(run.grazes)}, first at {run.grazes[0].time:.2f} s" if run.grazes else ""
     return [
-        ("run", f"{record.name}, seed {record.seed}, {robots}: {end}"),
+        ("run", f"{record.name}, seed {record.seed}, {plural(record.robots, 'robot')}: {end}"),
         *record.setup.lines(),
         ("contacts", _contacts(s)),
         *(("WARNING", sentence) for sentence in s.warnings),
         *_each_contact(s, run.episodes),
-        *(
-            [("grazes between samples", f"{len(run.grazes)}, first at {run.grazes[0].time:.2f} s")]
-            if run.grazes
-            else []
-        ),
+        *([("grazes between samples", grazes)] if grazes else []),
         *_each_contact(s, run.grazes),
         ("shortest distance", _told(s, "shortest_distance", 4)),
         ("shortest boundary distance",
@@ -236,7 +223,9 @@ def table_rows(summary: Summary, brief: bool = False) -> Rows:
         ("farthest pair", _told(s, "farthest_distance", 2)),
         ("formation error, peak", _told(s, "formation_error_peak", 2)),
         ("formation error, final", _told(s, "formation_error_final", 2)),
-        *_motion(s, brief),
+        *_joined(s, "path deviation, peak", ("deviation_peak", "deviation_rms"), ", rms "),
+        *_joined(s, "speed averaged over 10 s", ("averaged_speed_min", "averaged_speed_max")),
+        *([] if brief else _joined(s, "corridor width", ("width_min", "width_max"))),
         ("danger mode, share of time", _danger(s, 0 if brief else SHOWN_ROBOTS)),
         ("decisions", _decisions(s)),
         *_commands(s),
@@ -268,6 +257,14 @@ def _told(
     return f"{value} ({where})" if where else value
 
 
+def _joined(summary: Summary, label: str, names: tuple[str, str], between: str = " to ") -> Rows:
+    """A line of two metrics, those of them that have a meaning; none where the first has none."""
+    if names[0] not in summary.metrics:
+        return []
+    texts = (_told(summary, name, 2) for name in names if name in summary.metrics)
+    return [(label, between.join(texts))]
+
+
 def _contacts(summary: Summary) -> str:
     if summary.contacts is None:
         return "n/a (not recorded)"
@@ -293,7 +290,7 @@ def _each_contact(summary: Summary, found: Sequence[Episode | Graze]) -> Rows:
         else:
             how = f"{1e3 * one.depth:.3g} mm deep, apart at the samples before and after"
         rows.append((f"  {one.time:.2f} s", f"{' and '.join(names)}{where and f' {where}'}, {how}"))
-    return [*rows, *_more(len(found) - len(rows))]
+    return rows + _more(len(found) - len(rows))
 
 
 def _more(count: int) -> Rows:
@@ -301,38 +298,21 @@ def _more(count: int) -> Rows:
     return [("  ...", f"{count} more (physim summary --json lists all)")] if count > 0 else []
 
 
-def _motion(summary: Summary, brief: bool) -> Rows:
-    """Lines on deviations, averaged speeds and width, as far as they have a meaning."""
-    rows = []
-    if "deviation_peak" in summary.metrics:
-        rms = _told(summary, "deviation_rms", 2, "")
-        text = _told(summary, "deviation_peak", 2)
-        rows.append(("path deviation, peak", f"{text}, rms {rms}" if rms else text))
-    ranges = [("speed averaged over 10 s", "averaged_speed"), ("corridor width", "width")]
-    for label, name in ranges[:1] if brief else ranges:
-        if f"{name}_min" in summary.metrics:
-            ends = (_told(summary, f"{name}_{end}", 2) for end in ("min", "max"))
-            rows.append((label, " to ".join(ends)))
-    return rows
-
-
 def _danger(summary: Summary, most: int) -> str:
     """Share of time in modes of danger, of all and of each of the first ``most`` robots."""
     share = summary.metrics.get("danger_share")
     if share is None:
-        if not summary.value("decisions"):
-            return "n/a"
         why = "modes of danger" if summary.run.record.modes else "modes"
-        return f"n/a (the controller declares no {why}, or no robot was under way)"
+        told = f" (the controller declares no {why}, or no robot was under way)"
+        return "n/a" + (told if summary.value("decisions") else "")
     robots = share.robots or ()
     each = [
-        f"{name} " + ("n/a" if one is None else percent(one, 0))
+        f"{name} {'n/a' if one is None else percent(one, 0)}"
         for name, one in zip(summary.bodies, robots[:most], strict=False)
     ]
-    if not each:
-        return percent(share.value)
-    rest = f", and {len(robots) - most} more" if len(robots) > most else ""
-    return f"{percent(share.value)} ({', '.join(each)}{rest})"
+    if each and len(robots) > most:
+        each[-1] += f", and {len(robots) - most} more"
+    return percent(share.value) + (f" ({', '.join(each)})" if each else "")
 
 
 def _decisions(summary: Summary) -> str:
@@ -342,46 +322,46 @@ def _decisions(summary: Summary) -> str:
     )
     if count is None:
         return "n/a (not recorded)"
-    each = f" ({rate:.1f} a second and robot)" if rate is not None else ""
+    each = "" if rate is None else f" ({rate:.1f} a second and robot)"
     computed = "" if times is None else f", {times} collision times computed"
     return f"{count}{each}, {messages} messages{computed}"
 
 
 def _commands(summary: Summary) -> Rows:
     """How often a stage changed commands; none of a run in which none did."""
-    stages = (
-        ("filtered differs from nominal", summary.value("filtered_steps")),
-        ("applied differs from filtered", summary.value("disturbed_steps")),
-    )
-    record = summary.run.record
-    steps = max(record.steps_run * record.robots, 1)
-    parts = [f"{words} in {n} robot-steps ({percent(n / steps)})" for words, n in stages if n]
+    record, parts = summary.run.record, []
+    for words, name in (
+        ("filtered differs from nominal", "filtered_steps"),
+        ("applied differs from filtered", "disturbed_steps"),
+    ):
+        if n := summary.value(name):
+            share = percent(n / max(record.steps_run * record.robots, 1))
+            parts.append(f"{words} in {n} robot-steps ({share})")
     return [("commands", ", ".join(parts))] if parts else []
 
 
 def _arrival(summary: Summary) -> Rows:
     """Whether all have arrived, and why the first of those that have not did not."""
-    away = summary.metrics.get("stop_distance")
+    away, label = summary.metrics.get("stop_distance"), "all robots arrived"
     if away is not None:
         far = summary.bodies[(away.robots or ()).index(away.value)]
         most = f"{amount(away.value, 'm', 2)} from its stop ({far})"
-        finish = summary.value("time_to_finish")
-        return [("all robots arrived", f"yes, at {finish:.2f} s; at most {most}")]
+        return [(label, f"yes, at {summary.value('time_to_finish'):.2f} s; at most {most}")]
     absent, robots = summary.run.absent, summary.run.record.robots
-    some = f", {robots - len(absent)} of {robots}" if absent else ""
     reasons = [
         ("  not arrived", one.sentence(summary.bodies[one.robot])) for one in absent[:SHOWN_ROBOTS]
     ]
-    return [("all robots arrived", f"no{some}"), *reasons, *_more(len(absent) - SHOWN_ROBOTS)]
+    some = f", {robots - len(absent)} of {robots}" if absent else ""
+    return [(label, f"no{some}"), *reasons, *_more(len(absent) - SHOWN_ROBOTS)]
 
 
 def _expected(summary: Summary, brief: bool) -> Rows:
     """A line for each expectation; in brief for those that failed, or one for all."""
-    missed = tuple(one for one in summary.expectations if not one.held)
-    if brief and summary.expectations and not missed:
+    if brief and summary.expectations and summary.held:
         return [("expected", "all held")]
     grazes = " (grazes included)" if summary.run.grazes else ""
     return [
         (f"expected {one.key}", f"{one}{grazes if one.key == 'contacts' else ''}")
-        for one in (missed if brief else summary.expectations)
+        for one in summary.expectations
+        if not (brief and one.held)
     ]

@@ -14,7 +14,7 @@ from itertools import islice
 import numpy as np
 
 from physim.analysis.metrics import Figures
-from physim.analysis.metrics.walls import nearest_points
+from physim.analysis.metrics.distances import nearest_points
 from physim.errors import ControllerError, Fault, PhysimError, place_text, plural
 from physim.parts.registry import CONTROLLER, make_part
 from physim.record import Record

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import functools
-import math
 import re
 import tempfile
 import time
@@ -18,6 +17,7 @@ from physim.campaigns.rows import COLUMNS, ERROR, Row, installed
 from physim.campaigns.sources import changed_source
 from physim.campaigns.spec import RunSpec, engine
 from physim.errors import PhysimError, WorldError
+from physim.json_text import plain
 from physim.parts.controller import Controller
 from physim.parts.registry import CONTROLLER, make_part
 from physim.parts.user_code import broken_by
@@ -148,14 +148,14 @@ def figures(record: Record) -> dict[str, Any]:
     soonest = HORIZON if meeting is None else meeting.value
     severest, collision, least = run.metric("closing_speed"), run.collision_time, run.least
     return {
-        **{name: _finite(run.value(name)) for name in METRICS},
+        **{name: plain(run.value(name)) for name in METRICS},
         "ended": record.ended,
         "seconds": record.steps_run * record.dt,
         "robots": record.robots,
         "first_contact_pair": pair(run.metric("first_contact")),
         "severest_contact_pair": pair(severest),
         "severest_contact_time": None if severest is None else severest.time,
-        "least_distance": None if least is None else _finite(least.value),
+        "least_distance": None if least is None else plain(least.value),
         "least_distance_pair": pair(least),
         "least_distance_time": None if least is None else least.time,
         "shortest_collision_time_pair": pair(collision),
@@ -174,10 +174,6 @@ def one_line(error: BaseException) -> str:
     else:
         told = broken_by(error)
     return ADDRESS.sub("0x...", told).encode(errors="replace").decode()
-
-
-def _finite(value: Any) -> Any:
-    return value if value is not None and math.isfinite(value) else None
 
 
 def _row(spec: RunSpec, **found: Any) -> Row:

@@ -7,18 +7,9 @@ import time
 from dataclasses import replace
 from json import dumps
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, TextIO
+from typing import TYPE_CHECKING, Any, TextIO
 
-from physim.cli.options import (
-    AS_IT_IS,
-    WORLD_HELP,
-    Changes,
-    JsonFlag,
-    Out,
-    World,
-    option,
-    to,
-)
+from physim.cli.options import AS_IT_IS, Changes, JsonFlag, Out, Output, World, Worlds
 from physim.cli.output import Target, inputs
 from physim.cli.progress import INTERRUPTED, Bar, interrupts
 from physim.cli.progress import watch as on_each_save
@@ -34,18 +25,20 @@ MOST_ROWS = 12
 
 
 def check(
-    *worlds: Annotated[str, option(WORLD_HELP, "WORLD...", required=True)],
+    *worlds: Worlds,
     changes: Changes = AS_IT_IS,
-    no_run: Annotated[bool, option("only look at the file, without a trial run")] = False,
+    no_run: bool = False,
     json: JsonFlag = False,
-    watch: Annotated[
-        bool, option("check again whenever a file is saved, until Ctrl-C")
-    ] = False,
+    watch: bool = False,
     out: Out,
 ) -> int:  # fmt: skip
     """Read worlds strictly and look at their geometry: all errors and warnings at once, each with
     file, line and column, and the room that each robot has on its path. Then run a world without
     errors once, and tell which robots touch something or do not arrive: these are warnings, too.
+
+    options:
+      --no-run  only look at the file, without a trial run
+      --watch  check again whenever a file is saved, until Ctrl-C
 
     exit codes:
       0    no errors; there may be warnings
@@ -180,18 +173,19 @@ def _room(profiles: tuple[ClearanceProfile, ...]) -> list[str]:
 
 def preview(
     world: World, /, *,
-    output: Annotated[
-        Path | None,
-        to("picture, ending in .png or .svg (default: the world's file name with .png, here)"),
-    ] = None,
-    watch: Annotated[
-        bool, option("draw again whenever the world is saved, until Ctrl-C")
-    ] = False,
-    force: Annotated[bool, option("overwrite an existing picture")] = False,
+    output: Output | None = None,
+    watch: bool = False,
+    force: bool = False,
     changes: Changes = AS_IT_IS,
 ) -> int:  # fmt: skip
     """Draw one picture of a world: boundaries, safe and danger area, paths, robots at the start,
     the narrowest place, and the width along the path of the first robot.
+
+    options:
+      -o, --output FILE  picture, ending in .png or .svg (default: the world's file name with .png,
+          here)
+      --watch  draw again whenever the world is saved, until Ctrl-C
+      --force  overwrite an existing picture
 
     exit codes:
       0    drawn

@@ -2,43 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from json import dumps
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
-from physim.cli.options import CONTROLLER_HELP, WORLD_HELP, JsonFlag, Out, option, real
+from physim.cli.options import JsonFlag, Out, kind, quoted, real
 from physim.cli.progress import Bar, announce_compiling
-from physim.errors import Fault, Location, WorldError, plural
+from physim.errors import PhysimError, WorldError, plain_key, plural
 
 if TYPE_CHECKING:
     from physim.testing.check import Candidate, WorldResult
-    from physim.world.file import Document
 
 FOUND = 1
-COMPILING = 25
-"""[s] about, for all that a run needs"""
 
 
 def check_controller(
-    controller: Annotated[str, option(CONTROLLER_HELP, "CONTROLLER")], /, *,
-    world: Annotated[
-        tuple[str, ...],
-        option(
-            f"{WORLD_HELP}; instead of all shipped ones of up to 100 robots (may be repeated)",
-            "WORLD",
-        ),
-    ] = (),
-    seconds: Annotated[
-        float | None,
-        option("simulated time of each world [s] (2)", "S", read=real(0.001, 1e6)),
-    ] = None,
-    set: Annotated[
-        tuple[str, ...],
-        option(
-            "a setting of the controller, instead of those in the worlds, e.g. "
-            "controller.look_ahead=3.0 (may be repeated)", "KEY=VALUE",
-        ),
-    ] = (),
+    controller: str, /, *,
+    world: tuple[str, ...] = (),
+    seconds: Annotated[float | None, kind(real(0.001, 1e6))] = None,
+    set: tuple[str, ...] = (),
     json: JsonFlag = False,
     out: Out,
 ) -> int:  # fmt: skip
@@ -47,6 +29,17 @@ def check_controller(
     Worlds whose robots it refuses are reported and left out. All this is asked in one process: what
     differs from one to the next, as the order of a set of text or hash() of text does, is found by
     physim validate RECORD.
+
+    arguments:
+      CONTROLLER  a registered controller (physim list) or your own as module:Class
+
+    options:
+      --world WORLD  a world file; the name of a shipped world, or of one in worlds/; or the
+          record.h5 of a run, whose world is taken; instead of all shipped ones of up to 100 robots
+          (may be repeated)
+      --seconds S  simulated time of each world [s] (2)
+      --set KEY=VALUE  a setting of the controller, instead of those in the worlds, e.g.
+          controller.look_ahead=3.0 (may be repeated)
 
     rules, each finding names the one that is broken:
       raises       decide raises nothing
@@ -82,7 +75,7 @@ def check_controller(
     chosen = _chosen(controller, set)
     worlds = worlds_to_try(world or None)
     if not is_warm():
-        announce_compiling("all that a run needs", COMPILING, quiet=False)
+        announce_compiling("all that a run needs", quiet=False)
         warm_up(build_scene(load_world("straight")))
     parts: list[WorldResult] = []
     with Bar("check", len(worlds) + len(SITUATIONS), "worlds", quiet=False) as bar:
@@ -102,10 +95,17 @@ def check_controller(
 def _chosen(controller: str, overrides: Sequence[str]) -> Candidate:
     """Find the controller and check its settings; each fault with its place."""
     from physim.testing.check import candidate
-    from physim.world.file import read_document
+    from physim.world.file import apply_overrides, read_document
 
-    document = read_document("controller: {}", "--set")
-    settings, document = _settings(document, overrides)
+    for key in map(plain_key, overrides):
+        if key == "controller.type":
+            raise PhysimError("--set controller.type: is what CONTROLLER says")
+        if not key.startswith("controller."):
+            raise PhysimError(
+                f"--set {quoted(key)}: is no setting of the controller; write controller.KEY=VALUE"
+            )
+    document = apply_overrides(read_document("controller: {}", "--set"), overrides)
+    settings = document.values["controller"]
     chosen = candidate(controller, settings or None)
     try:
         if settings:
@@ -113,33 +113,6 @@ def _chosen(controller: str, overrides: Sequence[str]) -> Candidate:
     except WorldError as error:
         raise document.error(error.faults) from None
     return chosen
-
-
-def _settings(document: Document, overrides: Sequence[str]) -> tuple[Mapping[str, Any], Document]:
-    """Settings that the command line gives. Raises WorldError for what is none."""
-    from physim.world.file import apply_overrides
-
-    document = apply_overrides(document, overrides)
-    values = dict(document.values)
-    settings = values.pop("controller", None) or {}
-    message = "is no setting of the controller; those are written controller.KEY=VALUE"
-    faults = [Fault(place, message) for place in _ends(values)]
-    if not isinstance(settings, dict):
-        faults.append(
-            Fault(("controller",), "is no KEY=VALUE of the controller; write controller.KEY=VALUE")
-        )
-    elif "type" in settings:
-        faults.append(Fault(("controller", "type"), "is what CONTROLLER says"))
-    if faults:
-        raise document.error(faults)
-    return settings, document
-
-
-def _ends(values: object) -> list[Location]:
-    """Places of the values in a tree of mappings."""
-    if not isinstance(values, dict):
-        return [()]
-    return [(key, *end) for key, value in values.items() for end in _ends(value)]
 
 
 def text_of(name: str, parts: list[WorldResult]) -> str:

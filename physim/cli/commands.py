@@ -1,17 +1,20 @@
 """The commands: how one is found, run, and what is said of mistakes in what follows its name.
 
-A command is a function in a module of its own. Its arguments are typed and tell their help
-(`physim.cli.options`); its docstring is the rest of its help: one paragraph, then exit codes and
-examples as they are printed. Such a module imports what is heavy within its functions, so that help
-comes at once.
+A command is a function in a module of its own. Its arguments are typed
+(`physim.cli.options`); its docstring is its help: one paragraph, what each option means, then exit
+codes and examples as they are printed. Such a module imports what is heavy within its functions, so
+that help comes at once.
 """
 
 from __future__ import annotations
 
+import re
 import traceback
 from collections.abc import Sequence
+from functools import cache
 from importlib import import_module
-from typing import TYPE_CHECKING
+from inspect import cleandoc, signature
+from typing import TYPE_CHECKING, Annotated, Any, get_args, get_type_hints
 
 from physim.errors import PhysimError, nearest, plain_key
 
@@ -88,14 +91,56 @@ def app_of(name: str) -> App:
     """The command of this name, imported."""
     from cyclopts import App, Group, Parameter
 
+    from physim.cli.options import Changes
+
     module, _, function = COMMANDS[name].partition(":")
+    command = getattr(import_module(f"physim.cli.{module}"), function)
+    for one in (command, Changes):
+        tell_arguments(one)
     together = Group("Options", validator=check_together)
     app = App(
         name=name, help_flags=(), version_flags=(), group_arguments=together,
         group_parameters=together, default_parameter=Parameter(negative=(), required=False),
     )  # fmt: skip
-    app.default(getattr(import_module(f"physim.cli.{module}"), function))
+    app.default(command)
     return app
+
+
+@cache
+def tell_arguments(command: Any) -> None:
+    """Put what the docstring of a command says of its arguments into their types, once."""
+    from cyclopts import Parameter
+
+    hints = get_type_hints(command, include_extras=True)
+    places = [
+        one.name for one in signature(command).parameters.values()
+        if one.kind in (one.POSITIONAL_ONLY, one.VAR_POSITIONAL)
+        and not any(getattr(more, "help", None) for more in get_args(hints[one.name]))
+    ]  # fmt: skip
+    for title, entries in tables(cleandoc(command.__doc__)):
+        for left, text in entries:
+            if title == "arguments":
+                name, metavar = places.pop(0), left
+            else:
+                option, _, metavar = left.rpartition(", ")[2].partition(" ")
+                name = option.lstrip("-").replace("-", "_")
+                name = name if name in hints else f"{name}_"
+            hint: Any = Annotated[hints[name], Parameter(help=text, metavar=metavar or None)]
+            if title not in ("arguments", "options"):
+                hint = Annotated[hint, Parameter(group=title.capitalize())]
+            command.__annotations__[name] = hint
+
+
+def tables(docstring: str) -> list[tuple[str, list[tuple[str, str]]]]:
+    """Arguments and options as a docstring tells them: by title, what is typed and its help."""
+    found = []
+    for block in docstring.split("\n\n"):
+        title, _, body = block.partition(":\n")
+        if title == "arguments" or body.startswith("  -"):
+            entries = re.split(r"^  (?=\S)", body, flags=re.MULTILINE)[1:]
+            pairs = (entry.split("  ", 1) for entry in entries)
+            found.append((title, [(left, " ".join(text.split())) for left, text in pairs]))
+    return found
 
 
 def _run(name: str, app: App, words: list[str]) -> int:

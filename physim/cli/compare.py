@@ -10,21 +10,21 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from physim.cli.options import (
     LONGEST_QUOTE,
+    File,
     JsonFile,
     Out,
+    Output,
     Seeds,
-    option,
-    path,
+    TeamSize,
+    Words,
+    kind,
     quoted,
-    seed_range,
-    to,
-    whole,
-    words,
 )
-from physim.cli.output import PAGE, Target, check_json, inputs, write_json, write_text
+from physim.cli.output import PAGE, Target, check_json, inputs, write_json
 from physim.cli.progress import INTERRUPTED
 from physim.cli.sweeping import run_grid, spare, tell_fixed, usual_folder
 from physim.errors import PhysimError, nearest
+from physim.files import write_text
 
 if TYPE_CHECKING:
     from physim.campaigns.grid import Grid
@@ -64,65 +64,42 @@ def measures(text: str) -> dict[str, int]:
 
 
 def compare(
-    a: Annotated[
-        Path, option("folder of a campaign (physim sweep); with --seeds a world", "A", read=path)
-    ],
-    b: Annotated[
-        Path | None, option("another one, but with --by", "[B]", read=path)
-    ] = None, /, *,
-    seeds: Annotated[
-        Seeds | None,
-        option(
-            "run the world A (or the worlds A and B) with the seeds A to B - 1 first, then compare",
-            "A:B", read=seed_range,
-        ),
-    ] = None,
-    controller: Annotated[
-        tuple[str, ...],
-        option("with --seeds: each of these controllers", "NAME,...", read=words),
-    ] = (),
-    set: Annotated[
-        tuple[str, ...],
-        option(
-            "with --seeds: each of these values of a world (may be repeated)", "KEY=V1,V2"
-        ),
-    ] = (),
-    runs: Annotated[
-        Path | None,
-        option("with --seeds: folder of rows (sweeps/WORLD)", "DIR", read=path),
-    ] = None,
-    workers: Annotated[
-        int | None,
-        option(
-            "with --seeds: processes on this machine (as many as cores, at most 8)", "N",
-            read=whole(1, 1024),
-        ),
-    ] = None,
-    by: Annotated[
-        By | None,
-        option(
-            "compare the cells of A that differ in this alone: controller, settings or world",
-            "WHAT",
-        ),
-    ] = None,
-    only: Annotated[
-        Any,
-        option(
-            "only these rates and measures; metrics of your own as NAME:more or NAME:less, by what "
-            "is better", "NAME,...", read=measures,
-        ),
-    ] = None,
-    output: Annotated[Path | None, to("write a page with all pairs as points")] = None,
-    json: JsonFile = None,
-    explain: Annotated[
-        bool, option("tell how differences are estimated and tested")
-    ] = False,
-    force: Annotated[bool, option("overwrite an existing FILE")] = False,
-    quiet: Annotated[bool, option("print no table")] = False,
+    a: File, b: File | None = None, /, *,
+    seeds: Seeds | None = None,
+    controller: Words = (),
+    set: tuple[str, ...] = (),
+    runs: File | None = None,
+    workers: TeamSize | None = None,
+    by: By | None = None,
+    only: Annotated[Any, kind(measures)] = None,
+    output: Output | None = None,
+    json: JsonFile | None = None,
+    explain: bool = False,
+    force: bool = False,
+    quiet: bool = False,
     out: Out,
 ) -> int:  # fmt: skip
     """Compare two controllers, settings or worlds on the same seeds: differences with intervals,
     tested, and corrected for how many are looked at. Seeds that only one has are left out.
+
+    arguments:
+      A  folder of a campaign (physim sweep); with --seeds a world
+      [B]  another one, but with --by
+
+    options:
+      --seeds A:B  run the world A (or the worlds A and B) with the seeds A to B - 1 first, then
+          compare
+      --controller NAME,...  with --seeds: each of these controllers
+      --set KEY=V1,V2  with --seeds: each of these values of a world (may be repeated)
+      --runs DIR  with --seeds: folder of rows (sweeps/WORLD)
+      --workers N  with --seeds: processes on this machine (as many as cores, at most 8)
+      --by WHAT  compare the cells of A that differ in this alone: controller, settings or world
+      --only NAME,...  only these rates and measures; metrics of your own as NAME:more or NAME:less,
+          by what is better
+      -o, --output FILE  write a page with all pairs as points
+      --explain  tell how differences are estimated and tested
+      --force  overwrite an existing FILE
+      --quiet  print no table
 
     Rates (rate: contact-free and finished; contact_free; finished) are compared by McNemar's exact
     test, measures (least_distance, time_to_finish, deviation_peak, formation_error_peak) by the
@@ -170,7 +147,7 @@ def compare(
     needs = {"--controller": controller, "--set": set, "--runs": runs, "--workers": workers}
     _check(b, by, seeds is not None, [name for name, value in needs.items() if value])
     if seeds is not None:
-        grid = make_grid(given, range(*seeds), set, list(controller), paired=True)
+        grid = make_grid(given, seeds, set, list(controller), paired=True)
         dimension = by or _what_differs(grid, given)
         if dimension not in _differing(grid):
             raise PhysimError(f"--by {dimension}: there is only one")

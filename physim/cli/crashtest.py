@@ -8,35 +8,35 @@ import time
 from pathlib import Path
 from typing import Annotated
 
-from physim.cli.options import WHOLE, JsonFile, Out, option, to, whole
+from physim.cli.options import JsonFile, Out, Output, Whole, kind, whole
 from physim.cli.output import Target, check_json, remove, write_json
 from physim.cli.progress import INTERRUPTED, Bar, announce_compiling, interrupts
 
 DISAGREE = 3
-COMPILING = 15
-"""[s] about, for the collision checks"""
 CASE = re.compile(r"case-\d{6,}\.yaml")
 """Name of a world that a crash test wrote"""
 
 
 def crashtest(
     *,
-    cases: Annotated[
-        int, option("number of random cases (10000)", "N", read=whole(1, 10**9))
-    ] = 10_000,
-    seed: Annotated[int, option("seed of the cases (0)", "N", read=WHOLE)] = 0,
-    json: JsonFile = None,
-    output: Annotated[
-        Path | None,
-        to("folder for the worlds of unexplained cases (default: crashtest-SEED)", "DIR"),
-    ] = None,
-    force: Annotated[bool, option("overwrite FILE, and the worlds in DIR")] = False,
-    quiet: Annotated[bool, option("print neither progress nor table")] = False,
+    cases: Annotated[int, kind(whole(1, 10**9))] = 10_000,
+    seed: Whole = 0,
+    json: JsonFile | None = None,
+    output: Output | None = None,
+    force: bool = False,
+    quiet: bool = False,
     out: Out,
 ) -> int:  # fmt: skip
     """Throw random footprints at each other and at walls, at constant (v, omega), and compare the
     first physical contact of each throw with its collision time. Every case on which they differ
     for no known reason is written as a world that physim run replays.
+
+    options:
+      --cases N  number of random cases (10000)
+      --seed N  seed of the cases (0)
+      -o, --output DIR  folder for the worlds of unexplained cases (default: crashtest-SEED)
+      --force  overwrite FILE, and the worlds in DIR
+      --quiet  print neither progress nor table
 
     exit codes:
       0    no case is unexplained
@@ -58,7 +58,7 @@ def crashtest(
     Target(folder, force).folder(earlier, "worlds of an earlier crash test")
     remove(earlier)
     if not is_warm():
-        announce_compiling("the collision checks", COMPILING, quiet)
+        announce_compiling("the collision checks", quiet)
     started = time.monotonic()
 
     def progress(done: int) -> None:

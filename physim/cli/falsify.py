@@ -3,29 +3,27 @@
 from __future__ import annotations
 
 import shlex
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 from physim.cli.options import (
     AS_IT_IS,
-    WORKERS_HELP,
     Changes,
     JsonFile,
     Out,
+    Output,
+    Workers,
     World,
+    kind,
     one_of,
-    option,
-    to,
     whole,
     words,
 )
 from physim.cli.output import FILES as OF_RUN
-from physim.cli.output import Target, check_json, inputs, remove, write_json, write_text
-from physim.cli.output import writing as writing_to
-from physim.cli.progress import INTERRUPTED, Bar, Interrupt, announce_compiling, interrupts
+from physim.cli.output import Target, alone, check_json, inputs, remove, write_json
+from physim.cli.progress import INTERRUPTED, Bar, Interrupt, interrupts
 from physim.errors import PhysimError
+from physim.files import write_text
 
 if TYPE_CHECKING:
     from physim.campaigns.falsify.search import Hunt
@@ -33,8 +31,6 @@ if TYPE_CHECKING:
     from physim.campaigns.falsify.space import Space
 
 FAILED = 1
-COMPILING = 15
-"""[s] about, for what tells who was responsible"""
 STANDS_IN = "constant"
 """The controller that is asked once in place of one's own"""
 VARIED = ("pose", "heading", "speed")
@@ -43,51 +39,44 @@ VARIED = ("pose", "heading", "speed")
 def kinds(text: str) -> tuple[str, ...]:
     """Read what is to be varied. Raises ValueError with what is allowed."""
     found = words(text)
-    for kind in found:
-        if kind not in VARIED:
-            raise ValueError(one_of(kind, VARIED))
+    for one in found:
+        if one not in VARIED:
+            raise ValueError(one_of(one, VARIED))
     return found
 
 
 def falsify(
     world: World, /, *,
-    budget: Annotated[
-        int, option("runs to search with at most (200)", "N", read=whole(1, 1_000_000))
-    ] = 200,
-    vary: Annotated[
-        tuple[str, ...],
-        option(
-            "what is varied, of pose, heading, speed (pose,heading)", "WHAT", read=kinds
-        ),
-    ] = ("pose", "heading"),
-    whole_budget: Annotated[
-        bool, option("go on after the first failure, for the severest")
-    ] = False,
-    random: Annotated[bool, option("search at random, to compare with")] = False,
-    shrink: Annotated[
-        int,
-        option(
-            "runs to shrink a failure with at most (500); 0 leaves it as found", "N",
-            read=whole(0, 100_000),
-        ),
-    ] = 500,
-    workers: Annotated[
-        int | None, option(f"{WORKERS_HELP}; the result is the same", "N", read=whole(1, 64))
-    ] = None,
-    output: Annotated[
-        Path | None, to("output folder (default: falsified/NAME-SEED)", "DIR")
-    ] = None,
-    json: JsonFile = None,
-    force: Annotated[bool, option("overwrite an earlier search in DIR")] = False,
+    budget: Annotated[int, kind(whole(1, 1_000_000))] = 200,
+    vary: Annotated[tuple[str, ...], kind(kinds)] = ("pose", "heading"),
+    whole_budget: bool = False,
+    random: bool = False,
+    shrink: Annotated[int, kind(whole(0, 100_000))] = 500,
+    workers: Workers | None = None,
+    output: Output | None = None,
+    json: JsonFile | None = None,
+    force: bool = False,
     changes: Changes = AS_IT_IS,
-    no_video: Annotated[bool, option("make no video")] = False,
-    quiet: Annotated[bool, option("print the result only")] = False,
+    no_video: bool = False,
+    quiet: bool = False,
     out: Out,
 ) -> int:  # fmt: skip
     """Look for the start in which robots come nearest to a contact, or touch hardest, by CMA-ES on
     the signed swept clearance, and of contacts on the closing speed. The first failure ends the
     search and is shrunk: fewest robots, shortest time, straightest walls, roundest numbers with
     which it still fails.
+
+    options:
+      --budget N  runs to search with at most (200)
+      --vary WHAT  what is varied, of pose, heading, speed (pose,heading)
+      --whole-budget  go on after the first failure, for the severest
+      --random  search at random, to compare with
+      --shrink N  runs to shrink a failure with at most (500); 0 leaves it as found
+      --workers N  processes, 1 to 64 (as many as cores, at most 8); the result is the same
+      -o, --output DIR  output folder (default: falsified/NAME-SEED)
+      --force  overwrite an earlier search in DIR
+      --no-video  make no video
+      --quiet  print the result only
 
     bounds: pose: up to 1 m along x and y, or anywhere in the start region, clear of all else by
     0.3 m or what the world itself has; heading: any where it is random, else 0.5 rad to either
@@ -112,7 +101,7 @@ def falsify(
     """
     from physim.campaigns.cluster import executor
     from physim.campaigns.falsify.evaluate import accepted, by_executor
-    from physim.campaigns.falsify.results import FILES, found_json, found_text
+    from physim.campaigns.falsify.results import FILES, WORST, found_json, found_text
     from physim.campaigns.falsify.search import hunt
 
     check_json(json, force, inputs(world))
@@ -122,16 +111,13 @@ def falsify(
     files = [folder / name for name in made]
     check_json(json, force, others=files)
     Target(folder, force, inputs(world)).folder(files, "an earlier search")
-    with writing_to(folder):
-        folder.mkdir(parents=True, exist_ok=True)
     if not quiet:
         print("varied:\n" + "\n".join(f"  {line}" for line in space.lines()), flush=True)
     typed = ["physim", "falsify", world, "--budget", str(budget), "--vary", ",".join(vary)]
     typed += ["--whole-budget"] * whole_budget + ["--random"] * random
-    for name, value in (("--seed", changes.seed), ("--controller", changes.controller)):
-        typed += [] if value is None else [name, str(value)]
-    typed += [word for one in changes.set for word in ("--set", one)]
-    with interrupts() as interrupt, _alone(folder), executor(workers) as team:
+    typed += [] if changes.seed is None else ["--seed", str(changes.seed)]
+    typed += changes.words
+    with interrupts() as interrupt, alone(folder / WORST), executor(workers) as team:
         evaluate = by_executor(team, space.world, interrupt)
         accepts = accepted(changes.controller)
         with Bar("search", budget, "runs", quiet) as bar:
@@ -184,20 +170,6 @@ def _space(given: str, changes: Changes, vary: tuple[str, ...], quiet: bool) -> 
     return Space(world, vary)
 
 
-@contextmanager
-def _alone(folder: Path) -> Iterator[None]:
-    """Keep others from the folder. RecordError where another search is writing to it."""
-    from physim.campaigns.falsify.results import WORST
-    from physim.record.lock import WriteLock
-
-    with writing_to(folder):
-        lock = WriteLock(folder / WORST)
-    try:
-        yield
-    finally:
-        lock.release()
-
-
 def _note(found: Hunt) -> str:
     if (worst := found.judged) is None or worst.clearance is None:
         return ""
@@ -228,7 +200,7 @@ def _write(
     controller: str | None, command: str, film: Path | None, quiet: bool,
 ) -> str:  # fmt: skip
     """Write the files; the paragraph. Empty where it was interrupted twice."""
-    from physim.analysis.validation import is_warm, validate
+    from physim.analysis.validation import validate
     from physim.campaigns.falsify.evaluate import StoppedError
     from physim.campaigns.falsify.results import (
         FOUND,
@@ -241,7 +213,7 @@ def _write(
         write_world,
     )
     from physim.cli.pictures import write_video
-    from physim.cli.warming import finish
+    from physim.cli.warming import checks_ready
 
     if found.world is None or found.judged is None:
         return ""
@@ -259,10 +231,7 @@ def _write(
     except StoppedError:
         return ""
     with record:
-        if not is_warm():
-            finish(quiet)
-        if not is_warm():
-            announce_compiling("the checks of the validation", COMPILING, quiet)
+        checks_ready(quiet)
         paragraph = story(record, validate(record, rerun=False))
         write_text(folder / STORY, paragraph)
         if film is not None:

@@ -8,7 +8,7 @@ import textwrap
 from collections.abc import Iterable
 from typing import TYPE_CHECKING, cast
 
-from physim.cli.commands import GROUPS, HELP
+from physim.cli.commands import GROUPS, HELP, tables
 
 if TYPE_CHECKING:
     from cyclopts import App, Argument, Group
@@ -41,7 +41,8 @@ def page(name: str, app: App) -> str:
     ]
     places = [one for one in arguments if one.index is not None]
     usage = " ".join(["Usage: physim", name, "[OPTIONS]", *map(_written, places)])
-    what, _, rest = inspect.cleandoc(app.default_command.__doc__ or "").partition("\n\n")
+    what, *rest = inspect.cleandoc(app.default_command.__doc__ or "").split("\n\n")
+    told = [block for block in rest if not tables(block)]
     parts = [usage, textwrap.fill(what, _width())]
     if places:
         parts.append(_table("Positional arguments", places))
@@ -52,7 +53,7 @@ def page(name: str, app: App) -> str:
             sections.setdefault(group.name, []).append(one)
     for title, members in sections.items():
         parts.append(_table(title, members))
-    return "\n\n".join([*parts, rest]) + "\n"
+    return "\n\n".join([*parts, *told]) + "\n"
 
 
 def _table(title: str, arguments: Iterable[Argument]) -> str:

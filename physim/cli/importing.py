@@ -5,123 +5,77 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
-from physim.cli.new import check_schema, write_schema
-from physim.cli.options import COUNT, DISTANCE, POSITIVE, option, pair, path, size, to
-from physim.cli.output import WORLD, Target, write_text
+from physim.cli.new import check_files, write_schema
+from physim.cli.options import Count, Distance, File, Output, Place, Positive, kind, size
+from physim.files import write_text
 
 if TYPE_CHECKING:
     from physim.authoring.importing import Imported
 
 Format = Literal["track", "ros-map", "svg", "wkt", "geojson"]
-LINES, ROUTE = "Lines", "Path and robots"
-Place = tuple[float, float]
 
 
 def import_world(
-    source: Annotated[Path, option("the file to import", "SOURCE", read=path)], /, *,
-    output: Annotated[Path, to("the world file to write", "WORLD")],
-    force: Annotated[bool, option("overwrite an existing file")] = False,
-    format: Annotated[
-        Format | None, option("kind of the source (default: by suffix)")
-    ] = None,
-    name: Annotated[
-        str | None, option("name of the world (default: that of the source)", "NAME")
-    ] = None,
-    scale: Annotated[
-        float | None,
-        option(
-            "metres per unit of the source (default: 1; svg: the document's real-world units)", "M",
-            read=POSITIVE, section=LINES,
-        ),
-    ] = None,
-    tolerance: Annotated[
-        float | None,
-        option(
-            "[m] how far lines may move: simplified outlines (one cell), flattened curves (0.01)",
-            "M", read=POSITIVE, section=LINES,
-        ),
-    ] = None,
-    close: Annotated[
-        float | None,
-        option(
-            "[m] join ends of walls, and of pieces of a path, that are at most so far apart", "M",
-            read=POSITIVE, section=LINES,
-        ),
-    ] = None,
-    boundary: Annotated[
-        tuple[str, ...],
-        option(
-            "a shape or group of an SVG drawing, by id or label, that is a wall (may be repeated)",
-            "ID", section=LINES,
-        ),
-    ] = (),
-    ignore: Annotated[
-        tuple[str, ...],
-        option(
-            "a shape, group or feature without a role that is left out (may be repeated)", "NAME",
-            section=LINES,
-        ),
-    ] = (),
-    ignore_others: Annotated[
-        bool, option("leave out all shapes and features without a role", section=LINES)
-    ] = False,
-    specks: Annotated[
-        float | None,
-        option(
-            "[m²] occupied patches of a map up to this area are left out (default: 2 cells)", "M2",
-            read=DISTANCE, section=LINES,
-        ),
-    ] = None,
-    start: Annotated[
-        float | None,
-        option(
-            "[m] station at which a closed track is cut open (0)", "S", read=DISTANCE, section=LINES
-        ),
-    ] = None,
-    gap: Annotated[
-        float | None,
-        option("[m] of road left out at the cut (2)", "M", read=POSITIVE, section=LINES),
-    ] = None,
-    open: Annotated[
-        bool, option("the track is an open one, near as its ends may be", section=LINES)
-    ] = False,
-    origin: Annotated[
-        Place | None,
-        option(
-            "[m] where the path begins (default: as drawn, else far from its end)", "X,Y", "--from",
-            read=pair, section=ROUTE, allow_leading_hyphen=True,
-        ),
-    ] = None,
-    goal: Annotated[
-        Place | None,
-        option(
-            "[m] where it ends", "X,Y", "--to", read=pair, section=ROUTE, allow_leading_hyphen=True
-        ),
-    ] = None,
-    robots: Annotated[
-        int | None,
-        option("robots (default: as drawn, or 1)", "N", read=COUNT, section=ROUTE),
-    ] = None,
-    lanes: Annotated[
-        int | None, option("robots abreast (1)", "K", read=COUNT, section=ROUTE)
-    ] = None,
-    robot: Annotated[
-        Place | str | None,
-        option(
-            "[m] length and width of a robot (1.8,1.0), or fit: as large as fits, at most that",
-            "L,W|fit", read=size, section=ROUTE,
-        ),
-    ] = None,
-    no_formation: Annotated[
-        bool, option("robots go each by itself, not in a formation", section=ROUTE)
-    ] = False,
-    untried: Annotated[
-        bool, option("do not drive the world made once, to see if all robots arrive")
-    ] = False,
-    quiet: Annotated[bool, option("no report, and no drive")] = False,
+    source: File, /, *,
+    output: Output,
+    force: bool = False,
+    format: Format | None = None,
+    name: str | None = None,
+    scale: Positive | None = None,
+    tolerance: Positive | None = None,
+    close: Positive | None = None,
+    boundary: tuple[str, ...] = (),
+    ignore: tuple[str, ...] = (),
+    ignore_others: bool = False,
+    specks: Distance | None = None,
+    start: Distance | None = None,
+    gap: Positive | None = None,
+    open: bool = False,
+    from_: Place | None = None,
+    to: Place | None = None,
+    robots: Count | None = None,
+    lanes: Count | None = None,
+    robot: Annotated[Place | str | None, kind(size)] = None,
+    no_formation: bool = False,
+    untried: bool = False,
+    quiet: bool = False,
 ) -> int:  # fmt: skip
     """Make a world from a race-track CSV, ROS map, SVG drawing, WKT or GeoJSON, and list every line
     that was dropped or repaired. Beside it goes world.schema.json, by which editors complete keys.
+
+    arguments:
+      SOURCE  the file to import
+
+    options:
+      -o, --output WORLD  the world file to write
+      --force  overwrite an existing file
+      --format  kind of the source (default: by suffix)
+      --name NAME  name of the world (default: that of the source)
+      --untried  do not drive the world made once, to see if all robots arrive
+      --quiet  no report, and no drive
+
+    lines:
+      --scale M  metres per unit of the source (default: 1; svg: the document's real-world units)
+      --tolerance M  [m] how far lines may move: simplified outlines (one cell), flattened curves
+          (0.01)
+      --close M  [m] join ends of walls, and of pieces of a path, that are at most so far apart
+      --boundary ID  a shape or group of an SVG drawing, by id or label, that is a wall (may be
+          repeated)
+      --ignore NAME  a shape, group or feature without a role that is left out (may be repeated)
+      --ignore-others  leave out all shapes and features without a role
+      --specks M2  [m²] occupied patches of a map up to this area are left out (default: 2 cells)
+      --start S  [m] station at which a closed track is cut open (0)
+      --gap M  [m] of road left out at the cut (2)
+      --open  the track is an open one, near as its ends may be
+
+    path and robots:
+      --from X,Y  [m] where the path begins (default: as drawn, else far from its end)
+      --to X,Y  [m] where it ends
+      --robots N  robots (default: as drawn, or 1)
+      --lanes K  robots abreast (1)
+      --robot L,W|fit  [m] length and width of a robot (1.8,1.0), or fit: as large as fits, at most
+          that
+      --no-formation  robots go each by itself, not in a formation
 
     formats, by suffix:
       track     centreline and widths, columns x_m, y_m, w_tr_right_m, w_tr_left_m (.csv)
@@ -144,11 +98,10 @@ def import_world(
     from physim.authoring import importing
     from physim.cli.check import judge
 
-    Target(output, force, [source]).file(ends=WORLD)
-    check_schema(output, force, source)
+    check_files(output, force, source)
     asked = importing.Options(
         format=format, scale=scale, tolerance=tolerance, specks=specks, start=start, gap=gap,
-        open=open, origin=origin, goal=goal, robots=robots, lanes=lanes, robot=robot, name=name,
+        open=open, origin=from_, goal=to, robots=robots, lanes=lanes, robot=robot, name=name,
         no_formation=no_formation, close=close, boundary=boundary, ignore=ignore,
         ignore_others=ignore_others,
     )  # fmt: skip

@@ -6,17 +6,20 @@ import sys
 import textwrap
 from collections.abc import Mapping
 from json import dumps
-from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING
 
-from physim.cli.options import RECORD_HELP, JsonFlag, Out, option, record_file
+from physim.cli.options import JsonFlag, Out, RecordFile
 from physim.errors import PhysimError
 
 if TYPE_CHECKING:
     from physim.analysis.metrics import Definition
 
 
-def listing(*, json: JsonFlag = False, out: Out) -> int:
+def listing(
+    *,
+    json: JsonFlag = False,
+    out: Out,
+) -> int:  # fmt: skip
     """List the shipped worlds and, a line each, what is registered: controllers, sensing stages,
     filters, disturbances, observers; of metrics and plots those of other packages.
 
@@ -63,18 +66,19 @@ LINE = 96
 
 
 def summary(
-    record: Annotated[Path | None, option(RECORD_HELP, "[RECORD]", read=record_file)] = None,
-    /,
-    *,
+    record: RecordFile | None = None, /, *,
     json: JsonFlag = False,
-    definitions: Annotated[
-        bool,
-        option("print what each metric means instead, with its unit and equation or figure"),
-    ] = False,
+    definitions: bool = False,
     out: Out,
-) -> int:
+) -> int:  # fmt: skip
     """Print contacts, distances, collision times, formation errors and modes of a record, and
     whether what its world expects held.
+
+    arguments:
+      [RECORD]  a run: its folder or its record.h5
+
+    options:
+      --definitions  print what each metric means instead, with its unit and equation or figure
 
     exit codes:
       0    printed, whatever it says

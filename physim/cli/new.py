@@ -6,23 +6,23 @@ import os
 import re
 import shlex
 from pathlib import Path
-from typing import Annotated
 
-from physim.cli.options import WHOLE, option, path, to
-from physim.cli.output import WORLD, Target, inputs, write_text, writing
+from physim.cli.options import File, Output, Whole
+from physim.cli.output import WORLD, Target, inputs, writing
 from physim.errors import PhysimError, WorldError
 from physim.escaping import escaped
+from physim.files import write_text
 
 
-def check_schema(world: Path, force: bool, *inputs: Path) -> None:
-    """Raise PhysimError where `write_schema` would not write: over an input, or something odd."""
+def check_files(world: Path, force: bool, *inputs: Path) -> None:
+    """Raise PhysimError where a world and its schema cannot be written: over an input, too."""
     from physim.world.file.schema import FILE
 
-    schema = world.with_name(FILE)
-    if force and schema.is_dir():
-        raise PhysimError(f"{schema}: is a folder; the schema of worlds goes there")
+    if world.name == FILE:
+        raise PhysimError(f"{world}: is the name of the schema; choose another one")
+    Target(world, force, inputs).file(ends=WORLD)
     if force:
-        Target(schema, True, inputs).file()
+        Target(world.with_name(FILE), True, inputs).file()
 
 
 def write_schema(world: Path, force: bool) -> str:
@@ -56,10 +56,14 @@ def _holds(file: Path, text: str) -> bool:
 
 def schema(
     *,
-    output: Annotated[Path | None, to("write it to a file instead")] = None,
-    force: Annotated[bool, option("overwrite an existing file")] = False,
-) -> int:
+    output: Output | None = None,
+    force: bool = False,
+) -> int:  # fmt: skip
     """Print the JSON Schema of world files: every key with its unit and meaning.
+
+    options:
+      -o, --output FILE  write it to a file instead
+      --force  overwrite an existing file
 
     An editor that knows YAML schemas (VS Code with the YAML extension, and all others that use
     yaml-language-server) completes keys and shows units and meanings where a world begins with
@@ -89,38 +93,30 @@ def schema(
 
 
 def new(
-    name: Annotated[str | None, option("name of the world, and of its file", "[NAME]")] = None,
-    /, *,
-    like: Annotated[
-        str | None, option("which world to begin with (straight)", "WORLD")
-    ] = None,
-    robots: Annotated[
-        int | None, option("how many, where that world has one group", "N", read=WHOLE)
-    ] = None,
-    drawn: Annotated[
-        str | None,
-        option(
-            "instead of --like: a world with corridor.random, its road written out as drawn",
-            "WORLD", "--from",
-        ),
-    ] = None,
-    seed: Annotated[
-        int | None,
-        option("with --from: the seed, instead of the world's own", "N", read=WHOLE),
-    ] = None,
-    output: Annotated[Path | None, to("file to write (default: NAME.yaml)")] = None,
-    project: Annotated[
-        Path | None,
-        option(
-            "make a folder with worlds/, controllers/ with an example, media/ and a README", "DIR",
-            read=path,
-        ),
-    ] = None,
-    force: Annotated[bool, option("overwrite existing files")] = False,
+    name: str | None = None, /, *,
+    like: str | None = None,
+    robots: Whole | None = None,
+    from_: str | None = None,
+    seed: Whole | None = None,
+    output: Output | None = None,
+    project: File | None = None,
+    force: bool = False,
 ) -> int:  # fmt: skip
     """Write NAME.yaml, a world that runs as it is, with a comment on every key, and beside it
     world.schema.json, by which editors complete keys and show what they mean. --from writes a
     world whose road the seed draws, with that road written out.
+
+    arguments:
+      [NAME]  name of the world, and of its file
+
+    options:
+      --like WORLD  which world to begin with (straight)
+      --robots N  how many, where that world has one group
+      --from WORLD  instead of --like: a world with corridor.random, its road written out as drawn
+      --seed N  with --from: the seed, instead of the world's own
+      -o, --output FILE  file to write (default: NAME.yaml)
+      --project DIR  make a folder with worlds/, controllers/ with an example, media/ and a README
+      --force  overwrite existing files
 
     worlds to begin with, among others:
       straight    two robots, the smallest     s_bend          a turn left and a turn right
@@ -142,11 +138,11 @@ def new(
     """
     from physim.authoring.new import new_text
 
-    if drawn is not None:
+    if from_ is not None:
         for key, value in (("like", like), ("robots", robots), ("project", project)):
             if value is not None:
                 raise PhysimError(f"--{key}: cannot be combined with --from, which gives the world")
-        return _drawn(drawn, seed, name, output, force)
+        return _drawn(from_, seed, name, output, force)
     if seed is not None:
         raise PhysimError("--seed: needs --from, a world whose road a seed draws")
     like = like or "straight"
@@ -158,19 +154,9 @@ def new(
         raise PhysimError("physim new: NAME is missing, as in physim new my_corridor")
     title, stem = _named(name if name is not None else output.name if output else "")
     file = output or Path(f"{stem}.yaml")
-    _check_file(file, force)
+    check_files(file, force)
     _write(file, new_text(title, like, robots), force)
     return 0
-
-
-def _check_file(file: Path, force: bool, *inputs: Path) -> None:
-    """Raise PhysimError where a world and its schema cannot be written."""
-    from physim.world.file.schema import FILE
-
-    if file.name == FILE:
-        raise PhysimError(f"{file}: is the name of the schema; choose another one")
-    Target(file, force, inputs).file(ends=WORLD)
-    check_schema(file, force, *inputs)
 
 
 def _write(file: Path, text: str, force: bool) -> None:
@@ -190,7 +176,7 @@ def _drawn(
     given = output.name if output is not None else f"{world.stem}_{world.seed}"
     title, stem = _named(name if name is not None else given)
     file = output or Path(f"{stem}.yaml")
-    _check_file(file, force, *inputs(source))
+    check_files(file, force, *inputs(source))
     command = f"physim new {shlex.quote(title)} --from {shlex.quote(source)}"
     try:
         text = drawn_text(world, title, f"{command} --seed {world.seed}")

@@ -1,7 +1,7 @@
 """Options that commands share, and kinds of values: each reads a text, or says what is allowed.
 
-A command is a function; ``Annotated[int | None, option("help", "N", read=COUNT)]`` makes an option
-of one of its arguments. A reader raises ValueError with what is allowed in the text's place, for
+A command is a function: ``seconds: Positive = 2.0`` makes ``--seconds`` of an argument, and the
+docstring tells its help. A reader raises ValueError with what is allowed in the text's place, for
 example ``a number greater than 0``.
 """
 
@@ -26,20 +26,11 @@ LONGEST_QUOTE = 60
 LARGEST_NUMBER = 10**15
 
 
-def option(
-    text: str,
-    metavar: str | None = None,
-    *names: str,
-    read: Callable[[str], object] | None = None,
-    section: str | None = None,
-    **more: Any,
-) -> Parameter:
-    """An option or argument with its help: ``names``, where they differ from that in Python."""
-    if read is not None:
-        more |= {"converter": lambda _, tokens: read(tokens[0].value), "n_tokens": 1}
-    if section is not None:
-        more["group"] = section
-    return Parameter(names or None, help=text, metavar=metavar, **more)
+def kind(read: Callable[[str], object], *names: str, **more: Any) -> Parameter:
+    """A kind of values, as ``read`` makes them of a text; ``names`` where they are always these."""
+    return Parameter(
+        names or None, converter=lambda _, tokens: read(tokens[0].value), n_tokens=1, **more
+    )
 
 
 def quoted(text: str) -> str:
@@ -81,9 +72,6 @@ def real(
 
 
 WHOLE = whole(0, LARGEST_NUMBER, "a whole number from 0 to 10^15")
-COUNT = whole(1, 10_000)
-POSITIVE = real(math.nextafter(0.0, 1.0), allowed="a number greater than 0")
-DISTANCE = real(0.0, allowed="a number of 0 or more")
 
 
 def print_width(text: str) -> float:
@@ -91,7 +79,7 @@ def print_width(text: str) -> float:
     return printed_width(text if text in WIDTHS else _number(text))
 
 
-def seed_range(text: str) -> tuple[int, int]:
+def seed_range(text: str) -> range:
     """Read seeds A:B, half-open."""
     first, _, last = text.partition(":")
     try:
@@ -100,7 +88,7 @@ def seed_range(text: str) -> tuple[int, int]:
         raise ValueError("A:B, two whole numbers from 0 to 10^15, as 1:101") from None
     if ends[1] <= ends[0]:
         raise ValueError("A:B with A below B: it goes from A to B - 1")
-    return ends
+    return range(*ends)
 
 
 def pair(text: str) -> tuple[float, float]:
@@ -169,50 +157,63 @@ WORLD_HELP = (
     "a world file; the name of a shipped world, or of one in worlds/; or the record.h5 of a run, "
     "whose world is taken"
 )
-JSON_HELP = "write everything to FILE (-: standard output) as JSON"
-CONTROLLER_HELP = "a registered controller (physim list) or your own as module:Class"
-WORKERS_HELP = "processes, 1 to 64 (as many as cores, at most 8)"
 
+Whole = Annotated[int, kind(WHOLE)]
+Count = Annotated[int, kind(whole(1, 10_000))]
+Positive = Annotated[float, kind(real(math.nextafter(0.0, 1.0), allowed="a number greater than 0"))]
+Distance = Annotated[float, kind(real(0.0, allowed="a number of 0 or more"))]
+Seconds = Annotated[float, kind(real(0.0, 1e9))]
+Place = Annotated[tuple[float, float], kind(pair, allow_leading_hyphen=True)]
+
+Seeds = Annotated[range, kind(seed_range)]
+Words = Annotated[tuple[str, ...], kind(words)]
+File = Annotated[Path, kind(path)]
+RecordFile = Annotated[Path, kind(record_file)]
+Output = Annotated[Path, kind(path, "-o", "--output")]
+Workers = Annotated[int, kind(whole(1, 64))]
+TeamSize = Annotated[int, kind(whole(1, 1024))]
+"""Workers where a machine may be a large one"""
+
+World = Annotated[str, Parameter(help=WORLD_HELP, metavar="WORLD")]
+Worlds = Annotated[str, Parameter(help=WORLD_HELP, metavar="WORLD...", required=True)]
+Record = Annotated[RecordFile, Parameter(help=RECORD_HELP, metavar="RECORD")]
+JSON_HELP = "write everything to FILE (-: standard output) as JSON"
+JsonFile = Annotated[
+    Path, kind(json_file, help=JSON_HELP, metavar="FILE", allow_leading_hyphen=True)
+]
+JsonFlag = Annotated[bool, Parameter(help="print everything as JSON instead")]
 Out = Annotated[TextIO, Parameter(parse=False)]
 """Standard output, for the JSON of a command; what it prints otherwise goes by `print`"""
-JsonFile = Annotated[
-    Path | None, option(JSON_HELP, "FILE", read=json_file, allow_leading_hyphen=True)
-]
-JsonFlag = Annotated[bool, option("print everything as JSON instead")]
-World = Annotated[str, option(WORLD_HELP, "WORLD")]
-Record = Annotated[Path, option(RECORD_HELP, "RECORD", read=record_file)]
-Workers = Annotated[int | None, option(WORKERS_HELP, "N", read=whole(1, 64))]
-Seeds = tuple[int, int]
-"""First seed, and the one after the last"""
-
-
-def to(text: str, metavar: str = "FILE") -> Parameter:
-    """``-o/--output``: where a command writes."""
-    return option(text, metavar, "-o", "--output", read=path)
 
 
 @Parameter(name="*")
 @dataclass(frozen=True)
 class Changes:
-    """What the command line changes in a world before it is run."""
+    """What the command line changes in a world before it is run.
 
-    seed: Annotated[int | None, option("seed, instead of the world's own", "N", read=WHOLE)] = None
-    controller: Annotated[str | None, option(CONTROLLER_HELP, "NAME")] = None
-    traceback: Annotated[
-        bool, option("show where code of your own failed, with all calls that led there")
-    ] = False
-    set: Annotated[
-        tuple[str, ...],
-        option(
-            "change one value of the world, e.g. robots.0.limits.v=1.2, or leave one out, e.g. "
-            "formation=null (may be repeated)", "KEY=VALUE",
-        ),
-    ] = ()  # fmt: skip
+    options:
+      --seed N  seed, instead of the world's own
+      --controller NAME  a registered controller (physim list) or your own as module:Class
+      --traceback  show where code of your own failed, with all calls that led there
+      --set KEY=VALUE  change one value of the world, e.g. robots.0.limits.v=1.2, or leave one out,
+          e.g. formation=null (may be repeated)
+    """
+
+    seed: Whole | None = None
+    controller: str | None = None
+    traceback: bool = False
+    set: tuple[str, ...] = ()
 
     @property
     def reading(self) -> dict[str, Any]:
         """What `physim.world.file.read_world` takes of it."""
         return {"overrides": self.set, "controller": self.controller}
+
+    @property
+    def words(self) -> list[str]:
+        """Controller and values as they are typed; not the seed."""
+        named = ["--controller", self.controller] if self.controller else []
+        return [*named, *(word for one in self.set for word in ("--set", one))]
 
 
 AS_IT_IS = Changes()

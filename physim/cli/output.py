@@ -10,8 +10,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import NoReturn, TextIO
 
-from physim.drafts import check_regular, discard, draft_of
+from physim.drafts import check_regular
 from physim.errors import PhysimError, WorldError
+from physim.files import write_text
 
 CUT_SHORT = ".cut_short"
 """Between name and ending of a video that was interrupted."""
@@ -118,18 +119,30 @@ def run_folder(folder: Path, force: bool, *inputs: Path) -> Iterator[Path]:
     Raises PhysimError as `Target.folder`. With ``force`` the earlier run's own files are removed,
     others are left alone.
     """
-    from physim.record.lock import WriteLock, check_unwritten
+    from physim.record.lock import check_unwritten
 
     summary = folder / SUMMARY
     check_unwritten(summary)
     earlier = [folder / name for name in FILES]
     Target(folder, force, inputs).folder(earlier, "an earlier run")
     remove(earlier)
-    with writing(folder):
-        folder.mkdir(parents=True, exist_ok=True)
-        lock = WriteLock(summary)
-    try:
+    with alone(summary):
         yield folder
+
+
+@contextmanager
+def alone(file: Path) -> Iterator[None]:
+    """Make the folder of a file, and keep others from it while a block runs.
+
+    Raises RecordError where another command is writing there.
+    """
+    from physim.record.lock import WriteLock
+
+    with writing(file.parent):
+        file.parent.mkdir(parents=True, exist_ok=True)
+        lock = WriteLock(file)
+    try:
+        yield
     finally:
         lock.release()
 
@@ -182,14 +195,3 @@ def write_json(path: Path | None, text: str, out: TextIO) -> None:
         out.write(text if text.endswith("\n") else text + "\n")
     elif path is not None:
         write_text(path, text)
-
-
-def write_text(path: Path, text: str) -> None:
-    """Write a text file, whole or not at all. Raises PhysimError when it cannot be written."""
-    part = draft_of(path)
-    with writing(path):
-        try:
-            part.write_text(text, encoding="utf-8")
-            part.replace(path)
-        finally:  # of an error or Ctrl-C nothing is left
-            discard(part)

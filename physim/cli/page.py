@@ -7,7 +7,9 @@ from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-from physim.cli.options import RECORD_HELP, option, record_file, to
+from cyclopts import Parameter
+
+from physim.cli.options import Output, RecordFile
 from physim.cli.output import PAGE, Target
 from physim.cli.progress import announce_compiling
 from physim.errors import PhysimError
@@ -18,23 +20,24 @@ if TYPE_CHECKING:
     from physim.analysis.validation import Validation
     from physim.record import Record
 
-COMPILING = 15
-"""[s] about, for what is said of contacts"""
 NAME = "page.html"
-RECORDS = option(
-    f"{RECORD_HELP}; of several runs, shown in step", "RECORD...", read=record_file, required=True
-)
 
 
 def page(
-    *records: Annotated[Path, RECORDS],
-    output: Annotated[
-        Path | None, to("file, ending in .html (default: page.html beside the first record)")
-    ] = None,
-    force: Annotated[bool, option("overwrite an existing file")] = False,
-    quiet: Annotated[bool, option("do not print the name of the file")] = False,
-) -> int:
+    *records: Annotated[RecordFile, Parameter(required=True)],
+    output: Output | None = None,
+    force: bool = False,
+    quiet: bool = False,
+) -> int:  # fmt: skip
     """Write one HTML file that shows a run in a browser, from disk and without network.
+
+    arguments:
+      RECORD...  a run: its folder or its record.h5; of several runs, shown in step
+
+    options:
+      -o, --output FILE  file, ending in .html (default: page.html beside the first record)
+      --force  overwrite an existing file
+      --quiet  do not print the name of the file
 
     It plays, scrubs and zooms; a click on a robot shows what it saw and why it decided as it did,
     one on a contact what physim validate says of it. Several runs are shown side by side.
@@ -73,7 +76,7 @@ def make_page(
     from physim.drawing.page import drawn_between, is_warm, write_page
 
     if any(len(record.contacts) for record in records) and not is_warm():
-        announce_compiling("what is said of contacts", COMPILING, quiet)
+        announce_compiling("what is said of contacts", quiet)
     write_page(records, output, found)
     if between := drawn_between(records):
         print(f"WARNING  {output}: {between}: contacts may lie beside them", file=sys.stderr)

@@ -10,17 +10,18 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from physim.cli.options import (
-    POSITIVE,
+    Output,
+    Positive,
     Record,
+    RecordFile,
+    Seconds,
+    Words,
+    kind,
     one_of,
-    option,
     print_width,
     quoted,
     real,
-    record_file,
-    to,
     whole,
-    words,
 )
 from physim.cli.output import CUT_SHORT, Target
 from physim.cli.progress import INTERRUPTED, Bar, interrupts
@@ -37,39 +38,25 @@ SNAPSHOTS = "trajectories"
 
 def plot(
     record: Record, /, *,
-    only: Annotated[
-        tuple[str, ...] | None,
-        option(
-            "figures to draw, as listed below, with commas between (default: all)", "NAMES",
-            read=words,
-        ),
-    ] = None,
-    output: Annotated[
-        Path | None, to("folder for the pictures (default: that of the record)", "DIR")
-    ] = None,
-    format: Annotated[
-        Literal["png", "svg", "pdf"], option("kind of the pictures (png)")
-    ] = "png",
-    force: Annotated[bool, option("overwrite existing pictures")] = False,
-    no_title: Annotated[
-        bool, option("without title and name of the run, for a paper with captions")
-    ] = False,
-    width: Annotated[
-        float | None,
-        option(
-            "width in print: column (3.5 in), page (7.16 in), or inches; writing keeps its size",
-            "IN", read=print_width,
-        ),
-    ] = None,
-    snapshots: Annotated[
-        float | None,
-        option(
-            "simulated seconds between the robots in trajectories (default: about ten in the run, "
-            "fewer of long clusters)", "S", read=POSITIVE,
-        ),
-    ] = None,
+    only: Words | None = None,
+    output: Output | None = None,
+    format: Literal['png', 'svg', 'pdf'] = 'png',
+    force: bool = False,
+    no_title: bool = False,
+    width: Annotated[float | None, kind(print_width)] = None,
+    snapshots: Positive | None = None,
 ) -> int:  # fmt: skip
     """Draw the figures of the paper, and more, from a record alone.
+
+    options:
+      --only NAMES  figures to draw, as listed below, with commas between (default: all)
+      -o, --output DIR  folder for the pictures (default: that of the record)
+      --format  kind of the pictures (png)
+      --force  overwrite existing pictures
+      --no-title  without title and name of the run, for a paper with captions
+      --width IN  width in print: column (3.5 in), page (7.16 in), or inches; writing keeps its size
+      --snapshots S  simulated seconds between the robots in trajectories (default: about ten in the
+          run, fewer of long clusters)
 
     figures (docs/FIGURES.md says what each shows and how it is computed):
       trajectories     paths, trajectories and snapshots on the map (Figs. 1a, 2a, 3a, 6a, 6b)
@@ -126,68 +113,38 @@ def plot(
     return 0
 
 
-SECONDS = real(0.0, 1e9)
+WIDTH = whole(160, 1280, "an even number from 160 to 1280", step=2)
 
 
 def video(
-    record: Record,
-    other: Annotated[
-        Path | None,
-        option(
-            "another run, shown on the right; titles say in what the two worlds differ",
-            "[RECORD]", read=record_file,
-        ),
-    ] = None, /, *,
-    output: Annotated[
-        Path | None,
-        to(
-            "file, ending in .mp4, .gif, .webp, or .png for a still (default: video.mp4 beside the "
-            "record, or beside.mp4; frame.png)"
-        ),
-    ] = None,
-    start: Annotated[
-        float,
-        option(
-            "simulated time at which the video begins [s] (0)", "T", "--from", read=SECONDS
-        ),
-    ] = 0.0,
-    end: Annotated[
-        float,
-        option(
-            "simulated time at which it ends [s] (default: the end of the run)", "T", "--to",
-            read=SECONDS,
-        ),
-    ] = math.inf,
-    at: Annotated[
-        float | None,
-        option("a still of this simulated time [s] instead of a film", "T", read=SECONDS),
-    ] = None,
-    force: Annotated[bool, option("overwrite an existing file")] = False,
-    fps: Annotated[
-        int | None,
-        option(
-            "frames a second of video, 1 to 240 (25; GIF, which cannot hold all: 20)", "N",
-            read=whole(1, 240),
-        ),
-    ] = None,
-    width: Annotated[
-        int | None,
-        option(
-            "width of the picture (1280; GIF and WebP: 800); the height goes with it", "PX",
-            read=whole(160, 1280, "an even number from 160 to 1280", step=2),
-        ),
-    ] = None,
-    speed: Annotated[
-        float | None,
-        option(
-            "simulated seconds a second of video, 0.001 to 1000000 (default: chosen so that the "
-            "video lasts at most 80 s, GIF and WebP 20 s, and 1.5 s on the last picture)", "X",
-            read=real(0.001, 1e6),
-        ),
-    ] = None,
-    quiet: Annotated[bool, option("no progress bar")] = False,
+    record: Record, other: RecordFile | None = None, /, *,
+    output: Output | None = None,
+    from_: Seconds = 0.0,
+    to: Seconds = math.inf,
+    at: Seconds | None = None,
+    force: bool = False,
+    fps: Annotated[int | None, kind(whole(1, 240))] = None,
+    width: Annotated[int | None, kind(WIDTH)] = None,
+    speed: Annotated[float | None, kind(real(0.001, 1e6))] = None,
+    quiet: bool = False,
 ) -> int:  # fmt: skip
     """Make a film of a record, MP4 (H.264), GIF or WebP, or with --at a still.
+
+    arguments:
+      [RECORD]  another run, shown on the right; titles say in what the two worlds differ
+
+    options:
+      -o, --output FILE  file, ending in .mp4, .gif, .webp, or .png for a still (default: video.mp4
+          beside the record, or beside.mp4; frame.png)
+      --from T  simulated time at which the video begins [s] (0)
+      --to T  simulated time at which it ends [s] (default: the end of the run)
+      --at T  a still of this simulated time [s] instead of a film
+      --force  overwrite an existing file
+      --fps N  frames a second of video, 1 to 240 (25; GIF, which cannot hold all: 20)
+      --width PX  width of the picture (1280; GIF and WebP: 800); the height goes with it
+      --speed X  simulated seconds a second of video, 0.001 to 1000000 (default: chosen so that the
+          video lasts at most 80 s, GIF and WebP 20 s, and 1.5 s on the last picture)
+      --quiet  no progress bar
 
     exit codes:
       0    the video is made
@@ -206,7 +163,7 @@ def video(
     inputs = [record] if other is None else [record, other]
     usual = "frame.png" if at is not None else "video.mp4" if other is None else "beside.mp4"
     file = output or record.parent / usual
-    film = {"--from": start != 0.0, "--to": end != math.inf, "--fps": fps is not None}
+    film = {"--from": from_ != 0.0, "--to": to != math.inf, "--fps": fps is not None}
     _check_kind(file, at, fps, [name for name, given in film.items() if given])
     Target(file, force, inputs).file()
     with interrupts() as interrupt, ExitStack() as opened:
@@ -220,9 +177,9 @@ def video(
             "width": width,
         }
         if at is None:
-            _check_times(start, end, over)
+            _check_times(from_, to, over)
             made = write_video(
-                records[0], file, quiet, interrupt, fps=fps, start=start, end=end, **how
+                records[0], file, quiet, interrupt, fps=fps, start=from_, end=to, **how
             )
         elif at > over:
             raise PhysimError(f"--at {at:g}: the run ends at {over:.15g} s")

@@ -29,6 +29,8 @@ INTERRUPTED = 130
 REFRESH_SECONDS = 0.1
 PATIENCE = 1.0
 """[s] after which a second signal breaks off what has not heard the first"""
+COMPILING = 25
+"""[s] about, on two quiet cores"""
 EVERY = 0.15
 """[s] between two looks at a file that is watched"""
 
@@ -198,8 +200,8 @@ def state(path: Path) -> tuple[int, ...]:
     return status.st_mtime_ns, status.st_size, status.st_ino
 
 
-def announce_compiling(what: str, seconds: int, quiet: bool) -> None:
-    """Print one line on standard error; ``seconds`` is what it took on two quiet cores."""
+def announce_compiling(what: str, quiet: bool) -> None:
+    """Print one line on standard error."""
     if not quiet:
-        text = f"compiling {what} (once after an installation or an edit, about {seconds} s) ..."
+        text = f"compiling {what} (once after an installation or an edit, about {COMPILING} s) ..."
         print(text, file=sys.stderr, flush=True)

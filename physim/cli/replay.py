@@ -5,9 +5,8 @@ from __future__ import annotations
 import re
 import sys
 from pathlib import Path
-from typing import Annotated
 
-from physim.cli.options import option, quoted, to
+from physim.cli.options import Output, quoted
 from physim.cli.output import FILES, run_folder
 from physim.cli.pictures import write_video
 from physim.cli.progress import INTERRUPTED, interrupts
@@ -17,27 +16,27 @@ DISAGREE = 3
 
 
 def replay(
-    run: Annotated[
-        str,
-        option(
-            "a folder of physim sweep, and the number of a row in its results.parquet, from 0, or "
-            "the digits in its column run, as many as are needed", "DIR:ROW",
-        ),
-    ], /, *,
-    output: Annotated[Path | None, to("output folder (default: runs/WORLD-SEED)", "DIR")] = None,
-    controller: Annotated[
-        str | None,
-        option(
-            "the row's own controller, where that is a class of yours: code is only run when named",
-            "NAME",
-        ),
-    ] = None,
-    force: Annotated[bool, option("overwrite an earlier run in the output folder")] = False,
-    no_video: Annotated[bool, option("make no video")] = False,
-    quiet: Annotated[bool, option("print neither progress nor result")] = False,
+    run: str, /, *,
+    output: Output | None = None,
+    controller: str | None = None,
+    force: bool = False,
+    no_video: bool = False,
+    quiet: bool = False,
 ) -> int:  # fmt: skip
     """Run one row of a sweep again, and write its record.h5 and video.mp4. The record is the same
     bit for bit; it is held against the row.
+
+    arguments:
+      DIR:ROW  a folder of physim sweep, and the number of a row in its results.parquet, from 0, or
+          the digits in its column run, as many as are needed
+
+    options:
+      -o, --output DIR  output folder (default: runs/WORLD-SEED)
+      --controller NAME  the row's own controller, where that is a class of yours: code is only run
+          when named
+      --force  overwrite an earlier run in the output folder
+      --no-video  make no video
+      --quiet  print neither progress nor result
 
     exit codes:
       0    the same run again

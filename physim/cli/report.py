@@ -4,54 +4,50 @@ from __future__ import annotations
 
 import sys
 from json import dumps
-from pathlib import Path
-from typing import Annotated
 
-from physim.cli.options import JsonFile, Out, option, path, to
+from physim.cli.options import File, JsonFile, Out, Output
 from physim.cli.output import PAGE as PAGES
-from physim.cli.output import STDOUT, Target, check_json, inputs, write_json, write_text
+from physim.cli.output import STDOUT, Target, check_json, inputs, write_json
 from physim.cli.progress import INTERRUPTED, Bar, interrupts
 from physim.cli.sweeping import spare
 from physim.drafts import check_regular
 from physim.errors import PhysimError
+from physim.files import write_text
 
 PAGE = "report.html"
 
 
 def report(
-    folder: Annotated[Path, option("folder of a campaign (physim sweep)", "DIR", read=path)],
-    /,
-    *,
-    output: Annotated[Path | None, to(f"page to write (DIR/{PAGE}, again each time)")] = None,
-    json: JsonFile = None,
-    videos: Annotated[
-        bool, option("make the videos of the runs with pictures, and link to them")
-    ] = False,
-    pages: Annotated[
-        bool,
-        option("make the pages of these runs for the browser, and link to their moments"),
-    ] = False,
-    no_pictures: Annotated[bool, option("do not run any again for their pictures")] = False,
-    controller: Annotated[
-        tuple[str, ...],
-        option(
-            "a class of yours that runs of DIR had, so that they can be run again for their "
-            "pictures: code is only run when named (may be repeated)", "NAME",
-        ),
-    ] = (),
-    explain: Annotated[
-        bool, option("tell which intervals these are, and when they hold")
-    ] = False,
-    force: Annotated[
-        bool, option(f"overwrite an existing FILE, or a DIR/{PAGE} of another kind")
-    ] = False,
-    quiet: Annotated[bool, option("print no table")] = False,
+    folder: File, /, *,
+    output: Output | None = None,
+    json: JsonFile | None = None,
+    videos: bool = False,
+    pages: bool = False,
+    no_pictures: bool = False,
+    controller: tuple[str, ...] = (),
+    explain: bool = False,
+    force: bool = False,
+    quiet: bool = False,
     out: Out,
 ) -> int:  # fmt: skip
     """Report a campaign as a table and as one page of HTML: for each world, settings and
     controller how many runs were contact-free, finished, and both, with intervals; distances and
     times; the worst runs of each, by the severity of their contacts, and runs that did not finish,
     with pictures; runs that crashed.
+
+    arguments:
+      DIR  folder of a campaign (physim sweep)
+
+    options:
+      -o, --output FILE  page to write (DIR/report.html, again each time)
+      --videos  make the videos of the runs with pictures, and link to them
+      --pages  make the pages of these runs for the browser, and link to their moments
+      --no-pictures  do not run any again for their pictures
+      --controller NAME  a class of yours that runs of DIR had, so that they can be run again for
+          their pictures: code is only run when named (may be repeated)
+      --explain  tell which intervals these are, and when they hold
+      --force  overwrite an existing FILE, or a DIR/report.html of another kind
+      --quiet  print no table
 
     intervals:
       Exact (Clopper-Pearson) for a campaign whose number of runs was fixed in advance; by a

@@ -9,19 +9,18 @@ import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING
 
-from physim.cli.options import Workers, option, to
-from physim.cli.output import Target, write_text, writing
+from physim.cli.options import Output, Workers
+from physim.cli.output import Target, alone, writing
 from physim.cli.progress import INTERRUPTED, Bar, announce_compiling, interrupts
 from physim.errors import PhysimError, plural
+from physim.files import write_text
 
 if TYPE_CHECKING:
     from physim.reproduction.model import Report
     from physim.reproduction.run import Plan
 
-COMPILING = 30
-"""[s] about, for all that its jobs need"""
 PICTURE = re.compile(r"(\d[a-z]?|study)-[a-z_]+\.png")
 """Name of a picture that a reproduction drew"""
 NEW, PARTIAL = ".reproducing-", "interrupted"
@@ -30,23 +29,27 @@ NEW, PARTIAL = ".reproducing-", "interrupted"
 
 def reproduce(
     *,
-    figure: Annotated[
-        str | None, option("only what this figure of the paper needs", "N")
-    ] = None,
-    study: Annotated[
-        str | None, option("only this study of a claim that the paper makes in words", "NAME")
-    ] = None,
-    output: Annotated[Path, to("folder to write to (reproduction)", "DIR")] = Path("reproduction"),
-    quick: Annotated[
-        bool, option("few seeds: some minutes instead of half an hour")
-    ] = False,
-    no_video: Annotated[bool, option("make no videos")] = False,
-    workers: Workers = None,
-    force: Annotated[bool, option("overwrite an existing DIR")] = False,
-    quiet: Annotated[bool, option("print neither progress nor verdicts")] = False,
+    figure: str | None = None,
+    study: str | None = None,
+    output: Output = Path('reproduction'),
+    quick: bool = False,
+    no_video: bool = False,
+    workers: Workers | None = None,
+    force: bool = False,
+    quiet: bool = False,
 ) -> int:  # fmt: skip
     """Run the experiments of the paper, draw its figures, make the videos, and write what it
     reports beside what is measured, with a verdict for every claim.
+
+    options:
+      --figure N  only what this figure of the paper needs
+      --study NAME  only this study of a claim that the paper makes in words
+      -o, --output DIR  folder to write to (reproduction)
+      --quick  few seeds: some minutes instead of half an hour
+      --no-video  make no videos
+      --workers N  processes, 1 to 64 (as many as cores, at most 8)
+      --force  overwrite an existing DIR
+      --quiet  print neither progress nor verdicts
 
     figures: 1, 2, 3, 3a, 4, 6, 7, 8 (5 is the flow chart of the rules)
     studies: alpha, energy, bends, routes, avoidance, switching, hysteresis,
@@ -81,7 +84,7 @@ def reproduce(
     with _new_results(output, plan, force) as new:
         with interrupts() as interrupt:
             if not is_warm():  # once, before workers would each do so
-                announce_compiling("controller, distances and collision times", COMPILING, quiet)
+                announce_compiling("controller, distances and collision times", quiet)
                 warm_up()
             with Bar("reproduce", 1.0, "jobs", quiet) as bar:
                 report = run_all(
@@ -104,18 +107,15 @@ def _new_results(folder: Path, plan: Plan, force: bool) -> Iterator[Path]:
     Raises PhysimError where there is something already that is not to be overwritten, and where
     another reproduction is writing there.
     """
-    from physim.record.lock import WriteLock, check_unwritten
+    from physim.record.lock import check_unwritten
     from physim.reproduction.page import JSON, PAGES
     from physim.reproduction.run import PICTURES
 
     check_unwritten(folder / JSON)
     made = [folder / name for name in (PICTURES, *plan.worlds, *PAGES)]
     Target(folder, force).folder(made, empty=True)
-    with writing(folder):
-        folder.mkdir(parents=True, exist_ok=True)
-        lock = WriteLock(folder / JSON)
     new = folder
-    try:
+    with alone(folder / JSON):
         with writing(folder):
             for left in folder.glob(f"{NEW}*"):  # by one that was killed
                 shutil.rmtree(left)
@@ -125,11 +125,11 @@ def _new_results(folder: Path, plan: Plan, force: bool) -> Iterator[Path]:
                 _remove_pictures(folder / PICTURES)
             for name in (PICTURES, *plan.worlds):
                 (new / name).mkdir(exist_ok=True)
-        yield new
-    finally:
-        if new != folder:
-            shutil.rmtree(new, ignore_errors=True)
-        lock.release()
+        try:
+            yield new
+        finally:
+            if new != folder:
+                shutil.rmtree(new, ignore_errors=True)
 
 
 def _remove_pictures(folder: Path) -> None:

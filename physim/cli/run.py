@@ -5,38 +5,40 @@ from __future__ import annotations
 import shlex
 import sys
 from pathlib import Path
-from typing import Annotated
 
-from physim.cli.options import AS_IT_IS, Changes, World, option, to
-from physim.cli.output import FILES, SUMMARY, inputs, run_folder, write_text
+from physim.cli.options import AS_IT_IS, Changes, Output, World
+from physim.cli.output import FILES, SUMMARY, inputs, run_folder
 from physim.cli.page import make_page
 from physim.cli.pictures import write_video
 from physim.cli.progress import INTERRUPTED, Bar, interrupts
 from physim.errors import PhysimError
+from physim.files import write_text
 
 FAILED = 1
 
 
 def run(
     world: World, /, *,
-    output: Annotated[Path | None, to("output folder (default: runs/NAME-SEED)", "DIR")] = None,
-    force: Annotated[bool, option("overwrite an earlier run in DIR")] = False,
+    output: Output | None = None,
+    force: bool = False,
     changes: Changes = AS_IT_IS,
-    observer: Annotated[
-        tuple[str, ...],
-        option(
-            "attach a registered observer (physim list) or your own, as module:Class (may be "
-            "repeated)", "NAME",
-        ),
-    ] = (),
-    no_video: Annotated[bool, option("make no video")] = False,
-    page: Annotated[
-        bool, option("write DIR/page.html, too: the run in a browser, to watch, scrub and ask why")
-    ] = False,
-    full: Annotated[bool, option("print every figure, as physim summary does")] = False,
-    quiet: Annotated[bool, option("print neither progress nor table")] = False,
+    observer: tuple[str, ...] = (),
+    no_video: bool = False,
+    page: bool = False,
+    full: bool = False,
+    quiet: bool = False,
 ) -> int:  # fmt: skip
     """Run a world and write DIR/record.h5, DIR/video.mp4 and DIR/summary.json.
+
+    options:
+      -o, --output DIR  output folder (default: runs/NAME-SEED)
+      --force  overwrite an earlier run in DIR
+      --observer NAME  attach a registered observer (physim list) or your own, as module:Class (may
+          be repeated)
+      --no-video  make no video
+      --page  write DIR/page.html, too: the run in a browser, to watch, scrub and ask why
+      --full  print every figure, as physim summary does
+      --quiet  print neither progress nor table
 
     exit codes:
       0    ran, and everything under "expect:" in the world held

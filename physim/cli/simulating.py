@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from pathlib import Path
 
 from physim.cli.options import Changes
@@ -24,8 +24,6 @@ from physim.world.file.loading import unused_settings
 from physim.world.layout.scene_builder import build_scene
 
 EVERY_STEP = "time.record_every"
-COMPILING = 25
-"""[s] about, for all that a run needs"""
 
 
 def ready(
@@ -60,7 +58,7 @@ def ready(
     if is_warm():
         warm_up(scene, controller())
     else:
-        announce_compiling("controller and distances", COMPILING, quiet)
+        announce_compiling("controller and distances", quiet)
         second = second_process(world.controller.type)
         wait = () if second is None else (second.wait,)
         seconds = warm_up(scene, controller(), *wait)
@@ -106,7 +104,7 @@ def run_of_record(
     try:
         simulation = simulation_again(record, controller=_controller(record, controller))
         if not is_warm():
-            announce_compiling("controller and distances", COMPILING, quiet)
+            announce_compiling("controller and distances", quiet)
         with interrupts() as interrupt, bar:
             again = run_again(record, simulation, stop=interrupt, progress=bar.simulated)
     except AgainError as error:
@@ -132,24 +130,18 @@ def _controller(record: Record, named: str | None) -> Controller | None:
     return made
 
 
-def run_world(
-    world: World, document: Document, changes: Changes, quiet: bool,
-    stop: Callable[[], bool] | None = None,
-) -> Record:  # fmt: skip
-    """Run to the end, or until ``stop`` says so, in memory.
+def run_world(world: World, document: Document, changes: Changes, quiet: bool) -> Record:
+    """Run to the end, in memory.
 
-    Without ``stop`` Ctrl-C raises KeyboardInterrupt, after the step that is under way: in the
-    middle of it the engine would swallow it.
+    Ctrl-C raises KeyboardInterrupt, after the step that is under way: in the middle of it the
+    engine would swallow it.
     """
-    if stop is None:
-        with interrupts() as interrupt:
-            record = run_world(world, document, changes, quiet, interrupt)
-        if interrupt():
-            record.close()
-            raise KeyboardInterrupt
-        return record
     simulation = ready(world, document, changes, quiet)
     scene = simulation.scene
     name = f"{scene.world.name}, seed {scene.seed}"
-    with Bar(name, scene.steps * scene.dt, "s", quiet) as bar:
-        return record_run(simulation, stop=stop, progress=bar.simulated)
+    with interrupts() as interrupt, Bar(name, scene.steps * scene.dt, "s", quiet) as bar:
+        record = record_run(simulation, stop=interrupt, progress=bar.simulated)
+    if interrupt():
+        record.close()
+        raise KeyboardInterrupt
+    return record

@@ -4,20 +4,9 @@ from __future__ import annotations
 
 import sys
 from json import dumps
-from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
-from physim.cli.options import (
-    WORLD_HELP,
-    Out,
-    Seeds,
-    option,
-    real,
-    seed_range,
-    to,
-    whole,
-    words,
-)
+from physim.cli.options import Out, Output, Seeds, TeamSize, Words, Worlds, kind, real
 from physim.cli.progress import INTERRUPTED
 from physim.cli.sweeping import run_grid, tell_fixed, usual_folder
 from physim.errors import PhysimError, plural
@@ -45,77 +34,48 @@ def goal(text: str) -> Goal:
 
 
 def sweep(
-    *worlds: Annotated[str, option(WORLD_HELP, "WORLD...", required=True)],
-    seeds: Annotated[
-        Seeds | None,
-        option(
-            "each world with the seeds A to B - 1 (default: with its own)", "A:B", read=seed_range
-        ),
-    ] = None,
-    set: Annotated[
-        tuple[str, ...],
-        option(
-            "each of these values of a world, e.g. controller.beta=0.3,0.5 (of controllers that "
-            "have it); may be repeated: every combination is run", "KEY=V1,V2",
-        ),
-    ] = (),
-    controller: Annotated[
-        tuple[str, ...],
-        option(
-            "each of these controllers, registered ones (physim list) or your own as module:Class",
-            "NAME,...", read=words,
-        ),
-    ] = (),
-    output: Annotated[Path | None, to("folder (default: sweeps/WORLD)", "DIR")] = None,
-    workers: Annotated[
-        int | None,
-        option(
-            "processes on this machine (as many as cores, at most 8)", "N", read=whole(1, 1024)
-        ),
-    ] = None,
-    scheduler: Annotated[
-        str | None,
-        option(
-            "run on a Dask cluster, e.g. tcp://10.0.0.1:8786, which must answer in 5 s and have a "
-            "worker in 30 s", "ADDRESS",
-        ),
-    ] = None,
-    until: Annotated[
-        Any,
-        option(
-            'stop when it is known: "rate > 0.99" (contact-free and finished; or contact_free, '
-            "finished), or the width of the interval of that rate, as 0.02; --seeds says how many "
-            "at most", "GOAL", read=goal,
-        ),
-    ] = None,
-    shard: Annotated[
-        tuple[int, int], option("only part I of N parts", "I/N", read=shard)
-    ] = (1, 1),
-    keep: Annotated[
-        Literal["none", "failed", "all"],
-        option(
-            "records to keep in DIR/records: none, failed (those with contacts), all (none)",
-            "WHICH",
-        ),
-    ] = "none",
-    limit: Annotated[
-        float | None,
-        option(
-            "give a run up after this time (default: 2 min and 1 ms for each robot and step)",
-            "SECONDS", read=real(0.1, 1e7),
-        ),
-    ] = None,
-    retry: Annotated[
-        bool, option("run those again that failed: by an error, their limit or a kill")
-    ] = False,
-    yes: Annotated[bool, option("run more than a million")] = False,
-    json: Annotated[bool, option("print the counts as JSON instead")] = False,
-    quiet: Annotated[bool, option("print neither progress nor counts")] = False,
+    *worlds: Worlds,
+    seeds: Seeds | None = None,
+    set: tuple[str, ...] = (),
+    controller: Words = (),
+    output: Output | None = None,
+    workers: TeamSize | None = None,
+    scheduler: str | None = None,
+    until: Annotated[Any, kind(goal)] = None,
+    shard: Annotated[tuple[int, int], kind(shard)] = (1, 1),
+    keep: Literal['none', 'failed', 'all'] = 'none',
+    limit: Annotated[float | None, kind(real(0.1, 1e7))] = None,
+    retry: bool = False,
+    yes: bool = False,
+    json: bool = False,
+    quiet: bool = False,
     out: Out,
 ) -> int:  # fmt: skip
     """Run every combination of worlds, seeds, values and controllers, and write a row for each run
     to DIR. What has a row is not run again: the same command goes on where it was interrupted or
     killed, one with more seeds adds to it. Two at once in one DIR need parts of their own: --shard.
+
+    options:
+      --seeds A:B  each world with the seeds A to B - 1 (default: with its own)
+      --set KEY=V1,V2  each of these values of a world, e.g. controller.beta=0.3,0.5 (of controllers
+          that have it); may be repeated: every combination is run
+      --controller NAME,...  each of these controllers, registered ones (physim list) or your own as
+          module:Class
+      -o, --output DIR  folder (default: sweeps/WORLD)
+      --workers N  processes on this machine (as many as cores, at most 8)
+      --scheduler ADDRESS  run on a Dask cluster, e.g. tcp://10.0.0.1:8786, which must answer in 5 s
+          and have a worker in 30 s
+      --until GOAL  stop when it is known: "rate > 0.99" (contact-free and finished; or
+          contact_free, finished), or the width of the interval of that rate, as 0.02; --seeds says
+          how many at most
+      --shard I/N  only part I of N parts
+      --keep WHICH  records to keep in DIR/records: none, failed (those with contacts), all (none)
+      --limit SECONDS  give a run up after this time (default: 2 min and 1 ms for each robot and
+          step)
+      --retry  run those again that failed: by an error, their limit or a kill
+      --yes  run more than a million
+      --json  print the counts as JSON instead
+      --quiet  print neither progress nor counts
 
     written to DIR:
       results.parquet  a row a run: ended, contacts, distances, times, ... (pandas, polars, DuckDB)
@@ -148,7 +108,7 @@ def sweep(
     if until is not None and shard[1] > 1:
         raise PhysimError("--until: cannot be combined with --shard, which has not all seeds")
     grid = make_grid(
-        worlds, None if seeds is None else range(*seeds), set, list(controller), limit,
+        worlds, None if seeds is None else seeds, set, list(controller), limit,
         Shard(*shard), None if yes else MOST_RUNS,
     )  # fmt: skip
     folder = output or usual_folder(worlds)

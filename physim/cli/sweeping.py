@@ -18,9 +18,6 @@ if TYPE_CHECKING:
     from physim.campaigns.sweep import Tally
     from physim.statistics import Decision, Goal
 
-COMPILING = 30
-"""[s] about, for all that runs need"""
-
 
 def run_grid(
     grid: Grid,
@@ -96,15 +93,9 @@ def tell_fixed(grid: Grid, quiet: bool) -> None:
         print(f"WARNING  {line}", file=sys.stderr)
     if grid.seeds is None or quiet:
         return
-    cells = Counter(cell.world for cell in grid.cells)
-    fixed = Counter(grid.cells[k].world for k in sorted(grid.fixed))
-    for world, n in fixed.items():
-        if n < cells[world]:
-            words = f"In {n} of the {cells[world]} variants of {world} nothing is random: each is"
-        else:
-            each = f"each of its {n} variants" if n > 1 else "it"
-            words = f"Nothing in {world} is random: {each} is"
-        print(f"{words} run once; {TO_DRAW}.", file=sys.stderr)
+    if fixed := Counter(grid.cells[k].world for k in grid.fixed):
+        cells = ", ".join(f"{world} ({plural(n, 'cell')})" for world, n in sorted(fixed.items()))
+        print(f"Nothing random in {cells}, run once each; {TO_DRAW}.", file=sys.stderr)
 
 
 def _warm_up(quiet: bool) -> None:
@@ -113,5 +104,5 @@ def _warm_up(quiet: bool) -> None:
     from physim.simulation.run import is_warm
 
     if not is_warm():
-        announce_compiling("controller and distances", COMPILING, quiet)
+        announce_compiling("controller and distances", quiet)
         ready()

@@ -10,23 +10,12 @@ from json import dumps
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, TextIO
 
-from physim.cli.options import (
-    AS_IT_IS,
-    RECORD_HELP,
-    WORKERS_HELP,
-    Changes,
-    JsonFile,
-    Out,
-    Seeds,
-    option,
-    path,
-    record_file,
-    seed_range,
-    whole,
-)
+from cyclopts import Parameter
+
+from physim.cli.options import AS_IT_IS, Changes, File, JsonFile, Out, Seeds, Workers, record_file
 from physim.cli.output import PAGE, Target, check_json, inputs, write_json
 from physim.cli.page import make_page
-from physim.cli.progress import INTERRUPTED, Bar, announce_compiling, interrupts
+from physim.cli.progress import INTERRUPTED, Bar, interrupts
 from physim.errors import PhysimError, WorldError
 
 if TYPE_CHECKING:
@@ -40,59 +29,42 @@ if TYPE_CHECKING:
 
 MOST_TOLD = 10
 """Seeds whose verdicts are printed"""
-COMPILING = 15
-"""[s] about, for the checks"""
 
 
 def validate(
-    given: Annotated[
-        str,
-        option(
-            f"{RECORD_HELP}; or a world to run first: its file, or the name of a shipped one",
-            "WORLD|RECORD",
-        ),
-    ], /, *,
-    json: JsonFile = None,
-    page: Annotated[
-        Path | None,
-        option(
-            "write the run as a page for the browser (.html), each finding with a link to its "
-            "moment", "FILE", read=path,
-        ),
-    ] = None,
-    force: Annotated[bool, option("overwrite an existing FILE")] = False,
-    world: Annotated[
-        str | None, option("check that the record was made from WORLD", "WORLD")
-    ] = None,
-    seeds: Annotated[
-        Seeds | None,
-        option(
-            "run the world with each of the seeds A to B - 1, and report how many are contact-free",
-            "A:B", read=seed_range,
-        ),
-    ] = None,
-    rerun: Annotated[
-        bool,
-        option(
-            "whether to simulate the world inside RECORD again, too: does it give the same run?",
-            negative="--no-rerun",
-        ),
-    ] = True,
+    given: str, /, *,
+    json: JsonFile | None = None,
+    page: File | None = None,
+    force: bool = False,
+    world: str | None = None,
+    seeds: Seeds | None = None,
+    rerun: Annotated[bool, Parameter(negative="--no-rerun")] = True,
     changes: Changes = AS_IT_IS,
-    workers: Annotated[
-        int | None, option(f"with --seeds: {WORKERS_HELP}", "N", read=whole(1, 64))
-    ] = None,
-    verbose: Annotated[
-        bool, option("with --seeds, print the verdict of every seed as it comes")
-    ] = False,
-    full: Annotated[
-        bool, option("tell every contact, all tables and near misses, too")
-    ] = False,
-    quiet: Annotated[bool, option("print only the verdict")] = False,
+    workers: Workers | None = None,
+    verbose: bool = False,
+    full: bool = False,
+    quiet: bool = False,
     out: Out,
 ) -> int:  # fmt: skip
     """Hold the physical contacts of a run against exact distances and collision times, and report
     every contact: who, where, and who was responsible.
+
+    arguments:
+      WORLD|RECORD  a run: its folder or its record.h5; or a world to run first: its file, or the
+          name of a shipped one
+
+    options:
+      --page FILE  write the run as a page for the browser (.html), each finding with a link to its
+          moment
+      --force  overwrite an existing FILE
+      --world WORLD  check that the record was made from WORLD
+      --seeds A:B  run the world with each of the seeds A to B - 1, and report how many are
+          contact-free
+      --rerun  whether to simulate the world inside RECORD again, too: does it give the same run?
+      --workers N  with --seeds: processes, 1 to 64 (as many as cores, at most 8)
+      --verbose  with --seeds, print the verdict of every seed as it comes
+      --full  tell every contact, all tables and near misses, too
+      --quiet  print only the verdict
 
     exit codes:
       0    contact-free and as the world expects, and physics and geometry agree at every step
@@ -110,6 +82,7 @@ def validate(
     """
     from physim.analysis.validation import report as report_text
     from physim.analysis.validation import warning_lines
+    from physim.analysis.validation.origin import check_made_from
     from physim.analysis.validation.validation import json_of_validation
     from physim.cli.simulating import world_given
     from physim.record import Record
@@ -139,7 +112,7 @@ def validate(
     if (file := _record(given)) is not None:
         with Record.load(file) as record:
             if world is not None:
-                _check_origin(record, world, changes)
+                check_made_from(record, world_given(world, changes)[0], world)
             if seeds is None:
                 return _of_record(record, world, rerun, changes, quiet, report)
     elif world is not None:
@@ -149,9 +122,7 @@ def validate(
     to_run, document = world_given(str(file or given), changes)
     if seeds is None or not _varies(to_run):
         return _of_world(to_run, document, changes, quiet, report)
-    again = ["physim", "validate", given]
-    again += [word for one in changes.set for word in ("--set", one)]
-    again += ["--controller", changes.controller] if changes.controller else []
+    again = ["physim", "validate", given, *changes.words]
     _warm_up(to_run, document, replace(changes, seed=seeds[0]), quiet)
     rows, stopped = _runs_of(to_run, seeds, workers, verbose, quiet)
     return _report_seeds(to_run, seeds, rows, stopped, json, out, quiet, again)
@@ -166,15 +137,6 @@ def _record(given: str) -> Path | None:
     except WorldError:  # there is neither
         file = Path(given)
     return file if file.suffix in (".h5", ".hdf5") or is_record(file) else None
-
-
-def _check_origin(record: Record, given: str, changes: Changes) -> None:
-    """Raise PhysimError where a record was made from another world."""
-    from physim.analysis.validation.origin import check_made_from
-    from physim.cli.simulating import world_given
-
-    world, _ = world_given(given, changes)
-    check_made_from(record, world, given)
 
 
 def _of_record(
@@ -233,13 +195,10 @@ def _of_world(
 def _judged(
     record: Record, again: Record | None, why_not: str, source: str, quiet: bool
 ) -> Validation:
-    from physim.analysis.validation import is_warm, judge
-    from physim.cli.warming import finish
+    from physim.analysis.validation import judge
+    from physim.cli.warming import checks_ready
 
-    if not is_warm():
-        finish(quiet)
-    if not is_warm():
-        announce_compiling("the checks of the validation", COMPILING, quiet)
+    checks_ready(quiet)
     return judge(record, again, why_not, source=source)
 
 
@@ -264,10 +223,10 @@ def _runs_of(
     rows: list[Row] = []
     with (
         interrupts() as interrupt,
-        Bar(world.name, seeds[1] - seeds[0], "seeds", quiet) as bar,
+        Bar(world.name, len(seeds), "seeds", quiet) as bar,
         executor(workers) as team,
     ):
-        specs = (spec_of(world, seed, name=world.name) for seed in range(*seeds))
+        specs = (spec_of(world, seed, name=world.name) for seed in seeds)
         for _, row in runs(specs, team, interrupt, judged=True):
             rows.append(row)
             bar.update(len(rows))
@@ -304,7 +263,7 @@ def _report_seeds(
     values = {**report_values(found), "exit_code": code, "seeds": [asdict(row) for row in rows]}
     write_json(json, dumps(values, indent=2, ensure_ascii=False, allow_nan=False) + "\n", out)
     if stopped:
-        print(f"interrupted after {len(rows)} of {seeds[1] - seeds[0]} seeds", file=sys.stderr)
+        print(f"interrupted after {len(rows)} of {len(seeds)} seeds", file=sys.stderr)
     if failed := next((row for row in rows if row.failed), None):
         raise PhysimError(f"seed {failed.seed}: {failed.reason}")
     return code

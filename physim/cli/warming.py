@@ -14,6 +14,7 @@ from contextlib import suppress
 from multiprocessing.connection import Connection
 
 from physim.campaigns.pool import WARMING, begun_apart, settle, worker_count
+from physim.cli.progress import announce_compiling
 from physim.compiled import is_kept
 from physim.geometry.clearance import fill
 
@@ -92,6 +93,16 @@ def warm_up_checks(controller: str) -> None:
     with simulate(world.changed(controller={"type": controller})) as record:
         validate(record, rerun=False)
         shortest_pair_collision_time(record)
+
+
+def checks_ready(quiet: bool) -> None:
+    """See that the kernels of a validation are compiled, or say that they are to be."""
+    from physim.analysis import validation
+
+    if not validation.is_warm():
+        finish(quiet)
+    if not validation.is_warm():
+        announce_compiling("the checks of the validation", quiet)
 
 
 def finish(quiet: bool) -> None:

@@ -230,9 +230,9 @@ class World(Model):
 
         Raises PhysimError when it cannot be written.
         """
-        from physim.world.yaml_text import write_atomically
+        from physim.files import write_text
 
-        write_atomically(Path(path), self.to_yaml())
+        write_text(Path(path), self.to_yaml())
 
 
 def _changed(old: Any, new: Any) -> Any:

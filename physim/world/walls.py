@@ -2,50 +2,34 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
+import shapely
 from numpy.typing import ArrayLike
 
 from physim.errors import place_text
 from physim.tolerances import CONTACT
 
 
-def nearest_stretch(line: ArrayLike, point: ArrayLike) -> int:
-    """Number k of the stretch, from point k of a polyline (n, 2) [m] to the next, nearest to one.
-
-    The first of equally near ones.
-    """
-    points, at = np.asarray(line, dtype=np.float64), np.asarray(point, dtype=np.float64)
-    along = np.diff(points, axis=0)
-    length = np.maximum((along * along).sum(axis=1), 1e-300)
-    share = np.clip(((at - points[:-1]) * along).sum(axis=1) / length, 0.0, 1.0)
-    away = np.hypot(*(points[:-1] + share[:, None] * along - at).T)
-    return int(np.argmax(away <= away.min() + CONTACT))
-
-
 def stretch_text(boundaries: Sequence[Any] | None, name: str, point: ArrayLike) -> str:
     """``at (1.5, 4), boundaries[0][16] to [17]``: a point (2,) [m] of a wall, and where that is.
 
     ``name`` is that of the body (``boundary 1``) or of the key (``boundaries[0]``); of walls that
-    are not written as ``boundaries`` the point alone is said.
+    are not written as ``boundaries`` the point alone is said. Of equally near stretches the first.
     """
     x, y = (float(value) for value in np.asarray(point, dtype=np.float64))
-    number = _number(name)
     said = f"at {place_text(x, y, 4)}"
-    if number is None or not boundaries or not 0 <= number < len(boundaries):
+    found = re.fullmatch(r"boundary ([0-9]+)|boundaries\[([0-9]+)\]", name)
+    if found is None or not boundaries:
         return said
-    line = boundaries[number]
-    if line is None or len(line) < 2:
+    number = int(found[1]) - 1 if found[1] else int(found[2])
+    if number >= len(boundaries):
         return said
-    k = nearest_stretch(line, (x, y))
+    line = np.asarray(boundaries[number], dtype=np.float64)
+    stretches = shapely.linestrings(np.stack([line[:-1], line[1:]], axis=1))
+    away = shapely.distance(stretches, shapely.Point(x, y))
+    k = int(np.argmax(away <= away.min() + CONTACT))
     return f"{said}, boundaries[{number}][{k}] to [{k + 1}]"
-
-
-def _number(name: str) -> int | None:
-    kind, _, rest = name.partition(" ")
-    if kind == "boundary" and rest.isdecimal():
-        return int(rest) - 1
-    inner = name.removeprefix("boundaries[").removesuffix("]")
-    return int(inner) if inner != name and inner.isdecimal() else None

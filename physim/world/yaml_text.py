@@ -2,18 +2,13 @@
 
 from __future__ import annotations
 
-import contextlib
 import functools
-import os
 import re
-import tempfile
 from collections.abc import Iterator, Mapping, Sequence
-from pathlib import Path
 from typing import Any
 
 from pydantic import BaseModel
 
-from physim.drafts import check_regular
 from physim.errors import PhysimError
 from physim.world.kinds import thawed
 from physim.world.model import World
@@ -35,35 +30,6 @@ _NOT_PLAIN = {"y", "n", "yes", "no", "on", "off", "true", "false", "null", "nan"
 def yaml_text(world: World) -> str:
     """Text of the world file of ``world``: ends in a newline, ASCII but for printable text."""
     return "\n".join(_block(world, 0)) + "\n"
-
-
-def write_atomically(path: Path, text: str) -> None:
-    """Put ``text`` (UTF-8) into a file, whole or not at all; PhysimError when that fails."""
-    check_regular(path)
-    try:
-        handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.", suffix=".part")
-        try:
-            with os.fdopen(handle, "w", encoding="utf-8", newline="\n") as file:
-                file.write(text)
-            os.chmod(name, _mode(path))
-            os.replace(name, path)
-        except BaseException:
-            with contextlib.suppress(OSError):
-                os.unlink(name)
-            raise
-    except (OSError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or str(error)
-        raise PhysimError(f"{path}: cannot be written: {reason}") from error
-
-
-def _mode(path: Path) -> int:
-    """Permissions of the file to be replaced, or those of a new file."""
-    try:
-        return path.stat().st_mode & 0o777
-    except OSError:
-        mask = os.umask(0)
-        os.umask(mask)
-        return 0o666 & ~mask
 
 
 def _block(model: BaseModel, indent: int) -> Iterator[str]:

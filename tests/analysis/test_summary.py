@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from physim import Mode
+from physim.analysis.metrics import measure
 from physim.analysis.summary import SHOWN_CONTACTS, summarise, table, table_rows
 from physim.contacts import Kind
 from physim.errors import RecordError
@@ -25,6 +26,7 @@ Declared = inside("physim.parts", "Declared")
 def test_figures_and_names() -> None:
     with make_record() as record:
         s = summarise(record)
+        assert s.metrics == measure(record)
     assert s.value("simulated_time") == 10.0
     assert [s.value(f"contacts{of}") for of in ("", "_between_robots", "_with_boundaries")] == [
         2, 1, 1,
@@ -44,6 +46,7 @@ def test_figures_and_names() -> None:
     )  # fmt: skip
     assert told["wall_clock"]["factor"] == 100.0
     assert told["metrics"]["shortest_distance"]["value"] == shortest.value
+    assert told["metrics"]["width_min"]["station_m"] is not None
     assert [
         (one["bodies"], one["impact_newton_seconds"], one["impulse_newton_seconds"])
         for one in told["contacts"]

@@ -9,7 +9,6 @@ import signal
 import stat
 import subprocess
 import time
-import xml.etree.ElementTree as ElementTree
 from collections.abc import Callable
 from pathlib import Path
 
@@ -145,15 +144,9 @@ def test_a_run_on_a_drawn_road_can_be_simulated_again_from_its_record(here: Path
         drawn = lay_out(load_world("w.yaml"), 5)
         assert record.world == load_world("w.yaml", overrides=["seed=5"])
         assert len(record.bodies) == 2 + 4 + len(drawn.obstacles)
-        reference = record.reference
     again = physim("validate", "out/record.h5", "--json", "v.json", capture=capsys)
     assert again.code == 0, again.out
     assert json.loads(Path("v.json").read_text())["rerun"]["same_digest"] is True
-    assert physim("new", "plain", "--from", "out/record.h5", capture=capsys).code == 0
-    plain = load_world("plain.yaml")
-    assert (plain.seed, plain.is_road_random) == (5, False)
-    with simulate(load_world("w.yaml"), seed=6) as other:
-        assert not np.array_equal(reference, other.reference)
 
 
 def test_check_and_preview_are_of_the_seed_and_the_keys_set(here: Path, capsys) -> None:
@@ -166,8 +159,6 @@ def test_check_and_preview_are_of_the_seed_and_the_keys_set(here: Path, capsys) 
     one, other = ((here / f"{n}.svg").read_text() for n in (9, 3))
     assert one != other
     key = "corridor.random.clutter"
-    done = physim("check", "w.yaml", "--set", f"{key}=0.0", capture=capsys)
-    assert re.search(facts("0 obstacles"), done.out)
     done = physim("check", "w.yaml", "--set", f"{key}=99.0", capture=capsys)
     assert done.code == 2
     assert re.search(facts(f"--set {key}", "at most 50"), done.out)
@@ -202,16 +193,6 @@ def test_a_picture_is_named_after_the_file_in_one_line(
     assert physim("preview", world, capture=capsys) == (0, f"{picture}\n", "")
     assert (here / picture).read_bytes().startswith(PNG)
     assert sorted(file.name for file in here.iterdir()) == sorted((world, picture))
-
-
-def test_a_preview_has_its_seed_and_overrides(here: Path, capsys) -> None:
-    given = ("-o", "deep/a.svg", "--seed", 5, "--set", "name=other")
-    done = physim("preview", "three_robots", *given, capture=capsys)
-    assert done.code == 0, done.err
-    text = (here / "deep/a.svg").read_text(encoding="utf-8")
-    ElementTree.fromstring(text)
-    assert ">other</text>" in text
-    assert "seed 5</text>" in text
 
 
 def until(found: Callable[[], bool], process: subprocess.Popen[str]) -> None:

@@ -131,31 +131,6 @@ def test_the_video_so_far_is_made_unless_a_second_signal_ends_it_sooner(
 
 
 @pytest.mark.deep
-def test_of_runs_that_start_at_once_one_has_the_folder(here: Path) -> None:
-    (here / "long.yaml").write_text(LONG)
-    arguments = ("run", "long.yaml", "--no-video", "--quiet", "-o", "out")
-    both = [started(*arguments, "--seed", seed, folder=here) for seed in (1, 2)]
-    try:
-        while all(one.poll() is None for one in both):
-            time.sleep(0.01)
-        refused, *_ = (one for one in both if one.poll() is not None)
-        goes_on = both[1 - both.index(refused)]
-        out, err = refused.communicate()
-        assert (refused.returncode, out, err.count("\n")) == (2, "", 1), err
-        assert re.search(r"out/?\b.*(record\.h5|summary\.json)", err), err
-        wait_for_samples(goes_on, here / "out/record.h5", 300)
-        goes_on.send_signal(signal.SIGINT)
-        goes_on.communicate(timeout=60)
-        assert goes_on.returncode == 130
-    finally:
-        for one in both:
-            end(one)
-    check_record(here / "out/record.h5")
-    with Record.load(here / "out/record.h5") as record:
-        assert record.seed == 1 + both.index(goes_on)
-
-
-@pytest.mark.deep
 @pytest.mark.parametrize("late", [0.15, 0.25, 0.4])
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_a_signal_at_the_start(number: signal.Signals, late: float, here: Path) -> None:

@@ -4,21 +4,16 @@ from __future__ import annotations
 
 import os
 import signal
-import stat
 from pathlib import Path
-from types import SimpleNamespace
 
 import pytest
 
 from physim import parse_world, simulate
 from physim.analysis.crashtest import crash_test
-from physim.drafts import check_regular
-from physim.errors import PhysimError
+from physim.files import write_text
 from tests.cli.commands import SMALL, physim, tree
-from tests.helpers import check_error, facts, inside
+from tests.helpers import check_error
 from tests.helpers.records import make_record
-
-write_text = inside("physim.cli", "write_text")
 
 TRACK = "x_m,y_m,w_tr_right_m,w_tr_left_m\n0,0,4,4\n20,0,4,4\n40,0,4,4\n"
 
@@ -87,21 +82,6 @@ def test_no_link_or_pipe_is_written_over(name: str, here: Path, capsys) -> None:
         check_error(done.err, f"{out}:", "not a regular file", what)
         assert tree(here) == before
         (here / out).unlink()
-
-
-@pytest.mark.parametrize(
-    ("name", "kind"),
-    [(stat.S_IFCHR, "a device"), (stat.S_IFBLK, "a device"), (stat.S_IFSOCK, "a socket")],
-)
-def test_no_device_is_written_over(name: int, kind: str, tmp_path: Path, monkeypatch) -> None:
-    path = tmp_path / "device"
-    monkeypatch.setattr(Path, "lstat", lambda self: SimpleNamespace(st_mode=name | 0o666))
-    with pytest.raises(PhysimError, match=facts("device:", kind)):
-        check_regular(path)
-    with pytest.raises(PhysimError, match=kind):
-        write_text(path, "text")
-    monkeypatch.undo()
-    assert not path.exists()
 
 
 @pytest.mark.parametrize("path", ["dot", "link", "hard link"])

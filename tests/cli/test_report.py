@@ -47,43 +47,30 @@ def test_a_report_has_pictures_of_the_worst(made: Path, capsys) -> None:
     assert [file.stat().st_mtime_ns for file in stills] == times
 
 
-PARTS = ("campaign.json", "results.parquet", "rows/x.jsonl", "records/x.html")
+OVERWRITTEN = (
+    *((option, part, "part of the campaign")
+      for option in ("-o", "--json") for part in ("MADE/campaign.json", "MADE/rows/x.jsonl")),
+    ("-o", "record.h5", "ends in .html"),
+)  # fmt: skip
 
 
-@pytest.mark.parametrize("name", PARTS)
-def test_no_part_of_a_campaign_is_overwritten(made: Path, name: str, capsys) -> None:
-    """By force the campaign was lost: its own file was a page."""
-    before = tree(made)
-    for command in (("report", made), ("compare", made, "--by", "controller")):
-        for option in ("-o", "--json"):
-            done = physim(*command, option, made / name, "--force", capture=capsys)
-            assert done.code == 2
-            check_error(done.err, f"{made / name}:", "campaign", str(made), option)
-    assert tree(made) == before
-
-
-def test_the_page_and_the_figures_are_two_files(made: Path, tmp_path: Path, capsys) -> None:
-    both = tmp_path / "both.html"
-    again = tmp_path / "." / "both.html"
-    for command in (
-        ("report", made, "-o", both, "--json", again),
-        ("report", made, "--json", made / "report.html", "--force"),
-        ("compare", made, "--by", "controller", "-o", both, "--json", again),
-    ):
-        done = physim(*command, capture=capsys)
-        assert done.code == 2
-        assert "--json takes another file" in done.err
-    assert not both.exists()
-
-
-def test_a_page_is_not_written_over_what_is_none(made: Path, tmp_path: Path, capsys) -> None:
-    record = tmp_path / "record.h5"
-    record.write_bytes(b"kept")
-    for command in (("report", made), ("compare", made, "--by", "controller")):
-        done = physim(*command, "-o", record, "--force", capture=capsys)
-        assert done.code == 2
-        check_error(done.err, str(record), "ends in .html")
-    assert record.read_bytes() == b"kept"
+@pytest.mark.parametrize(("option", "name", "said"), OVERWRITTEN)
+@pytest.mark.parametrize("command", [("report",), ("compare", "--by", "controller")])
+def test_neither_a_campaign_nor_what_is_no_page_is_written_over(
+    command: tuple[str, ...], option: str, name: str, said: str, made: Path, tmp_path: Path, capsys
+) -> None:
+    """By force, too: the campaign was lost, its own file was a page."""
+    (tmp_path / "record.h5").write_bytes(b"kept")
+    before = tree(made), tree(tmp_path)
+    file = name.replace("MADE", str(made)) if "MADE" in name else tmp_path / name
+    done = physim(command[0], made, *command[1:], option, file, "--force", capture=capsys)
+    assert done.code == 2
+    check_error(done.err, f"{file}:", said)
+    both = ("-o", tmp_path / "b.html", "--json", tmp_path / "." / "b.html")
+    done = physim(command[0], made, *command[1:], *both, capture=capsys)
+    assert done.code == 2
+    check_error(done.err, f"{tmp_path / 'b.html'}:", "--json takes another file")
+    assert (tree(made), tree(tmp_path)) == before
 
 
 def test_the_worst_lead_to_pages_at_their_moments(made: Path, capsys) -> None:
@@ -266,21 +253,6 @@ def test_mistakes(made: Path, tmp_path: Path, monkeypatch, capsys) -> None:
         done = physim(*arguments, capture=capsys)
         assert (done.code, done.out) == (2, ""), arguments
         check_error(done.err, place, *said)
-
-
-def test_a_report_does_not_take_the_place_of_a_comparison(
-    made: Path, tmp_path: Path, capsys
-) -> None:
-    shutil.copytree(made, tmp_path / "c")
-    page = tmp_path / "c/report.html"
-    page.unlink(missing_ok=True)
-    compare = ("compare", tmp_path / "c", "--by", "controller", "-o", page)
-    assert physim(*compare, capture=capsys).code == 0
-    before = page.read_bytes()
-    done = physim("report", tmp_path / "c", "--no-pictures", capture=capsys)
-    assert done.code == 2
-    check_error(done.err, f"{page}:", "exists", "--force")
-    assert page.read_bytes() == before
 
 
 @pytest.mark.deep

@@ -136,11 +136,6 @@ def test_the_record_holds_the_world_as_it_was_run(here: Path, capsys) -> None:
         assert world.controller.settings["beta"] == 0.25
         assert world.robots[1].pose == (3.0, -1.0, "random")
         assert world.robots[0] == load_world("small.yaml").robots[0]
-        (here / "again.yaml").write_text(record.world_text)
-        digest = record.digest()
-    assert physim("run", "again.yaml", "-o", "2", "--no-video", capture=capsys).code == 0
-    with Record.load(here / "2/record.h5") as record:
-        assert record.digest() == digest
 
 
 OWN = """\
@@ -270,17 +265,6 @@ def test_a_controller_that_raises_keyboard_interrupt_is_no_ctrl_c(own: Path, cap
     done = physim(*given, capture=capsys)
     assert (done.code, done.err.count("\n")) == (2, 1)
     assert re.search(facts("own.py:43", "KeyboardInterrupt"), done.err), done.err
-
-
-def test_a_registered_controller_in_place_of_the_worlds(here: Path, capsys) -> None:
-    done = physim(
-        "run", "small.yaml", "--controller", "path_following", "-o", "out", "--no-video",
-        "--set", "time.duration=0.5", capture=capsys,
-    )  # fmt: skip
-    assert (done.code, done.err) == (0, "")
-    with Record.load(here / "out/record.h5") as record:
-        assert record.world.controller.type == "path_following"
-        assert (record.updates["considered"] == 0).all()
 
 
 def test_a_run_has_its_folder_until_all_its_files_are_written(

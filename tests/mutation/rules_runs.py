@@ -193,8 +193,8 @@ def predictions_go_straight() -> None:
     """The analysis foresees straight motion where the robots go on arcs (1)."""
 
     def straight(a: Any) -> Any:
-        case, some = a.case, slice(a.case.first, a.case.last)
-        pose, command = case.start[some].copy(), case.command[some]
+        some = slice(*a.batch.first_robot[a.k : a.k + 2])
+        pose, command = a.batch.start[some].copy(), a.batch.command[some]
         pose[:, 0] += a.t * command[:, 0] * np.cos(pose[:, 2])
         pose[:, 1] += a.t * command[:, 0] * np.sin(pose[:, 2])
         pose[:, 2] += a.t * command[:, 1]

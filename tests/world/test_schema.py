@@ -8,7 +8,7 @@ from copy import deepcopy
 import pytest
 import yaml
 from hypothesis import given
-from jsonschema import Draft7Validator
+from jsonschema import Draft202012Validator
 
 from physim.errors import WorldError
 from physim.world import World
@@ -24,7 +24,7 @@ FILE, shipped_schema_text = inside("physim.world.file", "FILE", "shipped_schema_
 world_schema = inside("physim.world.file", "world_schema")
 
 SHIPPED = json.loads((shipped_folder() / FILE).read_text(encoding="utf-8"))
-VALIDATOR = Draft7Validator(SHIPPED)
+VALIDATOR = Draft202012Validator(SHIPPED)
 
 FULL = """\
 name: full
@@ -92,7 +92,7 @@ def test_the_shipped_file_is_made_from_the_models() -> None:
     """Else: ``physim schema -o worlds/world.schema.json --force``."""
     text = (shipped_folder() / FILE).read_text(encoding="utf-8")
     assert text == shipped_schema_text()
-    Draft7Validator.check_schema(SHIPPED)
+    Draft202012Validator.check_schema(SHIPPED)
 
 
 @pytest.mark.parametrize("name", shipped_worlds())
@@ -129,33 +129,28 @@ def at(value, path):
     return value
 
 
+def keys(model: str) -> set[str]:
+    return set(SHIPPED["$defs"][model]["properties"])
+
+
 def test_full_world_holds_every_key_of_every_model() -> None:
     values = yaml.safe_load(FULL)
     assert parse_world(FULL).name == "full"
     assert list(VALIDATOR.iter_errors(values)) == []
     assert set(World.model_fields) - {"boundaries"} == set(values)
-    one, many = SHIPPED["properties"]["robots"]["items"]["oneOf"]
-    robots = [key for robot in values["robots"] if "count" not in robot for key in robot]
-    assert set(one["properties"]) == set(robots)
-    groups = [key for robot in values["robots"] if "count" in robot for key in robot]
-    assert set(many["properties"]) == set(groups)
-    for key in (
-        "time",
-        "start",
-        "formation",
-        "expect",
-        "physics",
-        "sensing",
-        "arrival",
+    for name, robots in (
+        ("Robot", [robot for robot in values["robots"] if "count" not in robot]),
+        ("RobotGroup", [robot for robot in values["robots"] if "count" in robot]),
     ):
-        assert set(SHIPPED["properties"][key]["properties"]) == set(values[key])
-    road, drawn = SHIPPED["properties"]["corridor"]["oneOf"]
-    assert set(road["properties"]) == set(values["corridor"])
+        assert keys(name) == {key for robot in robots for key in robot}
+    for key in ("time", "start", "formation", "physics", "sensing", "arrival", "corridor"):
+        assert keys(key.title()) == set(values[key])
+    assert keys("Expectation") == set(values["expect"])
     random = yaml.safe_load(DRAWN)["corridor"]
     assert list(VALIDATOR.iter_errors(yaml.safe_load(DRAWN))) == []
     assert parse_world(DRAWN).is_road_random
-    assert set(drawn["properties"]) == set(random)
-    assert set(drawn["properties"]["random"]["properties"]) == set(random["random"])
+    assert keys("RandomCorridor") == set(random)
+    assert keys("RandomRoad") == set(random["random"])
 
 
 @pytest.mark.parametrize(("text", "least"), [(FULL, 50), (DRAWN, 20)], ids=["full", "drawn"])
@@ -220,7 +215,7 @@ def test_keys_of_each_controller_are_its_own() -> None:
     assert fits(type="constant", commands=[[1.0, 0.2]])
     assert not fits(type="constant", commands=[[1.0]])
     assert not fits(commands=[[1.0, 0.2]])
-    text = json.dumps(SHIPPED["properties"]["controller"])
+    text = json.dumps(SHIPPED["$defs"]["ControllerChoice"])
     assert len(shipped_parts(CONTROLLER)) >= 3
     for name in shipped_parts(CONTROLLER):
         model = settings_model(find_part(CONTROLLER, name))

@@ -1,8 +1,10 @@
-"""Layouts of two robots, or of one and something that stands: walls, corners, obstacles.
+"""Cases drawn by number, and each written as a world: two robots, or one and something that stands.
 
-Two robots meet at random, side by side, in rows, or graze each other. A layout is planned from
+The same seed and number give the same case, whatever the others. Two robots meet at random, side by
+side, in rows, or graze each other; one meets walls, corners, obstacles. A layout is planned from
 the meeting: the poses at which the two would overlap or touch are chosen first, and each is
-taken back along its arc. All lengths [m], about the origin of the place.
+taken back along its arc. All lengths [m], about the origin of the place. The world of a case is a
+small one that ``physim run`` replays, to the bit at the same coordinates.
 
 Footprints are random: convex, boxes, nonconvex. They come from a store that depends on the
 seed alone, since cutting an outline into convex parts costs more than the case itself.
@@ -10,7 +12,7 @@ seed alone, since cutting an outline into convex parts costs more than the case 
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from math import cos, pi, sin
 from typing import NamedTuple
 
@@ -26,13 +28,27 @@ from physim.geometry.polygon import (
     signed_area,
     smallest_width,
 )
-from physim.geometry.separation import body_separation
+from physim.geometry.separation import body_distance, body_separation
 from physim.geometry.shapes import FloatArray, Shapes, pack_parts
 from physim.randomness import stream
 from physim.tolerances import TUNNEL_FRACTION
+from physim.world import World
+from physim.world.scene import DENSITY
 
 STEPS = 48
 """Steps that a case lasts."""
+TIME_STEPS = (0.005, 0.01, 0.02, 0.05, 0.1)
+"""[s]"""
+CLEAR = 1e-8
+"""[m] least distance at the start: a world with less is refused as touching"""
+TRIES = 50
+"""Layouts tried; the last resort is a robot pair far enough apart"""
+SPACING = 60.0
+"""[m] between the places of two cases: twice what any of them can reach"""
+HALF_WIDTH = 29.0
+"""[m] from the middle of the place to the boundary that closes it"""
+LEAST = 1e-6
+"""[m/s, rad/s] least limit of a robot that does not use it"""
 STORED = 200
 """Footprints of each sort."""
 THINNEST = 0.05
@@ -44,7 +60,9 @@ TURNING = 4.0
 ROOM = 0.96
 """[-] share of the advance that the tunnelling rule allows, left for rounding"""
 
-Pose = tuple[float, float, float]
+Place = tuple[float, float]
+Walls = tuple[Sequence[FloatArray], ...]
+"""Convex parts or segments of each line and each solid"""
 Order = tuple[float, float]
 """v [m/s], omega [rad/s], held"""
 
@@ -60,8 +78,8 @@ class Footprint(NamedTuple):
     """[m] of the disc about the reference point"""
     width: float
     """[m] least width of a part"""
-    area: float
-    """[m^2]"""
+    mass: float
+    """[kg]"""
     packed: Shapes
     """the one body, for kernels"""
 
@@ -81,35 +99,25 @@ class Layout(NamedTuple):
     """outline (n, 2) [m] of each obstacle and its convex parts, world frame"""
 
 
-class Store(NamedTuple):
-    """Footprints to draw from."""
-
-    convex: tuple[Footprint, ...]
-    boxes: tuple[Footprint, ...]
-    nonconvex: tuple[Footprint, ...]
+Store = dict[str, tuple[Footprint, ...]]
+"""Footprints to draw from, by sort"""
 
 
 def build_store(seed: int) -> Store:
-    """Footprints of one seed."""
-    sorts = (("convex", _convex), ("boxes", _box), ("nonconvex", _nonconvex))
-    return Store(
-        *(
-            tuple(_usable(stream(seed, f"crash test, {name}", k), draw) for k in range(STORED))
-            for name, draw in sorts
-        )
-    )
+    """Footprints of one seed, each simple, not too thin, and cut as a world would have it cut."""
 
+    def usable(name: str, k: int) -> Footprint:
+        rng = stream(seed, f"crash test, {name}", k)
+        while True:
+            if not is_simple(points := SORTS[name](rng)):
+                continue
+            outline = counter_clockwise(points)
+            parts = convex_parts(outline)
+            if (width := smallest_width(parts)) >= THINNEST:
+                radius, mass = circumscribed_radius(outline), DENSITY * abs(signed_area(outline))
+                return Footprint(outline, parts, radius, width, mass, pack_parts([parts]))
 
-def _usable(rng: Generator, draw: Callable[[Generator], FloatArray]) -> Footprint:
-    """A footprint that is simple and not too thin, cut exactly as a world would have it cut."""
-    while True:
-        if not is_simple(points := draw(rng)):
-            continue
-        outline = counter_clockwise(points)
-        parts = convex_parts(outline)
-        if (width := smallest_width(parts)) >= THINNEST:
-            radius, area = circumscribed_radius(outline), abs(signed_area(outline))
-            return Footprint(outline, parts, radius, width, area, pack_parts([parts]))
+    return {name: tuple(usable(name, k) for k in range(STORED)) for name in SORTS}
 
 
 def _box(rng: Generator) -> FloatArray:
@@ -130,28 +138,22 @@ def _convex(rng: Generator) -> FloatArray:
 
 
 def _nonconvex(rng: Generator) -> FloatArray:
+    """L, U, T, or a star about the origin."""
     a, b = rng.uniform(0.3, 1.2, 2)
     s, t, u = rng.uniform(0.2, 0.8, 3)
-    sort = rng.integers(4)
-    if sort == 0:  # L
-        points = [(0, 0), (a, 0), (a, s * b), (t * a, s * b), (t * a, b), (0, b)]
-    elif sort == 1:  # U
-        low, high = sorted((0.1 + 0.8 * s, 0.1 + 0.8 * t))
-        points = [
-            (0, 0), (a, 0), (a, b), (high * a, b), (high * a, u * b), (low * a, u * b),
-            (low * a, b), (0, b),
-        ]  # fmt: skip
-    elif sort == 2:  # T
-        low, high = sorted((s, t))
-        points = [
-            (low * a, 0), (high * a, 0), (high * a, u * b), (a, u * b), (a, b), (0, b),
-            (0, u * b), (low * a, u * b),
-        ]  # fmt: skip
-    else:  # a star about the origin
+    if (sort := rng.integers(4)) == 3:
         corners = 2 * int(rng.integers(3, 6))
         angles = np.arange(corners) * 2.0 * pi / corners + rng.uniform(-0.2, 0.2, corners)
         radii = np.where(np.arange(corners) % 2, rng.uniform(0.2, 0.5), rng.uniform(0.5, 1.0))
         points = list(zip(radii * np.cos(angles), radii * np.sin(angles), strict=True))
+    else:
+        low, high = sorted((s, t) if sort == 2 else (0.1 + 0.8 * s, 0.1 + 0.8 * t))
+        left, right, top = low * a, high * a, u * b
+        points = (
+            [(0, 0), (a, 0), (a, s * b), (t * a, s * b), (t * a, b), (0, b)],
+            [(0, 0), (a, 0), (a, b), (right, b), (right, top), (left, top), (left, b), (0, b)],
+            [(left, 0), (right, 0), (right, top), (a, top), (a, b), (0, b), (0, top), (left, top)],
+        )[sort]
     made = np.array(points, dtype=np.float64)
     middle = 0.5 * (made.min(axis=0) + made.max(axis=0))
     return np.asarray(made - middle + _shift(rng))
@@ -161,19 +163,21 @@ def _shift(rng: Generator) -> FloatArray:
     return np.asarray(rng.uniform(-0.3, 0.3, 2) if rng.random() < 0.5 else np.zeros(2))
 
 
+SORTS: dict[str, Callable[[Generator], FloatArray]] = {
+    "convex": _convex, "boxes": _box, "nonconvex": _nonconvex,
+}  # fmt: skip
+
+
 class Draft:
     """One case in the making: its random numbers, its place and step, and robots to draw from."""
 
-    def __init__(
-        self, rng: Generator, origin: tuple[float, float], dt: float, store: Store
-    ) -> None:
+    def __init__(self, rng: Generator, origin: Place, dt: float, store: Store) -> None:
         self.rng, self.origin, self.dt, self.store = rng, origin, dt, store
 
     def robot(self, sort: str = "") -> Footprint:
         """A footprint of a sort, or of any."""
-        some = getattr(self.store, sort) if sort else self.store[int(self.rng.integers(3))]
-        found: Footprint = some[int(self.rng.integers(len(some)))]
-        return found
+        some = self.store[sort or tuple(SORTS)[int(self.rng.integers(3))]]
+        return some[int(self.rng.integers(len(some)))]
 
     def pair(self, a: Footprint, b: Footprint) -> Layout:
         """Two robots whose discs overlap at the meeting: most collide, some pass."""
@@ -240,7 +244,7 @@ class Draft:
         inner = np.sort(rng.uniform(ends[0] + 0.1, ends[1] - 0.1, int(rng.integers(0, 4))))
         along = np.concatenate((ends[:1], inner, ends[1:]))
         along = along[np.concatenate(([True], np.diff(along) > 1e-3))]
-        return self._facing(robot, foot + along[:, None] * direction)
+        return self._alone(robot, foot + along[:, None] * direction)
 
     def corner(self) -> Layout:
         """Two walls that meet at any angle from 20 to 340 degrees."""
@@ -251,7 +255,7 @@ class Draft:
             tip + rng.uniform(0.5, 4.0) * np.array((cos(angle), sin(angle)))
             for angle in (first, first + opening)
         ]
-        return self._facing(robot, np.array((ends[0], tip, ends[1])))
+        return self._alone(robot, np.array((ends[0], tip, ends[1])))
 
     def wall_end(self) -> Layout:
         """Free end of a wall, or a stub with both ends near."""
@@ -259,7 +263,7 @@ class Draft:
         end = self._near(robot)
         direction, _ = self._axes()
         length = rng.uniform(1.0, 5.0) if rng.random() < 0.7 else rng.uniform(0.05, 0.5)
-        return self._facing(robot, np.array((end, end + length * direction)))
+        return self._alone(robot, np.array((end, end + length * direction)))
 
     def wall_graze(self) -> Layout:
         """Passing a wall, or the end of one, within a hair: along it, or turning away as it
@@ -297,16 +301,16 @@ class Draft:
             + np.stack((x * part[:, 0] - y * part[:, 1], y * part[:, 0] + x * part[:, 1]), axis=1)
             for part in (solid.outline, *solid.parts)
         )
-        return self._alone(robot)._replace(solids=(turned,))
+        return self._alone(robot, solids=(turned,))
 
-    def _facing(self, robot: Footprint, line: FloatArray) -> Layout:
-        return self._alone(robot)._replace(lines=(line,))
-
-    def _alone(self, robot: Footprint) -> Layout:
-        """A robot that is at the origin of the place at the meeting."""
+    def _alone(
+        self, robot: Footprint, *lines: FloatArray, solids: tuple[tuple[FloatArray, ...], ...] = ()
+    ) -> Layout:
+        """A robot that is at the origin of the place at the meeting, and what stands there."""
         order = self._order(robot, self._most(robot))
         pose = (*self.origin, self._angle())
-        return _back((robot,), (pose,), [order], self._time())
+        found = _back((robot,), (pose,), [order], self._time())
+        return found._replace(lines=lines, solids=solids)
 
     def _most(self, *robots: Footprint) -> float:
         """Largest speed [m/s] of any point that a world with these robots may have."""
@@ -387,3 +391,82 @@ KINDS: dict[str, Callable[[Draft], Layout]] = {
     "obstacle": Draft.obstacle,
 }
 """What is drawn, in turn."""
+
+
+class Case(NamedTuple):
+    """A layout with its number, by which it can be drawn again."""
+
+    number: int
+    kind: str
+    dt: float
+    """[s]"""
+    origin: Place
+    """[m] middle of the place where it happens"""
+    layout: Layout
+    walls: Walls
+
+
+def draw_case(seed: int, number: int, origin: Place, store: Store) -> Case:
+    """Draw one case: kind and time step follow from its number, all else from its stream."""
+    kind = tuple(KINDS)[number % len(KINDS)]
+    dt = TIME_STEPS[number // len(KINDS) % len(TIME_STEPS)]
+    draft = Draft(stream(seed, "crash test", number), origin, dt, store)
+    for _ in range(TRIES):
+        layout = KINDS[kind](draft)
+        lines = (tuple(line[k : k + 2] for k in range(len(line) - 1)) for line in layout.lines)
+        walls = (*lines, *(parts for _, *parts in layout.solids))
+        if _is_clear(layout, walls):
+            return Case(number, kind, dt, origin, layout, walls)
+    return Case(number, kind, dt, origin, draft.aligned(across=True), ())
+
+
+def _is_clear(layout: Layout, walls: Walls) -> bool:
+    """Whether nothing touches at the start, as a world must have it."""
+    start, robot = layout.start, layout.robots[0].packed
+    if len(start) == 2:
+        other = layout.robots[1].packed
+        return bool(body_distance(robot, 0, start[0], other, 0, start[1]) > CLEAR)
+    solid, still = pack_parts(walls), np.zeros(3)
+    return all(
+        body_distance(robot, 0, start[0], solid, k, still) > CLEAR for k in range(len(walls))
+    )
+
+
+def place_of(index: int) -> Place:
+    """Middle of the place of a case [m]: a spiral of squares about the origin."""
+    ring = int((np.sqrt(index) + 1.0) / 2.0)
+    along = index - (2 * ring - 1) ** 2 if ring else 0
+    side, offset = divmod(along, 2 * ring) if ring else (0, 0)
+    far, near = ring, offset - ring
+    x, y = ((far, near), (-near, far), (-far, -near), (near, -far))[side]
+    return SPACING * x, SPACING * y
+
+
+def case_world(case: Case, seed: int, reason: str) -> World:
+    """World of a case; ``reason`` goes into its description."""
+    layout = case.layout
+    (x, y), commands = case.origin, layout.command.tolist()
+    corners = ((-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0))
+    ring = [(x + i * HALF_WIDTH, y + j * HALF_WIDTH) for i, j in corners]
+    robots = []
+    for k, (v, omega) in enumerate(commands):
+        px, py, heading = layout.start[k].tolist()
+        robots.append({
+            "name": f"robot {k + 1}",
+            "footprint": layout.robots[k].outline.tolist(),
+            "pose": [px, py, heading],
+            # a metre straight ahead: every robot needs a path, nobody follows it here
+            "path": [(px, py), (px + cos(heading), py + sin(heading))],
+            "limits": {"v": max(abs(v), LEAST), "omega": max(abs(omega), LEAST)},
+        })  # fmt: skip
+    return World(
+        name=f"crash-{seed}-{case.number}",
+        description=f"Crash test, seed {seed}, case {case.number} ({case.kind}): {reason}",
+        seed=seed,
+        time={"step": case.dt, "duration": round(STEPS * case.dt, 12)},
+        boundaries=[*(line.tolist() for line in layout.lines), [*ring, ring[0]]],
+        reference_path=[(x - 5.0, y - HALF_WIDTH + 1.0), (x + 5.0, y - HALF_WIDTH + 1.0)],
+        robots=robots,
+        controller={"type": "constant", "commands": commands},
+        obstacles=[outline.tolist() for outline, *_ in layout.solids],
+    )

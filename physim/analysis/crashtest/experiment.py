@@ -7,24 +7,23 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
-from physim.analysis.crashtest.cases import (
+from physim.analysis.crashtest.drafts import (
+    KINDS,
+    STEPS,
     TIME_STEPS,
     Case,
-    Packed,
+    build_store,
     case_world,
     draw_case,
-    masses,
-    pack,
     place_of,
 )
-from physim.analysis.crashtest.drafts import KINDS, STEPS, build_store
-from physim.analysis.crashtest.prediction import approach, predict
+from physim.analysis.crashtest.prediction import Packed, approach, pack, predict
 from physim.analysis.crashtest.report import (
     NEVER,
     ROW,
@@ -35,7 +34,7 @@ from physim.analysis.crashtest.report import (
 )
 from physim.contacts import Phase
 from physim.errors import PhysimError
-from physim.geometry.shapes import FloatArray, IntArray
+from physim.geometry.shapes import IntArray
 from physim.simulation.engine import Physics
 from physim.tolerances import CLOSING_SPEED, CONTACT, TIME, chord
 
@@ -43,13 +42,13 @@ BLOCK = 2000
 """Cases drawn at a time; each time step among them gets a space of its own."""
 
 
-def simulate_cases(batch: Packed, mass: FloatArray) -> tuple[IntArray, int]:
-    """Drive every robot for STEPS steps; ``mass`` (N,) [kg].
+def simulate_cases(batch: Packed) -> tuple[IntArray, int]:
+    """Drive every robot for STEPS steps.
 
     Sample (M,) of the first physical contact of each case, or NEVER, and how many false contacts
     of the engine were kept out.
     """
-    physics = Physics(batch.shapes, batch.walls, batch.start, mass, batch.dt)
+    physics = Physics(batch.shapes, batch.walls, batch.start, batch.mass, batch.dt)
     count = np.diff(batch.first_robot)
     case_of = np.repeat(np.arange(len(count)), count)
     sample = np.full(len(count), NEVER, dtype=np.int64)
@@ -78,27 +77,19 @@ def crash_test(
     ``folder``, which is made when it is needed. ``progress`` is called with the number of cases
     done; when ``stop`` returns True the test ends with the cases so far.
     """
-    report = CrashReport(seed, cases)
-    for some in _batches(seed, cases):
-        _compare(report, some, folder)
-        if progress is not None:
-            progress(report.cases)
-        if stop is not None and stop():
-            report.interrupted = report.cases < cases
-            break
-    report.unexplained.sort(key=lambda one: one.number)
-    return report
-
-
-def _batches(seed: int, cases: int) -> Iterator[tuple[Case, ...]]:
-    """Cases, block after block, by time step; the place of a case is its place in the block."""
-    store = build_store(seed)
+    report, store = CrashReport(seed, cases), build_store(seed)
     for first in range(0, cases, BLOCK):
         numbers = range(first, min(first + BLOCK, cases))
         drawn = [draw_case(seed, k, place_of(k % BLOCK), store) for k in numbers]
         for dt in TIME_STEPS:
-            if group := tuple(case for case in drawn if case.dt == dt):
-                yield group
+            if some := tuple(case for case in drawn if case.dt == dt):
+                _compare(report, some, folder)
+                if progress is not None:
+                    progress(report.cases)
+                if stop is not None and stop():
+                    report.interrupted = report.cases < cases
+                    return report
+    return report
 
 
 def _compare(
@@ -107,23 +98,30 @@ def _compare(
     """Simulate and compare cases of one time step; what came of them goes into the report."""
     dt = cases[0].dt
     batch = pack(dt, cases)
-    (sample, rejected), predicted = simulate_cases(batch, masses(cases)), predict(batch)
+    (sample, rejected), predicted = simulate_cases(batch), predict(batch)
     xi = predicted.time
     seen = approach(batch, xi)  # by the true shapes and arcs, whoever predicted xi
     report.rejected += rejected
     rows, names = np.zeros(len(cases), ROW), tuple(KINDS)
     for k, case in enumerate(cases):
         at, time = int(sample[k]), float(xi[k])
-        found = classify(dt, at, time, float(seen.gap[k]), predicted.distance[k])
-        rows["kind"][k], rows["verdict"][k] = names.index(case.kind), found.verdict
-        if found.verdict == Verdict.UNEXPLAINED:
+        verdict, reason = classify(dt, at, time, float(seen.gap[k]), predicted.distance[k])
+        rows["kind"][k], rows["verdict"][k] = names.index(case.kind), verdict
+        if verdict == Verdict.UNEXPLAINED:
             known = time < math.inf
             one = Unexplained(
                 case.number, case.kind, dt, None if at == NEVER else at, time if known else None,
-                max(0, math.ceil((time - TIME) / dt)) if known else None, found.reason,
+                max(0, math.ceil((time - TIME) / dt)) if known else None, reason,
             )  # fmt: skip
-            world = None if folder is None else _write(case, report.seed, one, Path(folder))
-            report.unexplained.append(replace(one, world=world))
+            if folder is not None:
+                path = Path(folder) / f"case-{case.number:06d}.yaml"
+                try:
+                    path.parent.mkdir(parents=True, exist_ok=True)
+                except OSError as error:
+                    raise PhysimError(f"{folder}: cannot be made ({error.strerror})") from None
+                case_world(case, report.seed, reason).save(path)
+                one = replace(one, world=str(path))
+            report.unexplained.append(one)
     same, swept = rows["verdict"] == Verdict.SAME_SAMPLE, seen.swept < np.inf
     # how far straight motion between samples is from the arcs, both robots together
     off = np.array([chord(v, omega, dt) for v, omega in batch.command])
@@ -137,14 +135,4 @@ def _compare(
     rows["step"], rows["chord"], rows["swept"] = TIME_STEPS.index(dt), chords, swept
     rows["renewed"] = predicted.renewed > 0
     report.batches.append(rows)
-
-
-def _write(case: Case, seed: int, one: Unexplained, folder: Path) -> str:
-    """Write the world of an unexplained case; returns its file."""
-    path = folder / f"case-{case.number:06d}.yaml"
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise PhysimError(f"{folder}: cannot be made ({error.strerror})") from None
-    case_world(case, seed, one.reason).save(path)
-    return str(path)
+    report.unexplained.sort(key=lambda one: one.number)

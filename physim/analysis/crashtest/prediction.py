@@ -1,4 +1,7 @@
-"""Contacts of the cases of a batch as analysis predicts them, by kernels without the engine."""
+"""Contacts of the cases of a batch as analysis predicts them, by kernels without the engine.
+
+A batch holds many cases of one time step in one space, far apart.
+"""
 
 from __future__ import annotations
 
@@ -7,18 +10,55 @@ from typing import NamedTuple
 
 import numpy as np
 
-from physim.analysis.crashtest.cases import Packed
-from physim.analysis.crashtest.drafts import STEPS
+from physim.analysis.crashtest.drafts import STEPS, Case
 from physim.compiled import compiled, is_cached
 from physim.geometry.collision import collision_time_pair, collision_time_walls
 from physim.geometry.motion import arc
 from physim.geometry.separation import body_separation, wall_separation
-from physim.geometry.shapes import FloatArray, IntArray, Shapes
+from physim.geometry.shapes import FloatArray, IntArray, Shapes, pack_parts
 from physim.geometry.swept import swept_pair, swept_walls
 from physim.tolerances import CONTACT, ROUNDING
 
 MOST_RENEWED = 2000
 """How often a search for a collision time that reached its cap is taken up again."""
+
+
+class Packed(NamedTuple):
+    """M cases of one time step with N robots in all, for the kernels."""
+
+    shapes: Shapes
+    """of the N robots"""
+    walls: Shapes
+    """of all cases, world frame"""
+    start: FloatArray
+    """(N, 3)"""
+    command: FloatArray
+    """(N, 2)"""
+    mass: FloatArray
+    """(N,) [kg]"""
+    first_robot: IntArray
+    """(M + 1,) case k has the robots from first_robot[k] to first_robot[k + 1] - 1"""
+    first_wall: IntArray
+    """(M + 1,) likewise of the bodies of ``walls``"""
+    dt: float
+    """[s]"""
+
+
+def pack(dt: float, cases: tuple[Case, ...]) -> Packed:
+    """Pack cases of one time step."""
+    layouts = [case.layout for case in cases]
+    robots = [robot for one in layouts for robot in one.robots]
+    first_robot, first_wall = (
+        np.concatenate(([0], np.cumsum([len(one) for one in some]))).astype(np.int64)
+        for some in ([one.robots for one in layouts], [case.walls for case in cases])
+    )
+    return Packed(
+        pack_parts([robot.parts for robot in robots]),
+        pack_parts([parts for case in cases for parts in case.walls]),
+        np.concatenate([one.start for one in layouts]),
+        np.concatenate([one.command for one in layouts]),
+        np.array([robot.mass for robot in robots]), first_robot, first_wall, dt,
+    )  # fmt: skip
 
 
 class Prediction(NamedTuple):
@@ -46,37 +86,21 @@ class Approach(NamedTuple):
     """(M,) [m] signed distance on the exact arcs at the swept contact; NaN without one"""
 
 
-class PackedCase(NamedTuple):
-    """One case, for the kernels: robots ``first`` to ``last - 1``, two, or one and wall parts."""
-
-    shapes: Shapes
-    walls: Shapes
-    parts: IntArray
-    start: FloatArray
-    command: FloatArray
-    first: int
-    last: int
-    dt: float
-
-
 @compiled
-def packed_case(batch: Packed, k: int) -> PackedCase:
-    """Case k of a batch."""
-    bodies = batch.walls.body_start[batch.first_wall[k] : batch.first_wall[k + 1] + 1]
+def poses_at(batch: Packed, k: int, t: float) -> FloatArray:
+    """Poses of the robots of case k on their arcs."""
     first, last = batch.first_robot[k], batch.first_robot[k + 1]
-    parts = np.arange(bodies[0], bodies[-1])
-    return PackedCase(
-        batch.shapes, batch.walls, parts, batch.start, batch.command, first, last, batch.dt
-    )
+    pose = np.empty((last - first, 3))
+    for i in range(first, last):
+        pose[i - first] = arc(batch.start[i], batch.command[i, 0], batch.command[i, 1], t)
+    return pose
 
 
 @compiled
-def poses_at(case: PackedCase, t: float) -> FloatArray:
-    """Poses of the robots of a case on their arcs."""
-    pose = np.empty((case.last - case.first, 3))
-    for i in range(case.first, case.last):
-        pose[i - case.first] = arc(case.start[i], case.command[i, 0], case.command[i, 1], t)
-    return pose
+def wall_parts(batch: Packed, k: int) -> IntArray:
+    """Parts of the walls of case k."""
+    first, last = batch.first_wall[k], batch.first_wall[k + 1]
+    return np.arange(batch.walls.body_start[first], batch.walls.body_start[last])
 
 
 @compiled
@@ -92,53 +116,56 @@ def point_speed(
 
 
 @compiled
-def state_at(case: PackedCase, t: float) -> tuple[float, float]:
-    """Signed distance [m] of a case, and closing speed [m/s] of its closest points."""
-    shapes, i, j = case.shapes, case.first, case.first + 1
-    pose = poses_at(case, t)
+def state_at(batch: Packed, k: int, t: float) -> tuple[float, float]:
+    """Signed distance [m] of case k, and closing speed [m/s] of its closest points."""
+    shapes, command, i = batch.shapes, batch.command, batch.first_robot[k]
+    pose = poses_at(batch, k, t)
     if len(pose) == 1:
-        d, nx, ny, ax, ay, _, _ = wall_separation(shapes, i, pose[0], case.walls, case.parts)
-        return d, point_speed(pose[0], case.command[i], ax, ay, nx, ny)
-    d, nx, ny, ax, ay, bx, by = body_separation(shapes, i, pose[0], shapes, j, pose[1])
-    closing = point_speed(pose[0], case.command[i], ax, ay, nx, ny)
-    return d, closing - point_speed(pose[1], case.command[j], bx, by, nx, ny)
+        parts = wall_parts(batch, k)
+        d, nx, ny, ax, ay, _, _ = wall_separation(shapes, i, pose[0], batch.walls, parts)
+        return d, point_speed(pose[0], command[i], ax, ay, nx, ny)
+    d, nx, ny, ax, ay, bx, by = body_separation(shapes, i, pose[0], shapes, i + 1, pose[1])
+    closing = point_speed(pose[0], command[i], ax, ay, nx, ny)
+    return d, closing - point_speed(pose[1], command[i + 1], bx, by, nx, ny)
 
 
 @compiled
-def time_from(case: PackedCase, since: float, horizon: float) -> float:
-    """Collision time [s] counted from ``since``, up to the horizon."""
-    shapes, i, j = case.shapes, case.first, case.first + 1
-    pose = poses_at(case, since)
-    twist = (case.command[i, 0], case.command[i, 1])
+def time_from(batch: Packed, k: int, since: float, horizon: float) -> float:
+    """Collision time [s] of case k counted from ``since``, up to the horizon."""
+    shapes, command, i = batch.shapes, batch.command, batch.first_robot[k]
+    pose = poses_at(batch, k, since)
+    twist = (command[i, 0], command[i, 1])
     if len(pose) == 1:
-        return collision_time_walls(shapes, i, pose[0], twist, case.walls, case.parts, horizon)
-    other = (case.command[j, 0], case.command[j, 1])
-    return collision_time_pair(shapes, i, pose[0], twist, j, pose[1], other, horizon)
+        parts = wall_parts(batch, k)
+        return collision_time_walls(shapes, i, pose[0], twist, batch.walls, parts, horizon)
+    other = (command[i + 1, 0], command[i + 1, 1])
+    return collision_time_pair(shapes, i, pose[0], twist, i + 1, pose[1], other, horizon)
 
 
 @compiled
-def collision_time_of(case: PackedCase, horizon: float) -> tuple[float, int]:
-    """Collision time [s] of a case, and how often the search went on from a lower bound.
+def collision_time_of(batch: Packed, k: int, horizon: float) -> tuple[float, int]:
+    """Collision time [s] of case k, and how often the search went on from a lower bound.
 
     A search that reaches its cap gives a lower bound, at which the shapes are still apart.
     """
     time = 0.0
     for renewed in range(MOST_RENEWED):
-        time += time_from(case, time, horizon - time)
-        if time == np.inf or state_at(case, time)[0] <= CONTACT + ROUNDING:
+        time += time_from(batch, k, time, horizon - time)
+        if time == np.inf or state_at(batch, k, time)[0] <= CONTACT + ROUNDING:
             return time, renewed
     return time, MOST_RENEWED
 
 
 @compiled
-def swept_step(case: PackedCase, step: int) -> float:
+def swept_step(batch: Packed, k: int, step: int) -> float:
     """Time of the first contact in a step [s after its first sample], inf when there is none."""
-    shapes, i = case.shapes, case.first
-    a = poses_at(case, step * case.dt)
-    b = poses_at(case, (step + 1) * case.dt)
+    shapes, i = batch.shapes, batch.first_robot[k]
+    a = poses_at(batch, k, step * batch.dt)
+    b = poses_at(batch, k, (step + 1) * batch.dt)
     if len(a) == 1:
-        return swept_walls(shapes, i, a[0], b[0], case.walls, case.parts, case.dt)[0]
-    return swept_pair(shapes, i, a[0], b[0], i + 1, a[1], b[1], case.dt)
+        parts = wall_parts(batch, k)
+        return swept_walls(shapes, i, a[0], b[0], batch.walls, parts, batch.dt)[0]
+    return swept_pair(shapes, i, a[0], b[0], i + 1, a[1], b[1], batch.dt)
 
 
 @compiled
@@ -149,10 +176,9 @@ def predict(batch: Packed) -> Prediction:
     renewed = np.empty(cases, np.int64)
     distance = np.empty((cases, STEPS + 1))
     for k in range(cases):
-        case = packed_case(batch, k)
-        time[k], renewed[k] = collision_time_of(case, STEPS * batch.dt)
+        time[k], renewed[k] = collision_time_of(batch, k, STEPS * batch.dt)
         for n in range(STEPS + 1):
-            distance[k, n] = state_at(case, n * batch.dt)[0]
+            distance[k, n] = state_at(batch, k, n * batch.dt)[0]
     return Prediction(time, renewed, distance)
 
 
@@ -167,14 +193,13 @@ def approach(batch: Packed, time: FloatArray) -> Approach:
     for k in range(cases):
         if not time[k] < np.inf:
             continue
-        case = packed_case(batch, k)
-        gap[k], speed = state_at(case, time[k])
+        gap[k], speed = state_at(batch, k, time[k])
         near = int(time[k] / batch.dt)
         for n in range(max(0, near - 1), min(near + 2, STEPS)):
-            t = swept_step(case, n)
+            t = swept_step(batch, k, n)
             if t < np.inf:
                 swept[k] = n * batch.dt + t
-                swept_gap[k], later = state_at(case, swept[k])
+                swept_gap[k], later = state_at(batch, k, swept[k])
                 closing[k] = min(speed, later)
                 break
     return Approach(gap, closing, swept, swept_gap)

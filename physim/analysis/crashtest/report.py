@@ -17,18 +17,17 @@ xi, and lists every unexplained case.
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import IntEnum
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from physim.analysis.crashtest.cases import TIME_STEPS
-from physim.analysis.crashtest.drafts import KINDS
+from physim.analysis.crashtest.drafts import KINDS, TIME_STEPS
 from physim.geometry.shapes import FloatArray
+from physim.json_text import json_text
 from physim.tolerances import CONTACT, ROUNDING, TIME
 
 NEVER = -1
@@ -53,21 +52,16 @@ WORDS = ("same sample", "no contact", "graze between samples", "within tolerance
 """Name of each `Verdict`."""
 
 
-class Classified(NamedTuple):
-    """Verdict on one case, with what is wrong where it is unexplained."""
-
-    verdict: Verdict
-    reason: str = ""
-
-
 def first_sample(distance: FloatArray) -> int:
     """First sample at which a distance (K,) is a contact, or NEVER."""
     touching = distance <= CONTACT
     return int(touching.argmax()) if touching.any() else NEVER
 
 
-def classify(dt: float, physical: int, xi: float, gap: float, distance: FloatArray) -> Classified:
-    """Verdict on one case.
+def classify(
+    dt: float, physical: int, xi: float, gap: float, distance: FloatArray
+) -> tuple[Verdict, str]:
+    """Verdict on one case, with what is wrong where it is unexplained.
 
     Of the sample of its first physical contact, xi [s], the distance at xi and at the samples [m].
     """
@@ -78,33 +72,30 @@ def classify(dt: float, physical: int, xi: float, gap: float, distance: FloatArr
         if abs(distance[at] - CONTACT) > ROUNDING:
             says, shapes = ("contact", "are") if early else ("no contact", "overlap by")
             there = f"{distance[at]:.3g} m apart" if early else f"{-distance[at]:.3g} m"
-            return Classified(
-                Verdict.UNEXPLAINED,
-                f"the engine reports {says} at sample {at}, where the shapes {shapes} {there}",
+            return Verdict.UNEXPLAINED, (
+                f"the engine reports {says} at sample {at}, where the shapes {shapes} {there}"
             )
         tolerance = True
     before = distance[np.arange(len(distance)) * dt < xi - TIME]
     if len(before) and (least := float(before.min())) <= CONTACT:
         if least < -CONTACT:
             sample, when = first_sample(before), f"{xi:.9g} s" if xi < np.inf else "never"
-            return Classified(
-                Verdict.UNEXPLAINED,
+            return Verdict.UNEXPLAINED, (
                 f"the collision time is late ({when}): the shapes overlap by "
-                f"{-before[sample]:.3g} m at sample {sample}",
+                f"{-before[sample]:.3g} m at sample {sample}"
             )
         tolerance = True
     if xi < np.inf and not gap <= CONTACT + ROUNDING:
-        return Classified(
-            Verdict.UNEXPLAINED,
-            f"the collision time {xi:.9g} s is false: the shapes are {gap:.3g} m apart then",
+        return Verdict.UNEXPLAINED, (
+            f"the collision time {xi:.9g} s is false: the shapes are {gap:.3g} m apart then"
         )
     if tolerance:
-        return Classified(Verdict.TOLERANCE)
+        return Verdict.TOLERANCE, ""
     if xi == np.inf:
-        return Classified(Verdict.NO_CONTACT)
+        return Verdict.NO_CONTACT, ""
     if physical != NEVER and physical * dt < xi + dt:
-        return Classified(Verdict.SAME_SAMPLE)
-    return Classified(Verdict.GRAZE)
+        return Verdict.SAME_SAMPLE, ""
+    return Verdict.GRAZE, ""
 
 
 QUANTILES = {"least": 0.0, "5 %": 0.05, "median": 0.5, "95 %": 0.95, "most": 1.0}
@@ -175,7 +166,42 @@ class CrashReport:
 
     def to_json(self) -> str:
         """JSON text: the same for the same seed and number of cases."""
-        return json.dumps(_plain(self), indent=2, ensure_ascii=False) + "\n"
+        rows = self.rows
+        kinds, steps = _tables(rows)
+        lag, flat = rows["lag"], rows["chord"] == 0.0
+        seen, grazes = rows["swept"], rows["verdict"] == Verdict.GRAZE
+        tree = {
+            "format": "physim-crashtest",
+            "version": 1,
+            "seed": self.seed,
+            "cases": self.cases,
+            "cases_asked": self.asked,
+            "interrupted": self.interrupted,
+            "verdicts": _counts(rows),
+            "rejected_false_contacts": self.rejected,
+            "by_kind": kinds,
+            "by_time_step": steps,
+            "contact_after_collision_time": {
+                "unit": "share of a step",
+                **_spread(lag),
+                "histogram": np.histogram(
+                    np.clip(lag[~np.isnan(lag)], 0.0, 1.0), BINS, (0.0, 1.0)
+                )[0].tolist(),
+            },
+            "swept_contact_against_collision_time": {
+                "unit": "s",
+                "straight": _spread(rows["off"][flat]),
+                "arcs": _spread(rows["off"][~flat]),
+                "beyond_chord_tolerance": int(rows["beyond"].sum()),
+            },
+            "grazes_found_by_swept_check": {
+                name: {"found": int((seen & some).sum()), "of": int(some.sum())}
+                for name, some in (("straight", grazes & flat), ("arcs", grazes & ~flat))
+            },
+            "searches_taken_up_again": int(rows["renewed"].sum()),
+            "unexplained": self.unexplained,
+        }  # fmt: skip
+        return json_text(tree)
 
 
 def _counts(rows: NDArray[np.void]) -> dict[str, int]:
@@ -195,44 +221,6 @@ def _spread(values: FloatArray) -> dict[str, Any]:
     known = values[~np.isnan(values)]
     shares = {name: float(np.quantile(known, at)) for name, at in QUANTILES.items() if len(known)}
     return {"contacts": len(known), "quantiles": shares or None}
-
-
-def _plain(report: CrashReport) -> dict[str, Any]:
-    rows = report.rows
-    kinds, steps = _tables(rows)
-    lag, flat = rows["lag"], rows["chord"] == 0.0
-    seen, grazes = rows["swept"], rows["verdict"] == Verdict.GRAZE
-    return {
-        "format": "physim-crashtest",
-        "version": 1,
-        "seed": report.seed,
-        "cases": report.cases,
-        "cases_asked": report.asked,
-        "interrupted": report.interrupted,
-        "verdicts": _counts(rows),
-        "rejected_false_contacts": report.rejected,
-        "by_kind": kinds,
-        "by_time_step": steps,
-        "contact_after_collision_time": {
-            "unit": "share of a step",
-            **_spread(lag),
-            "histogram": np.histogram(
-                np.clip(lag[~np.isnan(lag)], 0.0, 1.0), BINS, (0.0, 1.0)
-            )[0].tolist(),
-        },
-        "swept_contact_against_collision_time": {
-            "unit": "s",
-            "straight": _spread(rows["off"][flat]),
-            "arcs": _spread(rows["off"][~flat]),
-            "beyond_chord_tolerance": int(rows["beyond"].sum()),
-        },
-        "grazes_found_by_swept_check": {
-            name: {"found": int((seen & some).sum()), "of": int(some.sum())}
-            for name, some in (("straight", grazes & flat), ("arcs", grazes & ~flat))
-        },
-        "searches_taken_up_again": int(rows["renewed"].sum()),
-        "unexplained": [vars(one) for one in report.unexplained],
-    }  # fmt: skip
 
 
 def text(report: CrashReport) -> str:

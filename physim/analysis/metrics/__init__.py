@@ -28,7 +28,7 @@ from physim.analysis.metrics.distances import (
     pair_distances,
     placed,
 )
-from physim.analysis.metrics.figures import Figures, measure
+from physim.analysis.metrics.figures import DEFINITIONS, Figures, definition, measure
 from physim.analysis.metrics.metric import Definition, Each, Metric, Moment, Place, Series
 from physim.analysis.metrics.modes import mode_spans
 from physim.analysis.metrics.motion import (
@@ -43,7 +43,6 @@ from physim.analysis.metrics.motion import (
 )
 from physim.analysis.metrics.progress import Absent, column_over_time
 from physim.analysis.metrics.registered import own_metrics, own_part
-from physim.analysis.metrics.registry import DEFINITIONS, definition
 
 __all__ = [
     "DEFINITIONS", "Absent", "AveragedSpeeds", "Deep", "Definition", "Each", "Episode", "Figures",

@@ -32,7 +32,8 @@ from typing import Any
 
 import numpy as np
 
-from physim.analysis.metrics.walls import along_wall
+from physim.analysis.metrics.distances import along_wall
+from physim.analysis.metrics.metric import section
 from physim.contacts import Kind, Phase, allowed_depth, touching
 from physim.errors import place_text
 from physim.geometry.motion import chord_velocity
@@ -141,7 +142,7 @@ class Deep:
     place: tuple[float, float]
     """[m] world frame, where it is deepest"""
     along: str
-    """where along a wall, `physim.analysis.metrics.walls.along_wall`; empty between robots"""
+    """where along a wall, `physim.analysis.metrics.distances.along_wall`; empty between robots"""
 
     def sentence(self, names: Sequence[str]) -> str:
         """Who, where, when, how deep, and what it means; ``names`` by body id."""
@@ -204,23 +205,10 @@ def severity(
     if mass is None:
         return Severity(closing, sliding, None, None)
     changes = tuple(episode.impact / float(mass[i]) for i in (a, b) if i < record.robots)
-    physics = record.world_settings.get("physics")
-    given = physics.get("elasticity") if isinstance(physics, dict) else None
+    given = section(record, "physics").get("elasticity")
     elasticity = given if isinstance(given, int | float) else 0.0
     energy = 0.5 * (1.0 - elasticity) * episode.impact * closing
     return Severity(closing, sliding, changes, energy)
-
-
-def severest(record: Record, episodes: Sequence[Episode]) -> tuple[Episode, Severity] | None:
-    """The severest contact: that of the greatest closing speed, then energy lost, then impulse.
-
-    None without contacts, and where not every step is recorded.
-    """
-    if not episodes or record.samples <= record.steps_run:
-        return None
-    mass = masses(record)
-    found = [(one, severity(record, one, mass)) for one in episodes]
-    return max(found, key=lambda one: (one[1].closing, one[1].energy or 0.0, one[0].impulse))
 
 
 def masses(record: Record) -> FloatArray | None:

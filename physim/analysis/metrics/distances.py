@@ -1,6 +1,6 @@
 """Room that robots have: distances, collision times (11) and corridor widths (Figs. 3, 4, 6).
 
-Distances and collision times come as extremes, and over time for all pairs.
+Distances and collision times are those over time and for all pairs; extremes are in `Figures`.
 
 A decision's collision time covers only the bodies that the robot must consider, under the
 command that it would take; `pair_collision_times` are what an observer sees who knows all
@@ -10,50 +10,22 @@ poses and present commands.
 from __future__ import annotations
 
 from itertools import combinations
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import shapely
 
-from physim.analysis.metrics.metric import Moment, Place, Series
+from physim.analysis.metrics.metric import Moment, Series
 from physim.analysis.metrics.progress import blocks
 from physim.errors import PhysimError
 from physim.geometry.corridor import SIDES, width_spacing, widths_at
 from physim.geometry.queries import collision_times as times_of_pairs
 from physim.geometry.shapes import FloatArray, IntArray, body_parts
 from physim.record import Record
+from physim.world.walls import stretch_text
 
 MOST_DISTANCES = 100_000
 """Distances that `pair_distances` works out."""
-
-
-def shortest_distance(record: Record) -> Moment | None:
-    """Shortest distance between two robots, (11) [m]; negative = depth. None for one robot."""
-    return _nearest(record, "clearance", "clearance_step", "clearance_other")
-
-
-def shortest_boundary_distance(record: Record) -> Moment | None:
-    """Shortest distance of a robot to a boundary or obstacle [m]; negative = depth."""
-    return _nearest(record, "boundary_clearance", "boundary_step", "boundary_other")
-
-
-def farthest_pair(record: Record) -> Moment | None:
-    """Largest distance that two robots ever had [m] (Fig. 6). None for one robot."""
-    row = record.farthest
-    if row["step"] < 0:
-        return None
-    step = int(row["step"])
-    return Moment(float(row["farthest"]), step, step * record.dt, int(row["a"]), int(row["b"]))
-
-
-def shortest_collision_time(record: Record) -> Moment | None:
-    """Shortest collision time at a decision, (11) [s] (Figs. 3, 6). None if none was seen."""
-    times = np.nan_to_num(record.column("collision_time", absent=np.inf), nan=np.inf, posinf=np.inf)
-    if not np.isfinite(times).any():
-        return None
-    row = record.updates[k := int(np.argmin(times))]
-    step = int(row["step"])
-    return Moment(float(times[k]), step, step * record.dt, int(row["robot"]))
 
 
 def collision_times(record: Record) -> Series | None:
@@ -95,16 +67,6 @@ def placed(record: Record, robot: int, pose: FloatArray) -> FloatArray:
     parts = [shapely.polygons(part @ turn + pose[:, None, :2]) for part in record.footprints[robot]]
     whole = parts[0] if len(parts) == 1 else shapely.multipolygons(np.stack(parts, axis=-1))
     return np.asarray(whole)
-
-
-def _nearest(record: Record, value: str, step: str, other: str) -> Moment | None:
-    rows = record.extremes
-    if not len(rows) or not (rows[step] >= 0).any():
-        return None
-    who = int(np.argmin(rows[value]))
-    row = rows[who]
-    at = int(row[step])
-    return Moment(float(row[value]), at, at * record.dt, who, int(row[other]))
 
 
 HORIZON = 10.0
@@ -151,8 +113,8 @@ def shortest_pair_collision_time(record: Record, horizon: float = HORIZON) -> Mo
     if not np.isfinite(least).any():
         return None
     k = int(np.argmin(least))
-    a, b = (int(i) for i in who[k])
-    return Moment(float(least[k]), round(float(time[k]) / record.dt), float(time[k]), a, b)
+    step = round(float(time[k]) / record.dt)
+    return Moment(float(least[k]), step, float(time[k]), *map(int, who[k]))
 
 
 class Width(NamedTuple):
@@ -195,15 +157,6 @@ def corridor_width(record: Record, robot: int = 0) -> Width:
     return Width(at, found.point, found.left_foot, found.right_foot, width)
 
 
-def width_extreme(course: Width, robot: int, largest: bool) -> Place | None:
-    """Least or greatest width along a robot's path [m] (Fig. 4); None where there is none."""
-    width = np.where(np.isfinite(course.width), course.width, np.nan)
-    if np.isnan(width).all():
-        return None
-    k = int(np.nanargmax(width) if largest else np.nanargmin(width))
-    return Place(float(width[k]), float(course.station[k]), robot)
-
-
 def sides_of(record: Record) -> tuple[tuple[FloatArray, FloatArray] | None, FloatArray]:
     """Segments (S, 4) ax, ay, bx, by [m] of a corridor's two walls, and of all else.
 
@@ -213,18 +166,55 @@ def sides_of(record: Record) -> tuple[tuple[FloatArray, FloatArray] | None, Floa
     named: dict[str, FloatArray] = {}
     others = [np.zeros((0, 4))]
     for body in record.bodies[record.robots :]:
+        mine = [np.zeros((0, 4))]
+        for points in body_parts(record.walls, body.id - record.robots):
+            ends = points[1:] if len(points) == 2 else np.roll(points, -1, axis=0)
+            mine.append(np.hstack((points[: len(ends)], ends)))
         if corridor and body.kind == "boundary":
-            named[body.name] = _segments(record, body.id)
+            named[body.name] = np.concatenate(mine)
         else:
-            others.append(_segments(record, body.id))
+            others += mine
     if set(SIDES) <= set(named):
         return (named[SIDES[0]], named[SIDES[1]]), np.concatenate(others)
     return None, np.concatenate([*named.values(), *others])
 
 
-def _segments(record: Record, body: int) -> FloatArray:
-    found = []
-    for points in body_parts(record.walls, body - record.robots):
-        ends = points[1:] if len(points) == 2 else np.roll(points, -1, axis=0)
-        found.append(np.hstack((points[: len(ends)], ends)))
-    return np.concatenate(found) if found else np.zeros((0, 4))
+def along_wall(record: Record, body: int, point: FloatArray | tuple[float, float]) -> str:
+    """``at (1.5, 4), boundaries[0][16] to [17]``: a point (2,) [m] of a boundary of a run.
+
+    Empty for a robot; the point alone for obstacles and the walls of a corridor.
+    """
+    if body < record.robots:
+        return ""
+    boundaries = record.world_settings.get("boundaries")
+    written = boundaries if isinstance(boundaries, list | tuple) else None
+    return stretch_text(written, record.bodies[body].name, point)
+
+
+def near_wall(record: Record, robot: int, body: int, step: int) -> str:
+    """Where along a wall it was nearest to a robot at a step, as `along_wall` says it.
+
+    Empty for a robot, and where the record does not hold that step.
+    """
+    k = int(np.searchsorted(record.steps, step))
+    if body < record.robots or k == len(record.steps) or record.steps[k] != step:
+        return ""
+    line = nearest_points(record, body, robot, np.asarray(record.pose_at(step)))
+    return along_wall(record, body, line[0])
+
+
+def nearest_points(record: Record, a: int, b: int, pose: FloatArray) -> FloatArray:
+    """Nearest points (2, 2) [m] of two bodies with the robots at ``pose`` (N, 3).
+
+    Of bodies that overlap the two are one point, of both.
+    """
+
+    def shape(body: int) -> Any:
+        if body < record.robots:
+            return placed(record, body, pose[body][None])[0]
+        parts = body_parts(record.walls, body - record.robots)
+        return shapely.GeometryCollection(
+            [shapely.LineString(one) if len(one) == 2 else shapely.Polygon(one) for one in parts]
+        )
+
+    return np.asarray(shapely.get_coordinates(shapely.shortest_line(shape(a), shape(b))))

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from physim.geometry.shapes import FloatArray
+from physim.record import Record
 
 if TYPE_CHECKING:
     from physim.analysis.metrics.figures import Figures
@@ -25,6 +26,12 @@ class Moment:
     """body id"""
     b: int | None = None
     """body id, where the value belongs to two bodies"""
+
+    @classmethod
+    def at(cls, record: Record, value: Any, step: Any, a: Any, b: Any = None) -> Moment:
+        """A value at a step of a run, all of them numbers of numpy or Python."""
+        step = int(step)
+        return cls(float(value), step, step * record.dt, int(a), None if b is None else int(b))
 
     @property
     def bodies(self) -> tuple[int, ...]:
@@ -109,3 +116,9 @@ class Metric:
                 return cls(name, unit, found.value, robots=found.robots)
             case _:
                 return cls(name, unit, found)
+
+
+def section(record: Record, name: str) -> Mapping[str, Any]:
+    """A section of the world inside a record, ``arrival``, say; empty where it has none."""
+    found = record.world_settings.get(name)
+    return found if isinstance(found, Mapping) else {}

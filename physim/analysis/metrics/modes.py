@@ -82,11 +82,6 @@ def _with_mode(record: Record) -> tuple[Rows, FloatArray]:
     return rows[given], held[given]
 
 
-def decisions(record: Record) -> int | None:
-    """Number of decisions of all robots; None where they were not recorded."""
-    return len(record.updates) if "updates" in record.tables else None
-
-
 def messages(record: Record) -> int | None:
     """Messages that the decisions needed: one for each considered robot and decision, (14)."""
     return int(record.updates["considered"].sum()) if "updates" in record.tables else None

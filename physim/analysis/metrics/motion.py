@@ -7,7 +7,6 @@ world has a formation and more than one robot.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import replace
 from math import sqrt
 from typing import Any, NamedTuple
 
@@ -62,7 +61,7 @@ def deviation_peak(record: Record) -> Moment | None:
     Over the whole run, so also of a robot that has gone past the end of its path or was pushed off
     it at its stop. None in a record without samples.
     """
-    return _extreme(record, record.course[:, :, 1])
+    return extreme(record, record.course[:, :, 1])
 
 
 def deviation_rms(record: Record) -> Each | None:
@@ -133,28 +132,6 @@ def averaged_speeds(record: Record, window: float = WINDOW, every: float = GRID)
     return AveragedSpeeds(begins + window / 2.0, *found)
 
 
-def averaged_extreme(
-    speeds: AveragedSpeeds, values: FloatArray, dt: float, largest: bool
-) -> Moment | None:
-    """Largest or smallest of the averaged speeds (K, N) of robots."""
-    if not np.isfinite(values).any():
-        return None
-    place = int(np.nanargmax(values) if largest else np.nanargmin(values))
-    k, robot = np.unravel_index(place, values.shape)
-    at = float(speeds.time[k])
-    return Moment(float(values[k, robot]), round(at / dt), at, int(robot))
-
-
-def has_formation(record: Record) -> bool:
-    """Whether formation errors mean something: a formation, and two robots at least."""
-    return record.robots > 1 and isinstance(record.world_settings.get("formation"), Mapping)
-
-
-def formation_error(record: Record, errors: FloatArray | None, first: int = 0) -> Moment | None:
-    """Largest size of formation errors (K, N) [m], (10), at the samples from one on."""
-    return None if errors is None else sized(_extreme(record, errors, first))
-
-
 def formation_error_rms(record: Record, errors: FloatArray | None) -> Each | None:
     """Root of the mean square of formation errors (K, N) over time [m], of all robots and of each.
 
@@ -179,10 +156,8 @@ def formation_errors(record: Record, every: float = GRID) -> Series | None:
 def sampled_errors(record: Record) -> FloatArray | None:
     """Formation errors of all robots at the samples, (10): (K, N) [m]; see `formation_errors`."""
     lead = desired_leads(record)
-    if lead is None:
-        return None
     station = record.course[:, :, 2]
-    return np.asarray(station.mean(axis=1, keepdims=True) - station + lead)
+    return None if lead is None else np.asarray(station.mean(axis=1)[:, None] - station + lead)
 
 
 def formation_energy(record: Record) -> Series | None:
@@ -227,7 +202,7 @@ def formation_parts(record: Record) -> Series | None:
 
 def _stations(record: Record) -> Series | None:
     """Stations (K, N) [m] on s* of a run with a formation, at samples that bound the time."""
-    if not has_formation(record) or not record.samples:
+    if desired_leads(record) is None or not record.samples:
         return None
     every = -(-record.samples * record.robots**2 // MOST_PAIRS)
     rows = np.append(np.arange(0, record.samples - 1, every), record.samples - 1)
@@ -237,9 +212,10 @@ def _stations(record: Record) -> Series | None:
 def desired_leads(record: Record) -> FloatArray | None:
     """Desired place of each robot on s* less the robots' mean place, (N,) [m], left of (7).
 
-    None in a run without formation.
+    None in a run without formation, or of a single robot.
     """
-    return record.lead - record.lead.mean() if has_formation(record) else None
+    has_one = isinstance(record.world_settings.get("formation"), Mapping)
+    return record.lead - record.lead.mean() if has_one and record.robots > 1 else None
 
 
 def _neighbours(record: Record) -> tuple[FloatArray | None, float]:
@@ -268,15 +244,9 @@ def _neighbours(record: Record) -> tuple[FloatArray | None, float]:
     return listed, reach
 
 
-def _extreme(record: Record, values: FloatArray, first: int = 0) -> Moment | None:
+def extreme(record: Record, values: FloatArray, first: int = 0) -> Moment | None:
     """Value of greatest size among values (K, N) at the samples, with its sign, from one on."""
     if not record.samples:
         return None
     k, robot = np.unravel_index(int(np.argmax(np.abs(values[first:]))), values[first:].shape)
-    step = int(record.steps[first + k])
-    return Moment(float(values[first + k, robot]), step, step * record.dt, int(robot))
-
-
-def sized(found: Moment | None) -> Moment | None:
-    """An extreme without its sign."""
-    return None if found is None else replace(found, value=abs(found.value))
+    return Moment.at(record, values[first + k, robot], record.steps[first + k], robot)

@@ -7,14 +7,14 @@ what a controller says of itself.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from physim.analysis.metrics.metric import Each, Series
+from physim.analysis.metrics.metric import Each, Series, section
 from physim.errors import PhysimError
 from physim.geometry.shapes import FloatArray, IntArray
 from physim.record import Record
@@ -162,7 +162,13 @@ def absent(record: Record) -> tuple[Absent, ...]:
     """Robots that have not arrived at the end of the run, by index; none of a run without poses."""
     if not record.samples:
         return ()
-    stands, tolerance = _stood(record), arrival_tolerance(record)
+    tolerance = arrival_tolerance(record)
+    # they stand whom all samples since the last one before the final half second show there
+    begin = record.time[-1] - STILL_TIME
+    first = max(int(np.searchsorted(record.time, begin + 1e-9, side="right")) - 1, 0)
+    off = record.pose[first:, :, :2] - record.pose[-1, :, :2]
+    most = still_distances(record.shapes.radius[: record.robots])
+    stands = (np.hypot(*off.transpose(2, 0, 1)) <= most).all(axis=0)
     room, lines, found = most_beside(record.shapes, record.course[0, :, 1]), record.paths, []
     for i in np.flatnonzero(record.arrived < 0).tolist():
         mine, station = slice(*lines.start[i : i + 2]), float(record.course[-1, i, 0])
@@ -183,22 +189,9 @@ def absent(record: Record) -> tuple[Absent, ...]:
     return tuple(found)
 
 
-def _stood(record: Record) -> NDArray[np.bool_]:
-    """(N,) whether all samples since the last one before the final `STILL_TIME` show robots there.
-
-    Samples may be far apart; a shorter run shows it from its start.
-    """
-    begin = record.time[-1] - STILL_TIME
-    first = max(int(np.searchsorted(record.time, begin + 1e-9, side="right")) - 1, 0)
-    off = record.pose[first:, :, :2] - record.pose[-1, :, :2]
-    most = still_distances(record.shapes.radius[: record.robots])
-    return np.asarray((np.hypot(*off.transpose(2, 0, 1)) <= most).all(axis=0))
-
-
 def arrival_tolerance(record: Record) -> float:
     """[m] by which a robot may be short of its stop station, or past it: the world's, or 0.1."""
-    arrival = record.world_settings.get("arrival")
-    tolerance = arrival.get("tolerance") if isinstance(arrival, Mapping) else None
+    tolerance = section(record, "arrival").get("tolerance")
     if isinstance(tolerance, float) or (isinstance(tolerance, int) and abs(tolerance) < 2**63):
         return float(tolerance)
     from physim.world import Arrival

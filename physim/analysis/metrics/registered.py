@@ -82,18 +82,14 @@ def taken_name(kind: Any, name: str) -> str:
 
 def _definition(name: str, part: Any) -> Definition:
     lines = (type(part).__doc__ or "").strip().splitlines()
-    texts = {
-        "unit": getattr(part, "unit", None),
-        "definition": getattr(part, "definition", lines[0] if lines else None),
-        "source": getattr(part, "source", "-"),
-    }
+    usual = {"unit": None, "definition": lines[0] if lines else None, "source": "-"}
+    texts = {key: getattr(part, key, value) for key, value in usual.items()}
     for key, value in texts.items():
         if not (isinstance(value, str) and value.isprintable() and 0 < len(value) <= 300):
             raise PhysimError(
                 f'metric "{name}": {type(part).__name__}.{key} must be a line of text'
                 + (', "-" where there is none' if key != "definition" else "")
             )
-    unit, meaning, source = (str(value) for value in texts.values())
 
     def find(run: Figures) -> Found:
         try:
@@ -107,6 +103,7 @@ def _definition(name: str, part: Any) -> Definition:
         except ValueError as error:
             raise PhysimError(f'metric "{name}" gives {error}') from None
 
+    unit, meaning, source = (str(value) for value in texts.values())
     return Definition(name, unit, meaning.rstrip("."), source, find)
 
 
@@ -120,50 +117,36 @@ def _checked(value: Any, record: Record) -> Found:
         raise ValueError(
             f"{kind_of(value)}; allowed: a number, true or false, Moment, Place, Each, or None"
         )
-    bodies, what = len(record.bodies) - 1, f"{type(value).__name__} with "
+    bodies = len(record.bodies) - 1
     last = {"step": record.steps_run, "a": bodies, "b": bodies, "robot": record.robots - 1}
+    words, what = {"a": "body", "b": "body"}, f"{type(value).__name__} with"
     plain: dict[str, Any] = {}
     for name, one in vars(value).items():
         if name == "robots":
-            plain[name] = _robots(what, one, record.robots)
-        elif name in last:
-            told = what + ("body" if name in "ab" else name)
-            plain[name] = None if (name, one) == ("b", None) else _index(told, one, last[name])
+            given = one if isinstance(one, tuple | list | np.ndarray) else ()
+            if len(given) != record.robots:
+                raise ValueError(f"{what} {len(given)} robots; the record has {record.robots}")
+            plain[name] = tuple(
+                None if x is None else _number(f"{what} robots[{i}]", x, ", or None")
+                for i, x in enumerate(given)
+            )
+        elif (name, one) == ("b", None):
+            plain[name] = None
         else:
-            plain[name] = _number(what + name, one)
+            plain[name] = _number(f"{what} {words.get(name, name)}", one, last=last.get(name))
     made: Found = type(value)(**plain)
     return made
 
 
-def _number(what: str, given: Any, more: str = "") -> int | float:
-    """A finite number; whole ones stay whole."""
+def _number(what: str, given: Any, more: str = "", last: int | None = None) -> int | float:
+    """A finite number, whole ones as they are; with ``last`` a whole one from 0 to it."""
     value = given.item() if isinstance(given, np.generic) else given
-    most = sys.float_info.max
-    if type(value) in (int, float) and -most <= value <= most:  # no subclass, which may do anything
+    kinds, most = ((int, float), sys.float_info.max) if last is None else ((int,), last)
+    least = -most if last is None else 0
+    if type(value) in kinds and least <= value <= most:  # no subclass, which may do anything
         found: int | float = value
         return found
-    raise ValueError(f"{what} {_text(value)}; allowed: a finite number{more}".strip())
-
-
-def _index(what: str, given: Any, last: int) -> int:
-    value = given.item() if isinstance(given, np.generic) else given
-    if type(value) is int and 0 <= value <= last:
-        return value
-    raise ValueError(f"{what} {_text(value)}; allowed: 0 to {last}")
-
-
-def _robots(what: str, given: Any, robots: int) -> tuple[float | None, ...]:
-    if not isinstance(given, tuple | list | np.ndarray) or len(given) != robots:
-        count = f"{len(given)} " if isinstance(given, tuple | list | np.ndarray) else "no tuple of "
-        raise ValueError(f"{what}{count}robots; the record has {robots}")
-    return tuple(
-        None if one is None else _number(f"{what}robots[{i}]", one, ", or None")
-        for i, one in enumerate(given)
-    )
-
-
-def _text(value: Any) -> str:
-    """A number or a text as it was given; of all else what it is."""
-    if type(value) is int and value.bit_length() > 200:
-        return kind_of(value)
-    return repr(value)[:60] if type(value) in (int, float, str) else kind_of(value)
+    allowed = f"a finite number{more}" if last is None else f"0 to {last}"
+    is_short = type(value) in (float, str) or (type(value) is int and value.bit_length() <= 200)
+    told = repr(value)[:60] if is_short else kind_of(value)
+    raise ValueError(f"{what} {told}; allowed: {allowed}".strip())

@@ -8,7 +8,7 @@ from typing import Any
 
 from physim.analysis.metrics import Figures, Severity, masses, severity
 from physim.analysis.metrics.contacts import Touch
-from physim.analysis.metrics.walls import along_wall
+from physim.analysis.metrics.distances import along_wall
 from physim.analysis.validation.analytic_contacts import AnalyticContacts
 from physim.analysis.validation.decisions import DecisionTable
 from physim.analysis.validation.prediction import Prediction, Predictor
@@ -63,7 +63,7 @@ class Contact:
     """robots that were responsible; a third one where it pushed one of the two; none where no rule
     of the controller says who"""
     along: str
-    """where along a wall, `physim.analysis.metrics.walls.along_wall`; empty between robots"""
+    """where along a wall, `physim.analysis.metrics.distances.along_wall`; empty between robots"""
 
     @property
     def hardness(self) -> tuple[float, float, float]:

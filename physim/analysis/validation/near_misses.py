@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from physim.analysis.metrics import Figures, Moment
-from physim.analysis.metrics.walls import near_wall
+from physim.analysis.metrics.distances import near_wall
 from physim.analysis.validation.analytic_contacts import (
     FULL,
     AnalyticContacts,

@@ -5,10 +5,7 @@ Units of the JSON: m, s, m/s, rad/s, N s; bodies by id, named in run.bodies.
 
 from __future__ import annotations
 
-import json
-import math
-from dataclasses import dataclass, fields, is_dataclass, replace
-from typing import Any
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -42,6 +39,7 @@ from physim.analysis.validation.rerun import (
 )
 from physim.analysis.validation.told import sentences
 from physim.errors import RecordError, plural
+from physim.json_text import json_text, plain
 from physim.parts.declarations import Mode, Rule
 from physim.record import Record, check_record
 from physim.record.layout import OPTIONAL
@@ -295,10 +293,10 @@ UNITS = "m, s, rad, m/s, rad/s, N s; world frame"
 
 def json_of_validation(validation: Validation) -> str:
     """JSON of one run. Infinite values are the text "inf"; what was not looked at is null."""
-    values, names = _plain(validation), validation.names
+    values = plain(validation, infinite=True, named=(Mode, Rule))
     for key in ("contacts", "grazes"):
         for one, said in zip(getattr(validation, key), values[key], strict=True):
-            said["sentences"] = sentences(one, names)
+            said["sentences"] = sentences(one, validation.names)
     found = {
         "format": "physim-validation",
         "version": 3,
@@ -309,27 +307,4 @@ def json_of_validation(validation: Validation) -> str:
         "pairs_in_contact": validation.pairs,
         **values,
     }
-    return json.dumps(found, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
-
-
-def _plain(value: Any) -> Any:
-    """Value in types that JSON knows; modes and rules by their names."""
-    if isinstance(value, Mode | Rule):
-        return value.name
-    if isinstance(value, Setup):
-        return _plain(value.to_dict())
-    if is_dataclass(value) and not isinstance(value, type):
-        return {field.name: _plain(getattr(value, field.name)) for field in fields(value)}
-    if isinstance(value, tuple) and hasattr(value, "_asdict"):
-        return _plain(value._asdict())
-    if isinstance(value, dict):
-        return {str(key): _plain(item) for key, item in value.items()}
-    if isinstance(value, list | tuple):
-        return [_plain(item) for item in value]
-    if isinstance(value, float):
-        if math.isnan(value):
-            return None
-        if math.isinf(value):
-            return "inf" if value > 0 else "-inf"
-        return float(value)
-    return value
+    return json_text(found)

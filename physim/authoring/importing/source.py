@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import io
 import re
-import stat
 import warnings
 from pathlib import Path
 from typing import Any
@@ -12,6 +11,7 @@ from typing import Any
 import numpy as np
 from PIL import Image
 
+from physim import files
 from physim.authoring.importing.drawing import refused
 from physim.escaping import escaped
 
@@ -72,34 +72,17 @@ def _is_of(map_yaml: Path, image: Path) -> bool:
 def read_bytes(path: Path, most: int) -> bytes:
     """Bytes of a regular file of at most ``most``; ImportSourceError otherwise."""
     try:
-        status = path.stat()
-        if stat.S_ISDIR(status.st_mode):
-            raise refused(path, "is a folder; name a file")
-        if not stat.S_ISREG(status.st_mode):
-            raise refused(path, "is not a regular file")
-        if status.st_size > most:
-            raise refused(path, f"{status.st_size / 1e6:.1f} MB; at most {most / 1e6:.0f} MB")
-        with path.open("rb") as file:
-            data = file.read(most + 1)
-    except FileNotFoundError:
-        raise refused(path, "no such file") from None
-    except (OSError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or str(error)
-        raise refused(path, f"cannot be read: {reason}") from None
-    if len(data) > most:
-        raise refused(path, f"more than {most / 1e6:.0f} MB")
-    return data
+        return files.read_bytes(path, most)
+    except files.UnreadableError as error:
+        raise refused(path, str(error), error.line) from None
 
 
 def read_text(path: Path) -> str:
     """Text (UTF-8) of a file, line ends as ``\\n``."""
-    data = read_bytes(path, MOST_TEXT)
     try:
-        text = data.decode("utf-8-sig")
-    except UnicodeDecodeError as error:
-        line = data[: error.start].count(b"\n") + 1
-        message = f"byte 0x{data[error.start]:02x} is not UTF-8; save the file as UTF-8"
-        raise refused(path, message, line) from None
+        text = files.read_text(path, MOST_TEXT)
+    except files.UnreadableError as error:
+        raise refused(path, str(error), error.line) from None
     return text.replace("\r\n", "\n").replace("\r", "\n")
 
 

@@ -20,13 +20,13 @@ from physim.campaigns.falsify.space import Space
 from physim.campaigns.pool import never
 from physim.errors import PhysimError, plural
 from physim.escaping import escaped
+from physim.files import write_text
 from physim.record import Record
 from physim.simulation.loop import Simulation
 from physim.simulation.recorder import SaveAt
 from physim.simulation.run import record_run
 from physim.world import World
 from physim.world.file import read_world
-from physim.world.yaml_text import write_atomically
 
 WORST, FOUND, RECORD, VIDEO, STORY = FILES = (
     "worst.yaml", "as_found.yaml", "record.h5", "video.mp4", "story.txt",
@@ -61,7 +61,7 @@ def write_world(
     run = shlex.join(["physim", "run", str(path), *own])
     lines = (f"{headline(result)}.".replace("nothing", "Nothing", 1), *said, f"To see it: {run}")
     head = "".join(f"# {escaped(line)}\n" for line in lines)
-    write_atomically(path, head + world.to_yaml())
+    write_text(path, head + world.to_yaml())
 
 
 def run_written(

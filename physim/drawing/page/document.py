@@ -14,12 +14,12 @@ from typing import Any
 from physim._version import __version__
 from physim.analysis.summary import summarise, table_rows
 from physim.analysis.validation import Validation
-from physim.drafts import discard, draft_of
 from physim.drawing.labels import clean
 from physim.drawing.page.colours import asset, schemes, script, styles
 from physim.drawing.page.data import run_data
 from physim.drawing.page.findings import contact_table, findings_section, opening
 from physim.errors import PhysimError, plural
+from physim.files import write_text
 from physim.html import Html, table, tag, text, together
 from physim.html import page as whole_page
 from physim.record import Record
@@ -53,15 +53,7 @@ class Page:
 
     def write(self, path: str | os.PathLike[str]) -> Path:
         """Write it to a file, whole or not at all. Raises PhysimError when it cannot be written."""
-        target = Path(path)
-        draft = draft_of(target)
-        try:
-            draft.write_text(self.html, encoding="utf-8")
-            draft.replace(target)
-        except OSError as error:
-            raise PhysimError(f"{target}: cannot be written ({error.strerror})") from None
-        finally:  # of an error or Ctrl-C nothing is left
-            discard(draft)
+        write_text(target := Path(path), self.html)
         return target
 
 

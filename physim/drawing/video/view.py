@@ -14,7 +14,7 @@ import cv2
 import numpy as np
 import shapely
 
-from physim.analysis.metrics.walls import nearest_points
+from physim.analysis.metrics.distances import nearest_points
 from physim.drawing import palette
 from physim.drawing.crowd import NAMED
 from physim.drawing.items import Level

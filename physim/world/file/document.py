@@ -131,7 +131,7 @@ def read_document(text: str, source: str = "<text>") -> Document:
     gc.disable()  # a quarter of the time of a long text, which makes no cycles
     try:
         roots = list(yaml.compose_all(text, Loader=_Loader))
-        if not roots:
+        if not roots or roots[0].value in ("", "~", "null"):
             message = "the file is empty; a world needs name, time, corridor and robots"
             raise refused(source, 1, 1, message)
         if len(roots) > 1:

@@ -1,9 +1,7 @@
-"""JSON Schema of a world file, made from the models, for completion and hover text in editors.
+"""JSON Schema (draft 2020-12) of a world file, made from the models, for editors to complete.
 
-It is of draft 7, which YAML editors understand, and holds no references: the text that an editor
-shows for a key is that of the key, with its unit and default. It checks keys, kinds and bounds;
-what lies between several values (either corridor or boundaries, leads as many as robots) and all
-geometry is left to reading.
+It checks keys, kinds and bounds; what lies between several values (either corridor or boundaries,
+leads as many as robots) and all geometry is left to reading.
 """
 
 from __future__ import annotations
@@ -12,6 +10,9 @@ import json
 from collections.abc import Callable, Iterable
 from typing import Any
 
+from pydantic.json_schema import GenerateJsonSchema
+
+from physim.errors import ControllerError
 from physim.parts.registry import (
     CONTROLLER,
     STAGES,
@@ -28,13 +29,22 @@ FILE = "world.schema.json"
 
 Schema = dict[str, Any]
 
-_KEPT = (
-    "type", "const", "enum", "minimum", "maximum", "exclusiveMinimum", "exclusiveMaximum",
-    "minLength", "maxLength", "minItems", "maxItems", "required", "additionalProperties",
-)  # fmt: skip
-_RENAMED = {
+_BOUNDS = {
     "ge": "minimum", "le": "maximum", "gt": "exclusiveMinimum", "lt": "exclusiveMaximum",
 }  # fmt: skip
+_LENGTHS = {"minLength": "minItems", "maxLength": "maxItems"}
+_NAMED = ("properties", "$defs")
+"""Keys that hold schemas by names, which may be those of keys of a schema"""
+
+
+class _Generator(GenerateJsonSchema):
+    """Without null: a key that is left out has no value, and one without a value is refused."""
+
+    def nullable_schema(self, schema: Any) -> Schema:
+        return self.generate_inner(schema["schema"])
+
+    def field_title_should_be_set(self, _schema: Any) -> bool:
+        return False
 
 
 def schema_text() -> str:
@@ -57,101 +67,62 @@ def world_schema(names: Callable[[Kind], Iterable[str]] = part_names) -> Schema:
     ``names`` says which controllers and stages of a kind are in it; one that cannot be imported
     may be named, and its settings are not checked.
     """
-    raw = World.model_json_schema()
-    schema = _plain(raw, raw["$defs"])
-    for kind in (CONTROLLER, *STAGES):
-        holder = schema
-        for key in kind.key[:-1]:
-            holder = holder["properties"][key]
-        keys, last = holder["properties"], kind.key[-1]
-        if kind is CONTROLLER:
-            keys[last] = _choice(keys[last], kind, names, ControllerChoice)
-        else:
-            keys[last]["items"] = _choice(keys[last]["items"], kind, names, Choice)
-    head = {"$schema": "http://json-schema.org/draft-07/schema#", "title": "physim world"}
-    return {**head, **schema}
+    schema = _mended(World.model_json_schema(schema_generator=_Generator))
+    models = schema["$defs"]
+    models[_name(CONTROLLER)] = _choice(CONTROLLER, names, ControllerChoice)
+    del models[Choice.__name__]
+    for kind in STAGES:
+        models[_name(kind)] = _choice(kind, names, Choice)
+        holder = models["Sensing"] if len(kind.key) > 1 else schema
+        holder["properties"][kind.key[-1]]["items"] = {"$ref": f"#/$defs/{_name(kind)}"}
+    head = {"$schema": "https://json-schema.org/draft/2020-12/schema", "title": "physim world"}
+    return {**head, **schema, "title": "physim world"}
 
 
-def _plain(raw: Schema, models: Schema) -> Schema:
-    """Schema without references, null and titles, tuples as draft 7 writes them."""
-    if "$ref" in raw:
-        rest = {key: value for key, value in raw.items() if key != "$ref"}
-        return _plain({**models[raw["$ref"].rpartition("/")[2]], **rest}, models)
-    given = raw.get("anyOf") or raw.get("oneOf") or []
-    options = [option for option in given if option.get("type") != "null"]
-    if len(options) == 1:
-        rest = {key: value for key, value in raw.items() if key not in ("anyOf", "oneOf")}
-        return _plain({**options[0], **rest}, models)
-    text = _described(raw)
-    schema: Schema = {"description": text} if text else {}
-    schema |= {key: raw[key] for key in _KEPT if key in raw}
-    schema |= {key: raw[bound] for bound, key in _RENAMED.items() if bound in raw}
-    if options:
-        schema["oneOf"] = [_plain(option, models) for option in options]
-    if "properties" in raw:
-        schema["properties"] = {k: _plain(v, models) for k, v in raw["properties"].items()}
-    if raw.get("type") == "array":
-        _array(schema, raw, models)
-    return schema
+def _mended(raw: Any) -> Any:
+    """Bounds and lengths by the names of the standard, which pydantic gives those of fields."""
+    if isinstance(raw, list):
+        return [_mended(one) for one in raw]
+    if not isinstance(raw, dict):
+        return raw
+    names = _BOUNDS | (_LENGTHS if raw.get("type") == "array" else {})
+    return {
+        names.get(key, key): {name: _mended(one) for name, one in value.items()}
+        if key in _NAMED
+        else _mended(value)
+        for key, value in raw.items()
+        if key != "default" or not (value is None or isinstance(value, dict))
+    }
 
 
-def _array(schema: Schema, raw: Schema, models: Schema) -> None:
-    if "prefixItems" in raw:
-        schema["items"] = [_plain(item, models) for item in raw["prefixItems"]]
-        schema["additionalItems"] = False
-    elif "items" in raw:
-        schema["items"] = _plain(raw["items"], models)
-    for length, items in (("minLength", "minItems"), ("maxLength", "maxItems")):
-        if length in schema:
-            schema[items] = schema.pop(length)
+def _name(kind: Kind) -> str:
+    """Name of the schema of parts of a kind."""
+    return ControllerChoice.__name__ if kind is CONTROLLER else str(kind.key[-1])
 
 
-def _described(raw: Schema) -> str:
-    """Meaning, unit and default of a key, as an editor shows it."""
-    text = str(raw.get("description", ""))
-    default = raw.get("default")
-    if default in (None, "", [], ()) or isinstance(default, dict):
-        return text
-    usual = default if isinstance(default, str) else json.dumps(default)
-    return f"{text}. Default: {usual}"
-
-
-def _choice(
-    plain: Schema, kind: Kind, names: Callable[[Kind], Iterable[str]], model: type[Choice]
-) -> Schema:
+def _choice(kind: Kind, names: Callable[[Kind], Iterable[str]], model: type[Choice]) -> Schema:
     """Schema of a part that is named by its type, on which its keys depend."""
-    field = model.model_fields["type"]
-    listed = list(names(kind))
-    rules = []
+    field, listed = model.model_fields["type"], list(names(kind))
+    rules: list[Schema] = []
     for name in listed:
         chosen: Schema = {"properties": {"type": {"const": name}}}
         if name != field.default:
             chosen["required"] = ["type"]  # without a type the condition would hold, too
-        keys = _settings(kind, name)
-        if keys is not None:
-            then = {"properties": {"type": True, **keys}, "additionalProperties": False}
-            rules.append({"if": chosen, "then": then})
-    described = plain.get("description") or f"one {kind.word}"
+        try:
+            settings = settings_model(find_part(kind, name))
+        except ControllerError:
+            continue
+        then: Schema = {}
+        if settings is not None:
+            inner = f"#/$defs/{_name(kind)}/allOf/{len(rules)}/then/$defs/{{model}}"
+            then = _mended(settings.model_json_schema(True, inner, _Generator))
+        then["properties"] = {"type": True, **then.get("properties", {})}
+        rules.append({"if": chosen, "then": {**then, "additionalProperties": False}})
+    named = {"description": field.description, "type": "string", "enum": listed}
     schema: Schema = {
-        "description": f"{described}; its keys are those of its type",
+        "description": f"one {kind.word}; its keys are those of its type",
         "type": "object",
-        "properties": {"type": {**plain["properties"]["type"], "enum": listed}},
+        "properties": {"type": named},
+        "required": ["type"] if field.is_required() else [],
     }
-    if field.is_required():
-        schema["required"] = ["type"]
     return {**schema, "allOf": rules} if rules else schema
-
-
-def _settings(kind: Kind, name: str) -> Schema | None:
-    """Keys of a part's settings; None where they cannot be found out."""
-    from physim.errors import ControllerError
-
-    try:
-        model = settings_model(find_part(kind, name))
-    except ControllerError:
-        return None
-    if model is None:
-        return {}
-    raw = model.model_json_schema()
-    keys: Schema = _plain(raw, raw.get("$defs", {})).get("properties", {})
-    return keys

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
+import pytest
 
 from tests.helpers import inside
 
@@ -27,21 +30,22 @@ def smaller(batch: Packed, by: float = 0.01) -> Prediction:
     return predict(batch._replace(shapes=shapes._replace(vertices=vertices)))
 
 
-def shifted(batch: Packed, steps: float) -> Prediction:
-    """Collision times later by some steps."""
+def two_steps_late(batch: Packed, steps: float = 2.0) -> Prediction:
     found = predict(batch)
     return found._replace(time=np.maximum(found.time + steps * batch.dt, 0.0))
-
-
-def two_steps_late(batch: Packed) -> Prediction:
-    return shifted(batch, 2.0)
-
-
-def two_steps_early(batch: Packed) -> Prediction:
-    return shifted(batch, -2.0)
 
 
 def contacts_dropped(batch: Packed) -> Prediction:
     """No collision is ever predicted."""
     found = predict(batch)
     return found._replace(time=np.full_like(found.time, np.inf))
+
+
+BROKEN = (
+    (without_rotation, 0.3),  # straight motion needs none
+    (smaller, 0.3),  # 1 cm is often less than the advance of a step
+    (two_steps_late, 0.9),
+    pytest.param(partial(two_steps_late, steps=-2.0), 0.9, marks=pytest.mark.deep),
+    pytest.param(contacts_dropped, 0.9, marks=pytest.mark.deep),
+)
+"""What is broken, and the share of hits that must be noticed"""

@@ -1,4 +1,4 @@
-"""Verdicts on cases made up by hand: a step of 0.1 s, shapes that close at 1 m/s."""
+"""Verdicts on cases made up by hand: a step of 0.1 s, shapes that close at 1 m/s; speeds."""
 
 from __future__ import annotations
 
@@ -9,7 +9,8 @@ from tests.helpers import inside
 
 NEVER, Verdict, classify = inside("physim.analysis.crashtest", "NEVER", "Verdict", "classify")
 first_sample = inside("physim.analysis.crashtest", "first_sample")
-FloatArray = inside("physim.geometry", "FloatArray")
+FloatArray, arc = inside("physim.geometry", "FloatArray", "arc")
+point_speed = inside("physim.analysis.crashtest", "point_speed")
 
 STEP = 0.1
 INF, NAN = float("inf"), float("nan")
@@ -42,16 +43,16 @@ APART = np.full(11, 0.5)
 )
 def test_verdicts(physical: int, xi: float, distance: FloatArray, verdict: Verdict) -> None:
     gap = 0.0 if xi < INF else NAN
-    found = classify(STEP, physical, xi, gap, distance)
-    assert found.verdict == verdict
-    assert bool(found.reason) == (verdict == Verdict.UNEXPLAINED)
+    found, reason = classify(STEP, physical, xi, gap, distance)
+    assert found == verdict
+    assert bool(reason) == (verdict == Verdict.UNEXPLAINED)
 
 
 def test_a_collision_time_at_which_nothing_touches_is_false() -> None:
-    assert classify(STEP, 5, 0.45, 1e-9, approach(0.45)).verdict == Verdict.SAME_SAMPLE
-    found = classify(STEP, 5, 0.43, 0.02, approach(0.45))
-    assert found.verdict == Verdict.UNEXPLAINED
-    assert "0.02 m apart" in found.reason
+    assert classify(STEP, 5, 0.45, 1e-9, approach(0.45))[0] == Verdict.SAME_SAMPLE
+    found, reason = classify(STEP, 5, 0.43, 0.02, approach(0.45))
+    assert found == Verdict.UNEXPLAINED
+    assert "0.02 m apart" in reason
 
 
 @pytest.mark.parametrize(
@@ -68,7 +69,7 @@ def test_rounding_excuses_a_sample_only_about_the_contact_tolerance(
 ) -> None:
     distance = approach(0.55)
     distance[5] = there
-    assert classify(STEP, physical, 0.55, 0.0, distance).verdict == verdict
+    assert classify(STEP, physical, 0.55, 0.0, distance)[0] == verdict
 
 
 @pytest.mark.parametrize(
@@ -78,9 +79,34 @@ def test_rounding_excuses_a_sample_only_about_the_contact_tolerance(
 def test_a_graze_within_the_tolerance_may_count_either_way(least: float, verdict: Verdict) -> None:
     distance = APART.copy()
     distance[5] = least
-    assert classify(STEP, 5, INF, NAN, distance).verdict == verdict
+    assert classify(STEP, 5, INF, NAN, distance)[0] == verdict
 
 
 def test_the_first_sample_counts_what_is_within_the_tolerance() -> None:
     assert first_sample(np.array([0.1, 2e-9, 1e-9, -1.0])) == 2
     assert first_sample(APART) == NEVER
+
+
+# Speeds of points of moving robots, against small moves along the exact arc
+
+SHORT = 1e-5
+"""[s] Central differences over it are good to 1e-9 m/s: omega^3 times the arm times its square."""
+
+
+@pytest.mark.parametrize("case", range(50))
+def test_the_speed_of_a_point_is_that_of_its_arc(case: int) -> None:
+    rng = np.random.default_rng([90, case])
+    pose = np.array([*rng.uniform(-5.0, 5.0, 2), rng.uniform(-3.0, 3.0)])
+    command = np.array([rng.uniform(-2.0, 2.0), rng.uniform(-1.5, 1.5)])
+    arm = rng.uniform(-1.0, 1.0, 2)
+    angle = rng.uniform(-3.0, 3.0)
+    normal = np.array([np.cos(angle), np.sin(angle)])
+
+    def place(t: float) -> np.ndarray:
+        x, y, heading = arc(tuple(pose), command[0], command[1], t)
+        c, s = np.cos(heading), np.sin(heading)
+        return np.array([x + c * arm[0] - s * arm[1], y + s * arm[0] + c * arm[1]])
+
+    velocity = (place(SHORT) - place(-SHORT)) / (2.0 * SHORT)
+    found = point_speed(pose, command, *place(0.0), *normal)
+    assert found == pytest.approx(float(velocity @ normal), abs=1e-8)

@@ -16,7 +16,9 @@ from tests.analysis.validation.runs import LANE, Drivers
 from tests.helpers import inside
 from tests.helpers.records import CENTRELINE, WIDTH, make_record, make_scene
 
-sides_of, width_extreme = inside("physim.analysis.metrics", "sides_of", "width_extreme")
+sides_of = inside("physim.analysis.metrics", "sides_of")
+pair_collision_times = inside("physim.analysis.metrics", "pair_collision_times")
+shortest_pair_collision_time = inside("physim.analysis.metrics", "shortest_pair_collision_time")
 FloatArray, offset_polyline = inside("physim.geometry", "FloatArray", "offset_polyline")
 pack_parts, pack_polylines = inside("physim.geometry", "pack_parts", "pack_polylines")
 Body = inside("physim.world", "Body")
@@ -38,26 +40,6 @@ def test_averaged_speeds_of_arcs_are_their_own() -> None:
     assert np.allclose(found.rotational, omega, rtol=0, atol=1e-12)
 
 
-@pytest.mark.parametrize("every", [41, 100])
-def test_a_coarse_record_has_nearly_the_speeds_of_a_fine_one(every: int) -> None:
-    """Commands change between its samples, of which chords say nothing."""
-    world = physim.load_world("u_turn")
-    with (
-        physim.simulate(world) as fine,
-        physim.simulate(world.changed(time={"record_every": every})) as coarse,
-    ):
-        full, some = metrics.averaged_speeds(fine), metrics.averaged_speeds(coarse)
-    assert len(some.time) == len(full.time) > 100
-    assert np.allclose(some.forward, full.forward, rtol=0, atol=0.04, equal_nan=True)
-    assert np.allclose(some.rotational, full.rotational, rtol=0, atol=0.04, equal_nan=True)
-
-
-def test_samples_farther_apart_than_the_window_have_no_averaged_speed() -> None:
-    world = physim.parse_world(LANE, overrides=["time.duration=20.0", "time.record_every=1100"])
-    with physim.simulate(world, controller=Drivers((1.0, 0.8), (0.5, -0.9))) as record:
-        assert len(metrics.averaged_speeds(record).time) == 0
-
-
 def test_a_window_reaches_neither_beyond_the_run_nor_beyond_arrival() -> None:
     pose = np.zeros((1501, 2, 3))
     pose[:, :, 0] = np.minimum(0.01 * np.arange(1501), 12.0)[:, None] * [1.0, 0.5]
@@ -72,10 +54,13 @@ def test_a_window_reaches_neither_beyond_the_run_nor_beyond_arrival() -> None:
     assert found.forward[-1, 1] == pytest.approx(0.5 * 7.0 / 10.0)
 
 
-def test_a_run_shorter_than_the_window_has_no_averaged_speed() -> None:
+def test_runs_shorter_than_the_window_and_samples_farther_apart_have_no_averaged_speed() -> None:
     record = history(pose=arcs(np.ones(2), np.ones(2), 900), steps_run=899)
     assert len(metrics.averaged_speeds(record).time) == 0
     assert "averaged_speed_max" not in metrics.measure(record)
+    world = physim.parse_world(LANE, overrides=["time.duration=20.0", "time.record_every=1100"])
+    with physim.simulate(world, controller=Drivers((1.0, 0.8), (0.5, -0.9))) as record:
+        assert len(metrics.averaged_speeds(record).time) == 0
 
 
 def test_deviations_and_their_root_mean_square() -> None:
@@ -190,13 +175,15 @@ def test_width_is_from_wall_to_wall() -> None:
     assert np.allclose(np.minimum(*gaps), least)
 
 
-def room(walls: FloatArray, path: list[list[float]]) -> Record:
-    """One robot on a path within one closed line of walls."""
+def recorded(world: str, path: FloatArray, bodies: dict[str, list[FloatArray]]) -> Record:
+    """One robot on a path beside bodies by name: obstacles are called box."""
     scene = make_scene(1)
-    scene.walls = pack_parts([list(pairwise(walls))])
-    scene.bodies = (scene.bodies[0], Body(1, "boundary", "boundary 1"))
-    scene.paths = pack_polylines([np.array(path)])
-    out = RecordWriter(None, scene, "boundaries: []", name="room")
+    scene.walls = pack_parts(list(bodies.values()))
+    kinds = ["obstacle" if name == "box" else "boundary" for name in bodies]
+    others = (Body(1 + k, *of) for k, of in enumerate(zip(kinds, bodies, strict=True)))
+    scene.bodies = (scene.bodies[0], *others)
+    scene.paths = pack_polylines([path])
+    out = RecordWriter(None, scene, world, name="room")
     out.close("duration", steps_run=0, rejected=0, wall_clock={})
     return out.record()
 
@@ -204,35 +191,26 @@ def room(walls: FloatArray, path: list[list[float]]) -> Record:
 def test_a_wall_across_the_path_has_no_width() -> None:
     """A room of 30 m by 16 m; the nearest points on both sides lie on the end wall until 8 m."""
     walls = np.array([[0.0, 0.0], [30.0, 0.0], [30.0, 16.0], [0.0, 16.0], [0.0, 0.0]])
-    found = metrics.corridor_width(room(walls, [[1.0, 8.0], [29.0, 8.0]]))
+    path = np.array([[1.0, 8.0], [29.0, 8.0]])
+    record = recorded("boundaries: []", path, {"boundary 1": list(pairwise(walls))})
+    found = metrics.corridor_width(record)
     x = found.points[:, 0]
     between = (x > 8.0 + 1e-9) & (x < 22.0 - 1e-9)
     assert np.isnan(found.width[(x < 8.0 - 1e-9) | (x > 22.0 + 1e-9)]).all()
     assert found.width[between] == pytest.approx(16.0)
-    least = width_extreme(found, 0, largest=False)
-    assert least is not None
-    assert least.value == pytest.approx(16.0)
+    assert metrics.Figures(record).value("width_min") == pytest.approx(16.0)
 
 
 def corridor(path_offset: float, obstacle: bool = False) -> Record:
     """One robot on a path beside the centreline of a bent corridor with caps."""
-    scene = make_scene(1)
     left, right = (offset_polyline(CENTRELINE, np.full(4, s * WIDTH / 2)) for s in (1, -1))
-    lines = [left, right, np.array([left[0], right[0]]), np.array([left[-1], right[-1]])]
-    names = ["left wall", "right wall", "start cap", "end cap"]
-    bodies = [list(pairwise(line)) for line in lines]
-    kinds = ["boundary"] * 4
+    caps = {f"{end} cap": np.array([left[k], right[k]]) for end, k in (("start", 0), ("end", -1))}
+    lines = {"left wall": left, "right wall": right, **caps}
+    bodies = {name: list(pairwise(line)) for name, line in lines.items()}
     if obstacle:
-        bodies.append([np.array([[5.0, -3.0], [6.0, -3.0], [6.0, -2.0], [5.0, -2.0]])])
-        names, kinds = [*names, "box"], [*kinds, "obstacle"]
-    scene.walls = pack_parts(bodies)
-    rows = zip(kinds, names, strict=True)
-    others = [Body(1 + k, kind, name) for k, (kind, name) in enumerate(rows)]
-    scene.bodies = (scene.bodies[0], *others)
-    scene.paths = pack_polylines([offset_polyline(CENTRELINE, np.full(4, path_offset))])
-    out = RecordWriter(None, scene, "corridor: {width: 8.0}", name="corridor")
-    out.close("duration", steps_run=0, rejected=0, wall_clock={})
-    return out.record()
+        bodies["box"] = [np.array([[5.0, -3.0], [6.0, -3.0], [6.0, -2.0], [5.0, -2.0]])]
+    path = offset_polyline(CENTRELINE, np.full(4, path_offset))
+    return recorded("corridor: {width: 8.0}", path, bodies)
 
 
 @pytest.mark.parametrize("offset", [0.0, 3.9, -3.9])
@@ -250,3 +228,48 @@ def test_an_obstacle_narrows_a_corridor_on_its_side() -> None:
     k = int(np.argmin(abs(found.station - 5.5)))
     assert found.width[k] == pytest.approx(4.0 + 2.0)
     assert found.right[k] == pytest.approx([5.5, -2.0])
+
+
+# Collision times of all pairs under their present commands, against their closed form
+
+LENGTH = 1.8
+"""[m] of a robot"""
+AT = np.array([0.0, 6.0, 20.0])
+"""[m] where the robots stand, one behind the other"""
+
+
+def row(*commands: tuple[int, int, float]) -> Record:
+    """Three robots in a row; ``commands`` are (step, robot, v)."""
+    pose = np.zeros((101, 3, 3))
+    pose[:, :, 0] = AT
+    rows = [{"step": s, "robot": i, "nominal_v": v} for s, i, v in commands]
+    return history(rows, robots=3, pose=pose)
+
+
+def test_commands_are_those_given_at_that_step() -> None:
+    """A robot that has decided nothing stands; a decision counts from its own step on."""
+    record = row((0, 0, 1.0), (30, 1, 0.5), (60, 0, 2.0), (60, 1, -1.0))
+    (time, least), who = pair_collision_times(record)
+    assert time == pytest.approx([0.0, 0.3, 0.6])
+    gap = 6.0 - LENGTH
+    assert least == pytest.approx([gap / 1.0, gap / 0.5, gap / 3.0])
+    assert who.tolist() == [[0, 1]] * 3
+
+
+def test_least_over_all_pairs() -> None:
+    """The third robot comes fast from far away; what parts never meets."""
+    record = row((0, 0, 1.0), (0, 2, -8.0), (50, 0, -1.0), (50, 1, 0.0), (50, 2, 0.0))
+    (_, least), who = pair_collision_times(record)
+    gaps = 6.0 - LENGTH, 14.0 - LENGTH
+    assert least[0] == pytest.approx(min(gaps[0] / 1.0, gaps[1] / 8.0))
+    assert who[0].tolist() == [1, 2]
+    assert least[1] == np.inf
+    found = shortest_pair_collision_time(record)
+    assert found is not None
+    assert (found.value, found.step, found.a, found.b) == (least[0], 0, 1, 2)
+
+
+def test_later_than_the_horizon_is_never() -> None:
+    (_, least), _ = pair_collision_times(row((0, 0, 1.0)), horizon=4.0)
+    assert least.tolist() == [np.inf]
+    assert shortest_pair_collision_time(row((0, 0, 1.0)), horizon=4.0) is None

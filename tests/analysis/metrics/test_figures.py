@@ -67,33 +67,26 @@ def test_episodes_are_maximal_runs(first: list[bool], second: list[bool]) -> Non
 
 
 def test_no_rows_at_all() -> None:
-    record = history()
-    assert metrics.Figures(record).episodes == ()
-    assert metrics.Figures(record).nearest is None
-    assert metrics.Figures(record).nearest_wall is None
-    assert metrics.Figures(record).farthest is None
-    assert metrics.Figures(record).collision_time is None
-    assert metrics.Figures(record).metric("formation_error_peak") is None
-    assert metrics.Figures(record).metric("formation_error_final") is None
-    assert metrics.Figures(record).metric("formation_error_rms") is None
-    assert metrics.formation_energy(record) is None
-    assert metrics.Figures(record).metric("danger_share") is None
-    assert metrics.Figures(record).value("mean_speed") is None
-    assert not metrics.Figures(record).value("finished")
-    assert metrics.Figures(record).value("time_to_finish") is None
-    names = ("decisions", "messages", "collision_time_evaluations")
-    assert tuple(map(metrics.Figures(record).value, names)) == (
-        0, 0, None,
-    )  # fmt: skip
+    run = metrics.Figures(history())
+    assert run.episodes == ()
+    assert (run.nearest, run.nearest_wall, run.farthest, run.collision_time) == (None,) * 4
+    for name in (
+        "formation_error_peak", "formation_error_final", "formation_error_rms",
+        "formation_energy_peak", "danger_share", "mean_speed", "time_to_finish",
+        "collision_time_evaluations",
+    ):  # fmt: skip
+        assert run.metric(name) is None, name
+    assert [run.value(name) for name in ("finished", "decisions", "messages")] == [False, 0, 0]
 
 
 def test_distances_come_from_the_extremes_over_all_steps() -> None:
     record = history(
         extremes=[(0.5, 7, 1, 0.3, 9, 3), (0.5, 7, 0, -0.1, 4, 2)], farthest=(8.0, 30, 0, 1)
     )
-    assert metrics.Figures(record).nearest == Moment(0.5, 7, 0.07, 0, 1)
-    assert metrics.Figures(record).nearest_wall == Moment(-0.1, 4, 0.04, 1, 2)
-    assert metrics.Figures(record).farthest == Moment(8.0, 30, 0.3, 0, 1)
+    run = metrics.Figures(record)
+    assert (run.nearest, run.nearest_wall, run.farthest) == (
+        Moment(0.5, 7, 0.07, 0, 1), Moment(-0.1, 4, 0.04, 1, 2), Moment(8.0, 30, 0.3, 0, 1),
+    )  # fmt: skip
 
 
 def test_shortest_collision_time_is_over_all_decisions() -> None:
@@ -155,19 +148,6 @@ def test_mean_speed_is_of_the_applied_commands_between_decisions_too() -> None:
     assert metrics.Figures(record).value("mean_speed") == pytest.approx((6 + 4 * 0.25) / 10)
 
 
-def test_commands_that_differ_are_counted_by_stage() -> None:
-    same, changed = (1.0, 0.0), (0.5, 0.0)
-    rows = [
-        (2, 0, *same, *same, *changed),
-        (3, 0, *same, *changed, *changed),
-        (3, 1, *same, *changed, *same),
-        (4, 1, *same, *same, *same),  # told from outside: no stage differs
-    ]
-    record = history(commands=rows)
-    found = metrics.measure(record)
-    assert (found["filtered_steps"].value, found["disturbed_steps"].value) == (2, 2)
-
-
 def test_a_run_without_decisions_is_measured_by_its_motion_and_its_commands() -> None:
     told = [(step, 0, 1.0, 0.0, 1.0, 0.0, 1.0, 0.0) for step in range(6)]
     record = history(robots=1, steps_run=20, commands=told, arrived=[10])
@@ -176,14 +156,16 @@ def test_a_run_without_decisions_is_measured_by_its_motion_and_its_commands() ->
     assert metrics.Figures(record).metric("danger_share") is None
 
 
-def test_finished_means_that_all_have_arrived_by_their_motion() -> None:
+@pytest.mark.parametrize(
+    ("arrived", "finish"), [([-1, -1], None), ([60, -1], None), ([60, 40], 0.6)]
+)
+def test_finished_means_that_all_have_arrived_by_their_motion(
+    arrived: list[int], finish: float | None
+) -> None:
     claims = [{"step": 0, "robot": i, "mode": 3} for i in (0, 1)]
-    for arrived in ([-1, -1], [60, -1]):
-        assert not metrics.Figures(history(claims, arrived=arrived)).value("finished")
-        assert metrics.Figures(history(claims, arrived=arrived)).value("time_to_finish") is None
-    done = history([{"step": 0, "robot": 0}], arrived=[60, 40])
-    assert metrics.Figures(done).value("finished")
-    assert metrics.Figures(done).value("time_to_finish") == pytest.approx(0.6)
+    run = metrics.Figures(history(claims, arrived=arrived))
+    assert run.value("finished") is (finish is not None)
+    assert run.value("time_to_finish") == (None if finish is None else pytest.approx(finish))
 
 
 def along(scene: Any, *stations: FloatArray) -> FloatArray:
@@ -258,28 +240,21 @@ def made_stations(pose: FloatArray) -> list[float]:
     return [float(s) for s in scene.paths.station[ends] - gap]
 
 
-def test_what_a_controller_does_not_declare_has_no_figure() -> None:
+def test_what_is_not_declared_or_not_recorded_has_no_figure() -> None:
     rows = [{"step": 0, "robot": 0, "next_step": 50, "nominal_v": 1.0}]
-    record = history(rows, declared=Declared())
-    assert metrics.Figures(record).collision_time is None
-    assert metrics.Figures(record).value("collision_time_evaluations") is None
-    found = metrics.measure(record)
-    for name in ("shortest_collision_time", "collision_time_evaluations", "danger_share"):
-        assert name not in found
+    found = metrics.measure(history(rows, declared=Declared()))
+    missing = {"shortest_collision_time", "collision_time_evaluations", "danger_share"}
+    assert not missing & set(found)
     assert found["mean_speed"].value == 1.0
-
-
-def test_what_was_not_recorded_has_no_figure() -> None:
     found = metrics.measure(history(tables=("considered",)))
     assert not {"contacts", "grazes", "decisions", "messages"} & set(found)
 
 
 def test_messages_and_evaluations() -> None:
     rows = [{"step": s, "considered": s, "evaluations": 15 * s} for s in range(4)]
-    record = history(rows, robots=4)
-    assert metrics.Figures(record).value("decisions") == 4
-    assert metrics.Figures(record).value("messages") == 6
-    assert metrics.Figures(record).value("collision_time_evaluations") == 90
+    run = metrics.Figures(history(rows, robots=4))
+    names = ("decisions", "messages", "collision_time_evaluations")
+    assert [run.value(name) for name in names] == [4, 6, 90]
 
 
 @pytest.mark.parametrize(

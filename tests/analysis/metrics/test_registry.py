@@ -1,14 +1,12 @@
-"""Named metrics: what each is, which are absent, and that they are the numbers of the summary."""
+"""Named metrics: what each is, which are absent, and how they are asked for."""
 
 from __future__ import annotations
 
-import json
 import math
 
 import pytest
 
 from physim.analysis.metrics import DEFINITIONS, measure
-from physim.analysis.summary import summarise
 from physim.errors import PhysimError
 from tests.analysis.metrics.histories import history
 from tests.helpers import facts
@@ -69,13 +67,3 @@ def test_names_are_checked() -> None:
         assert list(measure(record, ["contacts", "decisions"])) == ["contacts", "decisions"]
         with pytest.raises(PhysimError, match=facts("metric", '"contact"', '"contacts"')):
             measure(record, ["contact"])
-
-
-def test_summary_tells_the_same_numbers() -> None:
-    with make_record(seconds=12.0) as record:
-        found, summary = measure(record), summarise(record)
-    assert len(summary.contacts) == found["contacts"].value == 2
-    assert summary.value("messages") == found["messages"].value
-    assert summary.metrics == found
-    assert summary.names_of(*found["shortest_distance"].bodies) == ("r1", "r2")
-    assert json.loads(summary.to_json())["metrics"]["width_min"]["station_m"] is not None

@@ -136,7 +136,7 @@ def test_what_the_check_says_of_the_world_is_told(
     warning, rest = told.split("\n", 1)
     assert warning.startswith("  w.yaml:")
     assert re.search(facts("15.00 m", "at or past", "stop station"), warning)
-    assert rest.startswith("tried for ")
+    assert "\ntried for " in rest
     checked = physim("check", "w.yaml", capture=capture)
     assert warning in checked.out
     physim("import", "hall.svg", "-o", "v.yaml", "--scale", "0.1", "--quiet", capture=capture)

@@ -18,12 +18,6 @@ def only(folder: Path, data: bytes) -> str:
     return f"{found.line}:{found.column} {found.key} {found.message}".replace("  ", " ")
 
 
-def test_other_encodings(tmp_path):
-    text = changed(CORRIDOR, ("name: corridor", "name: café"))
-    check_finding(only(tmp_path, text.encode("latin-1")), "1:10", "0xe9", "UTF-8")
-    check_finding(only(tmp_path, text.encode("utf-16")), "1:1", "0xff", "UTF-8")
-
-
 @pytest.mark.parametrize(
     ("change", "place", "parts"),
     [

@@ -2,8 +2,6 @@ from __future__ import annotations
 
 import gzip
 import os
-import re
-from pathlib import Path
 
 import pytest
 
@@ -43,34 +41,40 @@ def test_a_world_by_hand_loads(tmp_path):
 def test_files_that_cannot_be_read_say_why(tmp_path):
     (tmp_path / "straight.yaml").write_text(STRAIGHT)
     os.mkfifo(tmp_path / "pipe.yaml")
-    for name in ("plan.svg", "record.h5"):
-        (tmp_path / name).write_bytes(b"x")
-    for name, *parts in (
-        ("strait.yaml", "no such file", "straight.yaml"),
-        ("zzz", "no such file", "straight.yaml"),
-        ("no/w.yaml", "no folder"),
-        ("", "a folder"),
-        ("pipe.yaml", "regular file"),
-        ("plan.svg", "no world file", "physim import"),
-        ("record.h5", "no world file", "record"),
-    ):
-        check_error(f"{refusal(tmp_path / name)}\n", str(tmp_path / name), *parts)
-    assert "cannot be read" in refusal("a\0b")
-    assert "plan.svg" not in refusal(tmp_path / "plans.yaml"), "a drawing is no world"
+    (tmp_path / "dangling.yaml").symlink_to(tmp_path / "nowhere")
+    (tmp_path / "loop.yaml").symlink_to(tmp_path / "loop.yaml")
     with (tmp_path / "large.yaml").open("wb") as file:
         file.truncate(100_000_000)
-    assert re.search(facts("large.yaml", "100.0 MB"), refusal(tmp_path / "large.yaml"))
-    latin = tmp_path / "latin.yaml"
-    latin.write_bytes(b"name: a\ndescription: caf\xe9\n")
-    check_error(f"{refusal(latin)}\n", f"{latin}:2:17:", "0xe9", "UTF-8")
-    assert "not UTF-8" in refusal(_written(tmp_path / "u16.yaml", STRAIGHT.encode("utf-16")))
-    packed = refusal(_written(tmp_path / "packed.yaml", gzip.compress(STRAIGHT.encode())))
-    check_error(f"{packed}\n", str(tmp_path / "packed.yaml"), "gzip", "unpack")
-
-
-def _written(path: Path, data: bytes) -> Path:
-    path.write_bytes(data)
-    return path
+    for name, data in {
+        "plan.svg": b"x",
+        "record.h5": b"x",
+        "latin.yaml": b"name: a\ndescription: caf\xe9\n",
+        "u16.yaml": STRAIGHT.encode("utf-16"),
+        "packed.yaml": gzip.compress(STRAIGHT.encode()),
+    }.items():
+        (tmp_path / name).write_bytes(data)
+    for name, *parts in (
+        ("strait.yaml", "no such file", '"straight.yaml"'),
+        ("plans.yaml", "no such file"),
+        ("zzz", "no such file", "straight.yaml"),
+        ("no/w.yaml", "no folder"),
+        ("", "a folder", "straight.yaml"),
+        ("pipe.yaml", "regular file"),
+        ("dangling.yaml", "no such file"),
+        ("loop.yaml", "cannot be read", "symbolic links"),
+        ("x" * 300 + ".yaml", "cannot be read", "too long"),
+        ("plan.svg", "no world file", "physim import"),
+        ("record.h5", "no world file", "record"),
+        ("large.yaml", "100.0 MB", "5 MB"),
+        ("latin.yaml:2:17:", "0xe9", "UTF-8"),
+        ("u16.yaml:1:1:", "0xff", "UTF-8"),
+        ("packed.yaml", "gzip", "unpack"),
+    ):
+        told = refusal(tmp_path / name.partition(":")[0])
+        check_error(f"{told}\n", str(tmp_path / name), *parts)
+        assert "plan.svg" not in told or name == "plan.svg", "a drawing is no world"
+    assert "cannot be read" in refusal("a\0b")
+    assert "regular file" in refusal("/dev/zero")
 
 
 def test_all_faults_come_at_once_in_the_order_of_the_file():

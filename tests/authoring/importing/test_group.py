@@ -151,7 +151,7 @@ CROSSED = [(0, 0), (40, 0), (40, 3), (0, 3), (0, 30), (20, 30)]
         ([(5, 1.2), (45, 1.2)], {}, "1.2 m to a wall … need 1.8 m; --robot fit makes them 1.2,"),
         ([(0.3, 5), (40, 5)], {}, "0.3 m to a wall … begin it further in … or --robot fit"),
         ([(9, 5), (49.8, 5)], {"robot": (1.8, 1.0)}, "0.2 m from a wall … end it further in"),
-        ([(9, 5), (55, 5)], {"robot": "fit"}, "leaves the area at (50.00, 5.00) … (feature 1); move it"),
+        ([(9, 5), (55, 5)], {"robot": "fit"}, "leaves the area at (50.00, 5.00) … 1); move it"),
     ],
 )
 def test_a_group_that_does_not_fit_is_refused_with_room_and_place(

@@ -67,7 +67,7 @@ def test_the_edges_of_a_track_lie_at_the_stated_widths(tmp_path: Path, separator
     sides = [line.offset_curve(offset, quad_segs=64) for offset in (3.0, -2.0)]
     caps = [shapely.LineString([one.coords[k] for one in sides]) for k in (0, -1)]
     assert apart(outline(world), shapely.union_all([*sides, *caps])) < 0.002
-    reference = shapely.LineString(world.reference)
+    reference = shapely.LineString(world.reference_path)
     assert reference.length == pytest.approx(line.length - 6.0, abs=0.01)
     assert max(line.distance(shapely.Point(p)) for p in reference.coords) < ROUNDED
 
@@ -224,7 +224,7 @@ def run(imported: Imported, seconds: float = 60.0) -> Record:
 
 def advance(record: Record, imported: Imported) -> np.ndarray:
     """[m] How far along the reference path every robot came, by shapely."""
-    path = shapely.LineString(imported.world.reference)
+    path = shapely.LineString(imported.world.reference_path)
     first, last = (shapely.points(record.pose[k, :, :2]) for k in (0, -1))
     return np.asarray(
         shapely.line_locate_point(path, last) - shapely.line_locate_point(path, first)
@@ -246,7 +246,7 @@ def test_every_format_runs_for_a_minute(name: str) -> None:
     record = run(imported)
     assert len(record.contacts) == 0
     speed = imported.world.formation.speed if imported.world.formation else 1.0
-    length = shapely.LineString(imported.world.reference).length
+    length = shapely.LineString(imported.world.reference_path).length
     came = advance(record, imported)
     assert (came > 0.5 * min(60.0 * speed, 0.7 * length)).all()
     assert record.extremes["boundary_clearance"].min() > 0.05

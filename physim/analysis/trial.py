@@ -16,6 +16,7 @@ import numpy as np
 from physim.analysis.metrics import Figures
 from physim.analysis.metrics.distances import nearest_points
 from physim.errors import ControllerError, Fault, PhysimError, place_text, plural
+from physim.geometry.polygon import circumscribed_radius
 from physim.parts.registry import CONTROLLER, make_part
 from physim.record import Record
 from physim.simulation.arrival import still_distances, still_steps
@@ -34,6 +35,10 @@ MOST_SECONDS = 10.0
 """[s] of the clock after which a trial ends: a controller of one's own may be slow"""
 STANDSTILL = 10.0
 """[s] for which all robots stand when a trial ends: nothing more is expected of it"""
+LATELY = 2.0
+"""[s] before the end whose speed says how long a robot would need"""
+FAR = 4.0
+"""circumscribed radii from which on another robot is none of its concern"""
 MOST_TOLD = 12
 """Contacts, and likewise robots that do not arrive, that are told one by one"""
 
@@ -154,22 +159,38 @@ def _contacts(laid: Layout, record: Record, run: Figures) -> Iterator[Fault]:
 
 
 def _absent(laid: Layout, record: Record, run: Figures) -> Iterator[Fault]:
-    """Robots that do not arrive; of one that stands what is nearest, and whether it waits for it.
+    """Robots that do not arrive, what is nearest to each, and who of the others is.
 
-    It waits for a robot that its controller considered in its last decision.
+    It waits for a robot that its controller considered in its last decision. Of one that is under
+    way when the time is over, how long it would need.
     """
-    pose, rows = np.asarray(record.pose[-1]), record.considered
+    pose, rows, robots = np.asarray(record.pose[-1]), record.considered, record.robots
+    back = max(len(record.pose) - 1 - round(LATELY / (record.dt * record.record_every)), 0)
+    lately = (len(record.pose) - 1 - back) * record.dt * record.record_every
     for late in sorted(run.absent, key=lambda late: -late.short)[:MOST_TOLD]:
         i = late.robot
         said = late.sentence(describe(record.names[i]))
-        if late.stands and len(record.bodies) > 1:
-            away, k = min(
-                (float(np.hypot(*np.diff(nearest_points(record, i, k, pose), axis=0)[0])), k)
+        speed = float(np.hypot(*(pose[i, :2] - record.pose[back, i, :2]))) / max(lately, record.dt)
+        is_over = record.steps_run == laid.world.time.steps
+        if is_over and not late.stands and late.short > 0.0 and speed * LATELY > late.tolerance:
+            said += f"; time.duration is over, and it needs about {late.short / speed:.0f} s more"
+        elif len(record.bodies) > 1:
+            away = {
+                k: float(np.hypot(*np.diff(nearest_points(record, i, k, pose), axis=0)[0]))
                 for k in range(len(record.bodies))
                 if k != i
-            )
+            }
             mine = rows[rows["robot"] == i]
             last = mine["other"][mine["step"] == mine["step"].max(initial=-1)]
-            how = "it waits for" if k in last else "nearest to it is"
-            said += f"; {how} {describe(record.bodies[k].name)}, {away:.2f} m away"
+            nearest = min(away, key=away.__getitem__)
+            others = [k for k in away if k < robots]
+            near = dict.fromkeys([nearest, *sorted(others, key=away.__getitem__)[:1]])
+            far = FAR * circumscribed_radius(laid.footprints[i])
+            told = [
+                f"{'it waits for' if k in last else 'nearest to it is' if k == nearest else 'then'}"
+                f" {describe(record.bodies[k].name)}, {away[k]:.2f} m away"
+                for k in near
+                if k == nearest or k in last or away[k] < far
+            ]
+            said += f"; {', '.join(told)}"
         yield Fault(laid.path_entry(i), said)

@@ -22,6 +22,7 @@ from physim.authoring.importing.drawing import (
     MOST_CORNERS,
     Drawing,
     Shape,
+    extent,
     listed,
     place,
     rounded,
@@ -117,7 +118,9 @@ def find_place(drawing: Drawing, options: Options) -> Place:
     within = [one.geometry for one in drawing.of("place")]
     lines = [ring for one in drawing.of("boundary", "obstacle", "place") for ring in _rings(one)]
     if not lines:
-        raise drawing.refusal("no boundary found; a world needs lines that enclose an area")
+        raise drawing.refusal(
+            f"no boundary found; a world needs lines that enclose an area{drawing.unseen}"
+        )
     size = np.ptp(np.concatenate(lines), axis=0)
     if size.max() < SMALLEST:
         raise drawing.refusal(
@@ -234,12 +237,14 @@ def _chosen(drawing: Drawing, options: Options, faces: list[Any], noded: Any) ->
         if len(held) == 1 and len(_loose(noded)) > 1:
             raise drawing.refusal(
                 f"one area is closed, {_areas(held)}, but other lines are open"
-                f"{_where_open(noded, faces)}; say which is the place: --from X,Y, or a path or "
+                f"{_where_open(noded)}; say which is the place: --from X,Y, or a path or "
                 "robot in it"
             )
     if not held:
         there = "in no closed area" if what != "there is" else "no closed area"
-        raise drawing.refusal(f"{what} {there}{_where_open(noded, faces)}", shape)
+        raise drawing.refusal(
+            f"{what} {there}{_where_open(noded)}{_elsewhere(faces)}{drawing.unseen}", shape
+        )
     if len(held) > 1:
         raise drawing.refusal(
             f"the lines enclose {len(held)} areas: {_areas(held)}; say which is the place: "
@@ -258,13 +263,22 @@ def _areas(faces: Sequence[Any]) -> str:
     return ", ".join(said) + (f" and {more} more" if more else "")
 
 
-def _where_open(noded: Any, faces: Sequence[Any]) -> str:
+def _elsewhere(faces: Sequence[Any]) -> str:
+    """How many closed areas there are, and how far the largest goes."""
+    if not faces:
+        return ""
+    largest = "the largest " if len(faces) > 1 else ""
+    found = plural(len(faces), "closed area")
+    return f"; {found} elsewhere, {largest}{extent(max(faces, key=shapely.area))}"
+
+
+def _where_open(noded: Any) -> str:
     """What may be open: the loose ends nearest to each other, and how to close them."""
     ends = _loose(noded)
     away, other = _nearest_other(ends)
     pairs = {(min(k, int(j)), max(k, int(j))): float(away[k]) for k, j in enumerate(other)}
     if len(ends) < 2:
-        return f"; {plural(len(faces), 'closed area')} elsewhere" if faces else ""
+        return ""
     nearest = sorted(pairs.items(), key=lambda one: one[1])[:MOST_NAMED]
     gaps = [f"{place(ends[i])} and {place(ends[j])}, {gap:.3g} m apart" for (i, j), gap in nearest]
     most = float(np.ceil(100.0 * nearest[-1][1]) / 100.0)

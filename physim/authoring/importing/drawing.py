@@ -72,8 +72,9 @@ class Drawing:
     """Shapes of a source, and what is told of it.
 
     ``kind`` says what it was read as, ``path`` is that of the source; ``facts`` say what was read
-    and how, ``changes`` every shape that was dropped or repaired; ``doubt`` what to look at where
-    no place or route is found.
+    and how, ``changes`` every shape that was dropped or repaired. ``unseen`` ends a refusal for
+    want of lines: which may be missing because the source hides them. ``doubt`` says what to look
+    at where no place or route is found in a map.
     """
 
     kind: str
@@ -81,6 +82,7 @@ class Drawing:
     shapes: list[Shape] = field(default_factory=list)
     facts: list[str] = field(default_factory=list)
     changes: list[str] = field(default_factory=list)
+    unseen: str = ""
     doubt: str = ""
 
     def of(self, *roles: Role) -> list[Shape]:
@@ -119,6 +121,12 @@ def place(point: Sequence[float] | FloatArray) -> str:
     """``(x, y)`` in metres."""
     x, y = (round(float(v), 2) + 0.0 for v in point[:2])
     return f"({x:.2f}, {y:.2f})"
+
+
+def extent(area: Any) -> str:
+    """``x from 0 to 20, y from 0 to 8``: the bounds [m] of a shapely area."""
+    x0, y0, x1, y1 = (f"{round(v, 2) + 0.0:g}" for v in area.bounds)
+    return f"x from {x0} to {x1}, y from {y0} to {y1}"
 
 
 def grid_origin(points: FloatArray) -> FloatArray:

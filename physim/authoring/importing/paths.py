@@ -36,11 +36,14 @@ def drawn_paths(drawing: Drawing, names: Sequence[str], close: float | None) -> 
     paths = Paths()
     for name, some in pieces.items():
         if name and name not in names:
-            near = nearest(name[:80], sorted(names)) or "; the reference path has no name"
+            near = nearest(name[:80], sorted(names)) or (
+                f'; draw a robot and name it "robot {name[:80]}", or take the name off the '
+                "reference path"
+            )
             raise drawing.refusal(
                 f'path "{name[:80]}": there is no robot "{name[:80]}"{near}', some[0]
             )
-        line = _joined(drawing, some, name, close)
+        line = _joined(drawing, some, some[0].name, close)
         if len(line) < 2:
             raise drawing.refusal("the path is shorter than a millimetre; check --scale", some[0])
         if name:

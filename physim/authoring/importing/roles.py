@@ -40,18 +40,26 @@ def hint(name: str) -> str:
     return nearest(name.strip().lower()[:60], WORDS)
 
 
-def unroled(path: Path, shapes: Sequence[tuple[str, str, int | None]]) -> ImportSourceError:
-    """Refusal of shapes without a role: what each is called, a name to ignore it by, and a line."""
-    first = shapes[0]
-    once = list(dict.fromkeys((called, line) for called, _, line in shapes))
-    others = [called if line is None else f"{called} (line {line})" for called, line in once]
-    more = f" and {len(others) - MOST_NAMED} more" if len(others) > MOST_NAMED else ""
-    named = next((name for _, name, _ in shapes if name), "")
+def unroled(
+    path: Path, shapes: Sequence[tuple[str, str, str, int | None]], how: str
+) -> ImportSourceError:
+    """Refusal of shapes without a role; ``how`` says how a source of this kind gives one.
+
+    Of each shape: what it is called, a hint, a name to ignore it by, and a line.
+    """
+    once = list(dict.fromkeys((called, near, line) for called, near, _, line in shapes))
+    others = list[str]()
+    hints = set[str]()
+    for called, near, line in once[:MOST_NAMED]:
+        at = "" if line is None else f" (line {line})"
+        others.append(called + ("" if near in hints else near) + at)
+        hints.add(near)
+    more = f" and {len(once) - MOST_NAMED} more" if len(once) > MOST_NAMED else ""
+    named = next((name for _, _, name, _ in shapes if name), "")
     by_name = f' --ignore "{escaped(named)[:60]}" or' if named else ""
     return refused(
         path,
-        f"{plural(len(shapes), 'shape')} without a role: {', '.join(others[:MOST_NAMED])}{more}; "
-        f"say boundary, obstacle, path or robot by layer or name, or leave out by{by_name} "
-        "--ignore-others",
-        first[2],
+        f"{plural(len(shapes), 'shape')} without a role: {', '.join(others)}{more}; "
+        f"{how}, or leave out by{by_name} --ignore-others",
+        shapes[0][3],
     )

@@ -18,7 +18,13 @@ from scipy.sparse.csgraph import connected_components, dijkstra
 from scipy.spatial import cKDTree
 
 from physim.authoring.importing.area import Clearance, Place
-from physim.authoring.importing.drawing import Drawing, ImportSourceError, place, rounded
+from physim.authoring.importing.drawing import (
+    Drawing,
+    ImportSourceError,
+    extent,
+    place,
+    rounded,
+)
 from physim.authoring.importing.options import Options
 from physim.authoring.importing.size import LENGTH, ROOM, room_of
 from physim.geometry.arc_length import Polyline
@@ -122,16 +128,14 @@ def find_route(drawing: Drawing, where: Place, options: Options, reach: float) -
     grid = _grid(rough, step)
     for word, point in (("--from", options.origin), ("--to", options.goal)):
         if point is not None and not area.covers(shapely.Point(point)):
-            raise drawing.refusal(f"{word} {place(point)}: not in the place of the robots")
-    asked = options
-    if (
-        options.origin
-        and options.goal
-        and np.hypot(*np.subtract(options.origin, options.goal)) <= step
-    ):
+            raise drawing.refusal(
+                f"{word} {place(point)}: not in the place of the robots, {extent(area)}"
+            )
+    begin, end = options.origin, options.goal
+    if begin and end and np.hypot(begin[0] - end[0], begin[1] - end[1]) <= step:
         raise drawing.refusal(
-            f"--from and --to are the same place, {place(options.origin)}; a path leads from one "
-            "place to another"
+            f"--from and --to are the same place, {place(begin)}; a path leads from one place to "
+            "another"
         )
     robots = drawing.of("robot") if options.robots is None else []
     rooms = _rooms(options, [shape.points for shape in robots], reach)
@@ -157,10 +161,10 @@ def find_route(drawing: Drawing, where: Place, options: Options, reach: float) -
         f"path found from {place(line[0])} to {place(line[-1])}, {way.length:.2f} m, at "
         f"least {gaps.min():.2f} m from every boundary (--from, --to)"
     )
-    for word, point, end in (("--from", asked.origin, line[0]), ("--to", asked.goal, line[-1])):
-        if point is not None and (away := float(np.hypot(*(end - point)))) > step:
+    for word, point, at in (("--from", begin, line[0]), ("--to", end, line[-1])):
+        if point is not None and (away := float(np.hypot(*(at - point)))) > step:
             drawing.changes.append(
-                f"{word} {place(point)}: moved by {away:.2f} m, to {place(end)}, where robots "
+                f"{word} {place(point)}: moved by {away:.2f} m, to {place(at)}, where robots "
                 "have room"
             )
     return line

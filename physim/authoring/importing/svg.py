@@ -31,7 +31,7 @@ from physim.authoring.importing.roles import hint, role_named, unroled
 from physim.authoring.importing.source import MOST_TEXT, read_bytes
 from physim.authoring.importing.svg_lines import MOST_POINTS, length, numbers, outline, subpaths
 from physim.authoring.importing.work import check_work
-from physim.errors import nearest
+from physim.errors import nearest, plural
 from physim.escaping import escaped
 from physim.geometry.shapes import FloatArray
 
@@ -47,6 +47,7 @@ MOST_LEVELS = 100
 """Groups and copies within each other"""
 SVG = "{http://www.w3.org/2000/svg}"
 LABEL = "{http://www.inkscape.org/namespaces/inkscape}label"
+GROUPMODE = "{http://www.inkscape.org/namespaces/inkscape}groupmode"
 HREF = "{http://www.w3.org/1999/xlink}href"
 UNITS = ("mm", "cm", "in", "pt", "pc")
 """Those of a page that say how large it is"""
@@ -84,7 +85,7 @@ COMMON = re.compile(
 )
 SEEN = re.compile(r"(?!contents)[a-z-]+|[\d.]+%?")
 """Values of display, visibility and opacity that are read"""
-OF_PROGRAMS = re.compile(r"path[-_]?\d[\d_-]*")
+OF_PROGRAMS = re.compile(rf"(?:{'|'.join(READ)}|layer)[-_]?\d[\d_-]*")
 """Ids that programs give by themselves"""
 FUNCTION = re.compile(r"\s*([A-Za-z]+)\s*\(([^()]*)\)\s*,?\s*")
 COUNTS = {"matrix": (6,), "translate": (1, 2), "scale": (1, 2), "rotate": (1, 3), "skewX": (1,),
@@ -102,18 +103,25 @@ def read_svg(path: Path, options: Options) -> Drawing:
             near = nearest(name[:100], sorted(reader.names))
             raise refused(path, f"--{option} {escaped(name)}: no shape has that id or label{near}")
     if reader.unroled and not options.ignore_others:
-        raise unroled(path, reader.unroled)
+        how = "say boundary, obstacle, path or robot by layer or name"
+        raise unroled(path, reader.unroled, how)
     check_work(path, [one.points for one in drawing.shapes])
     if reader.unroled:
         drawing.changes += listed([f"line {n}: {one}: no role, left out (--ignore-others)"
-                                   for one, _, n in reader.unroled])  # fmt: skip
-    drawing.changes += listed(reader.hidden)
+                                   for one, _, _, n in reader.unroled])  # fmt: skip
+    drawing.changes += listed([told for told, _, _ in reader.hidden])
+    if lines := [line for _, role, line in reader.hidden if role in ("boundary", "wall")]:
+        drawing.unseen = (
+            f"; hidden and left out: {plural(len(lines), 'boundary', 'boundaries')}, the first in "
+            f"line {lines[0]}; show what counts"
+        )
     if reader.unread:
         kinds = ", ".join(f"{count} <{tag}>" for tag, count in reader.unread.items())
         drawing.changes.append(f"not followed, left out: {kinds}")
     if not drawing.of("boundary", "obstacle"):
         message = "no line is a boundary; put those about the place into a layer named boundary, "
-        raise refused(path, f"{message}give them that id, or name them by --boundary ID")
+        message += "give them that id, or name them by --boundary ID"
+        raise refused(path, f"{message}{drawing.unseen}")
     return drawing
 
 
@@ -176,7 +184,11 @@ class _State:
     is_hidden: bool = False
     is_visible: bool = True
     group: str = ""
-    """the nearest name about it"""
+    """the nearest name about it, or one that is nearly a role"""
+    group_kind: str = "group"
+    """``group`` or ``layer``"""
+    copy: Any = None
+    """the outermost <use> by which it stands where it does, if any"""
     unread: tuple[int, str] | None = None
     """line and words on the first thing that is not read"""
     levels: int = 0
@@ -191,9 +203,10 @@ class _Reader:
     root: Any
     drawing: Drawing = field(init=False)
     frame: Any = field(init=False)
-    hidden: list[str] = field(default_factory=list)
-    unroled: list[tuple[str, str, int]] = field(default_factory=list)
-    """description, name by which it may be ignored, and line"""
+    hidden: list[tuple[str, str, int]] = field(default_factory=list)
+    """what is told of it, role, and line"""
+    unroled: list[tuple[str, str, str, int]] = field(default_factory=list)
+    """description, hint, name by which it may be ignored, and line"""
     unread: Counter[str] = field(default_factory=Counter)
     names: set[str] = field(default_factory=set)
     count: int = 0
@@ -281,7 +294,8 @@ class _Reader:
             self.drawing.changes.append(told)
             return None
         role, rest = role_named(label)
-        if not role and not OF_PROGRAMS.fullmatch(own_id.lower()):
+        is_automatic = OF_PROGRAMS.fullmatch(own_id.lower()) is not None
+        if not role and not is_automatic:
             role, rest = role_named(own_id)
         if names & {*self.options.boundary}:
             role, rest = "boundary", ""
@@ -296,6 +310,11 @@ class _Reader:
         unread = fault or unread
         if unread and state.unread is None:
             state = replace(state, unread=(line, f"<{tag}> {_quoted(label or own_id)}{unread}"))
+        if tag in GROUPS and element is not self.root:
+            group = label or ("" if is_automatic and state.group else own_id)
+            if group and (hint(group) or not hint(state.group)):
+                kind = "layer" if element.get(GROUPMODE) == "layer" else "group"
+                state = replace(state, group=group, group_kind=kind)
         if state.levels > MOST_LEVELS:
             message = f"more than {MOST_LEVELS} groups or copies within each other, or a copy of "
             raise refused(
@@ -307,7 +326,6 @@ class _Reader:
             matrix=matrix,
             is_hidden=state.is_hidden or look["display"] == "none" or _is_nought(look["opacity"]),
             is_visible=visible.get(look["visibility"], state.is_visible),
-            group=label or own_id or state.group,
             levels=state.levels + 1,
         )
 
@@ -348,9 +366,11 @@ class _Reader:
                 found = FUNCTION.match(text, at)
                 counts = COUNTS.get(found[1], ()) if found else ()
                 if found is None or len(given := numbers(found[2])) not in counts:
-                    of = (
-                        f"takes {' or '.join(map(str, counts))} numbers" if counts else "is unknown"
-                    )
+                    given_name = found[1][:40] if found else ""
+                    alike = [one for one in COUNTS if one.lower() == given_name.lower()]
+                    of = f"is unknown{nearest(given_name, alike or list(COUNTS))}"
+                    if counts:
+                        of = f"takes {' or '.join(map(str, counts))} numbers"
                     raise ValueError(f'"{escaped(text[at : at + 30])}" {of}')
                 # as svgelements has it, the left one is applied first
                 one = svgelements.Matrix(f"{found[1]}({','.join(map(repr, given))})")
@@ -364,10 +384,11 @@ class _Reader:
 
     def _drawn(self, element: Any, tag: str, state: _State) -> None:
         """Take a shape or a copy that has a role and is seen."""
-        line, own = element.sourceline, element.get(LABEL) or element.get("id") or ""
-        called = f"<{tag}> {_quoted(own)}".rstrip()
+        shown = element if state.copy is None else state.copy
+        line, own = shown.sourceline, _named(shown)
+        called = f"<{etree.QName(shown).localname}> {_quoted(own)}".rstrip()
         if state.is_hidden or not (state.is_visible or tag == "use"):
-            self.hidden.append(f"line {line}: hidden {called}, left out")
+            self.hidden.append((f"line {line}: hidden {called}, left out", state.role, line))
             return
         target = element.get("href", element.get(HREF, "")).strip()
         if tag == "use" and target[1:] in self.by_id and target.startswith("#"):
@@ -377,7 +398,7 @@ class _Reader:
                 state = replace(state, unread=state.unread or (line, f"{called}: {error}"))
                 x = y = 0.0
             matrix = svgelements.Matrix(1.0, 0.0, 0.0, 1.0, x, y) * state.matrix
-            copied = replace(state, matrix=matrix, is_copy=bool(state.role))
+            copied = replace(state, matrix=matrix, is_copy=bool(state.role), copy=shown)
             self.walk(self.by_id[target[1:]], copied, is_copied=True)
             return
         if tag == "use":
@@ -386,26 +407,34 @@ class _Reader:
             what = f': copies "{escaped(target)[:40]}", which is not in this file'
             state = replace(state, unread=state.unread or (line, called + what))
         if not state.role:
-            near = hint(own) or hint(state.group)
-            within = f" in {_quoted(state.group)}" if not own and state.group else ""
-            self.unroled.append((f"{called}{within}{near}", own or state.group, line))
+            given = "" if OF_PROGRAMS.fullmatch(own.lower()) else own
+            near = hint(given) or hint(state.group)
+            within = f" in {state.group_kind} {_quoted(state.group)}" if state.group else ""
+            name = given or state.group or own
+            self.unroled.append((called + within, near, name, line))
         elif state.unread is not None:
             raise refused(self.path, state.unread[1], state.unread[0])
         else:
             try:
-                self._take(element, tag, state, called)
+                self._take(element, tag, state, shown)
             except ValueError as error:
-                raise refused(self.path, f"{called}: {error}", line) from None
+                called = f"<{tag}> {_quoted(_named(element))}".rstrip()
+                raise refused(self.path, f"{called}: {error}", element.sourceline) from None
 
-    def _take(self, element: Any, tag: str, state: _State, called: str) -> None:
-        """Take the lines of a shape; ValueError where they are none of its role."""
-        role, name, line = state.role, state.name, element.sourceline
+    def _take(self, element: Any, tag: str, state: _State, shown: Any) -> None:
+        """Take the lines of a shape, or ``shown`` copy; ValueError where they suit no such role."""
+        role, name, line = state.role, state.name, shown.sourceline
+        label = f"'{escaped(_named(shown))[:60]}'"
+        label = label if label != "''" else f"<{etree.QName(shown).localname}>"
         heading = None
         if role == "robot" and "@" in name:
             name, _, said = (one.strip() for one in name.rpartition("@"))
             if len(degrees := numbers(said)) != 1:
                 raise ValueError(f'"@{escaped(said)[:40]}": one number of degrees is needed')
             heading = radians(degrees[0])
+        elif role == "robot" and (found := re.fullmatch(r".*\S\s+([-+]?[\d.]+)°?", name)):
+            message = f'"{escaped(name)[:40]}" may hold a heading; write @{found[1][:20]} if so, '
+            raise ValueError(f"{message}else a name without the space")
         m = state.matrix
         turn = np.array([[m.a, m.b], [m.c, m.d]])
         tolerance = self.tolerance / float(np.linalg.norm(turn, 2))
@@ -424,7 +453,7 @@ class _Reader:
         if self.points > MOST_POINTS:
             raise ValueError(f"more than {MOST_POINTS} points up to here; simplify the drawing")
         if not placed:
-            self.drawing.changes.append(f"line {line}: {called}: a line of no length, left out")
+            self.drawing.changes.append(f"line {line}: {label}: a line of no length, left out")
         geometries: list[Any] = [shapely.LineString(points) for points, _ in placed]
         if role == "wall":
             if any(closed for _, closed in placed):
@@ -433,8 +462,6 @@ class _Reader:
             role = "boundary"
         if role in ("obstacle", "robot"):
             geometries = _solids(role, placed)
-        label = f"'{escaped(element.get(LABEL) or element.get('id') or '')[:60]}'"
-        label = label if label != "''" else f"<{tag}>"
         self.drawing.shapes += [Shape(role, one, name, heading, label, line) for one in geometries]  # type: ignore[arg-type]
 
 
@@ -459,6 +486,11 @@ def _solids(role: str, lines: list[tuple[FloatArray, bool]]) -> list[Any]:
     if role == "robot" and (len(found) > 1 or any(one.interiors for one in found)):
         raise ValueError("a robot has one outline; draw each as a shape of its own")
     return found
+
+
+def _named(element: Any) -> str:
+    """Label of an element, or its id; empty without any."""
+    return str(element.get(LABEL) or element.get("id") or "")
 
 
 def _quoted(name: str) -> str:

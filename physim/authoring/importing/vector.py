@@ -44,6 +44,7 @@ ROLES = ("place", "boundary", "obstacle", "path", "robot")
 ABUT = 1.5e-3
 """[m] Places nearer than this abut: corners that are one may be rounded apart by 1.4 mm."""
 COLLECTIONS = {"FeatureCollection": "features", "GeometryCollection": "geometries"}
+BY_ROLE = 'give it the property "role": place, boundary, obstacle, path or robot'
 PROJECT = "project them first (ogr2ogr -t_srs EPSG:32633, the UTM zone of the place)"
 
 
@@ -57,6 +58,8 @@ class _Part:
     layer: str = ""
     heading: float | None = None
     """[rad]"""
+    elsewhere: tuple[str, str] = ("", "")
+    """a property other than role and layer whose value is a role, and that role"""
     label: str = ""
     line: int | None = None
 
@@ -91,6 +94,8 @@ def read_wkt(path: Path, options: Options) -> Drawing:
         except (shapely.errors.ShapelyError, ValueError, NotImplementedError) as error:
             reason = escaped(str(error).split(": ", 1)[-1].strip())[:100]
             counts = f"{text.count('(')} opening and {text.count(')')} closing brackets"
+            if "closed linestring" in reason:
+                counts = "repeat the first point of a ring as its last"
             raise refused(path, f"not valid WKT: {reason} ({counts})", k) from None
         for one in _flat(shape):
             role = "place" if one.geom_type == "Polygon" else "path"
@@ -142,6 +147,10 @@ def read_geojson(path: Path, options: Options) -> Drawing:
         parts = _with_roles(path, parts, options)
     else:  # as in WKT
         kinds = {"Polygon": "place", "LineString": "path", "LinearRing": "path"}
+        for one in parts:
+            key, said = one.elsewhere
+            if said and said != kinds.get(one.geometry.geom_type):
+                raise refused(path, f'{one.label}: its "{key}" says "{said}"; {BY_ROLE}')
         parts = [replace(one, role=kinds.get(one.geometry.geom_type, "")) for one in parts]
     stated = json.dumps(value["crs"])[:80] if value.get("crs") else ""
     return _drawing(path, "GeoJSON polygons", parts, stated, options)
@@ -174,6 +183,10 @@ def _about(path: Path, feature: Any, number: int) -> _Part:
     given = [int(one) if isinstance(one, float) and one.is_integer() else one for one in given]
     name = next((str(one).strip() for one in given if one not in (None, "")), "")[:80]
     label = f"feature {number}" + (f' "{escaped(name)}"' if name else "")
+    words = {key: one.strip().lower() for key, one in about.items() if isinstance(one, str)}
+    said_by = [key for key, one in words.items()
+               if one in (*ROLES, "wall") and key not in ("role", "layer")]  # fmt: skip
+    elsewhere = (escaped(said_by[0])[:40], words[said_by[0]]) if said_by else ("", "")
     if role and role not in (*ROLES, "wall"):
         message = f'{label}: role: "{escaped(role)[:40]}" is none of {", ".join(ROLES)}'
         raise refused(path, message + nearest(role[:40], list(ROLES)))
@@ -184,7 +197,7 @@ def _about(path: Path, feature: Any, number: int) -> _Part:
         heading = radians(heading)
     else:
         heading = None
-    return _Part(None, role, name, layer, heading, label)
+    return _Part(None, role, name, layer, heading, elsewhere, label)
 
 
 def _geometries(path: Path, value: Any, label: str, depth: int) -> Iterator[Any]:
@@ -229,11 +242,11 @@ def _with_roles(path: Path, parts: list[_Part], options: Options) -> list[_Part]
     without = [one for one in parts if not one.role and one.geometry.geom_type != "Point"]
     if without and not options.ignore_others:
         said = [
-            (f'{one.label} of the layer "{escaped(one.layer)[:40]}"{hint(one.layer)}'
-             if one.layer else one.label, one.name or one.layer, None)
+            (f'{one.label} of the layer "{escaped(one.layer)[:40]}"' if one.layer else one.label,
+             hint(one.layer), one.name or one.layer, None)
             for one in without
         ]  # fmt: skip
-        raise unroled(path, said)
+        raise unroled(path, said, BY_ROLE)
     found = []
     for one in parts:
         is_polygon, role = one.geometry.geom_type == "Polygon", one.role
@@ -329,10 +342,21 @@ def _shapes(path: Path, part: _Part, shape: Any, drawing: Drawing) -> list[Shape
 
 
 def _unite(drawing: Drawing) -> None:
-    """Unite places that overlap or abut; those that stay apart are listed."""
+    """Unite places that overlap or abut; those that stay apart are listed.
+
+    A place within another is refused: it adds nothing, so it is more likely an obstacle.
+    """
     places = drawing.of("place")
     if len(places) < 2:
         return
+    is_wkt = drawing.kind.startswith("WKT")
+    how = "make it a hole of that one if it is an obstacle" if is_wkt else BY_ROLE
+    areas = [one.geometry for one in places]
+    inner, outer = shapely.STRtree(areas).query(areas, predicate="covered_by")
+    for i, k in zip(inner[inner != outer], outer[inner != outer], strict=True):
+        raise drawing.refusal(
+            f"lies within the place of {places[k]}; leave it out, or {how}", places[i]
+        )
     united = shapely.union_all([one.geometry for one in places])
     closed = united.buffer(ABUT / 2.0, join_style="mitre").buffer(-ABUT / 2.0, join_style="mitre")
     united = shapely.set_precision(shapely.union(united, closed), 1e-3)

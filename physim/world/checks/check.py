@@ -38,6 +38,7 @@ CHECKS: tuple[Callable[[Layout], Iterable[Fault]], ...] = (
     paths.check_paths,
     formation.check_length,
     formation.check_ends,
+    formation.check_stops,
     formation.check_duration,
     formation.check_spacing,
     formation.check_slow,

@@ -16,10 +16,11 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 from shapely.affinity import translate
 
-from physim.errors import Fault, Location
+from physim.errors import Fault, Location, place_text
+from physim.geometry.outline import placed_outline
 from physim.geometry.polygon import circumscribed_radius
 from physim.geometry.shapes import FloatArray, IntArray
-from physim.tolerances import CONTACT
+from physim.tolerances import CONTACT, LENGTH
 from physim.world.checks.findings import MOST_ALIKE
 from physim.world.checks.stations import leads, lines_of, spans, stations_on
 from physim.world.faults import describe
@@ -83,6 +84,29 @@ def _is_past(inner: FloatArray, end: FloatArray, place: ArrayLike, reach: float)
     """Whether a place lies past the end of a line, next to ``inner``, by more than a reach [m]."""
     along = np.subtract(place, end) @ np.subtract(end, inner)
     return bool(along / np.hypot(*np.subtract(end, inner)) > reach + CONTACT)
+
+
+def check_stops(laid: Layout) -> Iterator[Fault]:
+    """Robots whose outlines overlap where they stop: the second finds its stop taken."""
+    expect = laid.world.expect
+    if expect is not None and expect.finished is False:
+        return
+    poses = []
+    for line, (_, stop) in zip(lines_of(laid), spans(laid), strict=True):
+        at, back = line.interpolate(stop), line.interpolate(max(stop - LENGTH, 0.0))
+        ahead = np.subtract(*(one.coords[0] for one in ((at, back) if stop > 0.0 else (back, at))))
+        poses.append((at.x, at.y, float(np.arctan2(ahead[1], ahead[0]))))
+    shapes = [placed_outline(*one) for one in zip(laid.footprints, poses, strict=True)]
+    pairs = shapely.STRtree(shapes).query(shapes, predicate="overlaps").T.tolist()
+    same = [(i, j) for i in range(len(poses)) for j in range(i) if poses[i] == poses[j]]
+    first = dict(sorted({*((a, b) for a, b in pairs if a > b), *same}, reverse=True))
+    for i, j in sorted(first.items())[:MOST_ALIKE]:
+        yield Fault(
+            laid.path_key(i),
+            f"{describe(laid.names[i])} stops where {describe(laid.names[j])} does, at "
+            f"{place_text(*poses[i][:2])}; let one path end elsewhere, or give them a formation",
+            "warning",
+        )
 
 
 def check_duration(laid: Layout) -> Iterator[Fault]:

@@ -16,6 +16,7 @@ import numpy as np
 import shapely
 from shapely.ops import substring
 
+from physim.geometry.arc_length import Polyline
 from physim.geometry.area import united
 from physim.geometry.polygon import circumscribed_radius
 from physim.geometry.shapes import FloatArray
@@ -117,8 +118,7 @@ def clearance_profiles(laid: Layout) -> tuple[ClearanceProfile, ...]:
 
 def _stations(line: Any) -> FloatArray:
     """Evenly spread stations, and those of the waypoints unless there are too many."""
-    steps = np.hypot(*np.diff(shapely.get_coordinates(line), axis=0).T)
-    along = np.concatenate(([0.0], np.cumsum(steps)))
+    along = Polyline(line.coords).station
     count = int(np.clip(np.ceil(along[-1] / SPACING) + 1, 2, MOST_STATIONS))
     even = np.linspace(0.0, along[-1], count)
     stations = np.union1d(even, along) if len(along) <= MOST_STATIONS else even

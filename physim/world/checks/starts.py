@@ -10,6 +10,7 @@ import numpy as np
 import shapely
 
 from physim.errors import Fault, place_text, plural
+from physim.geometry.arc_length import Polyline
 from physim.geometry.outline import placed_outline
 from physim.geometry.polygon import circumscribed_radius
 from physim.tolerances import LENGTH
@@ -54,36 +55,31 @@ def check_start_used(laid: Layout) -> Iterator[Fault]:
 
 
 def check_walled_off(laid: Layout) -> Iterator[Fault]:
-    """Robots that count as on a stretch of a path which lies beyond a wall or an obstacle.
+    """Robots that count as on a stretch of their path which lies beyond a wall or an obstacle.
 
-    It is the one nearest to the start: of their own path and, in a formation, of the reference
-    path. The first of each is told.
+    It is the one nearest to the start. The first such robot is told.
     """
     if not laid.names or not (laid.walls or laid.solids):
         return
     edges = [shapely.get_coordinates(shape) for _, shape in (*laid.walls, *laid.solids)]
     pieces = np.concatenate([np.stack([one[:-1], one[1:]], axis=1) for one in edges])
     walls = shapely.STRtree(shapely.linestrings(pieces))
-    lines = {"its path": lines_of(laid)}
-    if laid.world.formation is not None:
-        lines["the reference path"] = [shapely.LineString(laid.reference)] * len(laid.names)
-    starts = shapely.points(laid.start[:, :2])
-    for called, paths in lines.items():
-        ways = shapely.get_coordinates(shapely.shortest_line(starts, paths)).reshape(-1, 2, 2)
-        begin, end = ways[:, 0], ways[:, 1]
-        short = shapely.linestrings(np.stack([begin, begin + NEARLY * (end - begin)], axis=1))
-        hidden = np.unique(walls.query(short, predicate="intersects")[0]).tolist()
-        if hidden:
-            i, left = hidden[0], len(hidden) - 1
-            more = f", and {plural(left, 'more robot')} so" if left else ""
-            yield Fault(
-                (*laid.entry_key(i), "pose"),
-                f"{describe(laid.names[i])} counts as at station "
-                f"{paths[i].project(starts[i]):.2f} m of {called}, which is nearest at "
-                f"{place_text(end[i, 0], end[i, 1], 4)}, beyond a wall or an obstacle{more}; start "
-                "it nearer to where it is to begin, or lead the path farther from what is between",
-                "warning",
-            )
+    starts, paths = shapely.points(laid.start[:, :2]), lines_of(laid)
+    ways = shapely.get_coordinates(shapely.shortest_line(starts, paths)).reshape(-1, 2, 2)
+    begin, end = ways[:, 0], ways[:, 1]
+    short = shapely.linestrings(np.stack([begin, begin + NEARLY * (end - begin)], axis=1))
+    hidden = np.unique(walls.query(short, predicate="intersects")[0]).tolist()
+    if hidden:
+        i, left = hidden[0], len(hidden) - 1
+        more = f", and {plural(left, 'more robot')} so" if left else ""
+        yield Fault(
+            (*laid.entry_key(i), "pose"),
+            f"{describe(laid.names[i])} counts as at station {paths[i].project(starts[i]):.2f} m "
+            f"of its path, which is nearest at {place_text(end[i, 0], end[i, 1], 4)}, beyond a "
+            f"wall or an obstacle{more}; start it nearer to where it is to begin, or lead the path "
+            "farther from what is between",
+            "warning",
+        )
 
 
 def check_far(laid: Layout) -> Iterator[Fault]:
@@ -113,11 +109,8 @@ def check_headings(laid: Layout) -> Iterator[Fault]:
         pose = laid.robots[i].pose
         if pose is None or pose[2] == "random" or abs(pose[2]) > 2.0 * pi:
             continue
-        points = shapely.get_coordinates(line)
-        at = np.concatenate(([0.0], np.cumsum(np.hypot(*np.diff(points, axis=0).T))))
-        k = int(np.searchsorted(at, line.project(shapely.Point(pose[:2])), side="right")) - 1
-        k = min(k, len(points) - 2)
-        along = float(np.arctan2(*(points[k + 1] - points[k])[::-1]))
+        station = line.project(shapely.Point(pose[:2]))
+        along = float(np.arctan2(*Polyline(line.coords).at(station)[1][::-1]))
         away = abs((pose[2] - along + pi) % (2.0 * pi) - pi)
         if away > pi / 2.0 + 1e-6:
             yield Fault(

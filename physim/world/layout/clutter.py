@@ -12,10 +12,10 @@ from math import pi
 import numpy as np
 import shapely
 
+from physim.geometry.corridor import SIDES
 from physim.geometry.shapes import FloatArray
 from physim.randomness import stream
-from physim.world.layout.road_line import DECIMALS, stations
-from physim.world.road import RandomRoad
+from physim.world.layout.road_line import DECIMALS, Course
 
 GAP = 0.3
 """[m] least distance of an obstacle to another and to a wall"""
@@ -25,25 +25,16 @@ TRIES = (24, 72, 144)
 """Places drawn for one obstacle, first on its own stretch, then anywhere, before it is given up"""
 
 
-def draw_clutter(
-    road: RandomRoad,
-    centreline: FloatArray,
-    widths: FloatArray,
-    way: shapely.Geometry,
-    walls: shapely.Geometry,
-    passage: float,
-    seed: int,
-    attempt: int,
-) -> list[FloatArray] | int:
-    """Outlines (n, 2) [m] of the obstacles; or how many there was room for, where not for all."""
-    draw = stream(seed, "road clutter", attempt)
-    station = stations(centreline)
-    first, last = road.ends, float(station[-1]) - road.ends
+def draw_clutter(course: Course, way: shapely.LineString) -> list[FloatArray] | None:
+    """Outlines (n, 2) [m] of the obstacles beside a way; None where there is no room for all."""
+    road, walls = course.road, course.walls
+    draw = stream(course.seed, "road clutter", course.attempt)
+    first, last = road.ends, course.line.length - road.ends
     count = round(road.clutter * (last - first) / 100.0)
-    inside = shapely.Polygon(_ring(walls))
-    ends = _ends(centreline, widths, road.ends)
+    left, right = (course.lines[side] for side in SIDES)
+    inside = shapely.Polygon(np.vstack([left, right[::-1]]))
+    ends = _ends(course)
     shapely.prepare(inside)
-    shapely.prepare(walls)
     shapely.prepare(way)
     found: list[FloatArray] = []
     solids: list[shapely.Geometry] = []
@@ -51,11 +42,11 @@ def draw_clutter(
         own = first + np.array([k, k + 1]) * (last - first) / count
         for tries in TRIES:
             low, high = own if tries == TRIES[0] else (first, last)
-            outlines, sizes, at = _candidates(road, centreline, widths, draw, low, high, tries)
+            outlines, sizes, at = _candidates(course, draw, low, high, tries)
             shapes = np.array([shapely.Polygon(outline) for outline in outlines])
             fits = (at - 0.5 * sizes >= first) & (at + 0.5 * sizes <= last)
             fits &= shapely.contains_properly(inside, shapes) & ~shapely.intersects(ends, shapes)
-            fits &= shapely.distance(way, shapes) >= 0.5 * passage + SPARE
+            fits &= shapely.distance(way, shapes) >= 0.5 * course.passage + SPARE
             fits &= shapely.distance(walls, shapes) >= GAP + SPARE
             if solids:
                 fits &= shapely.distance(shapely.union_all(solids), shapes) >= GAP + SPARE
@@ -65,21 +56,16 @@ def draw_clutter(
                 solids.append(shapes[chosen])
                 break
         else:
-            return k
+            return None
     return found
 
 
-def _ring(walls: shapely.Geometry) -> FloatArray:
-    """Outline of a road, from its left wall and its right one."""
-    left, right = (shapely.get_coordinates(line) for line in shapely.get_parts(walls)[:2])
-    return np.vstack([left, right[::-1]])
-
-
-def _ends(centreline: FloatArray, widths: FloatArray, length: float) -> shapely.Geometry:
+def _ends(course: Course) -> shapely.Geometry:
     """The first and the last stretch of a road, which are straight.
 
     What is placed by its station beside a bend may reach back into them.
     """
+    centreline, widths, length = course.centreline, course.widths, course.road.ends
     parts = []
     for (here, there), width in ((centreline[:2], widths[0]), (centreline[:-3:-1], widths[-1])):
         along = (there - here) / np.hypot(*(there - here))
@@ -89,16 +75,10 @@ def _ends(centreline: FloatArray, widths: FloatArray, length: float) -> shapely.
 
 
 def _candidates(
-    road: RandomRoad,
-    centreline: FloatArray,
-    widths: FloatArray,
-    draw: np.random.Generator,
-    low: float,
-    high: float,
-    count: int,
+    course: Course, draw: np.random.Generator, low: float, high: float, count: int
 ) -> tuple[list[FloatArray], FloatArray, FloatArray]:
     """Outlines of obstacles anywhere on a stretch of the road, their sizes and stations [m]."""
-    station = stations(centreline)
+    road, centreline, station = course.road, course.centreline, course.line.station
     at, aside = draw.uniform(low, high, count), draw.uniform(-0.5, 0.5, count)
     sizes, angles = draw.uniform(*road.sizes, count), draw.uniform(0.0, 2.0 * pi, count)
     kinds, shares = draw.integers(len(road.shapes), size=count), draw.uniform(0.0, 1.0, count)
@@ -106,7 +86,7 @@ def _candidates(
     leg = np.clip(np.searchsorted(station, at, side="right") - 1, 0, len(step) - 1)
     normal = np.stack([-step[leg, 1], step[leg, 0]], axis=1)
     place = centreline[leg] + (at - station[leg])[:, None] * step[leg]
-    place = place + (aside * np.interp(at, station, widths))[:, None] * normal
+    place = place + (aside * np.interp(at, station, course.widths))[:, None] * normal
     outlines = []
     for k in range(count):
         corners = SHAPES[road.shapes[kinds[k]]](shares[k])

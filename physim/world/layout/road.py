@@ -27,6 +27,7 @@ from physim.world import Offset, RandomCorridor, RandomRoad, RobotGroup, World
 from physim.world.layout.clutter import draw_clutter
 from physim.world.layout.road_line import (
     ASTRAY,
+    Course,
     are_apart,
     draw_centreline,
     draw_way,
@@ -91,70 +92,43 @@ def draw_road(
     Raises WorldError where none of the roads drawn keeps to what is asked.
     """
     failed: Counter[str] = Counter()
-    most, count = 0, 0
     for attempt in range(ATTEMPTS):
         astray = ASTRAY[2 * attempt >= ATTEMPTS]
         centreline = draw_centreline(road, seed, attempt, astray)
         widths = draw_widths(road, centreline, seed, attempt)
         if not are_apart(centreline, widths, end_margin):
-            failed["crosses"] += 1
+            failed["bends"] += 1
             continue
         lines = corridor_boundaries(centreline, widths, end_margin)
-        if not walls_advance(lines, centreline):
-            failed["folds"] += 1
-            continue
-        walls = shapely.MultiLineString(list(lines.values()))
-        way = draw_way(road, centreline, widths, passage, seed, attempt, walls)
-        if not lanes_advance(way, offsets):
-            failed["folds"] += 1
+        course = Course(road, passage, seed, attempt, centreline, widths, lines)
+        if not walls_advance(lines, centreline) or not lanes_advance(
+            way := draw_way(course), offsets
+        ):
+            failed["radii"] += 1
             continue
         line = shapely.LineString(way)
-        obstacles = draw_clutter(road, centreline, widths, line, walls, passage, seed, attempt)
-        if isinstance(obstacles, int):
-            failed["crowded"] += 1
-            most = max(most, obstacles)
-            count = round(road.clutter * (road.length - 2.0 * road.ends) / 100.0)
-            if failed["crowded"] >= CROWDED:
+        obstacles = draw_clutter(course, line)
+        if obstacles is None:
+            failed["clutter"] += 1
+            if failed["clutter"] >= CROWDED:
                 break
             continue
-        if clear_width(line, walls, obstacles) >= passage - LENGTH:
+        # the diameter of the largest disc that moves along all of the way
+        solids = [course.walls, *map(shapely.Polygon, obstacles)]
+        if 2.0 * min(float(line.distance(one)) for one in solids) >= passage - LENGTH:
             return DrawnRoad(centreline, widths, way, obstacles)
-        failed["narrow"] += 1
-    raise WorldError([_refused(road, failed, passage, most, count)])
-
-
-def clear_width(
-    way: shapely.LineString, walls: shapely.Geometry, obstacles: list[FloatArray]
-) -> float:
-    """[m] Diameter of the largest disc that moves along all of a way: exact but for rounding."""
-    solids = [shapely.Polygon(outline) for outline in obstacles]
-    return 2.0 * min(float(way.distance(one)) for one in (walls, *solids))
-
-
-def _refused(
-    road: RandomRoad, failed: Counter[str], passage: float, most: int, count: int
-) -> Fault:
-    """What to change where no road was found."""
-    times = sum(failed.values())
-    worst = failed.most_common(1)[0][0]
-    if worst == "crowded" or failed["crowded"] >= CROWDED:
-        return Fault(
-            (*ROAD, "clutter"),
-            f"{count} obstacles do not fit beside a passage of {passage:.4g} m, {most} do at most "
-            f"in {times} roads drawn by this seed; give less clutter, smaller sizes, more width or "
-            "another seed",
-        )
-    if worst == "crosses":
-        return Fault(
-            (*ROAD, "bends"),
-            f"all but {times - failed['crosses']} of {times} roads drawn by this seed cross or "
-            "nearly touch themselves; give fewer bends, smaller turns, more length or another seed",
-        )
-    return Fault(
-        (*ROAD, "radii"),
-        f"none of {times} roads drawn by this seed has room for its walls and the "
-        "paths of all robots in its bends; give larger radii, or smaller offsets",
-    )
+        failed["radii"] += 1
+    key = "clutter" if failed["clutter"] >= CROWDED else failed.most_common(1)[0][0]
+    count = round(road.clutter * (road.length - 2.0 * road.ends) / 100.0)
+    why = {
+        "clutter": f"have no room for {count} obstacles beside a passage of {passage:.4g} m; give "
+        "less clutter, smaller sizes, more width",
+        "bends": "cross or nearly touch themselves; give fewer bends, smaller turns, more length",
+        "radii": "have no room for their walls and the paths of all robots in bends; give larger "
+        "radii, smaller offsets",
+    }[key]
+    drawn = f"{failed[key]} of {failed.total()} roads drawn by this seed"
+    raise WorldError([Fault((*ROAD, key), f"{drawn} {why} or another seed")])
 
 
 def _lanes(world: World) -> list[Lane]:

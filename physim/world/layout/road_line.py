@@ -6,11 +6,14 @@ clutter leaves the bends as they are. Coordinates are rounded to `DECIMALS`.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+from functools import cached_property
 from math import ceil, pi
 
 import numpy as np
 import shapely
 
+from physim.geometry.arc_length import Polyline
 from physim.geometry.corridor import SIDES, corridor_boundaries, offset_polyline
 from physim.geometry.shapes import FloatArray
 from physim.randomness import stream
@@ -77,38 +80,60 @@ def _straight(length: float) -> list[float]:
     return [length / count] * count if count else []
 
 
+@dataclass(frozen=True)
+class Course:
+    """A road on its way to be drawn: what is asked for, and what is drawn already."""
+
+    road: RandomRoad
+    passage: float
+    """[m]"""
+    seed: int
+    attempt: int
+    centreline: FloatArray
+    """(n, 2) [m]"""
+    widths: FloatArray
+    """(n,) [m]"""
+    lines: dict[str, FloatArray]
+    """walls and caps"""
+
+    @cached_property
+    def walls(self) -> shapely.Geometry:
+        """The same as one geometry."""
+        walls = shapely.MultiLineString(list(self.lines.values()))
+        shapely.prepare(walls)
+        return walls
+
+    @cached_property
+    def line(self) -> Polyline:
+        """The centreline by arc length."""
+        return Polyline(self.centreline)
+
+
 def draw_widths(road: RandomRoad, centreline: FloatArray, seed: int, attempt: int) -> FloatArray:
     """Width (n,) [m] at each point of a centreline: the greatest one at the ends."""
     low, high = road.widths
-    station = stations(centreline)
+    station = Polyline(centreline).station
     knots = _knots(road, float(station[-1]))
     drawn = stream(seed, "road width", attempt).uniform(low, high, len(knots))
     drawn[:1], drawn[-1:] = high, high
     return np.clip(_smooth(station, knots, drawn).round(DECIMALS), low, high)
 
 
-def draw_way(
-    road: RandomRoad,
-    centreline: FloatArray,
-    widths: FloatArray,
-    passage: float,
-    seed: int,
-    attempt: int,
-    walls: shapely.Geometry,
-) -> FloatArray:
-    """Way (n, 2) [m] through a road that keeps half the passage from its ``walls``.
+def draw_way(course: Course) -> FloatArray:
+    """Way (n, 2) [m] through a road that keeps half the passage from its walls.
 
     It swings from the middle of the road to its sides, as far as there is room.
     """
-    station = stations(centreline)
-    knots = _knots(road, float(station[-1]))
-    drawn = stream(seed, "road way", attempt).uniform(-1.0, 1.0, len(knots))
+    centreline, station = course.centreline, course.line.station
+    knots = _knots(course.road, course.line.length)
+    drawn = stream(course.seed, "road way", course.attempt).uniform(-1.0, 1.0, len(knots))
     drawn[:1], drawn[-1:] = 0.0, 0.0
-    room = np.minimum(0.5 * (widths - passage), WEAVE)
+    room, least = np.minimum(0.5 * (course.widths - course.passage), WEAVE), 0.5 * course.passage
     swing = _smooth(station, knots, drawn) * np.maximum(room, 0.0)
     for share in (1.0, 0.5, 0.25):
         way = offset_polyline(centreline, share * swing).round(DECIMALS)
-        if _advances(way, centreline) and shapely.LineString(way).distance(walls) >= 0.5 * passage:
+        away = shapely.LineString(way).distance(course.walls)
+        if _advances(way, centreline) and away >= least:
             return way
     return centreline
 
@@ -137,11 +162,6 @@ def lanes_advance(way: FloatArray, offsets: list[float]) -> bool:
 def walls_advance(lines: dict[str, FloatArray], centreline: FloatArray) -> bool:
     """Whether the walls of a corridor go on in the sense of its centreline everywhere."""
     return all(_advances(lines[side][1:-1], centreline) for side in SIDES)
-
-
-def stations(line: FloatArray) -> FloatArray:
-    """Station (n,) [m] of each point of a polyline."""
-    return np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(line, axis=0).T))])
 
 
 def _advances(line: FloatArray, beside: FloatArray) -> bool:

@@ -87,7 +87,8 @@ def wall_faults(laid: Layout, robots: Sequence[Placed]) -> list[Fault]:
             else:
                 contact = _overlap(shape, body, label)
             place = stretch_text(boundaries, label, _meeting(shape, body))
-            faults.append(Fault(where, f"{name} {contact} {place} at the start; move it away"))
+            remedy = "move it away" + (", or make it smaller" if len(near[i]) > 1 else "")
+            faults.append(Fault(where, f"{name} {contact} {place} at the start; {remedy}"))
         if not near[i] and not accessible.covers(shape):
             far = accessible.distance(shape)
             away = f", {far:.4g} m from it" if far > 0.0 else ""
@@ -139,7 +140,7 @@ def robot_faults(robots: Sequence[Placed]) -> list[Fault]:
 
 
 MOST_FOUND = 50
-"""Crossings of boundaries, and a tenth of it of one with itself, after which no more are sought"""
+"""Crossings of boundaries after which no more are sought"""
 MOST_GAPS = 3
 """Gaps between boundaries that one message names."""
 MOST_SEARCHED = 300
@@ -147,30 +148,24 @@ MOST_SEARCHED = 300
 
 
 def crossings(lines: list[FloatArray]) -> list[tuple[int, int, tuple[float, float]]]:
-    """Pairs of polylines that meet elsewhere than at an end of one of them, and where first."""
-    shapes = [shapely.LineString(line) for line in lines]
-    if len(shapes) < 2:
-        return []
-    tree = shapely.STRtree(shapes)
+    """Pairs of polylines that meet elsewhere than at an end of one of them, and where first.
+
+    Two that share stretches only, as of a wall drawn twice, do no harm.
+    """
+    shapes = np.array([shapely.LineString(line) for line in lines])
     found = []
-    for a, b in np.transpose(tree.query(shapes, predicate="intersects")):
+    for a, b in shapely.STRtree(shapes).query(shapes, predicate="intersects").T.tolist():
         if a >= b:
             continue
-        meeting = shapely.get_coordinates(shapes[a].intersection(shapes[b]))
-        ends = np.array([lines[a][0], lines[a][-1], lines[b][0], lines[b][-1]])
-        inner = [p for p in meeting if np.hypot(*(ends - p).T).min() > LENGTH]
-        if inner and not _only_runs_along(shapes[a], shapes[b]):
-            found.append((int(a), int(b), (float(inner[0][0]), float(inner[0][1]))))
+        common = shapes[a].intersection(shapes[b])
+        ends = np.vstack([lines[k][[0, -1]] for k in (a, b)])
+        inner = [p for p in shapely.get_coordinates(common) if _away(ends, p) > LENGTH]
+        kinds = {part.geom_type for part in shapely.get_parts(common)}
+        if inner and "Point" in kinds:
+            found.append((a, b, (float(inner[0][0]), float(inner[0][1]))))
         if len(found) >= MOST_FOUND:
             break
     return found
-
-
-def _only_runs_along(a: Any, b: Any) -> bool:
-    """Whether two polylines share stretches only: a wall drawn twice does no harm."""
-    common = a.intersection(b)
-    points = [p for p in shapely.get_parts(common) if p.geom_type == "Point"]
-    return common.length > 0.0 and not points
 
 
 def self_crossings(line: FloatArray) -> list[tuple[float, float]]:
@@ -178,21 +173,17 @@ def self_crossings(line: FloatArray) -> list[tuple[float, float]]:
     if len(line) < 3 or shapely.LineString(line).is_simple:
         return []
     segments = shapely.linestrings(np.stack([line[:-1], line[1:]], axis=1))
-    tree = shapely.STRtree(segments)
-    first, second = tree.query(segments, predicate="intersects")
-    apart = second > first
-    first, second = first[apart], second[apart]
-    places = shapely.intersection(segments[first], segments[second])
-    found: dict[tuple[float, float], None] = {}
-    for a, b, place in zip(first, second, places, strict=True):
-        for point in shapely.get_coordinates(place):
-            is_joint = b == a + 1 and place.length == 0.0
-            at_end = np.hypot(*(line[[0, -1]] - point).T).min() <= LENGTH
-            if not is_joint and not at_end:
-                found[float(point[0]), float(point[1])] = None
-        if len(found) > MOST_FOUND // 10:
-            break
-    return list(found)
+    first, second = shapely.STRtree(segments).query(segments, predicate="intersects")
+    first, second = first[second > first], second[second > first]
+    common = shapely.intersection(segments[first], segments[second])
+    apart = common[(second > first + 1) | (shapely.length(common) > 0.0)]  # no mere joints
+    met = shapely.get_coordinates(apart)
+    places = dict.fromkeys((float(x), float(y)) for x, y in met)
+    return [at for at in places if _away(line[[0, -1]], np.array(at)) > LENGTH]
+
+
+def _away(points: FloatArray, place: FloatArray) -> float:
+    return float(np.hypot(*(points - place).T).min())
 
 
 def gaps(labels: list[str], lines: list[FloatArray]) -> str:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from typing import Generic, TypeVar
 
 from physim.geometry.shapes import FloatArray
@@ -25,11 +25,3 @@ class Shared(Generic[Found]):
         if id(array) not in self._known:
             self._known[id(array)] = array, self._work_out(array)
         return self._known[id(array)][1]
-
-
-def sharing(arrays: Iterable[FloatArray]) -> list[list[int]]:
-    """Numbers of arrays, those of the very same array together."""
-    found: dict[int, list[int]] = {}
-    for k, array in enumerate(arrays):
-        found.setdefault(id(array), []).append(k)
-    return list(found.values())

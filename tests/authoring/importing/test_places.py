@@ -138,7 +138,7 @@ def test_paths_are_told_apart_by_their_names(tmp_path: Path) -> None:
     a = ("path a", shapely.LineString([(3, 7), (20, 7)]))
     b = ("path b", shapely.LineString([(3, 7), (3, 11)]))
     assert import_world(geojson(tmp_path, [hall, a])).world.reference_path == ((3, 7), (20, 7))
-    check_says(refusal(geojson(tmp_path, [hall, a, b])), 'there is no robot "a"')
+    check_says(refusal(geojson(tmp_path, [hall, a, b])), 'there is no robot "a"; draw … "robot a"')
     fork = [("path", one) for _, one in (a, b)] + [("path", shapely.LineString([(3, 7), (3, 3)]))]
     check_says(refusal(geojson(tmp_path, [hall, *fork])), "do not meet in one line")
     robots = [("robot Fork", shapely.box(4, 6.5, 5.8, 7.5)), ("path fork", a[1])]

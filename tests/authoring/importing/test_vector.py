@@ -173,6 +173,24 @@ FAULTS = {
     "null": (polygon([[0, None], *ROOM]), '"Polygon" … [x, y]'),
     "role": (beside("Polygon", [TABLE], role="obsacle"),
              'feature 2: role: "obsacle" … place, boundary, obstacle, path, robot … "obstacle"'),
+    "a role by another property": (
+        collection(feature("Polygon", [ROOM], type="place"),
+                   feature("Polygon", [TABLE], type="obstacle")),
+        'feature 2: its "type" says "obstacle"; … property "role"',
+    ),
+    "a role by its name": (
+        beside("LineString", [[1, 1], [9, 1]], name="path"),
+        'feature 2 "path"; give it the property "role": place, boundary, obstacle, path or robot, ',
+    ),
+    "a place within another": (
+        collection(feature("Polygon", [ROOM]), feature("Polygon", [TABLE], name="table")),
+        'feature 2 "table": lies within the place of feature 1; … property "role"',
+    ),
+    "a place within another, WKT": (
+        "POLYGON ((0 0, 30 0, 30 20, 0 0))\nPOLYGON ((9 1, 20 1, 20 2, 9 1))",
+        ":2: … within … line 1; … a hole",
+    ),
+    "an open ring": ("POLYGON ((0 0, 30 0, 30 10, 0 10))", ":1: … repeat the first point"),
     "heading": (beside("Polygon", [TABLE], role="robot", heading="north"), "heading … degrees"),
     "an obstacle of a line": (beside("LineString", ROOM, role="obstacle"),
                               'feature 2: … LineString … "obstacle" … Polygon'),

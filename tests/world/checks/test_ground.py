@@ -99,7 +99,7 @@ TOLD = {
         ("E", CENTRELINE, "179 degrees", "[1] (30, 0)", "at most 149 degrees"),
         ("E", "8:20 robots[0].path.offset", "179 degrees", "[1] (30, 0)")),
     "legs that run into each other": (bent("[[0, 0], [20, 0], [20, 20], [0, 20], [0, 0]]"), ...,
-        ("E", CENTRELINE, "into itself", "(-1.5, 2)", "[0] to [1]", "[3] to [4]")),
+        ("E", CENTRELINE, "into itself", "(-3, -3)", "[0] to [1]", "[3] to [4]")),
     "legs whose walls cross":
         (bent("[[0, 0], [60, 0], [60, 20], [30, 20], [30, 4], [44, 4]]", 6.0),
          ("E", CENTRELINE, "into itself", "[0]", "[4]")),

@@ -125,11 +125,21 @@ robots:
     [
         (FOLLOWING, r'"front" touches "rear" at'),
         (JUNCTION, r'"b" (stands|still moves).* short '),
-        (SAME_STOP, r'"b" (stands|still moves).* short '),
+        (SAME_STOP, r'"b" stops where "a" does, at \(20, 1.5\)'),
+        (SAME_STOP, r'"b" (stands|still moves).* short .* waits for "a"'),
+        (SAME_STOP.replace("30.0}", "8.0}"), r"time.duration is over, and it needs about \d+ s"),
         (WALL, r'"r1" stands .* short .* nearest to it is "boundary 1"'),
         (LANE, r'"(east|west)" (stands|touches) '),
     ],
-    ids=["runs into another", "in the way", "stops in one place", "a wall ahead", "head on"],
+    ids=[
+        "runs into another",
+        "in the way",
+        "stops in one place",
+        "who is there",
+        "too short",
+        "a wall ahead",
+        "head on",
+    ],
 )
 def test_what_keeps_robots_from_their_stops_is_told(
     here: Path, capsys: pytest.CaptureFixture[str], text: str, told: str

@@ -73,7 +73,8 @@ class Drawing:
 
     ``kind`` says what it was read as, ``path`` is that of the source; ``facts`` say what was read
     and how, ``changes`` every shape that was dropped or repaired. ``unseen`` ends a refusal for
-    want of lines: which may be missing because the source hides them.
+    want of lines: which may be missing because the source hides them. ``doubt`` says what to look
+    at where no place or route is found in a map.
     """
 
     kind: str
@@ -82,6 +83,7 @@ class Drawing:
     facts: list[str] = field(default_factory=list)
     changes: list[str] = field(default_factory=list)
     unseen: str = ""
+    doubt: str = ""
 
     def of(self, *roles: Role) -> list[Shape]:
         """Shapes of some roles, in the order of the source."""

@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from math import hypot
 
 import numpy as np
 import shapely
 
 from physim.authoring.importing.area import Place
-from physim.authoring.importing.drawing import Drawing
+from physim.authoring.importing.drawing import Drawing, ImportSourceError
 from physim.authoring.importing.drawn import Placed, lane, lap
 from physim.authoring.importing.options import Options
-from physim.authoring.importing.size import Size, check_way
+from physim.authoring.importing.size import SMALLEST, Size, check_way, fitting, two_digits
 from physim.geometry.arc_length import Polyline
 from physim.geometry.area import shrunk
 from physim.geometry.outline import placed_outline
@@ -22,6 +23,8 @@ LANE, ROW, COLUMN = 2.0, 4.0, 3.2
 one"""
 GAP, WALL_GAP = 0.5, 0.15
 """[m] at size 1 least distance at the start of robots to each other, and to a wall"""
+SHRUNK = 0.9
+"""[-] from one size that is tried to the next"""
 MOST_SHARE = 0.6
 """[-] share of the path that the group may take up at the start"""
 
@@ -35,21 +38,39 @@ def offsets_of(options: Options) -> list[float]:
 
 def fill_in(
     drawing: Drawing, where: Place, line: FloatArray, size: Size, options: Options
-) -> list[Placed]:
+) -> tuple[Size, list[Placed]]:
     """Place ``--robots`` boxes in ``--lanes`` lanes beside a path (n, 2) [m], the first foremost.
 
+    With ``--robot fit`` all shrink until they have room: the size is that at which they have.
+    Raises ImportSourceError where a lane, or so many robots, have none.
+    """
+    while True:
+        try:
+            return size, _filled(drawing, where, line, size, options)
+        except ImportSourceError:
+            factor = two_digits(SHRUNK * size.factor)
+            if options.robot != "fit" or factor < SMALLEST:
+                raise
+            size = replace(size, factor=factor, box=fitting(factor))
+
+
+def _filled(
+    drawing: Drawing, where: Place, line: FloatArray, size: Size, options: Options
+) -> list[Placed]:
+    """Boxes of one size.
+
     Neighbouring lanes are staggered, so that the group arrives as it starts: no two stop abreast
-    of each other. Raises ImportSourceError where a lane, or so many robots, have no room.
+    of each other.
     """
     factor, offsets = size.factor, offsets_of(options)
-    count = options.robots or len(offsets)
+    count, is_fit = options.robots or len(offsets), options.robot == "fit"
     lanes = []
     for offset in [round(factor * offset, 3) for offset in offsets]:
         what = f"lane {offset:+g} m beside the path" if offset else "path"
         beside = lane(drawing, line, offset)
         advice = f"--lanes {max(len(offsets) - 1, 1)}, or a smaller --robot"
         width = size.box[1] + 2.0 * WALL_GAP * factor
-        check_way(drawing, where, beside, width, what, None, advice)
+        check_way(drawing, where, beside, width, what, None, advice, advice)
         lanes.append((beside, offset))
     inner = shrunk(where.area, WALL_GAP * factor, 16)
     shapely.prepare(inner)
@@ -63,10 +84,11 @@ def fill_in(
         beside, offset = lanes[k % len(lanes)]
         while True:
             if station > MOST_SHARE * way.length:
+                smaller = "a smaller --robot LENGTH,WIDTH, or --robot fit"
                 raise drawing.refusal(
                     f"room for {len(robots)} of {count} robots of {size.box[0]:g} x "
                     f"{size.box[1]:g} m on the first {station:.1f} m of the path; fewer "
-                    "--robots, more --lanes, a smaller --robot LENGTH,WIDTH, or --robot fit"
+                    f"--robots, more --lanes, {'a longer path' if is_fit else smaller}"
                 )
             pose = _pose(way, Polyline(beside), offset, station, factor)
             shape = placed_outline(box, pose)

@@ -29,6 +29,8 @@ from physim.world.layout.scene_builder import build_scene
 
 STEPS = (0.01, 0.005, 0.002, 0.001)
 """[s] of a world, and shorter ones for robots with narrow parts"""
+AGAINST = 0.5
+"""[-] share of its path that leads back along the reference path of a robot that goes against it"""
 MOST_TEXT = 5_000_000
 """Characters of a world file"""
 READERS = {
@@ -94,10 +96,13 @@ def _made(drawing: Drawing, options: Options) -> Imported:
     else:
         reach = max(map(abs, offsets_of(options)))
         size = size_of(drawing, where, paths.reference, options, reach)
-        robots = fill_in(drawing, where, paths.reference, size, options)
+        size, robots = fill_in(drawing, where, paths.reference, size, options)
     is_lap = any((one.path[0] == one.path[-1]).all() for one in robots)
     has_formation = not is_lap and not options.no_formation
     drawing.facts += _about(where, paths.reference, robots, size)
+    if has_formation and len(robots) > 1:
+        _check_one_way(drawing, paths.reference, robots)
+        drawing.facts.append(f"{len(robots)} robots in formation (--no-formation: each by itself)")
     if not has_formation:
         why = "as asked" if options.no_formation else "a path is closed: a lap each"
         drawing.facts.append(f"no formation ({why}); every robot goes to the end of its own path")
@@ -141,7 +146,21 @@ def _check_ways(drawing: Drawing, where: Place, robots: Sequence[Placed]) -> Non
         check_way(
             drawing, where, one.path, one.box[1], what, one.shape,
             f"move it, draw a smaller robot, or a path of its own named {one.name}",
+            f"move it, or draw a path of its own named {one.name}" if one.offset else "move it",
         )  # fmt: skip
+
+
+def _check_one_way(drawing: Drawing, reference: FloatArray, robots: Sequence[Placed]) -> None:
+    """Refuse a formation with a robot that goes against the reference path (n, 2) [m]."""
+    way = Polyline(reference)
+    for one in robots:
+        begin, end = way.nearest(one.path[[0, -1]])
+        if begin - end > AGAINST * min(Polyline(one.path).length, way.length):
+            raise drawing.refusal(
+                f"{one.name} goes against the direction of the others, and a formation has one; "
+                "--no-formation lets each robot go by itself",
+                one.shape,
+            )
 
 
 def _about(where: Place, reference: FloatArray, robots: Sequence[Placed], size: Size) -> list[str]:
@@ -188,7 +207,11 @@ def _written(
                 raise _cannot_run(drawing, error, robots) from None
     if step != STEPS[0]:
         drawing.facts.append(f"steps of {step:g} s, as a robot has narrow parts")
-    text = world_text(world, source, drawing, size.factor)
+    if size.factor != 1.0:
+        drawing.facts.append(
+            f"lengths and speeds of the control are the usual ones times {size.factor:g}"
+        )
+    text = world_text(world, source, drawing)
     if len(text) > MOST_TEXT:
         raise drawing.refusal(
             f"the world would have {len(text) / 1e6:.1f} MB, and a world file has at most "

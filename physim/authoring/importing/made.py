@@ -82,13 +82,11 @@ def made_world(
     return World(**values, controller=controller)
 
 
-def world_text(world: World, source: str, drawing: Drawing, factor: float) -> str:
+def world_text(world: World, source: str, drawing: Drawing) -> str:
     """Text of the world file, with what was read and changed as a comment at its top."""
     lines = [f"# yaml-language-server: $schema={FILE}"]
     told = [f"Imported from {source}: {drawing.kind}."]
     told += [f"- {text}" for text in (*drawing.facts, *drawing.changes)]
-    if factor != 1.0:
-        told.append(f"- lengths and speeds of the control are the usual ones times {factor:g}")
     for text in told:
         lines += textwrap.wrap(
             escaped(text),

@@ -49,6 +49,7 @@ another negate or mode"""
 UNKNOWN = 205.0 / 255.0
 """[-] brightness that map_saver gives to what is unknown"""
 
+Coordinate = Annotated[Number, Field(ge=-1e6, le=1e6)]
 Share = Annotated[Number, Field(ge=0.0, le=1.0)]
 
 
@@ -57,11 +58,7 @@ class RosMap(Model):
 
     image: Text
     resolution: Annotated[Number, Field(ge=1e-6, le=1e3)]
-    origin: Annotated[
-        tuple[Annotated[Number, Field(ge=-1e6, le=1e6)], ...],
-        Field(min_length=2, max_length=3),
-        Sequence,
-    ]
+    origin: Annotated[tuple[Coordinate, Coordinate, Coordinate], Sequence]
     negate: Annotated[Flag, BeforeValidator(lambda v: bool(v) if v in (0, 1) else v)] = False
     occupied_thresh: Share = 0.65
     free_thresh: Share = 0.196
@@ -90,23 +87,22 @@ def read_ros_map(path: Path, options: Options) -> Drawing:
     free = found.free(brightness, clear)
     rows, columns = free.shape
     cell = found.resolution * options.unit
+    told = "what is unknown counts as occupied"
+    _check_free(drawing, found, brightness, clear)
+    if (free & (np.abs(brightness - UNKNOWN) < 1e-3)).any():
+        told = "grey 205, which map_saver writes for unknown, counts as free"
+        drawing.doubt = f"{told} below free_thresh {found.free_thresh:g}; 0.196 takes it as unknown"
+        drawing.changes.append(f"WARNING: {drawing.doubt}")
     drawing.facts.append(
         f"{columns} x {rows} cells of {cell:g} m from {escaped(image.name)}, "
-        f"{columns * cell:.1f} x {rows * cell:.1f} m, {100.0 * free.mean():.0f} % free; "
-        "what is unknown counts as occupied"
+        f"{columns * cell:.1f} x {rows * cell:.1f} m, {100.0 * free.mean():.0f} % free; {told}"
     )
-    if (free & (np.abs(brightness - UNKNOWN) < 1e-3)).any():
-        drawing.changes.append(
-            f"WARNING: grey 205, which map_saver writes for unknown, is free below free_thresh "
-            f"{found.free_thresh:g}; 0.196 takes it as unknown"
-        )
-    _check_free(drawing, found, brightness, clear)
     if cell > LARGEST_CELL:
         drawing.changes.append(
             f"check the scale: cells of {cell:g} m; a map's resolution is in metres, 0.05 for 5 cm "
             "(--scale 0.001 for millimetres)"
         )
-    x, y, yaw = (*found.origin, 0.0)[:3]
+    x, y, yaw = found.origin
     region = _outlined(
         drawing, np.flipud(free).copy(), cell, (x * options.unit, y * options.unit, yaw), options
     )
@@ -129,6 +125,8 @@ def _check_free(drawing: Drawing, found: RosMap, brightness: Any, clear: Any) ->
     message = f"{100.0 * share:.2g} % of the cells are free; see negate, mode and free_thresh"
     if meant:
         message = f"{100.0 * share:.2g} % of the cells are free, {', '.join(meant)} would be"
+    if max(shares.values()) > share:
+        drawing.doubt = f"{100.0 * share:.2g} % of the cells are free: see negate, mode"
     if share == 0.0 or (meant and share < HARDLY):
         raise drawing.refusal(message + "; if it is right, crop the image" * bool(meant))
     if meant and share < FEW:
@@ -158,7 +156,7 @@ def _read_yaml(drawing: Drawing) -> tuple[RosMap, Path]:
         if found.free_thresh > found.occupied_thresh:
             said = f"{found.free_thresh:g} is above occupied_thresh, {found.occupied_thresh:g}"
             faults = (Fault(("free_thresh",), said),)
-        if len(found.origin) > 2 and abs(found.origin[2]) > tau:
+        if abs(found.origin[2]) > tau:
             said = f"{found.origin[2]:g} is a yaw in rad, at most a full turn; is it in degrees?"
             faults = (Fault(("origin", 2), said),)
         image = _image(path, found.image)
@@ -260,7 +258,8 @@ def _region(drawing: Drawing, free: Any, cell: float, placed: Any, at: Any) -> A
     order = np.argsort(-area, kind="stable")[: count - 1]
 
     def told(k: int) -> str:
-        inner = cv2.distanceTransform((labels == k).astype(np.uint8), cv2.DIST_L2, 3)
+        own = np.pad((labels == k).astype(np.uint8), 1)  # the edge of the image is a wall
+        inner = cv2.distanceTransform(own, cv2.DIST_L2, 3)[1:-1, 1:-1]
         row, column = np.unravel_index(np.argmax(inner), inner.shape)
         return f"{area[k]:.4g} m² about {place(placed(np.array([column, row]) + 0.5))}"
 
@@ -275,9 +274,10 @@ def _region(drawing: Drawing, free: Any, cell: float, placed: Any, at: Any) -> A
         large = [k for k in order if area[k] >= WORTH * area[chosen]]
         if len(large) > 1 and not edge.isdisjoint(large):
             regions = "; ".join(told(k) for k in large[:5])
+            doubt = f"; {drawing.doubt}" if drawing.doubt else ""
             raise drawing.refusal(
                 f"{len(large)} free regions, and the map is free at the edge of the image: which "
-                f"is the place? --from X,Y in one of them: {regions}"
+                f"is the place? --from X,Y in one of them: {regions}{doubt}"
             )
     left = [k for k in order if k != chosen]
     drawing.changes += listed(left, lambda k: f"free region of {told(k)}: not connected, left out")

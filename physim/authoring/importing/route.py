@@ -131,6 +131,12 @@ def find_route(drawing: Drawing, where: Place, options: Options, reach: float) -
             raise drawing.refusal(
                 f"{word} {place(point)}: not in the place of the robots, {extent(area)}"
             )
+    begin, end = options.origin, options.goal
+    if begin and end and np.hypot(begin[0] - end[0], begin[1] - end[1]) <= step:
+        raise drawing.refusal(
+            f"--from and --to are the same place, {place(begin)}; a path leads from one place to "
+            "another"
+        )
     robots = drawing.of("robot") if options.robots is None else []
     rooms = _rooms(options, [shape.points for shape in robots], reach)
     if options.origin is None and robots:
@@ -155,6 +161,12 @@ def find_route(drawing: Drawing, where: Place, options: Options, reach: float) -
         f"path found from {place(line[0])} to {place(line[-1])}, {way.length:.2f} m, at "
         f"least {gaps.min():.2f} m from every boundary (--from, --to)"
     )
+    for word, point, at in (("--from", begin, line[0]), ("--to", end, line[-1])):
+        if point is not None and (away := float(np.hypot(*(at - point)))) > step:
+            drawing.changes.append(
+                f"{word} {place(point)}: moved by {away:.2f} m, to {place(at)}, where robots "
+                "have room"
+            )
     return line
 
 
@@ -234,16 +246,20 @@ def _ends(
     for, or one nearly as long as the smallest does.
     """
     origin, goal = options.origin, options.goal
-    smaller = "--robot fit, or a smaller --robot LENGTH,WIDTH"
+    doubt = f"; {drawing.doubt}" if drawing.doubt else ""
+    needed = f"with {rooms[-1]:.3g} m to the walls, which the robots need{doubt}"
+    if drawing.of("robot") and options.robots is None:
+        needed += "; draw smaller robots, or --robots N --robot fit"
+    elif options.robot == "fit":
+        needed += " at their smallest (--robot fit)"
+    else:
+        needed += "; --robot fit, or a smaller --robot LENGTH,WIDTH"
     if origin is not None and goal is not None:
         for room in rooms:
             pair = _joined(grid, room, origin, goal)
             if pair is not None:
                 return room, *pair
-        raise drawing.refusal(
-            f"no route from {place(origin)} to {place(goal)} with {rooms[-1]:.3g} m to the walls, "
-            f"which the robots need; {smaller}"
-        )
+        raise drawing.refusal(f"no route from {place(origin)} to {place(goal)} {needed}")
     smallest = _far(grid, rooms[-1], origin) if goal is None else None
     enough = WORTH * smallest[2] if smallest is not None else 0.0
     for room in rooms:
@@ -251,9 +267,7 @@ def _ends(
         if found is not None and found[2] >= enough and found[2] > 4.0 * room:
             a, b, _ = found
             return (room, a, b) if goal is None else (room, b, a)
-    raise drawing.refusal(
-        f"no route with {rooms[-1]:.3g} m to the walls, which the robots need; {smaller}"
-    )
+    raise drawing.refusal(f"no route {needed}")
 
 
 def _near(grid: _Grid, room: float, point: tuple[float, float]) -> int | None:

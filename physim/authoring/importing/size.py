@@ -70,30 +70,36 @@ def size_of(
     """
     if isinstance(options.robot, tuple):
         factor = factor_of(options.robot[0])
-        check_way(drawing, where, line, options.robot[1], "path", _path(drawing))
+        advice = "move it, or give a smaller --robot LENGTH,WIDTH, or --robot fit"
+        check_way(drawing, where, line, options.robot[1], "path", _path(drawing), advice)
         return Size(factor, options.robot, "as asked (--robot)")
-    check_way(drawing, where, line, 0.0, "path", _path(drawing))
+    check_way(drawing, where, line, 0.0, "path", _path(drawing), "move it")
     gap, at = narrowest(where, line)
     most = gap / (ROOM + reach)
-    most = 1.0 if most > ENOUGH else most
-    digits = 10.0 ** (1 - floor(log10(most))) if most > 0.0 else 1.0
-    factor = floor(most * digits + 1e-9) / digits  # two digits, rounded down
+    factor = two_digits(1.0 if most > ENOUGH else most)
     small = ",".join(f"{side:g}" for side in fitting(factor))
     if factor < SMALLEST:
         raise drawing.refusal(
             f"the path comes within {gap:.3g} m of a wall at {place(at)}; it must keep away from "
-            "the walls; check --scale",
+            f"the walls; {further_in(where, line, SMALLEST * ROOM) or 'check --scale'}",
             _path(drawing),
         )
     if options.robot is None and factor < 1.0:
         raise drawing.refusal(
             f"{gap:.3g} m to a wall at {place(at)}: robots of the usual {LENGTH:g} x {WIDTH:g} m "
-            f"need {ROOM + reach:g} m{' with so many --lanes' if reach else ''}; --robot fit makes "
-            f"them {small}, or say --robot LENGTH,WIDTH",
+            f"need {ROOM + reach:g} m{' with so many --lanes' if reach else ''}; "
+            f"{f'{end}, or ' if (end := further_in(where, line, ROOM + reach)) else ''}"
+            f"--robot fit makes them {small}, or say --robot LENGTH,WIDTH",
             _path(drawing),
         )
     told = "as large as fits (--robot fit)" if options.robot else "the usual size (--robot)"
     return Size(factor, fitting(factor), told)
+
+
+def two_digits(factor: float) -> float:
+    """A factor rounded down to two digits."""
+    digits = 10.0 ** (1 - floor(log10(factor))) if factor > 0.0 else 1.0
+    return floor(factor * digits + 1e-9) / digits
 
 
 def size_as_drawn(robots: Sequence[Placed]) -> Size:
@@ -108,12 +114,32 @@ def size_as_drawn(robots: Sequence[Placed]) -> Size:
 
 def narrowest(where: Place, line: FloatArray) -> tuple[float, FloatArray]:
     """Least clearance [m] along a path (n, 2), and where (2,)."""
-    way = Polyline(line)
-    count = int(min(max(way.length / 0.05, 200), MOST_SAMPLES))
-    points = np.vstack([way.at(np.linspace(0.0, way.length, count))[0], line])
-    gaps = where.clearance.at(points)
+    _, points, gaps = _along(where, line)
     k = int(np.argmin(gaps))
     return float(gaps[k]), points[k]
+
+
+def further_in(where: Place, line: FloatArray, room: float) -> str:
+    """Advice where a path (n, 2) lacks some room [m] to the walls at its ends alone; else empty."""
+    stations, _, gaps = _along(where, line)
+    narrow, length = stations[gaps < room], float(stations[-1])
+    is_begin, is_end = narrow < 2.0 * room, narrow > length - 2.0 * room
+    if not (is_begin | is_end).all():
+        return ""
+    if is_end.all():
+        return "end it further in, away from the wall before it"
+    if is_begin.all():
+        return "begin it further in, away from the wall behind it"
+    return "begin and end it further in, away from the walls behind and before it"
+
+
+def _along(where: Place, line: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Stations [m] along a path (n, 2), the points (k, 2) there, and their clearance [m]."""
+    way = Polyline(line)
+    count = int(min(max(way.length / 0.05, 200), MOST_SAMPLES))
+    even = np.linspace(0.0, way.length, count)
+    points = np.vstack([way.at(even)[0], line])
+    return np.concatenate([even, way.station]), points, where.clearance.at(points)
 
 
 def check_way(
@@ -123,9 +149,13 @@ def check_way(
     width: float,
     what: str,
     shape: Shape | None,
-    advice: str = "move it, or give --robot LENGTH,WIDTH, or --robot fit",
+    advice: str,
+    back: str = "move it",
 ) -> None:
-    """Refuse a path (n, 2) [m] that leaves the area, or passes too near a wall for some width."""
+    """Refuse a path (n, 2) [m] that leaves the area, or passes too near a wall for some width.
+
+    ``advice`` is given where it passes too near, ``back`` where it leaves.
+    """
     beyond = shapely.LineString(line).difference(where.area)
     if beyond.length > SLIVER:
         pieces = shapely.get_parts(beyond)
@@ -133,14 +163,15 @@ def check_way(
         at = ends[-1] if (ends[0] == line[0]).all() else ends[0]
         raise drawing.refusal(
             f"the {what} leaves the area at {place(at)}, or leads through a wall there"
-            f"{_named(drawing, at)}; {advice}",
+            f"{_named(drawing, at)}; {back}",
             shape,
         )
     gap, at = narrowest(where, line)
     if gap < 0.5 * width:
         raise drawing.refusal(
             f"the {what} passes {gap:.3g} m from a wall at {place(at)}{_named(drawing, at)}: "
-            f"a robot {width:g} m wide does not fit; {advice}",
+            f"a robot {width:g} m wide does not fit; "
+            f"{further_in(where, line, 0.5 * width) or advice}",
             shape,
         )
 

@@ -34,6 +34,10 @@ from physim.geometry.arc_length import Polyline
 from physim.geometry.shapes import FloatArray
 
 COLUMNS = ("x_m", "y_m", "w_tr_right_m", "w_tr_left_m")
+MEANT = (
+    "x_m, y_m [m] points of the centreline, w_tr_right_m, w_tr_left_m [m] from it to the edges of "
+    "the road"
+)
 NAME = re.compile(r"[^\W\d][\w.\-/°]*\s*(\[[^\]]*\]|\([^)]*\))?")
 """One word, and a unit in brackets after it."""
 MOST_POINTS, MOST_LINES = 15_000, 300_000
@@ -137,13 +141,21 @@ def _columns(
             needed = f"{count} columns and no names; 4 are needed: {', '.join(COLUMNS)}"
             raise refused(path, needed, first)
         return [0, 1, 2, 3], []
-    for name in COLUMNS:
-        if header.count(name) != 1:
-            there = escaped(", ".join(header))[:200]
-            what = "no column" if name not in header else "more than one column"
-            near = nearest(name, header) if name not in header else ""
-            raise refused(path, f"{what} {name}; the columns are {there}{near}; rename them", line)
-    return [header.index(name) for name in COLUMNS], [n for n in header if n and n not in COLUMNS]
+    missing = [name for name in COLUMNS if name not in header]
+    twice = [name for name in COLUMNS if header.count(name) > 1]
+    others = [name for name in header if name and name not in COLUMNS]
+    if missing or twice:
+        what = "more than one column"
+        if missing:
+            what = "no columns" if len(missing) > 1 else "no column"
+        near = nearest(missing[0], others) if len(missing) == 1 else ""
+        raise refused(
+            path,
+            f"{what} {', '.join(missing or twice)}; the columns are "
+            f"{escaped(', '.join(header))[:200]}{near}; rename or add: {MEANT}",
+            line,
+        )
+    return [header.index(name) for name in COLUMNS], others
 
 
 def _numbers(

@@ -149,6 +149,9 @@ CROSSED = [(0, 0), (40, 0), (40, 3), (0, 3), (0, 30), (20, 30)]
         ([(5, 5), (25, 5), (25, 5.5), (5, 5.5)], {"lanes": 3}, "bends too tightly for a lane"),
         ([(5, 5), (45, 5)], {"robot": (20.0, 12.0)}, "passes 5 m … 12 m wide … --robot fit"),
         ([(5, 1.2), (45, 1.2)], {}, "1.2 m to a wall … need 1.8 m; --robot fit makes them 1.2,"),
+        ([(0.3, 5), (40, 5)], {}, "0.3 m to a wall … begin it further in … or --robot fit"),
+        ([(9, 5), (49.8, 5)], {"robot": (1.8, 1.0)}, "0.2 m from a wall … end it further in"),
+        ([(9, 5), (55, 5)], {"robot": "fit"}, "leaves the area at (50.00, 5.00) … 1); move it"),
     ],
 )
 def test_a_group_that_does_not_fit_is_refused_with_room_and_place(
@@ -169,6 +172,25 @@ def test_a_group_is_as_large_as_fits_with_its_lanes(tmp_path: Path) -> None:
     assert two.formation is not None
     assert two.formation.speed == pytest.approx(0.5)
     assert two.controller.settings["look_ahead"] == pytest.approx(1.0)
+
+
+def test_boxes_that_fit_shrink_until_all_have_room(tmp_path: Path) -> None:
+    """Along the path too, not beside it alone."""
+    path = geojson(tmp_path, [("boundary", shapely.box(0, 0, 12, 3.6))])
+    three, six = (import_world(path, METRES.changed(robot="fit", robots=n)) for n in (3, 6))
+    lengths = [made.world.robots[0].footprint.length for made in (three, six)]
+    assert len(six.world.robots) == 6
+    assert lengths[0] > lengths[1] > 0.5
+    assert "6 robots in formation (--no-formation: each by itself)" in six.facts
+    assert any("speeds of the control are the usual ones times" in one for one in six.facts)
+
+
+def test_robots_that_go_opposite_ways_are_no_formation(tmp_path: Path) -> None:
+    back = ("path cart", shapely.LineString([(40, 14.5), (5, 14.5)]))
+    cart = ("robot cart", box(38, 14.5))
+    path = geojson(tmp_path, [HALL, WAY, A, cart, back])
+    check_says(refusal(path), "cart goes against the direction … --no-formation")
+    assert import_world(path, METRES.changed(no_formation=True)).world.formation is None
 
 
 def test_robots_are_counted_from_the_front(tmp_path: Path) -> None:

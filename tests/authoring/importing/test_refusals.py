@@ -56,7 +56,12 @@ TRACKS = {
     "words below": (HEADER + ROWS + "the end\n", ":22: … 1 values in 4 columns"),
     "other names": (
         "x,y,width_left,width_right\n0,0,2,3\n10,0,2,3\n",
-        ":1: … no column x_m … x, y, width_left, width_right … rename",
+        ":1: … no columns x_m, y_m, w_tr_right_m, w_tr_left_m … x, y, width_left, width_right … "
+        "rename … [m] points of the centreline",
+    ),
+    "one name is right": (
+        "x_m,y_m,w_tr_right_m\n0,0,2\n10,0,2\n",
+        "no column w_tr_left_m … are x_m, y_m, w_tr_right_m; rename or add",
     ),
     "misspelt": (
         "x_m,y_m,w_tr_right_m,w_tr_lft_m\n0,0,2,3\n",
@@ -122,6 +127,7 @@ def maps() -> dict[str, tuple[str, bytes | None, str]]:
             good,
             ":2: … resolution: … at least 1e-06 … 0.0",
         ),
+        "two numbers": (yaml.replace(", 0.0]", "]"), good, ":3: … origin[2]: missing"),
         "origin": (yaml.replace("[0.0, 0.0, 0.0]", "0.0"), good, ":3: … origin: … a list … 0.0"),
         "thresholds": (
             yaml.replace("0.196", "0.9"),
@@ -203,6 +209,14 @@ def test_files(tmp_path: Path, name: str) -> None:
     if content is not None:
         (tmp_path / name).write_bytes(content)
     check_says(refusal(tmp_path / name), message)
+
+
+def test_an_image_alone_is_told_the_maps_that_name_it(tmp_path: Path) -> None:
+    """Not any map of the folder."""
+    for name, image in (("a", "other.pgm"), ("b", "office.pgm"), ("office", "office.png")):
+        (tmp_path / f"{name}.yaml").write_text(map_yaml(image, 0.05, (0, 0)))
+    (tmp_path / "office.pgm").write_bytes(pgm(np.full((40, 60), 254)))
+    assert refusal(tmp_path / "office.pgm").endswith("; there: b.yaml, office.yaml")
 
 
 def test_a_world_is_no_map(tmp_path: Path) -> None:

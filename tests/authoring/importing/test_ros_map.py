@@ -90,6 +90,9 @@ def test_thresholds_and_modes(
     (tmp_path / "map.yaml").write_text(map_yaml("map.img", 0.5, (0, 0), **more))
     imported = import_world(tmp_path / "map.yaml", Options(tolerance=0.1))
     assert any("205" in one for one in imported.changes) == (more == {"free_thresh": 0.25})
+    assert any("counts as occupied" in one for one in imported.facts) == (
+        more != {"free_thresh": 0.25}
+    )
     x0, y0, x1, y1 = shapely.LineString((imported.world.boundaries or ())[0]).bounds
     bands = np.flatnonzero(free)
     assert (x0, x1) == (10.0 * bands[0], 10.0 * (bands[-1] + 1))
@@ -118,6 +121,8 @@ def test_the_margin_round_a_track_is_not_taken_for_it(tmp_path: Path) -> None:
     path = write_map(tmp_path, *free_cells(plan, 0.5, margin=0), 0.5)
     said = refusal(path, Options())
     check_says(said, "3 free regions … edge of the image … --from X,Y … 1296 m² … 336 m² … 200 m²")
+    x, y = map(float, re.findall(r"1296 m² about \((.*?), (.*?)\)", said)[0])
+    assert 4.0 < min(x, y, 50.0 - x, 40.0 - y) < 6.0  # in the middle of the margin of 9 m
     x, y = re.findall(r"336 m² about \((.*?), (.*?)\)", said)[0]
     there = import_world(path, Options(origin=(float(x), float(y)), robot="fit"))
     assert shapely.Polygon((there.world.boundaries or ())[0]).bounds == (10, 10, 40, 30)
@@ -135,6 +140,32 @@ def test_a_map_with_hardly_a_free_cell_names_what_may_be_wrong(
     (tmp_path / "map.pgm").write_bytes(pgm(pixels))
     (tmp_path / "map.yaml").write_text(map_yaml("map.pgm", 0.5, (0, 0), **more))
     check_says(refusal(tmp_path / "map.yaml", Options(specks=0.0)), says)
+
+
+def test_a_refusal_says_what_may_be_wrong_with_the_reading(tmp_path: Path) -> None:
+    pixels = np.full((100, 150), 205)
+    pixels[10:90, 10:140] = 0
+    pixels[30:70, 30:120] = 254
+    (tmp_path / "map.pgm").write_bytes(pgm(pixels))
+    path = tmp_path / "map.yaml"
+    path.write_text(map_yaml("map.pgm", 0.1, (0, 0), free_thresh=0.25))
+    check_says(refusal(path, Options()), "--from X,Y … grey 205 … counts as free … 0.25 … 0.196")
+    pixels[30:70, 30:120], pixels[10:90, 10:12] = 205, 254
+    pixels[28:30, 10:140] = 0
+    pixels[32:68, 32:118] = 254
+    (tmp_path / "map.pgm").write_bytes(pgm(254 - pixels))
+    path.write_text(map_yaml("map.pgm", 0.1, (0, 0)))
+    check_says(refusal(path, Options()), "no route … % of the cells are free: see negate")
+
+
+def test_an_end_that_is_moved_is_told(tmp_path: Path) -> None:
+    path = write_map(tmp_path, np.ones((100, 300), dtype=bool), (0.0, 0.0))
+    made = import_world(path, Options(origin=(0.5, 5.0), goal=(25.0, 5.0)))
+    check_says(only(made, "moved"), "--from (0.50, 5.00): moved by 1.31 m")
+    said = refusal(path, Options(origin=(5.0, 5.0), goal=(5.0, 5.0)))
+    check_says(said, "--from and --to are the same place, (5.00, 5.00)")
+    narrow = refusal(path, Options(origin=(5.0, 5.0), goal=(25.0, 5.0), robot=(20.0, 12.0)))
+    check_says(narrow, "no route … --robot fit")
 
 
 @pytest.mark.parametrize(("cell", "is_doubted"), [(5.0, True), (0.5, False)])

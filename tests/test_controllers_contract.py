@@ -26,7 +26,7 @@ from physim import (
 )
 from physim.geometry import Shapes
 from physim.testing import check_controller
-from physim.world import World
+from physim.world import World, each_robot
 from physim.world.file import load_world, parse_world
 from tests.helpers import inside
 
@@ -231,7 +231,7 @@ def variants() -> Iterator[Any]:
 @pytest.mark.parametrize(("world_name", "variant"), list(variants()))
 def test_batch_decides_as_the_plain_form(world_name: str, variant: str) -> None:
     plain = load_world(find_world(world_name))
-    names = [robot.name for robot in plain.robots[-2:]]
+    names = [one.name for one in each_robot(plain.robots, plain.seed)[0][-2:]]
     overrides = [text.format(*names) for text in (VARIANTS | OF_THE_FORMATION)[variant]]
     seconds = 20.0 if (world_name, variant) == ("ten_robots", "as shipped") else SECONDS
     scene = build_scene(shipped(world_name, *overrides))

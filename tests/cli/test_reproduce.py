@@ -73,7 +73,7 @@ def test_earlier_results_stay_until_there_are_new_ones(
     number: signal.Signals, tmp_path: Path, capsys
 ) -> None:
     out = tmp_path / "out"
-    again = ("--no-video", "--figure", "1", "-o", out, "--force")
+    again = ("--figure", "1", "-o", out, "--force")
     assert physim(*QUICK, *again, capture=capsys).code == 0
     for name in ("logo.png", "1-Mine.png", "2024-tracks.png"):
         (out / "figures" / name).write_text("mine")  # no picture of a reproduction

@@ -81,7 +81,7 @@ def test_list_shows_each_with_its_first_line(folder: Path) -> None:
 def test_keys_of_the_page_go_into_a_world(folder: Path) -> None:
     base = find_world("straight").read_text(encoding="utf-8")
     schema = json.loads(run("physim schema", folder).stdout)
-    filters = schema["properties"]["filters"]["items"]
+    filters = schema["$defs"]["filters"]
     assert filters["properties"]["type"]["enum"] == ["ramp"]
     assert "[m/s²]" in json.dumps(filters, ensure_ascii=False)
     for block in of("yaml"):

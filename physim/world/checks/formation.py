@@ -12,8 +12,6 @@ from itertools import islice
 import numpy as np
 import shapely
 from numpy.typing import ArrayLike
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 from shapely.affinity import translate
 
 from physim.errors import Fault, Location, place_text
@@ -179,6 +177,9 @@ def check_neighbours(laid: Layout) -> Iterator[Fault]:
     plan, count = laid.world.formation, len(laid.names)
     if plan is None or not plan.gain or count < 2 or plan.neighbours == "all":
         return
+    from scipy.sparse import coo_array  # half of what a check imports, and seldom needed
+    from scipy.sparse.csgraph import connected_components
+
     moments: list[tuple[str, IntArray]] = []
     if plan.neighbours == "range":
         start = stations_on(shapely.LineString(laid.reference), laid)

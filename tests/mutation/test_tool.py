@@ -40,6 +40,7 @@ def test_survivors_are_named(tmp_path: Path) -> None:
         (tmp_path / name).write_text(text, encoding="utf-8")
     root = Path(__file__).parents[2]
     env = {**os.environ, "XDG_CACHE_HOME": str(tmp_path), "PYTHONPATH": f"{root}:{tmp_path}"}
+    env.pop("PYTEST_ADDOPTS", None)  # options of this run, which the tests of the toy do not know
     run = subprocess.run(
         [sys.executable, "-c", SCRIPT], cwd=tmp_path, env=env, capture_output=True, text=True
     )

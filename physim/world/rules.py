@@ -173,21 +173,16 @@ def _neighbours(world: World) -> Iterator[Fault]:
 
 def _distinct(world: World) -> Iterator[Fault]:
     """Two neighbours at one place leave a polyline without direction there."""
-    for where, line in _polylines(world):
+    corridor, lines = world.corridor, list[tuple[Location, Sequence[Point]]]()
+    if corridor is not None and not isinstance(corridor, RandomCorridor):
+        lines.append((("corridor", "centreline"), corridor.centreline))
+    if world.reference_path is not None:
+        lines.append((("reference_path",), world.reference_path))
+    lines += [(("boundaries", i), line) for i, line in enumerate(world.boundaries or ())]
+    for where, line in (*lines, *_paths(world)):
         for k, (a, b) in enumerate(pairwise(line), start=1):
             if math.dist(a, b) <= LENGTH:
                 yield Fault((*where, k), "repeats the point before it; leave one of them out")
-
-
-def _polylines(world: World) -> Iterator[tuple[Location, Sequence[Point]]]:
-    corridor = world.corridor
-    if corridor is not None and not isinstance(corridor, RandomCorridor):
-        yield ("corridor", "centreline"), corridor.centreline
-    if world.reference_path is not None:
-        yield ("reference_path",), world.reference_path
-    for i, boundary in enumerate(world.boundaries or ()):
-        yield ("boundaries", i), boundary
-    yield from _paths(world)
 
 
 def _paths(world: World) -> Iterator[tuple[Location, Sequence[Point]]]:

@@ -46,22 +46,19 @@ def _block(model: BaseModel, indent: int) -> Iterator[str]:
             lines = list(_block(value, indent + 2))
             if lines or key not in ABSENT:
                 yield from [f"{space}{key}:", *lines] if lines else [f"{space}{key}: {{}}"]
-        elif key not in FLOWING and isinstance(value, tuple) and _are_models(value):
+        elif (
+            key not in FLOWING
+            and isinstance(value, tuple)
+            and isinstance(next(iter(value), None), BaseModel)
+        ):
             yield f"{space}{key}:"
             for item in value:
-                first, *others = _item(item, indent + 4)
+                write = _choice if isinstance(item, Choice) else _block
+                first, *others = write(item, indent + 4)
                 yield f"{space}  - {first.strip()}"
                 yield from others
         else:
             yield from _entry(f"{space}{key}", value, unit)
-
-
-def _are_models(values: tuple[Any, ...]) -> bool:
-    return bool(values) and isinstance(values[0], BaseModel)
-
-
-def _item(item: BaseModel, indent: int) -> Iterator[str]:
-    return _choice(item, indent) if isinstance(item, Choice) else _block(item, indent)
 
 
 def _choice(choice: Choice, indent: int) -> Iterator[str]:

@@ -54,15 +54,10 @@ def check_work(path: Path, lines: Sequence[FloatArray]) -> None:
             path,
             f"the lines lie over each other in more than {MOST_MEETINGS} places; draw each once",
         )
-    if _dense(segments, extent):
+    covered = np.abs(segments[:, 1] - segments[:, 0]).sum(axis=0)
+    if (covered > MOST_ACROSS * np.maximum(extent, 1e-9)).any():
         raise refused(
             path,
             f"the lines go to and fro across the place more than {MOST_ACROSS} times; leave out "
             "what is no wall",
         )
-
-
-def _dense(segments: FloatArray, extent: FloatArray) -> bool:
-    """Whether lines across the place meet more segments (n, 2, 2) than allowed."""
-    covered = np.abs(segments[:, 1] - segments[:, 0]).sum(axis=0)
-    return bool((covered > MOST_ACROSS * np.maximum(extent, 1e-9)).any())

@@ -15,10 +15,11 @@ from numpy.typing import ArrayLike
 from shapely.affinity import translate
 
 from physim.errors import Fault, Location, place_text
+from physim.geometry.arc_length import Polyline
 from physim.geometry.outline import placed_outline
 from physim.geometry.polygon import circumscribed_radius
 from physim.geometry.shapes import FloatArray, IntArray
-from physim.tolerances import CONTACT, LENGTH
+from physim.tolerances import CONTACT
 from physim.world.checks.findings import MOST_ALIKE
 from physim.world.checks.stations import leads, lines_of, spans, stations_on
 from physim.world.faults import describe
@@ -89,20 +90,25 @@ def check_stops(laid: Layout) -> Iterator[Fault]:
     expect = laid.world.expect
     if expect is not None and expect.finished is False:
         return
-    poses = []
-    for line, (_, stop) in zip(lines_of(laid), spans(laid), strict=True):
-        at, back = line.interpolate(stop), line.interpolate(max(stop - LENGTH, 0.0))
-        ahead = np.subtract(*(one.coords[0] for one in ((at, back) if stop > 0.0 else (back, at))))
-        poses.append((at.x, at.y, float(np.arctan2(ahead[1], ahead[0]))))
-    shapes = [placed_outline(*one) for one in zip(laid.footprints, poses, strict=True)]
-    pairs = shapely.STRtree(shapes).query(shapes, predicate="overlaps").T.tolist()
-    same = [(i, j) for i in range(len(poses)) for j in range(i) if poses[i] == poses[j]]
-    first = dict(sorted({*((a, b) for a, b in pairs if a > b), *same}, reverse=True))
-    for i, j in sorted(first.items())[:MOST_ALIKE]:
+    ways = {id(path): Polyline(path) for path in laid.paths}
+    stops, shapes, told = [], [], 0
+    for path, footprint, (_, stop) in zip(laid.paths, laid.footprints, spans(laid), strict=True):
+        (x, y), (tx, ty) = ways[id(path)].at(stop)
+        stops.append((x, y))
+        shapes.append(placed_outline(footprint, (x, y, np.arctan2(ty, tx))))
+    tree = shapely.STRtree(shapes)
+    for i, shape in enumerate(shapes):
+        near = np.sort(tree.query(shape, predicate="intersects"))
+        common = (int(j) for j in near[near < i] if shape.intersection(shapes[j]).area > CONTACT)
+        if (j := next(common, None)) is None:
+            continue
+        if told == MOST_ALIKE:
+            return
+        told += 1
         yield Fault(
             laid.path_key(i),
             f"{describe(laid.names[i])} stops where {describe(laid.names[j])} does, at "
-            f"{place_text(*poses[i][:2])}; let one path end elsewhere, or give them a formation",
+            f"{place_text(*stops[i])}; let one path end elsewhere, or give them a formation",
             "warning",
         )
 

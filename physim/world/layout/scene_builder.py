@@ -62,7 +62,7 @@ def build_scene(world: World, seed: int | None = None) -> Scene:
         walls=walls,
         wall_grid=build_wall_grid(walls, world.sensing_range, GRID_CELL),
         mass=np.array([
-            _mass(robot.mass, size(outline))
+            DENSITY * abs(size(outline)) if robot.mass is None else robot.mass
             for robot, outline in zip(laid.robots, footprints, strict=True)
         ]),
         limits=np.array([(robot.limits.v, robot.limits.omega) for robot in laid.robots]),
@@ -182,10 +182,6 @@ def _drawing(world: World) -> tuple[str, ...]:
 
 def _segments(line: FloatArray) -> list[FloatArray]:
     return [line[k : k + 2] for k in range(len(line) - 1)]
-
-
-def _mass(given: float | None, area: float) -> float:
-    return DENSITY * abs(area) if given is None else given
 
 
 def _formation(laid: Layout) -> FormationPlan:

@@ -101,8 +101,9 @@ def _boundary_message(shape: Any, label: str, wall: Any, accessible: Any) -> str
     beyond = shape.difference(accessible)
     if beyond.is_empty or not shape.intersects(wall):
         return f"touches {label}"
-    points = shapely.points(shapely.get_coordinates(beyond))
-    reach = float(shapely.distance(points, accessible).max())
+    parts = shapely.get_parts(beyond)  # those over this wall
+    points = shapely.points(shapely.get_coordinates(parts[shapely.dwithin(parts, wall, CONTACT)]))
+    reach = float(shapely.distance(points, accessible).max(initial=0.0))
     return f"touches {label}" if reach <= CONTACT else f"reaches {reach:.4g} m over {label}"
 
 

@@ -160,6 +160,17 @@ def test_a_run_that_would_take_long_is_not_made(
     assert "no warnings" in done.out.splitlines()[-1]
 
 
+def test_a_trial_cut_by_the_clock_does_not_say_who_fails_to_arrive(
+    here: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(TRIAL, "MOST_SECONDS", 0.0)
+    done = physim("check", "door.yaml", capture=capsys)
+    assert re.search(
+        r"^tried for 0\.\d s of 60 s.*: 1 of 1 robot under way", done.out, re.MULTILINE
+    )
+    assert "no warnings" in done.out.splitlines()[-1]
+
+
 def test_a_controller_that_fails_in_the_run_is_told(
     here: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from physim.errors import RecordError
 from physim.escaping import escaped
+from physim.parts.declarations import Declared
 from physim.record import layout
 from physim.record.layout import Bound, Dataset
 
@@ -56,23 +57,15 @@ def damaged(where: str, part: str, error: Exception) -> RecordError:
     return RecordError(f"{where}: {part} cannot be read, the file is damaged: {told}")
 
 
-def checked(file: h5py.File, where: str) -> dict[str, Any]:
-    """Values of the attributes of a record of this version that has all its datasets.
+def attributes_of(file: h5py.File, where: str) -> dict[str, Any]:
+    """Values of the attributes of a record of this version, by the names of properties.
 
-    Raises RecordError that names the first part that is missing or not as it should be.
+    Raises RecordError that names the first that is missing or not as it should be.
     """
     try:
-        values = _attributes(file.attrs, where)
-        robots = sum(body.kind == "robot" for body in values["bodies"])
-        walls = len(values["bodies"]) - robots
-        columns = [column.name for column in values["declared"].columns]
-        _check_datasets(file, where, robots, walls, columns)
+        found = dict(file.attrs)
     except (OSError, RuntimeError, KeyError, ValueError, TypeError) as error:
-        raise damaged(where, "a part of it", error) from error
-    return values
-
-
-def _attributes(found: h5py.AttributeManager, where: str) -> dict[str, Any]:
+        raise damaged(where, "its attributes", error) from error
     if shown(found.get("format")) != repr(layout.FORMAT):
         raise RecordError(f"{where}: not a record of physim (no attribute format)")
     if shown(version := found.get("version")) != repr(layout.VERSION):
@@ -90,45 +83,52 @@ def _attributes(found: h5py.AttributeManager, where: str) -> dict[str, Any]:
     for one in layout.ATTRIBUTES:
         if one.key not in found:
             raise RecordError(f"{where}: attribute {one.key} is missing")
-        value = found[one.key]
         try:
-            values[one.name] = one.take(value)
+            values[one.name] = one.take(found[one.key])
         except ValueError as error:
             raise RecordError(
-                f"{where}: attribute {one.key} is {shown(value)}; it must be {error}"
+                f"{where}: attribute {one.key} is {shown(found[one.key])}; it must be {error}"
             ) from error
     return values
 
 
-def _check_datasets(
-    file: h5py.File, where: str, robots: int, walls: int, columns: list[str]
+def check_datasets(
+    file: h5py.File, where: str, robots: int, bodies: int, declared: Declared
 ) -> None:
+    """Check that an open file has every dataset of the table, each of its type and shape.
+
+    Raises RecordError that names the first that is missing or not as it should be.
+    """
     there: set[str] = set()
-    file.visit(there.add)  # no links, which may lead to other files
-    growing = layout.row_types(robots, columns)
-    sizes = {"N": robots, "N+1": robots + 1, "W+1": walls + 1}
-    for path, one in layout.TABLE.items():
-        found = file[path] if path[1:] in there else None
-        if not isinstance(found, h5py.Dataset):
-            raise RecordError(f"{where}: dataset {path} is missing")
-        wanted = [int(size) if size.isdigit() else sizes.get(size) for size in one.shape]
-        has = (-1,) if found.shape is None else found.shape
-        if len(has) != len(wanted) or any(
-            size not in (None, count) for size, count in zip(wanted, has, strict=True)
-        ):
-            raise RecordError(
-                f"{where}: dataset {path} is {found.shape}; it must be ({', '.join(one.shape)}), "
-                f"of {robots} robots and {walls} walls"
-            )
-        if found.dtype != (dtype := growing.get(path, one.dtype).base):
-            raise RecordError(
-                f"{where}: dataset {path} holds {shown(found.dtype)}, not {shown(dtype)}"
-            )
-        most = max(LITTLE, MOST_PACKED * found.id.get_storage_size())
-        if found.is_virtual or found.external or found.nbytes > most:
-            raise RecordError(
-                f"{where}: dataset {path} claims {found.nbytes} bytes that are not in the file"
-            )
+    growing = layout.row_types(robots, [column.name for column in declared.columns])
+    sizes = {"N": robots, "N+1": robots + 1, "W+1": bodies - robots + 1}
+    try:
+        file.visit(there.add)  # no links, which may lead to other files
+        for path, one in layout.TABLE.items():
+            found = file[path] if path[1:] in there else None
+            if fault := _fault(found, one, growing.get(path, one.dtype).base, sizes):
+                raise RecordError(f"{where}: dataset {path} {fault}; {AGAIN}")
+    except (OSError, RuntimeError, KeyError, ValueError, TypeError) as error:
+        raise damaged(where, "a dataset", error) from error
+
+
+def _fault(found: object, of: Dataset[Any], dtype: np.dtype[Any], sizes: Mapping[str, int]) -> str:
+    """What is wrong with a dataset; empty where nothing is."""
+    if not isinstance(found, h5py.Dataset):
+        return "is missing"
+    wanted = [int(size) if size.isdigit() else sizes.get(size) for size in of.shape]
+    has = (-1,) if found.shape is None else found.shape
+    if len(has) != len(wanted) or any(
+        size not in (None, count) for size, count in zip(wanted, has, strict=True)
+    ):
+        many = f"{sizes['N']} robots, {sizes['W+1'] - 1} walls"
+        return f"is of shape {found.shape}; it must be ({', '.join(of.shape)}), of {many}"
+    if found.dtype != dtype:
+        return f"holds {shown(found.dtype)}, not {shown(dtype)}"
+    most = max(LITTLE, MOST_PACKED * found.id.get_storage_size())
+    if found.is_virtual or found.external or found.nbytes > most:
+        return f"claims {found.nbytes} bytes that are not in the file"
+    return ""
 
 
 def check_rows(
@@ -148,14 +148,13 @@ def check_rows(
             wrong |= ~(values <= most)
         if wrong.any():
             at = tuple(np.argwhere(wrong)[0].tolist())
-            low, high = ("any" if one is None else f"{np.broadcast_to(one, values.shape)[at]:g}"
-                         for one in (least, most))  # fmt: skip
-            place = ", ".join(f"{number}" for number in at[1:])
-            refuse(
-                where, of.path, at[:1] and first + at[0],
-                f"{field.name or 'value'}{f' {place}' if place else ''} is {values[at]}; allowed: "
-                f"{low} to {high}",
-            )  # fmt: skip
+            low, high = (
+                "any" if one is None else f"{np.broadcast_to(one, values.shape)[at]:g}"
+                for one in (least, most)
+            )
+            place = f" {[*at[1:]]}" if at[1:] else ""
+            fault = f"{field.name or 'value'}{place} is {values[at]}; allowed: {low} to {high}"
+            refuse(where, of.path, first + at[0] if at else "", fault)
     step = rows if of is layout.Layout.steps else None
     if of.path in layout.TABLES:
         step = rows["step"]
@@ -192,7 +191,7 @@ def check_starts(where: str, of: Dataset[Any], start: NDArray[Any], whole: int) 
 
 def refuse(where: str, path: str, row: Any, fault: str) -> None:
     """Raise RecordError for a row of a dataset."""
-    place = path if row in ("", ()) else f"{path}, row {row}"
+    place = path if row == "" else f"{path}, row {row}"
     raise RecordError(f"{where}: {place}: {fault}; {AGAIN}")
 
 

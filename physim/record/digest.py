@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 HEAD = {"format": layout.FORMAT, "version": "4.0", "units": layout.UNITS}
 """What the digest begins with; the version is that of its own definition."""
-ATTRIBUTES = (
+DIGESTED = (
     "name", "world", "seed", "dt", "steps_planned", "record_every", "tables", "given",
     "safe_distance", "ended", "steps_run", "rejected_contacts",
 )  # fmt: skip
@@ -57,7 +57,7 @@ def texts(bodies: tuple[Body, ...], declared: Declared) -> dict[str, NDArray[Any
 def digest_of(record: Record, attributes: Mapping[str, Any]) -> str:
     """SHA-256 (hexadecimal), block by block, so that memory stays flat."""
     total = hashlib.sha256()
-    for name, value in (*HEAD.items(), *((name, attributes[name]) for name in ATTRIBUTES)):
+    for name, value in (*HEAD.items(), *((name, attributes[name]) for name in DIGESTED)):
         total.update(f"{name}={value!r}\n".encode())
     told = texts(record.bodies, record.declared)
     for path in PARTS:

@@ -120,21 +120,27 @@ def ending(value: Any) -> str:
     raise ValueError(f"a text of fixed length, S{ENDED_BYTES}: {', '.join(ENDED)}")
 
 
-def parsed(kind: TypeAdapter[T], what: str) -> Callable[[Any], T]:
+def parsed(kind: type[T], what: str) -> Callable[[Any], T]:
     """Take a JSON text of ``what``."""
+    adapter = TypeAdapter(kind)
 
     def take(value: Any) -> T:
         try:
-            return kind.validate_json(value)
+            return adapter.validate_json(value)
         except (ValidationError, TypeError) as error:
             raise ValueError(f"a JSON {what}") from error
 
     return take
 
 
+_bodies = parsed(tuple[Body, ...], "list of bodies")
+_declared = parsed(Declared, "object of modes, rules and columns")
+_tables = parsed(tuple[str, ...], "list of tables")
+
+
 def numbered(value: Any) -> tuple[Body, ...]:
     """Take the bodies, each at the place of its id: robots, then boundaries and obstacles."""
-    bodies = parsed(TypeAdapter(tuple[Body, ...]), "list of bodies")(value)
+    bodies = _bodies(value)
     robots = sum(body.kind == "robot" for body in bodies)
     for k, body in enumerate(bodies):
         kinds = ("robot",) if k < robots else ("boundary", "obstacle")
@@ -147,7 +153,7 @@ def numbered(value: Any) -> tuple[Body, ...]:
 
 def declarations(value: Any) -> Declared:
     """Take modes, rules and columns, such as a controller may declare."""
-    declared = parsed(TypeAdapter(Declared), "object of modes, rules and columns")(value)
+    declared = _declared(value)
     try:
         return Declared.of(SimpleNamespace(**vars(declared)))
     except ControllerError as error:
@@ -157,7 +163,7 @@ def declarations(value: Any) -> Declared:
 
 def some_tables(value: Any) -> tuple[str, ...]:
     """Take a list of some of `OPTIONAL`."""
-    found = parsed(TypeAdapter(tuple[str, ...]), "list of tables")(value)
+    found = _tables(value)
     if set(found) <= set(OPTIONAL):
         return found
     raise ValueError(f"a JSON list of {', '.join(OPTIONAL)}")
@@ -281,7 +287,7 @@ class Layout:
     record_every = Attribute(whole(1, MOST_EVERY), "physics steps from one sample to the next")
     tables = Attribute(some_tables, "JSON list of the optional tables that were recorded")
     given = Attribute(
-        parsed(TypeAdapter(tuple[tuple[str, str], ...]), "list of kinds and names"),
+        parsed(tuple[tuple[str, str], ...], "list of kinds and names"),
         "JSON list of the parts, [kind, name], that came from Python beside or in place of those "
         "that the world names",
     )
@@ -296,11 +302,11 @@ class Layout:
         declarations, "JSON object: modes, rules and columns of the controller, by their numbers"
     )
     given_settings = Attribute(
-        parsed(TypeAdapter(tuple[GivenSettings, ...]), "list of settings and not_known"),
+        parsed(tuple[GivenSettings, ...], "list of settings and not_known"),
         "JSON list: of each part in given what differs from its defaults, and what is not known",
     )
     versions = Attribute(
-        parsed(TypeAdapter(dict[str, str]), "object of texts"),
+        parsed(dict[str, str], "object of texts"),
         "JSON object: versions of physim and its libraries, and the processor",
     )
 

@@ -32,9 +32,10 @@ from physim.parts.declarations import Mode
 from physim.record import layout
 from physim.record.checks import (
     AGAIN,
+    attributes_of,
+    check_datasets,
     check_rows,
     check_starts,
-    checked,
     damaged,
     open_record,
     refuse,
@@ -75,7 +76,9 @@ class Record(layout.Layout):
     sample.
     """
 
-    def __init__(self, file: h5py.File, path: Path | None = None) -> None:
+    def __init__(
+        self, file: h5py.File, path: Path | None = None, *, _just_made: bool = False
+    ) -> None:
         """Read an open file. Raises RecordError where it is no record with all its parts.
 
         ``path`` is where it lies, as messages name it; values are checked when they are read.
@@ -88,8 +91,10 @@ class Record(layout.Layout):
         self.where = "record in memory" if in_memory else str(path or file.filename)
         """what messages call it"""
         self._handle = file
-        vars(self).update(checked(file, self.where))
+        vars(self).update(attributes_of(file, self.where))
         self.robots = sum(body.kind == "robot" for body in self.bodies)
+        if not _just_made:
+            check_datasets(file, self.where, self.robots, len(self.bodies), self.declared)
         self.samples = min(len(file[path]) for path in layout.STEPS)
         """how many samples were recorded"""
         killed = self.ended == "running"

@@ -155,28 +155,28 @@ class RecordWriter:
         self._disk: CrashSafeFile | None = None
         self._failure: RecordError | None = None
         self._file = self._open(overwrite)
-        attributes = {
-            "format": layout.FORMAT,
-            "version": layout.VERSION,
-            "units": layout.UNITS,
-            "name": name if name is not None else str(world.name) if world else "",
-            "world": world_text,
-            "seed": np.int64(scene.seed),
-            "dt": float(scene.dt),
-            "steps_planned": np.int64(scene.steps),
-            "record_every": np.int64(every),
-            "tables": json.dumps(list(tables)),
-            "given": json.dumps([list(one) for one in given]),
-            "safe_distance": float(safe_distance),
-            "ended": np.array(b"running", dtype=f"S{layout.ENDED_BYTES}"),
-            "steps_run": np.int64(0),
-            "rejected_contacts": np.int64(0),
-            "bodies": json.dumps([asdict(body) for body in scene.bodies]),
-            "declared": json.dumps(asdict(declared)),
-            "given_settings": json.dumps([vars(one) for one in given_settings]),
-            "versions": json.dumps(_versions()),
-        }
         try:
+            attributes = {
+                "format": layout.FORMAT,
+                "version": layout.VERSION,
+                "units": layout.UNITS,
+                "name": name if name is not None else str(world.name) if world else "",
+                "world": world_text,
+                "seed": np.int64(scene.seed),
+                "dt": float(scene.dt),
+                "steps_planned": np.int64(scene.steps),
+                "record_every": np.int64(every),
+                "tables": json.dumps(list(tables)),
+                "given": json.dumps([list(one) for one in given]),
+                "safe_distance": float(safe_distance),
+                "ended": np.array(b"running", dtype=f"S{layout.ENDED_BYTES}"),
+                "steps_run": np.int64(0),
+                "rejected_contacts": np.int64(0),
+                "bodies": json.dumps([asdict(body) for body in scene.bodies]),
+                "declared": json.dumps(asdict(declared)),
+                "given_settings": json.dumps([vars(one) for one in given_settings]),
+                "versions": json.dumps(_versions()),
+            }
             for key, value in attributes.items():
                 self._file.attrs[key] = value
             self._file.create_group(layout.WALL_CLOCK)
@@ -194,13 +194,16 @@ class RecordWriter:
                 layout.ARRIVED: self.arrived,
             }
             samples = scene.steps // every + 2
-            self._buffers = {}
+            self._buffers: dict[str, RowBuffer] = {}
+            self._rewritten: list[tuple[h5py.Dataset, NDArray[Any]]] = []
             for path, one in layout.TABLE.items():
                 if path in self.types:
                     most = samples if path in layout.STEPS else samples * self.robots
                     self._buffers[path] = self._growing(path, self.types[path], most)
-                else:
-                    self._file.create_dataset(path, data=values[path], dtype=one.dtype)
+                    continue
+                made = self._file.create_dataset(path, data=values[path], dtype=one.dtype)
+                if path in (layout.EXTREMES, layout.EXTREMES_FARTHEST, layout.ARRIVED):
+                    self._rewritten.append((made, values[path]))
             self.flush()
         except BaseException as error:
             self._abandon()
@@ -256,13 +259,11 @@ class RecordWriter:
         with self._writing():
             for buffer in self._buffers.values():
                 buffer.flush()
-            file = self._file  # these before the index: never older than samples
-            file[layout.EXTREMES][...] = self.extremes.rows
-            file[layout.EXTREMES_FARTHEST][...] = self.extremes.farthest
-            file[layout.ARRIVED][...] = self.arrived
+            for dataset, values in self._rewritten:  # before the index: never older than samples
+                dataset[...] = values
             if self._disk is not None:
                 self._disk.holding = True
-            file.flush()
+            self._file.flush()
             if self._disk is not None:
                 self._disk.commit()
         self._due = time.monotonic() + self._flush_every_s
@@ -293,7 +294,8 @@ class RecordWriter:
 
     def record(self) -> Record:
         """Return what was written, to be read; the writer must be closed."""
-        return Record(self._file if self.path is None else open_record(self.path), self.path)
+        file = self._file if self.path is None else open_record(self.path)
+        return Record(file, self.path, _just_made=True)
 
     def _open(self, overwrite: bool) -> h5py.File:
         """Open the file, with an index that changes on disk at a flush only."""

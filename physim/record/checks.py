@@ -7,15 +7,17 @@ a file whose index was changed byte by byte.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 import h5py
 import numpy as np
 from numpy.typing import NDArray
+from pydantic import ValidationError
 
-from physim.errors import RecordError
+from physim.errors import RecordError, WorldError
 from physim.escaping import escaped
 from physim.parts.declarations import Declared
 from physim.record import layout
@@ -57,6 +59,25 @@ def damaged(where: str, part: str, error: Exception) -> RecordError:
     return RecordError(f"{where}: {part} cannot be read, the file is damaged: {told}")
 
 
+def check_record(given: object) -> None:
+    """Raise TypeError for what is no record, as a file, a world or a summary."""
+    if not hasattr(given, "footprints"):
+        raise TypeError(
+            f"a Record is needed, not {type(given).__name__}; Record.load(file) or simulate(world) "
+            "gives one"
+        )
+
+
+@contextmanager
+def reading_world(where: str) -> Iterator[None]:
+    """Turn a fault of the world inside into RecordError, one line with the first fault."""
+    try:
+        yield
+    except WorldError as error:
+        fault = str(error).splitlines()[0].removeprefix(f"world of {where}:").strip()
+        raise RecordError(f"{where}: the world inside cannot be read: {fault}") from error
+
+
 def attributes_of(file: h5py.File, where: str) -> dict[str, Any]:
     """Values of the attributes of a record of this version, by the names of properties.
 
@@ -79,17 +100,19 @@ def attributes_of(file: h5py.File, where: str) -> dict[str, Any]:
         raise RecordError(
             f"{where}: attribute units is {shown(found.get('units'))}; it must be {layout.UNITS!r}"
         )
-    values = {}
-    for one in layout.ATTRIBUTES:
-        if one.key not in found:
-            raise RecordError(f"{where}: attribute {one.key} is missing")
-        try:
-            values[one.name] = one.take(found[one.key])
-        except ValueError as error:
-            raise RecordError(
-                f"{where}: attribute {one.key} is {shown(found[one.key])}; it must be {error}"
-            ) from error
-    return values
+    plain = {key: one.item() if isinstance(one, np.generic) else one for key, one in found.items()}
+    if isinstance(ended := plain.get("ended"), bytes):
+        plain["ended"] = ended.decode("utf-8", "replace")
+    try:
+        return {**vars(layout.AttributesModel.model_validate(plain))}
+    except ValidationError as error:
+        fault = error.errors()[0]
+        key = str(fault["loc"][0])
+        if fault["type"] == "missing":
+            raise RecordError(f"{where}: attribute {key} is missing") from error
+        raise RecordError(
+            f"{where}: attribute {key} is {shown(found[key])}: {fault['msg']}; {AGAIN}"
+        ) from error
 
 
 def check_datasets(

@@ -7,13 +7,23 @@ angles radians, times seconds, in the world frame; steps count from 0, the start
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from types import SimpleNamespace
-from typing import Any, Generic, NamedTuple, TypeVar, overload
+from typing import (
+    Annotated,
+    Any,
+    Generic,
+    Literal,
+    NamedTuple,
+    TypeVar,
+    get_args,
+    get_type_hints,
+    overload,
+)
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import TypeAdapter, ValidationError
+from pydantic import AfterValidator, Field, Json, create_model
 
 from physim.contacts import CONTACT_ROW, FALSE_CONTACT_ROW, Kind, Phase
 from physim.errors import ControllerError
@@ -34,8 +44,6 @@ FORMAT = "physim-record"
 VERSION = "5"
 """Raised with every change of the layout. 5: names and declarations are attributes of JSON."""
 UNITS = "m, rad, s, N s; world frame; headings counter-clockwise from the x axis, unwrapped"
-ENDED = ("running", "finished", "duration", "interrupted", "error")
-"""How a run ended; a file whose run was killed still says "running"."""
 ENDED_BYTES = 16
 """Length of the attribute ``ended``: fixed, so that it changes in place (see `crash_safe`)."""
 WALL_CLOCK = "/wall_clock"
@@ -44,135 +52,103 @@ FAR = 1.0e8
 """[m, m/s, rad/s, rad] No length, speed or angle of a run is larger: a world ends at 10^6 m."""
 STRONGEST = 1.0e15
 """[N s] nor any impulse"""
-MOST_EVERY = 1_000_000
-"""[steps] between two samples"""
 
 
 # Attributes
 
 
-class Attribute(Generic[T]):
-    """A root attribute of the file, and the property of a `Record` that has its value.
-
-    ``take`` makes the value of what is in the file; it raises ValueError, with what is allowed,
-    where no run writes that. ``key`` is the name in the file, where it is not the property's.
-    """
-
-    name = ""
-
-    def __init__(self, take: Callable[[Any], T], words: str, key: str = "") -> None:
-        self.take, self.words, self.key = take, words, key
-        self.__doc__ = words
-
-    def __set_name__(self, owner: type, name: str) -> None:
-        """Take the name of the property."""
-        self.name, self.key = name, self.key or name
-
-    @overload
-    def __get__(self, record: None, owner: type) -> Attribute[T]: ...
-    @overload
-    def __get__(self, record: object, owner: type) -> T: ...
-    def __get__(self, record: Any, owner: type) -> Attribute[T] | T:
-        """The value that the record took when it was opened."""
-        return self if record is None else vars(record)[self.name]
-
-
-def whole(least: int, most: int) -> Callable[[Any], int]:
-    """Take a whole number within bounds."""
-
-    def take(value: Any) -> int:
-        if isinstance(value, np.integer) and least <= value <= most:
-            return int(value)
-        raise ValueError(f"a whole number from {least} to {most}")
-
-    return take
-
-
-def number(least: float, most: float) -> Callable[[Any], float]:
-    """Take a number within bounds."""
-
-    def take(value: Any) -> float:
-        if isinstance(value, np.floating) and least <= value <= most:
-            return float(value)
-        raise ValueError(f"a number from {least:g} to {most:g}")
-
-    return take
-
-
-def text(value: Any) -> str:
-    """Take a text."""
-    if isinstance(value, str):
-        return value
-    raise ValueError("a text")
-
-
-def line(value: Any) -> str:
-    """Take one line of text that can be printed."""
-    if isinstance(value, str) and value.isprintable():
-        return value
-    raise ValueError("one line of plain text")
-
-
-def ending(value: Any) -> str:
-    """Take one of `ENDED`, of fixed length."""
-    if isinstance(value, bytes) and value.decode("utf-8", "replace") in ENDED:
-        return value.decode()
-    raise ValueError(f"a text of fixed length, S{ENDED_BYTES}: {', '.join(ENDED)}")
-
-
-def parsed(kind: type[T], what: str) -> Callable[[Any], T]:
-    """Take a JSON text of ``what``."""
-    adapter = TypeAdapter(kind)
-
-    def take(value: Any) -> T:
-        try:
-            return adapter.validate_json(value)
-        except (ValidationError, TypeError) as error:
-            raise ValueError(f"a JSON {what}") from error
-
-    return take
-
-
-_bodies = parsed(tuple[Body, ...], "list of bodies")
-_declared = parsed(Declared, "object of modes, rules and columns")
-_tables = parsed(tuple[str, ...], "list of tables")
-
-
-def numbered(value: Any) -> tuple[Body, ...]:
-    """Take the bodies, each at the place of its id: robots, then boundaries and obstacles."""
-    bodies = _bodies(value)
+def numbered(bodies: tuple[Body, ...]) -> tuple[Body, ...]:
+    """Return bodies that stand each at the place of its id, robots first. Raises ValueError."""
     robots = sum(body.kind == "robot" for body in bodies)
     for k, body in enumerate(bodies):
         kinds = ("robot",) if k < robots else ("boundary", "obstacle")
         if body.id != k or body.kind not in kinds or not body.name.isprintable():
-            raise ValueError(
-                f"bodies numbered from 0, robots first; row {k} is {body}, not {' or '.join(kinds)}"
-            )
+            raise ValueError(f"row {k} is {body}; it must have this id and be {' or '.join(kinds)}")
     return bodies
 
 
-def declarations(value: Any) -> Declared:
-    """Take modes, rules and columns, such as a controller may declare."""
-    declared = _declared(value)
+def declarable(declared: Declared) -> Declared:
+    """Return declarations that a controller may make. Raises ValueError."""
     try:
         return Declared.of(SimpleNamespace(**vars(declared)))
     except ControllerError as error:
-        fault = str(error).removeprefix("SimpleNamespace.")
-        raise ValueError(f"what a controller may declare: {fault}") from error
+        raise ValueError(str(error).removeprefix("SimpleNamespace.")) from error
 
 
-def some_tables(value: Any) -> tuple[str, ...]:
-    """Take a list of some of `OPTIONAL`."""
-    found = _tables(value)
-    if set(found) <= set(OPTIONAL):
-        return found
-    raise ValueError(f"a JSON list of {', '.join(OPTIONAL)}")
+def _printable(line: str) -> str:
+    if line.isprintable():
+        return line
+    raise ValueError("it must be one line of plain text")
+
+
+Whole = Annotated[int, Field(strict=True, ge=0, le=2**63 - 1)]
+Steps = Annotated[int, Field(strict=True, ge=0, le=MOST_STEPS)]
+Line = Annotated[str, AfterValidator(_printable)]
+Ended = Literal["running", "finished", "duration", "interrupted", "error"]
+TableName = Literal["updates", "considered", "contacts", "false_contacts"]
+ENDED: tuple[Ended, ...] = get_args(Ended)
+OPTIONAL: tuple[TableName, ...] = get_args(TableName)
+"""Tables that a run may leave out; the commands and the samples are always there."""
+
+
+class Attributes:
+    """Root attributes of the file, as properties of `Record`: type, bounds, and what each means.
+
+    ``alias`` is the name in the file where it is not the property's.
+    """
+
+    name: Annotated[Line, "name of the world"]
+    world_text: Annotated[str, Field(alias="world"), "YAML text of the effective world"]
+    seed: Annotated[Whole, "seed of the run"]
+    dt: Annotated[float, Field(strict=True, ge=1e-9, le=10.0), "[s] physics step"]
+    steps_planned: Annotated[Steps, "physics steps of the whole duration"]
+    record_every: Annotated[
+        int, Field(strict=True, ge=1, le=1_000_000), "physics steps from one sample to the next"
+    ]
+    tables: Annotated[
+        Json[tuple[TableName, ...]], "JSON list of the optional tables that were recorded"
+    ]
+    given: Annotated[
+        Json[tuple[tuple[str, str], ...]],
+        "JSON list of the parts, [kind, name], that came from Python beside or in place of those "
+        "that the world names",
+    ]
+    safe_distance: Annotated[
+        float, Field(strict=True, ge=0.0, le=1e6), "[m] from boundaries, at which /areas/safe is"
+    ]
+    ended: Annotated[Ended, f"{', '.join(ENDED)}; of a run that was killed running"]
+    steps_run: Annotated[Steps, "physics steps that were made"]
+    rejected_contacts: Annotated[
+        Whole, "contacts that the engine reported and the exact distance refuted"
+    ]
+    bodies: Annotated[
+        Json[tuple[Body, ...]],
+        AfterValidator(numbered),
+        "JSON list: id, kind and name of robots, boundaries, obstacles",
+    ]
+    declared: Annotated[
+        Json[Declared],
+        AfterValidator(declarable),
+        "JSON object: modes, rules and columns of the controller, by their numbers",
+    ]
+    given_settings: Annotated[
+        Json[tuple[GivenSettings, ...]],
+        "JSON list: of each part in given what differs from its defaults, and what is not known",
+    ]
+    versions: Annotated[
+        Json[dict[str, str]], "JSON object: versions of physim and its libraries, and the processor"
+    ]
+
+
+_HINTS = get_type_hints(Attributes, include_extras=True)
+AttributesModel = create_model("AttributesModel", **_HINTS)
+"""Checks all of them at once."""
 
 
 # Datasets
 
 
-class Field(NamedTuple):
+class Column(NamedTuple):
     """A column of a table."""
 
     name: str
@@ -198,7 +174,7 @@ class Dataset(Generic[T]):
         self,
         path: str,
         shape: str,
-        row: str | tuple[Field, ...],
+        row: str | tuple[Column, ...],
         words: str,
         unit: str = "",
         least: Bound = None,
@@ -208,7 +184,7 @@ class Dataset(Generic[T]):
         fewest: int = 1,
     ) -> None:
         self.path, self.shape, self.words, self.unit = path, tuple(shape.split()), words, unit
-        self.fields = row if isinstance(row, tuple) else (Field("", row, unit, "", least, most),)
+        self.fields = row if isinstance(row, tuple) else (Column("", row, unit, "", least, most),)
         self.starts, self.fewest = starts, fewest
         self.__doc__ = f"({', '.join(self.shape)}) {f'[{unit}] ' if unit else ''}{words}"
 
@@ -238,39 +214,39 @@ class Dataset(Generic[T]):
 COMMAND_STAGES = ("nominal", "filtered", "applied")
 """Of a command: as it was decided, after the filters, after the disturbances."""
 _UNITS = {"v": "m/s", "omega": "rad/s"}
-_STEP = Field("step", "<i8", "", "physics step", 0, "steps")
-_ROBOT = Field("robot", "<i4", "", "which robot", 0, "robots")
+_STEP = Column("step", "<i8", "", "physics step", 0, "steps")
+_ROBOT = Column("robot", "<i4", "", "which robot", 0, "robots")
 _PAIR = (
     _STEP,
-    Field("a", "<i4", "", "robot", 0, "robots"),
-    Field("b", "<i4", "", "other body, a < b", "a", "bodies"),
+    Column("a", "<i4", "", "robot", 0, "robots"),
+    Column("b", "<i4", "", "other body, a < b", "a", "bodies"),
 )
 
 
-def _command(stage: str, words: str) -> tuple[Field, ...]:
+def _command(stage: str, words: str) -> tuple[Column, ...]:
     return tuple(
-        Field(f"{stage}_{part}", "<f8", unit, words, -FAR, FAR) for part, unit in _UNITS.items()
+        Column(f"{stage}_{part}", "<f8", unit, words, -FAR, FAR) for part, unit in _UNITS.items()
     )
 
 
 DECISION = (
     _STEP,
     _ROBOT,
-    Field("mode", "i1", "", "number of its mode, -1 without one", NO_NUMBER, "modes"),
-    Field("rule", "i1", "", "number of its rule, -1 without one", NO_NUMBER, "rules"),
+    Column("mode", "i1", "", "number of its mode, -1 without one", NO_NUMBER, "modes"),
+    Column("rule", "i1", "", "number of its rule, -1 without one", NO_NUMBER, "rules"),
     *_command("nominal", "command decided"),
     *_command("applied", "command applied in this step"),
-    Field("station", "<f8", "m", "along its own path"),
-    Field("reference_station", "<f8", "m", "along the reference path"),
-    Field("formation_error", "<f8", "m", "formation error"),
-    Field("deviation", "<f8", "m", "from its own path, left positive"),
-    Field("considered", "<i4", "", "how many robots it considered", 0, "robots"),
-    Field("next_step", "<i8", "", "step of its next decision", "step"),
+    Column("station", "<f8", "m", "along its own path"),
+    Column("reference_station", "<f8", "m", "along the reference path"),
+    Column("formation_error", "<f8", "m", "formation error"),
+    Column("deviation", "<f8", "m", "from its own path, left positive"),
+    Column("considered", "<i4", "", "how many robots it considered", 0, "robots"),
+    Column("next_step", "<i8", "", "step of its next decision", "step"),
 )
 _WHEN, _WHO = "physics step, -1 for never", "which, -1 for none"
 
 
-class Layout:
+class Layout(Attributes):
     """All that a record has, as properties of `Record`."""
 
     def read(
@@ -278,37 +254,6 @@ class Layout:
     ) -> NDArray[Any]:
         """Rows of a dataset."""
         raise NotImplementedError
-
-    name = Attribute(line, "name of the world")
-    world_text = Attribute(text, "YAML text of the effective world", "world")
-    seed = Attribute(whole(0, 2**63 - 1), "seed of the run")
-    dt = Attribute(number(1.0e-9, 10.0), "[s] physics step")
-    steps_planned = Attribute(whole(0, MOST_STEPS), "physics steps of the whole duration")
-    record_every = Attribute(whole(1, MOST_EVERY), "physics steps from one sample to the next")
-    tables = Attribute(some_tables, "JSON list of the optional tables that were recorded")
-    given = Attribute(
-        parsed(tuple[tuple[str, str], ...], "list of kinds and names"),
-        "JSON list of the parts, [kind, name], that came from Python beside or in place of those "
-        "that the world names",
-    )
-    safe_distance = Attribute(number(0.0, 1.0e6), "[m] from boundaries, at which /areas/safe is")
-    ended = Attribute(ending, f"{', '.join(ENDED)}; of a run that was killed running")
-    steps_run = Attribute(whole(0, MOST_STEPS), "physics steps that were made")
-    rejected_contacts = Attribute(
-        whole(0, 2**63 - 1), "contacts that the engine reported and the exact distance refuted"
-    )
-    bodies = Attribute(numbered, "JSON list: id, kind and name of robots, boundaries, obstacles")
-    declared = Attribute(
-        declarations, "JSON object: modes, rules and columns of the controller, by their numbers"
-    )
-    given_settings = Attribute(
-        parsed(tuple[GivenSettings, ...], "list of settings and not_known"),
-        "JSON list: of each part in given what differs from its defaults, and what is not known",
-    )
-    versions = Attribute(
-        parsed(dict[str, str], "object of texts"),
-        "JSON object: versions of physim and its libraries, and the processor",
-    )
 
     stop_station = Dataset[FloatArray](
         "/robots/stop_station", "N", "<f8", "where it stops, along its own path", "m", -FAR, FAR
@@ -320,22 +265,22 @@ class Layout:
     extremes = Dataset[Rows](
         "/extremes", "N",
         (
-            Field("clearance", "<f8", "m", "least distance to a robot, inf alone", -FAR, np.inf),
-            Field("clearance_step", "<i8", "", _WHEN, -1, "steps"),
-            Field("clearance_other", "<i4", "", _WHO, -1, "robots"),
-            Field("boundary_clearance", "<f8", "m", "to a wall, inf without", -FAR, np.inf),
-            Field("boundary_step", "<i8", "", _WHEN, -1, "steps"),
-            Field("boundary_other", "<i4", "", _WHO, -1, "bodies"),
+            Column("clearance", "<f8", "m", "least distance to a robot, inf alone", -FAR, np.inf),
+            Column("clearance_step", "<i8", "", _WHEN, -1, "steps"),
+            Column("clearance_other", "<i4", "", _WHO, -1, "robots"),
+            Column("boundary_clearance", "<f8", "m", "to a wall, inf without", -FAR, np.inf),
+            Column("boundary_step", "<i8", "", _WHEN, -1, "steps"),
+            Column("boundary_other", "<i4", "", _WHO, -1, "bodies"),
         ),
         "shortest distances of each robot over all physics steps",
     )  # fmt: skip
     farthest = Dataset[Rows](
         "/extremes_farthest", "",
         (
-            Field("farthest", "<f8", "m", "largest distance, -inf for one robot", -np.inf, FAR),
-            Field("step", "<i8", "", _WHEN, -1, "steps"),
-            Field("a", "<i4", "", _WHO, -1, "robots"),
-            Field("b", "<i4", "", _WHO, -1, "robots"),
+            Column("farthest", "<f8", "m", "largest distance, -inf for one robot", -np.inf, FAR),
+            Column("step", "<i8", "", _WHEN, -1, "steps"),
+            Column("a", "<i4", "", _WHO, -1, "robots"),
+            Column("b", "<i4", "", _WHO, -1, "robots"),
         ),
         "largest distance of two robots over all physics steps",
     )  # fmt: skip
@@ -359,28 +304,28 @@ class Layout:
     )  # fmt: skip
     considering = Dataset[Rows](
         "/considered", "M",
-        (_STEP, _ROBOT, Field("count", "<i4", "", "how many robots", 0, "robots")),
+        (_STEP, _ROBOT, Column("count", "<i4", "", "how many robots", 0, "robots")),
         "how many robots each decision considered",
     )  # fmt: skip
     contacts = Dataset[Rows](
         "/contacts", "M",
         (
             *_PAIR,
-            Field("phase", "i1", "", "0 began, 1 stays, 2 ended", min(Phase), max(Phase)),
-            Field("kind", "i1", "", "0 at a sample, 1 a graze between two", min(Kind), max(Kind)),
-            Field("x", "<f8", "m", "deepest point", -FAR, FAR),
-            Field("y", "<f8", "m", "deepest point", -FAR, FAR),
-            Field("nx", "<f8", "", "normal from a to b", -FAR, FAR),
-            Field("ny", "<f8", "", "normal from a to b", -FAR, FAR),
-            Field("depth", "<f8", "m", "minus the distance when they part", -FAR, FAR),
-            Field("impulse", "<f8", "N s", "along the normal and by friction together, of the step "
-                  "that led there", 0.0, STRONGEST),
+            Column("phase", "i1", "", "0 began, 1 stays, 2 ended", min(Phase), max(Phase)),
+            Column("kind", "i1", "", "0 at a sample, 1 a graze between two", min(Kind), max(Kind)),
+            Column("x", "<f8", "m", "deepest point", -FAR, FAR),
+            Column("y", "<f8", "m", "deepest point", -FAR, FAR),
+            Column("nx", "<f8", "", "normal from a to b", -FAR, FAR),
+            Column("ny", "<f8", "", "normal from a to b", -FAR, FAR),
+            Column("depth", "<f8", "m", "minus the distance when they part", -FAR, FAR),
+            Column("impulse", "<f8", "N s", "in the step that led there, friction included", 0.0,
+                   STRONGEST),
         ),
         "a row per touching pair and step, and one where it parts",
     )  # fmt: skip
     false_contacts = Dataset[Rows](
         "/false_contacts", "M",
-        (*_PAIR, Field("distance", "<f8", "m", "signed distance there", -FAR, FAR)),
+        (*_PAIR, Column("distance", "<f8", "m", "signed distance there", -FAR, FAR)),
         "contacts that the engine reported and the exact distance refuted",
     )  # fmt: skip
     others = Dataset[NDArray[Any]](
@@ -410,7 +355,7 @@ def _points(path: str, words: str) -> Dataset[FloatArray]:
 
 
 def _starts(path: str, shape: str, of: str, fewest: int = 1) -> Dataset[IntArray]:
-    words = f"run k of {of} goes from row k to row k + 1"
+    words = f"where each run of {of} begins, and where the last ends"
     return Dataset(path, shape, "<i8", words, starts=of, fewest=fewest)
 
 
@@ -440,7 +385,6 @@ PACKED = (
 """Datasets that several properties of `Record` put together."""
 
 _PROPERTIES = vars(Layout).values()
-ATTRIBUTES = tuple(one for one in _PROPERTIES if isinstance(one, Attribute))
 _OWN = [one for one in _PROPERTIES if isinstance(one, Dataset)]
 TABLE = {one.path: one for one in (*_OWN[:2], *PACKED, *_OWN[2:])}
 """Every dataset that a record must have, by its path."""
@@ -448,8 +392,6 @@ EXTREMES, EXTREMES_FARTHEST = Layout.extremes.path, Layout.farthest.path
 ARRIVED, OTHERS = Layout.arrived.path, Layout.others.path
 TABLES = tuple(path for path, one in TABLE.items() if one.shape == ("M",) and one.fields[0].name)
 """Growing tables, in the order of steps."""
-OPTIONAL = ("updates", "considered", "contacts", "false_contacts")
-"""Tables that a run may leave out; the commands and the samples are always there."""
 STEPS = tuple(path for path, one in TABLE.items() if one.shape[:1] == ("K",))
 """Growing datasets with one row a recorded sample; they come last in the file, see `crash_safe`."""
 

@@ -5,10 +5,10 @@ from __future__ import annotations
 import os
 import shutil
 from collections.abc import Callable, Mapping
-from functools import cached_property, lru_cache, partial
+from functools import cached_property, lru_cache
 from itertools import pairwise
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal, TypeVar
+from typing import TYPE_CHECKING, Any, Literal
 
 import h5py
 import numpy as np
@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from physim.contacts import Kind, Phase
 from physim.drafts import discard, draft_of
-from physim.errors import PhysimError, RecordError, WorldError, nearest
+from physim.errors import PhysimError, RecordError, nearest
 from physim.escaping import escaped
 from physim.geometry.shapes import (
     FloatArray,
@@ -38,6 +38,7 @@ from physim.record.checks import (
     check_starts,
     damaged,
     open_record,
+    reading_world,
     refuse,
 )
 from physim.record.course import followed
@@ -51,20 +52,10 @@ if TYPE_CHECKING:
     from physim.world import World
     from physim.world.scene import Scene
 
-T = TypeVar("T")
 POSE_BLOCK, POSE_BLOCKS = 1 << 14, 32
 """Poses read at once where single samples are asked for; how many such blocks are kept: 12 MB"""
 NO_END = int(np.iinfo(np.int64).max)
 """Last step of a run that was killed: its tables are cut off instead."""
-
-
-def check_record(given: object) -> None:
-    """Raise TypeError for what is no record, as a file, a world or a summary."""
-    if not hasattr(given, "footprints"):
-        raise TypeError(
-            f"a Record is needed, not {type(given).__name__}; Record.load(file) or simulate(world) "
-            "gives one"
-        )
 
 
 class Record(layout.Layout):
@@ -256,14 +247,16 @@ class Record(layout.Layout):
         """
         from physim.world.file import parse_world
 
-        return self._read_world(partial(parse_world, check_controller=False))
+        with reading_world(self.where):
+            return parse_world(self.world_text, f"world of {self.where}", check_controller=False)
 
     @cached_property
     def scene(self) -> Scene:
         """The effective world made ready to run. Raises RecordError where it cannot be built."""
         from physim.world.layout.scene_builder import build_scene
 
-        return self._read_world(lambda *_: build_scene(self.world))
+        with reading_world(self.where):
+            return build_scene(self.world)
 
     @cached_property
     def world_settings(self) -> Mapping[str, Any]:
@@ -274,17 +267,9 @@ class Record(layout.Layout):
         """
         from physim.world.file import read_document
 
-        found = self._read_world(read_document).values
+        with reading_world(self.where):
+            found = read_document(self.world_text, f"world of {self.where}").values
         return found if isinstance(found, Mapping) else {}
-
-    def _read_world(self, read: Callable[[str, str], T]) -> T:
-        """What ``read`` makes of the text of the world and a name for it."""
-        where = f"world of {self.where}"
-        try:
-            return read(self.world_text, where)
-        except WorldError as error:
-            fault = str(error).splitlines()[0].removeprefix(f"{where}:").strip()
-            raise RecordError(f"{self.where}: the world inside cannot be read: {fault}") from error
 
     @cached_property
     def wall_clock(self) -> dict[str, float]:
@@ -516,4 +501,4 @@ class Record(layout.Layout):
                 lock.release()
 
 
-__all__ = ["Record", "check_record"]
+__all__ = ["Record"]

@@ -24,6 +24,7 @@ from physim.errors import ControllerError, RecordError, plural
 from physim.parts.declarations import Declared, kept_distance
 from physim.parts.registry import CONTROLLER, DISTURBANCE, FILTER, SENSING, make_part
 from physim.record import Record, RecordWriter
+from physim.record.checks import reading_world
 from physim.record.digest import KNOWN
 from physim.world import World
 from physim.world.differences import differences
@@ -77,7 +78,8 @@ def world_inside(record: Record) -> Inside:
         elif ":" in choice.type:
             why_not = f"no code is run because a record names it ({choice.type})"
         else:
-            controller = make_part(CONTROLLER, choice.type, choice.settings)
+            with reading_world(record.where):
+                controller = make_part(CONTROLLER, choice.type, choice.settings)
     except ControllerError as error:
         why_not = str(error).splitlines()[0]
     named = ((SENSING, world.sensing.stages), (FILTER, world.filters),

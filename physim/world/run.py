@@ -6,8 +6,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
-from types import MappingProxyType
-from typing import Annotated, Any, ClassVar
+from typing import Annotated, Any
 
 from pydantic import BeforeValidator, ConfigDict, Field, WithJsonSchema, field_serializer
 from pydantic_core import PydanticCustomError
@@ -21,7 +20,6 @@ from physim.world.kinds import (
     Length,
     Number,
     Whole,
-    at_most,
     thawed,
 )
 
@@ -83,7 +81,7 @@ def _listed(value: Any) -> Any:
 
 Choices = Annotated[
     tuple[Annotated[Choice, BeforeValidator(nested_choice)], ...],
-    at_most(MOST_STAGES),
+    Field(max_length=MOST_STAGES),
     BeforeValidator(_listed),
 ]
 
@@ -144,9 +142,6 @@ class Arrival(Model):
 class Physics(Model):
     """Material of all bodies in contact."""
 
-    advice: ClassVar[Mapping[str, str]] = MappingProxyType(
-        dict.fromkeys(("restitution", "bounciness", "bounce"), 'did you mean "elasticity"?')
-    )
     friction: Annotated[Number, Field(ge=0.0, le=100.0)] = Field(
         default=0.0, description="[-] Coulomb friction coefficient"
     )

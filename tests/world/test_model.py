@@ -167,7 +167,7 @@ def test_a_road_of_the_other_kind_and_another_controller_take_nothing_over():
 
 
 @pytest.mark.parametrize("key", ["radius", "Radius", "diameter", "circle"])
-def test_circles_are_said_not_to_be_supported(key):
+def test_circles_are_said_to_be_polygons(key):
     found = faults(robots=[{**ROBOT, "footprint": {key: 0.5}}])
     assert list(found) == [("robots", 0, "footprint", key)]  # length and width are not missed
-    assert re.search(facts("circles", "not supported", "corners"), *found.values())
+    assert re.search(facts("circle", "polygon", "corners"), *found.values())

@@ -40,7 +40,7 @@ TOLD = {
     "a byte order mark": ("\ufeff" + CORRIDOR,),
     "very large": (number("1.0e+308"), ("E", LENGTH, "at most 1000", "1e+308")),
     "a list": (number("[1.0]"), ("E", LENGTH, "number", "list of 1")),
-    "two points": (number("0..05"), ("E", LENGTH, '"0..05"', "no number")),
+    "two points": (number("0..05"), ("E", LENGTH, '"0..05"', "bare number")),
     "a coordinate nan": (boundary("[[0, 0], [.nan, 1], [2, 0]]"), ...,
         ("E", AT, "boundaries[1][1][0]", ".nan")),
     "one coordinate": (boundary("[[0], [1]]"), ...,

@@ -79,7 +79,7 @@ class RobotGroup(Model):
 
             drawn = int(stream(seed, "footprint", number).integers(len(shapes)))
         return Robot.model_construct(
-            name=numbered(self.name, number),
+            name=self.name.replace(NUMBER, str(number + 1)),
             footprint=shapes[drawn],
             pose=None,
             start=self.start,
@@ -89,11 +89,6 @@ class RobotGroup(Model):
             speeds=self.speeds,
             omegas=self.omegas,
         )
-
-
-def numbered(pattern: str, number: int) -> str:
-    """Name of robot ``number``, from 0, by the pattern of its group."""
-    return pattern.replace(NUMBER, str(number + 1))
 
 
 def is_group(value: Any) -> bool:

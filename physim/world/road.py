@@ -93,12 +93,8 @@ class RandomRoad(Model):
     @property
     def bend_radii(self) -> tuple[float, float]:
         """[m] Least and greatest radius of the centreline in a bend."""
-        return usual_radii(self.widths[1]) if self.radii is None else self.radii
-
-
-def usual_radii(width: float) -> tuple[float, float]:
-    """[m] Radii of bends where none are given, of a road at most ``width`` [m] wide."""
-    return width, 2.0 * width
+        width = self.widths[1]
+        return (width, 2.0 * width) if self.radii is None else self.radii
 
 
 class RandomCorridor(Model):

@@ -111,7 +111,9 @@ class ControllerChoice(Choice):
 class Time(Model):
     """Grid of physics steps: sample k is at time ``k * step``."""
 
-    step: Annotated[Number, Field(ge=1e-6, le=10.0)] = Field(description="[s] one physics step")
+    step: Annotated[Number, Field(ge=1e-6, le=0.5)] = Field(
+        description="[s] one physics step; at most 0.5 s, for which a robot stands when it arrives"
+    )
     duration: Annotated[Number, Field(gt=0.0, le=1.0e8)] = Field(
         description="[s] length of the run, a whole number of steps"
     )

@@ -72,8 +72,10 @@ TOLD = {
         ("E", "13:22 formation.spacing", "3 leads", "2 robots")),
     "a step of nothing": (timed("step: 0, duration: 60.0"),
         ("E", "2:14 time.step", "at least 1e-06")),
-    "a step longer than the run": (timed("step: 10, duration: 1"), ...,
-        ("E", "2:14 time.step", "10.0 s", "longer", "1.0 s")),
+    "a step that hides arrivals": (timed("step: 10, duration: 100"),
+        ("E", "2:14 time.step", "at most 0.5 [s]", "given 10")),
+    "a step longer than the run": (timed("step: 0.5, duration: 0.1"), ...,
+        ("E", "2:14 time.step", "0.5 s", "longer", "0.1 s")),
     "no whole number of steps": (timed("step: 0.03, duration: 1.0"),
         ("E", "2:30 time.duration", "1.0 s", "0.03 s", "0.99", "1.02")),
 }  # fmt: skip

@@ -17,10 +17,6 @@ LONGEST_VALUE = 40
 """Characters of a given value that a message repeats."""
 MOST_TRANSLATED = 500
 """Mistakes of one world that are put into words."""
-SETTINGS: tuple[Location, ...] = (
-    ("controller",), ("sensing", "stages"), ("filters",), ("disturbances",)
-)  # fmt: skip
-"""Where parts are named by type and settings, which stand in one mapping in a file."""
 
 _NEEDED = {
     **dict.fromkeys(("float_type", "float_parsing"), "must be a number"),
@@ -134,12 +130,7 @@ def _is_short(given: Any, context: Mapping[str, Any]) -> bool:
 
 def _plain(location: Location) -> Location:
     """Location as the author sees it: without the tags that distinguish alternatives."""
-    parts = tuple(part for part in location if not _is_tag(part))
-    for place in SETTINGS:
-        if parts[: len(place)] == place:
-            end = len(place) + (place != ("controller",))  # of a list one entry
-            return parts[:end] + parts[end:][parts[end : end + 1] == ("settings",) :]
-    return parts
+    return tuple(part for part in location if not _is_tag(part))
 
 
 def _of_key(model: type[BaseModel], raw: Location) -> tuple[Fault, list[str]]:

@@ -4,7 +4,6 @@ robots have arrived, the material in contact, and what the run must satisfy.
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping
 from typing import Annotated, Any
 
@@ -26,7 +25,6 @@ from physim.world.kinds import (
 MOST_STAGES = 20
 DEFAULT_RANGE = 10.0
 """[m] sensing range in a world that does not give one (paper: 10 m)"""
-_WORD = re.compile(r"\w{1,40}")
 
 
 def _settings(value: Any) -> FrozenMapping:
@@ -66,8 +64,7 @@ def nested_choice(value: Any) -> Any:
     if isinstance(value, Choice):
         return value
     if not isinstance(value, Mapping):
-        name = value if isinstance(value, str) and _WORD.fullmatch(value) else "NAME"
-        message = "must be a mapping of type and settings, as {type: " + name + "}"
+        message = "must be a mapping of type and settings, as {type: NAME}"
         raise PydanticCustomError("choice", message)
     settings = {key: item for key, item in value.items() if key != "type"}
     return {**({"type": value["type"]} if "type" in value else {}), "settings": settings}

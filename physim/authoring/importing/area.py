@@ -118,9 +118,7 @@ def find_place(drawing: Drawing, options: Options) -> Place:
     within = [one.geometry for one in drawing.of("place")]
     lines = [ring for one in drawing.of("boundary", "obstacle", "place") for ring in _rings(one)]
     if not lines:
-        raise drawing.refusal(
-            f"no boundary found; a world needs lines that enclose an area{drawing.unseen}"
-        )
+        raise drawing.lack("no boundary found; a world needs lines that enclose an area")
     size = np.ptp(np.concatenate(lines), axis=0)
     if size.max() < SMALLEST:
         raise drawing.refusal(
@@ -242,9 +240,7 @@ def _chosen(drawing: Drawing, options: Options, faces: list[Any], noded: Any) ->
             )
     if not held:
         there = "in no closed area" if what != "there is" else "no closed area"
-        raise drawing.refusal(
-            f"{what} {there}{_where_open(noded)}{_elsewhere(faces)}{drawing.unseen}", shape
-        )
+        raise drawing.lack(f"{what} {there}{_where_open(noded)}{_elsewhere(faces)}", shape)
     if len(held) > 1:
         raise drawing.refusal(
             f"the lines enclose {len(held)} areas: {_areas(held)}; say which is the place: "

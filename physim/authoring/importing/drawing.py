@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -72,9 +73,8 @@ class Drawing:
     """Shapes of a source, and what is told of it.
 
     ``kind`` says what it was read as, ``path`` is that of the source; ``facts`` say what was read
-    and how, ``changes`` every shape that was dropped or repaired. ``unseen`` ends a refusal for
-    want of lines: which may be missing because the source hides them. ``doubt`` says what to look
-    at where no place or route is found in a map.
+    and how, ``changes`` every shape that was dropped or repaired. ``doubt`` says what to look at
+    where no place or way is found: what the source hides, or how it may be meant.
     """
 
     kind: str
@@ -82,7 +82,6 @@ class Drawing:
     shapes: list[Shape] = field(default_factory=list)
     facts: list[str] = field(default_factory=list)
     changes: list[str] = field(default_factory=list)
-    unseen: str = ""
     doubt: str = ""
 
     def of(self, *roles: Role) -> list[Shape]:
@@ -102,6 +101,10 @@ class Drawing:
         return refused(
             self.path, f"{shape.label}: {message}" if shape.label else message, shape.line
         )
+
+    def lack(self, message: str, shape: Shape | None = None) -> ImportSourceError:
+        """Error for want of lines or of a way, with the doubt about the source."""
+        return self.refusal(f"{message}; {self.doubt}" if self.doubt else message, shape)
 
 
 def refused(source: Path | str, message: str, line: int | None = None) -> ImportSourceError:
@@ -127,6 +130,12 @@ def extent(area: Any) -> str:
     """``x from 0 to 20, y from 0 to 8``: the bounds [m] of a shapely area."""
     x0, y0, x1, y1 = (f"{round(v, 2) + 0.0:g}" for v in area.bounds)
     return f"x from {x0} to {x1}, y from {y0} to {y1}"
+
+
+def invalid_at(polygon: Any) -> str:
+    """`` at (x, y)``: where a shapely polygon crosses or touches itself; else empty."""
+    at = re.search(r"\[(\S+) (\S+)\]", shapely.is_valid_reason(polygon))
+    return f" at {place([float(at[1]), float(at[2])])}" if at else ""
 
 
 def grid_origin(points: FloatArray) -> FloatArray:

@@ -274,10 +274,9 @@ def _region(drawing: Drawing, free: Any, cell: float, placed: Any, at: Any) -> A
         large = [k for k in order if area[k] >= WORTH * area[chosen]]
         if len(large) > 1 and not edge.isdisjoint(large):
             regions = "; ".join(told(k) for k in large[:5])
-            doubt = f"; {drawing.doubt}" if drawing.doubt else ""
-            raise drawing.refusal(
+            raise drawing.lack(
                 f"{len(large)} free regions, and the map is free at the edge of the image: which "
-                f"is the place? --from X,Y in one of them: {regions}{doubt}"
+                f"is the place? --from X,Y in one of them: {regions}"
             )
     left = [k for k in order if k != chosen]
     drawing.changes += listed(left, lambda k: f"free region of {told(k)}: not connected, left out")

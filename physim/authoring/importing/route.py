@@ -246,8 +246,7 @@ def _ends(
     for, or one nearly as long as the smallest does.
     """
     origin, goal = options.origin, options.goal
-    doubt = f"; {drawing.doubt}" if drawing.doubt else ""
-    needed = f"with {rooms[-1]:.3g} m to the walls, which the robots need{doubt}"
+    needed = f"with {rooms[-1]:.3g} m to the walls, which the robots need"
     if drawing.of("robot") and options.robots is None:
         needed += "; draw smaller robots, or --robots N --robot fit"
     elif options.robot == "fit":
@@ -259,7 +258,7 @@ def _ends(
             pair = _joined(grid, room, origin, goal)
             if pair is not None:
                 return room, *pair
-        raise drawing.refusal(f"no route from {place(origin)} to {place(goal)} {needed}")
+        raise drawing.lack(f"no route from {place(origin)} to {place(goal)} {needed}")
     smallest = _far(grid, rooms[-1], origin) if goal is None else None
     enough = WORTH * smallest[2] if smallest is not None else 0.0
     for room in rooms:
@@ -267,7 +266,7 @@ def _ends(
         if found is not None and found[2] >= enough and found[2] > 4.0 * room:
             a, b, _ = found
             return (room, a, b) if goal is None else (room, b, a)
-    raise drawing.refusal(f"no route {needed}")
+    raise drawing.lack(f"no route {needed}")
 
 
 def _near(grid: _Grid, room: float, point: tuple[float, float]) -> int | None:

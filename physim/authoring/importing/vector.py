@@ -23,6 +23,7 @@ from physim.authoring.importing.drawing import (
     Drawing,
     Shape,
     grid_origin,
+    invalid_at,
     listed,
     moved_to,
     place,
@@ -318,13 +319,11 @@ def _shapes(path: Path, part: _Part, shape: Any, drawing: Drawing) -> list[Shape
             raise refused(path, f"{part.label}: shorter than a millimetre; --scale?", part.line)
         return [made(shapely.LineString(line)) for line in lines]
     if not shape.is_valid:
-        at = [
-            float(one) for one in re.findall(r"[-+.\de]+(?=[ \]])", shapely.is_valid_reason(shape))
-        ]
-        where = f" at {place(at[-2:])}" if len(at) > 1 else ""
         reason = escaped(shapely.is_valid_reason(shape).split("[")[0].lower())
         raise refused(
-            path, f"{part.label}: no valid polygon: {reason}{where}; correct it", part.line
+            path,
+            f"{part.label}: no valid polygon: {reason}{invalid_at(shape)}; correct it",
+            part.line,
         )
     if part.role == "robot" and shape.interiors:
         raise refused(path, f"{part.label}: a robot has one outline, and no holes", part.line)

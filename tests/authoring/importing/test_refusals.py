@@ -137,7 +137,7 @@ def maps() -> dict[str, tuple[str, bytes | None, str]]:
         "mode": (yaml + "mode: binary\n", good, ':7: … mode: … trinary, scale or raw … "binary"'),
         "nan": (yaml.replace("0.65", ".nan"), good, ":5:18: … occupied_thresh: … .nan"),
         "duplicate": (yaml + "negate: 1\n", good, ":7:1: … negate: … twice"),
-        "empty": ("", good, ":1: … empty"),
+        "empty": ("", good, ":1: … a mapping of keys"),
         "no YAML": ("image: [", good, "YAML"),
         "tag": ("image: !!python/object/apply:os.system [ls]\n", good, "tag"),
         "not an image": (yaml, b"hello", "map.pgm: … P2, P5 … PNG"),
@@ -253,11 +253,11 @@ SAMPLE_OF = {
     "geojson": "office.geojson",
 }
 USED_BY = {
-    "start": (Options(start=5.0), "track", "closed track"),
-    "gap": (Options(gap=3.0), "track", "closed track"),
+    "start": (Options(start=5.0), "track", "track"),
+    "gap": (Options(gap=3.0), "track", "track"),
     "open": (Options(open=True), "track", "track"),
-    "specks": (Options(specks=4.0), "ros-map", "ROS map"),
-    "boundary": (Options(boundary=("a",)), "svg", "SVG drawing"),
+    "specks": (Options(specks=4.0), "ros-map", "ros-map"),
+    "boundary": (Options(boundary=("a",)), "svg", "svg"),
 }
 
 

@@ -39,8 +39,6 @@ from physim.escaping import escaped
 
 MOST_DEPTH = 20
 """Geometries within geometries"""
-MOST_GEOMETRIES = 10_000
-MOST_LISTS = 1_000_000
 ROLES = ("place", "boundary", "obstacle", "path", "robot")
 ABUT = 1.5e-3
 """[m] Places nearer than this abut: corners that are one may be rounded apart by 1.4 mm."""
@@ -59,8 +57,8 @@ class _Part:
     layer: str = ""
     heading: float | None = None
     """[rad]"""
-    elsewhere: tuple[str, str] = ("", "")
-    """a property other than role and layer whose value is a role, and that role"""
+    elsewhere: frozenset[str] = frozenset()
+    """roles that other properties than role and layer say"""
     label: str = ""
     line: int | None = None
 
@@ -87,7 +85,7 @@ def read_wkt(path: Path, options: Options) -> Drawing:
         if srid := re.match(r"(SRID\s*=\s*\d{1,9})\s*(?:;\s*)?", text, re.I):
             stated, text = srid[1], text[srid.end() :]
         depth = max(accumulate((c == "(") - (c == ")") for c in text), default=0)
-        if depth > MOST_DEPTH or text.count("(") > MOST_LISTS or "\0" in text:
+        if depth > MOST_DEPTH or "\0" in text:
             raise refused(path, f"nested deeper than {MOST_DEPTH} levels, or with NUL in it", k)
         try:
             with np.errstate(invalid="ignore", over="ignore"):
@@ -107,8 +105,6 @@ def read_wkt(path: Path, options: Options) -> Drawing:
 def read_geojson(path: Path, options: Options) -> Drawing:
     """Read a GeoJSON file; raises ImportSourceError."""
     text = read_text(path)
-    if text.count("[") > MOST_LISTS:
-        raise refused(path, f"more than {MOST_LISTS:,} points and lists; simplify the lines first")
     try:
         value = json.loads(
             text, parse_constant=_not_finite, parse_int=float, object_pairs_hook=_once
@@ -137,22 +133,17 @@ def read_geojson(path: Path, options: Options) -> Drawing:
             raise refused(path, f"{about.label}: has a crs of its own; give one to the file")
         found = _geometries(path, geometry, about.label, 0) if geometry is not None else ()
         parts += [replace(about, geometry=one) for one in found]
-        if len(parts) > MOST_GEOMETRIES:
-            raise refused(
-                path, f"more than {MOST_GEOMETRIES} geometries; leave out what is no wall"
-            )
     for name in sorted({*options.ignore} - names):
         near = nearest(name[:100], sorted(names))
         raise refused(path, f"--ignore {escaped(name)}: no feature has that name or layer{near}")
-    if any(part.role or part.layer for part in parts):
+    kinds = {"Polygon": "place", "LineString": "path", "LinearRing": "path"}
+    as_wkt = [replace(one, role=kinds.get(one.geometry.geom_type, "")) for one in parts]
+    if any(one.role or one.layer for one in parts) or any(
+        one.elsewhere - {one.role} for one in as_wkt
+    ):
         parts = _with_roles(path, parts, options)
-    else:  # as in WKT
-        kinds = {"Polygon": "place", "LineString": "path", "LinearRing": "path"}
-        for one in parts:
-            key, said = one.elsewhere
-            if said and said != kinds.get(one.geometry.geom_type):
-                raise refused(path, f'{one.label}: its "{key}" says "{said}"; {BY_ROLE}')
-        parts = [replace(one, role=kinds.get(one.geometry.geom_type, "")) for one in parts]
+    else:
+        parts = as_wkt
     stated = json.dumps(value["crs"])[:80] if value.get("crs") else ""
     return _drawing(path, "GeoJSON polygons", parts, stated, options)
 
@@ -184,10 +175,10 @@ def _about(path: Path, feature: Any, number: int) -> _Part:
     given = [int(one) if isinstance(one, float) and one.is_integer() else one for one in given]
     name = next((str(one).strip() for one in given if one not in (None, "")), "")[:80]
     label = f"feature {number}" + (f' "{escaped(name)}"' if name else "")
-    words = {key: one.strip().lower() for key, one in about.items() if isinstance(one, str)}
-    said_by = [key for key, one in words.items()
-               if one in (*ROLES, "wall") and key not in ("role", "layer")]  # fmt: skip
-    elsewhere = (escaped(said_by[0])[:40], words[said_by[0]]) if said_by else ("", "")
+    elsewhere = frozenset(
+        word for key, one in about.items()
+        if key not in ("role", "layer") and (word := str(one).strip().lower()) in (*ROLES, "wall")
+    )  # fmt: skip
     if role and role not in (*ROLES, "wall"):
         message = f'{label}: role: "{escaped(role)[:40]}" is none of {", ".join(ROLES)}'
         raise refused(path, message + nearest(role[:40], list(ROLES)))
@@ -266,9 +257,7 @@ def _drawing(path: Path, kind: str, parts: list[_Part], stated: str, options: Op
     """Drawing [m] of parts with a role; ``stated`` is the system of coordinates, where one is."""
     drawing = Drawing(kind, path)
     drawing.facts.append(f"{options.unit:g} m per unit")
-    if len(parts) > MOST_GEOMETRIES:
-        raise refused(path, f"more than {MOST_GEOMETRIES} geometries; leave out what is no wall")
-    drawn = [one for one in parts if one.role and one.geometry.geom_type not in ("Point",)]
+    drawn = [one for one in parts if one.role and one.geometry.geom_type != "Point"]
     if len(drawn) < len(parts):
         drawing.changes.append(
             f"{len(parts) - len(drawn)} points or shapes without a role left out"

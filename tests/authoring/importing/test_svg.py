@@ -354,7 +354,7 @@ FAULTS = {
     "path data without a start": (data("L 5,5 6,9"), ":3: … begin with M"),
     "a comma too many": (data("M20 20,,h90v90z"), ':3: … path data … ",,"'),
     "a comma at the end": (data("M2 2 4 4,"), ':3: … path data … ","'),
-    "a radius near to 0": (data("M50 50A1e-200 1e-200 0 0 1 70 50z"), ":3: … obstacle … radius … 0"),
+    "a radius near to 0": (data("M50 50A1e-200 1e-200 0 0 1 70 50z"), ":3: … radius … 0"),
     "flag": (data("M10 4A2 1 0 2 1 12 4z"), ':3: … "2 1 12 4" … flag 0 or 1'),
     "an arc cut short": (data("M10 4A2 1 0 01 12z"), ':3: … "A" has 6 numbers … 7'),
     "a number after the end": (data("M10 4h2v2z 1"), ':3: … "z" has 1 numbers … 0'),

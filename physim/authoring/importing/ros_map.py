@@ -33,8 +33,6 @@ from physim.world.kinds import Flag, Number, Sequence, Text
 
 SPECK = 2.0
 """[cells] Occupied patches up to this many are left out unless the user says otherwise."""
-LARGEST_CELL = 2.0
-"""[m] of a cell from which on the scale is doubted: robots are no longer"""
 MOST_LOST = 0.1
 """[-] share of its area that a hole may lose or gain when outlines are simplified"""
 MOST_EDGES = 1_000_000
@@ -98,11 +96,6 @@ def read_ros_map(path: Path, options: Options) -> Drawing:
         f"{columns} x {rows} cells of {cell:g} m from {escaped(image.name)}, "
         f"{columns * cell:.1f} x {rows * cell:.1f} m, {100.0 * free.mean():.0f} % free; {told}"
     )
-    if cell > LARGEST_CELL:
-        drawing.changes.append(
-            f"check the scale: cells of {cell:g} m; a map's resolution is in metres, 0.05 for 5 cm "
-            "(--scale 0.001 for millimetres)"
-        )
     x, y, yaw = found.origin
     region = _outlined(
         drawing, np.flipud(free).copy(), cell, (x * options.unit, y * options.unit, yaw), options

@@ -21,7 +21,6 @@ from physim.authoring.importing.area import Clearance, Place
 from physim.authoring.importing.drawing import (
     Drawing,
     Shape,
-    extent,
     place,
     rounded,
 )
@@ -114,12 +113,11 @@ def find_route(drawing: Drawing, where: Place, options: Options, reach: float) -
         rough = Clearance(simple) if simple.is_valid and simple.area > 0.0 else rough
     grid = _grid(rough, step)
     asked = (options.origin, options.goal)
-    for word, point in zip(("--from", "--to"), asked, strict=True):
-        if point is not None and not area.covers(shapely.Point(point)):
-            raise drawing.refusal(
-                f"{word} {place(point)}: not in the place of the robots, {extent(area)}"
-            )
     begin, end = asked
+    if end is not None and not area.covers(shapely.Point(end)):
+        x0, y0, x1, y1 = area.bounds
+        there = f"x from {x0:g} to {x1:g}, y from {y0:g} to {y1:g}"
+        raise drawing.refusal(f"--to {place(end)}: not in the place of the robots, {there}")
     if begin and end and np.hypot(begin[0] - end[0], begin[1] - end[1]) <= step:
         raise drawing.refusal(
             f"--from and --to are the same place, {place(begin)}; a path leads from one place to "

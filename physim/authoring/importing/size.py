@@ -147,5 +147,6 @@ def check_way(
 
 
 def _named(drawing: Drawing, at: FloatArray) -> str:
-    wall = drawing.nearest(at, "boundary", "obstacle")
-    return f" ({wall})" if wall is not None and wall.label else ""
+    walls = [one for one in drawing.of("boundary", "obstacle") if one.label]
+    wall = min(walls, key=lambda one: one.geometry.distance(shapely.Point(at)), default=None)
+    return f" ({wall})" if wall is not None else ""

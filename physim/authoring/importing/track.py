@@ -19,9 +19,7 @@ from physim.authoring.importing.area import SMALLEST
 from physim.authoring.importing.drawing import (
     Drawing,
     Shape,
-    grid_origin,
     listed,
-    moved_to,
     place,
     refused,
     rounded,
@@ -61,15 +59,13 @@ def read_track(path: Path, options: Options) -> Drawing:
     """
     drawing = Drawing(kind="centreline with widths (race-track convention)", path=path)
     table = _table(drawing, read_text(path), options.unit)
-    origin = grid_origin(table[:, :2])
-    table[:, :2] -= origin
+    table[:, :2] = drawing.moved(table[:, :2])
     width = table[:, 2:].sum(axis=1)
     is_closed, length = _closed(table[:, :2], options)
     drawing.facts.append(
         f"{len(table)} points, {length:.1f} m, {'closed' if is_closed else 'open'}, "
         f"{width.min():.2f} to {width.max():.2f} m wide; {options.unit:g} m per unit"
     )
-    drawing.facts += moved_to(origin)
     if length < SMALLEST:
         raise drawing.refusal(f"the centreline is {length:.3g} m long; check --scale")
     centre, left, right = _edges(table, is_closed)

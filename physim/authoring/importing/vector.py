@@ -22,10 +22,8 @@ import shapely
 from physim.authoring.importing.drawing import (
     Drawing,
     Shape,
-    grid_origin,
     invalid_at,
     listed,
-    moved_to,
     place,
     refused,
     rounded,
@@ -264,11 +262,11 @@ def _drawing(path: Path, kind: str, parts: list[_Part], stated: str, options: Op
         )
     if not drawn:
         raise refused(path, "holds no polygon and no line with a role")
-    points = [shapely.get_coordinates(one.geometry) * options.unit for one in drawn]
-    for one, own in zip(drawn, points, strict=True):
-        if not np.isfinite(own).all():
-            raise refused(path, f"{one.label}: a coordinate is not a finite number", one.line)
-    every = np.vstack(points)
+    flat = shapely.force_2d([one.geometry for one in drawn])
+    shapes = shapely.transform(flat, lambda points: points * options.unit)
+    every, owner = shapely.get_coordinates(shapes, return_index=True)
+    for k in owner[~np.isfinite(every).all(axis=1)]:
+        raise refused(path, f"{drawn[k].label}: a coordinate is not a finite number", drawn[k].line)
     is_small = stated or np.ptp(every, axis=0).max() < 1.0
     if options.scale is None and is_small and (np.abs(every) <= (180.0, 90.0)).all():
         about = f" ({escaped(stated)})" if stated else ""
@@ -276,16 +274,12 @@ def _drawing(path: Path, kind: str, parts: list[_Part], stated: str, options: Op
         raise refused(path, message)
     if stated:
         drawing.facts.append(f"lengths of {escaped(stated)} are taken as metres")
-    origin = grid_origin(every)
-    drawing.facts += moved_to(origin)
-    check_work(path, [one - origin for one in points])
+    shapes = shapely.transform(shapes, drawing.moved)
+    check_work(path, [shapely.get_coordinates(one) for one in shapes])
     for dimension, is_there in (("heights", shapely.has_z), ("measures (M)", shapely.has_m)):
         if any(is_there(one.geometry) for one in drawn):
             drawing.changes.append(f"{dimension} of points left out")
-    for one in drawn:
-        shape = shapely.transform(
-            shapely.force_2d(one.geometry), lambda p: p * options.unit - origin
-        )
+    for one, shape in zip(drawn, shapes, strict=True):
         drawing.shapes += _shapes(path, one, shape, drawing)
     _unite(drawing)
     if not drawing.of("place", "boundary", "obstacle"):

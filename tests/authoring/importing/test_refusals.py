@@ -226,7 +226,10 @@ OPTIONS = {
     "gap beyond": (Options(gap=200.0), "--gap 200 … less than half of 248.1 m"),
     "too many": (Options(robots=200), "of 200 robots … 1.8 x 1 m … --robots"),
     "too wide": (Options(robot=(9.0, 8.0)), "robot 8 m wide … --robot"),
-    "from outside": (Options(origin=(0.0, 0.0)), "--from (0.00, 0.00) … no closed area … x from"),
+    "from outside": (
+        Options(origin=(0.0, 0.0)),
+        "--from (0.00, 0.00) … no closed area … m² about (",
+    ),
     "to outside": (Options(goal=(0.0, 0.0)), "--to (0.00, 0.00) … place … x from"),
 }
 

@@ -245,7 +245,7 @@ def test_hidden_walls_and_the_area_elsewhere_are_told_where_there_is_no_place(
     path = tmp_path / "plan.svg"
     hidden = WALLS.replace("path id", 'path display="none" id')
     room = '<rect id="boundary 2" x="30" y="2" width="5" height="4"/>'
-    elsewhere = "no closed area; 1 closed area elsewhere, x from 30 to 35, y from 8 to 12; "
+    elsewhere = "no closed area; closed elsewhere: 20 m² about (32.50, 10.00); "
     for inside_it, message in ((room, elsewhere), ("", "no line is a boundary … ")):
         path.write_text(svg(f"{hidden}\n{inside_it}\n{PATH}"))
         with pytest.raises(ImportSourceError) as caught:

@@ -2,19 +2,29 @@
 
 from __future__ import annotations
 
-import sys
 from json import dumps
+from pathlib import Path
 
 from physim.cli.options import File, JsonFile, Out, Output
 from physim.cli.output import PAGE as PAGES
 from physim.cli.output import STDOUT, Target, check_json, inputs, write_json
 from physim.cli.progress import INTERRUPTED, Bar, interrupts
-from physim.cli.sweeping import spare
 from physim.drafts import check_regular
 from physim.errors import PhysimError
 from physim.files import write_text
 
 PAGE = "report.html"
+
+
+def spare(path: Path | None, option: str, *folders: Path) -> None:
+    """Raise PhysimError where a file to be written is a part of a campaign that is read."""
+    from physim.campaigns.folder import is_part
+
+    for folder in folders:
+        if path is not None and is_part(path, folder):
+            raise PhysimError(
+                f"{path}: is a part of the campaign in {folder}; {option} takes another file"
+            )
 
 
 def report(
@@ -98,7 +108,7 @@ def report(
             values = dumps(report_values(found), indent=2, ensure_ascii=False, allow_nan=False)
             write_json(json, values, out)
         if not quiet:
-            sys.stdout.write(report_text(found, explain))
+            print(report_text(found, explain), end="")
         if json != STDOUT or not quiet:
-            sys.stdout.write(f"written to {page}\n")
+            print(f"written to {page}")
         return INTERRUPTED if interrupt() else 0

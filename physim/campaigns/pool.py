@@ -29,7 +29,7 @@ from operator import index
 from typing import Any, NamedTuple, SupportsIndex
 
 from physim.errors import PhysimError
-from physim.streams import gates
+from physim.terminal import gates
 
 Stop = Callable[[], bool]
 """Whether to end early."""
@@ -41,8 +41,8 @@ POLL_SECONDS = 0.1
 MOST_WORKERS = 8
 ENDING = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 """What ends a command: its first process hears it, and tells the others."""
-WORKER, WARMING = "physim worker", "physim warming"
-"""What multiprocessing calls processes of ours: those of campaigns, and one that compiles"""
+WORKER = "physim worker"
+"""What multiprocessing calls processes of ours"""
 SAFE_PATH, BY_US = "PYTHONSAFEPATH", "physim"
 """Variable by which Python leaves the working folder out of its path, and our value of it"""
 UNGUARDED = 'a program of your own must be a file, and begin runs under if __name__ == "__main__":'
@@ -110,7 +110,7 @@ def end_if_importing() -> None:
 
     With exit code 1; who began the process says why.
     """
-    if is_importing() and multiprocessing.current_process().name in (WORKER, WARMING):
+    if is_importing() and multiprocessing.current_process().name == WORKER:
         sys.exit(1)
 
 

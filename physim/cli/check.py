@@ -11,9 +11,10 @@ from typing import TYPE_CHECKING, Any, TextIO
 
 from physim.cli.options import AS_IT_IS, Changes, JsonFlag, Out, Output, World, Worlds
 from physim.cli.output import Target, inputs
-from physim.cli.progress import INTERRUPTED, Bar, interrupts
+from physim.cli.progress import Bar
 from physim.cli.progress import watch as on_each_save
 from physim.errors import PhysimError, WorldError
+from physim.terminal import INTERRUPTED, interrupts
 
 if TYPE_CHECKING:
     from physim.world.checks import ClearanceProfile, Findings

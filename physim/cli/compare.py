@@ -21,10 +21,10 @@ from physim.cli.options import (
     quoted,
 )
 from physim.cli.output import PAGE, Target, check_json, inputs, write_json
-from physim.cli.progress import INTERRUPTED
 from physim.cli.sweeping import run_grid, spare, tell_fixed, usual_folder
 from physim.errors import PhysimError, nearest
 from physim.files import write_text
+from physim.terminal import INTERRUPTED
 
 if TYPE_CHECKING:
     from physim.campaigns.grid import Grid

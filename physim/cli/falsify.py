@@ -21,9 +21,10 @@ from physim.cli.options import (
 )
 from physim.cli.output import FILES as OF_RUN
 from physim.cli.output import Target, alone, check_json, inputs, remove, write_json
-from physim.cli.progress import INTERRUPTED, Bar, Interrupt, interrupts
+from physim.cli.progress import Bar
 from physim.errors import PhysimError
 from physim.files import write_text
+from physim.terminal import INTERRUPTED, Interrupt, interrupts
 
 if TYPE_CHECKING:
     from physim.campaigns.falsify.search import Hunt
@@ -166,7 +167,7 @@ def _space(given: str, changes: Changes, vary: tuple[str, ...], quiet: bool) -> 
     ready(stand_in, document, changes, quiet)
     found = check_world(given, **changes.reading, seed=changes.seed)
     if found.errors:
-        raise PhysimError("\n".join(str(one) for one in found.errors))
+        raise PhysimError(*map(str, found.errors))
     return Space(world, vary)
 
 
@@ -213,7 +214,7 @@ def _write(
         write_world,
     )
     from physim.cli.pictures import write_video
-    from physim.cli.warming import checks_ready
+    from physim.cli.progress import checks_ready
 
     if found.world is None or found.judged is None:
         return ""

@@ -10,9 +10,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import NoReturn, TextIO
 
-from physim.drafts import check_regular
 from physim.errors import PhysimError, WorldError
-from physim.files import write_text
+from physim.files import check_regular, write_text
 
 CUT_SHORT = ".cut_short"
 """Between name and ending of a video that was interrupted."""

@@ -8,11 +8,11 @@ from json import dumps
 from physim.cli.options import File, JsonFile, Out, Output
 from physim.cli.output import PAGE as PAGES
 from physim.cli.output import STDOUT, Target, check_json, inputs, write_json
-from physim.cli.progress import INTERRUPTED, Bar, interrupts
+from physim.cli.progress import Bar
 from physim.cli.sweeping import spare
-from physim.drafts import check_regular
 from physim.errors import PhysimError
-from physim.files import write_text
+from physim.files import check_regular, write_text
+from physim.terminal import INTERRUPTED, interrupts
 
 PAGE = "report.html"
 

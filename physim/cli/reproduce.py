@@ -13,9 +13,10 @@ from typing import TYPE_CHECKING
 
 from physim.cli.options import Output, Workers
 from physim.cli.output import Target, alone, writing
-from physim.cli.progress import INTERRUPTED, Bar, announce_compiling, interrupts
+from physim.cli.progress import Bar, announce_compiling
 from physim.errors import PhysimError, plural
 from physim.files import write_text
+from physim.terminal import INTERRUPTED, interrupts
 
 if TYPE_CHECKING:
     from physim.reproduction.model import Report

@@ -7,8 +7,7 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from physim.cli.options import Changes
-from physim.cli.progress import Bar, announce_compiling, interrupts
-from physim.cli.warming import second_process
+from physim.cli.progress import Bar, announce_compiling, compiled_beside
 from physim.errors import PhysimError, WorldError, plain_key
 from physim.parts.controller import Controller
 from physim.parts.declarations import Declared
@@ -17,6 +16,7 @@ from physim.record import Record
 from physim.simulation.loop import Simulation
 from physim.simulation.run import is_warm, record_run, warm_up
 from physim.simulation.size import check_room, size_of
+from physim.terminal import interrupts
 from physim.world import World
 from physim.world.checks.starts import check_walled_off
 from physim.world.file import Document, read_world
@@ -59,9 +59,7 @@ def ready(
         warm_up(scene, controller())
     else:
         announce_compiling("controller and distances", quiet)
-        second = second_process(world.controller.type)
-        wait = () if second is None else (second.wait,)
-        seconds = warm_up(scene, controller(), *wait)
+        seconds = warm_up(scene, controller(), compiled_beside())
         if not quiet:
             text = f"compiled in {seconds:.0f} s and kept for later runs"
             print(text, file=sys.stderr, flush=True)

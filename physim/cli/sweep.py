@@ -7,9 +7,9 @@ from json import dumps
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from physim.cli.options import Out, Output, Seeds, TeamSize, Words, Worlds, kind, real
-from physim.cli.progress import INTERRUPTED
 from physim.cli.sweeping import run_grid, tell_fixed, usual_folder
 from physim.errors import PhysimError, plural
+from physim.terminal import INTERRUPTED
 
 if TYPE_CHECKING:
     from physim.statistics import Decision, Goal

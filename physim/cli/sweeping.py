@@ -8,8 +8,9 @@ from contextlib import AbstractContextManager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from physim.cli.progress import Bar, announce_compiling, interrupts
+from physim.cli.progress import Bar, announce_compiling
 from physim.errors import PhysimError, plural
+from physim.terminal import interrupts
 
 if TYPE_CHECKING:
     from physim.campaigns.grid import Grid

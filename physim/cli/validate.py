@@ -15,8 +15,9 @@ from cyclopts import Parameter
 from physim.cli.options import AS_IT_IS, Changes, File, JsonFile, Out, Seeds, Workers, record_file
 from physim.cli.output import PAGE, Target, check_json, inputs, write_json
 from physim.cli.page import make_page
-from physim.cli.progress import INTERRUPTED, Bar, interrupts
+from physim.cli.progress import Bar
 from physim.errors import PhysimError, WorldError
+from physim.terminal import INTERRUPTED, interrupts
 
 if TYPE_CHECKING:
     from physim.analysis.validation import Validation
@@ -196,7 +197,7 @@ def _judged(
     record: Record, again: Record | None, why_not: str, source: str, quiet: bool
 ) -> Validation:
     from physim.analysis.validation import judge
-    from physim.cli.warming import checks_ready
+    from physim.cli.progress import checks_ready
 
     checks_ready(quiet)
     return judge(record, again, why_not, source=source)

@@ -105,22 +105,14 @@ def is_importing() -> bool:
     return getattr(multiprocessing.current_process(), "_inheriting", False)
 
 
-def end_if_importing() -> None:
-    """End a process of ours that is to begin runs while it still imports the program it is of.
-
-    With exit code 1; who began the process says why.
-    """
-    if is_importing() and multiprocessing.current_process().name == WORKER:
-        sys.exit(1)
-
-
 def check_guarded() -> None:
     """Let a program begin no runs while a process that it began only imports it.
 
-    A worker of ours ends there; raises StartError in a process of another.
+    A worker of ours ends there, and who began it says why; raises StartError in one of another.
     """
-    end_if_importing()
     if is_importing():
+        if multiprocessing.current_process().name == WORKER:
+            sys.exit(1)
         raise StartError(f"worker processes cannot be started: {UNGUARDED}")
 
 

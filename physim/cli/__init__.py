@@ -26,10 +26,6 @@ def main(arguments: Sequence[str] | None = None) -> int:
     Every error is a line on standard error that begins with where the fault lies: the
     file with line and column, the file, the option, or the command.
     """
-    if "multiprocessing.spawn" in sys.modules:  # else nobody began this process
-        from physim.campaigns.pool import end_if_importing
-
-        end_if_importing()
     words, code = sys.argv[1:] if arguments is None else arguments, 0
     with without_warnings(), gates(), interrupts(due=0.0) as interrupt:
         try:

@@ -141,7 +141,7 @@ def compare(
         folders, read = [runs or usual_folder(given)], inputs(*given)
     spare(json, "--json", *folders)
     spare(output, "-o", *folders)
-    check_json(json, force, read, [] if output is None else [output])
+    check_json(json, force, read if output is None else [*read, output])
     if output is not None:
         Target(output, force, read).file(ends=PAGE)
     needs = {"--controller": controller, "--set": set, "--runs": runs, "--workers": workers}

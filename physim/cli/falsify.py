@@ -110,7 +110,7 @@ def falsify(
     made = tuple(dict.fromkeys((*FILES, *OF_RUN)))
     folder = output or Path("falsified") / f"{space.world.stem}-{space.world.seed}"
     files = [folder / name for name in made]
-    check_json(json, force, others=files)
+    check_json(json, force, [*inputs(world), *files])
     Target(folder, force, inputs(world)).folder(files, "an earlier search")
     if not quiet:
         print("varied:\n" + "\n".join(f"  {line}" for line in space.lines()), flush=True)

@@ -77,7 +77,7 @@ def report(
         raise PhysimError(f"{made}: cannot be combined with --no-pictures")
     spare(json, "--json", folder)
     spare(output, "-o", folder)
-    check_json(json, force, inputs(folder), [page])
+    check_json(json, force, [*inputs(folder), page])
     if output is not None:
         Target(page, force).file(ends=PAGES)
     asked = Folder(folder).asked()

@@ -95,7 +95,7 @@ def validate(
             why = "needs --seeds A:B, the seeds to run" if seeds is None else "not with --seeds"
             raise PhysimError(f"{name}: {why}")
     read = inputs(given, world)
-    check_json(json, force, read, [] if page is None else [page])
+    check_json(json, force, read if page is None else [*read, page])
     if page is not None:
         Target(page, force, read, "--page").file(ends=PAGE)
 

@@ -13,7 +13,6 @@ import pytest
 from physim.cli import FAULT, main
 from physim.terminal import interrupts
 
-
 SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 
 
@@ -76,7 +75,7 @@ def test_what_does_not_hear_the_first_is_broken_off_by_the_second(
         os.kill(os.getpid(), signal.SIGINT)
         with pytest.raises(KeyboardInterrupt):
             hit(signal.SIGTERM)
-    assert interrupt.count == 4
+    assert interrupt.count == 5
 
 
 class OddError(BaseException):

@@ -202,7 +202,9 @@ def _explained(command: str, error: CycloptsError) -> str:
     if isinstance(error, cyclopts.UnknownOptionError):
         given = (error.token.keyword or error.token.value).partition("=")[0]
         known = [name for one in error.argument_collection if one.parse for name in one.names]
-        return f"{quoted(given)}: physim {command} has no such option{nearest(given, known)}"
+        close = nearest(given.strip("-"), [one[2:] for one in known if one.startswith("--")])
+        close = close.replace('"', '"--', 1)
+        return f"{quoted(given)}: physim {command} has no such option{close}"
     if isinstance(error, cyclopts.RepeatArgumentError):
         return f"{error.token.keyword}: is given twice; it takes one value"
     if isinstance(error, cyclopts.UnusedCliTokensError):

@@ -57,10 +57,10 @@ def page(name: str, app: App) -> str:
 
 def _table(title: str, arguments: Iterable[Argument]) -> str:
     """A section: in the left column what is typed, in the right one its help."""
-    rows = [
-        (_written(one), one.parameter.help + "  [required]" * (one.index is None and one.required))
-        for one in arguments
-    ]
+    rows = []
+    for one in arguments:
+        needed = "  [required]" if one.required and one.index is None else ""
+        rows.append((_written(one), f"{one.parameter.help}{needed}"))
     if title == "Options":
         rows.append((", ".join(HELP), "show this message and exit"))
     wide = max(len(left) for left, _ in rows if len(left) <= LONGEST_NAME)

@@ -268,7 +268,7 @@ OUTPUTS: Table = {
     ("new", "a", "-o", "text.h5", "--force"): ("text.h5:", ".yaml"),
     ("new", "a", "-o", "world.schema.json"): ("world.schema.json", "the schema"),
     ("new", "taken"): ("taken.yaml:", "exists", "--force", "-o"),
-    ("new", "--from", "drawn.yaml", "-o", "drawn.yaml"): ("drawn.yaml", "is the input"),
+    ("new", "--from", "drawn.yaml", "-o", "drawn.yaml"): ("drawn.yaml", "an input"),
     ("new", "--project", "full"): ("full:", "not empty", "--force"),
     ("new", "--project", "taken.yaml"): ("taken.yaml:", "is a file", "--project", "a folder"),
     ("new", "--project", "taken.yaml/x"): ("taken.yaml/x", "Not a directory"),

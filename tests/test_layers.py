@@ -36,7 +36,7 @@ LAYERS = {
     "physim.json_text": (0, 0),
     "physim.frontend": (0, 0),
     "physim.linking": (0, 1),
-    "physim.c_calls": (0, 0),
+    "physim.c_calls": (0, 3),
     "physim.compiled": (0, 2),
     "physim.kept": (0, 3),
     "physim._version": (0, 0),

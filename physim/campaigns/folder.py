@@ -35,7 +35,6 @@ from physim.world.file.files import file_text
 if TYPE_CHECKING:
     import pyarrow as pa
 
-    from physim.campaigns.grid import Grid
 
 CAMPAIGN, RECORDS, WORLDS = "campaign.json", "records", "worlds"
 RESULTS, UNTIL, LOCK = "results.parquet", "until.json", ".lock"
@@ -359,16 +358,6 @@ def each_once(table: pa.Table) -> pa.Table:
         last = np.flatnonzero(np.diff(codes[order], append=-1))
         table = table.take(np.sort(order[last]))
     return table.sort_by([(name, "ascending") for name in ORDER])
-
-
-def read_part(folder: Path, grid: Grid) -> pa.Table:
-    """The rows of the runs of a grid; the folder may have others. Raises PhysimError as `read`."""
-    import pyarrow as pa
-
-    table = read(folder)
-    columns = (table[name].to_pylist() for name in ORDER)
-    mine = [grid.has((w, s, c), seed, run) for w, s, c, seed, run in zip(*columns, strict=True)]
-    return table.filter(pa.array(mine, pa.bool_()))
 
 
 def write_results(folder: Path) -> None:

@@ -98,8 +98,8 @@ OPTIONS: Table = {
     ("plot", "x", "--width", "0.3"): ("--width 0.3", "column", "page", "from 3.3 to 20"),
     ("plot", "x", "--width", "colum"): ("--width colum", "column", "page", "from 3.3 to 20"),
     ("plot", "x", "--snapshots", "inf"): ("--snapshots inf", "number greater than 0"),
-    ("validate", "x", "--seeds", "3"): ("--seeds 3", "A:B", "whole numbers from 0 to 10^15"),
-    ("validate", "x", "--seeds", "3:3"): ("--seeds 3:3", "A below B"),
+    ("sweep", "x", "--seeds", "3"): ("--seeds 3", "A:B", "whole numbers from 0 to 10^15"),
+    ("sweep", "x", "--seeds", "3:3"): ("--seeds 3:3", "A below B"),
     ("import", "x", "-o", "y", "--from", "1"): ("--from 1", "X,Y", "two numbers", "14.5,-3"),
     ("import", "x", "-o", "y", "--start", "-1"): ("--start -1", "number of 0 or more"),
     ("import", "x", "-o", "y", "--lanes", "0"): ("--lanes 0", "whole number from 1 to 10000"),
@@ -119,12 +119,11 @@ OPTIONS: Table = {
 """What the command line itself refuses"""
 
 TOGETHER: Table = {
-    ("validate", "x", "--workers", "3"): ("--workers", "--seeds"),
-    ("validate", "x", "--verbose"): ("--verbose", "--seeds"),
-    ("validate", "x", "--seeds", "1:3", "--no-rerun"): ("--no-rerun", "--seeds"),
-    ("validate", "ten_robots", "--set", "time.record_every=5"): (
-        "--set time.record_every", "every step",
-    ),
+    ("validate", "ten_robots", "--no-rerun"): ("--no-rerun", "record"),
+    ("validate", "ten_robots", "--world", "straight"): ("--world", "record"),
+    ("validate", "a/record.h5", "--seed", "3"): ("--seed", "world"),
+    ("validate", "a/record.h5", "--set", "seed=3"): ("--set", "--world"),
+    ("validate", "a/record.h5", "--no-rerun", "--controller", "constant"): ("--controller",),
     ("schema", "--force"): ("--force", "-o"),
     ("summary",): ("physim summary", "RECORD is missing", "--definitions"),
     ("summary", "--definitions", "r.h5"): ("--definitions:", "record"),
@@ -135,7 +134,7 @@ TOGETHER: Table = {
     ("plot", "x", "--only", "modes", "--snapshots", "3"): ("--snapshots", "trajectories"),
     ("plot", "x", "--only", "mode"): ("--only mode", ", ".join(NAMES), '"modes"'),
     ("reproduce", "--figure", "1", "--study", "alpha"): ("--study", "--figure"),
-    ("video", "x", "--at", "5", "-o", "a.mp4"): ("--at 5", "still", '"a.png"'),
+    ("video", "x", "--at", "5", "-o", "a.mp4"): ("a.mp4", "still", '"a.png"'),
     ("video", "x", "--at", "5", "--to", "7"): ("--to", "--at 5"),
     ("video", "x", "--at", "5", "--fps", "7"): ("--fps", "--at 5"),
     ("video", "x", "-o", "a.png"): ("a.png", "--at T"),
@@ -156,10 +155,8 @@ TOGETHER: Table = {
     ("sweep", "three_robots", "--seeds", "1:9", "--until", "0.1", "--shard", "1/2"): (
         "--until:", "--shard",
     ),
-    ("new", "--from", "drawn.yaml", "--like", "doorway"): ("--like", "--from"),
-    ("new", "--from", "drawn.yaml", "--robots", "3"): ("--robots", "--from"),
-    ("new", "--from", "drawn.yaml", "--project", "p"): ("--project", "--from"),
-    ("new", "a", "--seed", "3"): ("--seed", "--from"),
+    ("new", "b", "--like", "drawn.yaml", "--seed", "1", "--robots", "3"): ("--robots", "--seed"),
+    ("new", "b", "--seed", "3"): ("", "straight.yaml", "no corridor.random", "--seed"),
     ("new", "a", "-o", "b", "--project", "c"): ("", "-o", "--project", "one of them"),
 }  # fmt: skip
 """Options that would have no effect, or would undo each other"""
@@ -209,14 +206,14 @@ INPUTS: Table = {
        for record in ("none.h5", "file", "small.yaml", "earlier/record.h5", "half.h5", "text.h5")},
     ("video", "no\nsuch.h5"): (r"RECORD no\u000asuch.h5", "in one line"),
     ("video", "a/record.h5", "none.h5", "-o", "c.mp4"): ("none.h5:",),
-    ("video", "a/record.h5", "-o", "b.png", "--at", "99"): ("--at 99", "1 s"),
-    **{("video", "a/record.h5", "-o", "b.mp4", *times): (place, "1 s", "--from", "--to")
-       for *times, place in (("--from", "300", "--to", "2", "--from 300, --to 2:"),
-                             ("--from", "0.5", "--to", "0.5", "--from 0.5, --to 0.5:"),
-                             ("--from", "1", "--from 1:"))},
+    ("video", "a/record.h5", "-o", "b.png", "--at", "99"): ("99 s", "from 0 to 1 s"),
+    **{("video", "a/record.h5", "-o", "b.mp4", *times): (place, "before the end")
+       for *times, place in (("--from", "300", "--to", "2", "from 300 s to 1 s:"),
+                             ("--from", "0.5", "--to", "0.5", "from 0.5 s to 0.5 s:"),
+                             ("--from", "1", "from 1 s to 1 s:"))},
     ("page", "a/record.h5", "half.h5"): ("half.h5:",),
     ("page", "."): ("record.h5:", "no such file"),
-    ("page", *(("a/record.h5",) * 7)): ("a/record.h5:", "6"),
+    ("page", *(("a/record.h5",) * 7)): ("a page shows 1 to 6 records", "7"),
     ("page",): ("physim page:", "RECORD", "missing"),
     ("replay", "a\nb:0"): (r"a\u000ab:0", "DIR:ROW"),
     ("reproduce", "--figure", "9"): ('--figure "9":', "1, 2, 3, 3a, 4, 6, 7, 8"),
@@ -225,10 +222,10 @@ INPUTS: Table = {
     ("import", "rim.svg", "-o", "o.yaml", "--scale", "1"): (
         "rim.svg:2:", '"rim" (line 2)', '--ignore "rim"',
     ),
-    ("new", "--from", "straight"): ("", "straight.yaml", "no corridor.random"),
-    ("new", "--from", "drawn.yaml", "--seed", "-1"): ("--seed", "-1"),
-    ("new", "--from", "drawn.yam"): ("drawn.yam", "no such file"),
-    ("new", "--from", "narrow.yaml"): ("narrow.yaml:4:69", "corridor.random.passage", "9.5 m"),
+    ("new", "b", "--like", "drawn.yaml", "--seed", "-1"): ("--seed", "-1"),
+    ("new", "b", "--like", "narrow.yaml", "--seed", "1"): (
+        "narrow.yaml:4:69", "corridor.random.passage", "9.5 m",
+    ),
     ("new",): ("physim new:", "NAME", "missing"),
     **{("new", name): (f'"{shown}":', "cannot name") for name, shown in (
         ("", ""), ("  ", "  "), ("..", ".."), (".hidden", ".hidden"), ("a\nb", r"a\u000ab"),
@@ -268,7 +265,7 @@ OUTPUTS: Table = {
     ("new", "a", "-o", "text.h5", "--force"): ("text.h5:", ".yaml"),
     ("new", "a", "-o", "world.schema.json"): ("world.schema.json", "the schema"),
     ("new", "taken"): ("taken.yaml:", "exists", "--force", "-o"),
-    ("new", "--from", "drawn.yaml", "-o", "drawn.yaml"): ("drawn.yaml", "an input"),
+    ("new", "--like", "drawn.yaml", "-o", "drawn.yaml"): ("drawn.yaml", "an input"),
     ("new", "--project", "full"): ("full:", "not empty", "--force"),
     ("new", "--project", "taken.yaml"): ("taken.yaml:", "is a file", "--project", "a folder"),
     ("new", "--project", "taken.yaml/x"): ("taken.yaml/x", "Not a directory"),

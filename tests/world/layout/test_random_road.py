@@ -257,7 +257,7 @@ def test_a_drawn_world_is_still_written_as_its_author_wrote_it() -> None:
 def test_the_plain_world_moves_as_the_drawn_one() -> None:
     short = {"time": {"step": 0.01, "duration": 4.0}}
     shipped = load_world("random_road", overrides=["seed=4"]).changed(**short)
-    plain = parse_world(drawn_text(shipped, "plain", "physim new"))
+    plain = parse_world(drawn_text("plain", "random_road", 4)).changed(**short)
     assert not plain.is_road_random
     assert plain.obstacles
     with simulate(shipped) as one, simulate(plain) as other:

@@ -36,6 +36,14 @@ class WriteLock:
                 self._close()
                 raise
 
+    def __enter__(self) -> WriteLock:
+        """Hold it in a ``with`` block."""
+        return self
+
+    def __exit__(self, *exception: object) -> None:
+        """Release it."""
+        self.release()
+
     def release(self) -> None:
         """Let others write; once is enough."""
         with suppress(OSError):

@@ -15,9 +15,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from physim.contacts import Kind, Phase
-from physim.drafts import discard, draft_of
 from physim.errors import PhysimError, RecordError, nearest
 from physim.escaping import escaped
+from physim.files import draft
 from physim.geometry.shapes import (
     FloatArray,
     IntArray,
@@ -482,23 +482,16 @@ class Record(layout.Layout):
         """
         target = Path(path)
         try:
-            draft, lock = draft_of(target), None
+            with draft(target) as part, WriteLock(target):
+                if self.path is not None:
+                    shutil.copyfile(self.path, part)
+                else:
+                    self._file.flush()
+                    part.write_bytes(self._file.id.get_file_image())
+        except OSError as error:
+            raise RecordError(f"{target}: cannot be written: {error.strerror}") from error
         except PhysimError as error:
             raise RecordError(str(error)) from None
-        try:
-            lock = WriteLock(target)
-            if self.path is not None:
-                shutil.copyfile(self.path, draft)
-            else:
-                self._file.flush()
-                draft.write_bytes(self._file.id.get_file_image())
-            draft.replace(target)
-        except OSError as error:
-            discard(draft)
-            raise RecordError(f"{target}: cannot be written: {error.strerror}") from error
-        finally:
-            if lock is not None:
-                lock.release()
 
 
 __all__ = ["Record"]

@@ -63,7 +63,7 @@ def test_tables(parted, tmp_path, change, words):
     ("change", "words"),
     [
         (column("/contacts", "x", np.nan), ("/contacts, row 0", "x", "nan")),
-        (attribute("versions", "nonsense"), ("JSON object", "versions")),
+        (attribute("versions", "nonsense"), ("JSON", "versions")),
         (attribute("units", "feet"), ("attribute units", "'feet'")),
         (lambda file: file.__delitem__("contacts"), ("/contacts", "missing")),
         (attribute("world", "nonsense: ["), ("world inside", "cannot be read")),

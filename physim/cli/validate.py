@@ -68,7 +68,7 @@ def validate(
     from physim.analysis.validation import report as report_text
     from physim.analysis.validation.origin import check_made_from
     from physim.analysis.validation.validation import NOT_ASKED, json_of_validation, missing
-    from physim.cli.warming import checks_ready
+    from physim.cli.progress import checks_ready
     from physim.record import Record
     from physim.simulation.recorder import SaveAt
     from physim.simulation.run import record_run
@@ -78,7 +78,7 @@ def validate(
     read = inputs(given, world)
     named = record_file(str(next(iter(inputs(given)), given)))
     file = named if named.suffix in (".h5", ".hdf5") or is_record(named) else None
-    check_json(json, force, read, [] if page is None else [page])
+    check_json(json, force, read if page is None else [*read, page])
     if page is not None:
         Target(page, force, read, "--page").file(ends=PAGE)
     _check(file is not None, world, rerun, changes)

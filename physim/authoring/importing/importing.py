@@ -21,7 +21,7 @@ from physim.authoring.importing.group import fill_in, reach_of
 from physim.authoring.importing.options import Options, check_options
 from physim.authoring.importing.paths import drawn_paths
 from physim.authoring.importing.size import Size, check_way, size_as_drawn, size_of
-from physim.authoring.importing.source import format_of
+from physim.authoring.importing.source import FORMATS, format_of
 from physim.errors import WorldError, plural
 from physim.escaping import escaped
 from physim.geometry.arc_length import Polyline
@@ -54,13 +54,6 @@ TOLERANCE = 0.1
 """[m] of arrival, at size 1"""
 SPACE = 1.35
 """[-] duration over the time that the path takes at the formation's speed"""
-READERS = {
-    "track": ("physim.authoring.importing.track", "read_track"),
-    "ros-map": ("physim.authoring.importing.ros_map", "read_ros_map"),
-    "svg": ("physim.authoring.importing.svg", "read_svg"),
-    "wkt": ("physim.authoring.importing.vector", "read_wkt"),
-    "geojson": ("physim.authoring.importing.vector", "read_geojson"),
-}
 
 
 @dataclass(frozen=True)
@@ -87,8 +80,9 @@ def import_world(source: str | os.PathLike[str], options: Options | None = None)
     try:
         form = options.format or format_of(source)
         check_options(source, form, options)
-        module, name = READERS[form]
-        reader: Callable[[Path, Options], Drawing] = getattr(import_module(module), name)
+        module, name = FORMATS[form].reader.split(".")
+        found = import_module(f"physim.authoring.importing.{module}")
+        reader: Callable[[Path, Options], Drawing] = getattr(found, name)
         return _made(reader(source, options), options)
     except shapely.errors.GEOSException as error:  # whichever of many calls it was
         reason = escaped(str(error).split(": ", 1)[-1].strip())[:120]

@@ -230,8 +230,8 @@ def _chosen(drawing: Drawing, options: Options, faces: list[Any], noded: Any) ->
     is_open = what == "there is" and len(_loose(noded)) > 1  # that may be meant to be closed
     if len(held) > 1 or is_open:
         raise drawing.refusal(
-            f"which area is the place: {_areas(held)}? Say --from X,Y, or draw a path or robot in it"
-            f"{_where_open(noded) if is_open else ''}"
+            f"which area is the place: {_areas(held)}? Say --from X,Y, or draw a path or a robot "
+            f"in it{_where_open(noded) if is_open else ''}"
         )
     return held[0]
 

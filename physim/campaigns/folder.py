@@ -23,13 +23,13 @@ from physim.campaigns.rows import (
     schema,
     table_of,
     told,
-    write_whole,
 )
 from physim.campaigns.rows import FOLDER as ROWS
 from physim.campaigns.spec import Label, RunSpec, engine, identity_of, key_of, short_hash
 from physim.errors import PhysimError
 from physim.escaping import escaped
-from physim.json_text import file_json
+from physim.files import write_text, write_whole
+from physim.json_text import file_json, json_text
 from physim.world.file.files import file_text
 
 if TYPE_CHECKING:
@@ -148,7 +148,7 @@ class Folder:
             self._claim(*part)
         for world_hash, text in texts.items():
             if not (file := self.world_file(world_hash)).exists():
-                write_whole(file, text.encode())
+                write_text(file, text)
         found = wanted | known
         for label, one in (asked or {}).items():
             seeds = [(one.start, one.stop) for one in merged((*found[label].asked, one))]
@@ -157,8 +157,7 @@ class Folder:
             cells_ = [found[label].model_dump() for label in {**known, **wanted}]
             tree = {"format": FORMAT, "version": VERSION, "physim": __version__,
                     "engine": engine(), "cells": cells_}  # fmt: skip
-            text = json.dumps(tree, indent=1, ensure_ascii=False)
-            write_whole(self.path / CAMPAIGN, text.encode())
+            write_text(self.path / CAMPAIGN, json_text(tree))
 
     def _claim(self, number: int, of: int) -> None:
         """Take the locks of a part of the runs; where the file system knows none, all may be had.

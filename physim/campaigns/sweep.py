@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import os
 import time
 from collections.abc import Callable, Collection, Iterable, Iterator
@@ -28,10 +27,12 @@ from physim.campaigns.pool import (
     never,
     outcomes,
 )
-from physim.campaigns.rows import ERROR, KILLED, TIMEOUT, Came, Row, write_whole
+from physim.campaigns.rows import ERROR, KILLED, TIMEOUT, Came, Row
 from physim.campaigns.spec import Label, RunSpec
 from physim.errors import PhysimError
 from physim.escaping import escaped
+from physim.files import write_text, write_whole
+from physim.json_text import json_text
 from physim.statistics import Decision, Goal, Watch, read_goal
 
 FLUSH_SECONDS = 0.2
@@ -305,7 +306,7 @@ def write_until(folder: Path, until: Until) -> None:
     before = read_until(folder)
     first = until.first if before is None else min(until.first, before.first)
     tree = {"format": FORMAT, "version": VERSION, "goal": str(until.goal), "first_seed": first}
-    write_whole(folder / UNTIL, json.dumps(tree, indent=1).encode())
+    write_text(folder / UNTIL, json_text(tree))
 
 
 def read_until(folder: Path) -> Until | None:

@@ -6,7 +6,6 @@ import sys
 import time
 from dataclasses import replace
 from functools import partial
-from json import dumps
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -15,6 +14,7 @@ from physim.cli.output import Target, inputs
 from physim.cli.progress import watch as on_each_save
 from physim.cli.simulating import to_the_end
 from physim.errors import PhysimError, WorldError
+from physim.json_text import json_text
 
 if TYPE_CHECKING:
     from physim.world.checks import ClearanceProfile, Findings
@@ -64,7 +64,7 @@ def check(
                 "warnings": sum(len(findings.warnings) for findings, _ in found),
                 "worlds": [{**findings.as_json(), "trial": trial} for findings, trial in found],
             }
-            print(dumps(values, indent=1), file=out)
+            print(json_text(values), end="", file=out)
         else:
             print("\n".join(text_of(*one) for one in found), end="")
         return 0 if all(findings.ok for findings, _ in found) else 2

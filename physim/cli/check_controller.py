@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from json import dumps
 from typing import TYPE_CHECKING, Annotated
 
 from physim.cli.options import JsonFlag, Out, kind, quoted, real
 from physim.cli.progress import Bar
 from physim.cli.simulating import compile_once
 from physim.errors import PhysimError, WorldError, plain_key, plural
+from physim.json_text import json_text
 
 if TYPE_CHECKING:
     from physim.testing.check import Candidate, WorldResult
@@ -90,7 +90,7 @@ def check_controller(
             "findings": [finding.as_json() for finding in findings],
             "worlds": [part.as_json() for part in parts],
         }
-        print(dumps(values, indent=1), file=out)
+        print(json_text(values), end="", file=out)
         return FOUND if findings else 0
     for line in (line for part in parts for line in part.lines()):
         print(line)

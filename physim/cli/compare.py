@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-from json import dumps
 from typing import Annotated, Any, Literal
 
 from physim.cli.options import (
@@ -20,6 +19,7 @@ from physim.cli.report import spare
 from physim.cli.simulating import tell
 from physim.errors import PhysimError, nearest
 from physim.files import write_text
+from physim.json_text import json_text
 
 OWN = re.compile(r"([a-z][a-z0-9_]*):(more|less)")
 """A metric that a package registered, and which of its values are the better ones"""
@@ -111,7 +111,7 @@ def compare(
     folders = [one for one in (a, b) if one is not None]
     spare(json, "--json", *folders)
     spare(output, "-o", *folders)
-    check_json(json, force, others=[] if output is None else [output])
+    check_json(json, force, [] if output is None else [output])
     if output is not None:
         Target(output, force).file(ends=PAGE)
     if (b is None) == (by is None):
@@ -139,7 +139,7 @@ def compare(
         write_text(output, comparison_page(made, name, looked))
     if json is not None:
         values = comparison_values(made, looked)
-        write_json(json, dumps(values, indent=2, ensure_ascii=False, allow_nan=False), out)
+        write_json(json, json_text(values), out)
     if quiet:
         return 0
     print(comparison_text(made, looked, explain), end="")

@@ -22,10 +22,11 @@ from physim.cli.options import (
 from physim.cli.output import FILES as OF_RUN
 from physim.cli.output import Target, alone, check_json, inputs, remove, write_json
 from physim.cli.pictures import files_written, write_video
-from physim.cli.progress import INTERRUPTED, Bar, interrupts
+from physim.cli.progress import Bar
 from physim.cli.simulating import compile_once, tell
 from physim.errors import PhysimError
 from physim.files import write_text
+from physim.terminal import INTERRUPTED, interrupts
 
 FAILED = 1
 VARIED = ("pose", "heading", "speed")
@@ -102,7 +103,7 @@ def falsify(
     from physim.campaigns.falsify.shrink import Shrunk
     from physim.campaigns.falsify.shrink import shrink as shrink_world
     from physim.campaigns.falsify.space import Space
-    from physim.cli.warming import checks_ready
+    from physim.cli.progress import checks_ready
     from physim.world.checks import check_world
 
     check_json(json, force, inputs(world))
@@ -115,7 +116,7 @@ def falsify(
     folder = output or Path("falsified") / f"{space.world.stem}-{space.world.seed}"
     names = list(dict.fromkeys((*results.FILES, *OF_RUN)))
     files = [folder / name for name in names]
-    check_json(json, force, others=files)
+    check_json(json, force, files)
     Target(folder, force, inputs(world)).folder(files, "an earlier search")
     compile_once(quiet)
     if not quiet:

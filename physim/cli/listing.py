@@ -5,11 +5,11 @@ from __future__ import annotations
 import sys
 import textwrap
 from collections.abc import Mapping
-from json import dumps
 from typing import TYPE_CHECKING
 
 from physim.cli.options import JsonFlag, Out, RecordFile
 from physim.errors import PhysimError
+from physim.json_text import json_text
 
 if TYPE_CHECKING:
     from physim.analysis.metrics import Definition
@@ -48,7 +48,7 @@ def listing(
     if json:
         keys = ["worlds", *(kind.group.removeprefix("physim.") for kind in kinds)]
         values = dict(zip(keys, found.values(), strict=True))
-        print(dumps(values, indent=2), file=out)
+        print(json_text(values), end="", file=out)
         return 0
     width = max(len(name) for entries in found.values() for name in entries)
     for title, entries in found.items():
@@ -101,7 +101,7 @@ def summary(
         if json:
             keys = ("unit", "meaning", "source")
             values = {name: {key: getattr(one, key) for key in keys} for name, one in known.items()}
-            print(dumps(values, indent=2, ensure_ascii=False), file=out)
+            print(json_text(values), end="", file=out)
         else:
             _tell_definitions(known)
         for fault in faults:

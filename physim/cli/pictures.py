@@ -24,10 +24,11 @@ from physim.cli.options import (
     whole,
 )
 from physim.cli.output import CUT_SHORT, FILES, Target
-from physim.cli.progress import INTERRUPTED, Bar, interrupts
+from physim.cli.progress import Bar
 from physim.cli.simulating import tell
-from physim.drafts import check_regular
 from physim.errors import PhysimError, plural
+from physim.files import check_regular
+from physim.terminal import INTERRUPTED, interrupts
 
 if TYPE_CHECKING:
     from physim.record import Record as Opened

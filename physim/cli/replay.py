@@ -9,8 +9,8 @@ from pathlib import Path
 from physim.cli.options import Output, quoted
 from physim.cli.output import run_folder
 from physim.cli.pictures import files_written, write_video
-from physim.cli.progress import INTERRUPTED, interrupts
 from physim.errors import PhysimError
+from physim.terminal import INTERRUPTED, interrupts
 
 DISAGREE = 3
 

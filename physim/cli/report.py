@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from json import dumps
 from pathlib import Path
 
 from physim.cli.options import File, JsonFile, Out, Output
 from physim.cli.output import PAGE as PAGES
 from physim.cli.output import STDOUT, Target, check_json, inputs, write_json
-from physim.cli.progress import INTERRUPTED, Bar, interrupts
-from physim.drafts import check_regular
+from physim.cli.progress import Bar
 from physim.errors import PhysimError
-from physim.files import write_text
+from physim.files import check_regular, write_text
+from physim.json_text import json_text
+from physim.terminal import INTERRUPTED, interrupts
 
 PAGE = "report.html"
 
@@ -87,7 +87,7 @@ def report(
         raise PhysimError(f"{made}: cannot be combined with --no-pictures")
     spare(json, "--json", folder)
     spare(output, "-o", folder)
-    check_json(json, force, inputs(folder), [page])
+    check_json(json, force, [*inputs(folder), page])
     if output is not None:
         Target(page, force).file(ends=PAGES)
     asked = Folder(folder).asked()
@@ -105,8 +105,7 @@ def report(
         )  # fmt: skip
         write_text(page, report_page(found, shown))
         if json is not None:
-            values = dumps(report_values(found), indent=2, ensure_ascii=False, allow_nan=False)
-            write_json(json, values, out)
+            write_json(json, json_text(report_values(found)), out)
         if not quiet:
             print(report_text(found, explain), end="")
         if json != STDOUT or not quiet:

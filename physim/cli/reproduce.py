@@ -9,9 +9,10 @@ from pathlib import Path
 from physim.cli.options import Output, Workers
 from physim.cli.output import Target, alone, remove, writing
 from physim.cli.pictures import files_written
-from physim.cli.progress import INTERRUPTED, Bar, announce_compiling, interrupts
+from physim.cli.progress import Bar, announce_compiling
 from physim.errors import PhysimError
 from physim.files import write_text
+from physim.terminal import INTERRUPTED, interrupts
 
 PICTURE = re.compile(r"(\d[a-z]?|study)-[a-z_]+\.png")
 """Name of a picture that a reproduction drew"""

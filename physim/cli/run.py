@@ -10,10 +10,11 @@ from physim.cli.options import AS_IT_IS, Changes, Output, World
 from physim.cli.output import SUMMARY, inputs, run_folder
 from physim.cli.page import make_page
 from physim.cli.pictures import files_written, write_video
-from physim.cli.progress import INTERRUPTED, Bar, interrupts
+from physim.cli.progress import Bar
 from physim.cli.simulating import ready, tell
 from physim.errors import PhysimError
 from physim.files import write_text
+from physim.terminal import INTERRUPTED, interrupts
 
 FAILED = 1
 
@@ -63,7 +64,6 @@ def run(
       physim run my_world.yaml --observer my_module:MyObserver
     """
     from physim.analysis.summary import summarise, table
-    from physim.cli.warming import finish
     from physim.parts.registry import OBSERVER, make_by_defaults
     from physim.simulation.run import LateError, record_run
 
@@ -109,8 +109,6 @@ def run(
     else:
         print(table(summary, brief=not full), end="")
         print(files_written(folder))
-    if not stopped:
-        finish(quiet)
     if late is not None:
         raise late
     if stopped:

@@ -8,8 +8,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from physim.cli.options import Changes
-from physim.cli.progress import Bar, announce_compiling, interrupts
+from physim.cli.progress import Bar, announce_compiling, compiled_beside
 from physim.errors import WorldError
+from physim.terminal import interrupts
 
 if TYPE_CHECKING:
     from physim.parts.controller import Controller
@@ -32,7 +33,6 @@ def ready(given: str, changes: Changes, quiet: bool, path: Path | None = None) -
     anything is compiled; where one is long or its record large, that is told, and so is a robot
     that counts from the start as beyond a wall: it might be said to have arrived.
     """
-    from physim.cli.warming import second_process
     from physim.parts.declarations import Declared
     from physim.parts.registry import CONTROLLER, make_part
     from physim.simulation.loop import Simulation
@@ -64,8 +64,7 @@ def ready(given: str, changes: Changes, quiet: bool, path: Path | None = None) -
         warm_up(scene, controller())
     else:
         announce_compiling("controller and distances", quiet)
-        second = second_process(world.controller.type)
-        seconds = warm_up(scene, controller(), *(() if second is None else (second.wait,)))
+        seconds = warm_up(scene, controller(), compiled_beside())
         if not quiet:
             text = f"compiled in {seconds:.0f} s and kept for later runs"
             print(text, file=sys.stderr, flush=True)
@@ -94,12 +93,14 @@ def compile_once(quiet: bool, checks: bool = False) -> None:
     each would compile them."""
     from physim.analysis import validation
     from physim.campaigns.one_run import ready as compile_runs
-    from physim.cli.warming import CONTROLLER, warm_up_checks
-    from physim.simulation.run import is_warm
+    from physim.simulation.run import is_warm, simulate
+    from physim.world.file import load_world
 
     if not is_warm():
         announce_compiling("controller and distances", quiet)
         compile_runs()
     if checks and not validation.is_warm():
         announce_compiling("the checks of the validation", quiet)
-        warm_up_checks(CONTROLLER)
+        world = load_world("three_robots", overrides=["time.duration=0.2"])
+        with simulate(world.changed(controller={"type": "constant"})) as record:
+            validation.validate(record, rerun=False)

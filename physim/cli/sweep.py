@@ -5,14 +5,15 @@ from __future__ import annotations
 import sys
 from collections import Counter
 from functools import partial
-from json import dumps
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from physim.cli.options import Out, Output, Seeds, TeamSize, Words, Worlds, kind, real
-from physim.cli.progress import INTERRUPTED, Bar, interrupts
+from physim.cli.progress import Bar
 from physim.cli.simulating import compile_once, tell
 from physim.errors import PhysimError, plural
+from physim.json_text import json_text
+from physim.terminal import INTERRUPTED, interrupts
 
 if TYPE_CHECKING:
     from physim.campaigns.spec import Label
@@ -159,7 +160,8 @@ def sweep(
         )  # fmt: skip
     draws, found = {cell.label: cell.draws for cell in grid.cells}, Outcomes(read(folder))
     if json:
-        print(dumps(sweep_values(folder, found, draws, tally, decisions), indent=2), file=out)
+        values = sweep_values(folder, found, draws, tally, decisions)
+        print(json_text(values), end="", file=out)
     elif not quiet:
         print(sweep_text(folder, found, draws, tally), end="")
         print("".join(decided_text(label, one, until) for label, one in decisions.items()), end="")

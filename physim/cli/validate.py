@@ -68,14 +68,14 @@ def validate(
     from physim.analysis.validation import report as report_text
     from physim.analysis.validation.origin import check_made_from
     from physim.analysis.validation.validation import NOT_ASKED, json_of_validation, missing
-    from physim.cli.warming import checks_ready
+    from physim.cli.progress import checks_ready
     from physim.record import Record
     from physim.simulation.recorder import SaveAt
     from physim.simulation.run import record_run
     from physim.world.file import read_world
 
     read, file = inputs(given, world), _record(given)
-    check_json(json, force, read, [] if page is None else [page])
+    check_json(json, force, read if page is None else [*read, page])
     if page is not None:
         Target(page, force, read, "--page").file(ends=PAGE)
     _check(file is not None, world, rerun, changes)

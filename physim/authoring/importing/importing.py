@@ -229,8 +229,9 @@ def _written(
         values["sensing"] = {"range": scaled(RANGE)}
     duration = 10.0 * ceil((longest / factor * SPACE + 20.0) / 10.0)
     for step in STEPS:
+        values["time"] = {"step": step, "duration": duration}
         try:
-            world = World(**values, time={"step": step, "duration": duration})
+            world = World(**values)
             build_scene(world)
             break
         except WorldError as error:

@@ -4,7 +4,6 @@ found in words and as values.
 
 from __future__ import annotations
 
-import json
 import os
 import shlex
 from collections.abc import Callable, Sequence
@@ -21,6 +20,7 @@ from physim.campaigns.pool import never
 from physim.errors import PhysimError, plural
 from physim.escaping import escaped
 from physim.files import write_text
+from physim.json_text import json_text
 from physim.record import Record
 from physim.simulation.loop import Simulation
 from physim.simulation.recorder import SaveAt
@@ -200,7 +200,7 @@ def found_json(space: Space, found: Hunt, shrunk: Shrunk | None, told: str) -> s
         },
         "story": told.strip(),
     }
-    return json.dumps(tree, indent=2, ensure_ascii=False) + "\n"
+    return json_text(tree)
 
 
 def _values(judged: Judged) -> dict[str, Any]:

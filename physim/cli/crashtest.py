@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import re
 import sys
-import time
 from pathlib import Path
 from typing import Annotated
 
 from physim.cli.options import JsonFile, Out, Output, Whole, kind, whole
 from physim.cli.output import Target, check_json, remove, write_json
-from physim.cli.progress import INTERRUPTED, Bar, announce_compiling, interrupts
+from physim.cli.progress import Bar, announce_compiling
+from physim.terminal import INTERRUPTED, interrupts
 
 DISAGREE = 3
 CASE = re.compile(r"case-\d{6,}\.yaml")
@@ -59,13 +59,8 @@ def crashtest(
     remove(earlier)
     if not is_warm():
         announce_compiling("the collision checks", quiet)
-    started = time.monotonic()
-
-    def progress(done: int) -> None:
-        bar.update(done, lambda: f"{done / (time.monotonic() - started):.0f}/s")
-
     with interrupts() as interrupt, Bar("crash test", cases, "cases", quiet) as bar:
-        report = crash_test(cases, seed, folder=folder, progress=progress, stop=interrupt)
+        report = crash_test(cases, seed, folder=folder, progress=bar.update, stop=interrupt)
     write_json(json, report.to_json(), out)
     if not quiet:
         if report.interrupted:

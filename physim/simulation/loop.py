@@ -274,11 +274,11 @@ class Simulation:
 
     def _report(self) -> None:
         """Let observers look at the step; one that is added sees the next step first."""
-        last, now = self.last, self.now
+        last, now, due = self.last, self.now, self.next_decision
         for observer in tuple(self.observers):
             try:
                 observer.after_step(last)  # type: ignore[arg-type]  # a step was made
-                if self.now is not now:
+                if self.now is not now or self.next_decision is not due:
                     raise ControllerError(f"it moved the simulation; {LOOK_ON}")
             except KeyboardInterrupt:
                 raise

@@ -74,7 +74,7 @@ class Parts:
 
     def of(self, kind: Kind) -> tuple[Any, ...]:
         """Parts of a stage."""
-        return tuple(part.made for part in self.all if part.kind is kind)
+        return tuple(part.made for part in self.all if part.kind == kind)
 
     @property
     def filters(self) -> tuple[Any, ...]:
@@ -85,7 +85,7 @@ class Parts:
     def names(self) -> tuple[str, ...]:
         """What each is called, stages with their kind."""
         return tuple(
-            name if kind is CONTROLLER else f"{kind.word} {name}" for kind, name, *_ in self.all
+            name if kind == CONTROLLER else f"{kind.word} {name}" for kind, name, *_ in self.all
         )
 
     @property

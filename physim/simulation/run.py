@@ -141,7 +141,10 @@ def _close(simulation: Simulation, ended: str) -> ControllerError | None:
         where = f"observer {type(observer).__name__} at {simulation.time:g} s"
         try:
             with naming(where, observer.close):
+                now = simulation.now
                 observer.close(ended)
+                if simulation.now is not now:
+                    raise ControllerError(f"it moved the simulation in close; {LOOK_ON}")
         except ControllerError as error:
             late = late or error
     return late

@@ -270,8 +270,3 @@ def is_cached(kernel: Callable[..., Any]) -> bool:
         return bool(cast(Kernel, kernel).whole._cache._cache_file._load_index())
     except (AttributeError, OSError):
         return False
-
-
-def is_kept(kernel: Callable[..., Any]) -> bool:
-    """Whether compiled code of a kernel is kept on disk."""
-    return hasattr(getattr(cast(Kernel, kernel).whole, "_cache", None), "_cache_file")

@@ -5,8 +5,8 @@ A controller that decides for one robot at a time is adapted to the batch form o
 
 from __future__ import annotations
 
-import reprlib
 from collections.abc import Mapping, Sequence
+from itertools import islice
 from math import nan
 from operator import index
 from typing import Any, NamedTuple
@@ -42,8 +42,8 @@ class Row(NamedTuple):
     report: list[float]
 
 
-def decision_row(decision: object, declared: Declared) -> Row:
-    """Numbers of a decision.
+def decision_row(decision: object, declared: Declared, robots: int) -> Row:
+    """Numbers of a decision of one among ``robots``.
 
     Raises ControllerError when it is no Decision, when one of its fields is of a wrong type, or
     names what the controller has not declared.
@@ -51,7 +51,7 @@ def decision_row(decision: object, declared: Declared) -> Row:
     if not isinstance(decision, Decision):
         raise ControllerError(f"decide returned {kind_of(decision)}; it must return a Decision")
     try:
-        considered = [index(j) for j in decision.considered]
+        considered = [index(j) for j in islice(decision.considered, robots + 1)]
     except TypeError:
         raise ControllerError(
             f"considered is {_quoted(decision.considered)}; it must list robots by index"
@@ -111,7 +111,8 @@ def _report(report: object, declared: Declared) -> list[float]:
 
 def _quoted(value: object) -> str:
     """What was given, on one line and cut off where it is long."""
-    return " ".join(reprlib.repr(value).split())
+    text = " ".join(repr(value).split())
+    return text if len(text) <= 60 else f"{text[:57]}..."
 
 
 NOBODY = read_only(np.zeros(0, dtype=np.int64))
@@ -206,7 +207,7 @@ class PerRobotAdapter:
             where = f"controller {name}, {self.scene.names[i]} at {views.time:g} s"
             with naming(where, ask):
                 decision = ask(views.observation(i), memory[MEMORY][i])
-                rows.append(decision_row(decision, self.declared))
+                rows.append(decision_row(decision, self.declared, self.scene.robots))
                 memories.append(decision.memory)
         for i, value in zip(due, memories, strict=True):
             memory[MEMORY][i] = value

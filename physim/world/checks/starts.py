@@ -16,7 +16,7 @@ from physim.geometry.polygon import circumscribed_radius
 from physim.tolerances import LENGTH
 from physim.world.checks.stations import lines_of
 from physim.world.faults import describe
-from physim.world.layout.shared import Shared
+from physim.world.layout.robots import shared
 from physim.world.scene import Layout
 
 FAR = 10.0
@@ -28,9 +28,9 @@ NEARLY = 1.0 - 1e-9
 def check_footprints(laid: Layout) -> Iterator[Fault]:
     """Footprints that do not hold the point about which their robot turns."""
     origin = shapely.Point(0.0, 0.0)
-    away = Shared(lambda outline: shapely.Polygon(outline).convex_hull.distance(origin))
-    for i in range(len(laid.names)):
-        if (far := away(laid.footprints[i])) > LENGTH:
+    hulls = shared(lambda outline: shapely.Polygon(outline).convex_hull, laid.footprints)
+    for i, hull in enumerate(hulls):
+        if (far := hull.distance(origin)) > LENGTH:
             yield Fault(
                 (*laid.entry_key(i), "footprint"),
                 "the reference point (0, 0), about which the robot turns and which follows the "

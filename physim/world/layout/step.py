@@ -13,7 +13,7 @@ from physim.geometry.shapes import FloatArray
 from physim.tolerances import TUNNEL_FRACTION
 from physim.world import Limits, Robot
 from physim.world.faults import describe
-from physim.world.layout.shared import Shared
+from physim.world.layout.robots import shared
 
 
 def step_faults(
@@ -24,7 +24,7 @@ def step_faults(
     One fault at most: of the step, or of the limits of the one robot that is too fast for it.
     """
     radius, width = (
-        np.array(list(map(Shared(of), footprints)))
+        np.array(shared(of, footprints))
         for of in (circumscribed_radius, lambda outline: smallest_width(convex_parts(outline)))
     )
     v, omega = np.array([(robot.limits.v, robot.limits.omega) for robot in robots]).T

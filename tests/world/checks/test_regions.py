@@ -9,8 +9,8 @@ from tests.world.worlds import REGION, changed, check, check_finding, lines
 def test_a_region_with_room_has_no_finding(tmp_path):
     found = check(tmp_path, REGION)
     assert lines(found) == ([], [])
-    assert found.world is not None
-    build_scene(found.world)
+    assert found.layout is not None
+    build_scene(found.layout.world)
 
 
 def test_a_region_without_room_is_reported_as_a_run_reports_it(tmp_path):

@@ -92,12 +92,12 @@ def looked_at(
     from physim.world.checks import check_world
 
     findings = check_world(world, **changes)
-    if not run or not findings.ok or findings.world is None:
+    if not run or not findings.ok or findings.layout is None:
         return findings, None
-    bar = Bar("trying it", findings.world.time.duration, "s", quiet)
+    bar = Bar("trying it", findings.layout.world.time.duration, "s", quiet)
     with interrupts() as interrupt, bar:
         trial = try_world(
-            findings.world, trusted=changes.get("controller") is not None, stop=interrupt,
+            findings.layout, trusted=changes.get("controller") is not None, stop=interrupt,
             progress=bar.simulated if bar.visible else None,
         )  # fmt: skip
     if interrupt():

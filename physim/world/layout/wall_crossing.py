@@ -69,10 +69,10 @@ def wall_crossing(centreline: FloatArray, width: FloatArray, end_margin: float) 
             first, second = (min(max(int(kept[n]) - 1, 0), last) for n in (i[k], j[k]))
             return Fault(
                 ("corridor", "centreline"),
-                f"the corridor runs into itself at {place_text(met[0], met[1], 4)}: the leg from [{first}] "
-                f"to [{first + 1}] and the leg from [{second}] to [{second + 1}] have less than "
-                "the width between them; separate them, or draw boundaries instead, which may "
-                "close on themselves",
+                f"the corridor runs into itself at {place_text(met[0], met[1], 4)}: the leg from "
+                f"[{first}] to [{first + 1}] and the leg from [{second}] to [{second + 1}] have "
+                "less than the width between them; separate them, or draw boundaries instead, "
+                "which may close on themselves",
             )
     if not len(one):
         return None

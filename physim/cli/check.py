@@ -88,12 +88,13 @@ def looked_at(
     And the line on the trial; None where there was none. ``changes`` are those of `check_world`.
     Ctrl-C raises KeyboardInterrupt.
     """
-    from physim.analysis.trial import try_world
     from physim.world.checks import check_world
 
     findings = check_world(world, **changes)
     if not run or not findings.ok or findings.layout is None:
         return findings, None
+    from physim.analysis.trial import try_world
+
     bar = Bar("trying it", findings.layout.world.time.duration, "s", quiet)
     with interrupts() as interrupt, bar:
         trial = try_world(

@@ -39,7 +39,6 @@ CHECKS: tuple[Callable[[Layout], Iterable[Fault]], ...] = (
     formation.check_length,
     formation.check_ends,
     formation.check_stops,
-    formation.check_duration,
     formation.check_spacing,
     formation.check_slow,
     formation.check_neighbours,

@@ -18,6 +18,7 @@ from physim.geometry.outline import placed_outline
 from physim.geometry.polygon import corners, is_simple, least_width
 from physim.geometry.shapes import FloatArray
 from physim.tolerances import CONTACT, LENGTH
+from physim.units import figure
 from physim.world.faults import describe
 from physim.world.scene import Layout
 from physim.world.walls import stretch_text
@@ -71,16 +72,16 @@ def standing_faults(laid: Layout) -> list[Fault]:
             said = said if depth > CONTACT else "touches {}"
             place = stretch_text(laid.world.boundaries, label, _meeting(shape, body))
             remedy = "move it away" + (", or make it smaller" if len(near[i]) > 1 else "")
-            said = said.format(label, f"{depth:.4g} m")
+            said = said.format(label, f"{figure(depth)} m")
             faults.append(Fault(where, f"{name} {said} {place} at the start; {remedy}"))
         if not near[i] and not area.covers(shape):
             far = area.distance(shape)
-            away = f", {far:.4g} m from it" if far > 0.0 else ""
+            away = f", {figure(far)} m from it" if far > 0.0 else ""
             message = f"{name} starts outside the accessible area{away}; move it inside"
             faults.append(Fault(where, message))
     for i, j in [pair for pair in _pairs(shapes, shapes) if pair[0] < pair[1]][:MOST_PAIRS]:
         depth = _depth(shapes[i], shapes[j])
-        said = f"overlaps {names[i]} by at least {depth:.4g} m"
+        said = f"overlaps {names[i]} by at least {figure(depth)} m"
         said = said if depth > CONTACT else f"touches {names[i]}"
         message = f"{names[j]} {said} at the start; move them apart"
         faults.append(Fault((*laid.entry_key(j), "pose"), message))
@@ -138,7 +139,7 @@ def gaps(labels: list[str], lines: list[FloatArray]) -> str:
             others = [(shapely.Point(end).distance(s), labels[m]) for m, s in enumerate(shapes)]
             others[k] = float(np.hypot(*(line[0] - line[-1]))), "its own other end"
             size, other = min(others)
-            said = f"{labels[k]} ends at {place_text(*end)}, {size:.4g} m from {other}"
+            said = f"{labels[k]} ends at {place_text(*end)}, {figure(size)} m from {other}"
             if size > 0.0:
                 found.setdefault((size, frozenset((labels[k], other))), said)
     if not found:

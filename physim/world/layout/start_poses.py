@@ -22,6 +22,7 @@ from physim.geometry.outline import placed_outline
 from physim.geometry.shapes import FloatArray
 from physim.randomness import stream
 from physim.tolerances import CONTACT
+from physim.units import figure
 from physim.world import Start
 from physim.world.layout.occupancy import Occupancy
 from physim.world.layout.robots import shared
@@ -226,8 +227,8 @@ class _Group:
             if not near.any():
                 low, high = low - self.along.station[1], high - self.along.station[1]
                 return (
-                    f"no part of it lies {low:.4g} to {high:.4g} m along the reference path, where "
-                    f"{abreast} abreast are to stand; draw it over one stretch of that path"
+                    f"no part of it lies {figure(low)} to {figure(high)} m along the reference "
+                    f"path, where {abreast} abreast are to stand; draw it over one stretch of that"
                 )
             bands = np.linspace(deviation[near].min(), deviation[near].max(), len(row) + 1)
             (x0, y0), (dx, dy) = self.along.at(0.5 * (low + high))

@@ -192,7 +192,7 @@ def _what_keeps(laid: Layout, record: Record, late: Absent, kept: tuple[str, flo
         ahead = substring(line, max(stop - late.short, 0.0), stop)
         room = min(ahead.distance(one) for _, one in (*laid.walls, *laid.solids))
         room -= inscribed_radius(laid.footprints[i])
-        if 0.0 <= room < kept[1]:
+        if room >= 0.0 and round(room, 2) < kept[1]:
             said += (
                 f"; on the way ahead {room:.2f} m are left beside it, and it turns away nearer "
                 f"than {kept[1]:g} m to a wall, controller.{kept[0]}"

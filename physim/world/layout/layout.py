@@ -59,8 +59,9 @@ def lay_out(world: World, seed: int | None = None) -> Layout:
     if world.reference_path is not None:
         line = np.array(world.reference_path)
     if isinstance(world.corridor, RandomCorridor):
-        road, passage = drawn_road(world, world.corridor)
+        road = drawn_road(world, world.corridor)
         centreline, widths, line, obstacles = road.centreline, road.widths, road.way, road.obstacles
+        passage = road.passage
     elif world.corridor is not None:
         centreline = np.array(world.corridor.centreline)
         widths = np.zeros(len(centreline)) + np.array(world.corridor.width)

@@ -14,9 +14,12 @@ The public names are listed in ``__init__.pyi`` and imported when first used, so
 is quick.
 """
 
+import os
+
 import lazy_loader
 
-from physim.stray_settings import hide_settings
+from physim.stray_settings import NUMBA, load_numba
 
-hide_settings()
+if os.path.lexists(NUMBA):  # it lies in wait for numba: before anything else loads that
+    load_numba()
 __getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

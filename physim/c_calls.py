@@ -1,11 +1,13 @@
 """Calls from compiled code to functions of a C library, given by their addresses.
 
 Numbers of 64 bits and addresses alone are handed over, nothing comes back: such a call is the same
-on every machine with addresses of 64 bits. Structures by value would not be.
+on every machine with addresses of 64 bits. Structures by value would not be. Where nothing
+`compiles`, the same names stand for plain Python by way of ctypes.
 """
 
 from __future__ import annotations
 
+import ctypes
 from collections.abc import Callable
 from typing import Any, cast
 
@@ -13,6 +15,8 @@ import numba
 from llvmlite import ir
 from numba.core import cgutils, types
 from numba.extending import intrinsic
+
+from physim.compiled import compiles
 
 LONG = ir.IntType(64)
 
@@ -39,7 +43,14 @@ def _pointer(context: Any, address: Any) -> Any:
     return types.voidptr(types.int64), generate
 
 
-call = cast(Callable[[int, tuple[Any, ...]], None], intrinsic(_call))
-pointer = cast(Callable[[int], Any], intrinsic(_pointer))
+def _plain_call(address: int, arguments: tuple[int, ...]) -> None:
+    """`call` as plain Python."""
+    ctypes.CFUNCTYPE(None, *[ctypes.c_int64] * len(arguments))(int(address))(*map(int, arguments))
+
+
+call: Callable[[int, tuple[Any, ...]], None] = _plain_call
+pointer: Callable[[int], Any] = lambda address: ctypes.c_void_p(int(address))  # noqa: E731
 array_at: Callable[..., Any] = numba.carray  # type: ignore[attr-defined]
 """(pointer, shape, type) -> array of what lies there"""
+if compiles():
+    call, pointer = cast(Any, intrinsic(_call)), cast(Any, intrinsic(_pointer))

@@ -18,6 +18,7 @@ says which.
 
 from __future__ import annotations
 
+import ctypes
 import functools
 import hashlib
 import multiprocessing
@@ -146,6 +147,7 @@ class Callback:
     """A function compiled so that a C library can call it: it takes addresses, and returns nothing.
 
     The plain function stays at hand as ``py_func``; the compiled one is kept on disk like a kernel.
+    Where nothing `compiles` the library calls the plain function.
     """
 
     def __init__(self, function: Callable[..., Any], arguments: int) -> None:
@@ -154,8 +156,14 @@ class Callback:
 
     @property
     def address(self) -> int:
-        """Where the compiled function lies."""
-        return int(self._function.address)
+        """Where the function lies that the library calls."""
+        if compiles():
+            return int(self._function.address)
+        return ctypes.cast(self._plain, ctypes.c_void_p).value or 0
+
+    @functools.cached_property
+    def _plain(self) -> Any:
+        return ctypes.CFUNCTYPE(None, *[ctypes.c_int64] * self._arguments)(self.py_func)
 
     @functools.cached_property
     def _function(self) -> Any:
@@ -262,8 +270,3 @@ def is_cached(kernel: Callable[..., Any]) -> bool:
         return bool(cast(Kernel, kernel).whole._cache._cache_file._load_index())
     except (AttributeError, OSError):
         return False
-
-
-def is_kept(kernel: Callable[..., Any]) -> bool:
-    """Whether compiled code of a kernel is kept on disk."""
-    return hasattr(getattr(cast(Kernel, kernel).whole, "_cache", None), "_cache_file")

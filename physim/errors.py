@@ -7,12 +7,21 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
+from physim.escaping import escaped
+
 Location = tuple[str | int, ...]
 """Where in a world a fault lies, e.g. ``("robots", 2, "pose", 0)``; ``()`` is the whole world."""
 
 
 class PhysimError(Exception):
-    """Bad input: the command line prints the message alone and exits with 2."""
+    """Bad input: the command line prints the message alone and exits with 2.
+
+    Its arguments are the lines of the message; what would act on a terminal in them is escaped.
+    """
+
+    def __str__(self) -> str:
+        """The lines of the message."""
+        return "\n".join(escaped(str(line)) for line in self.args)
 
 
 class Notice(UserWarning):
@@ -63,7 +72,7 @@ class WorldError(PhysimError):
         lines = [str(fault) for fault in faults]
         if self.positions:
             lines = [_placed(p, fault) for p, fault in zip(self.positions, faults, strict=True)]
-        super().__init__("\n".join(lines))
+        super().__init__(*lines)
 
 
 class RecordError(PhysimError):

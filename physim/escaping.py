@@ -20,27 +20,19 @@ def escaped_lines(text: str, encoding: str | None = None) -> str:
 
     With ``encoding`` signs that it does not have are escaped, too.
     """
-    lines = "\n".join(escaped(line) for line in text.split("\n"))
-    if encoding is None:
-        return lines
+    lines, encoding = "\n".join(map(escaped, text.split("\n"))), encoding or "utf-8"
     try:
         lines.encode(encoding)
     except UnicodeEncodeError:
-        return "".join(sign if _has(encoding, sign) else escape(sign) for sign in lines)
+        pass
     except LookupError:  # nobody knows that encoding
-        return lines.encode("ascii", "backslashreplace").decode("ascii")
-    return lines
+        encoding = "ascii"
+    else:
+        return lines
+    return "".join(sign if sign.encode(encoding, "ignore") else escape(sign) for sign in lines)
 
 
 def escape(sign: str) -> str:
     """``\\uXXXX`` of a sign, twice for one beyond U+FFFF."""
     units = sign.encode("utf-16-be", "surrogatepass")
     return "".join(f"\\u{units[k]:02x}{units[k + 1]:02x}" for k in range(0, len(units), 2))
-
-
-def _has(encoding: str, sign: str) -> bool:
-    try:
-        sign.encode(encoding)
-    except UnicodeEncodeError:
-        return False
-    return True

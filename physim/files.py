@@ -2,15 +2,24 @@
 
 from __future__ import annotations
 
+import os
 import stat
-from contextlib import suppress
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from pathlib import Path
+from uuid import uuid4
 
-from physim.drafts import discard, draft_of
 from physim.errors import PhysimError
 
 GZIP = b"\x1f\x8b"
 """How a compressed file begins."""
+KINDS = {
+    stat.S_IFLNK: "a link",
+    stat.S_IFIFO: "a named pipe",
+    stat.S_IFCHR: "a device",
+    stat.S_IFBLK: "a device",
+    stat.S_IFSOCK: "a socket",
+}
 
 
 class UnreadableError(PhysimError):
@@ -56,19 +65,69 @@ def read_text(path: Path, most: int) -> str:
         raise UnreadableError(message, before.count(b"\n") + 1, column) from None
 
 
-def write_text(path: Path, text: str) -> None:
-    """Put ``text`` (UTF-8) into a file, whole or not at all; PhysimError when that fails.
+def check_regular(path: Path) -> None:
+    """Raise PhysimError for a device, pipe or link: writing replaces what has the name."""
+    try:
+        mode = path.lstat().st_mode
+    except (OSError, ValueError):
+        return  # nothing there, or writing says what is wrong
+    if not stat.S_ISREG(mode) and not stat.S_ISDIR(mode):
+        kind = KINDS.get(stat.S_IFMT(mode), "something else")
+        raise PhysimError(f"{path}: is not a regular file but {kind}, which is not overwritten")
+
+
+def draft_of(path: Path) -> Path:
+    """A hidden name in the folder of a file, under which it is written until it is whole.
+
+    Raises PhysimError where the file's name is that of something else: `check_regular`.
+    """
+    check_regular(path)
+    if "\0" in str(path):
+        raise PhysimError(f"{path}: no file can have this name")
+    if path.is_dir():
+        raise PhysimError(f"{path}: is a folder; a file is to be written")
+    return path.with_name(f".physim-{uuid4().hex}.part")
+
+
+def discard(draft: Path) -> None:
+    """Remove what is left of a draft after an error, which stays the one to be told.
+
+    A folder that is gone or read-only by now would raise another, about a name nobody gave.
+    """
+    with suppress(OSError):
+        draft.unlink(missing_ok=True)
+
+
+@contextmanager
+def draft(path: Path) -> Iterator[Path]:
+    """A draft to write to, which takes the place of ``path`` when the block ends without an error.
+
+    Of an error or Ctrl-C nothing is left. Raises PhysimError as `draft_of`.
+    """
+    part = draft_of(path)
+    try:
+        yield part
+        part.replace(path)
+    finally:
+        discard(part)
+
+
+def write_whole(path: Path, data: bytes | memoryview) -> None:
+    """Put a file in its place, whole and on the disk; PhysimError where that fails.
 
     One that is replaced leaves its permissions.
     """
-    draft = draft_of(path)
     try:
-        draft.write_text(text, encoding="utf-8", newline="\n")
-        with suppress(FileNotFoundError):
-            draft.chmod(stat.S_IMODE(path.stat().st_mode))
-        draft.replace(path)
-    except (OSError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or str(error)
-        raise PhysimError(f"{path}: cannot be written: {reason}") from error
-    finally:  # of an error or Ctrl-C nothing is left
-        discard(draft)
+        with draft(path) as part, open(part, "wb") as stream:
+            stream.write(data)
+            stream.flush()
+            os.fsync(stream.fileno())
+            with suppress(FileNotFoundError):
+                part.chmod(stat.S_IMODE(path.stat().st_mode))
+    except OSError as error:
+        raise PhysimError(f"{path}: cannot be written: {error.strerror or error}") from error
+
+
+def write_text(path: Path, text: str) -> None:
+    """As `write_whole`, in UTF-8; half of a pair of surrogates is escaped."""
+    write_whole(path, text.encode("utf-8", "backslashreplace"))

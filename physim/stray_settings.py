@@ -8,7 +8,6 @@ the user's own folders, are.
 from __future__ import annotations
 
 import os
-import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
@@ -23,28 +22,17 @@ def unseen(name: str) -> Iterator[None]:
     if not os.path.lexists(name):
         yield
         return
-    here = os.open(os.curdir, os.O_RDONLY)
+    here = os.getcwd()
+    os.chdir(os.sep)
     try:
-        os.chdir(os.sep)
-        try:
-            yield
-        finally:
-            os.fchdir(here)
+        yield
     finally:
-        os.close(here)
+        os.chdir(here)
 
 
 def load_numba() -> Any:
     """The module; it looks for no file again, as it would each time that it compiles."""
-    if "numba" not in sys.modules:
-        with unseen(NUMBA):
-            import numba
-    numba = sys.modules["numba"]
+    with unseen(NUMBA):
+        import numba
     numba.core.config._config_fname = os.devnull
     return numba
-
-
-def hide_settings() -> None:
-    """Load numba at once where a file lies in wait for it, before anything else does."""
-    if os.path.lexists(NUMBA):
-        load_numba()

@@ -25,8 +25,9 @@ COMMANDS = (
     "video run/record.h5 -o slide.gif --from 1 --to 2",
     "sweep random_road --seeds 1:3 --set time.duration=5 -o sweep",
     "report sweep",
-    "compare random_road --seeds 1:3 --controller mode_switching,path_following "
-    "--set time.duration=5 --runs compared",
+    "sweep random_road --seeds 1:3 --controller mode_switching,path_following "
+    "--set time.duration=5 -o compared",
+    "compare compared --by controller",
     "falsify straight --budget 4 --set time.duration=5 -o falsified",
     "crashtest --cases 100",
     "import {samples}/hall.svg --scale 0.1 -o hall.yaml",

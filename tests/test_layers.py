@@ -25,19 +25,18 @@ shipped_folder, shipped_worlds = inside("physim.world.file", "shipped_folder", "
 ROOT = Path(__file__).parents[1]
 
 LAYERS = {
-    "physim.errors": (0, 0),
     "physim.escaping": (0, 0),
+    "physim.errors": (0, 1),
     "physim.html": (0, 1),
     "physim.units": (0, 0),
     "physim.tolerances": (0, 0),
-    "physim.streams": (0, 1),
+    "physim.terminal": (0, 2),
     "physim.stray_settings": (0, 0),
-    "physim.drafts": (0, 1),
     "physim.files": (0, 2),
     "physim.json_text": (0, 0),
     "physim.frontend": (0, 0),
     "physim.linking": (0, 1),
-    "physim.c_calls": (0, 0),
+    "physim.c_calls": (0, 3),
     "physim.compiled": (0, 2),
     "physim.kept": (0, 3),
     "physim._version": (0, 0),

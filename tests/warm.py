@@ -22,10 +22,17 @@ from physim.world.layout.scene_builder import build_scene
 warm_up(build_scene(load_world("ten_robots")))
 """,
     """
-from physim.cli.warming import warm_up_checks, warm_up_motion_alone
-warm_up_motion_alone()
-warm_up_checks("constant")
+from physim import build_scene, load_world, simulate
+from physim.analysis.metrics.distances import shortest_pair_collision_time
+from physim.analysis.validation import validate
 from physim.cli import main
+from physim.simulation.run import warm_up_motion
+world = load_world("three_robots", overrides=["time.duration=0.2"])
+world = world.changed(controller={"type": "constant"})
+warm_up_motion(build_scene(world))
+with simulate(world) as record:
+    validate(record, rerun=False)
+    shortest_pair_collision_time(record)
 main(["crashtest", "--cases", "3", "--quiet"])
 main(["check-controller", "path_following"])
 """,

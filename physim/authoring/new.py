@@ -5,6 +5,7 @@ seed draws it, and a project, which is a folder to work in.
 from __future__ import annotations
 
 import re
+import shlex
 import textwrap
 from collections.abc import Iterator
 from typing import Any
@@ -15,7 +16,7 @@ from physim._version import __version__
 from physim.errors import ControllerError, Fault, Location, PhysimError, WorldError
 from physim.escaping import escaped
 from physim.parts.registry import CONTROLLER, STAGES, find_part, settings_model
-from physim.world import Corridor, RandomCorridor, RobotGroup, World
+from physim.world import RandomCorridor, RobotGroup, World
 from physim.world.faults import field_at
 from physim.world.file import read_document, read_world
 from physim.world.file.schema import FILE
@@ -110,28 +111,34 @@ def _meaning(world: World, values: Any, location: Location) -> str:
     return ""
 
 
-def drawn_text(world: World, name: str, command: str) -> str:
-    """Text of a world called ``name`` with the road that the seed of ``world`` draws.
+def drawn_text(name: str, like: str, seed: int) -> str:
+    """Text of a world called ``name``: another one, with its road as a seed draws it.
 
-    Numbers are those of the drawn road to the last bit, so that a run of it moves as one of
-    ``world`` does; what else is random still comes from the same seed. ``command`` is what it was
-    made with. Raises WorldError where there is no such road, or it cannot be drawn.
+    Numbers are those of the drawn road to the last bit, so that a run of it moves as one of the
+    other does; what else is random still comes from the same seed. Raises WorldError where there
+    is no such road, or it cannot be drawn.
     """
+    world, document = read_world(like, seed=seed, check_controller=False)
     if not isinstance(world.corridor, RandomCorridor):
-        message = "has no corridor.random, so nothing of its road is drawn; copy the file instead"
-        raise WorldError([Fault((), message)])
-    laid, margin = lay_out(world), world.corridor.end_margin
+        message = "has no corridor.random, so nothing of its road is drawn; leave out --seed"
+        raise document.error([Fault((), message)])
+    try:
+        laid = lay_out(world)
+    except WorldError as error:
+        raise document.error(error.faults) from None
+    margin = world.corridor.end_margin
     plain = world.changed(
         name=name,
-        corridor=Corridor(centreline=laid.centreline, width=laid.widths, end_margin=margin),
+        corridor={"centreline": laid.centreline, "width": laid.widths, "end_margin": margin},
         reference_path=laid.reference,
         obstacles=laid.obstacles,
     )
+    made_by = shlex.join(["physim", "new", name, "--like", like, "--seed", str(seed)])
     lines = [
         f"# yaml-language-server: $schema={FILE}",
-        f"# The road of {escaped(world.name)} as seed {world.seed} draws it, made by physim "
+        f"# The road of {escaped(world.name)} as seed {seed} draws it, made by physim "
         f"{__version__} with",
-        f"#   {escaped(command)}",
+        f"#   {escaped(made_by)}",
     ]
     return "\n".join(lines) + "\n" + plain.to_yaml()
 

@@ -5,6 +5,6 @@ from physim.campaigns.one_run import run_one
 from physim.campaigns.pool import Processes
 from physim.campaigns.rows import Row
 from physim.campaigns.spec import RunSpec, spec_of
-from physim.campaigns.sweep import runs, sweep
+from physim.campaigns.sweep import sweep
 
-__all__ = ["Folder", "Processes", "Row", "RunSpec", "read", "run_one", "runs", "spec_of", "sweep"]
+__all__ = ["Folder", "Processes", "Row", "RunSpec", "read", "run_one", "spec_of", "sweep"]

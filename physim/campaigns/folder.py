@@ -23,19 +23,18 @@ from physim.campaigns.rows import (
     schema,
     table_of,
     told,
-    write_whole,
 )
 from physim.campaigns.rows import FOLDER as ROWS
 from physim.campaigns.spec import Label, RunSpec, engine, identity_of, key_of, short_hash
 from physim.errors import PhysimError
 from physim.escaping import escaped
-from physim.json_text import file_json
+from physim.files import write_text, write_whole
+from physim.json_text import file_json, json_text
 from physim.world.file.files import file_text
 
 if TYPE_CHECKING:
     import pyarrow as pa
 
-    from physim.campaigns.grid import Grid
 
 CAMPAIGN, RECORDS, WORLDS = "campaign.json", "records", "worlds"
 RESULTS, UNTIL, LOCK = "results.parquet", "until.json", ".lock"
@@ -149,7 +148,7 @@ class Folder:
             self._claim(*part)
         for world_hash, text in texts.items():
             if not (file := self.world_file(world_hash)).exists():
-                write_whole(file, text.encode())
+                write_text(file, text)
         found = wanted | known
         for label, one in (asked or {}).items():
             seeds = [(one.start, one.stop) for one in merged((*found[label].asked, one))]
@@ -158,8 +157,7 @@ class Folder:
             cells_ = [found[label].model_dump() for label in {**known, **wanted}]
             tree = {"format": FORMAT, "version": VERSION, "physim": __version__,
                     "engine": engine(), "cells": cells_}  # fmt: skip
-            text = json.dumps(tree, indent=1, ensure_ascii=False)
-            write_whole(self.path / CAMPAIGN, text.encode())
+            write_text(self.path / CAMPAIGN, json_text(tree))
 
     def _claim(self, number: int, of: int) -> None:
         """Take the locks of a part of the runs; where the file system knows none, all may be had.
@@ -360,16 +358,6 @@ def each_once(table: pa.Table) -> pa.Table:
         last = np.flatnonzero(np.diff(codes[order], append=-1))
         table = table.take(np.sort(order[last]))
     return table.sort_by([(name, "ascending") for name in ORDER])
-
-
-def read_part(folder: Path, grid: Grid) -> pa.Table:
-    """The rows of the runs of a grid; the folder may have others. Raises PhysimError as `read`."""
-    import pyarrow as pa
-
-    table = read(folder)
-    columns = (table[name].to_pylist() for name in ORDER)
-    mine = [grid.has((w, s, c), seed, run) for w, s, c, seed, run in zip(*columns, strict=True)]
-    return table.filter(pa.array(mine, pa.bool_()))
 
 
 def write_results(folder: Path) -> None:

@@ -122,14 +122,12 @@ def make_grid(
     limit: float | None = None,
     shard: Shard = WHOLE,
     most: int | None = MOST_RUNS,
-    paired: bool = False,
 ) -> Grid:
     """Runs of worlds, given as files or shipped names.
 
     ``axes`` are ``KEY=V1,V2,…`` each; ``controllers`` names or ``module:Class``, those of the
-    worlds where empty; ``limit`` [s] of each run. ``paired`` runs all cells with every seed where
-    one of them may vary, for a comparison seed by seed. Raises WorldError with all faults of a
-    world, ControllerError, and PhysimError where there are more than ``most`` runs or none.
+    worlds where empty; ``limit`` [s] of each run. Raises WorldError with all faults of a world,
+    ControllerError, and PhysimError where there are more than ``most`` runs or none.
     """
     names = _named(worlds)
     values = [settings_of(axis) for axis in axes]
@@ -175,8 +173,6 @@ def make_grid(
                 f"{one} and {other} are the same world and controller, so that their runs would be "
                 "the same; leave one of them out"
             )
-    if paired and len(fixed) < len(cells):
-        fixed.clear()
     return Grid(tuple(cells.values()), seeds, frozenset(fixed), shard, tuple(warnings))
 
 

@@ -29,7 +29,7 @@ from operator import index
 from typing import Any, NamedTuple, SupportsIndex
 
 from physim.errors import PhysimError
-from physim.streams import gates
+from physim.terminal import gates
 
 Stop = Callable[[], bool]
 """Whether to end early."""
@@ -41,8 +41,8 @@ POLL_SECONDS = 0.1
 MOST_WORKERS = 8
 ENDING = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 """What ends a command: its first process hears it, and tells the others."""
-WORKER, WARMING = "physim worker", "physim warming"
-"""What multiprocessing calls processes of ours: those of campaigns, and one that compiles"""
+WORKER = "physim worker"
+"""What multiprocessing calls processes of ours"""
 SAFE_PATH, BY_US = "PYTHONSAFEPATH", "physim"
 """Variable by which Python leaves the working folder out of its path, and our value of it"""
 UNGUARDED = 'a program of your own must be a file, and begin runs under if __name__ == "__main__":'
@@ -105,22 +105,14 @@ def is_importing() -> bool:
     return getattr(multiprocessing.current_process(), "_inheriting", False)
 
 
-def end_if_importing() -> None:
-    """End a process of ours that is to begin runs while it still imports the program it is of.
-
-    With exit code 1; who began the process says why.
-    """
-    if is_importing() and multiprocessing.current_process().name in (WORKER, WARMING):
-        sys.exit(1)
-
-
 def check_guarded() -> None:
     """Let a program begin no runs while a process that it began only imports it.
 
-    A worker of ours ends there; raises StartError in a process of another.
+    A worker of ours ends there, and who began it says why; raises StartError in one of another.
     """
-    end_if_importing()
     if is_importing():
+        if multiprocessing.current_process().name == WORKER:
+            sys.exit(1)
         raise StartError(f"worker processes cannot be started: {UNGUARDED}")
 
 

@@ -22,7 +22,6 @@ from uuid import uuid4
 from pydantic import ConfigDict, Field, TypeAdapter, ValidationError
 from pydantic.dataclasses import dataclass
 
-from physim.drafts import discard, draft_of
 from physim.errors import PhysimError
 from physim.escaping import escaped
 
@@ -336,21 +335,6 @@ def check_places(folder: Path) -> None:
                     f"{entry.path}: is {what}; the folder of a campaign holds files and folders of "
                     "its own"
                 )
-
-
-def write_whole(path: Path, data: bytes | memoryview) -> None:
-    """Put a file in its place, whole and on the disk. PhysimError where that fails."""
-    draft = draft_of(path)
-    try:
-        with open(draft, "wb") as stream:
-            stream.write(data)
-            stream.flush()
-            os.fsync(stream.fileno())
-        draft.replace(path)
-    except OSError as error:
-        raise PhysimError(f"{path}: cannot be written: {error.strerror or error}") from None
-    finally:
-        discard(draft)
 
 
 @functools.cache

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import os
 import time
 from collections.abc import Callable, Collection, Iterable, Iterator
@@ -28,11 +27,13 @@ from physim.campaigns.pool import (
     never,
     outcomes,
 )
-from physim.campaigns.rows import ERROR, KILLED, TIMEOUT, Came, Row, write_whole
+from physim.campaigns.rows import ERROR, KILLED, TIMEOUT, Came, Row
 from physim.campaigns.spec import Label, RunSpec
 from physim.errors import PhysimError
 from physim.escaping import escaped
-from physim.statistics import Goal, Watch, read_goal
+from physim.files import write_text, write_whole
+from physim.json_text import json_text
+from physim.statistics import Decision, Goal, Watch, read_goal
 
 FLUSH_SECONDS = 0.2
 """[s] after which a row is on disk at the latest"""
@@ -71,26 +72,13 @@ def silent(_: Tally) -> None:
     """Show no progress."""
 
 
-def runs(
-    specs: Iterable[RunSpec], executor: Workers, stop: Stop = never, *, judged: bool = False
-) -> Iterator[tuple[RunSpec, Row]]:
-    """Rows of runs, in the order in which they end; nothing is written.
-
-    ``specs`` may be a generator that makes the next run of what was found before. With ``judged``
-    each run is validated, too.
-    """
-    jobs = ((spec, job_of(spec, "none", None, judged)) for spec in specs)
-    for outcome in outcomes(jobs, executor, stop):
-        if (taken := _taken(outcome)) is not None:
-            yield outcome.key, taken.row
-
-
 def sweep(
     specs: Iterable[RunSpec],
     folder: str | os.PathLike[str],
     executor: Workers,
     *,
     keep: str = "none",
+    judged: bool = False,
     retry: bool = False,
     stop: Stop = never,
     progress: Callable[[Tally], None] = silent,
@@ -100,7 +88,8 @@ def sweep(
 
     ``specs`` is gone through several times, so an iterator is listed first; a `Grid` makes its runs
     as they are needed, so that memory does not depend on how many are asked for. ``keep`` is one of
-    `physim.campaigns.one_run.KEEP`; with ``retry`` runs that failed are done again. ``decided`` is
+    `physim.campaigns.one_run.KEEP`; with ``judged`` each run is validated, too, those that have a
+    row without a verdict again; with ``retry`` runs that failed are done again. ``decided`` is
     asked after every run in the order of ``specs``, whoever was done first; when it says True no
     more runs are begun. A program must call it under ``if __name__ == "__main__":``, since its
     worker processes import it. Raises StartError where it does not, ValueError for another
@@ -118,7 +107,7 @@ def sweep(
     asked = specs.asked if isinstance(specs, Grid) and decided is None else None
     place.open(_cells(specs), asked, specs.shard if isinstance(specs, Grid) else (1, 1))
     try:
-        _work(place, specs, executor, keep, retry, stop, progress, decided, tally)
+        _work(place, specs, executor, keep, judged, retry, stop, progress, decided, tally)
         write_results(place.path)
     finally:
         place.close()
@@ -132,15 +121,16 @@ def sweep_until(
     goal: Goal,
     *,
     keep: str = "none",
+    judged: bool = False,
     retry: bool = False,
     stop: Stop = never,
     progress: Callable[[Tally], None] = silent,
-) -> tuple[Tally, dict[Label, Watch]]:
+) -> tuple[Tally, dict[Label, Decision]]:
     """Do the runs of a grid with seeds, cell after cell, each until the goal is decided in it.
 
     A cell in which nothing is random is run once and decides nothing. ``executors`` makes one for
     each cell, since it has to give up what is under way when a cell is decided. Returns all counts,
-    and what is known of each cell whose runs count. Raises PhysimError as `sweep` does.
+    and what came of the goal in each cell whose runs count. Raises PhysimError as `sweep` does.
     """
     assert grid.seeds is not None
     place, tally = Folder(folder), Tally(len(grid))
@@ -156,22 +146,17 @@ def sweep_until(
                 watches[cell.label] = watch
             decided = None if watch is None else partial(_decides, watch)
             with executors() as executor:
-                _work(place, part, executor, keep, retry, stop, progress, decided, tally)
+                _work(place, part, executor, keep, judged, retry, stop, progress, decided, tally)
             if tally.interrupted:
                 break
         write_results(place.path)
     finally:
         place.close()
-    return tally, watches
+    return tally, {label: watch.decision for label, watch in watches.items()}
 
 
 def _decides(watch: Watch, came: Came) -> bool:
     return watch.add(getattr(came, watch.goal.rate))
-
-
-def job_of(spec: RunSpec, keep: str, records: Path | None, judged: bool = False) -> Job:
-    """A run as a job for a worker."""
-    return Job(spec.note, take, (spec, keep, records, judged), spec.timer, ready, spec.code)
 
 
 def _each_once(specs: Iterable[RunSpec]) -> Collection[RunSpec]:
@@ -226,8 +211,9 @@ def _taken(outcome: Outcome) -> Taken | None:
 
 
 def _work(
-    place: Folder, specs: Collection[RunSpec], executor: Workers, keep: str, retry: bool,
-    stop: Stop, progress: Callable[[Tally], None], decided: Decided | None, tally: Tally,
+    place: Folder, specs: Collection[RunSpec], executor: Workers, keep: str, judged: bool,
+    retry: bool, stop: Stop, progress: Callable[[Tally], None], decided: Decided | None,
+    tally: Tally,
 ) -> None:  # fmt: skip
     """Do the runs that have no row, and write their rows, until ``decided`` says that it knows."""
     have: set[str] = set()
@@ -252,10 +238,12 @@ def _work(
     names = ("run", "world", "settings", "controller", "seed")
     columns = [found.table[name].to_pylist() for name in names]
     flags = found.failed.tolist(), found.contact_free.tolist(), found.finished.tolist()
-    for run, world, settings, controller, seed, *ends in zip(*columns, *flags, strict=True):
+    verdicts = found.table["verdict"].to_pylist()
+    rows = zip(*columns, verdicts, *flags, strict=True)
+    for run, world, settings, controller, seed, verdict, *ends in rows:
         label = world, settings, controller
         wanted = specs.has(label, seed, run) if isinstance(specs, Grid) else run in keys
-        if wanted and not (retry and ends[0]):
+        if wanted and not (retry and ends[0]) and (verdict or ends[0] or not judged):
             tally.before += 1
             count(run, Came(*ends))
 
@@ -270,7 +258,8 @@ def _work(
             if stop():  # there may be very many that are done
                 return
             if spec.key not in have:
-                yield spec, job_of(spec, keep, records)
+                given = spec, keep, records, judged
+                yield spec, Job(spec.note, take, given, spec.timer, ready, spec.code)
 
     def flush(now: bool = False) -> None:
         nonlocal written
@@ -317,7 +306,7 @@ def write_until(folder: Path, until: Until) -> None:
     before = read_until(folder)
     first = until.first if before is None else min(until.first, before.first)
     tree = {"format": FORMAT, "version": VERSION, "goal": str(until.goal), "first_seed": first}
-    write_whole(folder / UNTIL, json.dumps(tree, indent=1).encode())
+    write_text(folder / UNTIL, json_text(tree))
 
 
 def read_until(folder: Path) -> Until | None:

@@ -7,8 +7,8 @@ import os
 import sys
 from collections.abc import Sequence
 
-from physim.cli.progress import INTERRUPTED, Break, handling
-from physim.streams import failed_at, gates, silence, without_warnings
+from physim.errors import PhysimError
+from physim.terminal import INTERRUPTED, gates, interrupts, silence, without_warnings
 
 UNWRITTEN = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO, errno.EBADF)
 """What a standard output answers that takes nothing more."""
@@ -21,96 +21,51 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
     0 success, 1 ran but an expectation failed or there was contact, 2 bad input or output that
     cannot be written, 3 checks disagree, 70 a fault in physim, after its traceback, 130
-    interrupted: Ctrl-C, SIGTERM, or SIGHUP where it is not ignored.
+    interrupted: Ctrl-C, SIGTERM, or SIGHUP where they are not ignored.
 
     Every error is a line on standard error that begins with where the fault lies: the
     file with line and column, the file, the option, or the command.
     """
-    if "multiprocessing.spawn" in sys.modules:  # else nobody began this process
-        from physim.campaigns.pool import end_if_importing
-
-        end_if_importing()
-    broken = Break()
-    words = sys.argv[1:] if arguments is None else arguments
-    with without_warnings(), gates(), handling(broken):
+    words, code = sys.argv[1:] if arguments is None else arguments, 0
+    with without_warnings(), gates(), interrupts(due=0.0) as interrupt:
         try:
-            return _with_streams(words, broken)
-        except KeyboardInterrupt:
-            pass
+            try:
+                os.getcwd()
+            except FileNotFoundError:
+                raise PhysimError("the folder that this was started in is gone") from None
+            from physim.cli.commands import run_command
+
+            code = run_command(words)
+            sys.stdout.flush()
         except SystemExit:
             raise
-        except BaseException:  # somebody else's code may raise what is no Exception
-            if not broken.came:
-                import traceback
-
-                _tell(traceback.format_exc().rstrip())
-                _tell(
-                    "physim: this is a fault in physim itself, not in its input; please report it"
-                )
-                return FAULT
-        broken.ends = True
-        _tell("interrupted")
-        return INTERRUPTED
-
-
-def _with_streams(words: Sequence[str], broken: Break) -> int:
-    """Run, and report outputs that take nothing more."""
-    code = 0
-    try:
-        try:
-            code = _run(words, broken)
-        finally:
-            sys.stdout.flush()
-    except OSError as error:
-        is_output = failed_at(sys.stdout, error)
-        if is_output and isinstance(error, BrokenPipeError):  # the reader has gone; say no more
-            silence(sys.stdout)
-            return code
-        if isinstance(error, BrokenPipeError) or (broken.came and not is_output):
-            raise  # the pipe of a worker: what broke it off is told
-        if error.filename is None and error.errno not in UNWRITTEN:
-            raise
-        silence(sys.stdout)
-        if error.filename is not None:
-            where = os.fsdecode(error.filename)
-        else:  # numba tells no file
-            where = "standard output" if is_output else "a file (of numba's cache, perhaps)"
-        _tell(f"{where}: cannot be written ({error.strerror})")
-        return 2
+        except BaseException as error:  # somebody else's code may raise what is no Exception
+            if interrupt() or isinstance(error, KeyboardInterrupt):
+                code, told = INTERRUPTED, "interrupted"
+            elif error is getattr(sys.stdout, "failed", None):
+                silence(sys.stdout)
+                if isinstance(error, BrokenPipeError):  # the reader has gone; say no more
+                    return code
+                code, told = 2, f"standard output: cannot be written ({error.strerror})"
+            else:
+                code, told = _ended_by(error)
+            print(told, file=sys.stderr, flush=True)
     return code
 
 
-def _run(words: Sequence[str], broken: Break) -> int:
-    """Run; what a user can mend is told in its own words."""
-    from physim.errors import PhysimError
-
-    try:
-        from physim.cli.commands import run_command
-
-        return run_command(words)
-    except PhysimError as error:
-        if broken.came:  # what was being imported made an error of it
-            raise KeyboardInterrupt from None
-        _tell(str(error))
-        _is_folder_gone()
-    except FileNotFoundError:
-        if not _is_folder_gone():
-            raise
-    except MemoryError as error:
+def _ended_by(error: BaseException) -> tuple[int, str]:
+    """Exit code of an error, and what is told of it: in its own words what a user can mend."""
+    if isinstance(error, PhysimError):
+        return 2, str(error)
+    if isinstance(error, MemoryError):
         why = f" ({error})" if str(error) else ""
-        _tell(f"out of memory{why}: the machine, or a limit such as ulimit -v, has no more")
-    return 2
+        return 2, f"out of memory{why}: the machine, or a limit such as ulimit -v, has no more"
+    if isinstance(error, OSError) and not isinstance(error, BrokenPipeError):  # of a worker
+        if error.filename is not None:
+            return 2, f"{os.fsdecode(error.filename)}: cannot be read or written ({error.strerror})"
+        if error.errno in UNWRITTEN:  # numba tells no file
+            return 2, f"a file (of numba's cache, perhaps): cannot be written ({error.strerror})"
+    import traceback
 
-
-def _is_folder_gone() -> bool:
-    """Say so where the working folder is not there any more, by which relative names fail."""
-    try:
-        os.getcwd()
-    except FileNotFoundError:
-        _tell("the folder that this was started in is gone; change to one that is there")
-        return True
-    return False
-
-
-def _tell(text: str) -> None:
-    print(text, file=sys.stderr, flush=True)
+    lines = traceback.format_exception(error)
+    return FAULT, f"{''.join(lines)}physim: this is a fault in physim itself; please report it"

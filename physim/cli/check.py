@@ -5,19 +5,19 @@ from __future__ import annotations
 import sys
 import time
 from dataclasses import replace
-from json import dumps
+from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TextIO
+from typing import TYPE_CHECKING, Any
 
 from physim.cli.options import AS_IT_IS, Changes, JsonFlag, Out, Output, World, Worlds
 from physim.cli.output import Target, inputs
-from physim.cli.progress import INTERRUPTED, Bar, interrupts
 from physim.cli.progress import watch as on_each_save
+from physim.cli.simulating import to_the_end
 from physim.errors import PhysimError, WorldError
+from physim.json_text import json_text
 
 if TYPE_CHECKING:
     from physim.world.checks import ClearanceProfile, Findings
-    from physim.world.scene import Layout
 
 
 MOST_ROWS = 12
@@ -57,7 +57,14 @@ def check(
         told = {**changes.reading, "seed": changes.seed}
         found = [looked_at(world, run=not no_run, quiet=json, **told) for world in worlds]
         if json:
-            print(dumps(json_of(found), indent=1), file=out)
+            values = {
+                "format": "physim-check",
+                "version": 2,
+                "errors": sum(len(findings.errors) for findings, _ in found),
+                "warnings": sum(len(findings.warnings) for findings, _ in found),
+                "worlds": [{**findings.as_json(), "trial": trial} for findings, trial in found],
+            }
+            print(json_text(values), end="", file=out)
         else:
             print("\n".join(text_of(*one) for one in found), end="")
         return 0 if all(findings.ok for findings, _ in found) else 2
@@ -67,17 +74,10 @@ def check(
         once()
         out.flush()
 
-    return on_each_save([_file(world) for world in worlds], on_save) if watch else once()
-
-
-def _file(world: str) -> Path:
-    """File of a world; where there is none yet, the one that is waited for."""
-    from physim.world.file.files import find_world
-
-    try:
-        return find_world(world)
-    except WorldError:
-        return Path(world)
+    if not watch:
+        return once()
+    files = [file for one in worlds for file in inputs(one) or (Path(one),)]  # there or to come
+    return on_each_save(files, on_save)
 
 
 def looked_at(
@@ -95,43 +95,11 @@ def looked_at(
         return findings, None
     from physim.analysis.trial import try_world
 
-    bar = Bar("trying it", findings.layout.world.time.duration, "s", quiet)
-    with interrupts() as interrupt, bar:
-        trial = try_world(
-            findings.layout, trusted=changes.get("controller") is not None, stop=interrupt,
-            progress=bar.simulated if bar.visible else None,
-        )  # fmt: skip
-    if interrupt():
-        raise KeyboardInterrupt
+    laid, trusted = findings.layout, changes.get("controller") is not None
+    tried = partial(try_world, laid, trusted=trusted)
+    trial = to_the_end(tried, "trying it", laid.world.time.duration, quiet)
     shown = map(findings.located, trial.faults)
     return replace(findings, warnings=(*findings.warnings, *shown)), trial.line
-
-
-def judge(world: Path, run: bool) -> None:
-    """Say what a check finds in a world just made; Ctrl-C ends that alone: the world is there."""
-    try:
-        findings, trial = looked_at(world, run=run, quiet=False)
-    except KeyboardInterrupt:
-        print("interrupted: neither checked nor tried to the end")
-        return
-    found = [
-        *(f"  error: {one}" for one in findings.errors),
-        *(f"  {w}" for w in findings.warnings),
-    ]
-    print(
-        "\n".join([*(["physim check reports:"] if found else []), *found, *filter(None, [trial])])
-    )
-
-
-def json_of(found: list[tuple[Findings, str | None]]) -> dict[str, object]:
-    """Everything that was found, as JSON holds it."""
-    return {
-        "format": "physim-check",
-        "version": 2,
-        "errors": sum(len(findings.errors) for findings, _ in found),
-        "warnings": sum(len(findings.warnings) for findings, _ in found),
-        "worlds": [{**findings.as_json(), "trial": trial} for findings, trial in found],
-    }
 
 
 def text_of(findings: Findings, trial: str | None = None) -> str:
@@ -149,17 +117,13 @@ def _room(profiles: tuple[ClearanceProfile, ...]) -> list[str]:
     """Table of the room that each robot has on its path."""
     if not profiles:
         return []
-    listed = profiles
-    if len(profiles) > MOST_ROWS:
-        tightest = sorted(profiles, key=lambda p: p.narrowest[3] - p.circumscribed)
-        listed = tuple(sorted(tightest[:MOST_ROWS], key=lambda p: p.number))
-    wide = max(5, *(len(profile.robot) for profile in listed))
-    wide = min(wide, 30)
-    lines = ["room on the paths [m]:"]
-    lines.append(
-        f"  {'robot':<{wide}}  from–to         least room  at station  radii         on its path"
-    )
-    for p in listed:
+    tightest = sorted(profiles, key=lambda p: p.narrowest[3] - p.circumscribed)[:MOST_ROWS]
+    wide = min(max(5, *(len(p.robot) for p in tightest)), 30)
+    lines = [
+        "room on the paths [m]:",
+        f"  {'robot':<{wide}}  from–to         least room  at station  radii         on its path",
+    ]
+    for p in sorted(tightest, key=lambda p: p.number):
         name = p.robot if len(p.robot) <= wide else p.robot[: wide - 1] + "…"
         span = f"{p.reached[0]:.1f}–{p.reached[1]:.1f}"
         radii = f"{p.inscribed:.2f} to {p.circumscribed:.2f}"
@@ -167,9 +131,9 @@ def _room(profiles: tuple[ClearanceProfile, ...]) -> list[str]:
             f"  {name:<{wide}}  {span:<14}  {p.narrowest[3]:<10.2f}  {p.narrowest[0]:<10.1f}  "
             f"{radii:<12}  {p.verdict}"
         )
-    if len(listed) < len(profiles):
-        lines.append(f"  and {len(profiles) - len(listed)} more with more room (--json has all)")
-    return [*(line.rstrip() for line in lines), ""]
+    if more := len(profiles) - len(tightest):
+        lines.append(f"  and {more} more with more room (--json has all)")
+    return [*lines, ""]
 
 
 def preview(
@@ -200,7 +164,9 @@ def preview(
     """
     from physim.drawing.preview import FORMATS, save_preview
     from physim.world.checks import check_world
+    from physim.world.file import read_world
     from physim.world.file.files import find_world, stem_of
+    from physim.world.layout.layout import lay_out
 
     file = find_world(world)
     path = output or Path(f"{stem_of(file)}.png")
@@ -208,46 +174,29 @@ def preview(
         raise PhysimError(f"{path}: a picture ends in .png or .svg")
     Target(path, force, inputs(world)).file(in_new=True)
 
-    def draw(layout: Layout) -> None:
-        save_preview(layout, path, trusted=changes.controller is not None)
+    def draw() -> None:
+        world_, document = read_world(world, **changes.reading)
+        try:
+            laid = lay_out(world_, changes.seed)
+        except WorldError as error:
+            raise document.error(error.faults) from None
+        save_preview(laid, path, trusted=changes.controller is not None)
 
     def draw_and_tell() -> None:
         """Draw, and print what `physim check` finds; with faults the picture stays."""
+        now = time.strftime("%H:%M:%S")
         try:
-            draw(_laid_out(world, changes))
+            draw()
         except PhysimError as error:
             print(error, file=sys.stderr)
-            _log(f"{path} stays as it is until the faults are corrected", sys.stderr)
+            stays = f"{now}  {path} stays as it is until the faults are corrected"
+            print(stays, file=sys.stderr, flush=True)
             return
-        _log(f"{path} drawn", sys.stdout)
-        found = check_world(world, **changes.reading, seed=changes.seed)
-        for kind, group in (("error", found.errors), ("warning", found.warnings)):
-            for finding in group:
-                print(f"{kind}: {finding}", file=sys.stderr, flush=True)
+        print(f"{now}  {path} drawn", flush=True)
+        print(check_world(world, **changes.reading, seed=changes.seed), file=sys.stderr, flush=True)
 
     if watch:
         return on_each_save([file], draw_and_tell)
-    layout = _laid_out(world, changes)
-    with interrupts() as interrupt:  # the picture is whole in any case
-        draw(layout)
+    draw()
     print(path)
-    if interrupt():
-        print("interrupted when the picture was drawn", file=sys.stderr)
-        return INTERRUPTED
     return 0
-
-
-def _laid_out(given: str, changes: Changes) -> Layout:
-    """Read and check the world; every fault with its place in the file."""
-    from physim.world.file import read_world
-    from physim.world.layout.layout import lay_out
-
-    world, document = read_world(given, **changes.reading)
-    try:
-        return lay_out(world, changes.seed)
-    except WorldError as error:
-        raise document.error(error.faults) from None
-
-
-def _log(text: str, to: TextIO) -> None:
-    print(f"{time.strftime('%H:%M:%S')}  {text}", file=to, flush=True)

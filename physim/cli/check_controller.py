@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from json import dumps
 from typing import TYPE_CHECKING, Annotated
 
 from physim.cli.options import JsonFlag, Out, kind, quoted, real
-from physim.cli.progress import Bar, announce_compiling
+from physim.cli.progress import Bar
+from physim.cli.simulating import compile_once
 from physim.errors import PhysimError, WorldError, plain_key, plural
+from physim.json_text import json_text
 
 if TYPE_CHECKING:
     from physim.testing.check import Candidate, WorldResult
@@ -67,16 +68,11 @@ def check_controller(
       physim check-controller my_module:MyController --world my_world.yaml --seconds 20
       physim check-controller mode_switching --set controller.look_ahead=3.0 --json
     """
-    from physim.simulation.run import is_warm, warm_up
     from physim.testing.check import SECONDS, SITUATIONS, check_worlds, worlds_to_try
-    from physim.world.file import load_world
-    from physim.world.layout.scene_builder import build_scene
 
     chosen = _chosen(controller, set)
     worlds = worlds_to_try(world or None)
-    if not is_warm():
-        announce_compiling("all that a run needs", quiet=False)
-        warm_up(build_scene(load_world("straight")))
+    compile_once(quiet=False)
     parts: list[WorldResult] = []
     with Bar("check", len(worlds) + len(SITUATIONS), "worlds", quiet=False) as bar:
 
@@ -85,11 +81,27 @@ def check_controller(
 
         for part in check_worlds(chosen, worlds, seconds or SECONDS, begins):
             parts.append(part)  # one by one: `begins` counts them
+    findings = [finding for part in parts for finding in part.findings]
     if json:
-        print(dumps(json_of(chosen.name, parts), indent=1), file=out)
-    else:
-        print(text_of(chosen.name, parts), end="")
-    return FOUND if any(part.findings for part in parts) else 0
+        values = {
+            "format": "physim-check-controller",
+            "version": 1,
+            "controller": chosen.name,
+            "findings": [finding.as_json() for finding in findings],
+            "worlds": [part.as_json() for part in parts],
+        }
+        print(json_text(values), end="", file=out)
+        return FOUND if findings else 0
+    for line in (line for part in parts for line in part.lines()):
+        print(line)
+    tried = [part for part in parts if not part.skipped]
+    odd = sum(part.situation for part in tried)
+    print(
+        f"{chosen.name}: {plural(len(findings), 'finding') if findings else 'no findings'} in "
+        f"{plural(sum(part.decisions for part in tried), 'decision')} of "
+        f"{plural(len(tried) - odd, 'world')} and {plural(odd, 'situation')}"
+    )
+    return FOUND if findings else 0
 
 
 def _chosen(controller: str, overrides: Sequence[str]) -> Candidate:
@@ -98,9 +110,7 @@ def _chosen(controller: str, overrides: Sequence[str]) -> Candidate:
     from physim.world.file import apply_overrides, read_document
 
     for key in map(plain_key, overrides):
-        if key == "controller.type":
-            raise PhysimError("--set controller.type: is what CONTROLLER says")
-        if not key.startswith("controller."):
+        if not key.startswith("controller.") or key == "controller.type":
             raise PhysimError(
                 f"--set {quoted(key)}: is no setting of the controller; write controller.KEY=VALUE"
             )
@@ -113,37 +123,3 @@ def _chosen(controller: str, overrides: Sequence[str]) -> Candidate:
     except WorldError as error:
         raise document.error(error.faults) from None
     return chosen
-
-
-def text_of(name: str, parts: list[WorldResult]) -> str:
-    """A line a finding or world left out, and a last line that sums up."""
-    found = sum(len(part.findings) for part in parts)
-    tried = [part for part in parts if not part.skipped]
-    worlds, odd = (sum(part.situation is is_odd for part in tried) for is_odd in (False, True))
-    decisions = sum(part.decisions for part in tried)
-    lines = [line for part in parts for line in part.lines()]
-    lines.append(
-        f"{name}: {plural(found, 'finding') if found else 'no findings'} in "
-        f"{plural(decisions, 'decision')} of {plural(worlds, 'world')} and "
-        f"{plural(odd, 'situation')}"
-    )
-    return "\n".join(lines) + "\n"
-
-
-def json_of(name: str, parts: list[WorldResult]) -> dict[str, object]:
-    """Everything that was found, as JSON holds it."""
-    return {
-        "format": "physim-check-controller",
-        "version": 1,
-        "controller": name,
-        "findings": [finding.as_json() for part in parts for finding in part.findings],
-        "worlds": [
-            {
-                "world": part.world,
-                "situation": part.situation,
-                "decisions": part.decisions,
-                "skipped": part.skipped or None,
-            }
-            for part in parts
-        ],
-    }

@@ -80,8 +80,7 @@ def run_command(arguments: Sequence[str]) -> int:
     if name not in COMMANDS:
         raise PhysimError(f"{_unknown(name)} (see physim --help)")
     app = app_of(name)
-    ends = rest.index("--") if "--" in rest else len(rest)
-    if not set(HELP).isdisjoint(rest[:ends]):
+    if not set(HELP).isdisjoint(rest):
         print(page(name, app), end="")
         return 0
     return _run(name, app, rest)
@@ -97,10 +96,10 @@ def app_of(name: str) -> App:
     command = getattr(import_module(f"physim.cli.{module}"), function)
     for one in (command, Changes):
         tell_arguments(one)
-    together = Group("Options", validator=check_together)
+    together = Group("Options", validator=check_keys)
     app = App(
         name=name, help_flags=(), version_flags=(), group_arguments=together,
-        group_parameters=together, default_parameter=Parameter(negative=(), required=False),
+        group_parameters=together, default_parameter=Parameter(negative=()),
     )  # fmt: skip
     app.default(command)
     return app
@@ -125,10 +124,10 @@ def tell_arguments(command: Any) -> None:
                 option, _, metavar = left.rpartition(", ")[2].partition(" ")
                 name = option.lstrip("-").replace("-", "_")
                 name = name if name in hints else f"{name}_"
-            hint: Any = Annotated[hints[name], Parameter(help=text, metavar=metavar or None)]
+            told: dict[str, Any] = {"help": text, "metavar": metavar or None}
             if title not in ("arguments", "options"):
-                hint = Annotated[hint, Parameter(group=title.capitalize())]
-            command.__annotations__[name] = hint
+                told["group"] = title.capitalize()
+            command.__annotations__[name] = Annotated[hints[name], Parameter(**told)]
 
 
 def tables(docstring: str) -> list[tuple[str, list[tuple[str, str]]]]:
@@ -163,22 +162,15 @@ def _run(name: str, app: App, words: list[str]) -> int:
         raise
 
 
-def check_together(given: ArgumentCollection) -> None:
-    """Raise ValueError for what is required and missing, and for a key that has two values."""
-    from physim.cli.options import quoted
-
-    missing = [
-        label(one) for one in given
-        if one.parse and not one.keys and one.field_info.required and not one.has_tokens
-    ]  # fmt: skip
-    if missing:
-        raise ValueError(f"{' and '.join(missing)} {'is' if len(missing) == 1 else 'are'} missing")
+def check_keys(given: ArgumentCollection) -> None:
+    """Raise ValueError for a key that has two values."""
     values = {one.names[-1]: [token.value for token in one.tokens] for one in given}
-    seed = next((name for name in ("--seed", "--seeds") if values.get(name)), "")
-    keys = ["seed"] * bool(seed) + [plain_key(text) for text in values.get("--set", ())]
+    keys = [plain_key(text) for text in values.get("--set", ())]
+    for seed in ("--seed", "--seeds"):
+        if values.get(seed) and "seed" in keys:
+            raise ValueError(f"--set seed: is given twice, once by {seed}")
     if twice := next((key for key in keys if keys.count(key) > 1), None):
-        also = f", once by {seed}" if twice == "seed" and seed else ""
-        raise ValueError(f"--set {quoted(twice)}: is given twice{also}")
+        raise ValueError(f"--set {twice}: is given twice")
 
 
 def label(argument: Argument) -> str:
@@ -194,10 +186,8 @@ def _unknown(name: str) -> str:
 
     word = quoted(name)
     if name.startswith("-"):
-        return (
-            f"{word}: is no option of physim itself; write physim COMMAND ... {word}"
-            f"{nearest(name, [*HELP, VERSION])}"
-        )
+        close = nearest(name, [*HELP, VERSION])
+        return f"{word}: is no option of physim itself; write physim COMMAND ... {word}{close}"
     close = nearest(name[:60], list(COMMANDS))
     return f"physim {word}: no such command; there are {', '.join(COMMANDS)}{close}"
 
@@ -209,7 +199,6 @@ def _explained(command: str, error: CycloptsError) -> str:
     from physim.cli.options import one_of, quoted
 
     argument = error.argument
-    name = "" if argument is None else label(argument)
     if isinstance(error, cyclopts.UnknownOptionError):
         given = (error.token.keyword or error.token.value).partition("=")[0]
         known = [name for one in error.argument_collection if one.parse for name in one.names]
@@ -219,23 +208,17 @@ def _explained(command: str, error: CycloptsError) -> str:
     if isinstance(error, cyclopts.RepeatArgumentError):
         return f"{error.token.keyword}: is given twice; it takes one value"
     if isinstance(error, cyclopts.UnusedCliTokensError):
-        app = app_of(command)
-        taken = [label(one) for one in app.assemble_argument_collection() if one.index is not None]
-        return (
-            f"{quoted((error.unused_tokens or [''])[0])}: is one argument too many; "
-            f"physim {command} takes {' and '.join(taken) or 'options'} only"
-        )
+        word = quoted((error.unused_tokens or [""])[0])
+        return f"{word}: is one argument too many for physim {command}"
     if argument is None:  # of all of them together
-        text = getattr(error, "exception_message", "") or str(error)
-        return text if text.startswith("--") else f"physim {command}: {text}"
+        return getattr(error, "exception_message", "") or str(error)
+    name, metavar = label(argument), argument.parameter.metavar
     choices = argument.get_choices(force=True)
     if isinstance(error, cyclopts.MissingArgumentError):
         if error.keyword is None:
             return f"physim {command}: {name} is missing"
-        if choices:
-            return f"{name}: its value is missing; must be one of {', '.join(choices)}"
-        metavar = argument.parameter.metavar
-        return f"{name}: its {metavar} is missing; {name} {metavar}: {argument.parameter.help}"
+        value = metavar or "|".join(choices or ())
+        return f"{name}: its {value} is missing; {name} {value}: {argument.parameter.help}"
     token = getattr(error, "token", None) or next(iter(argument.tokens))
     if argument.is_flag():
         return f"{name}: takes no value; given {quoted(token.value)}"

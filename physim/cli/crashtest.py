@@ -10,7 +10,8 @@ from typing import Annotated
 
 from physim.cli.options import JsonFile, Out, Output, Whole, kind, whole
 from physim.cli.output import Target, check_json, remove, write_json
-from physim.cli.progress import INTERRUPTED, Bar, announce_compiling, interrupts
+from physim.cli.progress import Bar, announce_compiling
+from physim.terminal import INTERRUPTED, interrupts
 
 DISAGREE = 3
 CASE = re.compile(r"case-\d{6,}\.yaml")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import shlex
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated
 
 from physim.cli.options import (
     AS_IT_IS,
@@ -21,18 +21,14 @@ from physim.cli.options import (
 )
 from physim.cli.output import FILES as OF_RUN
 from physim.cli.output import Target, alone, check_json, inputs, remove, write_json
-from physim.cli.progress import INTERRUPTED, Bar, Interrupt, interrupts
+from physim.cli.pictures import files_written, write_video
+from physim.cli.progress import Bar
+from physim.cli.simulating import compile_once, tell
 from physim.errors import PhysimError
 from physim.files import write_text
-
-if TYPE_CHECKING:
-    from physim.campaigns.falsify.search import Hunt
-    from physim.campaigns.falsify.shrink import Shrunk
-    from physim.campaigns.falsify.space import Space
+from physim.terminal import INTERRUPTED, interrupts
 
 FAILED = 1
-STANDS_IN = "constant"
-"""The controller that is asked once in place of one's own"""
 VARIED = ("pose", "heading", "speed")
 
 
@@ -99,142 +95,75 @@ def falsify(
       physim falsify ten_robots --set time.duration=60.0 --vary pose,heading,speed
       physim falsify my_world.yaml --controller my_module:MyController --budget 5000
     """
+    from physim.analysis.validation import validate
     from physim.campaigns.cluster import executor
-    from physim.campaigns.falsify.evaluate import accepted, by_executor
-    from physim.campaigns.falsify.results import FILES, WORST, found_json, found_text
+    from physim.campaigns.falsify import results
+    from physim.campaigns.falsify.evaluate import StoppedError, accepted, by_executor
     from physim.campaigns.falsify.search import hunt
+    from physim.campaigns.falsify.shrink import Shrunk
+    from physim.campaigns.falsify.shrink import shrink as shrink_world
+    from physim.campaigns.falsify.space import Space
+    from physim.cli.progress import checks_ready
+    from physim.world.checks import check_world
 
     check_json(json, force, inputs(world))
-    space = _space(world, changes, vary, quiet)
-    made = tuple(dict.fromkeys((*FILES, *OF_RUN)))
+    checked = check_world(world, **changes.reading, seed=changes.seed)
+    if checked.layout is None or checked.errors:
+        raise PhysimError("\n".join(map(str, checked.errors)))
+    if checked.document is not None:
+        tell(checked.document.lines(checked.document.warnings))
+    space = Space(checked.layout.world, vary)
     folder = output or Path("falsified") / f"{space.world.stem}-{space.world.seed}"
-    files = [folder / name for name in made]
-    check_json(json, force, others=files)
+    names = list(dict.fromkeys((*results.FILES, *OF_RUN)))
+    files = [folder / name for name in names]
+    check_json(json, force, files)
     Target(folder, force, inputs(world)).folder(files, "an earlier search")
+    compile_once(quiet)
     if not quiet:
         print("varied:\n" + "\n".join(f"  {line}" for line in space.lines()), flush=True)
     typed = ["physim", "falsify", world, "--budget", str(budget), "--vary", ",".join(vary)]
     typed += ["--whole-budget"] * whole_budget + ["--random"] * random
     typed += [] if changes.seed is None else ["--seed", str(changes.seed)]
-    typed += changes.words
-    with interrupts() as interrupt, alone(folder / WORST), executor(workers) as team:
+    command = shlex.join([*typed, *changes.words])
+    with interrupts() as interrupt, alone(folder / results.WORST), executor(workers) as team:
         evaluate = by_executor(team, space.world, interrupt)
         accepts = accepted(changes.controller)
         with Bar("search", budget, "runs", quiet) as bar:
             found = hunt(
                 space, evaluate, accepts, budget=budget, seed=space.world.seed or 0,
                 at_random=random, whole_budget=whole_budget, stop=interrupt,
-                progress=lambda hunt: bar.update(hunt.runs, lambda: _note(hunt)),
+                progress=lambda hunt: bar.update(hunt.runs, lambda: hunt.note),
             )  # fmt: skip
-        print(found_text(found), end="", flush=True)
-        if found.world is None:
+        print(results.found_text(found), end="", flush=True)
+        if found.world is None or found.judged is None:
             return INTERRUPTED
-        shrunk = _shrunk(found, evaluate, accepts, interrupt, shrink, quiet)
+        shrunk: Shrunk | None = None
+        if found.failed and shrink and not interrupt():
+            with Bar("shrink", shrink, "runs", quiet) as bar:
+                shrunk = shrink_world(
+                    found.world, found.judged, evaluate, accepts, most_runs=shrink,
+                    stop=interrupt, progress=lambda shrunk: bar.update(shrunk.runs),
+                )  # fmt: skip
         remove(files)
-        told = _write(
-            folder, found, shrunk, interrupt, changes.controller, shlex.join(typed),
-            None if no_video else folder / "video.mp4", quiet,
-        )  # fmt: skip
-        if not told:
+        already = interrupt.count
+
+        def stop() -> bool:
+            return interrupt.count > already
+
+        try:
+            record = results.write_found(folder, found, shrunk, command, changes.controller, stop)
+        except StoppedError:
             return INTERRUPTED
+        with record:
+            checks_ready(quiet)
+            paragraph = results.story(record, validate(record, rerun=False))
+            write_text(folder / results.STORY, paragraph)
+            if not no_video:
+                write_video(record, folder / results.VIDEO, quiet, stop)
+        told = "" if shrunk is None else f"{results.shrunk_text(found, shrunk)}\n"
+        told += f"\n{paragraph}\n"
         print(told, end="")
-        write_json(json, found_json(space, found, shrunk, told), out)
-        names = sorted(file.name for file in files if file.exists())
-        print(f"written to {folder}/: {', '.join(names)}")
+        write_json(json, results.found_json(space, found, shrunk, told), out)
+        print(files_written(folder, names))
         stopped = found.stopped or bool(interrupt.count)
     return INTERRUPTED if stopped else FAILED if found.failed else 0
-
-
-def _space(given: str, changes: Changes, vary: tuple[str, ...], quiet: bool) -> Space:
-    """The space around a world that a check accepts, with the kernels ready.
-
-    A controller of one's own is not asked here: what it does to a process, it does to a worker.
-    Raises PhysimError with every error of the check.
-    """
-    from physim.campaigns.falsify.space import Space
-    from physim.cli.simulating import ready, tell
-    from physim.parts.registry import CONTROLLER, shipped_parts
-    from physim.world.checks.check import check_world
-    from physim.world.file import read_world
-
-    world, document = read_world(given, **changes.reading)
-    tell(document.lines(document.warnings))
-    if changes.seed is not None:
-        world = world.changed(seed=changes.seed)
-    shipped = world.controller.type in shipped_parts(CONTROLLER)
-    stand_in = world if shipped else world.changed(controller={"type": STANDS_IN})
-    ready(stand_in, document, changes, quiet)
-    found = check_world(given, **changes.reading, seed=changes.seed)
-    if found.errors:
-        raise PhysimError("\n".join(str(one) for one in found.errors))
-    return Space(world, vary)
-
-
-def _note(found: Hunt) -> str:
-    if (worst := found.judged) is None or worst.clearance is None:
-        return ""
-    if worst.failed:
-        return f"severest contact {worst.closing:.2f} m/s"
-    return f"least clearance {worst.clearance:.4g} m"
-
-
-def _shrunk(
-    found: Hunt, evaluate: Any, accepts: Any, interrupt: Interrupt, most_runs: int, quiet: bool
-) -> Shrunk | None:
-    """The failure shrunk, where there is one."""
-    from physim.campaigns.falsify.shrink import shrink
-
-    if not found.failed or not most_runs or interrupt():
-        return None
-    if found.world is None or found.judged is None:
-        return None
-    with Bar("shrink", most_runs, "runs", quiet) as bar:
-        return shrink(
-            found.world, found.judged, evaluate, accepts, most_runs=most_runs, stop=interrupt,
-            progress=lambda shrunk: bar.update(shrunk.runs),
-        )  # fmt: skip
-
-
-def _write(
-    folder: Path, found: Hunt, shrunk: Shrunk | None, interrupt: Interrupt,
-    controller: str | None, command: str, film: Path | None, quiet: bool,
-) -> str:  # fmt: skip
-    """Write the files; the paragraph. Empty where it was interrupted twice."""
-    from physim.analysis.validation import validate
-    from physim.campaigns.falsify.evaluate import StoppedError
-    from physim.campaigns.falsify.results import (
-        FOUND,
-        STORY,
-        WORST,
-        named,
-        run_written,
-        shrunk_text,
-        story,
-        write_world,
-    )
-    from physim.cli.pictures import write_video
-    from physim.cli.warming import checks_ready
-
-    if found.world is None or found.judged is None:
-        return ""
-    said = [f"Found by: {command}"]
-    world, result = named(found.world, WORST if shrunk is None else FOUND), found.judged
-    if shrunk is not None:
-        write_world(folder / FOUND, world, result, said, controller)
-        world, result = named(shrunk.world, WORST), shrunk.judged
-        said.append(f"{shrunk_text(found, shrunk).capitalize()}.")
-    already = interrupt.count
-    file = folder / WORST
-    write_world(file, world, result, said, controller)
-    try:
-        record = run_written(file, result, controller, lambda: interrupt.count > already)
-    except StoppedError:
-        return ""
-    with record:
-        checks_ready(quiet)
-        paragraph = story(record, validate(record, rerun=False))
-        write_text(folder / STORY, paragraph)
-        if film is not None:
-            write_video(record, film, quiet, lambda: interrupt.count > already)
-    head = "" if shrunk is None else f"{shrunk_text(found, shrunk)}\n"
-    return f"{head}\n{paragraph}\n"

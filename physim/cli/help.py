@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import inspect
-import shutil
 import textwrap
 from collections.abc import Iterable
 from typing import TYPE_CHECKING, cast
@@ -18,7 +17,7 @@ TAIL = """\
 exit: 0 success, 1 contact, 2 bad input, 3 disagreement, 70 bug, 130 interrupted
 To begin: physim run three_robots. A command explained: physim COMMAND --help
 """
-WIDEST = 78
+WIDTH = 78
 """Characters of a line"""
 LONGEST_NAME = 28
 """Characters of an option beside which its help still stands"""
@@ -43,7 +42,7 @@ def page(name: str, app: App) -> str:
     usage = " ".join(["Usage: physim", name, "[OPTIONS]", *map(_written, places)])
     what, *rest = inspect.cleandoc(app.default_command.__doc__ or "").split("\n\n")
     told = [block for block in rest if not tables(block)]
-    parts = [usage, textwrap.fill(what, _width())]
+    parts = [usage, textwrap.fill(what, WIDTH)]
     if places:
         parts.append(_table("Positional arguments", places))
     sections: dict[str, list[Argument]] = {}
@@ -58,13 +57,16 @@ def page(name: str, app: App) -> str:
 
 def _table(title: str, arguments: Iterable[Argument]) -> str:
     """A section: in the left column what is typed, in the right one its help."""
-    rows = [(_written(one), _told(one)) for one in arguments]
+    rows = []
+    for one in arguments:
+        needed = "  [required]" if one.required and one.index is None else ""
+        rows.append((_written(one), f"{one.parameter.help}{needed}"))
     if title == "Options":
         rows.append((", ".join(HELP), "show this message and exit"))
     wide = max(len(left) for left, _ in rows if len(left) <= LONGEST_NAME)
     lines = [f"{title}:"]
     for left, right in rows:
-        told = textwrap.wrap(right, max(_width() - wide - 4, 20))
+        told = textwrap.wrap(right, WIDTH - wide - 4)
         if len(left) > LONGEST_NAME:
             lines.append(f"  {left}")
         else:
@@ -80,12 +82,3 @@ def _written(argument: Argument) -> str:
         return value
     between = ", " if argument.names[0].count("-") == 1 else " / "
     return f"{between.join(argument.names)} {value}".rstrip()
-
-
-def _told(argument: Argument) -> str:
-    needed = argument.field_info.required and argument.index is None
-    return f"{argument.parameter.help}{'  [required]' * needed}"
-
-
-def _width() -> int:
-    return min(shutil.get_terminal_size().columns - 2, WIDEST)

@@ -2,15 +2,11 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import Annotated, Any, Literal
 
 from physim.cli.new import check_files, write_schema
 from physim.cli.options import Count, Distance, File, Output, Place, Positive, kind, size
 from physim.files import write_text
-
-if TYPE_CHECKING:
-    from physim.authoring.importing import Imported
 
 Format = Literal["track", "ros-map", "svg", "wkt", "geojson"]
 
@@ -37,7 +33,7 @@ def import_world(
     lanes: Count | None = None,
     robot: Annotated[Place | str | None, kind(size)] = None,
     no_formation: bool = False,
-    untried: bool = False,
+    no_run: bool = False,
     quiet: bool = False,
 ) -> int:  # fmt: skip
     """Make a world from a race-track CSV, ROS map, SVG drawing, WKT or GeoJSON, and list every line
@@ -51,8 +47,8 @@ def import_world(
       --force  overwrite an existing file
       --format  kind of the source (default: by suffix)
       --name NAME  name of the world (default: that of the source)
-      --untried  do not drive the world made once, to see if all robots arrive
-      --quiet  no report, and no drive
+      --no-run  only look at the world made, as physim check does, without a trial run
+      --quiet  neither report nor check
 
     lines:
       --scale M  metres per unit of the source (default: 1; svg: the document's real-world units)
@@ -96,31 +92,27 @@ def import_world(
     """
     # both now: Ctrl-C in the import of a module would end the command with the world just written
     from physim.authoring import importing
-    from physim.cli.check import judge
+    from physim.cli.check import looked_at
 
     check_files(output, force, source)
-    asked = importing.Options(
+    asked = dict[str, Any](
         format=format, scale=scale, tolerance=tolerance, specks=specks, start=start, gap=gap,
         open=open, origin=from_, goal=to, robots=robots, lanes=lanes, robot=robot, name=name,
         no_formation=no_formation, close=close, boundary=boundary, ignore=ignore,
         ignore_others=ignore_others,
     )  # fmt: skip
-    imported = importing.import_world(source, asked)
+    imported = importing.import_world(source, importing.Options(**asked))
     written = write_schema(output, force)  # first: without the world nothing is imported
     write_text(output, imported.text)
-    if not quiet:
-        *files, steps = written.splitlines()
-        print("\n".join([*_report(source, imported), *files]), flush=True)
-        judge(output, not untried)
-        print(steps)
+    if quiet:
+        return 0
+    print(f"{source}: {imported.kind}", *imported.facts, sep="\n  ")
+    head = f"dropped or repaired:{'' if imported.changes else ' nothing'}"
+    print(head, *imported.changes, sep="\n  ", flush=True)
+    try:
+        findings, trial = looked_at(output, run=not no_run, quiet=False)
+        print(*filter(None, [trial]), findings, sep="\n")
+    except KeyboardInterrupt:  # ends that alone: the world is there
+        print("interrupted: neither checked nor tried to the end")
+    print(written)
     return 0
-
-
-def _report(source: Path, imported: Imported) -> list[str]:
-    changes = "" if imported.changes else " nothing"
-    return [
-        f"{source}: {imported.kind}",
-        *(f"  {fact}" for fact in imported.facts),
-        f"dropped or repaired:{changes}",
-        *(f"  {change}" for change in imported.changes),
-    ]

@@ -5,11 +5,11 @@ from __future__ import annotations
 import sys
 import textwrap
 from collections.abc import Mapping
-from json import dumps
 from typing import TYPE_CHECKING
 
 from physim.cli.options import JsonFlag, Out, RecordFile
 from physim.errors import PhysimError
+from physim.json_text import json_text
 
 if TYPE_CHECKING:
     from physim.analysis.metrics import Definition
@@ -48,7 +48,7 @@ def listing(
     if json:
         keys = ["worlds", *(kind.group.removeprefix("physim.") for kind in kinds)]
         values = dict(zip(keys, found.values(), strict=True))
-        print(dumps(values, indent=2), file=out)
+        print(json_text(values), end="", file=out)
         return 0
     width = max(len(name) for entries in found.values() for name in entries)
     for title, entries in found.items():
@@ -98,7 +98,12 @@ def summary(
             raise PhysimError("--definitions: takes no record; it explains the metrics")
         own, faults = own_metrics(DEFINITIONS)
         known = {**DEFINITIONS, **own}
-        print(_definitions_json(known) if json else _definitions(known), end="", file=out)
+        if json:
+            keys = ("unit", "meaning", "source")
+            values = {name: {key: getattr(one, key) for key in keys} for name, one in known.items()}
+            print(json_text(values), end="", file=out)
+        else:
+            _tell_definitions(known)
         for fault in faults:
             print(fault, file=sys.stderr)
         return 0
@@ -110,22 +115,13 @@ def summary(
     return 0
 
 
-def _definitions(known: Mapping[str, Definition]) -> str:
+def _tell_definitions(known: Mapping[str, Definition]) -> None:
     width = max(len(name) for name in known)
     units = max(len(one.unit) for one in known.values())
-    lines = []
     for name, one in known.items():
         source = "" if one.source == "-" else f" [{one.source}]"
         head = f"{name:<{width}}  {one.unit:<{units}}  "
-        lines += textwrap.wrap(
+        lines = textwrap.wrap(
             one.meaning + source, LINE, initial_indent=head, subsequent_indent=" " * len(head)
         )
-    return "\n".join(lines) + "\n"
-
-
-def _definitions_json(known: Mapping[str, Definition]) -> str:
-    entries = {
-        name: {"unit": one.unit, "meaning": one.meaning, "source": one.source}
-        for name, one in known.items()
-    }
-    return dumps(entries, indent=2, ensure_ascii=False) + "\n"
+        print("\n".join(lines))

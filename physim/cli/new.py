@@ -9,7 +9,7 @@ from pathlib import Path
 
 from physim.cli.options import File, Output, Whole
 from physim.cli.output import WORLD, Target, inputs, writing
-from physim.errors import PhysimError, WorldError
+from physim.errors import PhysimError
 from physim.escaping import escaped
 from physim.files import write_text
 
@@ -94,17 +94,15 @@ def schema(
 
 def new(
     name: str | None = None, /, *,
-    like: str | None = None,
+    like: str = "straight",
     robots: Whole | None = None,
-    from_: str | None = None,
     seed: Whole | None = None,
     output: Output | None = None,
     project: File | None = None,
     force: bool = False,
 ) -> int:  # fmt: skip
     """Write NAME.yaml, a world that runs as it is, with a comment on every key, and beside it
-    world.schema.json, by which editors complete keys and show what they mean. --from writes a
-    world whose road the seed draws, with that road written out.
+    world.schema.json, by which editors complete keys and show what they mean.
 
     arguments:
       [NAME]  name of the world, and of its file
@@ -112,8 +110,7 @@ def new(
     options:
       --like WORLD  which world to begin with (straight)
       --robots N  how many, where that world has one group
-      --from WORLD  instead of --like: a world with corridor.random, its road written out as drawn
-      --seed N  with --from: the seed, instead of the world's own
+      --seed N  of a world with corridor.random: its road written out as this seed draws it
       -o, --output FILE  file to write (default: NAME.yaml)
       --project DIR  make a folder with worlds/, controllers/ with an example, media/ and a README
       --force  overwrite existing files
@@ -133,79 +130,43 @@ def new(
       physim new my_corridor
       physim new my_fleet --like hundred_robots --robots 20
       physim new --project my_study --like warehouse
-      physim new my_road --from random_road --seed 7
+      physim new my_road --like random_road --seed 7
                                                  the road that this seed draws, as a plain world
     """
-    from physim.authoring.new import new_text
-
-    if from_ is not None:
-        for key, value in (("like", like), ("robots", robots), ("project", project)):
-            if value is not None:
-                raise PhysimError(f"--{key}: cannot be combined with --from, which gives the world")
-        return _drawn(from_, seed, name, output, force)
-    if seed is not None:
-        raise PhysimError("--seed: needs --from, a world whose road a seed draws")
-    like = like or "straight"
-    if project is not None:
-        if output is not None:
-            raise PhysimError("--project: names a folder, and -o a file; give one of them")
-        return _project(project, name, like, robots, force)
-    if name is None and output is None:
-        raise PhysimError("physim new: NAME is missing, as in physim new my_corridor")
-    title, stem = _named(name if name is not None else output.name if output else "")
-    file = output or Path(f"{stem}.yaml")
-    check_files(file, force)
-    _write(file, new_text(title, like, robots), force)
-    return 0
-
-
-def _write(file: Path, text: str, force: bool) -> None:
-    written = write_schema(file, force)  # first: without the world nothing is new
-    write_text(file, text)
-    print(written)
-
-
-def _drawn(
-    source: str, seed: int | None, name: str | None, output: Path | None, force: bool
-) -> int:
-    """Write out the road that a seed draws."""
-    from physim.authoring.new import drawn_text
-    from physim.world.file import read_world
-
-    world, document = read_world(source, seed=seed, check_controller=False)
-    given = output.name if output is not None else f"{world.stem}_{world.seed}"
-    title, stem = _named(name if name is not None else given)
-    file = output or Path(f"{stem}.yaml")
-    check_files(file, force, *inputs(source))
-    command = f"physim new {shlex.quote(title)} --from {shlex.quote(source)}"
-    try:
-        text = drawn_text(world, title, f"{command} --seed {world.seed}")
-    except WorldError as error:
-        raise document.error(error.faults) from None
-    _write(file, text, force)
-    return 0
-
-
-def _project(folder: Path, name: str | None, like: str, robots: int | None, force: bool) -> int:
-    from physim.authoring.new import new_project, new_text
+    from physim.authoring.new import drawn_text, new_project, new_text
     from physim.world.file.schema import schema_text
 
-    name, stem = _named(name if name is not None else Path(like).stem)
-    title = Path(os.path.abspath(folder)).name or name
-    if not title.isprintable():
+    if robots is not None and seed is not None:
+        raise PhysimError("--robots: cannot be combined with --seed, which keeps the robots")
+    if project is not None and output is not None:
+        raise PhysimError("--project: names a folder, and -o a file; give one of them")
+    if name is None and output is None and project is None:
+        raise PhysimError("physim new: NAME is missing, as in physim new my_corridor")
+    title, stem = _named(name if name is not None else (output or Path(like)).name)
+    file = output or Path(f"{stem}.yaml")
+    if project is None:
+        check_files(file, force, *inputs(like))
+    text = new_text(title, like, robots) if seed is None else drawn_text(title, like, seed)
+    if project is None:
+        written = write_schema(file, force)  # first: without the world nothing is new
+        write_text(file, text)
+        print(written)
+        return 0
+    called = Path(os.path.abspath(project)).name or title
+    if not called.isprintable():
         raise PhysimError(
-            f'--project "{escaped(str(folder))[:60]}": a name with signs that cannot be shown; use '
-            "letters and digits, as in my_study"
+            f'--project "{escaped(str(project))[:60]}": a name with signs that cannot be shown; '
+            "use letters and digits, as in my_study"
         )
-    files = new_project(title, stem, new_text(name, like, robots), schema_text())
-    made = [folder / place for place in files]
-    Target(folder, force, option="--project").folder(made, empty=True)
-    with writing(folder):
-        for place, text in files.items():
-            (folder / place).parent.mkdir(parents=True, exist_ok=True)
-            write_text(folder / place, text)
-    print(f"written to {folder}/: {', '.join(files)}")
-    print(f"next: cd {shlex.quote(str(folder))}, and the three commands of its README.md")
+    files = new_project(called, stem, text, schema_text())
+    made = [project / place for place in files]
+    Target(project, force, option="--project").folder(made, empty=True)
+    with writing(project):
+        for place, content in files.items():
+            (project / place).parent.mkdir(parents=True, exist_ok=True)
+            write_text(project / place, content)
+    print(f"written to {project}/: {', '.join(files)}")
+    print(f"next: cd {shlex.quote(str(project))}, and the three commands of its README.md")
     return 0
 
 
@@ -222,16 +183,10 @@ def _named(given: str) -> tuple[str, str]:
         raise PhysimError(
             f'"{shown[:20]}…": a name has at most {MOST_NAME} characters; given {len(name)}'
         )
-    if (
-        not re.search(r"\w", name)
-        or not name.isprintable()
-        or name[0] in "-."
-        or name != name.strip()
-    ):
+    if not (re.search(r"\w", name) and name.isprintable() and name == name.strip(" .").lstrip("-")):
         raise PhysimError(
             f'"{shown}": cannot name a world; use letters and digits, as in my_corridor'
         )
     if "/" in name or "\\" in name:
         raise PhysimError(f'"{shown}": is a path, not a name; -o takes a path')
-    stem = re.sub(r"[^\w-]+", "_", name).strip("_")
-    return name, stem or "world"
+    return name, re.sub(r"[^\w-]+", "_", name).strip("_") or "world"

@@ -8,11 +8,10 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, redirect_stdout
 from dataclasses import dataclass
 from pathlib import Path
-from typing import NoReturn, TextIO
+from typing import TextIO
 
-from physim.drafts import check_regular
 from physim.errors import PhysimError, WorldError
-from physim.files import write_text
+from physim.files import check_regular, write_text
 
 CUT_SHORT = ".cut_short"
 """Between name and ending of a video that was interrupted."""
@@ -21,88 +20,82 @@ STDOUT = Path("-")
 SUMMARY = "summary.json"
 FILES = ("record.h5", "video.mp4", f"video{CUT_SHORT}.mp4", SUMMARY, "page.html")
 PAGE, WORLD = (".html", ".htm"), (".yaml", ".yml")
-KINDS: dict[tuple[str, ...], str] = {
-    PAGE: "a page ends in .html",
-    WORLD: "a world file ends in .yaml",
-}
+"""How files end"""
 
 
 @dataclass(frozen=True)
 class Target:
     """A file or folder that a command is to write, and whether what is there may be overwritten.
 
-    ``inputs`` are files that the command reads, ``others`` what it writes besides, ``option`` is
-    what names the target.
+    ``others`` are further files that the command reads or writes, ``option`` is what names the
+    target.
     """
 
     path: Path
     force: bool
-    inputs: Sequence[Path] = ()
-    option: str = "-o"
     others: Sequence[Path] = ()
+    option: str = "-o"
 
     def file(
         self, *, ends: tuple[str, ...] = (), another: str = "file", in_new: bool = False
     ) -> Path:
         """The file. Raises PhysimError unless it may be written.
 
-        It may not where an input is or something other than a regular file, nor without ``force``
-        where anything exists, nor where there is no folder for it, unless the command makes one
-        (``in_new``). ``option`` names it, or another ``another``.
+        It may not where another file of the command is or something other than a regular file, nor
+        without ``force`` where anything exists, nor where there is no folder for it, unless the
+        command makes one (``in_new``). ``option`` names it, or another ``another``.
         """
         path = self.path
         if path.is_dir():
-            self._refuse(f"is a folder; {self.option} takes a file")
+            raise PhysimError(f"{path}: is a folder; {self.option} takes a file")
         if ends and path.suffix.lower() not in ends:
-            self._refuse(KINDS[ends])
-        if any(map(self._is, self.inputs)):
-            self._refuse(f"is the input; {self.option} takes another {another}")
-        if any(path.resolve() == other.resolve() for other in self.others):
-            self._refuse(f"is what the command writes besides; {self.option} takes another file")
+            raise PhysimError(f"{path}: must end in {' or '.join(ends)}")
+        if any(map(self._is, self.others)):
+            raise PhysimError(
+                f"{path}: is an input or another output; {self.option} takes another {another}"
+            )
         check_regular(path)
         if os.path.lexists(path) and not self.force:
-            self._refuse(
-                f"exists; use --force to overwrite it, or {self.option} for another {another}"
+            raise PhysimError(
+                f"{path}: exists; use --force to overwrite it, or {self.option} for another "
+                f"{another}"
             )
         if not in_new and not path.absolute().parent.is_dir():
-            self._refuse(f"there is no folder {path.parent}")
+            raise PhysimError(f"{path}: there is no folder {path.parent}")
         return path
+
+    def _is(self, other: Path) -> bool:
+        try:
+            return other.samefile(self.path)
+        except (OSError, ValueError):
+            return other.resolve() == self.path.resolve()
 
     def folder(self, earlier: Sequence[Path] = (), what: str = "", empty: bool = False) -> Path:
         """The folder, which need not exist. Raises PhysimError unless it may be written to.
 
         It may not where it is a file, nor without ``force`` where it holds one of the files
         ``earlier``, which are ``what``, or, if it is to be ``empty``, anything; nor, at all, where
-        one of these is an input, no regular file, or a record that a run is writing.
+        one of these is another file of the command, no regular file, or a record that a run is
+        writing.
         """
         from physim.record.lock import check_unwritten
 
-        path = self.path
+        path, option = self.path, self.option
         if os.path.lexists(path) and not path.is_dir():
-            self._refuse(f"is a file; {self.option} takes a folder")
+            raise PhysimError(f"{path}: is a file; {option} takes a folder")
         with writing(path):
             found = [one for one in earlier if os.path.lexists(one)]
-            held = empty and path.exists() and any(path.iterdir())
+            held = any(path.iterdir()) if empty and path.exists() else bool(found)
         for one in found:
-            if one.is_dir() and empty:
-                continue
-            Target(one, True, self.inputs, self.option).file()
-            check_unwritten(one)
-        if (held or (found and not empty)) and not self.force:
+            if not (empty and one.is_dir()):
+                Target(one, True, self.others, option).file()
+                check_unwritten(one)
+        if held and not self.force:
             holds = "is not empty" if empty else f"holds {what} ({found[0].name})"
-            self._refuse(
-                f"{holds}; use --force to overwrite it, or {self.option} for another folder"
+            raise PhysimError(
+                f"{path}: {holds}; use --force to overwrite it, or {option} for another folder"
             )
         return path
-
-    def _is(self, source: Path) -> bool:
-        try:
-            return os.path.samefile(source, self.path)
-        except (OSError, ValueError):
-            return False
-
-    def _refuse(self, why: str) -> NoReturn:
-        raise PhysimError(f"{self.path}: {why}")
 
 
 def remove(files: Sequence[Path]) -> None:
@@ -170,12 +163,10 @@ def inputs(*given: str | Path | None) -> tuple[Path, ...]:
     return tuple(files)
 
 
-def check_json(
-    path: Path | None, force: bool, inputs: Sequence[Path] = (), others: Sequence[Path] = ()
-) -> None:
+def check_json(path: Path | None, force: bool, others: Sequence[Path] = ()) -> None:
     """Raise PhysimError unless ``--json`` may be written to a file; ``-`` is standard output."""
     if path is not None and path != STDOUT:
-        Target(path, force, inputs, "--json", others).file()
+        Target(path, force, others, "--json").file()
 
 
 @contextmanager

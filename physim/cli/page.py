@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import sys
+from collections.abc import Sequence
 from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -12,11 +12,9 @@ from cyclopts import Parameter
 from physim.cli.options import Output, RecordFile
 from physim.cli.output import PAGE, Target
 from physim.cli.progress import announce_compiling
-from physim.errors import PhysimError
+from physim.cli.simulating import tell
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from physim.analysis.validation import Validation
     from physim.record import Record
 
@@ -53,11 +51,8 @@ def page(
       physim page runs/ten_robots-21
       physim page with/record.h5 without/record.h5 -o both.html
     """
-    from physim.drawing.page import MOST_RUNS
     from physim.record import Record
 
-    if len(records) > MOST_RUNS:
-        raise PhysimError(f"{records[MOST_RUNS]}: is one record too many; a page shows {MOST_RUNS}")
     file = Target(output or records[0].parent / NAME, force, records).file(ends=PAGE)
     with ExitStack() as opened:
         make_page([opened.enter_context(Record.load(path)) for path in records], file, quiet)
@@ -79,4 +74,4 @@ def make_page(
         announce_compiling("what is said of contacts", quiet)
     write_page(records, output, found)
     if between := drawn_between(records):
-        print(f"WARNING  {output}: {between}: contacts may lie beside them", file=sys.stderr)
+        tell([f"{output}: {between}: contacts may lie beside them"])

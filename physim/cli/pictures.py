@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
@@ -23,10 +23,12 @@ from physim.cli.options import (
     real,
     whole,
 )
-from physim.cli.output import CUT_SHORT, Target
-from physim.cli.progress import INTERRUPTED, Bar, interrupts
-from physim.drafts import check_regular
+from physim.cli.output import CUT_SHORT, FILES, Target
+from physim.cli.progress import Bar
+from physim.cli.simulating import tell
 from physim.errors import PhysimError, plural
+from physim.files import check_regular
+from physim.terminal import INTERRUPTED, interrupts
 
 if TYPE_CHECKING:
     from physim.record import Record as Opened
@@ -93,8 +95,7 @@ def plot(
     folder = Target(output or record.parent, force).folder()
     for name in chosen:
         Target(folder / f"{name}.{format}", force, [record]).file(another="folder", in_new=True)
-    for fault in not_replaced(chosen):
-        print(f"WARNING  {fault}", file=sys.stderr)
+    tell(not_replaced(chosen))
     left_out: list[str] = []
     with interrupts() as interrupt, Opened.load(record) as opened:
         files = draw(
@@ -157,84 +158,45 @@ def video(
       physim video out/record.h5 --at 47.2 -o frame.png
       physim video with/record.h5 without/record.h5 -o both.mp4 --to 40
     """
+    from physim.drawing.timeline import coarse_spacing
     from physim.drawing.video import still
+    from physim.drawing.video.film import STILL, check_still, kind_of, rate
     from physim.record import Record as Opened
 
     inputs = [record] if other is None else [record, other]
     usual = "frame.png" if at is not None else "video.mp4" if other is None else "beside.mp4"
     file = output or record.parent / usual
-    film = {"--from": from_ != 0.0, "--to": to != math.inf, "--fps": fps is not None}
-    _check_kind(file, at, fps, [name for name, given in film.items() if given])
+    if at is None:
+        if file.suffix.lower() == STILL:
+            raise PhysimError(f"{file}: is a still; --at T says of which simulated time")
+        rate(kind_of(file), fps, "--fps")
+    else:
+        film = {"--from": from_ != 0.0, "--to": to != math.inf, "--fps": fps is not None}
+        if one := next((name for name, given in film.items() if given), None):
+            raise PhysimError(f"{one}: is of a film; --at {at:g} makes a still")
+        check_still(file)
     Target(file, force, inputs).file()
     with interrupts() as interrupt, ExitStack() as opened:
         records = [opened.enter_context(Opened.load(path)) for path in inputs]
-        for one in records:
-            _tell_spacing(one, at)
-        over = max([0.0, *(float(time) for one in records for time in one.time[-1:])])
-        how: dict[str, Any] = {
-            "beside": records[1] if other else None,
-            "speed": speed,
-            "width": width,
-        }
-        if at is None:
-            _check_times(from_, to, over)
-            made = write_video(
-                records[0], file, quiet, interrupt, fps=fps, start=from_, end=to, **how
-            )
-        elif at > over:
-            raise PhysimError(f"--at {at:g}: the run ends at {over:.15g} s")
+        tell(
+            f"{one.path}: a sample every {spacing:g} s (time.record_every); between two of them "
+            "the earlier one is shown"
+            for one in records
+            if (spacing := coarse_spacing(one.time))
+        )
+        how: dict[str, Any] = {"beside": records[1] if other else None, "speed": speed}
+        how["width"] = width
+        if at is not None:
+            still(records[0], made := file, at, **how)
         else:
-            still(records[0], file, at, **how)
-            made = file
+            how |= {"fps": fps, "start": from_, "end": to}
+            made = write_video(records[0], file, quiet, interrupt, **how)
     if made != file:
         print(f"interrupted; the video so far is {made}", file=sys.stderr)
         return INTERRUPTED
     if not quiet:
         print(file)
     return 0
-
-
-def _check_kind(file: Path, at: float | None, fps: int | None, of_film: list[str]) -> None:
-    """Raise PhysimError where the file is of no kind there is, or of another than asked for."""
-    from physim.drawing.video.film import STILL, check_still, kind_of, named, rate
-
-    is_still = file.suffix.lower() == STILL
-    if at is None:
-        if is_still:
-            raise PhysimError(f"{file}: is a still; --at T says of which simulated time")
-        rate(kind_of(file), fps, "--fps")
-        return
-    if of_film:
-        raise PhysimError(f"{of_film[0]}: is of a film; --at {at:g} makes a still")
-    if not is_still:
-        meant = f'did you mean "{named(file, STILL)}"?'
-        raise PhysimError(f"--at {at:g}: makes a still, which {file} cannot be; {meant}")
-    check_still(file)
-
-
-def _tell_spacing(record: Opened, at: float | None) -> None:
-    """Say of a coarse record that pictures show the samples that it has."""
-    from physim.drawing.timeline import coarse_spacing, samples_before
-
-    times = record.time
-    if not (spacing := coarse_spacing(times)):
-        return
-    every = f"{record.path} has a sample every {spacing:g} s (time.record_every)"
-    if at is None:
-        print(f"WARNING  {every}: the film goes from one to the next", file=sys.stderr)
-    elif (shown := times[samples_before(times, at)]) < min(at, times[-1]) - 1e-6:
-        print(f"WARNING  {every}: the picture shows that of {shown:g} s", file=sys.stderr)
-
-
-def _check_times(start: float, end: float, over: float) -> None:
-    """Raise PhysimError unless --from comes before --to, and before the end of the longest run."""
-    last = min(end, over)
-    if not start < last and (start, last) != (0.0, 0.0):
-        to = "" if math.isinf(end) else f", --to {end:g}"
-        raise PhysimError(
-            f"--from {start:g}{to}: nothing to show; --from must be before --to, and before the "
-            f"end of the run at {over:g} s"
-        )
 
 
 def write_video(
@@ -252,3 +214,8 @@ def write_video(
     with Bar("video", 1.0, "frames", quiet) as bar:
         render(record, path, progress=bar.count, stop=stop, cut_short=short, **film)
     return path if bar.complete else short
+
+
+def files_written(folder: Path, files: Iterable[str] = FILES) -> str:
+    """A line of those ``files`` that a folder has."""
+    return f"written to {folder}/: {', '.join(one for one in files if (folder / one).exists())}"

@@ -1,38 +1,32 @@
-"""While a command works: progress bars, Ctrl-C, files that are watched, kernels that are compiled.
-
-Bars are drawn on a terminal alone. Files are watched by looking at them now and then, which
-works on every file system.
-"""
+"""While a command works: progress bars, files that are watched, kernels that are compiled."""
 
 from __future__ import annotations
 
-import signal
+import subprocess
 import sys
-import threading
 import time
-import traceback
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Sequence
 from pathlib import Path
-from types import FrameType
 from typing import TYPE_CHECKING
 
-from physim.errors import PhysimError
 from physim.escaping import escaped
-from physim.streams import unescaped
+from physim.terminal import INTERRUPTED, interrupts
 
 if TYPE_CHECKING:
     from physim.simulation.loop import Simulation
 
-INTERRUPTED = 130
-"""Exit code of a command that a signal ended."""
 REFRESH_SECONDS = 0.1
-PATIENCE = 1.0
-"""[s] after which a second signal breaks off what has not heard the first"""
 COMPILING = 25
 """[s] about, on two quiet cores"""
 EVERY = 0.15
 """[s] between two looks at a file that is watched"""
+MOTION = """\
+from physim import build_scene, load_world
+from physim.simulation.run import warm_up_motion
+world = load_world("three_robots").changed(controller={"type": "constant"})
+warm_up_motion(build_scene(world))
+"""
+"""Compiles what moves robots; the controller makes no decision that would have to be compiled"""
 
 
 class Bar:
@@ -40,39 +34,37 @@ class Bar:
 
     def __init__(self, title: str, total: float, unit: str, quiet: bool) -> None:
         self.visible = not quiet and sys.stderr.isatty()
-        self.due = 0.0
         self.complete = False
-        if not self.visible:
-            return
-        from rich.console import Console
-        from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
+        self._due = 0.0
+        if self.visible:
+            from rich.console import Console
+            from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
-        self.progress = Progress(
-            TextColumn("{task.description}", markup=False),
-            BarColumn(),
-            TextColumn(f"{{task.completed:.0f}}/{{task.total:.0f}} {unit}"),
-            TextColumn("{task.fields[note]}", markup=False),
-            TimeRemainingColumn(),
-            console=Console(file=unescaped(sys.stderr)),
-            transient=True,
-        )
-        self.progress.start()
-        self.task = self.progress.add_task(escaped(title), total=total, note="")
+            self._progress = Progress(
+                TextColumn("{task.description}", markup=False),
+                BarColumn(),
+                TextColumn(f"{{task.completed:.0f}}/{{task.total:.0f}} {unit}"),
+                TextColumn("{task.fields[note]}", markup=False),
+                TimeRemainingColumn(),
+                console=Console(file=getattr(sys.stderr, "stream", sys.stderr)),  # behind its gate
+                transient=True,
+            )
+            self._progress.start()
+            self._task = self._progress.add_task(escaped(title), total=total, note="")
 
     def count(self, done: int, total: int, note: str = "") -> None:
         """Show how much is done of what there is in all."""
         self.complete = done == total
         if self.visible:
-            self.progress.update(self.task, total=total)
+            self._progress.update(self._task, total=total)
         self.update(done, note)
 
     def update(self, done: float, note: Callable[[], str] | str = "") -> None:
         """Show how far the work is; cheap when nothing is due."""
-        if not self.visible or (now := time.monotonic()) < self.due:
-            return
-        self.due = now + REFRESH_SECONDS
-        text = note() if callable(note) else note
-        self.progress.update(self.task, completed=done, note=text)
+        if self.visible and (now := time.monotonic()) >= self._due:
+            self._due = now + REFRESH_SECONDS
+            text = escaped(note() if callable(note) else note)
+            self._progress.update(self._task, completed=done, note=text)
 
     def simulated(self, simulation: Simulation, factor: float) -> None:
         """Show how far a simulation is, and how many times faster than what it simulates."""
@@ -85,101 +77,23 @@ class Bar:
     def __exit__(self, *error: object) -> None:
         """Take the bar off the screen."""
         if self.visible:
-            self.progress.stop()
+            self._progress.stop()
             self.visible = False
-
-
-@contextmanager
-def handling(handler: Callable[[int, FrameType | None], None]) -> Iterator[None]:
-    """Handle SIGINT, SIGTERM and SIGHUP while a block runs: they ask a command to end.
-
-    SIGHUP comes when the terminal is closed; a command started by ``nohup`` does not hear it, and
-    none is heard outside the main thread.
-    """
-    heard = [signal.SIGINT, signal.SIGTERM]
-    hangup = getattr(signal, "SIGHUP", None)
-    if hangup is not None and signal.getsignal(hangup) is not signal.SIG_IGN:
-        heard.append(hangup)
-    if threading.current_thread() is not threading.main_thread():
-        heard = []
-    before = {number: signal.signal(number, handler) for number in heard}
-    try:
-        yield
-    finally:
-        for number, one in before.items():
-            signal.signal(number, one)
-
-
-class Break:
-    """Raises KeyboardInterrupt at a signal, and knows that there was one."""
-
-    def __init__(self) -> None:
-        self.came = False
-        self.ends = False
-        """whether the command is ending, so that no more is raised"""
-
-    def __call__(self, number: int, frame: FrameType | None) -> None:
-        """Handle a signal."""
-        self.came = True
-        if not self.ends:
-            raise KeyboardInterrupt
-
-
-class Interrupt:
-    """Counts signals instead of breaking off in the middle of a file."""
-
-    def __init__(self) -> None:
-        self.count = 0
-        self._unheard: float | None = None
-
-    def __call__(self) -> bool:
-        """Whether there was one."""
-        self._unheard = None
-        return self.count > 0
-
-    def note(self, number: int, frame: FrameType | None) -> None:
-        """Count it. Raises KeyboardInterrupt where nobody has asked for a while after the last.
-
-        A controller may never return.
-        """
-        now = time.monotonic()
-        if self._unheard is not None and now - self._unheard > PATIENCE:
-            raise KeyboardInterrupt
-        self.count += 1
-        self._unheard = now if self._unheard is None else self._unheard
-
-
-@contextmanager
-def interrupts() -> Iterator[Interrupt]:
-    """Catch the signals while a block runs; the block polls the returned object.
-
-    Raises PhysimError for a KeyboardInterrupt of which there was no signal, as one that a
-    controller raises.
-    """
-    interrupt = Interrupt()
-    try:
-        with handling(interrupt.note):
-            yield interrupt
-    except KeyboardInterrupt as error:
-        if interrupt.count:
-            raise
-        *_, last = traceback.extract_tb(error.__traceback__)
-        where = f"{last.filename}:{last.lineno}"
-        raise PhysimError(f"{where}: raised KeyboardInterrupt; nobody interrupted") from error
 
 
 def watch(paths: Sequence[Path], changed: Callable[[], object]) -> int:
     """Call ``changed`` now and after every change of the files, until Ctrl-C; returns its code.
 
-    A change counts when the files stay as they are from one look to the next, so that a file is
-    seldom read half-written; when it is nonetheless, its completion is the next change.
+    Files are looked at now and then, which works on every file system. A change counts when they
+    stay as they are from one look to the next, so that a file is seldom read half-written; when it
+    is nonetheless, its completion is the next change.
     """
     handled: object = None
-    before = [state(path) for path in paths]
+    before = [_state(path) for path in paths]
     with interrupts() as interrupt:
         while not interrupt():
-            now = [state(path) for path in paths]
-            if now == before and (handled is None or now != handled):
+            now = [_state(path) for path in paths]
+            if now == before and now != handled:
                 handled = now  # before the call: what is saved meanwhile is a change
                 try:
                     changed()
@@ -191,7 +105,7 @@ def watch(paths: Sequence[Path], changed: Callable[[], object]) -> int:
     return INTERRUPTED
 
 
-def state(path: Path) -> tuple[int, ...]:
+def _state(path: Path) -> tuple[int, ...]:
     """What changes with the content of a file; () while there is none."""
     try:
         status = path.stat()
@@ -205,3 +119,21 @@ def announce_compiling(what: str, quiet: bool) -> None:
     if not quiet:
         text = f"compiling {what} (once after an installation or an edit, about {COMPILING} s) ..."
         print(text, file=sys.stderr, flush=True)
+
+
+def compiled_beside() -> Callable[[], object]:
+    """Begin to compile in another process what a run needs beside its decisions.
+
+    Returns what waits for it. Where it fails, or has no second core, the run compiles it all the
+    same.
+    """
+    nowhere = subprocess.DEVNULL
+    return subprocess.Popen([sys.executable, "-Pc", MOTION], stdout=nowhere, stderr=nowhere).wait
+
+
+def checks_ready(quiet: bool) -> None:
+    """Say so where the kernels of a validation are to be compiled."""
+    from physim.analysis import validation
+
+    if not validation.is_warm():
+        announce_compiling("the checks of the validation", quiet)

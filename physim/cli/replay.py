@@ -7,10 +7,10 @@ import sys
 from pathlib import Path
 
 from physim.cli.options import Output, quoted
-from physim.cli.output import FILES, run_folder
-from physim.cli.pictures import write_video
-from physim.cli.progress import INTERRUPTED, interrupts
+from physim.cli.output import run_folder
+from physim.cli.pictures import files_written, write_video
 from physim.errors import PhysimError
+from physim.terminal import INTERRUPTED, interrupts
 
 DISAGREE = 3
 
@@ -79,7 +79,7 @@ def replay(
         if broke and not differing:
             print(f"broke off: {broke}", file=sys.stderr)
         print(f"run {row.run}: {spec.note}; ended {ended} after {seconds:g} s")
-        print(f"written to {folder}/: {', '.join(n for n in FILES if (folder / n).exists())}")
+        print(files_written(folder))
     for line in differing:
         print(f"NOT THE SAME  {line}", file=sys.stderr)
     if interrupt():

@@ -2,19 +2,29 @@
 
 from __future__ import annotations
 
-import sys
-from json import dumps
+from pathlib import Path
 
 from physim.cli.options import File, JsonFile, Out, Output
 from physim.cli.output import PAGE as PAGES
 from physim.cli.output import STDOUT, Target, check_json, inputs, write_json
-from physim.cli.progress import INTERRUPTED, Bar, interrupts
-from physim.cli.sweeping import spare
-from physim.drafts import check_regular
+from physim.cli.progress import Bar
 from physim.errors import PhysimError
-from physim.files import write_text
+from physim.files import check_regular, write_text
+from physim.json_text import json_text
+from physim.terminal import INTERRUPTED, interrupts
 
 PAGE = "report.html"
+
+
+def spare(path: Path | None, option: str, *folders: Path) -> None:
+    """Raise PhysimError where a file to be written is a part of a campaign that is read."""
+    from physim.campaigns.folder import is_part
+
+    for folder in folders:
+        if path is not None and is_part(path, folder):
+            raise PhysimError(
+                f"{path}: is a part of the campaign in {folder}; {option} takes another file"
+            )
 
 
 def report(
@@ -77,7 +87,7 @@ def report(
         raise PhysimError(f"{made}: cannot be combined with --no-pictures")
     spare(json, "--json", folder)
     spare(output, "-o", folder)
-    check_json(json, force, inputs(folder), [page])
+    check_json(json, force, [*inputs(folder), page])
     if output is not None:
         Target(page, force).file(ends=PAGES)
     asked = Folder(folder).asked()
@@ -95,10 +105,9 @@ def report(
         )  # fmt: skip
         write_text(page, report_page(found, shown))
         if json is not None:
-            values = dumps(report_values(found), indent=2, ensure_ascii=False, allow_nan=False)
-            write_json(json, values, out)
+            write_json(json, json_text(report_values(found)), out)
         if not quiet:
-            sys.stdout.write(report_text(found, explain))
+            print(report_text(found, explain), end="")
         if json != STDOUT or not quiet:
-            sys.stdout.write(f"written to {page}\n")
+            print(f"written to {page}")
         return INTERRUPTED if interrupt() else 0

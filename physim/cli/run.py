@@ -7,12 +7,14 @@ import sys
 from pathlib import Path
 
 from physim.cli.options import AS_IT_IS, Changes, Output, World
-from physim.cli.output import FILES, SUMMARY, inputs, run_folder
+from physim.cli.output import SUMMARY, inputs, run_folder
 from physim.cli.page import make_page
-from physim.cli.pictures import write_video
-from physim.cli.progress import INTERRUPTED, Bar, interrupts
+from physim.cli.pictures import files_written, write_video
+from physim.cli.progress import Bar
+from physim.cli.simulating import ready, tell
 from physim.errors import PhysimError
 from physim.files import write_text
+from physim.terminal import INTERRUPTED, interrupts
 
 FAILED = 1
 
@@ -62,20 +64,14 @@ def run(
       physim run my_world.yaml --observer my_module:MyObserver
     """
     from physim.analysis.summary import summarise, table
-    from physim.cli.simulating import ready, tell
-    from physim.cli.warming import finish
     from physim.parts.registry import OBSERVER, make_by_defaults
     from physim.simulation.run import LateError, record_run
-    from physim.world.file import read_world
 
     def say(text: str) -> None:
         if not quiet:
             print(text, file=sys.stderr, flush=True)
 
-    read, document = read_world(world, **changes.reading)
-    tell(document.lines(document.warnings))
-    place = (output or Path("runs")) / "record.h5"
-    simulation = ready(read, document, changes, quiet, place)
+    simulation = ready(world, changes, quiet, (output or Path("runs")) / "record.h5")
     try:
         observers = [make_by_defaults(OBSERVER, name, trusted=True) for name in observer]
     except PhysimError as error:
@@ -112,9 +108,7 @@ def run(
         tell(summary.warnings)
     else:
         print(table(summary, brief=not full), end="")
-        print(f"written to {folder}/: {', '.join(n for n in FILES if (folder / n).exists())}")
-    if not stopped:
-        finish(quiet)
+        print(files_written(folder))
     if late is not None:
         raise late
     if stopped:

@@ -3,17 +3,23 @@
 from __future__ import annotations
 
 import sys
-from json import dumps
+from collections import Counter
+from functools import partial
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from physim.cli.options import Out, Output, Seeds, TeamSize, Words, Worlds, kind, real
-from physim.cli.progress import INTERRUPTED
-from physim.cli.sweeping import run_grid, tell_fixed, usual_folder
+from physim.cli.progress import Bar
+from physim.cli.simulating import compile_once, tell
 from physim.errors import PhysimError, plural
+from physim.json_text import json_text
+from physim.terminal import INTERRUPTED, interrupts
 
 if TYPE_CHECKING:
-    from physim.statistics import Decision, Goal
+    from physim.campaigns.spec import Label
+    from physim.statistics import Decision
 
+DISAGREE = 3
 MOST_SHARDS = 100_000
 
 
@@ -26,7 +32,7 @@ def shard(text: str) -> tuple[int, int]:
     return number, count
 
 
-def goal(text: str) -> Goal:
+def goal(text: str) -> object:
     """Read a goal. Raises ValueError with what is allowed and where the fault is."""
     from physim.statistics import read_goal
 
@@ -45,6 +51,7 @@ def sweep(
     shard: Annotated[tuple[int, int], kind(shard)] = (1, 1),
     keep: Literal['none', 'failed', 'all'] = 'none',
     limit: Annotated[float | None, kind(real(0.1, 1e7))] = None,
+    validate: bool = False,
     retry: bool = False,
     yes: bool = False,
     json: bool = False,
@@ -72,6 +79,8 @@ def sweep(
       --keep WHICH  records to keep in DIR/records: none, failed (those with contacts), all (none)
       --limit SECONDS  give a run up after this time (default: 2 min and 1 ms for each robot and
           step)
+      --validate  hold every run against exact distances and collision times, as physim validate
+          does: columns verdict and unexplained
       --retry  run those again that failed: by an error, their limit or a kill
       --yes  run more than a million
       --json  print the counts as JSON instead
@@ -87,6 +96,7 @@ def sweep(
     exit codes:
       0    all runs have a row, whatever came of them
       2    bad input; nothing that was written is lost
+      3    with --validate: the checks disagree in some run
       130  interrupted (Ctrl-C, SIGTERM): what was finished is kept; the same command goes on
 
     examples:
@@ -96,10 +106,15 @@ def sweep(
       physim sweep ten_robots --seeds 0:10000 --until "rate > 0.99"
       physim sweep ten_robots --seeds 0:100000 --scheduler tcp://10.0.0.1:8786
     """
+    from physim.campaigns.cluster import executor
     from physim.campaigns.folder import read
     from physim.campaigns.grid import MOST_RUNS, Shard, make_grid
     from physim.campaigns.outcomes import Outcomes
-    from physim.campaigns.report.swept import sweep_text, sweep_values
+    from physim.campaigns.report.swept import decided_text, disagreeing, sweep_text, sweep_values
+    from physim.campaigns.sweep import sweep as do_runs
+    from physim.campaigns.sweep import sweep_until
+    from physim.world.file.files import stem_of
+    from physim.world.layout.scene_builder import TO_DRAW
 
     if workers is not None and scheduler is not None:
         raise PhysimError("--workers: cannot be combined with --scheduler, which has its own")
@@ -108,36 +123,49 @@ def sweep(
     if until is not None and shard[1] > 1:
         raise PhysimError("--until: cannot be combined with --shard, which has not all seeds")
     grid = make_grid(
-        worlds, None if seeds is None else seeds, set, list(controller), limit,
-        Shard(*shard), None if yes else MOST_RUNS,
-    )  # fmt: skip
-    folder = output or usual_folder(worlds)
-    tell_fixed(grid, quiet)
-    tally, decisions = run_grid(
-        grid, folder, workers=workers, scheduler=scheduler, until=until, keep=keep, retry=retry,
-        quiet=quiet,
-    )  # fmt: skip
+        worlds, seeds, set, controller, limit, Shard(*shard), None if yes else MOST_RUNS
+    )
+    stems = list(dict.fromkeys(map(stem_of, worlds)))
+    name = "+".join(stems) if len(stems) <= 3 else f"{stems[0]}+{len(stems) - 1}"
+    folder = output or Path("sweeps") / name
+    tell(grid.warnings)
+    fixed = Counter(grid.cells[k].world for k in grid.fixed)
+    if fixed and seeds is not None and not quiet:
+        cells = ", ".join(f"{world} ({plural(n, 'cell')})" for world, n in sorted(fixed.items()))
+        print(f"Nothing random in {cells}, run once each; {TO_DRAW}.", file=sys.stderr)
+    if scheduler is None:
+        compile_once(quiet, checks=validate)
+    decisions: dict[Label, Decision] = {}
+    with interrupts() as interrupt, Bar("sweep", len(grid), "runs", quiet) as bar:
+        team = partial(executor, workers, scheduler)
+        how: dict[str, Any] = {
+            "keep": keep, "judged": validate, "retry": retry, "stop": interrupt,
+            "progress": lambda now: bar.count(now.known, now.asked, now.note),
+        }  # fmt: skip
+        if until is None:
+            with team() as members:
+                tally = do_runs(grid, folder, members, **how)
+        else:
+            tally, decisions = sweep_until(grid, folder, team, until, **how)
+    if tally.interrupted:
+        print(
+            f"interrupted: {tally.known:,} of {plural(tally.asked, 'run')} done, "
+            f"{tally.asked - tally.known:,} to go; the same command goes on ({folder})",
+            file=sys.stderr,
+        )
     if keep != "none" and tally.before:
         print(
             f"{plural(tally.before, 'run')} had a row already: --keep is of runs that are done now "
             "(physim replay makes any other again)", file=sys.stderr,
         )  # fmt: skip
-    if json or not quiet:
-        draws, found = {cell.label: cell.draws for cell in grid.cells}, Outcomes(read(folder))
-        if json:
-            values = sweep_values(folder, found, draws, tally, decisions)
-            print(dumps(values, indent=2), file=out)
-        else:
-            print(sweep_text(folder, found, draws, tally), end="")
-            for label, one in decisions.items():
-                print(f"{', '.join(filter(None, label))}: {_decided(one, until)}")
-    return INTERRUPTED if tally.interrupted else 0
-
-
-def _decided(one: Decision, goal: Goal) -> str:
-    """What came of the goal in a cell."""
-    from physim.campaigns.report.text import decision_words
-    from physim.units import interval
-
-    text = f"{decision_words(one, goal)}, {goal.rate} in {interval(one.low, one.high)} at any look"
-    return text if one.decided else f"{text}; more --seeds may decide it"
+    draws, found = {cell.label: cell.draws for cell in grid.cells}, Outcomes(read(folder))
+    if json:
+        values = sweep_values(folder, found, draws, tally, decisions)
+        print(json_text(values), end="", file=out)
+    elif not quiet:
+        print(sweep_text(folder, found, draws, tally), end="")
+        print("".join(decided_text(label, one, until) for label, one in decisions.items()), end="")
+    wrong = disagreeing(found) if validate else []
+    for line in wrong:
+        print(line, file=sys.stderr)
+    return INTERRUPTED if tally.interrupted else DISAGREE if wrong else 0

@@ -27,7 +27,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from physim.drafts import discard, draft_of
+from physim.files import discard, draft_of
 from physim.record.lock import WriteLock, is_at
 
 PAGE = 4096

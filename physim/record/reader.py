@@ -14,8 +14,8 @@ import h5py
 import numpy as np
 
 from physim.contacts import Kind, Phase
-from physim.drafts import discard, draft_of
 from physim.errors import PhysimError, RecordError, WorldError
+from physim.files import draft
 from physim.html import labelled
 from physim.parts.declarations import Declared, Mode
 from physim.parts.given import GivenSettings
@@ -279,21 +279,19 @@ class Record(RecordedHistory):
         Raises RecordError when that fails, and where a run is writing the file.
         """
         target = Path(path)
+        lock = None
         try:
-            draft, lock = draft_of(target), None
+            with draft(target) as part:
+                lock = WriteLock(target)
+                if self.path is not None:
+                    shutil.copyfile(self.path, part)
+                else:
+                    self._file.flush()
+                    part.write_bytes(self._file.id.get_file_image())
+        except OSError as error:
+            raise RecordError(f"{target}: cannot be written: {error.strerror}") from error
         except PhysimError as error:
             raise RecordError(str(error)) from None
-        try:
-            lock = WriteLock(target)
-            if self.path is not None:
-                shutil.copyfile(self.path, draft)
-            else:
-                self._file.flush()
-                draft.write_bytes(self._file.id.get_file_image())
-            draft.replace(target)
-        except OSError as error:
-            discard(draft)
-            raise RecordError(f"{target}: cannot be written: {error.strerror}") from error
         finally:
             if lock is not None:
                 lock.release()

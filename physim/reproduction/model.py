@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from pydantic import TypeAdapter
 
+from physim.json_text import json_text
 from physim.record import Record
 from physim.reproduction.measures import Measures, measures
 
@@ -267,7 +268,7 @@ class Report:
             for world, run in self.figures.items()
         }
         tree = {"format": FORMAT, "version": VERSION, **asdict(replace(self, figures=figures))}
-        return json.dumps(tree, indent=1, ensure_ascii=False) + "\n"
+        return json_text(tree)
 
     @classmethod
     def from_json(cls, text: str) -> Report:

@@ -108,6 +108,20 @@ def _counts(rows: Sequence[Verdict]) -> Iterator[str | Words]:
         yield f" {sum(row.outcome is one for row in rows)}"
 
 
+def verdicts(report: Report) -> str:
+    """A line for every claim that is not met, and the count of all."""
+    told = [
+        f"{row.outcome.value:<10}  {section.short}: {row.claim}: reported {row.reported}, "
+        f"measured {row.measured}"
+        for section in report.sections
+        for row in section.rows
+        if row.outcome is not Outcome.MET
+    ]
+    rows = report.rows
+    count = ", ".join(f"{sum(r.outcome is one for r in rows)} {one.value}" for one in Outcome)
+    return "\n".join([*told, f"{plural(len(rows), 'claim')}: {count}"]) + "\n"
+
+
 def _section(section: Section) -> Iterator[Block]:
     yield "h2", section.title
     yield from (("p", text) for text in (section.about, section.missing) if text)

@@ -13,8 +13,8 @@ from typing import Any
 import numpy as np
 
 from physim.analysis.metrics.distances import HORIZON, pair_collision_times
-from physim.drafts import discard, draft_of
 from physim.drawing.plots.style import CYCLE, INK, MARKERS, NARROW, QUIET, WIDTH, styled
+from physim.files import draft
 from physim.record import Record
 from physim.reproduction.study import Runs, Shown, Study, estimate
 
@@ -38,12 +38,8 @@ def picture(path: Path) -> Iterator[Callable[[Any], None]]:
         drawn = io.BytesIO()
         figure.savefig(drawn, format="png", dpi=DPI)
         small = Image.open(drawn).convert("RGB").quantize(COLOURS, dither=Image.Dither.NONE)
-        part = draft_of(path)
-        try:
+        with draft(path) as part:
             small.save(part, format="PNG", optimize=True)
-            part.replace(path)
-        finally:
-            discard(part)
 
     with styled(), warnings.catch_warnings():
         warnings.filterwarnings("ignore", "Glyph .* missing from font")  # names in any script

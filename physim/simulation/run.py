@@ -303,7 +303,7 @@ def warm_up_motion(scene: Scene, controller: Controller | None = None) -> None:
 def warm_up(
     scene: Scene,
     controller: Controller | None = None,
-    wait: Callable[[], None] = lambda: None,
+    wait: Callable[[], object] = lambda: None,
 ) -> float:
     """Compile or load all that a run needs; returns the seconds it took.
 

@@ -191,6 +191,15 @@ class WorldResult:
     skipped: str = ""
     """why the controller was not tried: what it says of the robots; empty where it was"""
 
+    def as_json(self) -> dict[str, Any]:
+        """Return the result as JSON holds it, without its findings."""
+        return {
+            "world": self.world,
+            "situation": self.situation,
+            "decisions": self.decisions,
+            "skipped": self.skipped or None,
+        }
+
     def lines(self) -> list[str]:
         """A line a finding, or one that says why there can be none."""
         return (

@@ -204,19 +204,3 @@ def test_a_controller_that_is_given_the_scene_may_draw(here: Path) -> None:
         ends.append(tuple(simulation.pose[0]))
     assert len(set(ends)) == 3
     assert len(make_grid(world, range(3), [], ["path_following"])) == 1
-
-
-def test_what_is_compared_with_what_draws_is_run_with_the_same_seeds(here: Path) -> None:
-    (here / "drawing.py").write_text(DRAWING)
-    controllers = ["drawing:Drawing", "path_following"]
-    seeds = {
-        paired: sorted(
-            (one.controller, one.seed)
-            for one in make_grid(["fixed.yaml"], range(3), [], controllers, paired=paired)
-        )
-        for paired in (False, True)
-    }
-    drawn = [("drawing:Drawing", seed) for seed in range(3)]
-    assert seeds[False] == [*drawn, ("path_following", 1)]
-    assert seeds[True] == [*drawn, *(("path_following", seed) for seed in range(3))]
-    assert len(make_grid(["fixed.yaml"], range(3), [], controllers[1:], paired=True)) == 1

@@ -135,7 +135,7 @@ def test_the_video_so_far_is_made_unless_a_second_signal_ends_it_sooner(
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_a_signal_at_the_start(number: signal.Signals, late: float, here: Path) -> None:
     """From the first moment that physim itself runs; before it, Python answers as it does."""
-    process = started("validate", "straight", "--seeds", "0:1000", "--quiet", folder=here)
+    process = started("validate", "hundred_robots", "--quiet", folder=here)
     time.sleep(late)
     process.send_signal(number)
     told = process.communicate(timeout=60)

@@ -159,11 +159,11 @@ def test_a_disagreement_ends_with_3_and_worlds_that_run_replays(
     [
         pytest.param(
             ("run", "small.yaml", "--no-video", "--set", "time.duration=0.1"),
-            "physim.cli.simulating", ("controller", "distances"), marks=pytest.mark.deep,
+            "physim.simulation.run", ("controller", "distances"), marks=pytest.mark.deep,
         ),
         (("validate", "small.yaml"), "physim.analysis.validation", ("validation",)),
         (("crashtest", "--cases", 5), "physim.analysis.crashtest.prediction", ("collision",)),
-        (("check-controller", "constant", *STRAIGHT), "physim.simulation.run", ("run",)),
+        (("check-controller", "constant", *STRAIGHT), "physim.simulation.run", ("controller",)),
     ],
 )  # fmt: skip
 def test_each_command_says_what_it_compiles(

@@ -93,8 +93,7 @@ def test_a_class_that_a_record_names_is_run_when_the_option_told_is_given(
             package.parse_world(SHORT, controller=name), controller=name, path="own.h5"
         ).close()
     for words in (("run", "own.h5", "--no-video", "-o", "o"), ("check", "own.h5"),
-                  ("preview", "own.h5"),
-                  ("validate", "own.h5", "--seeds", "0:2", "--workers", 1)):  # fmt: skip
+                  ("preview", "own.h5")):  # fmt: skip
         code, out, err = physim(*words, capture=capsys)
         assert code == 2
         assert f"--controller {name}" in out + err

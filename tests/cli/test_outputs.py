@@ -120,7 +120,7 @@ def test_a_run_does_not_take_away_its_own_world(here: Path, capsys) -> None:
     (here / "out/summary.json").write_text(SMALL)
     done = physim("run", "out/summary.json", "-o", "out", "--force", capture=capsys)
     assert (done.code, done.out) == (2, "")
-    check_error(done.err, "out/summary.json:", "the input")
+    check_error(done.err, "out/summary.json:", "an input")
     assert (here / "out/summary.json").read_text() == SMALL
 
 

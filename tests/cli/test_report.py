@@ -189,34 +189,21 @@ def test_a_page_of_ones_own_is_overwritten_by_force_alone(
     assert physim("report", place, "--no-pictures", capture=capsys).code == 0
 
 
-@pytest.mark.deep
-def test_compare_runs_what_it_compares(tmp_path: Path, monkeypatch, capsys) -> None:
+def test_rows_without_a_verdict_are_validated_on_request(
+    tmp_path: Path, monkeypatch, capsys
+) -> None:
     monkeypatch.chdir(tmp_path)
     (tmp_path / "small.yaml").write_text(WORLD, encoding="utf-8")
-    common = ("small.yaml", "--seeds", "1:4", "--workers", "1")
-    two = ("--controller", "mode_switching,path_following")
-    assert (
-        physim("sweep", "small.yaml", "--seeds", "0:6", "--workers", "1", capture=capsys).code == 0
-    )
-    done = physim("compare", *common, *two, "--json", "-", "--quiet", capture=capsys)
-    assert done.code == 0
-    (found,) = json.loads(done.out)["comparisons"]
-    assert found["seeds"] == 3  # the folder has more
-    for given in (["path_following", "mode_switching"], ["mode_switching", "path_following"]):
-        names = ("--controller", ",".join(given))
-        told = physim("compare", *common, *names, "--json", "-", "--quiet", capture=capsys)
-        (one,) = json.loads(told.out)["comparisons"]
-        assert [one[arm]["label"] for arm in "ab"] == given
-    assert read(tmp_path / "sweeps/small").num_rows == 6 + 3
-    assert physim("compare", *common, *two, capture=capsys).code == 0
-    assert read(tmp_path / "sweeps/small").num_rows == 6 + 3
-    done = physim("compare", *common, *two, "--only", "rate,time_to_finish", capture=capsys)
-    assert "time_to_finish: not compared" in done.out  # none finished
-    axes = ("--set", "time.duration=0.5,1.0", "--runs", "other")
-    done = physim("compare", *common, *axes, "-o", "c.html", capture=capsys)
-    assert done.code == 0
-    assert "time.duration=0.5" in Elements((tmp_path / "c.html").read_text(encoding="utf-8")).said
-    assert physim("compare", *common, *axes, *two, capture=capsys).code == 2  # by which?
+    sweep = ("sweep", "small.yaml", "--seeds", "0:2", "--workers", "1", "-o", "c", "--json")
+    for more, now in ((), 2), (("--validate",), 2), (("--validate",), 0), ((), 0):
+        done = physim(*sweep, *more, capture=capsys)
+        assert (done.code, json.loads(done.out)["run_now"]) == (0, now)
+    assert read("c")["verdict"].to_pylist() == ["contact-free"] * 2
+    assert read("c")["unexplained"].to_pylist() == [0] * 2
+    row = take(spec_of(parse_world(WORLD), 0, name="small"), "none", None, True).row
+    Folder("c").rows.write([replace(row, verdict="checks disagree: once")])
+    done = physim(*sweep, "--validate", capture=capsys)
+    assert (done.code, done.err.count("checks disagree: once")) == (3, 1)
 
 
 def test_mistakes(made: Path, tmp_path: Path, monkeypatch, capsys) -> None:
@@ -237,10 +224,6 @@ def test_mistakes(made: Path, tmp_path: Path, monkeypatch, capsys) -> None:
         ("report", made, "--json", "there.html"): ("there.html:", "exists"),
         ("compare", "none", "--by", "world"): ("none:", "campaign"),
         ("compare", made): ("--by:", "missing", "physim compare A B"),
-        ("compare", made, "--controller", "constant"): ("--controller:", "--seeds"),
-        ("compare", made, "--set", "a=1"): ("--set:", "--seeds"),
-        ("compare", "three_robots", "--seeds", "0:2"): ("three_robots:", "--controller", "--set"),
-        ("compare", "three_robots", "--seeds", "0:2", "--by", "world"): ("--by world:",),
         ("report", "later"): ("later/campaign.json:", "2", "1"),
         ("report", "foreign"): ("foreign/report.html:", "exists", "--force"),
         ("compare", made, made, "--by", "world"): ("--by:", "B"),

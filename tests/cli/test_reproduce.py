@@ -11,7 +11,6 @@ import pytest
 from tests.cli.commands import physim, started
 from tests.helpers import inside
 
-NEW, PARTIAL = inside("physim.cli", "NEW", "PARTIAL")
 Report, warm_up = inside("physim.reproduction", "Report", "warm_up")
 
 QUICK = ("reproduce", "--quick", "--no-video")
@@ -45,6 +44,11 @@ def test_one_figure(tmp_path: Path, capsys) -> None:
     assert again.code == 2
     assert "is not empty; use --force" in again.err
     assert contents(out) == first
+    for name in ("1-old.png", "logo.png", "1-Mine.png", "2024-tracks.png"):
+        (out / "figures" / name).write_text("mine")  # but the first no pictures of a reproduction
+    assert physim(*given, "--force", capture=capsys).code == 0
+    mine = {f"figures/{name}": b"mine" for name in ("logo.png", "1-Mine.png", "2024-tracks.png")}
+    assert contents(out) == first | mine
 
 
 @pytest.mark.deep
@@ -65,35 +69,3 @@ def test_interrupted_with_what_is_done(number: signal.Signals, tmp_path: Path) -
     assert report.sections[0].missing
     assert "It was interrupted" in (tmp_path / "out" / PAGES[0]).read_text()
     assert not list(tmp_path.rglob("*.part"))
-
-
-@pytest.mark.deep
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGKILL])
-def test_earlier_results_stay_until_there_are_new_ones(
-    number: signal.Signals, tmp_path: Path, capsys
-) -> None:
-    out = tmp_path / "out"
-    again = ("--figure", "1", "-o", out, "--force")
-    assert physim(*QUICK, *again, capture=capsys).code == 0
-    for name in ("logo.png", "1-Mine.png", "2024-tracks.png"):
-        (out / "figures" / name).write_text("mine")  # no picture of a reproduction
-    first = contents(out)
-    process = started("reproduce", *again, folder=tmp_path)
-    try:
-        while process.poll() is None and not list(out.glob(f"{NEW}*/figures/*.png")):
-            time.sleep(0.02)
-        process.send_signal(number)
-        _, err = process.communicate(timeout=60)
-    finally:
-        process.kill()
-    assert "Traceback" not in err
-    there = contents(out)
-    assert {name: there[name] for name in first} == first
-    if number == signal.SIGKILL:
-        assert list(out.glob(f"{NEW}*"))
-        assert physim(*QUICK, *again, capture=capsys).code == 0
-        assert contents(out) == first
-    else:
-        assert process.returncode == 130
-        assert Report.from_json((out / PARTIAL / PAGES[2]).read_text()).interrupted
-    assert not list(out.glob(f"{NEW}*"))

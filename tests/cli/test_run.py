@@ -177,12 +177,6 @@ class LateObserver:
     def close(self, ended):
         1 / 0
 
-
-class Tired:
-    def decide(self, observation, memory):
-        if observation.time > 0.2:
-            raise KeyboardInterrupt
-        return Decision(v=0.5, omega=0.0, hold=0.1)
 """
 OF_ANOTHER = "type: mode_switching, look_ahead: 1.5"
 
@@ -258,13 +252,6 @@ def test_traceback_shows_the_calls_that_led_to_an_error_of_ones_own(
     assert re.search(facts("own:Broken", "KeyError", "gain", "own.py:27"), said), said
     assert bool(calls) is asked
     assert any("self.build()" in line for line in calls) is asked
-
-
-def test_a_controller_that_raises_keyboard_interrupt_is_no_ctrl_c(own: Path, capsys) -> None:
-    given = ("run", "small.yaml", "--controller", "own:Tired", "--no-video", "--quiet")
-    done = physim(*given, capture=capsys)
-    assert (done.code, done.err.count("\n")) == (2, 1)
-    assert re.search(facts("own.py:43", "KeyboardInterrupt"), done.err), done.err
 
 
 def test_a_run_has_its_folder_until_all_its_files_are_written(

@@ -15,7 +15,8 @@ from pathlib import Path
 
 import pytest
 
-from physim.cli import FAULT, INTERRUPTED, main
+from physim.cli import FAULT, main
+from physim.terminal import INTERRUPTED
 from tests.cli.commands import command, environment, physim, shell
 from tests.helpers import check_error
 from tests.helpers.records import make_record

@@ -11,7 +11,6 @@ from tests.mutation.rules import called, found, given, instead, rule
 
 CUTTING = "physim.simulation.engine.cutting:"
 ENERGY = "physim.simulation.engine.energy:"
-ENGINE = "physim.simulation.engine.engine:"
 HOST = "physim.simulation.engine.host:"
 PAIRS = "physim.simulation.engine.pairs:"
 SPACE = "physim.simulation.engine.space:"
@@ -201,9 +200,8 @@ def impulses_of_parts_do_not_add_up() -> None:
 
     def largest(old: Any, a: Any) -> Any:
         pairs: dict[int, float] = {}
-        for (p, q), impulse in zip(a.part.tolist(), a.impulse.tolist(), strict=True):
-            one, other = sorted((int(a.body_of_part[p]), int(a.body_of_part[q])))
-            key = one * a.bodies + other
+        for (p, q), impulse in zip(a.body.tolist(), a.impulse.tolist(), strict=True):
+            key = min(p, q) * a.bodies + max(p, q)
             pairs[key] = max(pairs.get(key, 0.0), impulse)
         key = np.array(sorted(pairs), dtype=np.int64)
         return key, np.array([pairs[k] for k in key.tolist()], dtype=np.float64)
@@ -244,7 +242,7 @@ def normal_leads_along_the_line_of_centres() -> None:
 @rule("engine")
 def restored_robots_have_no_impulses() -> None:
     """A run goes on from poses and pairs; what contacts had accumulated is lost."""
-    given(ENGINE + "Engine.recall", impulses=lambda a: None)
+    given(HOST + "Physics._recall", state=lambda a: None)
 
 
 @rule("engine")

@@ -22,13 +22,11 @@ from physim.authoring.importing.drawing import (
     MOST_CORNERS,
     Drawing,
     Shape,
-    extent,
     listed,
     place,
     rounded,
 )
 from physim.authoring.importing.options import Options
-from physim.errors import plural
 from physim.geometry.area import inner_lines
 from physim.geometry.shapes import FloatArray, IntArray
 from physim.geometry.tangles import segments_of
@@ -37,8 +35,8 @@ GRID = 10.0**-DIGITS
 """[m] Worlds are written to the millimetre."""
 HALF_WALL = 0.5 * GRID
 """[m] half the thickness that a wall within the area is given: the rounding of its points"""
-SMALLEST, LARGEST = 1.0, 10_000.0
-"""[m] extent of a place below which it is refused, and above which its scale is doubted"""
+SMALLEST = 1.0
+"""[m] extent of a place below which it is refused"""
 MOST_OBSTACLES = 3_000
 MOST_NAMED = 3
 """Loose ends that a message names"""
@@ -118,9 +116,7 @@ def find_place(drawing: Drawing, options: Options) -> Place:
     within = [one.geometry for one in drawing.of("place")]
     lines = [ring for one in drawing.of("boundary", "obstacle", "place") for ring in _rings(one)]
     if not lines:
-        raise drawing.refusal(
-            f"no boundary found; a world needs lines that enclose an area{drawing.unseen}"
-        )
+        raise drawing.lack("no boundary found; a world needs lines that enclose an area")
     size = np.ptp(np.concatenate(lines), axis=0)
     if size.max() < SMALLEST:
         raise drawing.refusal(
@@ -154,14 +150,11 @@ def find_place(drawing: Drawing, options: Options) -> Place:
     face = _chosen(drawing, options, free, noded)
     shapely.prepare(face)
     away = [one for one in drawn if not face.dwithin(one.geometry, GRID)]
-    drawing.changes += listed(away, _left_out)
+    drawing.changes += listed(
+        away,
+        lambda one: f"{one.role} {one} at {place(one.points[0])}: away from the place, left out",
+    )
     loose = [edge for some in (cuts, dangles) for edge in shapely.get_parts(some)]
-    x0, y0, x1, y1 = face.bounds
-    if max(x1 - x0, y1 - y0) > LARGEST:
-        drawing.changes.append(
-            f"check the scale: the place is {x1 - x0:.3g} x {y1 - y0:.3g} m (--scale 0.001 for "
-            "millimetres)"
-        )
     return Place(face, inner_lines(face, loose))
 
 
@@ -241,10 +234,9 @@ def _chosen(drawing: Drawing, options: Options, faces: list[Any], noded: Any) ->
                 "robot in it"
             )
     if not held:
+        elsewhere = f"; closed elsewhere: {_areas(faces)}" if faces else ""
         there = "in no closed area" if what != "there is" else "no closed area"
-        raise drawing.refusal(
-            f"{what} {there}{_where_open(noded)}{_elsewhere(faces)}{drawing.unseen}", shape
-        )
+        raise drawing.lack(f"{what} {there}{_where_open(noded)}{elsewhere}", shape)
     if len(held) > 1:
         raise drawing.refusal(
             f"the lines enclose {len(held)} areas: {_areas(held)}; say which is the place: "
@@ -263,15 +255,6 @@ def _areas(faces: Sequence[Any]) -> str:
     return ", ".join(said) + (f" and {more} more" if more else "")
 
 
-def _elsewhere(faces: Sequence[Any]) -> str:
-    """How many closed areas there are, and how far the largest goes."""
-    if not faces:
-        return ""
-    largest = "the largest " if len(faces) > 1 else ""
-    found = plural(len(faces), "closed area")
-    return f"; {found} elsewhere, {largest}{extent(max(faces, key=shapely.area))}"
-
-
 def _where_open(noded: Any) -> str:
     """What may be open: the loose ends nearest to each other, and how to close them."""
     ends = _loose(noded)
@@ -283,11 +266,6 @@ def _where_open(noded: Any) -> str:
     gaps = [f"{place(ends[i])} and {place(ends[j])}, {gap:.3g} m apart" for (i, j), gap in nearest]
     most = float(np.ceil(100.0 * nearest[-1][1]) / 100.0)
     return f"; loose ends: {'; '.join(gaps)}; close them, or --close {most:g}"
-
-
-def _left_out(shape: Shape) -> str:
-    name = f" {shape}" if shape.label else ""
-    return f"{shape.role}{name} at {place(shape.points[0])}: away from the place, left out"
 
 
 def _rings(shape: Shape) -> list[FloatArray]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -72,9 +73,8 @@ class Drawing:
     """Shapes of a source, and what is told of it.
 
     ``kind`` says what it was read as, ``path`` is that of the source; ``facts`` say what was read
-    and how, ``changes`` every shape that was dropped or repaired. ``unseen`` ends a refusal for
-    want of lines: which may be missing because the source hides them. ``doubt`` says what to look
-    at where no place or route is found in a map.
+    and how, ``changes`` every shape that was dropped or repaired. ``doubt`` says what to look at
+    where no place or way is found: what the source hides, or how it may be meant.
     """
 
     kind: str
@@ -82,18 +82,23 @@ class Drawing:
     shapes: list[Shape] = field(default_factory=list)
     facts: list[str] = field(default_factory=list)
     changes: list[str] = field(default_factory=list)
-    unseen: str = ""
     doubt: str = ""
 
     def of(self, *roles: Role) -> list[Shape]:
         """Shapes of some roles, in the order of the source."""
         return [one for one in self.shapes if one.role in roles]
 
-    def nearest(self, point: Sequence[float] | FloatArray, *roles: Role) -> Shape | None:
-        """The shape of some roles that is nearest to a point (2,) [m]; None without any."""
-        some = self.of(*roles)
-        apart = [shapely.distance(one.geometry, shapely.Point(point[:2])) for one in some]
-        return some[int(np.argmin(apart))] if some else None
+    def moved(self, points: FloatArray) -> FloatArray:
+        """Points (n, 2) [m] from an origin in whole kilometres, as national grids need; it is told.
+
+        Only where the place itself is no larger than coordinates may be.
+        """
+        far, size = np.abs(points).max(initial=0.0), np.ptp(points, axis=0).max(initial=0.0)
+        if not far > LARGEST >= size:
+            return points
+        origin = np.floor(points.min(axis=0) / KILOMETRE) * KILOMETRE
+        self.facts.append(f"origin moved to {origin[0]:.0f}, {origin[1]:.0f} m of the source")
+        return np.asarray(points - origin)
 
     def refusal(self, message: str, shape: Shape | None = None) -> ImportSourceError:
         """Error at the source, or at a shape of it, with its label and line where known."""
@@ -102,6 +107,10 @@ class Drawing:
         return refused(
             self.path, f"{shape.label}: {message}" if shape.label else message, shape.line
         )
+
+    def lack(self, message: str, shape: Shape | None = None) -> ImportSourceError:
+        """Error for want of lines or of a way, with the doubt about the source."""
+        return self.refusal(f"{message}; {self.doubt}" if self.doubt else message, shape)
 
 
 def refused(source: Path | str, message: str, line: int | None = None) -> ImportSourceError:
@@ -123,27 +132,10 @@ def place(point: Sequence[float] | FloatArray) -> str:
     return f"({x:.2f}, {y:.2f})"
 
 
-def extent(area: Any) -> str:
-    """``x from 0 to 20, y from 0 to 8``: the bounds [m] of a shapely area."""
-    x0, y0, x1, y1 = (f"{round(v, 2) + 0.0:g}" for v in area.bounds)
-    return f"x from {x0} to {x1}, y from {y0} to {y1}"
-
-
-def grid_origin(points: FloatArray) -> FloatArray:
-    """(2,) [m] to be taken from points (n, 2): whole kilometres, as national grids need; else 0.
-
-    Only where the place itself is no larger than coordinates may be.
-    """
-    if np.isfinite(points).all() and np.abs(points).max() > LARGEST >= np.ptp(points, axis=0).max():
-        return np.asarray(np.floor(points.min(axis=0) / KILOMETRE) * KILOMETRE)
-    return np.zeros(2)
-
-
-def moved_to(origin: FloatArray) -> list[str]:
-    """What is told of an origin (2,) [m] that is taken from all points."""
-    if not origin.any():
-        return []
-    return [f"origin moved to {origin[0]:.0f}, {origin[1]:.0f} m of the source"]
+def invalid_at(polygon: Any) -> str:
+    """`` at (x, y)``: where a shapely polygon crosses or touches itself; else empty."""
+    at = re.search(r"\[(\S+) (\S+)\]", shapely.is_valid_reason(polygon))
+    return f" at {place([float(at[1]), float(at[2])])}" if at else ""
 
 
 def rounded(points: FloatArray) -> FloatArray:

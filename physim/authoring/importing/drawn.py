@@ -17,7 +17,6 @@ import shapely
 
 from physim.authoring.importing.area import Place
 from physim.authoring.importing.drawing import DIGITS, Drawing, Shape, place, rounded
-from physim.authoring.importing.paths import Paths
 from physim.escaping import escaped
 from physim.geometry.arc_length import Polyline
 from physim.geometry.corridor import offset_polyline
@@ -59,10 +58,13 @@ def robot_names(robots: Sequence[Shape]) -> list[str]:
     return [name or next(free) for name in drawn]
 
 
-def as_drawn(drawing: Drawing, where: Place, paths: Paths) -> list[Placed]:
-    """Robots where they are drawn; paths begin straight behind those that wait for them.
+def as_drawn(
+    drawing: Drawing, where: Place, reference: FloatArray, own: dict[str, FloatArray]
+) -> tuple[FloatArray, list[Placed]]:
+    """The reference path (n, 2) [m], and robots where they are drawn.
 
-    ``paths`` has a reference path. Raises ImportSourceError for a lane without room for its robot.
+    Paths, ``own`` ones too, begin straight behind those that wait for them. Raises
+    ImportSourceError for a lane without room for its robot.
     """
     shapes = drawing.of("robot")
     if len(shapes) > MOST_DRAWN:
@@ -70,17 +72,22 @@ def as_drawn(drawing: Drawing, where: Place, paths: Paths) -> list[Placed]:
             f"{len(shapes)} robots are drawn; at most {MOST_DRAWN} are read; draw fewer, or have "
             "boxes placed instead by --robots N"
         )
-    assert paths.reference is not None  # the pipeline finds one before
     robots = [
-        _stand(shape, name, paths.own.get(name, paths.reference))
+        _stand(shape, name, own.get(name, reference))
         for name, shape in zip(robot_names(shapes), shapes, strict=True)
     ]
-    for name, line in paths.own.items():
-        some = [one for one in robots if one.name == name]
-        paths.own[name] = _begun(drawing, where, line, some, f"path of {name}")
-    on_it = [one for one in robots if one.name not in paths.own]
-    paths.reference = _begun(drawing, where, paths.reference, on_it, "path")
-    return [_on_its_way(drawing, paths, one) for one in robots]
+    on_it = [one for one in robots if one.name not in own]
+    reference = _begun(drawing, where, reference, on_it, "path")
+    placed = list[Placed]()
+    for one in robots:
+        if one.name in own:
+            line, offset = _begun(drawing, where, one.path, [one], f"path of {one.name}"), None
+        else:
+            offset = _offset(reference, one)
+            line = lane(drawing, reference, offset, one.shape)
+        one = replace(one, path=line, offset=offset)
+        placed.append(lap(one) if (line[0] == line[-1]).all() else one)
+    return reference, placed
 
 
 def _stand(shape: Shape, name: str, line: FloatArray) -> Placed:
@@ -135,18 +142,6 @@ def _begun(
         f"{what} begun {least:.2f} m earlier, at {place(begin)}, where a robot stands behind it"
     )
     return np.vstack([begin, line[1:]])  # its first piece is straight on
-
-
-def _on_its_way(drawing: Drawing, paths: Paths, robot: Placed) -> Placed:
-    """A robot with the path on which it goes: its own, or a lane beside the reference path."""
-    if robot.name in paths.own:
-        robot = replace(robot, path=paths.own[robot.name])
-    else:
-        assert paths.reference is not None
-        offset = _offset(paths.reference, robot)
-        beside = lane(drawing, paths.reference, offset, robot.shape)
-        robot = replace(robot, path=beside, offset=offset)
-    return lap(robot) if (robot.path[0] == robot.path[-1]).all() else robot
 
 
 def _offset(line: FloatArray, robot: Placed) -> float:

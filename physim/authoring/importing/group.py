@@ -29,11 +29,13 @@ MOST_SHARE = 0.6
 """[-] share of the path that the group may take up at the start"""
 
 
-def offsets_of(options: Options) -> list[float]:
-    """Offsets [m] of lanes at size 1, left positive, from the middle outwards."""
-    lanes = min(options.lanes or 1, options.robots or options.lanes or 1)
-    offsets = [LANE * (k - 0.5 * (lanes - 1)) for k in range(lanes)]
-    return sorted(offsets, key=lambda offset: (abs(offset), -offset))
+def reach_of(options: Options) -> float:
+    """How far [m] beside the path lanes go, at size 1."""
+    return 0.5 * LANE * (_lanes(options) - 1)
+
+
+def _lanes(options: Options) -> int:
+    return min(options.lanes or 1, options.robots or options.lanes or 1)
 
 
 def fill_in(
@@ -62,15 +64,16 @@ def _filled(
     Neighbouring lanes are staggered, so that the group arrives as it starts: no two stop abreast
     of each other.
     """
-    factor, offsets = size.factor, offsets_of(options)
-    count, is_fit = options.robots or len(offsets), options.robot == "fit"
+    factor, abreast = size.factor, _lanes(options)
+    count = options.robots or abreast
+    sides = [round(factor * LANE * (k - 0.5 * (abreast - 1)), 3) for k in range(abreast)]
     lanes = []
-    for offset in [round(factor * offset, 3) for offset in offsets]:
+    for offset in sorted(sides, key=lambda side: (abs(side), -side)):  # the middle first
         what = f"lane {offset:+g} m beside the path" if offset else "path"
         beside = lane(drawing, line, offset)
-        advice = f"--lanes {max(len(offsets) - 1, 1)}, or a smaller --robot"
+        advice = f"--lanes {max(abreast - 1, 1)}, or a smaller --robot"
         width = size.box[1] + 2.0 * WALL_GAP * factor
-        check_way(drawing, where, beside, width, what, None, advice, advice)
+        check_way(drawing, where, beside, width, what, None, advice)
         lanes.append((beside, offset))
     inner = shrunk(where.area, WALL_GAP * factor, 16)
     shapely.prepare(inner)
@@ -84,11 +87,14 @@ def _filled(
         beside, offset = lanes[k % len(lanes)]
         while True:
             if station > MOST_SHARE * way.length:
-                smaller = "a smaller --robot LENGTH,WIDTH, or --robot fit"
+                is_fit = options.robot == "fit"
+                more = (
+                    "a longer path" if is_fit else "a smaller --robot LENGTH,WIDTH, or --robot fit"
+                )
                 raise drawing.refusal(
                     f"room for {len(robots)} of {count} robots of {size.box[0]:g} x "
                     f"{size.box[1]:g} m on the first {station:.1f} m of the path; fewer "
-                    f"--robots, more --lanes, {'a longer path' if is_fit else smaller}"
+                    f"--robots, more --lanes, {more}"
                 )
             pose = _pose(way, Polyline(beside), offset, station, factor)
             shape = placed_outline(box, pose)

@@ -11,12 +11,12 @@ from pathlib import Path
 import shapely
 
 from physim.authoring.importing.area import Place, find_place
-from physim.authoring.importing.drawing import Drawing, ImportSourceError, refused
+from physim.authoring.importing.drawing import Drawing, refused
 from physim.authoring.importing.drawn import Placed, as_drawn, robot_names
-from physim.authoring.importing.group import fill_in, offsets_of
+from physim.authoring.importing.group import fill_in, reach_of
 from physim.authoring.importing.made import made_world, world_text
 from physim.authoring.importing.options import Options, check_options
-from physim.authoring.importing.paths import Paths, drawn_paths
+from physim.authoring.importing.paths import drawn_paths
 from physim.authoring.importing.size import Size, check_way, size_as_drawn, size_of
 from physim.authoring.importing.source import format_of
 from physim.errors import WorldError, plural
@@ -24,7 +24,6 @@ from physim.escaping import escaped
 from physim.geometry.arc_length import Polyline
 from physim.geometry.shapes import FloatArray
 from physim.world import World
-from physim.world.file import parse_world
 from physim.world.layout.scene_builder import build_scene
 
 STEPS = (0.01, 0.005, 0.002, 0.001)
@@ -44,7 +43,7 @@ READERS = {
 
 @dataclass(frozen=True)
 class Imported:
-    """A world made from a source: its text, the same loaded, and what was done to get there.
+    """A world made from a source, its text, and what was done to get there.
 
     ``facts`` say what was read and how; ``changes`` every line dropped or repaired.
     """
@@ -59,8 +58,8 @@ class Imported:
 def import_world(source: str | os.PathLike[str], options: Options | None = None) -> Imported:
     """Make a world of a race-track CSV, ROS map, SVG drawing, WKT or GeoJSON file.
 
-    The world has been loaded and its scene built, so `physim run` takes it. Raises
-    ImportSourceError, which says what is wrong with the source and where.
+    Its scene has been built, so `physim run` takes it. Raises ImportSourceError, which says what is
+    wrong with the source and where.
     """
     source, options = Path(source), options or Options()
     try:
@@ -87,30 +86,47 @@ def _made(drawing: Drawing, options: Options) -> Imported:
             "drawn; with --robots N boxes are placed instead"
         )
     where = find_place(drawing, options)
-    paths = _paths(drawing, where, options, is_drawn)
-    assert paths.reference is not None
+    reference, own = _paths(drawing, where, options, is_drawn)
     if is_drawn:
-        robots = as_drawn(drawing, where, paths)
+        reference, robots = as_drawn(drawing, where, reference, own)
         size = size_as_drawn(robots)
-        _check_ways(drawing, where, robots)
+        for one in robots:
+            beside = f", {one.offset:+g} m beside the reference path," if one.offset else ""
+            advice = f"move it, draw a smaller robot, or a path of its own named {one.name}"
+            what = f"path of {one.name}{beside}"
+            check_way(drawing, where, one.path, one.box[1], what, one.shape, advice)
     else:
-        reach = max(map(abs, offsets_of(options)))
-        size = size_of(drawing, where, paths.reference, options, reach)
-        size, robots = fill_in(drawing, where, paths.reference, size, options)
+        size = size_of(drawing, where, reference, options, reach_of(options))
+        size, robots = fill_in(drawing, where, reference, size, options)
     is_lap = any((one.path[0] == one.path[-1]).all() for one in robots)
     has_formation = not is_lap and not options.no_formation
-    drawing.facts += _about(where, paths.reference, robots, size)
+    corners = [sum(map(len, lines)) for lines in (where.boundaries, where.obstacles)]
+    walls = plural(len(where.boundaries), "boundary", "boundaries")
+    walls += f" of {plural(corners[0], 'point')}"
+    if where.obstacles:
+        walls += f", {plural(len(where.obstacles), 'obstacle')} of {corners[1]} corners"
+    box = "" if is_drawn else f"{size.box[0]:g} x {size.box[1]:g} m, "
+    drawing.facts += [
+        f"{walls}, to the millimetre",
+        f"reference path of {Polyline(reference).length:.2f} m, {len(reference)} points",
+        f"{plural(len(robots), 'robot')}, {box}{size.told}",
+    ]
     if has_formation and len(robots) > 1:
-        _check_one_way(drawing, paths.reference, robots)
+        _check_one_way(drawing, reference, robots)
         drawing.facts.append(f"{len(robots)} robots in formation (--no-formation: each by itself)")
     if not has_formation:
         why = "as asked" if options.no_formation else "a path is closed: a lap each"
         drawing.facts.append(f"no formation ({why}); every robot goes to the end of its own path")
-    return _written(drawing, where, paths.reference, robots, size, has_formation, options)
+    return _written(drawing, where, reference, robots, size, has_formation, options)
 
 
-def _paths(drawing: Drawing, where: Place, options: Options, is_drawn: bool) -> Paths:
-    """The paths drawn, and a route where the reference path is not, or another is asked for."""
+def _paths(
+    drawing: Drawing, where: Place, options: Options, is_drawn: bool
+) -> tuple[FloatArray, dict[str, FloatArray]]:
+    """The reference path (n, 2) [m], and those of robots by name.
+
+    A route where none is drawn, or another is asked for.
+    """
     if (shapes := drawing.of("robot")) and not is_drawn:
         left = {id(one) for one in drawing.of("robot", "path") if one.role == "robot" or one.name}
         drawing.shapes = [one for one in drawing.shapes if id(one) not in left]
@@ -119,35 +135,22 @@ def _paths(drawing: Drawing, where: Place, options: Options, is_drawn: bool) -> 
         )
     names = robot_names(drawing.of("robot"))
     paths = drawn_paths(drawing, names, options.close)
+    reference = paths.pop("", None)
     if options.origin is not None or options.goal is not None:
-        if paths.reference is not None:
+        if reference is not None:
             drawing.changes.append("path of the source left out: --from and --to ask for another")
-        paths.reference = None
-    elif paths.reference is None and paths.own:
-        alone = [name for name in names if name not in paths.own]
-        if alone:
+        reference = None
+    elif reference is None and paths:
+        if alone := [name for name in names if name not in paths]:
             raise drawing.refusal(
                 f'robot "{alone[0]}" has no path: draw one named {alone[0]}, or one without a '
                 "name for all that have none of their own"
             )
-        paths.reference = paths.own[names[0]]
-    if paths.reference is None:
+        reference = paths[names[0]]
+    if reference is None:  # the search loads much of scipy
         find = import_module("physim.authoring.importing.route").find_route
-        paths.reference = find(drawing, where, options, max(map(abs, offsets_of(options))))
-    return paths
-
-
-def _check_ways(drawing: Drawing, where: Place, robots: Sequence[Placed]) -> None:
-    """Refuse robots whose path leaves the place, or is too narrow for them."""
-    for one in robots:
-        what = f"path of {one.name}"
-        if one.offset:
-            what += f", {one.offset:+g} m beside the reference path,"
-        check_way(
-            drawing, where, one.path, one.box[1], what, one.shape,
-            f"move it, draw a smaller robot, or a path of its own named {one.name}",
-            f"move it, or draw a path of its own named {one.name}" if one.offset else "move it",
-        )  # fmt: skip
+        reference = find(drawing, where, options, reach_of(options))
+    return reference, paths
 
 
 def _check_one_way(drawing: Drawing, reference: FloatArray, robots: Sequence[Placed]) -> None:
@@ -163,23 +166,6 @@ def _check_one_way(drawing: Drawing, reference: FloatArray, robots: Sequence[Pla
             )
 
 
-def _about(where: Place, reference: FloatArray, robots: Sequence[Placed], size: Size) -> list[str]:
-    points = sum(map(len, where.boundaries))
-    walls = (
-        f"{plural(len(where.boundaries), 'boundary', 'boundaries')} of {plural(points, 'point')}"
-    )
-    if where.obstacles:
-        corners = sum(map(len, where.obstacles))
-        walls += f", {plural(len(where.obstacles), 'obstacle')} of {corners} corners"
-    length = Polyline(reference).length
-    box = "" if size.told.startswith("as drawn") else f"{size.box[0]:g} x {size.box[1]:g} m, "
-    return [
-        f"{walls}, to the millimetre",
-        f"reference path of {length:.2f} m, {len(reference)} points",
-        f"{plural(len(robots), 'robot')}, {box}{size.told}",
-    ]
-
-
 def _written(
     drawing: Drawing,
     where: Place,
@@ -189,7 +175,7 @@ def _written(
     has_formation: bool,
     options: Options,
 ) -> Imported:
-    """The world and its text, loaded, and its scene built as a run would.
+    """The world and its text; its scene has been built as a run would.
 
     With a shorter step than usual where robots have parts too narrow for it.
     """
@@ -201,10 +187,14 @@ def _written(
             build_scene(world)
             break
         except WorldError as error:
-            key, *_, last = error.faults[0].location or ("", "")
+            first, count = error.faults[0], len(error.faults)
+            key, k, last = (*first.location[:2], None, None)[:2] + (*first.location[-1:], "")[:1]
             is_of_step = (key, last) in (("time", "step"), ("robots", "limits"))
             if not is_of_step or step == STEPS[-1]:
-                raise _cannot_run(drawing, error, robots) from None
+                shape = robots[k].shape if key == "robots" and isinstance(k, int) else None
+                more = f" (and {count - 1} more)" if count > 1 else ""
+                message = f"the world made of it cannot run: {first}{more}"
+                raise drawing.refusal(message, shape) from None
     if step != STEPS[0]:
         drawing.facts.append(f"steps of {step:g} s, as a robot has narrow parts")
     if size.factor != 1.0:
@@ -217,14 +207,4 @@ def _written(
             f"the world would have {len(text) / 1e6:.1f} MB, and a world file has at most "
             f"{MOST_TEXT / 1e6:.0f} MB; simplify the source"
         )
-    world = parse_world(text, "the world")
     return Imported(text, world, drawing.kind, tuple(drawing.facts), tuple(drawing.changes))
-
-
-def _cannot_run(drawing: Drawing, error: WorldError, robots: Sequence[Placed]) -> ImportSourceError:
-    """What is wrong with the world, at the robot of the drawing that it is about."""
-    first = error.faults[0]
-    key, k = (*first.location, None, None)[:2]
-    shape = robots[k].shape if key == "robots" and isinstance(k, int) else None
-    more = f" (and {len(error.faults) - 1} more)" if len(error.faults) > 1 else ""
-    return drawing.refusal(f"the world made of it cannot run: {first}{more}", shape)

@@ -5,11 +5,11 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from pydantic import Discriminator, Field, Tag
+from pydantic import Field, Tag
 
 from physim.authoring.importing.drawing import DIGITS, refused
 from physim.world.base import Model
-from physim.world.kinds import Flag, Number, Sequence, Text, Whole, is_word
+from physim.world.kinds import Flag, Number, Sequence, Text, Whole, either
 
 Above = Annotated[Number, Field(gt=0.0)]
 Least = Annotated[Number, Field(ge=0.0)]
@@ -19,7 +19,7 @@ Side = Annotated[Number, Field(ge=10.0**-DIGITS)]
 Size = Annotated[
     Annotated[Literal["fit"], Tag("<word>")]
     | Annotated[tuple[Side, Side], Sequence, Tag("<value>")],
-    Discriminator(is_word),
+    either("<word>", "<value>"),
 ]
 
 
@@ -65,24 +65,21 @@ class Options(Model):
         return 1.0 if self.scale is None else self.scale
 
 
-ONLY_FOR = {
-    "start": (("track",), "says where a closed track (.csv) is cut open"),
-    "gap": (("track",), "says how much road is left out where a closed track (.csv) is cut open"),
-    "open": (("track",), "says that a track (.csv) is open, near as its ends may be"),
-    "specks": (("ros-map",), "says which occupied patches of a ROS map are left out"),
-    "tolerance": (("ros-map", "svg"), "says how far outlines of a map and curves may move"),
-    "boundary": (("svg",), "says which shapes of an SVG drawing are walls"),
-    "close": (("svg", "wkt", "geojson"), "joins ends of lines of a drawing"),
-    "ignore": (("svg", "geojson"), "says which shapes of a drawing are left out"),
-    "ignore_others": (("svg", "geojson"), "leaves out the shapes of a drawing without a role"),
+OF_KIND = {
+    "track": ("start", "gap", "open"),
+    "ros-map": ("specks", "tolerance"),
+    "svg": ("tolerance", "boundary", "close", "ignore", "ignore_others"),
+    "wkt": ("close",),
+    "geojson": ("close", "ignore", "ignore_others"),
 }
-"""Options that some kinds of source alone have a use for: these, and what it is; the others serve
-all."""
+"""Options that some kinds of source alone have a use for; the others serve all."""
 
 
 def check_options(source: Path, kind: str, options: Options) -> None:
-    """Refuse options that would be without effect for a kind of source, or that none can take."""
-    for name, (kinds, purpose) in ONLY_FOR.items():
-        if getattr(options, name) != Options.model_fields[name].default and kind not in kinds:
+    """Refuse options that would be without effect for a kind of source."""
+    for name, field in Options.model_fields.items():
+        kinds = [one for one, names in OF_KIND.items() if name in names]
+        if kinds and kind not in kinds and getattr(options, name) != field.default:
             option = f"--{name.replace('_', '-')}"
-            raise refused(source, f"{option}: {purpose}; this is read as {kind}")
+            message = f"{option} is for {', '.join(kinds)}; this is read as {kind}"
+            raise refused(source, message)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
 
 import numpy as np
 import shapely
@@ -14,16 +13,12 @@ from physim.errors import nearest
 from physim.geometry.shapes import FloatArray
 
 
-@dataclass
-class Paths:
-    """The reference path (n, 2) [m], where one is drawn, and the paths of robots by name."""
+def drawn_paths(
+    drawing: Drawing, names: Sequence[str], close: float | None
+) -> dict[str, FloatArray]:
+    """Paths (n, 2) [m] of a drawing with robots of these names, each by that of its robot.
 
-    reference: FloatArray | None = None
-    own: dict[str, FloatArray] = field(default_factory=dict)
-
-
-def drawn_paths(drawing: Drawing, names: Sequence[str], close: float | None) -> Paths:
-    """Paths of a drawing with robots of these names; a path with such a name is that robot's.
+    The reference path has none, and "" here.
 
     Without robots the only path is the reference path, whatever its name. Raises
     ImportSourceError for pieces of one path that do not meet, and for a name of no robot.
@@ -33,7 +28,7 @@ def drawn_paths(drawing: Drawing, names: Sequence[str], close: float | None) -> 
         pieces.setdefault(shape.name, []).append(shape)
     if not names and len(pieces) == 1:
         pieces = {"": next(iter(pieces.values()))}
-    paths = Paths()
+    paths: dict[str, FloatArray] = {}
     for name, some in pieces.items():
         if name and name not in names:
             near = nearest(name[:80], sorted(names)) or (
@@ -46,10 +41,7 @@ def drawn_paths(drawing: Drawing, names: Sequence[str], close: float | None) -> 
         line = _joined(drawing, some, some[0].name, close)
         if len(line) < 2:
             raise drawing.refusal("the path is shorter than a millimetre; check --scale", some[0])
-        if name:
-            paths.own[name] = line
-        else:
-            paths.reference = line
+        paths[name] = line
     return paths
 
 

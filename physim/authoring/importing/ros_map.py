@@ -33,8 +33,6 @@ from physim.world.kinds import Flag, Number, Sequence, Text
 
 SPECK = 2.0
 """[cells] Occupied patches up to this many are left out unless the user says otherwise."""
-LARGEST_CELL = 2.0
-"""[m] of a cell from which on the scale is doubted: robots are no longer"""
 MOST_LOST = 0.1
 """[-] share of its area that a hole may lose or gain when outlines are simplified"""
 MOST_EDGES = 1_000_000
@@ -43,13 +41,14 @@ MOST_BORDERS = 4_000_000
 """Edges between free and other cells of a map: it has no more patches than a quarter of them."""
 WORTH = 0.01
 """[-] share of the largest free region from which on another may be meant"""
-HARDLY, FEW = 0.02, 0.1
-"""[-] shares of free cells below which a map is refused, and doubted, if most would be free with
+HARDLY, FEW = 2.0, 10.0
+"""[%] of free cells below which a map is refused, and doubted, if most would be free with
 another negate or mode"""
 UNKNOWN = 205.0 / 255.0
 """[-] brightness that map_saver gives to what is unknown"""
 
 Coordinate = Annotated[Number, Field(ge=-1e6, le=1e6)]
+Yaw = Annotated[Number, Field(ge=-tau, le=tau)]
 Share = Annotated[Number, Field(ge=0.0, le=1.0)]
 
 
@@ -58,7 +57,7 @@ class RosMap(Model):
 
     image: Text
     resolution: Annotated[Number, Field(ge=1e-6, le=1e3)]
-    origin: Annotated[tuple[Coordinate, Coordinate, Coordinate], Sequence]
+    origin: Annotated[tuple[Coordinate, Coordinate, Yaw], Sequence]
     negate: Annotated[Flag, BeforeValidator(lambda v: bool(v) if v in (0, 1) else v)] = False
     occupied_thresh: Share = 0.65
     free_thresh: Share = 0.196
@@ -97,11 +96,6 @@ def read_ros_map(path: Path, options: Options) -> Drawing:
         f"{columns} x {rows} cells of {cell:g} m from {escaped(image.name)}, "
         f"{columns * cell:.1f} x {rows * cell:.1f} m, {100.0 * free.mean():.0f} % free; {told}"
     )
-    if cell > LARGEST_CELL:
-        drawing.changes.append(
-            f"check the scale: cells of {cell:g} m; a map's resolution is in metres, 0.05 for 5 cm "
-            "(--scale 0.001 for millimetres)"
-        )
     x, y, yaw = found.origin
     region = _outlined(
         drawing, np.flipud(free).copy(), cell, (x * options.unit, y * options.unit, yaw), options
@@ -112,41 +106,34 @@ def read_ros_map(path: Path, options: Options) -> Drawing:
 
 def _check_free(drawing: Drawing, found: RosMap, brightness: Any, clear: Any) -> None:
     """Name another negate or mode where hardly a cell is free; refuse it where next to none is."""
-    share = found.free(brightness, clear).mean()
-    others: dict[str, dict[str, Any]] = {
-        f"negate: {int(not found.negate)}": {"negate": not found.negate},
-        "mode: trinary": {"mode": "trinary"},
-    }
-    shares = {
-        key: found.model_copy(update=update).free(brightness, clear).mean()
-        for key, update in others.items()
-    }
-    meant = [f"with {key} {100.0 * v:.0f} %" for key, v in shares.items() if v > 0.5]
-    message = f"{100.0 * share:.2g} % of the cells are free; see negate, mode and free_thresh"
-    if meant:
-        message = f"{100.0 * share:.2g} % of the cells are free, {', '.join(meant)} would be"
-    if max(shares.values()) > share:
-        drawing.doubt = f"{100.0 * share:.2g} % of the cells are free: see negate, mode"
-    if share == 0.0 or (meant and share < HARDLY):
-        raise drawing.refusal(message + "; if it is right, crop the image" * bool(meant))
-    if meant and share < FEW:
-        drawing.changes.append(f"WARNING: {message}")
+
+    def share(**other: Any) -> float:
+        return 100.0 * float(found.model_copy(update=other).free(brightness, clear).mean())
+
+    own, negate = share(), not found.negate
+    others = {f"negate: {negate:d}": share(negate=negate), "mode: trinary": share(mode="trinary")}
+    meant = [f"with {key} {one:.0f} %" for key, one in others.items() if one > 50.0]
+    said = f"{own:.2g} % of the cells are free"
+    if max(others.values()) > own:
+        drawing.doubt = f"{said}: see negate, mode"
+    said += f", {', '.join(meant)} would be" if meant else "; see negate, mode and free_thresh"
+    if own == 0.0 or (meant and own < HARDLY):
+        raise drawing.refusal(said + "; if it is right, crop the image" * bool(meant))
+    if meant and own < FEW:
+        drawing.changes.append(f"WARNING: {said}")
 
 
 def _read_yaml(drawing: Drawing) -> tuple[RosMap, Path]:
     """What a map says, and the path of its image; ImportSourceError with the line of a fault."""
     path, keys = drawing.path, list(RosMap.model_fields)
     text = read_text(path)
-    if not text.strip():
-        raise refused(path, f"the file is empty; a map has {', '.join(keys)}", 1)
-    document = read_document(text, escaped(str(path)))
-    values = document.values
-    if not isinstance(values, dict):
+    document = read_document(text, escaped(str(path))) if text.strip() else None
+    values = document.values if document else None
+    if document is None or not isinstance(values, dict):
         raise refused(path, f"a map is a mapping of keys: {', '.join(keys)}", 1)
     if {"name", "robots"} <= set(values) and not set(values) & set(keys):
         message = "is a world of physim already, and no map; physim run takes it as it is"
         raise refused(path, message)
-    faults: tuple[Fault, ...] = ()
     others = [key for key in values if key not in keys]
     if others and {"image", "resolution", "origin"} <= set(values):
         drawing.changes.append(f"keys left out: {', '.join(escaped(str(key)) for key in others)}")
@@ -155,34 +142,29 @@ def _read_yaml(drawing: Drawing) -> tuple[RosMap, Path]:
         found = RosMap(**values)
         if found.free_thresh > found.occupied_thresh:
             said = f"{found.free_thresh:g} is above occupied_thresh, {found.occupied_thresh:g}"
-            faults = (Fault(("free_thresh",), said),)
-        if abs(found.origin[2]) > tau:
-            said = f"{found.origin[2]:g} is a yaw in rad, at most a full turn; is it in degrees?"
-            faults = (Fault(("origin", 2), said),)
-        image = _image(path, found.image)
-        if isinstance(image, str):
-            faults = (Fault(("image",), image),)
+            raise WorldError([Fault(("free_thresh",), said)])
+        return found, _image(path, found.image)
     except WorldError as error:
-        faults = tuple(error.faults)
-    if faults:
-        raise refused(path, str(faults[0]), document.position(faults[0].location).line)
-    return found, Path(image)
+        fault = error.faults[0]
+        raise refused(path, str(fault), document.position(fault.location).line) from None
 
 
-def _image(path: Path, name: str) -> Path | str:
-    """The image beside the map, never a file elsewhere; or what is wrong with its name."""
+def _image(path: Path, name: str) -> Path:
+    """The image beside the map, never a file elsewhere; WorldError for another name."""
     folder, given = path.parent.resolve(), escaped(name[:100])
     try:
         image = (folder / name).resolve()
         is_there = image.is_file()
     except (OSError, RuntimeError, ValueError):
-        return f'"{given}" is not the name of a file'
-    if not image.is_relative_to(folder):
-        return f'"{given}" lies outside the folder of the map; put the image beside it'
-    if is_there:
-        return image if Path(name).is_absolute() else path.parent / name
-    there = sorted(p.name for p in folder.iterdir() if p.suffix in (".pgm", ".png"))
-    return f'no file "{given}" in {folder.name or "/"}{nearest(name, there)}'
+        said = f'"{given}" is not the name of a file'
+    else:
+        if image.is_relative_to(folder) and is_there:
+            return image if Path(name).is_absolute() else path.parent / name
+        there = sorted(p.name for p in folder.iterdir() if p.suffix in (".pgm", ".png"))
+        said = f'no file "{given}" in {folder.name or "/"}{nearest(name, there)}'
+        if not image.is_relative_to(folder):
+            said = f'"{given}" lies outside the folder of the map; put the image beside it'
+    raise WorldError([Fault(("image",), said)])
 
 
 def _outlined(
@@ -274,10 +256,9 @@ def _region(drawing: Drawing, free: Any, cell: float, placed: Any, at: Any) -> A
         large = [k for k in order if area[k] >= WORTH * area[chosen]]
         if len(large) > 1 and not edge.isdisjoint(large):
             regions = "; ".join(told(k) for k in large[:5])
-            doubt = f"; {drawing.doubt}" if drawing.doubt else ""
-            raise drawing.refusal(
+            raise drawing.lack(
                 f"{len(large)} free regions, and the map is free at the edge of the image: which "
-                f"is the place? --from X,Y in one of them: {regions}{doubt}"
+                f"is the place? --from X,Y in one of them: {regions}"
             )
     left = [k for k in order if k != chosen]
     drawing.changes += listed(left, lambda k: f"free region of {told(k)}: not connected, left out")
@@ -324,11 +305,12 @@ def _simplified(drawing: Drawing, exact: Any, tolerance: float) -> Any:
     Holes that would lose or gain too much of their area stay as they are.
     """
     grid = 10.0**-DIGITS
+    areas = [shapely.Polygon(hole).area for hole in exact.interiors]
     for share in (1.0, 0.5, 0.25, 0.0):
         simple = shapely.simplify(exact, max(share * tolerance - grid, 0.0))
         holes = [
-            kept if abs(_area(kept) - _area(hole)) <= MOST_LOST * _area(hole) else hole
-            for kept, hole in zip(simple.interiors, exact.interiors, strict=True)
+            kept if abs(shapely.Polygon(kept).area / area - 1.0) <= MOST_LOST else hole
+            for kept, hole, area in zip(simple.interiors, exact.interiors, areas, strict=True)
         ]
         found = shapely.Polygon(simple.exterior, holes)
         if found.is_valid:
@@ -337,10 +319,6 @@ def _simplified(drawing: Drawing, exact: Any, tolerance: float) -> Any:
             if len(parts) == 1 and len(parts[0].interiors) == len(holes):
                 return parts[0]
     raise drawing.refusal("its outlines cannot be rounded to the millimetre; smooth the map")
-
-
-def _area(ring: Any) -> float:
-    return float(shapely.Polygon(ring).area)
 
 
 def _farthest(a: Any, b: Any) -> float:

@@ -20,8 +20,7 @@ from scipy.spatial import cKDTree
 from physim.authoring.importing.area import Clearance, Place
 from physim.authoring.importing.drawing import (
     Drawing,
-    ImportSourceError,
-    extent,
+    Shape,
     place,
     rounded,
 )
@@ -34,47 +33,6 @@ KEPT = 0.9
 """[-] A straight cut keeps this share of the clearance of the stretch it replaces."""
 ROUNDS = 60
 """Times that every point moves towards the middle of its neighbours."""
-
-
-def smooth(line: FloatArray, area: Clearance, room: float) -> FloatArray:
-    """Straighten and round a line (n, 2) whose points have clearance ``room`` [m] in ``area``.
-
-    One that is too long for points close to each other is straightened alone.
-    """
-    line = _straightened(line, area, room)
-    way = Polyline(line)
-    count = int(np.ceil(way.length / (0.3 * room)))
-    if count > MOST_SAMPLES:
-        return line
-    points = way.at(np.linspace(0.0, way.length, count + 1))[0]
-    low = np.minimum(area.at(points), room)
-    for _ in range(ROUNDS):
-        moved = points.copy()
-        moved[1:-1] = 0.5 * points[1:-1] + 0.25 * (points[:-2] + points[2:])
-        allowed = area.at(moved) >= low
-        points = np.where(allowed[:, None], moved, points)
-    simple = shapely.simplify(shapely.LineString(points), 0.02 * room)
-    return np.asarray(shapely.get_coordinates(simple))
-
-
-def _straightened(line: FloatArray, area: Clearance, room: float) -> FloatArray:
-    """Replace stretches by straight ones that keep away from the walls nearly as well."""
-    gaps = area.at(line)
-    kept, k = [0], 0
-    while k < len(line) - 1:
-        reach = len(line) - 1 - k
-        while reach > 1:
-            j = k + reach
-            there = float(gaps[k : j + 1].min())
-            wanted = max(KEPT * min(there, 4.0 * room), min(there, room))
-            if area.of(shapely.LineString(line[[k, j]])).min() >= wanted:
-                break
-            reach = reach // 2 if reach > 8 else reach - 1
-        k += max(reach, 1)
-        kept.append(k)
-    return np.asarray(line[kept])
-
-
 MOST_SAMPLES = 5_000
 """Points of a line that is rounded"""
 MOST_CELLS = 80_000
@@ -112,6 +70,34 @@ class _Grid:
         size = len(self.nodes)
         return coo_matrix((weight, (self.first[keep], self.second[keep])), (size, size)).tocsr()
 
+    def way(
+        self, room: float, begin: tuple[float, float] | None, end: tuple[float, float] | None
+    ) -> tuple[int, int, float] | None:
+        """Nodes near two places that a route with clearance ``room`` joins, and how long it is [m].
+
+        Where one is not given it is as far as it can be. None where there is no such route.
+        """
+        fits = np.flatnonzero(self.gaps >= room)
+        if not fits.size:
+            return None
+        graph = self.graph(room, widest=False)
+        ends = list[int]()
+        for point in (begin, end):
+            if point is not None:
+                away = np.hypot(*(self.nodes[fits] - point).T)
+                if away.min() > 1.5 * room:
+                    return None
+                ends.append(int(fits[np.argmin(away)]))
+        if not ends:  # from far away in the largest part
+            labels = connected_components(graph, directed=False)[1]
+            largest = np.argmax(np.bincount(labels[fits]))
+            ends = [_farthest(graph, int(fits[labels[fits] == largest][0]))[0]]
+        if len(ends) == 1:
+            other, length = _farthest(graph, ends[0])
+            return (other, ends[0], length) if begin is None and end else (ends[0], other, length)
+        length = float(dijkstra(graph, directed=False, indices=ends[0])[ends[1]])
+        return (ends[0], ends[1], length) if 0.0 < length < np.inf else None
+
 
 def find_route(drawing: Drawing, where: Place, options: Options, reach: float) -> FloatArray:
     """A path (n, 2) [m] from --from to --to, or far; it says how it was found.
@@ -126,89 +112,109 @@ def find_route(drawing: Drawing, where: Place, options: Options, reach: float) -
         simple = shapely.simplify(area, ROUGH * step)
         rough = Clearance(simple) if simple.is_valid and simple.area > 0.0 else rough
     grid = _grid(rough, step)
-    for word, point in (("--from", options.origin), ("--to", options.goal)):
-        if point is not None and not area.covers(shapely.Point(point)):
-            raise drawing.refusal(
-                f"{word} {place(point)}: not in the place of the robots, {extent(area)}"
-            )
-    begin, end = options.origin, options.goal
+    asked = (options.origin, options.goal)
+    begin, end = asked
+    if end is not None and not area.covers(shapely.Point(end)):
+        x0, y0, x1, y1 = area.bounds
+        there = f"x from {x0:g} to {x1:g}, y from {y0:g} to {y1:g}"
+        raise drawing.refusal(f"--to {place(end)}: not in the place of the robots, {there}")
     if begin and end and np.hypot(begin[0] - end[0], begin[1] - end[1]) <= step:
         raise drawing.refusal(
             f"--from and --to are the same place, {place(begin)}; a path leads from one place to "
             "another"
         )
     robots = drawing.of("robot") if options.robots is None else []
-    rooms = _rooms(options, [shape.points for shape in robots], reach)
-    if options.origin is None and robots:
-        options = options.changed(origin=_rear(drawing, grid, options, rooms))
-    room, a, b = _ends(drawing, grid, options, rooms)
-    graph = grid.graph(room, widest=True)
-    before = dijkstra(graph, directed=False, indices=a, return_predecessors=True)[1]
+    rooms = _rooms(options, robots, reach)
+    if begin is None and robots:
+        begin = _rear(drawing, grid, options, rooms)
+    room, a, b = _ends(drawing, grid, options, rooms, begin)
+    before = dijkstra(grid.graph(room, True), directed=False, indices=a, return_predecessors=True)[
+        1
+    ]
     chain = [b]
     while chain[-1] != a:
         chain.append(int(before[chain[-1]]))
-    way = Polyline(smooth(grid.nodes[chain[::-1]], rough, room))
+    way = Polyline(_smooth(grid.nodes[chain[::-1]], rough, room))
     at = np.linspace(0.0, way.length, int(np.clip(way.length / (0.1 * room), 1, MOST_SAMPLES)) + 1)
     gaps = where.clearance.at(way.at(at)[0])
-    wide = np.flatnonzero(
-        (gaps >= END_ROOM * room) & (np.minimum(at, way.length - at) < 2.0 * room)
-    )
-    first = at[wide[0]] if wide.size and options.origin is None else 0.0
-    last = at[wide[-1]] if wide.size and options.goal is None else way.length
+    wide = at[(gaps >= END_ROOM * room) & (np.minimum(at, way.length - at) < 2.0 * room)]
+    first = wide[0] if wide.size and begin is None else 0.0
+    last = wide[-1] if wide.size and end is None else way.length
     line = rounded(way.stretch(first, last) if last - first > 0.5 * way.length else way.points)
-    way = Polyline(line)
     drawing.facts.append(
-        f"path found from {place(line[0])} to {place(line[-1])}, {way.length:.2f} m, at "
+        f"path found from {place(line[0])} to {place(line[-1])}, {Polyline(line).length:.2f} m, at "
         f"least {gaps.min():.2f} m from every boundary (--from, --to)"
     )
-    for word, point, at in (("--from", begin, line[0]), ("--to", end, line[-1])):
-        if point is not None and (away := float(np.hypot(*(at - point)))) > step:
+    for word, point, there in zip(("--from", "--to"), asked, line[[0, -1]], strict=True):
+        if point is not None and (away := float(np.hypot(*(there - point)))) > step:
             drawing.changes.append(
-                f"{word} {place(point)}: moved by {away:.2f} m, to {place(at)}, where robots "
+                f"{word} {place(point)}: moved by {away:.2f} m, to {place(there)}, where robots "
                 "have room"
             )
     return line
 
 
-def _rooms(options: Options, drawn: Sequence[FloatArray], reach: float) -> list[float]:
+def _rooms(options: Options, robots: Sequence[Shape], reach: float) -> list[float]:
     """Clearances [m] to try, largest first: of the robots asked for or drawn, or of all sizes."""
     if options.robot == "fit":
         return [(ROOM + reach) * size for size in SIZES]
-    box = options.robot or (LENGTH, 1.0)
-    if options.robot is None and not drawn:
+    box = options.robot
+    if robots:
+        about = [one.geometry.minimum_rotated_rectangle for one in robots]
+        sides = [np.diff(shapely.get_coordinates(one)[:3], axis=0) for one in about]
+        short, long = np.sort(np.hypot(*np.moveaxis(np.array(sides), 2, 0)), axis=1).max(axis=0)
+        box = (float(long), float(short))
+    if box is None:
         return [ROOM + reach]
-    if drawn:
-        sides = [_sides(outline) for outline in drawn]
-        box = (max(one[0] for one in sides), max(one[1] for one in sides))
     size = box[0] / LENGTH
     return [room + reach * size for room in (ROOM * size, room_of(box), 0.55 * box[1])]
 
 
-def _sides(outline: FloatArray) -> tuple[float, float]:
-    """Longer and shorter side [m] of the smallest rectangle about an outline."""
-    rectangle = shapely.Polygon(outline).minimum_rotated_rectangle
-    short, long = sorted(np.hypot(*np.diff(shapely.get_coordinates(rectangle)[:3], axis=0).T))
-    return float(long), float(short)
-
-
 def _rear(
     drawing: Drawing, grid: _Grid, options: Options, rooms: list[float]
-) -> tuple[float, float] | None:
+) -> tuple[float, float]:
     """Where of the robots drawn the one stands whose way to the goal is longest.
 
-    Without a goal that is the place farthest from the first of them. None where no way is found.
+    Without a goal that is the place farthest from the first of them.
     """
     centres = np.array([one.geometry.centroid.coords[0] for one in drawing.of("robot")])
-    first = (float(centres[0][0]), float(centres[0][1]))
-    try:
-        room, _, goal = _ends(drawing, grid, options.changed(origin=first), rooms)
-    except ImportSourceError:
-        return None
-    away = dijkstra(grid.graph(room, widest=False), directed=False, indices=goal)
+    room, _, goal = _ends(drawing, grid, options, rooms, (centres[0][0], centres[0][1]))
+    away = dijkstra(grid.graph(room, False), directed=False, indices=goal)
     fits = np.flatnonzero(np.isfinite(away))
-    near = cKDTree(grid.nodes[fits]).query(centres)[1]
-    x, y = centres[int(np.argmax(away[fits[near]]))]
+    x, y = centres[np.argmax(away[fits[cKDTree(grid.nodes[fits]).query(centres)[1]]])]
     return float(x), float(y)
+
+
+def _ends(
+    drawing: Drawing,
+    grid: _Grid,
+    options: Options,
+    rooms: list[float],
+    begin: tuple[float, float] | None,
+) -> tuple[float, int, int]:
+    """The clearance to keep [m], and the nodes at which the path begins and ends.
+
+    Of the clearances tried, largest first, the first that leaves a route between the points asked
+    for, or one nearly as long as the smallest does.
+    """
+    end = options.goal
+    is_asked = begin is not None and end is not None
+    least = None if is_asked else grid.way(rooms[-1], begin, end)
+    enough = 0.0 if least is None else WORTH * least[2]
+    for room in rooms:
+        found = grid.way(room, begin, end)
+        if found is not None and (is_asked or found[2] >= max(enough, 4.0 * room)):
+            return room, *found[:2]
+    between = f" from {place(begin)} to {place(end)}" if begin and end else ""
+    if drawing.of("robot") and options.robots is None:
+        how = "; draw smaller robots, or --robots N --robot fit"
+    elif options.robot == "fit":
+        how = " at their smallest (--robot fit)"
+    else:
+        how = "; --robot fit, or a smaller --robot LENGTH,WIDTH"
+    raise drawing.lack(
+        f"no route{between} with {rooms[-1]:.3g} m to the walls, which the robots need{how}"
+    )
 
 
 def _grid(outline: Clearance, step: float) -> _Grid:
@@ -237,85 +243,48 @@ def _grid(outline: Clearance, step: float) -> _Grid:
     return _Grid(nodes, gaps, first[clear], second[clear], length[clear])
 
 
-def _ends(
-    drawing: Drawing, grid: _Grid, options: Options, rooms: list[float]
-) -> tuple[float, int, int]:
-    """The clearance to keep [m], and the nodes at which the path begins and ends.
-
-    Of the clearances tried, largest first, the first that leaves a route between the points asked
-    for, or one nearly as long as the smallest does.
-    """
-    origin, goal = options.origin, options.goal
-    doubt = f"; {drawing.doubt}" if drawing.doubt else ""
-    needed = f"with {rooms[-1]:.3g} m to the walls, which the robots need{doubt}"
-    if drawing.of("robot") and options.robots is None:
-        needed += "; draw smaller robots, or --robots N --robot fit"
-    elif options.robot == "fit":
-        needed += " at their smallest (--robot fit)"
-    else:
-        needed += "; --robot fit, or a smaller --robot LENGTH,WIDTH"
-    if origin is not None and goal is not None:
-        for room in rooms:
-            pair = _joined(grid, room, origin, goal)
-            if pair is not None:
-                return room, *pair
-        raise drawing.refusal(f"no route from {place(origin)} to {place(goal)} {needed}")
-    smallest = _far(grid, rooms[-1], origin) if goal is None else None
-    enough = WORTH * smallest[2] if smallest is not None else 0.0
-    for room in rooms:
-        found = _far(grid, room, origin if goal is None else goal)
-        if found is not None and found[2] >= enough and found[2] > 4.0 * room:
-            a, b, _ = found
-            return (room, a, b) if goal is None else (room, b, a)
-    raise drawing.refusal(f"no route {needed}")
-
-
-def _near(grid: _Grid, room: float, point: tuple[float, float]) -> int | None:
-    """Node with that clearance nearest to a point; None when there is none close by."""
-    away = np.hypot(*(grid.nodes - np.array(point)).T)
-    away = np.where(grid.gaps >= room, away, np.inf)
-    k = int(np.argmin(away))
-    return k if away[k] <= 1.5 * room else None
-
-
-def _joined(
-    grid: _Grid, room: float, a: tuple[float, float], b: tuple[float, float]
-) -> tuple[int, int] | None:
-    """Nodes near two points that a route joins; None where there is none."""
-    first, second = _near(grid, room, a), _near(grid, room, b)
-    if first is None or second is None or first == second:
-        return None
-    labels = connected_components(grid.graph(room, widest=False), directed=False)[1]
-    return (first, second) if labels[first] == labels[second] else None
-
-
-def _far(
-    grid: _Grid, room: float, origin: tuple[float, float] | None
-) -> tuple[int, int, float] | None:
-    """Two nodes far apart on the route between them, and how far [m]; one of them if given.
-
-    None where no node has that clearance, or none close to ``origin``.
-    """
-    fits = np.flatnonzero(grid.gaps >= room)
-    if not fits.size:
-        return None
-    graph = grid.graph(room, widest=False)
-    if origin is None:
-        labels = connected_components(graph, directed=False)[1]
-        largest = int(np.argmax(np.bincount(labels[fits])))
-        a = _farthest(graph, int(fits[labels[fits] == largest][0]))[0]
-    else:
-        near = _near(grid, room, origin)
-        if near is None:
-            return None
-        a = near
-    b, length = _farthest(graph, a)
-    return a, b, length
-
-
 def _farthest(graph: Any, node: int) -> tuple[int, float]:
     """Node farthest from another on the routes of a graph, and how far [m]."""
     away = dijkstra(graph, directed=False, indices=node)
     away = np.where(np.isfinite(away), away, -1.0)
     k = int(np.argmax(away))
     return k, float(away[k])
+
+
+def _smooth(line: FloatArray, area: Clearance, room: float) -> FloatArray:
+    """Straighten and round a line (n, 2) whose points have clearance ``room`` [m] in ``area``.
+
+    One that is too long for points close to each other is straightened alone.
+    """
+    line = _straightened(line, area, room)
+    way = Polyline(line)
+    count = int(np.ceil(way.length / (0.3 * room)))
+    if count > MOST_SAMPLES:
+        return line
+    points = way.at(np.linspace(0.0, way.length, count + 1))[0]
+    low = np.minimum(area.at(points), room)
+    for _ in range(ROUNDS):
+        moved = points.copy()
+        moved[1:-1] = 0.5 * points[1:-1] + 0.25 * (points[:-2] + points[2:])
+        allowed = area.at(moved) >= low
+        points = np.where(allowed[:, None], moved, points)
+    simple = shapely.simplify(shapely.LineString(points), 0.02 * room)
+    return np.asarray(shapely.get_coordinates(simple))
+
+
+def _straightened(line: FloatArray, area: Clearance, room: float) -> FloatArray:
+    """Replace stretches by straight ones that keep away from the walls nearly as well."""
+    gaps = area.at(line)
+    kept, k = [0], 0
+    while k < len(line) - 1:
+        reach = len(line) - 1 - k
+        while reach > 1:
+            j = k + reach
+            there = float(gaps[k : j + 1].min())
+            wanted = max(KEPT * min(there, 4.0 * room), min(there, room))
+            if area.of(shapely.LineString(line[[k, j]])).min() >= wanted:
+                break
+            reach = reach // 2 if reach > 8 else reach - 1
+        k += max(reach, 1)
+        kept.append(k)
+    return np.asarray(line[kept])

@@ -68,29 +68,28 @@ def size_of(
 
     ``reach`` is that at factor 1. Raises ImportSourceError where they do not fit.
     """
+    shape = next(iter(drawing.of("path")), None)
     if isinstance(options.robot, tuple):
         factor = factor_of(options.robot[0])
         advice = "move it, or give a smaller --robot LENGTH,WIDTH, or --robot fit"
-        check_way(drawing, where, line, options.robot[1], "path", _path(drawing), advice)
+        check_way(drawing, where, line, options.robot[1], "path", shape, advice)
         return Size(factor, options.robot, "as asked (--robot)")
-    check_way(drawing, where, line, 0.0, "path", _path(drawing), "move it")
-    gap, at = narrowest(where, line)
+    gap, at = check_way(drawing, where, line, 0.0, "path", shape, "move it")
     most = gap / (ROOM + reach)
     factor = two_digits(1.0 if most > ENOUGH else most)
     small = ",".join(f"{side:g}" for side in fitting(factor))
     if factor < SMALLEST:
         raise drawing.refusal(
             f"the path comes within {gap:.3g} m of a wall at {place(at)}; it must keep away from "
-            f"the walls; {further_in(where, line, SMALLEST * ROOM) or 'check --scale'}",
-            _path(drawing),
+            "the walls; move it, or check --scale",
+            shape,
         )
     if options.robot is None and factor < 1.0:
         raise drawing.refusal(
             f"{gap:.3g} m to a wall at {place(at)}: robots of the usual {LENGTH:g} x {WIDTH:g} m "
-            f"need {ROOM + reach:g} m{' with so many --lanes' if reach else ''}; "
-            f"{f'{end}, or ' if (end := further_in(where, line, ROOM + reach)) else ''}"
+            f"need {ROOM + reach:g} m{' with so many --lanes' if reach else ''}; move the path, "
             f"--robot fit makes them {small}, or say --robot LENGTH,WIDTH",
-            _path(drawing),
+            shape,
         )
     told = "as large as fits (--robot fit)" if options.robot else "the usual size (--robot)"
     return Size(factor, fitting(factor), told)
@@ -112,36 +111,6 @@ def size_as_drawn(robots: Sequence[Placed]) -> Size:
     return Size(factor_of(shortest.box[0]), shortest.box, told)
 
 
-def narrowest(where: Place, line: FloatArray) -> tuple[float, FloatArray]:
-    """Least clearance [m] along a path (n, 2), and where (2,)."""
-    _, points, gaps = _along(where, line)
-    k = int(np.argmin(gaps))
-    return float(gaps[k]), points[k]
-
-
-def further_in(where: Place, line: FloatArray, room: float) -> str:
-    """Advice where a path (n, 2) lacks some room [m] to the walls at its ends alone; else empty."""
-    stations, _, gaps = _along(where, line)
-    narrow, length = stations[gaps < room], float(stations[-1])
-    is_begin, is_end = narrow < 2.0 * room, narrow > length - 2.0 * room
-    if not (is_begin | is_end).all():
-        return ""
-    if is_end.all():
-        return "end it further in, away from the wall before it"
-    if is_begin.all():
-        return "begin it further in, away from the wall behind it"
-    return "begin and end it further in, away from the walls behind and before it"
-
-
-def _along(where: Place, line: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Stations [m] along a path (n, 2), the points (k, 2) there, and their clearance [m]."""
-    way = Polyline(line)
-    count = int(min(max(way.length / 0.05, 200), MOST_SAMPLES))
-    even = np.linspace(0.0, way.length, count)
-    points = np.vstack([way.at(even)[0], line])
-    return np.concatenate([even, way.station]), points, where.clearance.at(points)
-
-
 def check_way(
     drawing: Drawing,
     where: Place,
@@ -150,36 +119,34 @@ def check_way(
     what: str,
     shape: Shape | None,
     advice: str,
-    back: str = "move it",
-) -> None:
-    """Refuse a path (n, 2) [m] that leaves the area, or passes too near a wall for some width.
+) -> tuple[float, FloatArray]:
+    """Least clearance [m] along a path (n, 2) [m], and where (2,).
 
-    ``advice`` is given where it passes too near, ``back`` where it leaves.
+    Raises ImportSourceError, with ``advice``, for one that leaves the area, or passes too near a
+    wall for a robot of a ``width`` [m].
     """
-    beyond = shapely.LineString(line).difference(where.area)
-    if beyond.length > SLIVER:
-        pieces = shapely.get_parts(beyond)
-        ends = shapely.get_coordinates(pieces[int(np.argmax(shapely.length(pieces) > SLIVER))])
+    beyond = shapely.get_parts(shapely.LineString(line).difference(where.area))
+    beyond = beyond[shapely.length(beyond) > SLIVER]
+    if len(beyond):
+        ends = shapely.get_coordinates(beyond[0])
         at = ends[-1] if (ends[0] == line[0]).all() else ends[0]
-        raise drawing.refusal(
-            f"the {what} leaves the area at {place(at)}, or leads through a wall there"
-            f"{_named(drawing, at)}; {back}",
-            shape,
-        )
-    gap, at = narrowest(where, line)
+        said = f"leaves the area at {place(at)}, or leads through a wall there"
+        raise drawing.refusal(f"the {what} {said}{_named(drawing, at)}; {advice}", shape)
+    way = Polyline(line)
+    count = int(min(max(way.length / 0.05, 200), MOST_SAMPLES))
+    points = np.vstack([way.at(np.linspace(0.0, way.length, count))[0], line])
+    gaps = where.clearance.at(points)
+    gap, at = float(gaps.min()), points[np.argmin(gaps)]
     if gap < 0.5 * width:
         raise drawing.refusal(
             f"the {what} passes {gap:.3g} m from a wall at {place(at)}{_named(drawing, at)}: "
-            f"a robot {width:g} m wide does not fit; "
-            f"{further_in(where, line, 0.5 * width) or advice}",
+            f"a robot {width:g} m wide does not fit; {advice}",
             shape,
         )
+    return gap, at
 
 
 def _named(drawing: Drawing, at: FloatArray) -> str:
-    wall = drawing.nearest(at, "boundary", "obstacle")
-    return f" ({wall})" if wall is not None and wall.label else ""
-
-
-def _path(drawing: Drawing) -> Shape | None:
-    return next(iter(drawing.of("path")), None)
+    walls = [one for one in drawing.of("boundary", "obstacle") if one.label]
+    wall = min(walls, key=lambda one: one.geometry.distance(shapely.Point(at)), default=None)
+    return f" ({wall})" if wall is not None else ""

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import io
-import re
 import warnings
 from pathlib import Path
 from typing import Any
@@ -17,8 +16,6 @@ from physim.escaping import escaped
 
 MOST_TEXT = 20_000_000
 """Bytes of a text that is read"""
-MOST_HEAD = 10_000
-"""Bytes of a map in which the name of its image is looked for"""
 MOST_IMAGE = 200_000_000
 """Bytes of an image that is read"""
 MOST_PIXELS = 50_000_000
@@ -45,28 +42,11 @@ def format_of(path: Path) -> str:
     if suffix in SUFFIXES:
         return SUFFIXES[suffix]
     if suffix in IMAGES:
-        beside = sorted(p.name for p in path.parent.glob("*.yaml") if _is_of(p, path))[:5]
-        near = f"; there: {escaped(', '.join(beside))}" if beside else ""
-        raise refused(
-            path, f"an image alone has no scale; name the map.yaml that belongs to it{near}"
-        )
+        raise refused(path, "an image alone has no scale; name the map.yaml that belongs to it")
     if suffix in (".gz", ".svgz", ".zip"):
         raise refused(path, "is compressed; unpack it first (Inkscape: save as plain SVG)")
     read_bytes(path, MOST_TEXT)  # one that cannot be read is told as such
     raise refused(path, f"its suffix does not say what it is; --format {'|'.join(FORMATS)}")
-
-
-def _is_of(map_yaml: Path, image: Path) -> bool:
-    """Whether a map has the stem of an image, or names it."""
-    if map_yaml.stem == image.stem:
-        return True
-    try:
-        with map_yaml.open("rb") as file:
-            head = file.read(MOST_HEAD).decode("utf-8", "replace")
-    except OSError:
-        return False
-    named = re.search(r"""^image: *["']?(.*?)["']? *(?:#.*)?\r?$""", head, re.MULTILINE)
-    return named is not None and Path(named[1]).name == image.name
 
 
 def read_bytes(path: Path, most: int) -> bytes:

@@ -1,4 +1,4 @@
-"""Lines of SVG shapes: strict numbers, path data, and chords of curves."""
+"""Lines of SVG shapes: strict numbers and lengths, outlines as path data, chords of curves."""
 
 from __future__ import annotations
 
@@ -80,38 +80,31 @@ def outline(tag: str, values: Mapping[str, str]) -> str:
 
     if tag == "line":
         return f"M{of('x1')!r} {of('y1')!r} {of('x2')!r} {of('y2')!r}"
-    rx = of("rx", values.get("ry", "0")) if tag != "circle" else of("r")
-    ry = of("ry", values.get("rx", "0")) if tag != "circle" else rx
-    if tag != "rect":
-        x, y = of("cx"), of("cy")
-        arc = f"A{rx!r} {ry!r} 0 0 1"
-        return f"M{x - rx!r} {y!r}{arc} {x + rx!r} {y!r}{arc} {x - rx!r} {y!r}z" if rx * ry else ""
-    x, y, width, height = of("x"), of("y"), of("width"), of("height")
-    if not width * height:
-        return ""
-    rx, ry = min(rx, width / 2.0), min(ry, height / 2.0)
-    if not rx * ry:
-        return f"M{x!r} {y!r}h{width!r}v{height!r}h{-width!r}z"
-    right, below = x + width, y + height
+    if tag == "rect":
+        x, y, width, height = of("x"), of("y"), of("width"), of("height")
+        round_x, round_y = of("rx", values.get("ry", "0")), of("ry", values.get("rx", "0"))
+        rect = svgelements.Rect(x, y, width, height, round_x, round_y)
+        return str(rect.d()) if width * height else ""
+    x, y = of("cx"), of("cy")
+    rx = of("r") if tag == "circle" else of("rx", values.get("ry", "0"))
+    ry = rx if tag == "circle" else of("ry", values.get("rx", "0"))
     arc = f"A{rx!r} {ry!r} 0 0 1"
-    return (
-        f"M{x + rx!r} {y!r}H{right - rx!r}{arc} {right!r} {y + ry!r}V{below - ry!r}"
-        f"{arc} {right - rx!r} {below!r}H{x + rx!r}{arc} {x!r} {below - ry!r}V{y + ry!r}"
-        f"{arc} {x + rx!r} {y!r}z"
-    )
+    return f"M{x - rx!r} {y!r}{arc} {x + rx!r} {y!r}{arc} {x - rx!r} {y!r}z" if rx * ry else ""
 
 
 def subpaths(data: str, tolerance: float) -> list[tuple[FloatArray, bool]]:
     """Polylines (n, 2) of path data, and whether each is closed, its first point repeated.
 
     No chord is farther than ``tolerance`` from its curve; all in user units. Raises ValueError
-    for data that do not follow the standard, and before there are too many points.
+    for data that do not follow the standard, and for too many points.
     """
-    before, *pieces = COMMANDS.split(data.strip())
+    try:
+        path = svgelements.Path(_strict(data))
+    except ArithmeticError:
+        raise ValueError("path data: a radius is too near to 0") from None
     found: list[tuple[FloatArray, bool]] = []
     line: list[FloatArray] = []
-    at = start = handle = np.zeros(2)
-    last, count = "", 0
+    count = 0
 
     def finish(closed: bool) -> None:
         if len(line) > 1:
@@ -123,86 +116,68 @@ def subpaths(data: str, tolerance: float) -> list[tuple[FloatArray, bool]]:
             found.append((points, bool(closed)))
         line.clear()
 
-    if before or (pieces and pieces[0] not in "Mm"):
-        raise ValueError(f'path data begin with M, not "{escaped(data.strip()[:20])}"')
-    for letter, text in zip(pieces[::2], pieces[1::2], strict=True):
-        kind, takes = letter.upper(), TAKES[letter.upper()]
-        try:
-            given = numbers(text, "nnnffnn" if kind == "A" else "n")
-        except ValueError as error:
-            raise ValueError(f"path data: {error}") from None
-        if len(given) % takes if takes else given or text.strip():
-            raise ValueError(f'path data: "{letter}" has {len(given)} numbers; it takes {takes}')
-        if takes and not given:
-            raise ValueError(f'path data: "{letter}" has no numbers; it takes {takes}')
-        if not takes:
+    for one in path:
+        end = np.array([one.end.x, one.end.y])
+        if isinstance(one, svgelements.Move):
+            finish(False)
+            line.append(end[None])
+        elif isinstance(one, svgelements.Close):
             finish(True)
-            at, last = start, kind
-            continue
-        for row in np.reshape(given, (-1, takes)):
-            if not line and kind != "M":
-                line.append(at)
-            if kind in "HV":
-                axis = int(kind == "V")
-                end = at.copy()
-                end[axis] = row[0] + (at[axis] if letter.islower() else 0.0)
-                points = end[None]
-            else:
-                bends = row[5:] if kind == "A" else row
-                points = bends.reshape(-1, 2) + (at if letter.islower() else 0.0)
-            end = points[-1]
-            if kind == "M":
-                finish(False)
-                start, kind = end, "L"  # what follows are lines
-                line.append(end)
-            elif kind in "LHV":
-                line.append(end)
-            else:
-                if kind in "ST":
-                    smooth = 2.0 * at - handle if last in ("CS" if kind == "S" else "QT") else at
-                    points = np.vstack([smooth, points])
-                handle = points[-2] if kind != "A" else end
-                chords = _arc(at, row, end, tolerance) if kind == "A" else _bend(
-                    np.vstack([at, points]), tolerance)  # fmt: skip
-                line.extend(chords)
-                count += len(chords)
-            count += 1
-            if count > MOST_POINTS:
-                raise ValueError(f"more than {MOST_POINTS} points; use a larger --tolerance, check "
-                                 "--scale, or simplify the drawing")  # fmt: skip
-            at, last = end, kind
+        else:
+            if not line:
+                line.append(np.array([[one.start.x, one.start.y]]))
+            inner = np.arange(1, chords := _chords(one, tolerance)) / chords
+            line.extend((one.npoint(inner), end[None]) if chords > 1 else (end[None],))
+            count += chords
+        if count > MOST_POINTS:
+            raise ValueError(f"more than {MOST_POINTS} points; use a larger --tolerance, check "
+                             "--scale, or simplify the drawing")  # fmt: skip
     finish(False)
     return found
 
 
-def _bend(controls: FloatArray, tolerance: float) -> list[FloatArray]:
-    """Points after the first of a Bézier curve of control points (k + 1, 2)."""
-    k = len(controls) - 1
-    bend = float(np.hypot(*np.diff(controls, 2, axis=0).T).max())
-    count = _count(sqrt(k * (k - 1) * bend / (8.0 * tolerance)))
-    t = np.arange(1, count + 1)[:, None] / count
-    points = [np.broadcast_to(one, (count, 2)) for one in controls]
-    for _ in range(k):
-        points = [(1.0 - t) * a + t * b for a, b in zip(points, points[1:], strict=False)]
-    return [*points[0][:-1], controls[-1]]
+def _strict(data: str) -> str:
+    """Path data that follow the standard, every number apart; ValueError for others.
+
+    Between curves of two kinds stands a line of no length: the second goes on from the point.
+    """
+    before, *pieces = COMMANDS.split(data.strip())
+    if before or (pieces and pieces[0] not in "Mm"):
+        raise ValueError(f'path data begin with M, not "{escaped(data.strip()[:20])}"')
+    words, count, last = list[str](), 0, ""
+    for letter, text in zip(pieces[::2], pieces[1::2], strict=True):
+        takes, is_arc = TAKES[letter.upper()], letter in "Aa"
+        try:
+            given = numbers(text, "nnnffnn" if is_arc else "n")
+        except ValueError as error:
+            raise ValueError(f"path data: {error}") from None
+        if (len(given) % takes or not given) if takes else given:
+            raise ValueError(f'path data: "{letter}" has {len(given)} numbers; it takes {takes}')
+        count += len(given)
+        if count > 2 * MOST_POINTS * max(takes, 1):
+            raise ValueError(f"more than {MOST_POINTS} points; simplify the drawing")
+        flags = (3, 4) if is_arc else ()
+        if letter in "SsTt" and words and last not in (*("CS" if letter in "Ss" else "QT"), "M"):
+            words.append("l 0 0")
+        last = letter.upper()
+        words += [letter, *(repr(int(v) if k % 7 in flags else v) for k, v in enumerate(given))]
+    return " ".join(words)
 
 
-def _arc(begin: FloatArray, row: FloatArray, end: FloatArray, tolerance: float) -> list[FloatArray]:
-    """Points after the first of an arc, by the seven numbers of its command."""
-    rx, ry = abs(row[0]), abs(row[1])
-    if min(rx, ry) == 0.0 or (begin == end).all():
-        return [end]
-    if not min(rx, ry) > 1e-9 * float(np.abs(end - begin).max()):
-        raise ValueError(f'path data: a radius of "{min(rx, ry):g}" is too near to 0')
-    arc = svgelements.Arc(tuple(begin), rx, ry, row[2], int(row[3]), int(row[4]), tuple(end))
-    radius = max(float(arc.rx), float(arc.ry))
-    turn = acos(max(1.0 - tolerance / radius, -1.0)) if radius > tolerance else pi / 2.0
-    count = _count(abs(float(arc.sweep)) / (2.0 * turn) if turn > 0.0 else float(MOST_CHORDS))
-    inner = arc.npoint(np.arange(1, count) / count) if count > 1 else []
-    return [*np.asarray(inner, dtype=float).reshape(-1, 2), end]
-
-
-def _count(chords: float) -> int:
+def _chords(one: svgelements.PathSegment, tolerance: float) -> int:
+    """How many chords keep within ``tolerance`` of a line, a Bézier curve or an arc."""
+    if isinstance(one, svgelements.Arc):
+        radius = max(float(one.rx), float(one.ry))
+        if one.start == one.end or min(one.rx, one.ry) == 0.0:
+            return 1
+        turn = acos(max(1.0 - tolerance / radius, -1.0)) if radius > tolerance else pi / 2.0
+        chords = abs(float(one.sweep)) / (2.0 * turn) if turn > 0.0 else float(MOST_CHORDS)
+    elif isinstance(one, svgelements.Line):
+        return 1
+    else:
+        controls = np.array([(p.x, p.y) for p in one if p is not None])
+        bend = float(np.hypot(*np.diff(controls, 2, axis=0).T).max())
+        chords = sqrt((len(controls) - 1) * (len(controls) - 2) * bend / (8.0 * tolerance))
     if not isfinite(chords):
         raise ValueError("a coordinate is not a finite number")
     return min(max(ceil(chords), 1), MOST_CHORDS)

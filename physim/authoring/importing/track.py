@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 import re
+from itertools import takewhile
 from pathlib import Path
 
 import numpy as np
@@ -18,9 +19,7 @@ from physim.authoring.importing.area import SMALLEST
 from physim.authoring.importing.drawing import (
     Drawing,
     Shape,
-    grid_origin,
     listed,
-    moved_to,
     place,
     refused,
     rounded,
@@ -60,15 +59,13 @@ def read_track(path: Path, options: Options) -> Drawing:
     """
     drawing = Drawing(kind="centreline with widths (race-track convention)", path=path)
     table = _table(drawing, read_text(path), options.unit)
-    origin = grid_origin(table[:, :2])
-    table[:, :2] -= origin
+    table[:, :2] = drawing.moved(table[:, :2])
     width = table[:, 2:].sum(axis=1)
     is_closed, length = _closed(table[:, :2], options)
     drawing.facts.append(
         f"{len(table)} points, {length:.1f} m, {'closed' if is_closed else 'open'}, "
         f"{width.min():.2f} to {width.max():.2f} m wide; {options.unit:g} m per unit"
     )
-    drawing.facts += moved_to(origin)
     if length < SMALLEST:
         raise drawing.refusal(f"the centreline is {length:.3g} m long; check --scale")
     centre, left, right = _edges(table, is_closed)
@@ -92,23 +89,21 @@ def _table(drawing: Drawing, text: str, scale: float) -> FloatArray:
     if len(rows) > MOST_LINES:
         raise refused(path, f"{len(rows)} lines; at most {MOST_LINES} are read")
     numbered = [(k, row.strip()) for k, row in enumerate(rows, start=1) if row.strip()]
-    data = [
-        (k, row) for k, row in numbered if row[0] != "#" and not row.lstrip(' ,;"')[:1].isalpha()
-    ]
-    if not data:
+    above = list(
+        takewhile(lambda one: one[1][0] == "#" or one[1].lstrip(' ,;"')[:1].isalpha(), numbered)
+    )
+    if len(above) == len(numbered):
         raise refused(path, f"no row that begins with a number; columns: {', '.join(COLUMNS)}")
-    first, row = data[0]
+    first, row = numbered[len(above)]
     if re.search(r"\t|^\S+( +\S+){3}$", row) and not re.search("[,;]", row):
         between = "tabs" if "\t" in row else "spaces"
         raise refused(path, f"{between} between the columns; separate them by commas", first)
     separator = ";" if ";" in row else ","
     count = len(row.split(separator))
-    order, extra = _columns(path, numbered, first, separator, count)
-    if extra:
-        drawing.changes.append(f"columns left out: {escaped(', '.join(extra))}"[:200])
+    order = _columns(drawing, above, first, count)
     table, repeated = list[list[float]](), list[str]()
-    for k, row in numbered:
-        if row[0] == "#" or k < first:
+    for k, row in numbered[len(above) :]:
+        if row[0] == "#":
             continue
         values = [value * scale for value in _numbers(path, k, row, separator, count, order)]
         if table and math.dist(table[-1][:2], values[:2]) <= 1e-6:
@@ -123,39 +118,27 @@ def _table(drawing: Drawing, text: str, scale: float) -> FloatArray:
     return np.array(table)
 
 
-def _columns(
-    path: Path, rows: list[tuple[int, str]], first: int, separator: str, count: int
-) -> tuple[list[int], list[str]]:
-    """Places of the four columns in a row, and the names of others; refused where names differ."""
+def _columns(drawing: Drawing, above: list[tuple[int, str]], first: int, count: int) -> list[int]:
+    """Places of the four columns in a row; refused where the names above differ."""
     header, line = list[str](), first
-    for k, row in rows:
-        if k >= first:
-            break
+    for k, row in above:
         names = [name.strip(" \"'#\t").lower() for name in re.split("[,;\t]", row)]
         words = len(names) > 1 and all(NAME.fullmatch(name) for name in names if name)
         columns = len(names) in (4, count) or any(name[:1] == "x" for name in names)
         if row[0] != "#" or "x_m" in row.lower() or (words and columns):
             header, line = names, k
-    if not header:
-        if count != 4:
-            needed = f"{count} columns and no names; 4 are needed: {', '.join(COLUMNS)}"
-            raise refused(path, needed, first)
-        return [0, 1, 2, 3], []
-    missing = [name for name in COLUMNS if name not in header]
-    twice = [name for name in COLUMNS if header.count(name) > 1]
+    if not header and count == 4:
+        return [0, 1, 2, 3]
+    given = escaped(", ".join(header))[:200] if header else f"{count} without names"
     others = [name for name in header if name and name not in COLUMNS]
-    if missing or twice:
-        what = "more than one column"
-        if missing:
-            what = "no columns" if len(missing) > 1 else "no column"
-        near = nearest(missing[0], others) if len(missing) == 1 else ""
-        raise refused(
-            path,
-            f"{what} {', '.join(missing or twice)}; the columns are "
-            f"{escaped(', '.join(header))[:200]}{near}; rename or add: {MEANT}",
-            line,
-        )
-    return [header.index(name) for name in COLUMNS], others
+    wrong = [name for name in COLUMNS if header.count(name) != 1]
+    if wrong:
+        near = nearest(wrong[0], others) if len(wrong) == 1 else ""
+        message = f"not one column {', '.join(wrong)}; the columns are {given}{near}"
+        raise refused(drawing.path, f"{message}; rename or add: {MEANT}", line)
+    if others:
+        drawing.changes.append(f"columns left out: {escaped(', '.join(others))}"[:200])
+    return [header.index(name) for name in COLUMNS]
 
 
 def _numbers(
@@ -163,19 +146,17 @@ def _numbers(
 ) -> list[float]:
     """The four values of a row, finite, widths above 0."""
     cells = [cell.strip(' "') for cell in row.split(separator)]
-    if separator == ";" and "," in row:
-        raise refused(path, "numbers with a decimal comma; write a point", line)
-    if len(cells) <= max(order) or any(cells[count:]):
-        comma = "; numbers with a decimal comma? write a point" if len(cells) > count else ""
-        raise refused(path, f"{len(cells)} values in {count} columns{comma}", line)
+    if (separator == ";" and "," in row) or len(cells) <= max(order) or any(cells[count:]):
+        message = f"{len(cells)} values in {count} columns, parted by {separator}"
+        raise refused(path, f"{message}; of numbers with a decimal comma write a point", line)
     values = []
     for name, cell in zip(COLUMNS, (cells[k] for k in order), strict=True):
         try:
             value = float(cell) if cell.isascii() and "_" not in cell else math.nan
         except ValueError:
-            raise refused(path, f'{name}: "{escaped(cell[:40])}" is not a number', line) from None
+            value = math.nan
         if not math.isfinite(value):
-            raise refused(path, f"{name}: {escaped(cell[:40])} is not a finite number", line)
+            raise refused(path, f'{name}: "{escaped(cell[:40])}" is not a finite number', line)
         if name.startswith("w_") and value <= 0.0:
             raise refused(path, f"{name}: {value:g}; a width must be greater than 0", line)
         values.append(value)

@@ -22,9 +22,8 @@ import shapely
 from physim.authoring.importing.drawing import (
     Drawing,
     Shape,
-    grid_origin,
+    invalid_at,
     listed,
-    moved_to,
     place,
     refused,
     rounded,
@@ -38,8 +37,6 @@ from physim.escaping import escaped
 
 MOST_DEPTH = 20
 """Geometries within geometries"""
-MOST_GEOMETRIES = 10_000
-MOST_LISTS = 1_000_000
 ROLES = ("place", "boundary", "obstacle", "path", "robot")
 ABUT = 1.5e-3
 """[m] Places nearer than this abut: corners that are one may be rounded apart by 1.4 mm."""
@@ -58,8 +55,8 @@ class _Part:
     layer: str = ""
     heading: float | None = None
     """[rad]"""
-    elsewhere: tuple[str, str] = ("", "")
-    """a property other than role and layer whose value is a role, and that role"""
+    elsewhere: frozenset[str] = frozenset()
+    """roles that other properties than role and layer say"""
     label: str = ""
     line: int | None = None
 
@@ -86,7 +83,7 @@ def read_wkt(path: Path, options: Options) -> Drawing:
         if srid := re.match(r"(SRID\s*=\s*\d{1,9})\s*(?:;\s*)?", text, re.I):
             stated, text = srid[1], text[srid.end() :]
         depth = max(accumulate((c == "(") - (c == ")") for c in text), default=0)
-        if depth > MOST_DEPTH or text.count("(") > MOST_LISTS or "\0" in text:
+        if depth > MOST_DEPTH or "\0" in text:
             raise refused(path, f"nested deeper than {MOST_DEPTH} levels, or with NUL in it", k)
         try:
             with np.errstate(invalid="ignore", over="ignore"):
@@ -106,8 +103,6 @@ def read_wkt(path: Path, options: Options) -> Drawing:
 def read_geojson(path: Path, options: Options) -> Drawing:
     """Read a GeoJSON file; raises ImportSourceError."""
     text = read_text(path)
-    if text.count("[") > MOST_LISTS:
-        raise refused(path, f"more than {MOST_LISTS:,} points and lists; simplify the lines first")
     try:
         value = json.loads(
             text, parse_constant=_not_finite, parse_int=float, object_pairs_hook=_once
@@ -136,22 +131,17 @@ def read_geojson(path: Path, options: Options) -> Drawing:
             raise refused(path, f"{about.label}: has a crs of its own; give one to the file")
         found = _geometries(path, geometry, about.label, 0) if geometry is not None else ()
         parts += [replace(about, geometry=one) for one in found]
-        if len(parts) > MOST_GEOMETRIES:
-            raise refused(
-                path, f"more than {MOST_GEOMETRIES} geometries; leave out what is no wall"
-            )
     for name in sorted({*options.ignore} - names):
         near = nearest(name[:100], sorted(names))
         raise refused(path, f"--ignore {escaped(name)}: no feature has that name or layer{near}")
-    if any(part.role or part.layer for part in parts):
+    kinds = {"Polygon": "place", "LineString": "path", "LinearRing": "path"}
+    as_wkt = [replace(one, role=kinds.get(one.geometry.geom_type, "")) for one in parts]
+    if any(one.role or one.layer for one in parts) or any(
+        one.elsewhere - {one.role} for one in as_wkt
+    ):
         parts = _with_roles(path, parts, options)
-    else:  # as in WKT
-        kinds = {"Polygon": "place", "LineString": "path", "LinearRing": "path"}
-        for one in parts:
-            key, said = one.elsewhere
-            if said and said != kinds.get(one.geometry.geom_type):
-                raise refused(path, f'{one.label}: its "{key}" says "{said}"; {BY_ROLE}')
-        parts = [replace(one, role=kinds.get(one.geometry.geom_type, "")) for one in parts]
+    else:
+        parts = as_wkt
     stated = json.dumps(value["crs"])[:80] if value.get("crs") else ""
     return _drawing(path, "GeoJSON polygons", parts, stated, options)
 
@@ -183,10 +173,10 @@ def _about(path: Path, feature: Any, number: int) -> _Part:
     given = [int(one) if isinstance(one, float) and one.is_integer() else one for one in given]
     name = next((str(one).strip() for one in given if one not in (None, "")), "")[:80]
     label = f"feature {number}" + (f' "{escaped(name)}"' if name else "")
-    words = {key: one.strip().lower() for key, one in about.items() if isinstance(one, str)}
-    said_by = [key for key, one in words.items()
-               if one in (*ROLES, "wall") and key not in ("role", "layer")]  # fmt: skip
-    elsewhere = (escaped(said_by[0])[:40], words[said_by[0]]) if said_by else ("", "")
+    elsewhere = frozenset(
+        word for key, one in about.items()
+        if key not in ("role", "layer") and (word := str(one).strip().lower()) in (*ROLES, "wall")
+    )  # fmt: skip
     if role and role not in (*ROLES, "wall"):
         message = f'{label}: role: "{escaped(role)[:40]}" is none of {", ".join(ROLES)}'
         raise refused(path, message + nearest(role[:40], list(ROLES)))
@@ -265,20 +255,18 @@ def _drawing(path: Path, kind: str, parts: list[_Part], stated: str, options: Op
     """Drawing [m] of parts with a role; ``stated`` is the system of coordinates, where one is."""
     drawing = Drawing(kind, path)
     drawing.facts.append(f"{options.unit:g} m per unit")
-    if len(parts) > MOST_GEOMETRIES:
-        raise refused(path, f"more than {MOST_GEOMETRIES} geometries; leave out what is no wall")
-    drawn = [one for one in parts if one.role and one.geometry.geom_type not in ("Point",)]
+    drawn = [one for one in parts if one.role and one.geometry.geom_type != "Point"]
     if len(drawn) < len(parts):
         drawing.changes.append(
             f"{len(parts) - len(drawn)} points or shapes without a role left out"
         )
     if not drawn:
         raise refused(path, "holds no polygon and no line with a role")
-    points = [shapely.get_coordinates(one.geometry) * options.unit for one in drawn]
-    for one, own in zip(drawn, points, strict=True):
-        if not np.isfinite(own).all():
-            raise refused(path, f"{one.label}: a coordinate is not a finite number", one.line)
-    every = np.vstack(points)
+    flat = shapely.force_2d([one.geometry for one in drawn])
+    shapes = shapely.transform(flat, lambda points: points * options.unit)
+    every, owner = shapely.get_coordinates(shapes, return_index=True)
+    for k in owner[~np.isfinite(every).all(axis=1)]:
+        raise refused(path, f"{drawn[k].label}: a coordinate is not a finite number", drawn[k].line)
     is_small = stated or np.ptp(every, axis=0).max() < 1.0
     if options.scale is None and is_small and (np.abs(every) <= (180.0, 90.0)).all():
         about = f" ({escaped(stated)})" if stated else ""
@@ -286,16 +274,12 @@ def _drawing(path: Path, kind: str, parts: list[_Part], stated: str, options: Op
         raise refused(path, message)
     if stated:
         drawing.facts.append(f"lengths of {escaped(stated)} are taken as metres")
-    origin = grid_origin(every)
-    drawing.facts += moved_to(origin)
-    check_work(path, [one - origin for one in points])
+    shapes = shapely.transform(shapes, drawing.moved)
+    check_work(path, [shapely.get_coordinates(one) for one in shapes])
     for dimension, is_there in (("heights", shapely.has_z), ("measures (M)", shapely.has_m)):
         if any(is_there(one.geometry) for one in drawn):
             drawing.changes.append(f"{dimension} of points left out")
-    for one in drawn:
-        shape = shapely.transform(
-            shapely.force_2d(one.geometry), lambda p: p * options.unit - origin
-        )
+    for one, shape in zip(drawn, shapes, strict=True):
         drawing.shapes += _shapes(path, one, shape, drawing)
     _unite(drawing)
     if not drawing.of("place", "boundary", "obstacle"):
@@ -318,13 +302,11 @@ def _shapes(path: Path, part: _Part, shape: Any, drawing: Drawing) -> list[Shape
             raise refused(path, f"{part.label}: shorter than a millimetre; --scale?", part.line)
         return [made(shapely.LineString(line)) for line in lines]
     if not shape.is_valid:
-        at = [
-            float(one) for one in re.findall(r"[-+.\de]+(?=[ \]])", shapely.is_valid_reason(shape))
-        ]
-        where = f" at {place(at[-2:])}" if len(at) > 1 else ""
         reason = escaped(shapely.is_valid_reason(shape).split("[")[0].lower())
         raise refused(
-            path, f"{part.label}: no valid polygon: {reason}{where}; correct it", part.line
+            path,
+            f"{part.label}: no valid polygon: {reason}{invalid_at(shape)}; correct it",
+            part.line,
         )
     if part.role == "robot" and shape.interiors:
         raise refused(path, f"{part.label}: a robot has one outline, and no holes", part.line)

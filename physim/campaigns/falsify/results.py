@@ -4,7 +4,6 @@ found in words and as values.
 
 from __future__ import annotations
 
-import json
 import os
 import shlex
 from collections.abc import Callable, Sequence
@@ -21,6 +20,7 @@ from physim.campaigns.pool import never
 from physim.errors import PhysimError, plural
 from physim.escaping import escaped
 from physim.files import write_text
+from physim.json_text import json_text
 from physim.record import Record
 from physim.simulation.loop import Simulation
 from physim.simulation.recorder import SaveAt
@@ -45,27 +45,47 @@ def headline(result: Judged) -> str:
     return f"nothing touches; {pair} come within {within}"
 
 
-def named(world: World, file: str) -> World:
-    """The world named after its ``file``, too: its runs go to a folder of their own."""
-    return world.changed(name=f"{world.name}, {Path(file).stem.replace('_', ' ')}")
+def write_found(
+    folder: Path,
+    found: Hunt,
+    shrunk: Shrunk | None,
+    command: str,
+    controller: str | None,
+    stop: Callable[[], bool] = never,
+) -> Record:
+    """Write the worst world, and where it was shrunk also as it was found; returns its run.
+
+    ``command`` is what it was found by, ``controller`` the one that the command line named.
+    Raises PhysimError as `_run_written`, StoppedError as told.
+    """
+    assert found.world is not None
+    assert found.judged is not None
+    said, world, result, file = [f"Found by: {command}"], found.world, found.judged, folder / WORST
+    if shrunk is not None:
+        _write_world(folder / FOUND, world, result, said, controller)
+        said.append(f"{shrunk_text(found, shrunk).capitalize()}.")
+        world, result = shrunk.world, shrunk.judged
+    _write_world(file, world, result, said, controller)
+    return _run_written(file, result, controller, stop)
 
 
-def write_world(
+def _write_world(
     path: Path, world: World, result: Judged, said: Sequence[str], controller: str | None
 ) -> None:
     """Write a world with a head that says what happens in it, how it was found, how to see it.
 
-    ``said`` are further lines of the head. Raises PhysimError where it cannot be written.
+    It is named after the file, too: its runs go to a folder of their own.
     """
     own = ["--controller", controller] if controller and ":" in controller else []
     run = shlex.join(["physim", "run", str(path), *own])
     lines = (f"{headline(result)}.".replace("nothing", "Nothing", 1), *said, f"To see it: {run}")
     head = "".join(f"# {escaped(line)}\n" for line in lines)
-    write_text(path, head + world.to_yaml())
+    named = world.changed(name=f"{world.name}, {path.stem.replace('_', ' ')}")
+    write_text(path, head + named.to_yaml())
 
 
-def run_written(
-    path: Path, expected: Judged, controller: str | None, stop: Callable[[], bool] = never
+def _run_written(
+    path: Path, expected: Judged, controller: str | None, stop: Callable[[], bool]
 ) -> Record:
     """Read a world that was written and run it once more; its record goes beside it.
 
@@ -180,7 +200,7 @@ def found_json(space: Space, found: Hunt, shrunk: Shrunk | None, told: str) -> s
         },
         "story": told.strip(),
     }
-    return json.dumps(tree, indent=2, ensure_ascii=False) + "\n"
+    return json_text(tree)
 
 
 def _values(judged: Judged) -> dict[str, Any]:

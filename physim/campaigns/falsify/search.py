@@ -153,6 +153,15 @@ class Hunt:
         """Whether the worst is a failure."""
         return self.judged is not None and self.judged.failed
 
+    @property
+    def note(self) -> str:
+        """What is known of the worst so far, in a few words."""
+        if (worst := self.judged) is None or worst.clearance is None:
+            return ""
+        if worst.failed:
+            return f"severest contact {worst.closing:.2f} m/s"
+        return f"least clearance {worst.clearance:.4g} m"
+
     def over(self, whole_budget: bool) -> bool:
         """Whether the search has come to its end."""
         return self.runs >= self.budget or (self.failed and not whole_budget)

@@ -13,12 +13,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from physim.campaigns.outcomes import CELL, Outcomes
-from physim.campaigns.report.text import over_seeds, replay, run_name
+from physim.campaigns.report.text import decision_words, over_seeds, replay, run_name
 from physim.campaigns.rows import FAILED
 from physim.campaigns.spec import Label
 from physim.campaigns.sweep import Tally
 from physim.errors import plural
-from physim.statistics import Decision
+from physim.statistics import Decision, Goal
+from physim.units import interval
 
 MOST_NAMED = 10
 """Runs that are named"""
@@ -82,6 +83,20 @@ def sweep_values(
             ],
         },
     }
+
+
+def decided_text(label: Label, one: Decision, goal: Goal) -> str:
+    """A line of what came of the goal in a cell."""
+    text = f"{decision_words(one, goal)}, {goal.rate} in {interval(one.low, one.high)} at any look"
+    more = "" if one.decided else "; more --seeds may decide it"
+    return f"{', '.join(filter(None, label))}: {text}{more}\n"
+
+
+def disagreeing(outcomes: Outcomes) -> list[str]:
+    """A line for each of the first runs that were validated and in which the checks disagree."""
+    verdicts = outcomes.table["verdict"].to_pylist()
+    rows = [k for k, one in enumerate(verdicts) if (one or "").startswith("checks disagree")]
+    return [f"{run_name(outcomes.row(k))}: {verdicts[k]}" for k in rows[:MOST_NAMED]]
 
 
 def counts_of(outcomes: Outcomes, draws: Mapping[Label, str]) -> list[dict[str, Any]]:

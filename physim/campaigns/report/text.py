@@ -18,6 +18,7 @@ from physim.campaigns.outcomes import CELL, Missing, Outcomes
 from physim.campaigns.report.contents import SHOWN, CellReport, Rate, Report, Robots
 from physim.errors import plural
 from physim.escaping import escaped
+from physim.json_text import plain
 from physim.statistics import Decision, Goal
 from physim.units import amount, count, interval, percent
 
@@ -358,17 +359,6 @@ def report_values(report: Report) -> dict[str, Any]:
         "failures": [{**asdict(one), "cell": one.cell.name} for one in report.failures],
     })  # fmt: skip
     return values
-
-
-def plain(value: Any) -> Any:
-    """Values that JSON knows; nan and infinity are null."""
-    if isinstance(value, dict):
-        return {key: plain(one) for key, one in value.items()}
-    if isinstance(value, list | tuple):
-        return [plain(one) for one in value]
-    if isinstance(value, float):
-        return float(value) if math.isfinite(value) else None
-    return value
 
 
 def comparison_text(

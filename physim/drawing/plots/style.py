@@ -14,9 +14,9 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
-from physim.drafts import discard, draft_of
 from physim.drawing import palette
 from physim.drawing.palette import hexed
+from physim.files import draft
 from physim.stray_settings import MATPLOTLIB, unseen
 
 INK = hexed(palette.INK)
@@ -134,18 +134,14 @@ def save_figure(path: Path, format: str, make: Callable[[], Any], **options: Any
     Raises OSError where it cannot be written.
     """
     dates = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}
-    part = draft_of(path)
     with styled(), _without(DATE), warnings.catch_warnings():
         warnings.filterwarnings("ignore", "Glyph .* missing from font")  # names in any script
         figure = make()
         if figure is None:
             return False
-        try:
-            path.parent.mkdir(parents=True, exist_ok=True)
+        path.parent.mkdir(parents=True, exist_ok=True)
+        with draft(path) as part:
             figure.savefig(part, format=format, metadata=dates.get(format, {}), **options)
-            part.replace(path)
-        finally:  # of an error or Ctrl-C nothing is left
-            discard(part)
     return True
 
 

@@ -24,10 +24,10 @@ import cv2
 import numpy as np
 import PIL.Image
 
-from physim.drafts import discard, draft_of
 from physim.drawing.palette import Colour
 from physim.drawing.video.canvas import HEIGHT, WIDTH, Image
 from physim.errors import PhysimError, RecordError
+from physim.files import discard, draft, draft_of
 
 
 class Kind(NamedTuple):
@@ -376,11 +376,8 @@ def resized(frame: Image, size: tuple[int, int]) -> Image:
 
 def save_still(path: Path, image: Image) -> None:
     """Write a picture (h, w, 3) uint8 RGB as PNG, whole or not at all. Raises PhysimError."""
-    part = draft_of(path.absolute())
     try:
-        PIL.Image.fromarray(image).save(part, "png", optimize=True)
-        os.replace(part, path)
+        with draft(path.absolute()) as part:
+            PIL.Image.fromarray(image).save(part, "png", optimize=True)
     except OSError as fault:
         raise _unwritable(path, fault) from fault
-    finally:
-        discard(part)

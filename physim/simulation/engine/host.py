@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from physim.compiled import direct
-from physim.contacts import CONTACT_ROW, allowed_depth
+from physim.contacts import CONTACT_ROW, FALSE_CONTACT_ROW, allowed_depth
 from physim.errors import PhysimError
 from physim.geometry.motion import chord_velocities
 from physim.geometry.polygon import moment
@@ -20,31 +20,20 @@ from physim.geometry.shapes import (
     part_bodies,
 )
 from physim.geometry.solids import solids_of
-from physim.simulation.engine.choice import guard_of
 from physim.simulation.engine.cutting import cut_short
 from physim.simulation.engine.energy import OF_IMPACTS, OF_PUSHES, failures
-from physim.simulation.engine.engine import Engine
-from physim.simulation.engine.guard import Touches
-from physim.simulation.engine.journal import Journal
+from physim.simulation.engine.guard import Guard, Touches
 from physim.simulation.engine.pairs import (
     Pairs,
     contact_rows,
     false_rows,
-    gather,
     hold_back,
-    named,
-    no_contacts,
-    no_false_contacts,
     no_pairs,
+    pairs_of,
     split,
 )
-from physim.simulation.engine.space import build_space
-from physim.simulation.engine.state import (
-    Impulses,
-    PhysicsState,
-    goes_on_from_impulses,
-    no_impulses,
-)
+from physim.simulation.engine.space import BodyArrays, build_space, parking, rounds, stepper
+from physim.simulation.engine.state import ContactMemory, PhysicsState
 
 
 class Physics:
@@ -93,19 +82,24 @@ class Physics:
         each step, elasticity adds to the impulse of an impact but nothing bounces.
         """
         start = np.ascontiguousarray(start, dtype=np.float64)
-        self._solids = solids_of(walls)
-        hosted = build_space(shapes, self._solids.shapes, start, mass, friction, elasticity)
         self.dt = dt
-        self._allowed_depth = allowed_depth(shapes, dt)
         self._robots = len(start)
+        self._solids = solids_of(walls)
         self._shapes = joined_shapes(shapes, walls)
         self._joined = joined_shapes(shapes, self._solids.shapes)
         self._body_of_part = part_bodies(self._joined)
         self._bodies = len(self._shapes.body_start) - 1
         self._solid = np.concatenate((np.arange(len(start)), len(start) + self._solids.of))
-        self._guard = guard_of(hosted, self._joined, checks=_guarded)
-        self._engine = Engine(hosted, shapes, walls, self._guard, dt)
-        self._arrays = self._engine.arrays
+        self._allowed_depth = allowed_depth(shapes, dt)
+
+        hosted = build_space(shapes, self._solids.shapes, start, mass, friction, elasticity)
+        self._space = hosted.space
+        self._advance = stepper(hosted.space, dt)
+        self._arrays = BodyArrays(hosted.space, len(start))
+        self._guard = Guard(hosted, self._joined, checks=_guarded)
+        self._memory = ContactMemory(hosted)
+        self._parking = parking(shapes, walls)
+
         inertia = [(m, m, moment(body_parts(shapes, i), m)) for i, m in enumerate(mass)]
         self._inertia = np.array(inertia, dtype=np.float64).reshape(-1, 3)
         self._drive_per_speed = self._inertia / dt
@@ -113,10 +107,10 @@ class Physics:
         self._chord_velocities = direct(chord_velocities)
         self._wanted = np.zeros((self._robots, 3))
         self._placed = np.zeros((self._bodies, 3))
-        self._no_pairs, self._no_contacts = no_pairs(), no_contacts()
-        self._no_false = no_false_contacts()
-        self._journal = None if goes_on_from_impulses() else Journal(self._robots)
-        self._begin(0, start, 0)
+        self._no_pairs = no_pairs()
+        self._no_contacts = np.zeros(0, CONTACT_ROW)
+        self._no_false = np.zeros(0, FALSE_CONTACT_ROW)
+        self._begin(start)
 
     @property
     def pose(self) -> FloatArray:
@@ -130,65 +124,43 @@ class Physics:
         touching[split(self._pairs.key, self._bodies)] = True
         return touching[: self._robots]
 
-    @property
-    def rejected(self) -> int:
-        """False contacts of the engine that were kept out so far, counted by parts and solves."""
-        return self._guard.rejected
-
     def step(self, command: FloatArray) -> None:
         """Advance one step under commands (N, 2): v [m/s], omega [rad/s], each along its arc."""
-        before, rejected = self._pairs, self._guard.rejected
-        start = self._arrays.pose.copy()
+        before, start = self._pairs, self._arrays.pose.copy()
         self._chord_velocities(self._arrays.pose, command, self.dt, self._arrays.velocity)
         self.step_number += 1
-        pushes = self._push_and_move(before)
+        pushes = self._no_pairs
+        if len(before.key):
+            self._wanted[:] = self._arrays.velocity
+            pushes = self._hold_back(self._count(split(before.key, self._bodies)))
+            self._arrays.velocity[:] = self._wanted
+        self._move(before, pushes)
         if self._is_deep():
-            self._cut_short(start, before, pushes, rejected)
-        if self._journal is not None:
-            self._journal.add(command)
-            if not self._engine.remembers:
-                self._journal.begin(self.step_number, self._arrays.pose, self.rejected)
+            self._cut_short(start, before, pushes)
 
     @property
     def state(self) -> PhysicsState:
         """All that the next step depends on, as a value; `restore` goes on from it bit for bit."""
-        journal, known = self._journal, no_impulses()
-        if journal is None:
-            journal, known = Journal(self._robots), self._engine.impulses()
+        known = self._memory.read() if self._guard.reported else self._memory.nothing
         return PhysicsState(
-            step=np.array(self.step_number),
-            pose=self._arrays.pose,
-            touching=split(self._pairs.key, self._bodies),
-            part=known.part,
-            feature=known.feature,
-            impulse=known.impulse,
-            rejected=np.array(self.rejected),
-            contacts=self.contacts,
-            false_contacts=self.false_contacts,
-            origin_step=np.array(journal.step),
-            origin_pose=journal.pose,
-            origin_rejected=np.array(journal.rejected),
-            applied=journal.applied,
-        )
+            np.array(self.step_number), self._arrays.pose, *known, self.contacts,
+            self.false_contacts,
+        )  # fmt: skip
 
     def restore(self, state: PhysicsState) -> None:
         """Go back, or on, to a state of the same scene: what follows is the same to the last bit.
 
         The state may come from another `Physics` of the same arguments, in another process on the
-        same kind of machine. One that holds its origin is reached by doing the steps since again.
-        Raises PhysimError for a state of another scene; restore or reset before going on then.
+        same kind of machine. Raises PhysimError for a state of another scene; restore or reset
+        before going on then.
         """
         self._check(state.pose)
-        if len(state.origin_pose):
-            self._do_again(state)
-        else:
-            self._take_up(state)
+        self._recall(state.pose, self._count(state.before), state)
         if self._arrays.pose.tobytes() != state.pose.tobytes():
             raise PhysimError("the state is of another scene: its steps lead to other poses")
-        touching = state.touching[:, 0] * self._bodies + state.touching[:, 1]
+        touching = state.touching @ (self._bodies, 1)
         self._pairs = Pairs(touching, np.zeros(len(touching)))
         self.step_number = int(state.step)
-        self._guard.rejected = int(state.rejected)
         self.contacts, self.false_contacts = state.contacts, state.false_contacts
 
     def reset(self, start: FloatArray) -> None:
@@ -198,8 +170,8 @@ class Physics:
         """
         start = np.asarray(start, dtype=np.float64)
         self._check(start)
-        self._engine.stand(start)
-        self._begin(0, start, 0)
+        self._stand(start)
+        self._begin(start)
 
     def _check(self, pose: FloatArray) -> None:
         if pose.shape != (self._robots, 3):
@@ -207,46 +179,16 @@ class Physics:
         if not np.isfinite(pose).all():
             raise PhysimError("a pose is not finite")
 
-    def _take_up(self, state: PhysicsState) -> None:
-        if self._journal is None:
-            known = Impulses(state.part, state.feature, state.impulse)
-            self._engine.recall(state.pose, self._count(state.before), known)
-            return
-        if len(state.part):
-            raise PhysimError(
-                "this version of pymunk cannot continue from a state in contact that another "
-                "version made"
-            )
-        self._engine.recall(state.pose, self._count(state.before), None)
-        self._journal.begin(int(state.step), state.pose, int(state.rejected))
-
-    def _do_again(self, state: PhysicsState) -> None:
-        self._engine.stand(state.origin_pose)
-        self._begin(int(state.origin_step), state.origin_pose, int(state.origin_rejected))
-        for command in state.applied:
-            self.step(command)
-
-    def _begin(self, step: int, pose: FloatArray, rejected: int) -> None:
-        """Find what touches at a sample without a past, at whose poses the robots stand."""
-        self.step_number = step
-        self._guard.rejected = rejected
+    def _begin(self, pose: FloatArray) -> None:
+        """Find what touches at sample 0, at whose poses the robots stand."""
+        self.step_number = 0
         self._pairs = self._no_pairs
         self.contacts, self.false_contacts = self._no_contacts, self._no_false
-        if self._journal is not None:
-            self._journal.begin(step, pose, rejected)
         self._move(self._no_pairs, self._no_pairs)
         if self._is_deep():  # none is stopped: compiles what a run may need
-            self._cut_short(pose, self._no_pairs, self._no_pairs, rejected)
+            self._cut_short(pose, self._no_pairs, self._no_pairs)
 
-    def _push_and_move(self, before: Pairs) -> Pairs:
-        """Move all bodies from a sample at which pairs touch, by ``velocity``; the pushes."""
-        pushes = self._no_pairs
-        if len(before.key):
-            self._wanted[:] = self._arrays.velocity
-            pushes = self._hold_back(self._count(split(before.key, self._bodies)))
-            self._arrays.velocity[:] = self._wanted
-        self._move(before, pushes)
-        return pushes
+    # A step
 
     def _is_deep(self) -> bool:
         """Whether two bodies are deeper in each other than they may be."""
@@ -263,16 +205,46 @@ class Physics:
         drive[:, :3] = 0.0
         np.multiply(self._wanted, self._drive_per_speed, out=drive[:, 3:])
         self._arrays.write_drive()
-        pushes = self._gather(self._engine.step(pairs))
+        pushes = self._gather(self._solve(pairs))
         self._arrays.read_velocity()
-        self._engine.rejected()  # the same as those met when the bodies came here
+        self._guard.take_rejected()  # the same as those met when the bodies came here
         if self._has_failed(pushes, self._wanted, OF_PUSHES):
-            self._forget(pairs)
+            self._recall(self._arrays.pose.copy(), pairs)
             self._arrays.velocity[:] = np.where(self._failed[:, None], 0.0, self._wanted)
         hold_back(pushes.key, self._bodies, self._arrays.velocity, self._wanted)
         return pushes
 
-    def _cut_short(self, start: FloatArray, before: Pairs, pushes: Pairs, rejected: int) -> None:
+    def _move(self, before: Pairs, pushes: Pairs) -> None:
+        """Move all bodies by ``velocity`` and set ``contacts``, given the pairs ``before``."""
+        self._arrays.write_velocity()
+        solved = self._count(split(before.key, self._bodies)) if len(before.key) else 0
+        touches = self._solve(solved)
+        self._arrays.read_pose()
+        now = self._gather(touches)
+        self.false_contacts = self._no_false
+        if self._guard.reported and len(parts := self._guard.take_rejected()):
+            reported = self._gather(Touches(parts, np.zeros(len(parts))))
+            pairs = split(reported.key, self._bodies)
+            apart = describe_pairs(self._shapes, self._placed, pairs)[:, 4]
+            self.false_contacts = false_rows(self.step_number, pairs, apart)
+        self._pairs = now
+        if not len(before.key) and not len(now.key):
+            self.contacts = self._no_contacts
+            return
+        given = self._arrays.velocity.copy()
+        self._arrays.read_velocity()
+        if self._has_failed(now, given, OF_IMPACTS):
+            self._recall(self._arrays.pose.copy(), solved)
+        self._arrays.velocity[:] = given
+        self._placed[: self._robots] = self._arrays.pose
+        rows = np.empty(len(before.key) + len(now.key), CONTACT_ROW)
+        count = contact_rows(
+            self.step_number, before.key, *now, *pushes, self._shapes, self._solids.faces,
+            self._placed, rows,
+        )  # fmt: skip
+        self.contacts = rows[:count].copy()
+
+    def _cut_short(self, start: FloatArray, before: Pairs, pushes: Pairs) -> None:
         """Do the step from poses (N, 3) again; bodies that came too deep stop where they touch."""
         arrays = self._arrays
         velocity, bodies = arrays.velocity.copy(), len(self._joined.body_start) - 1
@@ -286,40 +258,9 @@ class Physics:
                 return
             last[:] = share
             stop = end[: self._robots] - (1.0 - share)[:, None] * way
-            self._engine.stand(stop - velocity * self.dt)
-            self._guard.rejected = rejected
+            self._stand(stop - velocity * self.dt)
             arrays.velocity[:] = velocity
             self._move(before, pushes)
-
-    def _move(self, before: Pairs, pushes: Pairs) -> None:
-        """Move all bodies by ``velocity`` and set ``contacts``, given the pairs ``before``."""
-        self._arrays.write_velocity()
-        solved = self._count(split(before.key, self._bodies)) if len(before.key) else 0
-        touches = self._engine.step(solved)
-        self._arrays.read_pose()
-        self.false_contacts = self._no_false
-        if self._engine.remembers:
-            self._note_false(self._engine.rejected())
-        if not len(before.key) and not len(touches.part):
-            self._pairs, self.contacts = self._no_pairs, self._no_contacts
-            return
-        self._pairs = now = self._gather(touches)
-        self._check_impacts(solved)
-        self._placed[: self._robots] = self._arrays.pose
-        rows = np.empty(len(before.key) + len(now.key), CONTACT_ROW)
-        count = contact_rows(
-            self.step_number, before.key, *now, *pushes, self._shapes, self._solids.faces,
-            self._placed, rows,
-        )  # fmt: skip
-        self.contacts = rows[:count].copy()
-
-    def _check_impacts(self, before: int) -> None:
-        """Have the engine forget impacts that gave energy; ``before`` pairs touched."""
-        given = self._arrays.velocity.copy()
-        self._arrays.read_velocity()
-        if self._has_failed(self._pairs, given, OF_IMPACTS):
-            self._forget(before)
-        self._arrays.velocity[:] = given
 
     def _has_failed(self, pairs: Pairs, given: FloatArray, gain: float) -> bool:
         """Whether the solver failed on some pairs; sets their impulses and ``_failed`` then."""
@@ -328,30 +269,56 @@ class Physics:
             pairs.key, self._bodies, self._inertia, given, found, gain, self._failed, pairs.impulse
         )
 
-    def _forget(self, before: int) -> None:
-        """Have the engine find its contacts anew, without impulses; ``before`` pairs touched."""
-        rejected = self._guard.rejected
-        self._engine.recall(self._arrays.pose.copy(), before, None)
-        self._guard.rejected = rejected
+    # The engine
 
-    def _note_false(self, parts: IntArray) -> None:
-        """Set ``false_contacts``: pairs that the engine reported at this sample, yet are apart."""
-        if not len(parts):
-            return
-        reported = self._gather(Touches(parts, np.zeros(len(parts))))
-        pairs = split(reported.key, self._bodies)
-        self._placed[: self._robots] = self._arrays.pose
-        found = describe_pairs(self._shapes, self._placed, pairs)
-        self.false_contacts = false_rows(self.step_number, pairs, found[:, 4])
+    def _solve(self, pairs: int = 0) -> Touches:
+        """Move all bodies, find the contacts at their new poses and solve them; the true ones.
+
+        ``pairs`` of bodies touched before: so much there is to solve.
+        """
+        self._space.iterations = rounds(pairs)
+        self._advance()
+        return self._guard.take()
+
+    def _stand(self, pose: FloatArray) -> None:
+        """Put all robots at poses (N, 3), at rest; the engine forgets the contacts it had."""
+        # Twice, if the easing of overlaps leads from parking into contact.
+        while self._guard.reported:
+            self._put(self._parking)
+            self._solve()
+        self._put(pose)
+        self._guard.take_rejected()
+
+    def _recall(self, pose: FloatArray, pairs: int, state: PhysicsState | None = None) -> None:
+        """Stand the robots at poses (N, 3) where contacts had accumulated the impulses of a state.
+
+        Without a state they have none. ``pairs`` are those of the `_solve` that led there. Raises
+        PhysimError where the contacts found at the poses are others.
+        """
+        self._stand(pose)
+        self._solve(pairs)
+        self._guard.take_rejected()
+        self._arrays.read_pose()
+        if state is not None:
+            self._memory.write(state)
+
+    def _put(self, pose: FloatArray) -> None:
+        self._arrays.velocity[:] = 0.0
+        self._arrays.write_velocity()
+        self._arrays.pose[:] = pose
+        self._arrays.write_pose()
+
+    # Pairs of bodies
 
     def _gather(self, touches: Touches) -> Pairs:
+        """Pairs of bodies that touch by their parts, the robots at ``pose`` as last read."""
         if not len(touches.part):
             return self._no_pairs
         self._placed[: self._robots] = self._arrays.pose
-        found = named(
+        found = pairs_of(
             *touches, self._body_of_part, self._joined, self._solids, self._shapes, self._placed
         )
-        return Pairs(*gather(*found, self._bodies))
+        return Pairs(*found)
 
     def _count(self, pairs: IntArray) -> int:
         """How many contacts of bodies the engine has to solve where pairs (K, 2) touch."""

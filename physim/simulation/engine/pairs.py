@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from physim.compiled import compiled
-from physim.contacts import CONTACT_ROW, FALSE_CONTACT_ROW, Kind, Phase
+from physim.contacts import FALSE_CONTACT_ROW, Kind, Phase
 from physim.geometry.separation import body_distance, point_gap, relative_frame
 from physim.geometry.shapes import FloatArray, IntArray, Shapes
 from physim.geometry.solids import Solids, describe_contact
@@ -36,16 +36,6 @@ def no_pairs() -> Pairs:
     return Pairs(np.zeros(0, dtype=np.int64), np.zeros(0))
 
 
-def no_contacts() -> NDArray[np.void]:
-    """Return an empty array of contact rows."""
-    return np.zeros(0, CONTACT_ROW)
-
-
-def no_false_contacts() -> NDArray[np.void]:
-    """Return an empty array of false contacts."""
-    return np.zeros(0, FALSE_CONTACT_ROW)
-
-
 def false_rows(step: int, pairs: IntArray, distance: FloatArray) -> NDArray[np.void]:
     """Return the rows of pairs (K, 2) reported at a sample that are apart; ``distance`` (K,) [m].
 
@@ -65,7 +55,7 @@ def split(key: IntArray, bodies: int) -> IntArray:
 
 
 @compiled
-def named(
+def pairs_of(
     part: IntArray,
     impulse: FloatArray,
     body_of_part: IntArray,
@@ -74,7 +64,7 @@ def named(
     shapes: Shapes,
     pose: FloatArray,
 ) -> tuple[IntArray, FloatArray]:
-    """Contacts of bodies (M, 2), by their ids, and their impulses, of contacts of parts (K, 2).
+    """Pairs of bodies that touch, by contacts of their parts (K, 2): what `gather` returns.
 
     ``part`` and ``body_of_part`` number robots and solids, whose shapes are ``joined``; ``shapes``
     are those of robots and walls, ``pose`` (B, 3) all robots first. What a robot exchanges with a
@@ -118,7 +108,7 @@ def named(
             if touches:
                 body[count, 0], body[count, 1] = a, robots + w
                 count += 1
-    return body[:count], given[:count]
+    return gather(body[:count], given[:count], len(pose))
 
 
 @compiled

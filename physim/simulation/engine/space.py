@@ -1,8 +1,8 @@
 """The pymunk space, with robots as dynamic bodies and walls as shapes of the static body.
 
-`BodyArrays` reads and writes poses and velocities of all robots as arrays: the one user of
-`pymunk.batch`, which pymunk marks experimental, and of the members behind it. Bodies are listed in
-the order in which they were added, dynamic ones first; the space's static body closes the list.
+`BodyArrays` reads and writes poses and velocities of all robots as arrays, by the functions behind
+`pymunk.batch`. Bodies are listed in the order in which they were added, dynamic ones first; the
+space's static body closes the list.
 """
 
 from __future__ import annotations
@@ -13,7 +13,8 @@ from typing import NamedTuple
 
 import numpy as np
 import pymunk
-from pymunk.batch import BodyFields, Buffer, get_space_bodies, set_space_bodies
+from pymunk._chipmunk_cffi import ffi, lib
+from pymunk.batch import BodyFields, Buffer
 
 from physim.geometry.polygon import moment
 from physim.geometry.shapes import FloatArray, Shapes, body_parts
@@ -79,16 +80,18 @@ def build_space(
     space.collision_slop = SLOP
     space.collision_persistence = 1
     bodies, parts = [], []
-    for robot, pose in enumerate(start):
-        body = _robot_body(shapes, robot, pose, float(mass[robot]))
-        polygons: list[pymunk.Shape] = [
-            pymunk.Poly(body, part.tolist(), radius=RADIUS) for part in body_parts(shapes, robot)
-        ]
+    for robot, (x, y, heading) in enumerate(start.tolist()):
+        # Origin and centre of gravity are the reference point, so that a commanded twist, which
+        # is that point's, is the body's velocity.
+        own, m = body_parts(shapes, robot), float(mass[robot])
+        body = pymunk.Body(m, moment(own, m))
+        body.position, body.angle = (x, y), heading
+        polygons = [_solid(body, part) for part in own]
         space.add(body, *polygons)
         bodies.append(body)
         parts += polygons
     for wall in range(len(walls.body_start) - 1):
-        solids = _wall_shapes(space.static_body, body_parts(walls, wall))
+        solids = [_solid(space.static_body, part) for part in body_parts(walls, wall)]
         space.add(*solids)
         parts += solids
     for shape in parts:
@@ -96,6 +99,13 @@ def build_space(
         shape.friction = float(np.sqrt(friction))
         shape.elasticity = float(np.sqrt(elasticity))
     return Hosted(space, bodies, parts)
+
+
+def _solid(body: pymunk.Body, part: FloatArray) -> pymunk.Shape:
+    """A polygon, or a segment: it does not know its neighbours, see the module of verdicts."""
+    if len(part) == 2:
+        return pymunk.Segment(body, tuple(part[0]), tuple(part[1]), RADIUS)
+    return pymunk.Poly(body, part.tolist(), radius=RADIUS)
 
 
 def rounds(pairs: int) -> int:
@@ -124,26 +134,6 @@ def parking(shapes: Shapes, walls: Shapes) -> FloatArray:
     return pose
 
 
-def _robot_body(shapes: Shapes, robot: int, pose: FloatArray, mass: float) -> pymunk.Body:
-    # Origin and centre of gravity are the reference point, so that a commanded twist, which is
-    # that point's, is the body's velocity.
-    body = pymunk.Body(mass, moment(body_parts(shapes, robot), mass))
-    body.position = (float(pose[0]), float(pose[1]))
-    body.angle = float(pose[2])
-    return body
-
-
-def _wall_shapes(static: pymunk.Body, parts: list[FloatArray]) -> list[pymunk.Shape]:
-    # Segments do not know their neighbours: see physim.simulation.engine.verdict.
-    made: list[pymunk.Shape] = []
-    for part in parts:
-        if len(part) == 2:
-            made.append(pymunk.Segment(static, tuple(part[0]), tuple(part[1]), RADIUS))
-        else:
-            made.append(pymunk.Poly(static, part.tolist(), radius=RADIUS))
-    return made
-
-
 _POSE = BodyFields.POSITION | BodyFields.ANGLE
 _VELOCITY = BodyFields.VELOCITY | BodyFields.ANGULAR_VELOCITY
 _DRIVE = _VELOCITY | BodyFields.FORCE | BodyFields.TORQUE
@@ -157,74 +147,45 @@ class BodyArrays:
 
     def __init__(self, space: pymunk.Space, robots: int) -> None:
         """Attach to a space that has ``robots`` dynamic bodies."""
-        rows = robots + 1  # the static body is listed too
-        pose, pose_buffer = _shared(rows, 3)
-        velocity, velocity_buffer = _shared(rows, 3)
-        drive, drive_buffer = _shared(rows, 6)
-        self.pose: FloatArray = pose[:robots]
+        self.pose, self.read_pose, self.write_pose = _shared(space, robots, 3, _POSE)
         """(N, 3) x, y [m], heading [rad, unwrapped], as last read or to be written"""
-        self.velocity: FloatArray = velocity[:robots]
+        self.velocity, self.read_velocity, self.write_velocity = _shared(
+            space, robots, 3, _VELOCITY
+        )
         """(N, 3) vx, vy [m/s], omega [rad/s], as last read or to be written"""
-        self.drive: FloatArray = drive[:robots]
-        """(N, 6) vx, vy, omega, fx, fy [N], torque [N m], to be written"""
-        self.read_pose = reader(space, _POSE, pose_buffer)
-        """Fill ``pose``."""
-        self.write_pose = writer(space, _POSE, pose_buffer)
-        """Put every robot at its row of ``pose``."""
-        self.read_velocity = reader(space, _VELOCITY, velocity_buffer)
-        """Fill ``velocity``."""
-        self.write_velocity = writer(space, _VELOCITY, velocity_buffer)
-        """Give every robot its row of ``velocity``."""
-        self.write_drive = writer(space, _DRIVE, drive_buffer)
-        """Give every robot its row of ``drive``; the engine forgets forces after a step."""
+        self.drive, _, self.write_drive = _shared(space, robots, 6, _DRIVE)
+        """(N, 6) vx, vy, omega, fx, fy [N], torque [N m], to be written; the engine forgets forces
+        after a step"""
 
 
-def _shared(rows: int, columns: int) -> tuple[FloatArray, Buffer]:
-    # One spare row: the engine must never find the array full, or it would reallocate it.
-    array = np.zeros((rows + 1, columns))
+def _shared(
+    space: pymunk.Space, robots: int, columns: int, fields: BodyFields
+) -> tuple[FloatArray, Callable[[], None], Callable[[], None]]:
+    """Rows (N, columns) of the robots' fields, and what reads and what writes them.
+
+    What pymunk.batch does at each call is made ready once.
+    """
+    # The static body is listed too. And one spare row: the engine must never find the array full,
+    # or it would reallocate it.
+    array = np.zeros((robots + 2, columns))
     buffer = Buffer()
     buffer.set_float_buf(array)
-    return array, buffer
+    numbers = buffer._float_arr
+    data = ffi.new("pmBatchedData *")
+    data.fields, data.floatArray, data.intArray = fields.value, numbers, buffer._int_arr
 
-
-def reader(space: pymunk.Space, fields: BodyFields, buffer: Buffer) -> Callable[[], None]:
-    """Return what fills a buffer from all bodies."""
-    quick = _each_body(space, fields, buffer, "pmSpaceBodyGetIteratorFuncBatched")
-    if quick is not None:
-        return quick
-
-    def read() -> None:
-        buffer.clear()
-        get_space_bodies(space, fields, buffer)
-
-    return read
-
-
-def writer(space: pymunk.Space, fields: BodyFields, buffer: Buffer) -> Callable[[], None]:
-    """Return what gives all bodies what is in a buffer."""
-    quick = _each_body(space, fields, buffer, "pmSpaceBodySetIteratorFuncBatched")
-    return quick or functools.partial(set_space_bodies, space, fields, buffer)
-
-
-def _each_body(
-    space: pymunk.Space, fields: BodyFields, buffer: Buffer, name: str
-) -> Callable[[], None] | None:
-    """What pymunk.batch does at each call, made ready once; None where its members are others."""
-    try:
-        from pymunk._chipmunk_cffi import ffi, lib
-
-        numbers = buffer._float_arr
-        data = ffi.new("pmBatchedData *")
-        data.fields, data.floatArray, data.intArray = fields.value, numbers, buffer._int_arr
+    def caller(name: str) -> Callable[[], None]:
         each, handle, function = lib.cpSpaceEachBody, space._space, ffi.addressof(lib, name)
-    except Exception:  # whatever a missing or changed private member brings about
-        return None
 
-    def call() -> None:
-        numbers.num = 0  # where the engine reads or writes next
-        each(handle, function, data)
+        def call() -> None:
+            numbers.num = 0  # where the engine reads or writes next
+            each(handle, function, data)
 
-    return call
+        call.buffer = buffer  # type: ignore[attr-defined]
+        return call
+
+    get, put = "pmSpaceBodyGetIteratorFuncBatched", "pmSpaceBodySetIteratorFuncBatched"
+    return array[:robots], caller(get), caller(put)
 
 
 def stepper(space: pymunk.Space, dt: float) -> Callable[[], None]:
@@ -232,9 +193,4 @@ def stepper(space: pymunk.Space, dt: float) -> Callable[[], None]:
 
     Past pymunk's own bookkeeping, which serves callbacks that add and remove bodies.
     """
-    try:
-        from pymunk._chipmunk_cffi import lib
-
-        return functools.partial(lib.cpSpaceStep, space._space, dt)
-    except (ImportError, AttributeError):
-        return functools.partial(space.step, dt)
+    return functools.partial(lib.cpSpaceStep, space._space, dt)

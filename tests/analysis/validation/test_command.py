@@ -1,20 +1,18 @@
-"""``physim validate``: exit codes, bad input, pages, JSON and seeds."""
+"""``physim validate``: exit codes, bad input, pages and JSON."""
 
 from __future__ import annotations
 
 import json
-import signal
 from pathlib import Path
 
 import h5py
 import pytest
 
 import physim
+import physim.campaigns
 from physim.analysis.validation import validate
 from tests.analysis.validation import runs
 from tests.analysis.validation.runs import APART, LANE, REAR_END, lane, states
-from tests.campaigns.samples import WORLD
-from tests.cli.commands import shell, started
 from tests.helpers import said
 
 CARELESS, IDLE = (f"{runs.__name__}:{name}" for name in ("Careless", "Idle"))
@@ -89,7 +87,6 @@ def test_origin(run):
         ("lane.yaml --world other.yaml", ("--world",)),
         ("good.h5 --json no/such/folder/x.json", ("no/such/folder",)),
         ("any.yaml --page x.pdf", (".html",)),
-        ("any.yaml --page x.html --seeds 1:3", ("--page",)),
         ("any.yaml --page no/x.html", ("no/x.html",)),
     ],
 )
@@ -114,102 +111,14 @@ def test_a_record_tells_its_world_without_the_code_of_its_controller(tmp_path):
         physim.parse_world(text)
 
 
-# Seeds
-
-
-def test_robots_that_never_move_are_not_as_expected(run, folder):
-    code, out, _ = run(
-        "any.yaml", "--seeds", "1:6", "--controller", IDLE, "--set", "time.duration=1.0",
-        "--json", "idle.json", "--workers", "1",
+def test_of_many_runs_each_has_its_verdict(folder, monkeypatch):
+    """Robots that never move are contact-free, and not as expected."""
+    monkeypatch.chdir(folder)
+    done = said(
+        "sweep", "any.yaml", "--seeds", "1:4", "--controller", IDLE, "--set", "time.duration=1.0",
+        "--workers", "1", "--validate",
     )  # fmt: skip
-    assert code == 1
-    assert states(out, "contact-free", "5 of 5", "100.0 %", within=60)
-    assert states(out, "finished", "0 of 5", "0.0 %", "52.2 %", within=60)
-    found = json.loads((folder / "idle.json").read_text(encoding="utf-8"))
-    assert (found["exit_code"], found["runs"]) == (1, 5)
+    assert done.code == 0, done.err
+    rows = physim.campaigns.read(folder / "sweeps/any").to_pylist()
     verdict = "contact-free; not as expected: finished"
-    assert out.count(verdict) == 5
-    assert [(one["seed"], one["verdict"], one["unexplained"]) for one in found["seeds"]] == [
-        (seed, verdict, 0) for seed in range(1, 6)
-    ]
-
-
-def test_every_seed_is_run_as_it_would_be_alone(run, folder):
-    changes = ["time.duration=0.5", "robots.1.pose=[6.2, -1.3, random]"]
-    short = [word for change in changes for word in ("--set", change)]
-    run("any.yaml", "--seeds", "4:7", "--json", "every.json", "--workers", "1", *short)
-    written = json.loads((folder / "every.json").read_text(encoding="utf-8"))["seeds"]
-    world = physim.load_world(folder / "any.yaml", overrides=changes)
-    alone = [physim.summarise(physim.simulate(world, seed=seed)) for seed in (4, 5, 6)]
-    nearest = [one.value("shortest_distance") for one in alone]
-    assert [one["shortest_distance"] for one in written] == nearest
-    assert len(set(nearest)) == 3
-
-
-def test_seeds_of_a_world_without_anything_random(run):
-    code, out, _ = run("lane.yaml", "--controller", CARELESS, "--seeds", "1:9")
-    assert code == 1
-    assert states(out.splitlines()[0], "Nothing", "random")
-    assert "Clopper" not in out
-
-
-@pytest.mark.deep
-def test_ctrl_c_keeps_the_seeds_so_far(folder):
-    target = folder / "interrupted.json"
-    process = started("validate", "any.yaml", "--seeds", "1:100000", "--json", target.name,
-                      "--verbose", "--set", "time.duration=1.0", folder=folder)  # fmt: skip
-    try:
-        lines = [process.stdout.readline() for _ in range(3)]
-        assert all(line.startswith("seed ") for line in lines), lines
-        process.send_signal(signal.SIGINT)
-        _, err = process.communicate(timeout=60)
-    finally:
-        process.kill()
-    assert process.returncode == 130
-    assert err.count("\n") == 1
-    found = json.loads(target.read_text(encoding="utf-8"))
-    assert found["exit_code"] == 130
-    seeds = [one["seed"] for one in found["seeds"]]
-    assert len(set(seeds)) == len(seeds) == found["runs"] >= 3
-    assert f"after {found['runs']} of 99999 seeds" in err
-
-
-FAILING = """\
-import os
-
-from physim import Decision
-
-
-class Leaves:
-    def decide(self, observation, memory):
-        if observation.time == 0.0 and observation.pose[2] > 2.0:
-            self.fail()
-        return Decision(v=0.5, omega=0.0, hold=0.1)
-
-    def fail(self):
-        os._exit(0)
-
-
-class Raises(Leaves):
-    def fail(self):
-        raise ValueError("as it was told")
-"""
-
-
-@pytest.mark.deep
-@pytest.mark.parametrize(
-    ("name", "words"), [("Leaves", "a worker process was killed"), ("Raises", "as it was told")]
-)
-def test_seeds_that_fail_are_told_beside_the_others(tmp_path, name, words):
-    (tmp_path / "small.yaml").write_text(WORLD, encoding="utf-8")
-    (tmp_path / "sometimes.py").write_text(FAILING, encoding="utf-8")
-    done = shell(
-        "validate", "small.yaml", "--seeds", "1:40", "--controller", f"sometimes:{name}",
-        "--workers", "2", "--json", "study.json", folder=tmp_path,
-    )  # fmt: skip
-    assert done.code == 2
-    found = json.loads((tmp_path / "study.json").read_text(encoding="utf-8"))
-    failed = [one["seed"] for one in found["seeds"] if one["ended"] in ("error", "killed")]
-    assert 0 < len(failed) < len(found["seeds"]) == 39
-    assert done.err.startswith(f"seed {failed[0]}: ")
-    assert words in done.err
+    assert [(one["verdict"], one["unexplained"]) for one in rows] == [(verdict, 0)] * 3

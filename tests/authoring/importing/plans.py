@@ -157,7 +157,10 @@ def free_area(made: Imported, folder: Path) -> float:
     """[m²] that the robots of a world may use; its check must find no error."""
     world = folder / "made.yaml"
     world.write_text(made.text)
-    assert not check_world(world).errors
+    found = check_world(world)
+    assert not found.errors
+    assert found.layout is not None
+    assert found.layout.world == made.world
     boundaries = [np.asarray(line) for line in made.world.boundaries or ()]
     obstacles = [np.asarray(getattr(one, "outline", one)) for one in made.world.obstacles or ()]
     path = np.asarray(made.world.reference_path)

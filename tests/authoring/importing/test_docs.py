@@ -18,7 +18,7 @@ SHOWN = re.findall(r"```text\n\$ physim (.*)\n((?:.*\n)*?)```", TEXT)
 
 def test_every_format_is_shown() -> None:
     assert {shlex.split(command)[1].rpartition(".")[2] for command, _ in SHOWN} == {
-        "csv", "yaml", "svg", "geojson",
+        "csv", "yaml", "svg",
     }  # fmt: skip
 
 

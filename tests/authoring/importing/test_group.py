@@ -148,9 +148,9 @@ CROSSED = [(0, 0), (40, 0), (40, 3), (0, 3), (0, 30), (20, 30)]
         ([(5, 5), (45, 5)], {"robots": 30}, "30 robots of 1.8 x 1 m … fewer --robots"),
         ([(5, 5), (25, 5), (25, 5.5), (5, 5.5)], {"lanes": 3}, "bends too tightly for a lane"),
         ([(5, 5), (45, 5)], {"robot": (20.0, 12.0)}, "passes 5 m … 12 m wide … --robot fit"),
-        ([(5, 1.2), (45, 1.2)], {}, "1.2 m to a wall … need 1.8 m; --robot fit makes them 1.2,"),
-        ([(0.3, 5), (40, 5)], {}, "0.3 m to a wall … begin it further in … or --robot fit"),
-        ([(9, 5), (49.8, 5)], {"robot": (1.8, 1.0)}, "0.2 m from a wall … end it further in"),
+        ([(5, 1.2), (45, 1.2)], {}, "1.2 m to a wall … need 1.8 m; … --robot fit makes them 1.2,"),
+        ([(0.3, 5), (40, 5)], {}, "0.3 m to a wall at (0.30, 5.00) … --robot fit"),
+        ([(9, 5), (49.8, 5)], {"robot": (1.8, 1.0)}, "0.2 m from a wall at (49.80"),
         ([(9, 5), (55, 5)], {"robot": "fit"}, "leaves the area at (50.00, 5.00) … 1); move it"),
     ],
 )

@@ -49,23 +49,23 @@ TRACKS = {
         "# s_m; x_m; y_m; psi_rad\n0;0;0;0\n",
         ":1: … w_tr_right_m … s_m, x_m, y_m, psi_rad",
     ),
-    "two columns": ("0,0\n1,0\n", ":1: … 2 columns … 4 … x_m, y_m, w_tr_right_m, w_tr_left_m"),
+    "two columns": ("0,0\n1,0\n", ":1: … not one column x_m, y_m, w_tr_right_m, w_tr_left_m"),
     "empty": ("", "begins with a number … x_m, y_m, w_tr_right_m, w_tr_left_m"),
     "one point": (HEADER + "0,0,3,3\n", "1 points … 2"),
     "far away": (HEADER + "0,0,3,3\n5e6,0,3,3\n", "5e+06 x 6 m … 50000 m … --scale"),
     "words below": (HEADER + ROWS + "the end\n", ":22: … 1 values in 4 columns"),
     "other names": (
         "x,y,width_left,width_right\n0,0,2,3\n10,0,2,3\n",
-        ":1: … no columns x_m, y_m, w_tr_right_m, w_tr_left_m … x, y, width_left, width_right … "
+        ":1: … not one column x_m, y_m, w_tr_right_m, w_tr_left_m … x, y, width_left … "
         "rename … [m] points of the centreline",
     ),
     "one name is right": (
         "x_m,y_m,w_tr_right_m\n0,0,2\n10,0,2\n",
-        "no column w_tr_left_m … are x_m, y_m, w_tr_right_m; rename or add",
+        "not one column w_tr_left_m … are x_m, y_m, w_tr_right_m; rename or add",
     ),
     "misspelt": (
         "x_m,y_m,w_tr_right_m,w_tr_lft_m\n0,0,2,3\n",
-        "no column w_tr_left_m … w_tr_lft_m … rename",
+        "not one column w_tr_left_m … w_tr_lft_m … rename",
     ),
     "a title": ("Monza\n# x_m,y_m,w_tr_right_m,w_tr_left_m\n0,0,2,3\n", "1 points … 2"),
     "figure of eight": (
@@ -137,7 +137,7 @@ def maps() -> dict[str, tuple[str, bytes | None, str]]:
         "mode": (yaml + "mode: binary\n", good, ':7: … mode: … trinary, scale or raw … "binary"'),
         "nan": (yaml.replace("0.65", ".nan"), good, ":5:18: … occupied_thresh: … .nan"),
         "duplicate": (yaml + "negate: 1\n", good, ":7:1: … negate: … twice"),
-        "empty": ("", good, ":1: … empty"),
+        "empty": ("", good, ":1: … a mapping of keys"),
         "no YAML": ("image: [", good, "YAML"),
         "tag": ("image: !!python/object/apply:os.system [ls]\n", good, "tag"),
         "not an image": (yaml, b"hello", "map.pgm: … P2, P5 … PNG"),
@@ -211,14 +211,6 @@ def test_files(tmp_path: Path, name: str) -> None:
     check_says(refusal(tmp_path / name), message)
 
 
-def test_an_image_alone_is_told_the_maps_that_name_it(tmp_path: Path) -> None:
-    """Not any map of the folder."""
-    for name, image in (("a", "other.pgm"), ("b", "office.pgm"), ("office", "office.png")):
-        (tmp_path / f"{name}.yaml").write_text(map_yaml(image, 0.05, (0, 0)))
-    (tmp_path / "office.pgm").write_bytes(pgm(np.full((40, 60), 254)))
-    assert refusal(tmp_path / "office.pgm").endswith("; there: b.yaml, office.yaml")
-
-
 def test_a_world_is_no_map(tmp_path: Path) -> None:
     path = tmp_path / "world.yaml"
     path.write_bytes((shipped_folder() / "straight.yaml").read_bytes())
@@ -234,7 +226,10 @@ OPTIONS = {
     "gap beyond": (Options(gap=200.0), "--gap 200 … less than half of 248.1 m"),
     "too many": (Options(robots=200), "of 200 robots … 1.8 x 1 m … --robots"),
     "too wide": (Options(robot=(9.0, 8.0)), "robot 8 m wide … --robot"),
-    "from outside": (Options(origin=(0.0, 0.0)), "--from (0.00, 0.00) … no closed area … x from"),
+    "from outside": (
+        Options(origin=(0.0, 0.0)),
+        "--from (0.00, 0.00) … no closed area … m² about (",
+    ),
     "to outside": (Options(goal=(0.0, 0.0)), "--to (0.00, 0.00) … place … x from"),
 }
 
@@ -253,11 +248,11 @@ SAMPLE_OF = {
     "geojson": "office.geojson",
 }
 USED_BY = {
-    "start": (Options(start=5.0), "track", "closed track"),
-    "gap": (Options(gap=3.0), "track", "closed track"),
+    "start": (Options(start=5.0), "track", "track"),
+    "gap": (Options(gap=3.0), "track", "track"),
     "open": (Options(open=True), "track", "track"),
-    "specks": (Options(specks=4.0), "ros-map", "ROS map"),
-    "boundary": (Options(boundary=("a",)), "svg", "SVG drawing"),
+    "specks": (Options(specks=4.0), "ros-map", "ros-map"),
+    "boundary": (Options(boundary=("a",)), "svg", "svg"),
 }
 
 

@@ -18,7 +18,6 @@ from tests.authoring.importing.plans import (
     check_says,
     free_cells,
     map_yaml,
-    office,
     only,
     pgm,
     refusal,
@@ -166,14 +165,3 @@ def test_an_end_that_is_moved_is_told(tmp_path: Path) -> None:
     check_says(said, "--from and --to are the same place, (5.00, 5.00)")
     narrow = refusal(path, Options(origin=(5.0, 5.0), goal=(25.0, 5.0), robot=(20.0, 12.0)))
     check_says(narrow, "no route … --robot fit")
-
-
-@pytest.mark.parametrize(("cell", "is_doubted"), [(5.0, True), (0.5, False)])
-def test_a_resolution_that_is_hardly_in_metres_is_doubted(
-    tmp_path: Path, cell: float, is_doubted: bool
-) -> None:
-    free, corner = free_cells(office(), 0.5)
-    path = write_map(tmp_path, free, corner, cell)
-    told = [one for one in import_world(path).changes if "check the scale" in one]
-    assert bool(told) == is_doubted
-    assert not told or "5 m" in told[0]

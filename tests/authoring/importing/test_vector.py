@@ -176,7 +176,7 @@ FAULTS = {
     "a role by another property": (
         collection(feature("Polygon", [ROOM], type="place"),
                    feature("Polygon", [TABLE], type="obstacle")),
-        'feature 2: its "type" says "obstacle"; … property "role"',
+        '2 shapes without a role: feature 1, feature 2; … property "role"',
     ),
     "a role by its name": (
         beside("LineString", [[1, 1], [9, 1]], name="path"),

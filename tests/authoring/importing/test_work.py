@@ -5,7 +5,6 @@ Those of drawings are in test_svg_refusals.py.
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 
 import numpy as np
@@ -17,12 +16,6 @@ from tests.authoring.importing.plans import METRES, check_says, geojson, map_yam
 
 BLANKS = " " * 100_000
 TEXTS = {
-    "geometries.wkt": ("POINT (1 2)\n" * 10_001, "10000 geometries"),
-    "geometries.geojson": (
-        json.dumps({"type": "GeometryCollection",
-                    "geometries": [{"type": "Point", "coordinates": [1, 2]}] * 10_001}),
-        "10000 geometries",
-    ),
     "points.csv": ("".join(f"{k},0,3,3\n" for k in range(15_001)), "15000 points"),
     "lines.csv": ("0,0,3,3\n1,0,3,3\n" + "\n" * 300_001, "lines"),
     "row.csv": ("0,0,3,3\n" + "1" * 1_000_000, ":2: … 1 values in 4 columns"),

@@ -134,7 +134,7 @@ def told(physics: Physics) -> bytes:
     """Everything that a physics tells of its present sample."""
     return b"|".join(
         (
-            str((physics.step_number, physics.rejected)).encode(),
+            str(physics.step_number).encode(),
             physics.pose.tobytes(),
             physics.contacts.tobytes(),
             physics.false_contacts.tobytes(),

@@ -34,7 +34,6 @@ def test_two_hosts_of_a_jam_are_bit_equal():
         assert one.contacts.tobytes() == other.contacts.tobytes()
         rows += len(one.contacts)
     assert rows > 500
-    assert one.rejected == other.rejected
 
 
 def test_nothing_is_missed_or_thrown_in_a_jam():

@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 import pytest
+import shapely
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -16,7 +17,7 @@ from tests.simulation.engine.hosts import ELL, box, distances, drive, host, pair
 joined_shapes, pack_parts = inside("physim.geometry", "joined_shapes", "pack_parts")
 ACTS, APART, classify = inside("physim.simulation.engine", "ACTS", "APART", "classify")
 LEFT, segment_links, SIDE = inside("physim.simulation.engine", "LEFT", "segment_links", "SIDE")
-deepest, deepest_point = inside("physim.simulation.engine", "deepest", "deepest_point")
+deepest_point = inside("physim.simulation.engine", "deepest_point")
 
 ROBOTS = [[box()], ELL, [box(0.4, 0.4)], [[(-0.3, -0.3), (0.6, 0.0), (-0.3, 0.3)]], [box()], ELL]
 RING = [(-1.5, -1.5), (0.0, -1.5), (1.5, -1.5), (1.5, 1.5), (0.2, 1.2), (-1.5, 1.5), (-1.5, -1.5)]
@@ -157,8 +158,8 @@ def test_many_contacts_at_once_are_all_told():
         physics.step(np.ones((60, 2)))
 
 
-def test_the_deepest_point_is_the_first_of_them():
-    """The kernel that stops at one point, and the plain one that gives two."""
+def test_the_deepest_point_is_that_of_the_part_between_the_ends_of_the_segment():
+    """By shapely: the part clipped to the ends, but not at one where the next bends to its side."""
     rng = np.random.default_rng(0)
     some = 0
     for _ in range(100):
@@ -167,15 +168,23 @@ def test_the_deepest_point_is_the_first_of_them():
         corners = 0.7 * np.exp(1j * np.sort(rng.uniform(0.0, 2.0 * np.pi, rng.integers(3, 7))))
         robot = np.column_stack((corners.real, corners.imag))
         shapes = joined_shapes(pack_parts([[robot]]), pack_parts([walls]))
-        links = segment_links(shapes)
         pose = np.array([*rng.uniform(-1.0, 1.0, 2), rng.uniform(-4.0, 4.0)])
-        for segment, (one, other) in enumerate(walls, 1):
-            ex, ey = np.subtract(other, one)
-            nx, ny = np.array([-ey, ex]) / np.hypot(ex, ey) * rng.choice([-1.0, 1.0])
-            plain = deepest(shapes, links, 0, pose, segment, nx, ny)
-            found = deepest_point(shapes, links, 0, pose, segment, nx, ny)
-            assert found[0] == bool(plain)
-            if plain:
+        turned = corners * np.exp(1j * pose[2]) + complex(*pose[:2])
+        for k in range(3):
+            way = ends[k + 1] - ends[k]
+            length = np.hypot(*way)
+            along = way / length
+            out = rng.choice([-1.0, 1.0]) * np.array([-along[1], along[0]])
+            found = deepest_point(shapes, segment_links(shapes), 0, pose, k + 1, *out)
+            frame = np.column_stack((turned.real, turned.imag)) - ends[k]
+            frame = np.column_stack((frame @ along, frame @ out))
+            low = -9.0 if k > 0 and (ends[k - 1] - ends[k]) @ out > 0.0 else 0.0
+            high = 9.0 if k < 2 and (ends[k + 2] - ends[k + 1]) @ out > 0.0 else length
+            part = shapely.clip_by_rect(shapely.Polygon(frame), low, -9.0, high, 9.0)
+            assert found[0] == (not part.is_empty)
+            if found[0]:
                 some += 1
-                assert found[1:] == (*plain[0][0], *plain[0][1])
+                assert np.subtract(found[1:3], found[3:5]) @ out == pytest.approx(part.bounds[1])
+                at = (found[3:5] - ends[k]) @ along
+                assert part.distance(shapely.Point(at, part.bounds[1])) < 1e-9
     assert 100 < some < 280

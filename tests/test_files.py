@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from matplotlib.figure import Figure
 
 import physim
 from physim.drawing.page import Page
@@ -29,7 +30,7 @@ WRITERS: dict[str, Callable[[Path], object]] = {
     "copy of a record": lambda path: make_record(seconds=0.1).save(path),
     "world": lambda path: physim.load_world("worlds/straight.yaml").save(path),
     "page": lambda path: Page("<p>").write(path),
-    "plot": lambda path: save_figure(path, "png", lambda: None),
+    "plot": lambda path: save_figure(path, "png", Figure),
     "still": lambda path: save_still(path, np.zeros((2, 2, 3), np.uint8)),
     "video": lambda path: VideoFile(path, 25.0),
 }

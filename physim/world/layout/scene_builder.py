@@ -18,7 +18,7 @@ from physim.geometry.shapes import (
     pack_parts,
     pack_polylines,
 )
-from physim.geometry.wall_grid import build_wall_grid
+from physim.geometry.walls import build_wall_tree
 from physim.parts.registry import CONTROLLER, find_part, shipped_parts
 from physim.units import joined
 from physim.world import Robot, RobotGroup, World
@@ -27,9 +27,6 @@ from physim.world.layout.layout import lay_out, placed
 from physim.world.layout.robots import shared
 from physim.world.run import DEFAULT_RANGE
 from physim.world.scene import DENSITY, Body, FormationPlan, Layout, Scene
-
-GRID_CELL = 2.0
-"""[m] cell of the wall look-up"""
 
 
 @np.errstate(all="ignore")  # GEOS divides by zero on the way, where lengths are as good as none
@@ -65,7 +62,7 @@ def scene_of(laid: Layout) -> Scene:
         bodies=tuple(Body(k, kind, name) for k, (kind, name) in enumerate(names)),
         shapes=pack_parts(shared(convex_parts, footprints)),
         walls=walls,
-        wall_grid=build_wall_grid(walls, world.sensing_range, GRID_CELL),
+        wall_tree=build_wall_tree(walls),
         mass=np.array([
             DENSITY * abs(size) if robot.mass is None else robot.mass
             for robot, size in zip(laid.robots, shared(signed_area, footprints), strict=True)

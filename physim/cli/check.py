@@ -88,14 +88,16 @@ def looked_at(
     And the line on the trial; None where there was none. ``changes`` are those of `check_world`.
     Ctrl-C raises KeyboardInterrupt.
     """
-    from physim.analysis.trial import try_world
     from physim.world.checks import check_world
 
     findings = check_world(world, **changes)
-    if not run or not findings.ok or findings.world is None:
+    if not run or not findings.ok or findings.layout is None:
         return findings, None
-    tried = partial(try_world, findings.world, trusted=changes.get("controller") is not None)
-    trial = to_the_end(tried, "trying it", findings.world.time.duration, quiet)
+    from physim.analysis.trial import try_world
+
+    laid, trusted = findings.layout, changes.get("controller") is not None
+    tried = partial(try_world, laid, trusted=trusted)
+    trial = to_the_end(tried, "trying it", laid.world.time.duration, quiet)
     shown = map(findings.located, trial.faults)
     return replace(findings, warnings=(*findings.warnings, *shown)), trial.line
 
@@ -160,7 +162,7 @@ def preview(
       physim preview my_world.yaml -o my_world.svg
       physim preview my_world.yaml --watch       keep the picture open beside the editor
     """
-    from physim.drawing.preview import FORMATS, save_preview
+    from physim.drawing.preview import save_preview
     from physim.world.checks import check_world
     from physim.world.file import read_world
     from physim.world.file.files import find_world, stem_of
@@ -168,8 +170,6 @@ def preview(
 
     file = find_world(world)
     path = output or Path(f"{stem_of(file)}.png")
-    if not path.is_dir() and path.suffix.lower()[1:] not in FORMATS:
-        raise PhysimError(f"{path}: a picture ends in .png or .svg")
     Target(path, force, inputs(world)).file(in_new=True)
 
     def draw() -> None:

@@ -17,8 +17,8 @@ from numpy.typing import NDArray
 
 from physim.contacts import CONTACT_ROW
 from physim.errors import ControllerError, PhysimError, WorldError, plural
+from physim.geometry.path import Tracking
 from physim.geometry.shapes import FloatArray, locked, read_only
-from physim.geometry.tracking import Tracking
 from physim.parts.controller import FASTEST, Controller, Observation, Sensed, Snapshot
 from physim.parts.declarations import NO_NUMBER, Declared
 from physim.parts.registry import (

@@ -10,7 +10,6 @@ from pathlib import Path
 from physim.cli.options import File, Output, Whole
 from physim.cli.output import WORLD, Target, inputs, writing
 from physim.errors import PhysimError
-from physim.escaping import escaped
 from physim.files import write_text
 
 
@@ -155,7 +154,7 @@ def new(
     called = Path(os.path.abspath(project)).name or title
     if not called.isprintable():
         raise PhysimError(
-            f'--project "{escaped(str(project))[:60]}": a name with signs that cannot be shown; '
+            f'--project "{str(project)[:60]}": a name with signs that cannot be shown; '
             "use letters and digits, as in my_study"
         )
     files = new_project(called, stem, text, schema_text())
@@ -178,7 +177,7 @@ def _named(given: str) -> tuple[str, str]:
     name = given
     for suffix in SUFFIXES:
         name = name.removesuffix(suffix)
-    shown = escaped(given[:MOST_NAME])
+    shown = given[:MOST_NAME]
     if len(name) > MOST_NAME:
         raise PhysimError(
             f'"{shown[:20]}…": a name has at most {MOST_NAME} characters; given {len(name)}'

@@ -16,7 +16,7 @@ from physim._version import __version__
 from physim.errors import ControllerError, Fault, Location, PhysimError, WorldError
 from physim.escaping import escaped
 from physim.parts.registry import CONTROLLER, STAGES, find_part, settings_model
-from physim.world import Corridor, RandomCorridor, RobotGroup, World
+from physim.world import RandomCorridor, RobotGroup, World
 from physim.world.faults import field_at
 from physim.world.file import read_document, read_world
 from physim.world.file.schema import FILE
@@ -129,7 +129,7 @@ def drawn_text(name: str, like: str, seed: int) -> str:
     margin = world.corridor.end_margin
     plain = world.changed(
         name=name,
-        corridor=Corridor(centreline=laid.centreline, width=laid.widths, end_margin=margin),
+        corridor={"centreline": laid.centreline, "width": laid.widths, "end_margin": margin},
         reference_path=laid.reference,
         obstacles=laid.obstacles,
     )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 from physim.cli.new import check_files, write_schema
 from physim.cli.options import Count, Distance, File, Output, Place, Positive, kind, size
@@ -95,13 +95,13 @@ def import_world(
     from physim.cli.check import looked_at
 
     check_files(output, force, source)
-    asked = importing.Options(
+    asked = dict[str, Any](
         format=format, scale=scale, tolerance=tolerance, specks=specks, start=start, gap=gap,
         open=open, origin=from_, goal=to, robots=robots, lanes=lanes, robot=robot, name=name,
         no_formation=no_formation, close=close, boundary=boundary, ignore=ignore,
         ignore_others=ignore_others,
     )  # fmt: skip
-    imported = importing.import_world(source, asked)
+    imported = importing.import_world(source, importing.Options(**asked))
     written = write_schema(output, force)  # first: without the world nothing is imported
     write_text(output, imported.text)
     if quiet:

@@ -2,40 +2,20 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, cast
+from typing import Any
 
-from pydantic import BaseModel, ConfigDict, ValidationError
+from pydantic import BaseModel, ConfigDict, ValidationError, model_validator
 
-from physim.errors import Fault, WorldError
+from physim.errors import WorldError
 from physim.world.faults import faults_of
-
-if TYPE_CHECKING:
-    from pydantic._internal._model_construction import ModelMetaclass
-else:
-    ModelMetaclass = type(BaseModel)
+from physim.world.kinds import plain
 
 
-class _Meta(ModelMetaclass):
-    """Turns pydantic's error into a `WorldError` with every fault.
-
-    It sits on the call of the class rather than in ``__init__``: a model inside another one is
-    made without that call, so that all faults of a world arrive together.
-    """
-
-    def __call__(cls, /, *args: Any, **data: Any) -> Any:  # noqa: N805
-        try:
-            made: Model = super().__call__(*args, **data)
-        except ValidationError as error:
-            raise WorldError(faults_of(error, cast("type[Model]", cls))) from None
-        if faults := made.rule_faults():
-            raise WorldError(faults)
-        return made
-
-
-class Model(BaseModel, metaclass=_Meta):
+class Model(BaseModel):
     """Frozen, hashable, equal by value; an unknown key is refused.
 
-    Making one with bad values raises `physim.errors.WorldError`, which lists every fault.
+    Making one with bad values raises `physim.errors.WorldError`, which lists every fault. A numpy
+    array or number is taken like the list or number it stands for.
     """
 
     model_config = ConfigDict(
@@ -45,6 +25,21 @@ class Model(BaseModel, metaclass=_Meta):
         use_attribute_docstrings=False,
         defer_build=True,  # of parts of a world on their own; the whole one holds theirs
     )
+
+    def __init__(self, /, **values: Any) -> None:
+        """Check all values; a model within this one is made without a call of its own."""
+        try:
+            super().__init__(**values)
+        except ValidationError as error:
+            raise WorldError(faults_of(error, type(self))) from None
+
+    __init__.__pydantic_base_init__ = True  # type: ignore[attr-defined]  # so says pydantic's own
+
+    @model_validator(mode="before")
+    @classmethod
+    def _of_numpy(cls, values: Any) -> Any:
+        is_dict = isinstance(values, dict)
+        return {key: plain(value) for key, value in values.items()} if is_dict else values
 
     def __setattr__(self, name: str, value: Any) -> None:
         """Refuse, with AttributeError: a world and its parts are made anew instead."""
@@ -58,7 +53,3 @@ class Model(BaseModel, metaclass=_Meta):
     def __delattr__(self, name: str) -> None:
         """Refuse like `__setattr__`."""
         self.__setattr__(name, None)
-
-    def rule_faults(self) -> list[Fault]:
-        """Faults between several values, which are sound each by itself; nothing by default."""
-        return []

@@ -1,8 +1,7 @@
 """Kinds of values that a world is made of: numbers, points, polylines, words, labels, settings.
 
-Numbers are strict: finite, whole numbers count as floats, true/false and text do not. A numpy
-array or number is taken like the list or float it stands for. Settings that are free are held in
-a mapping that cannot change, so that a model that holds them stays hashable.
+Numbers are strict: finite, whole numbers count as floats, true/false and text do not. Settings that
+are free are held in a mapping that cannot change, so that a model that holds them stays hashable.
 """
 
 from __future__ import annotations
@@ -66,8 +65,6 @@ LARGEST_COORDINATE = 1.0e6
 """[m] Beyond this a double resolves less than the contact tolerance allows."""
 MOST_POINTS = 100_000
 """Points of one polyline."""
-MANY = 100
-"""Entries of a list that may each be reported as a fault."""
 MOST_CORNERS = 2_000
 """Corners of one footprint or obstacle."""
 MOST_NAME = 100
@@ -92,30 +89,11 @@ def _sequence(value: Any) -> Any:
 
 
 def _points(value: Any) -> Any:
-    """A long list with many entries that are no points is reported once, not for each of them."""
     value = plain(value)
-    if isinstance(value, Mapping):
-        raise PydanticCustomError(
-            "points", "must be a list of points [x, y]; a circle is written as a polygon"
-        )
-    value = _sequence(value)
-    if len(value) > MOST_POINTS:
-        lengths = {"max_length": MOST_POINTS, "actual_length": len(value)}
-        raise PydanticCustomError("too_long", "too long", lengths)
-    if value and all(isinstance(one, int | float) for one in value):
-        raise PydanticCustomError("points", "must be points [x, y] of two numbers each")
-    if len(value) > MANY and sum(map(_is_point, value)) < len(value) - MANY:
-        raise PydanticCustomError("points", "must be points [x, y] of two numbers each")
+    is_list = isinstance(value, list | tuple)
+    if not is_list or (value and all(isinstance(one, int | float) for one in value)):
+        raise PydanticCustomError("points", "must be a list of points [x, y]")
     return value
-
-
-def _is_point(value: Any) -> bool:
-    return (
-        isinstance(value, list | tuple)
-        and len(value) == 2
-        and isinstance(value[0], int | float)
-        and isinstance(value[1], int | float)
-    )
 
 
 def _printable(text: str) -> str:
@@ -133,62 +111,49 @@ def _open_ring(corners: tuple[Point, ...]) -> tuple[Point, ...]:
     return corners
 
 
-def is_word(value: Any) -> str:
-    """Distinguish a word from all other values, for a value that is either a number or a word."""
-    return "<word>" if isinstance(value, str) else "<value>"
+def either(first: str, other: str) -> Discriminator:
+    """Choose ``first`` of two tags where a value is of that kind, else ``other``.
+
+    Kinds are ``<word>``, ``<list>`` and ``<value>``, which is all else.
+    """
+
+    def tag(value: Any) -> str:
+        kind = "<word>" if isinstance(value, str) else "<value>"
+        if isinstance(plain(value), list | tuple):
+            kind = "<list>"
+        return first if kind == first else other
+
+    return Discriminator(tag)
 
 
-Number = Annotated[float, BeforeValidator(plain), Field(strict=True, allow_inf_nan=False)]
-Whole = Annotated[int, BeforeValidator(plain), Field(strict=True)]
+# Bounds stand before validators: so pydantic knows them, and writes them into the schema.
+Number = Annotated[float, Field(strict=True, allow_inf_nan=False)]
+Whole = Annotated[int, Field(strict=True)]
 Length = Annotated[Number, Field(gt=0.0, le=1.0e6)]
 Distance = Annotated[Number, Field(ge=0.0, le=1.0e6)]
-Flag = Annotated[bool, BeforeValidator(plain), Field(strict=True)]
+Flag = Annotated[bool, Field(strict=True)]
 Text = Annotated[str, Field(strict=True, max_length=10_000)]
 Label = Annotated[
     str, Field(strict=True, min_length=1, max_length=MOST_NAME), AfterValidator(_printable)
 ]
-Coordinate = Annotated[
-    float,
-    Field(strict=True, allow_inf_nan=False, ge=-LARGEST_COORDINATE, le=LARGEST_COORDINATE),
-]
+Coordinate = Annotated[Number, Field(ge=-LARGEST_COORDINATE, le=LARGEST_COORDINATE)]
+Angle = Annotated[Number, Field(ge=-1000.0, le=1000.0)]
 Heading = Annotated[
-    Annotated[float, Tag("<value>"), Field(strict=True, allow_inf_nan=False, ge=-1000.0, le=1000.0)]
-    | Annotated[Literal["random"], Tag("<word>")],
-    Discriminator(is_word),
+    Annotated[Literal["random"], Tag("<word>")] | Annotated[Angle, Tag("<value>")],
+    either("<word>", "<value>"),
 ]
+Sequence = BeforeValidator(_sequence)
+"""Put last on a tuple field: takes lists, tuples and arrays, and nothing else."""
 Point = tuple[float, float]
-Pose = Annotated[tuple[Coordinate, Coordinate, Heading], BeforeValidator(_sequence)]
+Pose = Annotated[tuple[Coordinate, Coordinate, Heading], Sequence]
 Polyline = Annotated[
     tuple[tuple[Coordinate, Coordinate], ...],
-    BeforeValidator(_points),
     Field(min_length=2, max_length=MOST_POINTS),
+    BeforeValidator(_points),
 ]
 Polygon = Annotated[
     tuple[tuple[Coordinate, Coordinate], ...],
-    BeforeValidator(_points),
     Field(min_length=3, max_length=MOST_CORNERS),
+    BeforeValidator(_points),
     AfterValidator(_open_ring),
 ]
-Sequence = BeforeValidator(_sequence)
-"""Put on a tuple field: takes lists, tuples and arrays, and nothing else."""
-
-
-def at_most(most: int, of_lines: bool = False) -> BeforeValidator:
-    """Like `Sequence`, and refuses a longer list before looking at its entries.
-
-    So it does one line of points, once and not for each of them, where ``of_lines`` are several.
-    """
-
-    def check(value: Any) -> Any:
-        value = _sequence(value)
-        if of_lines and value and all(map(_is_point, value)):
-            raise PydanticCustomError(
-                "points",
-                "must be a list of lists of points, in one more pair of brackets: [[[x, y], ...]]",
-            )
-        if len(value) > most:
-            lengths = {"max_length": most, "actual_length": len(value)}
-            raise PydanticCustomError("too_long", "too long", lengths)
-        return value
-
-    return BeforeValidator(check)

@@ -19,14 +19,16 @@ from pydantic import (
     Discriminator,
     Field,
     Tag,
+    model_validator,
 )
 
-from physim.errors import Fault
+from physim.errors import WorldError
 from physim.html import labelled
 from physim.world.base import Model
 from physim.world.faults import describe
 from physim.world.group import Entry, RobotGroup, limited, robot_count
 from physim.world.kinds import (
+    MOST_POINTS,
     MOST_ROBOTS,
     MOST_SEED,
     MOST_WALLS,
@@ -35,10 +37,10 @@ from physim.world.kinds import (
     Number,
     Polygon,
     Polyline,
+    Sequence,
     Text,
     Whole,
-    at_most,
-    plain,
+    either,
 )
 from physim.world.road import RandomCorridor, is_random_corridor
 from physim.world.robot import Formation, Robot, Start
@@ -61,11 +63,14 @@ class Corridor(Model):
 
     centreline: Polyline = Field(description="[m] middle of the corridor, points [x, y]")
     width: Annotated[
-        Annotated[Length, Tag("<value>")]
-        | Annotated[tuple[Length, ...], at_most(100_000), Field(min_length=2), Tag("<list>")],
-        Discriminator(
-            lambda value: "<list>" if isinstance(plain(value), list | tuple) else "<value>"
-        ),
+        Annotated[
+            tuple[Length, ...],
+            Field(min_length=2, max_length=MOST_POINTS),
+            Sequence,
+            Tag("<list>"),
+        ]
+        | Annotated[Length, Tag("<value>")],
+        either("<list>", "<value>"),
     ] = Field(description="[m] full width: one number, or one per point of the centreline")
     end_margin: Annotated[Number, Field(ge=1.0e-3, le=1.0e6)] = Field(
         default=3.0, description="[m] from either end of the centreline to the cap that closes it"
@@ -103,8 +108,7 @@ class World(Model):
         "boundaries)",
     )
     boundaries: (
-        Annotated[tuple[Polyline, ...], at_most(MOST_WALLS, of_lines=True), Field(min_length=1)]
-        | None
+        Annotated[tuple[Polyline, ...], Field(min_length=1, max_length=MOST_WALLS), Sequence] | None
     ) = Field(default=None, description="[m] polylines as drawn (or give a corridor)")
     reference_path: Polyline | None = Field(
         default=None, description="[m] path of the formation; the centreline when absent"
@@ -115,8 +119,8 @@ class World(Model):
     )
     robots: Annotated[
         tuple[Entry, ...],
-        at_most(MOST_ROBOTS),
-        Field(min_length=1),
+        Field(min_length=1, max_length=MOST_ROBOTS),
+        Sequence,
         AfterValidator(limited),
     ] = Field(
         description="list of robots, in the order of their ids; an entry with a count stands for "
@@ -141,7 +145,7 @@ class World(Model):
         description="what makes robots depart from their commands, by name, in order",
     )
     arrival: Arrival = Field(default=Arrival(), description="when a robot counts as arrived")
-    obstacles: Annotated[tuple[Polygon, ...], at_most(MOST_WALLS, of_lines=True)] = Field(
+    obstacles: Annotated[tuple[Polygon, ...], Field(max_length=MOST_WALLS), Sequence] = Field(
         default=(), description="[m] closed, solid polygons"
     )
     expect: Expectation | None = Field(default=None, description="what the run must satisfy")
@@ -170,11 +174,14 @@ class World(Model):
         }
         return labelled((label, text) for label, text in rows.items() if text)
 
-    def rule_faults(self) -> list[Fault]:
-        """Faults between several values: counts, names, times; see `physim.world.rules`."""
+    @model_validator(mode="after")
+    def _rules(self) -> World:
+        """Refuse what lies between several values, which are sound each by itself."""
         from physim.world.rules import rule_faults
 
-        return rule_faults(self)
+        if faults := rule_faults(self):
+            raise WorldError(faults)
+        return self
 
     @property
     def robot_count(self) -> int:

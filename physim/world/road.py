@@ -9,10 +9,10 @@ from collections.abc import Mapping
 from math import pi
 from typing import Annotated, Any, Literal
 
-from pydantic import Discriminator, Field, Tag
+from pydantic import Field, Tag
 
 from physim.world.base import Model
-from physim.world.kinds import Length, Number, Sequence, Whole, at_most, plain
+from physim.world.kinds import Length, Number, Sequence, Whole, either
 
 LONGEST_ROAD = 5_000.0
 """[m]"""
@@ -28,10 +28,6 @@ Turn = Annotated[Number, Field(gt=0.0, le=pi)]
 Shape = Literal["box", "bar", "round", "triangle"]
 
 
-def _one_or_two(value: Any) -> str:
-    return "<list>" if isinstance(plain(value), list | tuple) else "<value>"
-
-
 class RandomRoad(Model):
     """Road that the seed draws, with obstacles beside a passage that is kept clear."""
 
@@ -39,8 +35,8 @@ class RandomRoad(Model):
         description="[m] of the centreline, from (0, 0), where it begins along the x axis"
     )
     bends: Annotated[
-        Annotated[Count, Tag("<value>")] | Annotated[tuple[Count, Count], Sequence, Tag("<list>")],
-        Discriminator(_one_or_two),
+        Annotated[tuple[Count, Count], Sequence, Tag("<list>")] | Annotated[Count, Tag("<value>")],
+        either("<list>", "<value>"),
     ] = Field(default=3, description="number of bends: a whole one, or the least and the greatest")
     turns: Annotated[tuple[Turn, Turn], Sequence] = Field(
         default=(0.35, 1.57),
@@ -52,9 +48,9 @@ class RandomRoad(Model):
         "twice the greatest width when absent",
     )
     width: Annotated[
-        Annotated[Metres, Tag("<value>")]
-        | Annotated[tuple[Metres, Metres], Sequence, Tag("<list>")],
-        Discriminator(_one_or_two),
+        Annotated[tuple[Metres, Metres], Sequence, Tag("<list>")]
+        | Annotated[Metres, Tag("<value>")],
+        either("<list>", "<value>"),
     ] = Field(description="[m] full width: one number, or the least and the greatest")
     clutter: Annotated[Number, Field(ge=0.0, le=MOST_CLUTTER)] = Field(
         default=0.0, description="obstacles per 100 m of road between its ends"
@@ -63,7 +59,7 @@ class RandomRoad(Model):
         default=(0.6, 2.0),
         description="[m] least and greatest size of an obstacle: diameter of the circle round it",
     )
-    shapes: Annotated[tuple[Shape, ...], at_most(100), Field(min_length=1)] = Field(
+    shapes: Annotated[tuple[Shape, ...], Field(min_length=1, max_length=100), Sequence] = Field(
         default=("box", "bar", "round", "triangle"),
         description="shapes of obstacles, of which the seed draws one for each: box, bar, round or "
         "triangle",
@@ -97,12 +93,8 @@ class RandomRoad(Model):
     @property
     def bend_radii(self) -> tuple[float, float]:
         """[m] Least and greatest radius of the centreline in a bend."""
-        return usual_radii(self.widths[1]) if self.radii is None else self.radii
-
-
-def usual_radii(width: float) -> tuple[float, float]:
-    """[m] Radii of bends where none are given, of a road at most ``width`` [m] wide."""
-    return width, 2.0 * width
+        width = self.widths[1]
+        return (width, 2.0 * width) if self.radii is None else self.radii
 
 
 class RandomCorridor(Model):

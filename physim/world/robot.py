@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from types import MappingProxyType
-from typing import Annotated, Any, ClassVar, Literal
+from typing import Annotated, Literal
 
-from pydantic import Discriminator, Field, Tag
+from pydantic import Field, Tag
 
 from physim.escaping import escaped
 from physim.world.base import Model
 from physim.world.kinds import (
     MOST_ROBOTS,
+    Angle,
     Distance,
     Label,
     Length,
@@ -22,15 +21,12 @@ from physim.world.kinds import (
     Pose,
     Sequence,
     Whole,
-    at_most,
-    is_word,
-    plain,
+    either,
 )
 
 StartHeading = Annotated[
-    Annotated[float, Tag("<value>"), Field(strict=True, allow_inf_nan=False, ge=-1000.0, le=1000.0)]
-    | Annotated[Literal["random", "along"], Tag("<word>")],
-    Discriminator(is_word),
+    Annotated[Literal["random", "along"], Tag("<word>")] | Annotated[Angle, Tag("<value>")],
+    either("<word>", "<value>"),
 ]
 
 
@@ -61,24 +57,8 @@ class Start(Model):
     )
 
 
-OMEGA_LIMIT = 1.6
-"""[rad/s] of a robot whose world gives no limit"""
-Multiples = Annotated[
-    tuple[Annotated[Number, Field(ge=-1.0, le=1.0)], ...], at_most(1000), Field(min_length=1)
-]
-Speeds = Annotated[tuple[Number, ...], at_most(1000), Field(min_length=1)]
-
-
 class Box(Model):
     """Rectangle centred on the reference point, its length along the heading."""
-
-    advice: ClassVar[Mapping[str, str]] = MappingProxyType(
-        dict.fromkeys(
-            ("radius", "r", "diameter", "circle"),
-            "circles are not supported: give a polygon, the list of its corners [x, y], or a box",
-        )
-    )
-    """What to do instead, by keys that are tried and do not exist."""
 
     length: Annotated[Number, Field(gt=0.0, le=1000.0)] = Field(description="[m] along the heading")
     width: Annotated[Number, Field(gt=0.0, le=1000.0)] = Field(description="[m] across the heading")
@@ -105,21 +85,37 @@ class Limits(Model):
         default=1.5, description="[m/s] largest forward or backward speed"
     )
     omega: Annotated[Number, Field(gt=0.0, le=1000.0)] = Field(
-        default=OMEGA_LIMIT, description="[rad/s] largest rotational speed, in either direction"
+        default=1.6, description="[rad/s] largest rotational speed, in either direction"
     )
 
 
-def _mapping_or_list(value: Any) -> str:
-    return "<list>" if isinstance(plain(value), list | tuple) else "<mapping>"
-
-
 Footprint = Annotated[
-    Annotated[Box, Tag("<mapping>")] | Annotated[Polygon, Tag("<list>")],
-    Discriminator(_mapping_or_list),
+    Annotated[Polygon, Tag("<list>")] | Annotated[Box, Tag("<mapping>")],
+    either("<list>", "<mapping>"),
 ]
 RobotPath = Annotated[
-    Annotated[Offset, Tag("<mapping>")] | Annotated[Polyline, Tag("<list>")],
-    Discriminator(_mapping_or_list),
+    Annotated[Polyline, Tag("<list>")] | Annotated[Offset, Tag("<mapping>")],
+    either("<list>", "<mapping>"),
+]
+Mass = Annotated[
+    Annotated[Number, Field(gt=0.0, le=1.0e9)] | None,
+    Field(description="[kg] of one robot; 100 kg/m² times the area of its footprint when absent"),
+]
+Multiples = Annotated[
+    Annotated[
+        tuple[Annotated[Number, Field(ge=-1.0, le=1.0)], ...],
+        Field(min_length=1, max_length=1000),
+        Sequence,
+    ]
+    | None,
+    Field(
+        description="[-] forward speeds to choose from, as multiples of nu, between -1 and 1, "
+        "instead of the controller's"
+    ),
+]
+Speeds = Annotated[
+    Annotated[tuple[Number, ...], Field(min_length=1, max_length=1000), Sequence] | None,
+    Field(description="[rad/s] rotational speeds to choose from, instead of the controller's"),
 ]
 
 
@@ -134,7 +130,7 @@ class Robot(Model):
     name: Label = Field(description="label, different for every robot")
     footprint: Footprint = Field(
         description="[m] {length, width} centred on the reference point, or corners [x, y] in the "
-        "robot's frame (x forward), nonconvex too"
+        "robot's frame (x forward), nonconvex too; a circle is written as a polygon"
     )
     pose: Pose | None = Field(
         default=None,
@@ -150,18 +146,9 @@ class Robot(Model):
         description="[m] waypoints [x, y], or {offset} from the reference path, left positive"
     )
     limits: Limits = Field(default=Limits(), description="largest commands of this robot")
-    mass: Annotated[Number, Field(gt=0.0, le=1.0e9)] | None = Field(
-        default=None, description="[kg] 100 kg/m² times the area of the footprint when absent"
-    )
-    speeds: Multiples | None = Field(
-        default=None,
-        description="[-] forward speeds to choose from, as multiples of nu, between -1 and 1, "
-        "instead of the controller's",
-    )
-    omegas: Speeds | None = Field(
-        default=None,
-        description="[rad/s] rotational speeds to choose from, instead of the controller's",
-    )
+    mass: Mass = None
+    speeds: Multiples = None
+    omegas: Speeds = None
 
     def __repr__(self) -> str:
         """Name, shape, start and path in brief; its attributes hold all of it."""
@@ -178,10 +165,6 @@ class Robot(Model):
     def outline(self) -> tuple[Point, ...]:
         """Corners of the footprint [m], robot's frame, as written (a box counter-clockwise)."""
         return outline_of(self.footprint)
-
-
-def _word_or_list(value: Any) -> str:
-    return "<word>" if isinstance(value, str) else "<list>"
 
 
 class Formation(Model):
@@ -203,10 +186,11 @@ class Formation(Model):
         Annotated[Literal["initial"], Tag("<word>")]
         | Annotated[
             tuple[Annotated[Number, Field(ge=-1.0e6, le=1.0e6)], ...],
-            at_most(MOST_ROBOTS),
+            Field(max_length=MOST_ROBOTS),
+            Sequence,
             Tag("<list>"),
         ],
-        Discriminator(_word_or_list),
+        either("<word>", "<list>"),
     ] = Field(
         default="initial",
         description="[m] wanted lead of each robot over the first along the reference path, "
@@ -221,10 +205,11 @@ class Formation(Model):
         Annotated[Literal["range", "all"], Tag("<word>")]
         | Annotated[
             tuple[Annotated[tuple[Label, Label], Sequence], ...],
-            at_most(100_000),
+            Field(max_length=100_000),
+            Sequence,
             Tag("<list>"),
         ],
-        Discriminator(_word_or_list),
+        either("<word>", "<list>"),
     ] = Field(
         default="range",
         description="who keeps distance to whom: those within range, all, or pairs of names",

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 from physim.errors import Fault, Location, nearest
 from physim.tolerances import LENGTH, WHOLE_STEPS
 from physim.world.faults import describe
-from physim.world.group import RobotGroup, numbered
+from physim.world.group import NUMBER, RobotGroup
 from physim.world.kinds import Point
 from physim.world.road import RandomCorridor, RandomRoad
 from physim.world.robot import Offset, Robot, Start
@@ -43,7 +43,7 @@ def _time(world: World) -> Iterator[Fault]:
         message = f"{step!r} s is longer than the duration, {duration!r} s; at most that is allowed"
         yield Fault(("time", "step"), message)
     elif steps > MOST_STEPS:
-        message = f"{ratio:.4g} steps of {step!r} s; at most {MOST_STEPS} are allowed"
+        message = f"{steps} steps of {step!r} s; at most {MOST_STEPS} are allowed"
         yield Fault(("time", "duration"), message)
     elif abs(ratio - steps) > WHOLE_STEPS * max(1.0, ratio):
         below, above = int(ratio) * step, (int(ratio) + 1) * step
@@ -74,24 +74,24 @@ def _robot_names(world: World) -> Iterator[tuple[int, str]]:
     number = 0
     for e, entry in enumerate(world.robots):
         for _ in range(entry.count if isinstance(entry, RobotGroup) else 1):
-            is_group = isinstance(entry, RobotGroup)
-            yield e, numbered(entry.name, number) if is_group else entry.name
             number += 1
+            is_group = isinstance(entry, RobotGroup)
+            yield e, entry.name.replace(NUMBER, str(number)) if is_group else entry.name
 
 
 def _names(world: World) -> Iterator[Fault]:
     first: dict[str, int] = {}
-    told: set[int] = set()
+    faults: dict[int, Fault] = {}  # of a group the first
     for e, name in _robot_names(world):
         message = ""
         if name in first:
             message = f"is the name of robots[{first[name]}] too; names must differ"
         elif WALL_NAMES.fullmatch(name):
             message = "names a wall in reports; give the robot another name"
-        if message and e not in told:
-            told.add(e)
-            yield Fault(("robots", e, "name"), f"{describe(name)} {message}")
+        if message:
+            faults.setdefault(e, Fault(("robots", e, "name"), f"{describe(name)} {message}"))
         first.setdefault(name, e)
+    yield from faults.values()
 
 
 def _robots(world: World) -> Iterator[Fault]:
@@ -123,9 +123,6 @@ def _robots(world: World) -> Iterator[Fault]:
         for k, omega in enumerate(entry.omegas or ()):
             if abs(omega) > limit:  # it could never be followed
                 message = f"{omega!r} rad/s is beyond limits.omega = {limit!r} of this robot"
-                if abs(omega) > 2.0 * math.pi:
-                    degrees = math.radians(omega)
-                    message += f"; if degrees per second are meant, write {degrees:.5g}"
                 yield Fault((*where, "omegas", k), message)
     for where, start in starts:
         if start is not None and start.spread != 1.0 and start.abreast is None:
@@ -197,15 +194,10 @@ def _paths(world: World) -> Iterator[tuple[Location, Sequence[Point]]]:
 
 def _expected(world: World) -> Iterator[Fault]:
     """Bounds of one distance that no run can keep both."""
-    expect = world.expect
-    if expect is None or expect.min_distance is None or expect.max_distance is None:
-        return
-    if expect.min_distance > expect.max_distance:
-        yield Fault(
-            ("expect", "min_distance"),
-            f"{expect.min_distance!r} m is more than max_distance, {expect.max_distance!r} m; no "
-            "distance between two robots is both",
-        )
+    least, most = (getattr(world.expect, key, None) for key in ("min_distance", "max_distance"))
+    if least is not None and most is not None and least > most:
+        message = f"{least!r} m is more than max_distance, {most!r} m; no distance is both"
+        yield Fault(("expect", "min_distance"), message)
 
 
 def _road(world: World) -> Iterator[Fault]:
@@ -227,39 +219,34 @@ def _road(world: World) -> Iterator[Fault]:
 
 
 def _of_road(road: RandomRoad) -> Iterator[Fault]:
-    units = {"bends": "", "turns": " rad", "radii": " m", "width": " m", "sizes": " m"}
-    are_in_order = True
-    for key, unit in units.items():
+    wrong = False
+    for key in ("bends", "turns", "radii", "width", "sizes"):
         span = getattr(road, key)
         if isinstance(span, tuple) and span[0] > span[1]:
-            are_in_order = False
-            low, high = (f"{value!r}{unit}" for value in span)
-            message = f"least {low} above the greatest, {high}; write [least, greatest]"
+            wrong = True
+            message = f"least {span[0]!r} above the greatest, {span[1]!r}; write [least, greatest]"
             yield Fault((key,), message)
-    if not are_in_order:
+    if wrong:
         return
     narrowest, width = road.widths
     radius, between = road.bend_radii[0], road.length - 2.0 * road.ends
     if road.passage is not None and road.passage > narrowest:
         message = f"{road.passage!r} m is wider than the road, which may be {narrowest!r} m wide"
-        yield Fault(("passage",), f"{message}; at most that is possible")
+        yield Fault(("passage",), message)
     if radius < (least := 0.5 * width + ROOM_IN_BENDS):
-        key, default = (
-            ("width", " when no radii are given") if road.radii is None else ("radii", "")
+        default = ", as no radii are given" if road.radii is None else ""
+        message = (
+            f"bends have a radius from {radius:.6g} m on{default}; a road {width:.6g} m wide needs "
+            f"at least {least:.6g} m: half its width and {ROOM_IN_BENDS:g} m"
         )
-        yield Fault(
-            (key,),
-            f"bends have a radius from {radius:.6g} m on{default}, and a road {width:.6g} m wide "
-            f"needs at least {least:.6g} m: half its width and {ROOM_IN_BENDS:g} m",
-        )
+        yield Fault(("width" if road.radii is None else "radii",), message)
     needed = road.most_bends * radius * road.turns[0]
     if between < 0.0:
         message = f"{road.length!r} m is shorter than its two ends of {road.ends!r} m"
-        yield Fault(("length",), f"{message}; make it longer, or ends shorter")
+        yield Fault(("length",), message)
     elif needed > between:
-        yield Fault(
-            ("bends",),
-            f"{road.most_bends} bends of {radius:.6g} m radius and {road.turns[0]:.6g} rad are "
-            f"{needed:.6g} m long at least, and the road has {between:.6g} m between its ends; "
-            "give fewer bends, smaller turns or radii, or more length",
+        message = (
+            f"{road.most_bends} bends of {radius:.6g} m radius and {road.turns[0]:.6g} rad take at "
+            f"least {needed:.6g} m; the road has {between:.6g} m between its ends"
         )
+        yield Fault(("bends",), message)

@@ -4,10 +4,8 @@ robots have arrived, the material in contact, and what the run must satisfy.
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping
-from types import MappingProxyType
-from typing import Annotated, Any, ClassVar
+from typing import Annotated, Any
 
 from pydantic import BeforeValidator, ConfigDict, Field, WithJsonSchema, field_serializer
 from pydantic_core import PydanticCustomError
@@ -21,14 +19,12 @@ from physim.world.kinds import (
     Length,
     Number,
     Whole,
-    at_most,
     thawed,
 )
 
 MOST_STAGES = 20
 DEFAULT_RANGE = 10.0
 """[m] sensing range in a world that does not give one (paper: 10 m)"""
-_WORD = re.compile(r"\w{1,40}")
 
 
 def _settings(value: Any) -> FrozenMapping:
@@ -68,8 +64,7 @@ def nested_choice(value: Any) -> Any:
     if isinstance(value, Choice):
         return value
     if not isinstance(value, Mapping):
-        name = value if isinstance(value, str) and _WORD.fullmatch(value) else "NAME"
-        message = "must be a mapping of type and settings, as {type: " + name + "}"
+        message = "must be a mapping of type and settings, as {type: NAME}"
         raise PydanticCustomError("choice", message)
     settings = {key: item for key, item in value.items() if key != "type"}
     return {**({"type": value["type"]} if "type" in value else {}), "settings": settings}
@@ -83,7 +78,7 @@ def _listed(value: Any) -> Any:
 
 Choices = Annotated[
     tuple[Annotated[Choice, BeforeValidator(nested_choice)], ...],
-    at_most(MOST_STAGES),
+    Field(max_length=MOST_STAGES),
     BeforeValidator(_listed),
 ]
 
@@ -113,7 +108,9 @@ class ControllerChoice(Choice):
 class Time(Model):
     """Grid of physics steps: sample k is at time ``k * step``."""
 
-    step: Annotated[Number, Field(ge=1e-6, le=10.0)] = Field(description="[s] one physics step")
+    step: Annotated[Number, Field(ge=1e-6, le=0.5)] = Field(
+        description="[s] one physics step; at most 0.5 s, for which a robot stands when it arrives"
+    )
     duration: Annotated[Number, Field(gt=0.0, le=1.0e8)] = Field(
         description="[s] length of the run, a whole number of steps"
     )
@@ -144,9 +141,6 @@ class Arrival(Model):
 class Physics(Model):
     """Material of all bodies in contact."""
 
-    advice: ClassVar[Mapping[str, str]] = MappingProxyType(
-        dict.fromkeys(("restitution", "bounciness", "bounce"), 'did you mean "elasticity"?')
-    )
     friction: Annotated[Number, Field(ge=0.0, le=100.0)] = Field(
         default=0.0, description="[-] Coulomb friction coefficient"
     )

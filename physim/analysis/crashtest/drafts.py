@@ -14,7 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from math import cos, pi, sin
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.random import Generator
@@ -459,14 +459,15 @@ def case_world(case: Case, seed: int, reason: str) -> World:
             "path": [(px, py), (px + cos(heading), py + sin(heading))],
             "limits": {"v": max(abs(v), LEAST), "omega": max(abs(omega), LEAST)},
         })  # fmt: skip
-    return World(
-        name=f"crash-{seed}-{case.number}",
-        description=f"Crash test, seed {seed}, case {case.number} ({case.kind}): {reason}",
-        seed=seed,
-        time={"step": case.dt, "duration": round(STEPS * case.dt, 12)},
-        boundaries=[*(line.tolist() for line in layout.lines), [*ring, ring[0]]],
-        reference_path=[(x - 5.0, y - HALF_WIDTH + 1.0), (x + 5.0, y - HALF_WIDTH + 1.0)],
-        robots=robots,
-        controller={"type": "constant", "commands": commands},
-        obstacles=[outline.tolist() for outline, *_ in layout.solids],
-    )
+    values: dict[str, Any] = {
+        "name": f"crash-{seed}-{case.number}",
+        "description": f"Crash test, seed {seed}, case {case.number} ({case.kind}): {reason}",
+        "seed": seed,
+        "time": {"step": case.dt, "duration": round(STEPS * case.dt, 12)},
+        "boundaries": [*(line.tolist() for line in layout.lines), [*ring, ring[0]]],
+        "reference_path": [(x - 5.0, y - HALF_WIDTH + 1.0), (x + 5.0, y - HALF_WIDTH + 1.0)],
+        "robots": robots,
+        "controller": {"type": "constant", "commands": commands},
+        "obstacles": [outline.tolist() for outline, *_ in layout.solids],
+    }
+    return World(**values)

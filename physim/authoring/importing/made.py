@@ -79,7 +79,8 @@ def made_world(
     else:  # robots that may reverse stand for ever in tight bends
         controller |= {"speed": speed, "reverse_in_safe_mode": False}
         values["sensing"] = {"range": scaled(RANGE)}
-    return World(**values, controller=controller)
+    values["controller"] = controller
+    return World(**values)
 
 
 def world_text(world: World, source: str, drawing: Drawing) -> str:

@@ -5,11 +5,11 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from pydantic import Discriminator, Field, Tag
+from pydantic import Field, Tag
 
 from physim.authoring.importing.drawing import DIGITS, refused
 from physim.world.base import Model
-from physim.world.kinds import Flag, Number, Sequence, Text, Whole, is_word
+from physim.world.kinds import Flag, Number, Sequence, Text, Whole, either
 
 Above = Annotated[Number, Field(gt=0.0)]
 Least = Annotated[Number, Field(ge=0.0)]
@@ -19,7 +19,7 @@ Side = Annotated[Number, Field(ge=10.0**-DIGITS)]
 Size = Annotated[
     Annotated[Literal["fit"], Tag("<word>")]
     | Annotated[tuple[Side, Side], Sequence, Tag("<value>")],
-    Discriminator(is_word),
+    either("<word>", "<value>"),
 ]
 
 

@@ -178,10 +178,7 @@ class _Reader:
         try:
             return node.value if node.style else scalar(node.value)
         except RefusedScalarError as error:
-            message = str(error)
-        if node.value == "" and (known := field_at(World, location)) and known.is_required():
-            message = f"empty value; needed: {known.description}"
-        return self._fault(location, message, node)
+            return self._fault(location, str(error), node)
 
     def _mapping(self, node: Any, location: Location) -> dict[str, Any]:
         values: dict[str, Any] = {}

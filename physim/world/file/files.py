@@ -5,17 +5,15 @@ The record of a run is a world, too: the effective one inside it.
 
 from __future__ import annotations
 
-import difflib
 import os
 from collections.abc import Sequence
 from dataclasses import replace
 from importlib.resources import as_file, files
 from pathlib import Path
-from types import MappingProxyType
 
 import yaml
 
-from physim.errors import Fault, WorldError
+from physim.errors import Fault, WorldError, nearest
 from physim.escaping import escaped
 from physim.files import UnreadableError, read_text
 from physim.json_text import parse_json
@@ -24,14 +22,8 @@ from physim.world.file.document import MOST_BYTES, Document, read_document, refu
 SUFFIXES = (".yaml", ".yml")
 RECORD = "record.h5"
 """What the record of a run is called in its folder"""
-MOST_LISTED = 5
-OTHER_KINDS = MappingProxyType(
-    {
-        **dict.fromkeys((".h5", ".hdf5"), "nor is it a record, which begins as HDF5 files do"),
-        **dict.fromkeys((".svg", ".csv", ".wkt", ".geojson"), "physim import makes one of it"),
-    }
-)
-"""What is done with files that are no worlds, by ending."""
+IMPORTED = (".svg", ".csv", ".wkt", ".geojson")
+"""Endings of files of which physim import makes worlds."""
 
 
 def shipped_folder() -> Path:
@@ -67,7 +59,7 @@ def find_world(given: str | os.PathLike[str]) -> Path:
     if not plain or path.exists():
         return path  # reading says what is wrong with it
     message = f'{given}: no such file, and no shipped world is called "{given}"'
-    near = _nearest(given, [*_worlds(Path()), *shipped]) or f"; shipped: {', '.join(shipped)}"
+    near = _nearest(path, shipped) or f"; shipped: {', '.join(shipped)}"
     raise WorldError([Fault((), message + near)])
 
 
@@ -117,51 +109,27 @@ def is_record(path: Path) -> bool:
 def file_text(path: Path) -> str:
     """Text (UTF-8) of a world file.
 
-    Raises `WorldError` when it cannot be read, naming files near it, or is of another kind.
+    Raises `WorldError` when it cannot be read, naming the nearest file, or is of another kind.
     """
-    if (instead := OTHER_KINDS.get(path.suffix)) and os.path.isfile(path):
-        raise _unreadable(path, f"is no world file; {instead}")
+    if path.suffix in IMPORTED and os.path.isfile(path):
+        raise _unreadable(path, "is no world file; physim import makes one of it")
     try:
         return read_text(path, MOST_BYTES)
     except UnreadableError as error:
         if error.line is not None:
             raise refused(str(path), error.line, error.column, str(error)) from None
-        raise _unreadable(path, f"{error}{_instead(path)}") from None
+        near = "" if os.path.lexists(path) else _nearest(path)
+        raise _unreadable(path, f"{error}{near}") from None
 
 
 def _unreadable(path: Path, message: str) -> WorldError:
     return WorldError([Fault((), f"{escaped(str(path))}: {message}")])
 
 
-def _instead(path: Path) -> str:
-    """World files that may be meant where one cannot be read."""
-    is_folder = os.path.isdir(path)  # those of pathlib raise for names that are too long
-    if os.path.lexists(path) and not is_folder:
-        return ""
-    folder = path if is_folder else path.parent
-    if not os.path.exists(folder):
-        return f"; there is no folder {folder}"
-    worlds = _worlds(folder)
-    if near := "" if is_folder else _nearest(path.name, worlds):
-        return near
-    more = f" and {len(worlds) - MOST_LISTED} more" if len(worlds) > MOST_LISTED else ""
-    return f"; world files there: {', '.join(worlds[:MOST_LISTED])}{more}" if worlds else ""
-
-
-def _worlds(folder: Path) -> list[str]:
-    """Names of the world files of a folder."""
+def _nearest(path: Path, shipped: Sequence[str] = ()) -> str:
+    """``; did you mean "x.yaml"?``: a world file of the same folder, or a shipped world."""
     try:
-        names = sorted(os.listdir(folder))
-    except OSError:
-        return []
-    worlds = [name for name in names if name.endswith(SUFFIXES) and name.isprintable()]
-    return [name for name in worlds if os.path.isfile(folder / name)]
-
-
-def _nearest(given: str, worlds: Sequence[str]) -> str:
-    """``; did you mean "x.yaml"?``: those whose names without ending are much like one given."""
-    stems = [Path(name).stem for name in worlds]
-    close = difflib.get_close_matches(Path(given).stem, dict.fromkeys(stems), n=3, cutoff=0.6)
-    near = [name for one in close for name in worlds if Path(name).stem == one][:3]
-    named = " or ".join(f'"{name}"' for name in near)
-    return f"; did you mean {named}?" if near else ""
+        names = sorted(os.listdir(path.parent))
+    except (OSError, ValueError):
+        names = []
+    return nearest(path.name, [*(name for name in names if name.endswith(SUFFIXES)), *shipped])

@@ -6,12 +6,12 @@ Each is looked at only where the one before is sound; geometry follows when the 
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 from warnings import warn
 
-from physim.errors import ControllerError, Fault, Location, WorldError
+from physim.errors import ControllerError, Fault, WorldError
 from physim.parts.registry import (
     CONTROLLER,
     STAGES,
@@ -129,43 +129,23 @@ def _of_parts(world: World, document: Document, trusted: bool) -> tuple[list[Fau
     faults: list[Fault] = []
     doubts: list[Fault] = []
     for kind, where, name in named:
-        given = _at(document.values, where)
-        settings = {key: value for key, value in given.items() if key != "type"}
-        is_controller = kind is CONTROLLER
+        is_controller, given = kind is CONTROLLER, document.values
+        for key in where:
+            given = given.get(key, {}) if isinstance(given, dict) else given[key]
+        given = {key: value for key, value in given.items() if key != "type"}
         try:
             part = find_part(kind, name, trusted and is_controller)
-            made, found = checked_settings(part, settings, where)
-            if found and is_controller:
-                found = [_of_another_controller(fault) for fault in found]
-            elif not found and any(hasattr(part, hook) for hook in HOOKS):
-                built = made_part(kind, part, made, name)
+            settings, found = checked_settings(part, given, where)
+            if not found and any(hasattr(part, hook) for hook in HOOKS):
+                made = made_part(kind, part, settings, name)
                 if is_controller:
-                    found = robot_faults(built, *each_robot(world.robots, world.seed))
-                found = found or world_faults(built, world, where)
-                doubts += [] if found else world_doubts(built, world, where)
+                    found = robot_faults(made, *each_robot(world.robots, world.seed))
+                found = found or world_faults(made, world, where)
+                doubts += [] if found else world_doubts(made, world, where)
             faults += found
         except ControllerError as error:
             faults.append(Fault((*where, "type"), str(error)))
     return faults, doubts
-
-
-def _at(values: Any, location: Location) -> Mapping[str, Any]:
-    """Mapping at a place of a sound world; an empty one where it is not given."""
-    for part in location:
-        values = values.get(part, {}) if isinstance(values, dict) else values[part]
-    return dict(values)
-
-
-def _of_another_controller(fault: Fault) -> Fault:
-    """An unknown key of a controller, with what to do if it is one of another controller."""
-    if not fault.of_key or "did you mean" in fault.message:
-        return fault
-    key = ".".join(map(str, fault.location))
-    return replace(
-        fault,
-        message=f"{fault.message}; if it is a setting of another controller, name that one, by "
-        f"controller.type or --controller, or leave it out (of a file: --set {key}=null)",
-    )
 
 
 def _with_controller(document: Document, name: str) -> Document:

@@ -25,7 +25,7 @@ _TRUE = {"true", "True", "TRUE"}
 _FALSE = {"false", "False", "FALSE"}
 _YES = {"yes", "on"}
 _NO = {"no", "off"}
-EMPTY = "empty value; give one, or leave the key out"
+EMPTY = "empty value; give one, or leave the key out where it has a default"
 TOO_LARGE = "a number too large to hold; it must be finite"
 
 

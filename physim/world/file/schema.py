@@ -10,6 +10,7 @@ import json
 from collections.abc import Callable, Iterable
 from typing import Any
 
+from pydantic import BaseModel
 from pydantic.json_schema import GenerateJsonSchema
 
 from physim.errors import ControllerError
@@ -20,7 +21,6 @@ from physim.parts.registry import (
     find_part,
     part_names,
     settings_model,
-    shipped_parts,
 )
 from physim.world import Choice, ControllerChoice, World
 
@@ -29,13 +29,6 @@ FILE = "world.schema.json"
 
 Schema = dict[str, Any]
 
-_BOUNDS = {
-    "ge": "minimum", "le": "maximum", "gt": "exclusiveMinimum", "lt": "exclusiveMaximum",
-}  # fmt: skip
-_LENGTHS = {"minLength": "minItems", "maxLength": "maxItems"}
-_NAMED = ("properties", "$defs")
-"""Keys that hold schemas by names, which may be those of keys of a schema"""
-
 
 class _Generator(GenerateJsonSchema):
     """Without null: a key that is left out has no value, and one without a value is refused."""
@@ -43,31 +36,21 @@ class _Generator(GenerateJsonSchema):
     def nullable_schema(self, schema: Any) -> Schema:
         return self.generate_inner(schema["schema"])
 
+    def default_schema(self, schema: Any) -> Schema:
+        is_shown = not isinstance(schema.get("default"), None | BaseModel)
+        return super().default_schema(schema) if is_shown else self.generate_inner(schema["schema"])
+
     def field_title_should_be_set(self, _schema: Any) -> bool:
         return False
 
 
-def schema_text() -> str:
-    """Text of the schema file, with every registered controller and stage."""
-    return _text(world_schema())
-
-
-def shipped_schema_text() -> str:
-    """Text of the schema that is shipped: with what comes with physim alone."""
-    return _text(world_schema(shipped_parts))
-
-
-def _text(schema: Schema) -> str:
-    return json.dumps(schema, indent=1, ensure_ascii=False) + "\n"
-
-
-def world_schema(names: Callable[[Kind], Iterable[str]] = part_names) -> Schema:
-    """Schema of a world file, as `json.dumps` takes it.
+def schema_text(names: Callable[[Kind], Iterable[str]] = part_names) -> str:
+    """Text of the schema file; the one that is shipped is of `shipped_parts` alone.
 
     ``names`` says which controllers and stages of a kind are in it; one that cannot be imported
     may be named, and its settings are not checked.
     """
-    schema = _mended(World.model_json_schema(schema_generator=_Generator))
+    schema = World.model_json_schema(schema_generator=_Generator)
     models = schema["$defs"]
     models[_name(CONTROLLER)] = _choice(CONTROLLER, names, ControllerChoice)
     del models[Choice.__name__]
@@ -76,23 +59,8 @@ def world_schema(names: Callable[[Kind], Iterable[str]] = part_names) -> Schema:
         holder = models["Sensing"] if len(kind.key) > 1 else schema
         holder["properties"][kind.key[-1]]["items"] = {"$ref": f"#/$defs/{_name(kind)}"}
     head = {"$schema": "https://json-schema.org/draft/2020-12/schema", "title": "physim world"}
-    return {**head, **schema, "title": "physim world"}
-
-
-def _mended(raw: Any) -> Any:
-    """Bounds and lengths by the names of the standard, which pydantic gives those of fields."""
-    if isinstance(raw, list):
-        return [_mended(one) for one in raw]
-    if not isinstance(raw, dict):
-        return raw
-    names = _BOUNDS | (_LENGTHS if raw.get("type") == "array" else {})
-    return {
-        names.get(key, key): {name: _mended(one) for name, one in value.items()}
-        if key in _NAMED
-        else _mended(value)
-        for key, value in raw.items()
-        if key != "default" or not (value is None or isinstance(value, dict))
-    }
+    schema = {**head, **schema, "title": "physim world"}
+    return json.dumps(schema, indent=1, ensure_ascii=False) + "\n"
 
 
 def _name(kind: Kind) -> str:
@@ -115,7 +83,7 @@ def _choice(kind: Kind, names: Callable[[Kind], Iterable[str]], model: type[Choi
         then: Schema = {}
         if settings is not None:
             inner = f"#/$defs/{_name(kind)}/allOf/{len(rules)}/then/$defs/{{model}}"
-            then = _mended(settings.model_json_schema(True, inner, _Generator))
+            then = settings.model_json_schema(True, inner, _Generator)
         then["properties"] = {"type": True, **then.get("properties", {})}
         rules.append({"if": chosen, "then": {**then, "additionalProperties": False}})
     named = {"description": field.description, "type": "string", "enum": listed}

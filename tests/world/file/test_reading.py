@@ -49,7 +49,7 @@ def with_seed(text: str) -> str:
         ("9" * 400 + ".0", ("finite",)),
         ("", ("empty",)),
         ("~", ("empty",)),
-        ("nan", ("whole number", '"nan"', "finite")),
+        ("nan", ("whole number", '"nan"')),
         ('"3"', ('"3"', "number", "quotes")),
         ("!!python/object/apply:os.system ['touch pwned']", ("tag",)),
         ("!include other.yaml", ("tag",)),

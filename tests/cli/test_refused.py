@@ -215,7 +215,7 @@ INPUTS: Table = {
     ("page", "."): ("record.h5:", "no such file"),
     ("page", *(("a/record.h5",) * 7)): ("a page shows 1 to 6 records", "7"),
     ("page",): ("physim page:", "RECORD", "missing"),
-    ("replay", "a\nb:0"): (r"a\u000ab:0", "DIR:ROW"),
+    ("replay", "a\nb:0"): (r'"a\u000ab:0"', "DIR:ROW"),
     ("reproduce", "--figure", "9"): ('--figure "9":', "1, 2, 3, 3a, 4, 6, 7, 8"),
     ("reproduce", "--figure", "5"): ("--figure 5:", "flow chart"),
     ("reproduce", "--study", "bend"): ('--study "bend":', "bends"),

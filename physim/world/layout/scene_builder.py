@@ -18,7 +18,7 @@ from physim.geometry.shapes import (
     pack_parts,
     pack_polylines,
 )
-from physim.geometry.wall_grid import build_wall_grid
+from physim.geometry.walls import build_wall_tree
 from physim.parts.registry import CONTROLLER, find_part, shipped_parts
 from physim.units import joined
 from physim.world import Robot, RobotGroup, World
@@ -27,9 +27,6 @@ from physim.world.layout.layout import lay_out, placed
 from physim.world.layout.shared import Shared
 from physim.world.run import DEFAULT_RANGE
 from physim.world.scene import DENSITY, Body, FormationPlan, Layout, Scene
-
-GRID_CELL = 2.0
-"""[m] cell of the wall look-up"""
 
 
 @np.errstate(all="ignore")  # GEOS divides by zero on the way, where lengths are as good as none
@@ -60,7 +57,7 @@ def build_scene(world: World, seed: int | None = None) -> Scene:
         bodies=tuple(Body(k, kind, name) for k, (kind, name) in enumerate(names)),
         shapes=pack_parts([parts(outline) for outline in footprints]),
         walls=walls,
-        wall_grid=build_wall_grid(walls, world.sensing_range, GRID_CELL),
+        wall_tree=build_wall_tree(walls),
         mass=np.array([
             DENSITY * abs(size(outline)) if robot.mass is None else robot.mass
             for robot, outline in zip(laid.robots, footprints, strict=True)

@@ -8,13 +8,13 @@ import shutil
 from collections.abc import Mapping
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import h5py
 import numpy as np
 
 from physim.contacts import Kind, Phase
-from physim.errors import PhysimError, RecordError, WorldError
+from physim.errors import Fault, PhysimError, RecordError, WorldError
 from physim.files import draft
 from physim.html import labelled
 from physim.parts.declarations import Declared, Mode
@@ -34,6 +34,9 @@ if TYPE_CHECKING:
     import pandas as pd
 
     from physim.world import World
+    from physim.world.base import Model
+
+    Section = TypeVar("Section", bound=Model)
 
 
 def check_record(given: object) -> None:
@@ -231,6 +234,23 @@ class Record(RecordedHistory):
         except WorldError as error:
             raise unreadable_world(self.where, error) from error
         return world if isinstance(world, Mapping) else {}
+
+    def section(self, key: str, model: type[Section]) -> Section | None:
+        """A part of the effective world by its model, ``arrival``, say; None where it has none.
+
+        The rest of that world need not be valid. Raises RecordError where this part is not.
+        """
+        given = self.world_settings.get(key)
+        if given is None:
+            return None
+        if not isinstance(given, Mapping):
+            raise RecordError(f"world of {self.where}: {key} must be a mapping of keys to values")
+        try:
+            return model(**given)
+        except WorldError as error:
+            fault = error.faults[0]
+            told = Fault((key, *fault.location), fault.message)
+            raise RecordError(f"world of {self.where}: {told}") from None
 
     @cached_property
     def given_settings(self) -> tuple[GivenSettings, ...]:

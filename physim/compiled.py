@@ -35,7 +35,8 @@ from physim.stray_settings import load_numba
 F = TypeVar("F", bound=Callable[..., Any])
 
 ROOMS_WITHOUT_KERNELS = (
-    "authoring", "campaigns", "cli", "drawing", "reproduction", "statistics", "testing", "world",
+    "authoring", "campaigns", "cli", "drawing", "record", "reproduction", "statistics", "testing",
+    "world",
 )  # fmt: skip
 """Rooms in which no kernel stands, nor anything that one calls or reads (classes aside)"""
 

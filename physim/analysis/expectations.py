@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from physim.analysis.metrics import Figures
+from physim.analysis.metrics.metric import section
 from physim.record import Record
 from physim.world import Expectation
 
@@ -52,7 +53,7 @@ def expectations(record: Record) -> list[Held]:
     does not hold then. A distance that a run does not have (one robot, no walls) holds any bound.
     """
     cut = record.ended in ("running", "interrupted") and record.steps_run < record.steps_planned
-    run, wanted = Figures(record), record.section("expect", Expectation) or Expectation()
+    run, wanted = Figures(record), section(record, "expect", Expectation) or Expectation()
     found: dict[str, Figure] = {
         "contacts": len(run.episodes) + len(run.grazes),
         "min_distance": run.value("shortest_distance"),

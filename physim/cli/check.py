@@ -160,7 +160,7 @@ def preview(
       physim preview my_world.yaml -o my_world.svg
       physim preview my_world.yaml --watch       keep the picture open beside the editor
     """
-    from physim.drawing.preview import FORMATS, save_preview
+    from physim.drawing.preview import save_preview
     from physim.world.checks import check_world
     from physim.world.file import read_world
     from physim.world.file.files import find_world, stem_of
@@ -168,8 +168,6 @@ def preview(
 
     file = find_world(world)
     path = output or Path(f"{stem_of(file)}.png")
-    if not path.is_dir() and path.suffix.lower()[1:] not in FORMATS:
-        raise PhysimError(f"{path}: a picture ends in .png or .svg")
     Target(path, force, inputs(world)).file(in_new=True)
 
     def draw() -> None:

@@ -59,6 +59,13 @@ GROUPS = {
 """By job, the commands in the order of the help: where each is defined, and what it is for."""
 COMMANDS = {name: where for group in GROUPS.values() for name, (where, _) in group.items()}
 HELP, VERSION = ("-h", "--help"), "--version"
+INSTEAD = {
+    ("import", "--untried"): "--no-run",
+    ("new", "--from"): "--like WORLD --seed N",
+    ("validate", "--seeds"): "physim sweep WORLD --seeds A:B --validate",
+    ("compare", "--seeds"): "physim sweep, then physim compare DIR --by WHAT",
+}
+"""Options that there were, and what does the same"""
 
 
 def run_command(arguments: Sequence[str]) -> int:
@@ -204,6 +211,8 @@ def _explained(command: str, error: CycloptsError) -> str:
         known = [name for one in error.argument_collection if one.parse for name in one.names]
         close = nearest(given.strip("-"), [one[2:] for one in known if one.startswith("--")])
         close = close.replace('"', '"--', 1)
+        if other := INSTEAD.get((command, given)):
+            close = f"; take {other}"
         return f"{quoted(given)}: physim {command} has no such option{close}"
     if isinstance(error, cyclopts.RepeatArgumentError):
         return f"{error.token.keyword}: is given twice; it takes one value"

@@ -35,21 +35,17 @@ def measures(text: str) -> dict[str, int]:
     from physim.campaigns.rows import PREFIX
 
     found = {}
-    for name in (part.strip() for part in text.split(",")):
+    for name in map(str.strip, text.split(",")):
         own = OWN.fullmatch(name)
-        if own and own[1] in DIRECTIONS:
-            raise ValueError(f'"{own[1]}" without :{own[2]}, as its direction is known')
-        elif own and PREFIX + own[1] in found:
-            raise ValueError(f'"{own[1]}" once, as :more or as :less')
-        elif own:
-            found[PREFIX + own[1]] = 1 if own[2] == "more" else -1
-        elif name in DIRECTIONS:
+        if name in DIRECTIONS:
             found[name] = DIRECTIONS[name]
+        elif own and own[1] not in DIRECTIONS and PREFIX + own[1] not in found:
+            found[PREFIX + own[1]] = 1 if own[2] == "more" else -1
         else:
-            close = nearest(name[:LONGEST_QUOTE], list(DIRECTIONS))
+            close = nearest(name.partition(":")[0][:LONGEST_QUOTE], list(DIRECTIONS))
             raise ValueError(
                 f"some of {','.join(DIRECTIONS)}, or NAME:more, NAME:less of a metric of your own "
-                f"by what is better, with commas between; given: {quoted(name)}{close}"
+                f"by what is better, with commas between, each once; given: {quoted(name)}{close}"
             )
     return found
 

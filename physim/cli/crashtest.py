@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 import sys
-import time
 from pathlib import Path
 from typing import Annotated
 
@@ -60,13 +59,8 @@ def crashtest(
     remove(earlier)
     if not is_warm():
         announce_compiling("the collision checks", quiet)
-    started = time.monotonic()
-
-    def progress(done: int) -> None:
-        bar.update(done, lambda: f"{done / (time.monotonic() - started):.0f}/s")
-
     with interrupts() as interrupt, Bar("crash test", cases, "cases", quiet) as bar:
-        report = crash_test(cases, seed, folder=folder, progress=progress, stop=interrupt)
+        report = crash_test(cases, seed, folder=folder, progress=bar.update, stop=interrupt)
     write_json(json, report.to_json(), out)
     if not quiet:
         if report.interrupted:

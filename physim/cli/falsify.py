@@ -103,7 +103,6 @@ def falsify(
     from physim.campaigns.falsify.shrink import Shrunk
     from physim.campaigns.falsify.shrink import shrink as shrink_world
     from physim.campaigns.falsify.space import Space
-    from physim.cli.progress import checks_ready
     from physim.world.checks import check_world
 
     check_json(json, force, inputs(world))
@@ -118,7 +117,7 @@ def falsify(
     files = [folder / name for name in names]
     check_json(json, force, files)
     Target(folder, force, inputs(world)).folder(files, "an earlier search")
-    compile_once(quiet)
+    compile_once(quiet, checks=True)
     if not quiet:
         print("varied:\n" + "\n".join(f"  {line}" for line in space.lines()), flush=True)
     typed = ["physim", "falsify", world, "--budget", str(budget), "--vary", ",".join(vary)]
@@ -155,7 +154,6 @@ def falsify(
         except StoppedError:
             return INTERRUPTED
         with record:
-            checks_ready(quiet)
             paragraph = results.story(record, validate(record, rerun=False))
             write_text(folder / results.STORY, paragraph)
             if not no_video:

@@ -7,10 +7,9 @@ import re
 import shlex
 from pathlib import Path
 
-from physim.cli.options import File, Output, Whole
+from physim.cli.options import File, Output, Whole, quoted
 from physim.cli.output import WORLD, Target, inputs, writing
 from physim.errors import PhysimError
-from physim.escaping import escaped
 from physim.files import write_text
 
 
@@ -34,24 +33,15 @@ def write_schema(world: Path, force: bool) -> str:
     from physim.world.file.schema import FILE, schema_text
 
     schema, text = world.with_name(FILE), schema_text()
-    files, kept = [world, schema], ""
+    lines = [f"written: {world}"]
     if force or not os.path.lexists(schema):
         write_text(schema, text)
-    else:
-        files.remove(schema)
-        if not _holds(schema, text):
-            kept = f"{schema}: kept, though it differs from this version's; --force overwrites it"
-    quoted = shlex.quote(str(world))
-    steps = ", ".join(f"physim {step} {quoted}" for step in ("check", "preview", "run"))
-    lines = [f"written: {', '.join(map(str, files))}", kept, f"next: {steps}"]
-    return "\n".join(line for line in lines if line)
-
-
-def _holds(file: Path, text: str) -> bool:
-    try:
-        return file.is_file() and file.read_text(encoding="utf-8") == text
-    except (OSError, ValueError):
-        return False
+        lines = [f"written: {world}, {schema}"]
+    elif not schema.is_file() or schema.read_bytes() != text.encode():
+        lines += [f"{schema}: kept, though it differs from this version's; --force overwrites it"]
+    file = shlex.quote(str(world))
+    steps = ", ".join(f"physim {step} {file}" for step in ("check", "preview", "run"))
+    return "\n".join([*lines, f"next: {steps}"])
 
 
 def schema(
@@ -155,8 +145,8 @@ def new(
     called = Path(os.path.abspath(project)).name or title
     if not called.isprintable():
         raise PhysimError(
-            f'--project "{escaped(str(project))[:60]}": a name with signs that cannot be shown; '
-            "use letters and digits, as in my_study"
+            f"--project {quoted(str(project))}: has signs that cannot be shown; use letters and "
+            "digits, as in my_study"
         )
     files = new_project(called, stem, text, schema_text())
     made = [project / place for place in files]
@@ -178,15 +168,10 @@ def _named(given: str) -> tuple[str, str]:
     name = given
     for suffix in SUFFIXES:
         name = name.removesuffix(suffix)
-    shown = escaped(given[:MOST_NAME])
-    if len(name) > MOST_NAME:
+    sound = re.search(r"\w", name) and name.isprintable() and name == name.strip(" ").lstrip("-.")
+    if not sound or len(name) > MOST_NAME or "/" in name or "\\" in name:
         raise PhysimError(
-            f'"{shown[:20]}…": a name has at most {MOST_NAME} characters; given {len(name)}'
+            f"{quoted(given)}: cannot name a world; use letters and digits, at most {MOST_NAME}, "
+            "as in my_corridor (-o takes a path)"
         )
-    if not (re.search(r"\w", name) and name.isprintable() and name == name.strip(" .").lstrip("-")):
-        raise PhysimError(
-            f'"{shown}": cannot name a world; use letters and digits, as in my_corridor'
-        )
-    if "/" in name or "\\" in name:
-        raise PhysimError(f'"{shown}": is a path, not a name; -o takes a path')
     return name, re.sub(r"[^\w-]+", "_", name).strip("_") or "world"

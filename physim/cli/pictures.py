@@ -17,9 +17,7 @@ from physim.cli.options import (
     Seconds,
     Words,
     kind,
-    one_of,
     print_width,
-    quoted,
     real,
     whole,
 )
@@ -85,16 +83,10 @@ def plot(
     from physim.drawing.plots import draw, names, not_replaced
     from physim.record import Record as Opened
 
-    known = names()
-    chosen = known if only is None else only
-    for name in chosen:
-        if name not in known:
-            raise PhysimError(f"--only {quoted(name)}: must be {one_of(name, known)}")
+    chosen = names() if only is None else only
     if snapshots is not None and SNAPSHOTS not in chosen:
         raise PhysimError(f"--snapshots: is of {SNAPSHOTS}, which --only leaves out")
     folder = Target(output or record.parent, force).folder()
-    for name in chosen:
-        Target(folder / f"{name}.{format}", force, [record]).file(another="folder", in_new=True)
     tell(not_replaced(chosen))
     left_out: list[str] = []
     with interrupts() as interrupt, Opened.load(record) as opened:

@@ -15,7 +15,7 @@ from physim.cli.output import PAGE, Target, check_json, inputs, write_json
 from physim.cli.page import make_page
 from physim.cli.progress import announce_compiling
 from physim.cli.simulating import ready, tell, to_the_end
-from physim.errors import PhysimError, WorldError
+from physim.errors import PhysimError
 
 if TYPE_CHECKING:
     from physim.record import Record
@@ -73,8 +73,11 @@ def validate(
     from physim.simulation.recorder import SaveAt
     from physim.simulation.run import record_run
     from physim.world.file import read_world
+    from physim.world.file.files import is_record
 
-    read, file = inputs(given, world), _record(given)
+    read = inputs(given, world)
+    named = record_file(str(next(iter(inputs(given)), given)))
+    file = named if named.suffix in (".h5", ".hdf5") or is_record(named) else None
     check_json(json, force, read if page is None else [*read, page])
     if page is not None:
         Target(page, force, read, "--page").file(ends=PAGE)
@@ -107,17 +110,6 @@ def validate(
     short = "\n".join([*warning_lines(found), f"verdict: {found.verdict}"]) + "\n"
     print(short if quiet else report_text(found, full), end="")
     return found.code
-
-
-def _record(given: str) -> Path | None:
-    """Record that an argument names; None where it names a world."""
-    from physim.world.file.files import find_world, is_record
-
-    try:
-        file = record_file(str(find_world(given)))
-    except WorldError:  # there is neither
-        file = Path(given)
-    return file if file.suffix in (".h5", ".hdf5") or is_record(file) else None
 
 
 def _check(is_record: bool, world: str | None, rerun: bool, changes: Changes) -> None:

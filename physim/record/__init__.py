@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from physim.record.reader import Record, check_record
+from physim.record.checks import check_record
+from physim.record.reader import Record
 from physim.record.writer import RecordWriter
 
 __all__ = ["Record", "RecordWriter", "check_record"]

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
     from physim.record.reader import Record
 
-FRAMES = ("steps", "updates", "contacts")
+FRAMES = ("steps", "updates", "contacts", "commands", "considered", "false_contacts")
 
 
 def frame(record: Record, table: str) -> pd.DataFrame:
@@ -28,55 +28,37 @@ def frame(record: Record, table: str) -> pd.DataFrame:
         import pandas as pd
     except ImportError:
         raise PhysimError("to_pandas needs pandas (pip install pandas)") from None
-    columns = {"steps": _steps, "updates": _updates, "contacts": _contacts}[table](record)
+    if table == "steps":
+        columns = _steps(record)
+    else:
+        rows = getattr(record, table)
+        columns = {"time": rows["step"] * record.dt, **{n: rows[n] for n in rows.dtype.names}}
+    bodies = [body.name for body in record.bodies]
+    for name in {"robot", "a", "b", "other"} & set(columns):
+        columns[name] = pd.Categorical.from_codes(columns[name], bodies)
+    for name, words in (
+        ("mode", [mode.name for mode in record.modes]),
+        ("rule", [rule.name for rule in record.declared.rules]),
+        ("phase", [phase.name.lower() for phase in Phase]),
+        ("kind", [kind.name.lower() for kind in Kind]),
+    ):
+        if name in columns:
+            columns[name] = [words[k] if k >= 0 else None for k in columns[name].tolist()]
     return pd.DataFrame(columns)
 
 
 def _steps(record: Record) -> dict[str, Any]:
     """A row for each recorded sample and robot."""
-    count, robots = record.samples, record.robots
-    pose = np.asarray(record.pose).reshape(-1, 3)
+    x, y, heading = record.pose.reshape(-1, 3).T
     return {
-        "time": np.repeat(record.time, robots),
-        "robot": _named(record, np.tile(np.arange(robots), count)),
-        "x": pose[:, 0],
-        "y": pose[:, 1],
-        "heading": pose[:, 2],
-        "clearance": np.asarray(record.clearance).reshape(-1),
-        "boundary_clearance": np.asarray(record.boundary_clearance).reshape(-1),
+        "time": np.repeat(record.time, record.robots),
+        "robot": np.tile(np.arange(record.robots), record.samples),
+        "x": x,
+        "y": y,
+        "heading": heading,
+        "clearance": record.clearance.ravel(),
+        "boundary_clearance": record.boundary_clearance.ravel(),
     }
-
-
-def _updates(record: Record) -> dict[str, Any]:
-    """A row for each decision."""
-    rows = record.updates
-    found: dict[str, Any] = {"time": rows["step"] * record.dt}
-    for name in rows.dtype.names or ():
-        found[name] = np.array(rows[name])
-    found["robot"] = _named(record, rows["robot"])
-    for column, words in (("mode", record.modes), ("rule", record.declared.rules)):
-        names = [one.name for one in words]
-        found[column] = [names[k] if 0 <= k < len(names) else None for k in rows[column].tolist()]
-    return found
-
-
-def _contacts(record: Record) -> dict[str, Any]:
-    """A row for each touching pair and step."""
-    rows = record.contacts
-    found: dict[str, Any] = {"time": rows["step"] * record.dt}
-    for name in rows.dtype.names or ():
-        found[name] = np.array(rows[name])
-    found["a"], found["b"] = _named(record, rows["a"]), _named(record, rows["b"])
-    found["phase"] = [Phase(k).name.lower() for k in rows["phase"].tolist()]
-    found["kind"] = [Kind(k).name.lower() for k in rows["kind"].tolist()]
-    return found
-
-
-def _named(record: Record, ids: Any) -> Any:
-    """Names of bodies, as a categorical column."""
-    import pandas as pd
-
-    return pd.Categorical.from_codes(ids, [body.name for body in record.bodies])
 
 
 __all__ = ["FRAMES", "frame"]

@@ -1,260 +1,423 @@
-"""What a record file holds: names, row types, version; and the digest over all of it.
+"""What a record file holds: the one table of its attributes and datasets.
 
-The file is plain HDF5 that any version of the library reads. All lengths are metres, angles
-radians, times seconds, in the world frame; steps count from 0, the start.
+`Layout` names each of them once: the property that reads it, where it is, of which shape, type and
+unit, what it means, and which values a run writes. The file is plain HDF5. All lengths are metres,
+angles radians, times seconds, in the world frame; steps count from 0, the start.
 """
 
 from __future__ import annotations
 
-import hashlib
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from types import SimpleNamespace
+from typing import (
+    Annotated,
+    Any,
+    Generic,
+    Literal,
+    NamedTuple,
+    TypeVar,
+    get_args,
+    get_type_hints,
+    overload,
+)
 
-import h5py
 import numpy as np
+from numpy.typing import NDArray
+from pydantic import AfterValidator, Field, Json, create_model
 
-from physim.contacts import CONTACT_ROW, FALSE_CONTACT_ROW
+from physim.contacts import CONTACT_ROW, FALSE_CONTACT_ROW, Kind, Phase
+from physim.errors import ControllerError
+from physim.geometry.shapes import FloatArray, IntArray
+from physim.parts.declarations import NO_NUMBER, Declared
+from physim.parts.given import GivenSettings
+from physim.world.rules import MOST_STEPS
+from physim.world.scene import Body
 
-if TYPE_CHECKING:
-    from physim.record.reader import Record
-
-
-Row = tuple[tuple[int, ...], Any]
-"""Shape and type of one row of a dataset."""
+T = TypeVar("T")
+Rows = NDArray[np.void]
+Bound = float | str | None
+"""Least or greatest value of a column: a number, or the highest number of ``robots``, ``bodies``,
+``modes``, ``rules`` or ``steps`` that there are; as the least also another column, which it is
+above. None: any value, NaN too."""
 
 FORMAT = "physim-record"
-MAJOR, MINOR = 4, 0
-"""The major number is raised with every change that an older reader would misread, the minor one
-where something is added that it may pass over. 4: footprints and considered robots packed, a few
-datasets for all robots and all decisions."""
-VERSION = f"{MAJOR}.{MINOR}"
-
+VERSION = "5"
+"""Raised with every change of the layout. 5: names and declarations are attributes of JSON."""
 UNITS = "m, rad, s, N s; world frame; headings counter-clockwise from the x axis, unwrapped"
-
-ENDED = ("running", "finished", "duration", "interrupted", "error")
-"""How a run ended; a file whose run was killed still says "running"."""
-
 ENDED_BYTES = 16
 """Length of the attribute ``ended``: fixed, so that it changes in place (see `crash_safe`)."""
-
-_DECISION = [
-    ("step", "<i8"),
-    ("robot", "<i4"),
-    ("mode", "i1"),
-    ("rule", "i1"),
-    ("nominal_v", "<f8"),
-    ("nominal_omega", "<f8"),
-    ("applied_v", "<f8"),
-    ("applied_omega", "<f8"),
-    ("station", "<f8"),
-    ("reference_station", "<f8"),
-    ("formation_error", "<f8"),
-    ("deviation", "<f8"),
-    ("considered", "<i4"),
-    ("next_step", "<i8"),
-]
+WALL_CLOCK = "/wall_clock"
+"""Group whose attributes are figures of the wall clock: outside the digest."""
+FAR = 1.0e8
+"""[m, m/s, rad/s, rad] No length, speed or angle of a run is larger: a world ends at 10^6 m."""
+STRONGEST = 1.0e15
+"""[N s] nor any impulse"""
 
 
-def update_type(columns: Sequence[str]) -> np.dtype[np.void]:
-    """Row of the update table: one decision, with the columns that its controller declares.
+# Attributes
 
-    Step, robot, numbers of mode and rule (-1 where none was given), nominal and applied command
-    [m/s, rad/s], stations [m] along the own and the reference path, formation error [m], deviation
-    [m] from the own path (left positive), how many robots were considered, step of the next
-    decision; then the declared columns, NaN where the decision left one out.
+
+def numbered(bodies: tuple[Body, ...]) -> tuple[Body, ...]:
+    """Return bodies that stand each at the place of its id, robots first. Raises ValueError."""
+    robots = sum(body.kind == "robot" for body in bodies)
+    for k, body in enumerate(bodies):
+        kinds = ("robot",) if k < robots else ("boundary", "obstacle")
+        if body.id != k or body.kind not in kinds or not body.name.isprintable():
+            raise ValueError(f"row {k} is {body}; it must have this id and be {' or '.join(kinds)}")
+    return bodies
+
+
+def declarable(declared: Declared) -> Declared:
+    """Return declarations that a controller may make. Raises ValueError."""
+    try:
+        return Declared.of(SimpleNamespace(**vars(declared)))
+    except ControllerError as error:
+        raise ValueError(str(error).removeprefix("SimpleNamespace.")) from error
+
+
+def _printable(line: str) -> str:
+    if line.isprintable():
+        return line
+    raise ValueError("it must be one line of plain text")
+
+
+Whole = Annotated[int, Field(strict=True, ge=0, le=2**63 - 1)]
+Steps = Annotated[int, Field(strict=True, ge=0, le=MOST_STEPS)]
+Line = Annotated[str, AfterValidator(_printable)]
+Ended = Literal["running", "finished", "duration", "interrupted", "error"]
+TableName = Literal["updates", "considered", "contacts", "false_contacts"]
+ENDED: tuple[Ended, ...] = get_args(Ended)
+OPTIONAL: tuple[TableName, ...] = get_args(TableName)
+"""Tables that a run may leave out; the commands and the samples are always there."""
+
+
+class Attributes:
+    """Root attributes of the file, as properties of `Record`: type, bounds, and what each means.
+
+    ``alias`` is the name in the file where it is not the property's.
     """
-    return np.dtype([*_DECISION, *((name, "<f8") for name in columns)])
+
+    name: Annotated[Line, "name of the world"]
+    world_text: Annotated[str, Field(alias="world"), "YAML text of the effective world"]
+    seed: Annotated[Whole, "seed of the run"]
+    dt: Annotated[float, Field(strict=True, ge=1e-9, le=10.0), "[s] physics step"]
+    steps_planned: Annotated[Steps, "physics steps of the whole duration"]
+    record_every: Annotated[
+        int, Field(strict=True, ge=1, le=1_000_000), "physics steps from one sample to the next"
+    ]
+    tables: Annotated[
+        Json[tuple[TableName, ...]], "JSON list of the optional tables that were recorded"
+    ]
+    given: Annotated[
+        Json[tuple[tuple[str, str], ...]],
+        "JSON list of the parts, [kind, name], that came from Python beside or in place of those "
+        "that the world names",
+    ]
+    safe_distance: Annotated[
+        float, Field(strict=True, ge=0.0, le=1e6), "[m] from boundaries, at which /areas/safe is"
+    ]
+    ended: Annotated[Ended, f"{', '.join(ENDED)}; of a run that was killed running"]
+    steps_run: Annotated[Steps, "physics steps that were made"]
+    rejected_contacts: Annotated[
+        Whole, "contacts that the engine reported and the exact distance refuted"
+    ]
+    bodies: Annotated[
+        Json[tuple[Body, ...]],
+        AfterValidator(numbered),
+        "JSON list: id, kind and name of robots, boundaries, obstacles",
+    ]
+    declared: Annotated[
+        Json[Declared],
+        AfterValidator(declarable),
+        "JSON object: modes, rules and columns of the controller, by their numbers",
+    ]
+    given_settings: Annotated[
+        Json[tuple[GivenSettings, ...]],
+        "JSON list: of each part in given what differs from its defaults, and what is not known",
+    ]
+    versions: Annotated[
+        Json[dict[str, str]], "JSON object: versions of physim and its libraries, and the processor"
+    ]
 
 
-DECISION = tuple(name for name, _ in _DECISION)
-"""Columns of the update table that every record has."""
+_HINTS = get_type_hints(Attributes, include_extras=True)
+AttributesModel = create_model("AttributesModel", **_HINTS)
+"""Checks all of them at once."""
+
+
+# Datasets
+
+
+class Column(NamedTuple):
+    """A column of a table."""
+
+    name: str
+    kind: str
+    unit: str
+    words: str
+    least: Bound = None
+    most: Bound = None
+
+
+class Dataset(Generic[T]):
+    """A dataset of the file, and the property of a `Record` that reads it.
+
+    ``row`` are the columns of its rows, or their type; of a plain type ``least`` and ``most``
+    bound the values. ``shape`` names its sizes: N robots, W boundaries and obstacles, K samples, M
+    rows; others are free. ``starts`` is the path of packed items whose runs begin where it says,
+    each of ``fewest`` items or more.
+    """
+
+    name = ""
+
+    def __init__(
+        self,
+        path: str,
+        shape: str,
+        row: str | tuple[Column, ...],
+        words: str,
+        unit: str = "",
+        least: Bound = None,
+        most: Bound = None,
+        *,
+        starts: str = "",
+        fewest: int = 1,
+    ) -> None:
+        self.path, self.shape, self.words, self.unit = path, tuple(shape.split()), words, unit
+        self.fields = row if isinstance(row, tuple) else (Column("", row, unit, "", least, most),)
+        self.starts, self.fewest = starts, fewest
+        self.__doc__ = f"({', '.join(self.shape)}) {f'[{unit}] ' if unit else ''}{words}"
+
+    @property
+    def dtype(self) -> np.dtype[Any]:
+        """Type of a value, or of a row of columns; of decisions without the declared columns."""
+        if not self.fields[0].name:
+            return np.dtype(self.fields[0].kind)
+        return np.dtype([(field.name, field.kind) for field in self.fields])
+
+    def __set_name__(self, owner: type, name: str) -> None:
+        """Take the name of the property."""
+        self.name = name
+
+    @overload
+    def __get__(self, record: None, owner: type) -> Dataset[T]: ...
+    @overload
+    def __get__(self, record: object, owner: type) -> T: ...
+    def __get__(self, record: Any, owner: type) -> Dataset[T] | T:
+        """All its rows, read when they are first asked for."""
+        if record is None:
+            return self
+        rows: T = vars(record).setdefault(self.name, record.read(self.path))
+        return rows
+
 
 COMMAND_STAGES = ("nominal", "filtered", "applied")
 """Of a command: as it was decided, after the filters, after the disturbances."""
-COMMAND = np.dtype(
-    [("step", "<i8"), ("robot", "<i4")]
-    + [(f"{stage}_{part}", "<f8") for stage in COMMAND_STAGES for part in ("v", "omega")]
+_UNITS = {"v": "m/s", "omega": "rad/s"}
+_STEP = Column("step", "<i8", "", "physics step", 0, "steps")
+_ROBOT = Column("robot", "<i4", "", "which robot", 0, "robots")
+_PAIR = (
+    _STEP,
+    Column("a", "<i4", "", "robot", 0, "robots"),
+    Column("b", "<i4", "", "other body, a < b", "a", "bodies"),
 )
-"""Command of one robot over the step that begins at a sample, at all its stages [m/s, rad/s]: a row
-at every step at which they differ, or at which the nominal one is not that of the robot's last
-decision. Where there is no row, all three are the nominal command of the last decision, and 0
-before the first."""
 
-CONSIDERING = np.dtype([("step", "<i8"), ("robot", "<i4"), ("count", "<i4")])
-"""How many robots were considered in a decision; `OTHERS` has them, decision after decision."""
 
-CONSIDERED = np.dtype([("step", "<i8"), ("robot", "<i4"), ("other", "<i4")])
-"""A robot that was considered in the decision of another, as `Record.considered` gives it."""
+def _command(stage: str, words: str) -> tuple[Column, ...]:
+    return tuple(
+        Column(f"{stage}_{part}", "<f8", unit, words, -FAR, FAR) for part, unit in _UNITS.items()
+    )
 
-EXTREME = np.dtype(
-    [
-        ("clearance", "<f8"),
-        ("clearance_step", "<i8"),
-        ("clearance_other", "<i4"),
-        ("boundary_clearance", "<f8"),
-        ("boundary_step", "<i8"),
-        ("boundary_other", "<i4"),
-    ]
+
+DECISION = (
+    _STEP,
+    _ROBOT,
+    Column("mode", "i1", "", "number of its mode, -1 without one", NO_NUMBER, "modes"),
+    Column("rule", "i1", "", "number of its rule, -1 without one", NO_NUMBER, "rules"),
+    *_command("nominal", "command decided"),
+    *_command("applied", "command applied in this step"),
+    Column("station", "<f8", "m", "along its own path"),
+    Column("reference_station", "<f8", "m", "along the reference path"),
+    Column("formation_error", "<f8", "m", "formation error"),
+    Column("deviation", "<f8", "m", "from its own path, left positive"),
+    Column("considered", "<i4", "", "how many robots it considered", 0, "robots"),
+    Column("next_step", "<i8", "", "step of its next decision", "step"),
 )
-"""Shortest distances of one robot over all physics steps [m], when, and to which body id; inf, -1
-and -1 where there is nothing to be near to."""
+_WHEN, _WHO = "physics step, -1 for never", "which, -1 for none"
 
-FARTHEST = np.dtype([("farthest", "<f8"), ("step", "<i8"), ("a", "<i4"), ("b", "<i4")])
-"""Largest distance between two robots over all physics steps [m], when, who; -inf and -1 for one
-robot."""
 
-NO_EXTREME = np.array((np.inf, -1, -1, np.inf, -1, -1), dtype=EXTREME)
-NO_FARTHEST = np.array((-np.inf, -1, -1, -1), dtype=FARTHEST)
+class Layout(Attributes):
+    """All that a record has, as properties of `Record`."""
 
-TABLES = ("/updates", "/commands", "/considered", "/contacts", "/false_contacts")
-"""Growing tables of rows."""
+    def read(
+        self, path: str, first: int = 0, last: int | None = None, *, check: bool = True
+    ) -> NDArray[Any]:
+        """Rows of a dataset."""
+        raise NotImplementedError
 
-OTHERS = "/considered_others"
-"""Growing dataset of the robots that were considered, packed, see `CONSIDERING`."""
+    stop_station = Dataset[FloatArray](
+        "/robots/stop_station", "N", "<f8", "where it stops, along its own path", "m", -FAR, FAR
+    )
+    lead = Dataset[FloatArray](
+        "/robots/lead", "N", "<f8",
+        "wanted lead over the first robot along the reference path", "m", -FAR, FAR,
+    )  # fmt: skip
+    extremes = Dataset[Rows](
+        "/extremes", "N",
+        (
+            Column("clearance", "<f8", "m", "least distance to a robot, inf alone", -FAR, np.inf),
+            Column("clearance_step", "<i8", "", _WHEN, -1, "steps"),
+            Column("clearance_other", "<i4", "", _WHO, -1, "robots"),
+            Column("boundary_clearance", "<f8", "m", "to a wall, inf without", -FAR, np.inf),
+            Column("boundary_step", "<i8", "", _WHEN, -1, "steps"),
+            Column("boundary_other", "<i4", "", _WHO, -1, "bodies"),
+        ),
+        "shortest distances of each robot over all physics steps",
+    )  # fmt: skip
+    farthest = Dataset[Rows](
+        "/extremes_farthest", "",
+        (
+            Column("farthest", "<f8", "m", "largest distance, -inf for one robot", -np.inf, FAR),
+            Column("step", "<i8", "", _WHEN, -1, "steps"),
+            Column("a", "<i4", "", _WHO, -1, "robots"),
+            Column("b", "<i4", "", _WHO, -1, "robots"),
+        ),
+        "largest distance of two robots over all physics steps",
+    )  # fmt: skip
+    arrived = Dataset[IntArray](
+        "/robots/arrived", "N", "<i8",
+        "step from which on it has arrived, to the end of the run; -1 where it has not", "", -1,
+        "steps",
+    )  # fmt: skip
+    updates = Dataset[Rows](
+        "/updates", "M", DECISION,
+        "a row per decision, with the columns that the controller declares, NaN where left out",
+    )  # fmt: skip
+    commands = Dataset[Rows](
+        "/commands", "M",
+        (
+            _STEP, _ROBOT, *_command("nominal", "decided"), *_command("filtered", "after filters"),
+            *_command("applied", "after disturbances"),
+        ),
+        "command over the step that begins at a sample, where its stages differ or the nominal one "
+        "is not that of the last decision; elsewhere all three are that, and 0 before the first",
+    )  # fmt: skip
+    considering = Dataset[Rows](
+        "/considered", "M",
+        (_STEP, _ROBOT, Column("count", "<i4", "", "how many robots", 0, "robots")),
+        "how many robots each decision considered",
+    )  # fmt: skip
+    contacts = Dataset[Rows](
+        "/contacts", "M",
+        (
+            *_PAIR,
+            Column("phase", "i1", "", "0 began, 1 stays, 2 ended", min(Phase), max(Phase)),
+            Column("kind", "i1", "", "0 at a sample, 1 a graze between two", min(Kind), max(Kind)),
+            Column("x", "<f8", "m", "deepest point", -FAR, FAR),
+            Column("y", "<f8", "m", "deepest point", -FAR, FAR),
+            Column("nx", "<f8", "", "normal from a to b", -FAR, FAR),
+            Column("ny", "<f8", "", "normal from a to b", -FAR, FAR),
+            Column("depth", "<f8", "m", "minus the distance when they part", -FAR, FAR),
+            Column("impulse", "<f8", "N s", "in the step that led there, friction included", 0.0,
+                   STRONGEST),
+        ),
+        "a row per touching pair and step, and one where it parts",
+    )  # fmt: skip
+    false_contacts = Dataset[Rows](
+        "/false_contacts", "M",
+        (*_PAIR, Column("distance", "<f8", "m", "signed distance there", -FAR, FAR)),
+        "contacts that the engine reported and the exact distance refuted",
+    )  # fmt: skip
+    others = Dataset[NDArray[Any]](
+        "/considered_others", "M", "<i4", "the robots that were considered, decision after "
+        "decision, as many as /considered counts", "", 0, "robots",
+    )  # fmt: skip
+    steps = Dataset[IntArray](
+        "/steps/step", "K", "<i8", "physics step of each sample, from 0", "", 0, MOST_STEPS
+    )
+    pose = Dataset[FloatArray](
+        "/steps/pose", "K N 3", "<f8", "x, y, heading, unwrapped", "m, m, rad", -FAR, FAR
+    )
+    clearance = Dataset[FloatArray](
+        "/steps/clearance", "K N", "<f8",
+        "to the nearest other robot, negative = depth, inf alone; of a coarse record the least "
+        "since the sample before", "m", -FAR, np.inf,
+    )  # fmt: skip
+    boundary_clearance = Dataset[FloatArray](
+        "/steps/boundary_clearance", "K N", "<f8",
+        "to the nearest boundary or obstacle, negative = depth, inf without; of a coarse record "
+        "the least since the sample before", "m", -FAR, np.inf,
+    )  # fmt: skip
 
-OPTIONAL = ("updates", "considered", "contacts", "false_contacts")
-"""Tables that a run may leave out; the commands and the samples are always there."""
 
-STEPS = ("/steps/step", "/steps/pose", "/steps/clearance", "/steps/boundary_clearance")
+def _points(path: str, words: str) -> Dataset[FloatArray]:
+    return Dataset(path, "V 2", "<f8", words, "m", -FAR, FAR)
+
+
+def _starts(path: str, shape: str, of: str, fewest: int = 1) -> Dataset[IntArray]:
+    words = f"where each run of {of} begins, and where the last ends"
+    return Dataset(path, shape, "<i8", words, starts=of, fewest=fewest)
+
+
+def _shapes(group: str, bodies: str, corners: int, words: str) -> tuple[Dataset[Any], ...]:
+    return (
+        _points(f"{group}/vertices", words),
+        _starts(f"{group}/part_start", "P+1", f"{group}/vertices", corners),
+        _starts(f"{group}/body_start", bodies, f"{group}/part_start"),
+    )
+
+
+def _lines(group: str, lines: str, points: int, words: str) -> tuple[Dataset[Any], ...]:
+    return (
+        _points(f"{group}/points", words),
+        _starts(f"{group}/start", lines, f"{group}/points", points),
+    )
+
+
+PACKED = (
+    *_shapes("/footprints", "N+1", 3, "corners of the convex parts of robots, in their frames"),
+    *_shapes("/walls", "W+1", 2, "corners of the parts of boundaries and obstacles"),
+    *_lines("/paths", "N+1", 2, "own path of each robot"),
+    *_lines("/reference", "2", 2, "the reference path s*"),
+    *_lines("/areas/accessible", "R+1", 3, "rings of the accessible area"),
+    *_lines("/areas/safe", "R+1", 3, "rings of the safe area"),
+)
+"""Datasets that several properties of `Record` put together."""
+
+_PROPERTIES = vars(Layout).values()
+_OWN = [one for one in _PROPERTIES if isinstance(one, Dataset)]
+TABLE = {one.path: one for one in (*_OWN[:2], *PACKED, *_OWN[2:])}
+"""Every dataset that a record must have, by its path."""
+EXTREMES, EXTREMES_FARTHEST = Layout.extremes.path, Layout.farthest.path
+ARRIVED, OTHERS = Layout.arrived.path, Layout.others.path
+TABLES = tuple(path for path, one in TABLE.items() if one.shape == ("M",) and one.fields[0].name)
+"""Growing tables, in the order of steps."""
+STEPS = tuple(path for path, one in TABLE.items() if one.shape[:1] == ("K",))
 """Growing datasets with one row a recorded sample; they come last in the file, see `crash_safe`."""
 
-TEXT = "text"
-"""Stands for the type of a text of any length."""
-
-_NUMBER: Row = ((), "<f8")
-_WHOLE: Row = ((), "<i8")
-_WORDS: Row = ((), TEXT)
-_POINT: Row = ((2,), "<f8")
-
-FIXED: dict[str, Row] = {
-    "/bodies/id": ((), "<i4"),
-    "/bodies/kind": _WORDS,
-    "/bodies/name": _WORDS,
-    "/robots/stop_station": _NUMBER,
-    "/robots/lead": _NUMBER,
-    "/modes/name": _WORDS,
-    "/modes/words": _WORDS,
-    "/modes/colour": _WORDS,
-    "/modes/danger": ((), "i1"),
-    "/rules/name": _WORDS,
-    "/rules/words": _WORDS,
-    "/columns/name": _WORDS,
-    "/columns/unit": _WORDS,
-    "/columns/words": _WORDS,
-    "/footprints/vertices": _POINT,
-    "/footprints/part_start": _WHOLE,
-    "/footprints/body_start": _WHOLE,
-    "/walls/vertices": _POINT,
-    "/walls/part_start": _WHOLE,
-    "/walls/body_start": _WHOLE,
-    "/paths/points": _POINT,
-    "/paths/start": _WHOLE,
-    "/reference/points": _POINT,
-    "/reference/start": _WHOLE,
-    "/areas/accessible/points": _POINT,
-    "/areas/accessible/start": _WHOLE,
-    "/areas/safe/points": _POINT,
-    "/areas/safe/start": _WHOLE,
-}
-"""Datasets written once, at the start, and their rows."""
-
-EXTREMES = "/extremes"
-EXTREMES_FARTHEST = "/extremes_farthest"
-
-ARRIVED = "/robots/arrived"
-"""(N,) step from which on each robot has arrived, to the end of the run; -1 where it has not."""
-
-DATASETS = (*FIXED, EXTREMES, EXTREMES_FARTHEST, ARRIVED, *TABLES, OTHERS, *STEPS)
-"""Every dataset that a record must have."""
-
-ATTRIBUTES = (
-    "format",
-    "version",
-    "units",
-    "name",
-    "world",
-    "seed",
-    "dt",
-    "steps_planned",
-    "record_every",
-    "tables",
-    "given",
-    "safe_distance",
-    "ended",
-    "steps_run",
-    "rejected_contacts",
-)
-"""Root attributes, all inside the digest. Outside, and not needed: ``versions`` of
-physim and its libraries, and ``given_settings``.
-``tables`` are the optional ones that the run recorded, ``given`` the parts [kind, name] that came
-from Python in place of or beside those that the world names, both JSON lists. ``given_settings``
-is one, too: for each of ``given`` its ``settings`` that differ from their defaults, and the names
-of those that are ``not_known``."""
-
-TEXTS = ("format", "version", "units", "name", "world", "tables", "given")
-"""Attributes that are texts."""
-
-WALL_CLOCK = "/wall_clock"
-"""Group whose attributes are figures of the wall clock: outside the digest."""
+COMMAND, CONSIDERING = Layout.commands.dtype, Layout.considering.dtype
+EXTREME, FARTHEST = Layout.extremes.dtype, Layout.farthest.dtype
+NO_EXTREME = np.array((np.inf, -1, -1, np.inf, -1, -1), dtype=EXTREME)
+NO_FARTHEST = np.array((-np.inf, -1, -1, -1), dtype=FARTHEST)
+CONSIDERED = np.dtype([("step", "<i8"), ("robot", "<i4"), ("other", "<i4")])
+"""A robot that was considered in the decision of another, as `Record.considered` gives it."""
+assert Layout.contacts.dtype == CONTACT_ROW
+assert Layout.false_contacts.dtype == FALSE_CONTACT_ROW
 
 
-def steps_rows(robots: int) -> dict[str, Row]:
-    """Shape and type of one row of each dataset in ``STEPS``."""
-    shapes: dict[str, Row] = {
-        "/steps/step": ((), "<i8"),
-        "/steps/pose": ((robots, 3), "<f8"),
-        "/steps/clearance": ((robots,), "<f8"),
-        "/steps/boundary_clearance": ((robots,), "<f8"),
-    }
-    return shapes
+def update_type(columns: Sequence[str]) -> np.dtype[np.void]:
+    """Row of the table of decisions, with the columns that the controller declares."""
+    fields = [(field.name, field.kind) for field in DECISION]
+    return np.dtype([*fields, *((name, "<f8") for name in columns)])
 
 
-def other_type(robots: int) -> str:
-    """Type of the numbers in `OTHERS`: as small as N robots allow."""
-    return "<u2" if robots <= 1 << 16 else "<i4"
-
-
-def table_types(columns: Sequence[str]) -> dict[str, np.dtype[np.void]]:
-    """Row type of each of `TABLES`."""
-    types = (update_type(columns), COMMAND, CONSIDERING, CONTACT_ROW, FALSE_CONTACT_ROW)
-    return dict(zip(TABLES, types, strict=True))
-
-
-BLOCK_BYTES = 1 << 22
-
-
-def digest(record: Record, file: h5py.File) -> str:
-    """SHA-256 (hexadecimal) over all datasets and the root attributes in `layout.ATTRIBUTES`.
-
-    Each part goes in with its name, type and shape, so nothing can move from one to another. Left
-    out: ``/wall_clock``, the attributes ``versions`` and ``given_settings``; chunks and places in
-    the file do not matter. Two runs of the same world, seed and version on one machine have equal
-    digests; so have a record in memory and its copy on disk.
-    """
-    total = hashlib.sha256()
-    for name in ATTRIBUTES:
-        total.update(f"{name}={file.attrs[name]!r}\n".encode())
-    for path in DATASETS:
-        _add(total, record, file[path], path)
-    return total.hexdigest()
-
-
-def _add(total: hashlib._Hash, record: Record, dataset: h5py.Dataset, path: str) -> None:
-    """Add one dataset, block by block, so that memory stays flat."""
-    shape = dataset.shape
-    if path in STEPS:
-        shape = (record.samples, *shape[1:])
-    elif path in TABLES or path == OTHERS:
-        shape = (len(record.read(path, check=False)),)
-    total.update(f"{path} {dataset.dtype.descr} {shape}\n".encode())
-    if not shape:
-        total.update(record.read(path, check=False).tobytes())
-        return
-    row_bytes = dataset.dtype.itemsize * int(np.prod(shape[1:], dtype=int))
-    block = max(1, BLOCK_BYTES // row_bytes)
-    for first in range(0, shape[0], block):
-        rows = record.read(path, first, min(first + block, shape[0]), check=False)
-        if dataset.dtype.kind == "O":
-            total.update(b"".join(len(text).to_bytes(8, "little") + text for text in rows))
-        else:
-            total.update(np.ascontiguousarray(rows).tobytes())
+def row_types(robots: int, columns: Sequence[str]) -> dict[str, np.dtype[Any]]:
+    """Type and shape of a row of each dataset that grows, for N robots and declared columns."""
+    types: dict[str, np.dtype[Any]] = {path: TABLE[path].dtype for path in TABLES}
+    types[Layout.updates.path] = update_type(columns)
+    types[OTHERS] = np.dtype("<u2" if robots <= 1 << 16 else "<i4")
+    sizes = {"N": robots, "3": 3}
+    for path in STEPS:
+        rest = tuple(sizes[size] for size in TABLE[path].shape[1:])
+        types[path] = np.dtype((TABLE[path].dtype, rest))
+    return types

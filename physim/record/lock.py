@@ -7,7 +7,6 @@ one that was killed the empty file is left, which the next writer takes over and
 
 from __future__ import annotations
 
-import errno
 import fcntl
 import os
 from contextlib import suppress
@@ -15,68 +14,60 @@ from pathlib import Path
 
 from physim.errors import RecordError
 
+_HOW = os.O_RDWR | os.O_CLOEXEC | os.O_NOFOLLOW
+
 
 class WriteLock:
     """Holds the right to write a file; `release` it in the end."""
 
     def __init__(self, path: Path) -> None:
-        """Take it; OSError as for any file.
-
-        Raises RecordError where another writer has it, and where its name is that of a link.
+        """Take it. Raises RecordError where another writer has it; OSError as for any file.
 
         Where the file system knows no locks nothing is held, and nobody refused.
         """
-        beside = _beside(path)
-        self._path = beside.absolute()  # the run may go to another folder
-        while True:
-            self._fd = _opened(beside, os.O_CREAT)
+        self._path = _beside(path).absolute()  # the run may go to another folder
+        self._fd = -1
+        while not is_at(self._fd, self._path):  # who had it before may just have removed the file
+            self._close()
+            self._fd = os.open(self._path, _HOW | os.O_CREAT, 0o666)
             try:
                 _take(self._fd, path)
-                if self._is_there():
-                    return
             except BaseException:
-                os.close(self._fd)
+                self._close()
                 raise
-            os.close(self._fd)  # who had it before has just removed the file: take a new one
+
+    def __enter__(self) -> WriteLock:
+        """Hold it in a ``with`` block."""
+        return self
+
+    def __exit__(self, *exception: object) -> None:
+        """Release it."""
+        self.release()
 
     def release(self) -> None:
         """Let others write; once is enough."""
+        with suppress(OSError):
+            if is_at(self._fd, self._path):
+                self._path.unlink()
+            fcntl.flock(self._fd, fcntl.LOCK_UN)  # a fork that goes on has it, too
+        self._close()
+
+    def _close(self) -> None:
         if self._fd >= 0:
-            if self._is_there():
-                with suppress(OSError):
-                    self._path.unlink()
-            with suppress(OSError):
-                fcntl.flock(self._fd, fcntl.LOCK_UN)  # a fork that goes on has it, too
             os.close(self._fd)
             self._fd = -1
-
-    def _is_there(self) -> bool:
-        return is_at(self._fd, self._path)
 
 
 def check_unwritten(path: Path) -> None:
     """Raise RecordError where somebody is writing a file now."""
     try:
-        fd = _opened(_beside(path))
+        fd = os.open(_beside(path), _HOW)
     except OSError:
         return
     try:
         _take(fd, path)
     finally:
         os.close(fd)
-
-
-def _opened(lock: Path, how: int = 0) -> int:
-    """Descriptor of the file of a lock, for more by ``how``.
-
-    Raises RecordError for a link, which may lead anywhere; OSError as for any file.
-    """
-    try:
-        return os.open(lock, os.O_RDWR | os.O_CLOEXEC | os.O_NOFOLLOW | how, 0o666)
-    except OSError as error:
-        if error.errno != errno.ELOOP:
-            raise
-    raise RecordError(f"{lock}: is a symbolic link, where a lock is to be; remove it")
 
 
 def is_at(fd: int, path: Path) -> bool:

@@ -2,61 +2,74 @@
 
 from __future__ import annotations
 
-import json
 import os
 import shutil
-from collections.abc import Mapping
-from functools import cached_property
+from collections.abc import Callable, Mapping
+from functools import cached_property, lru_cache
+from itertools import pairwise
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any, Literal
 
 import h5py
 import numpy as np
+from numpy.typing import NDArray
 
 from physim.contacts import Kind, Phase
-from physim.errors import Fault, PhysimError, RecordError, WorldError
+from physim.errors import PhysimError, RecordError, nearest
+from physim.escaping import escaped
 from physim.files import draft
+from physim.geometry.shapes import (
+    FloatArray,
+    IntArray,
+    Polylines,
+    Shapes,
+    body_parts,
+    pack_polylines,
+    read_only,
+)
 from physim.html import labelled
-from physim.parts.declarations import Declared, Mode
-from physim.parts.given import GivenSettings
+from physim.parts.declarations import Mode
 from physim.record import layout
-from physim.record.checks import check_layout, open_record, unreadable_world
-from physim.record.history import RecordedHistory
-from physim.record.layout import digest
+from physim.record.checks import (
+    AGAIN,
+    attributes_of,
+    check_datasets,
+    check_rows,
+    check_starts,
+    damaged,
+    open_record,
+    reading_world,
+    refuse,
+)
+from physim.record.course import followed
+from physim.record.digest import digest_of, texts
 from physim.record.lock import WriteLock
-from physim.record.row_checks import Bounds
-from physim.record.rows import NO_END
-from physim.record.scene import read_declared
 from physim.record.setup import Setup, setup_of
-from physim.world.rules import MOST_STEPS
 
 if TYPE_CHECKING:
     import pandas as pd
 
     from physim.world import World
-    from physim.world.base import Model
+    from physim.world.scene import Scene
 
-    Section = TypeVar("Section", bound=Model)
-
-
-def check_record(given: object) -> None:
-    """Raise TypeError for what is no record, as a file, a world or a summary."""
-    if not hasattr(given, "footprints"):
-        raise TypeError(
-            f"a Record is needed, not {type(given).__name__}; Record.load(file) or simulate(world) "
-            "gives one"
-        )
+POSE_BLOCK, POSE_BLOCKS = 1 << 14, 32
+"""Poses read at once where single samples are asked for; how many such blocks are kept: 12 MB"""
+NO_END = int(np.iinfo(np.int64).max)
+"""Last step of a run that was killed: its tables are cut off instead."""
 
 
-class Record(RecordedHistory):
+class Record(layout.Layout):
     """One run of N robots with K recorded samples: lengths [m], angles [rad], world frame.
 
-    Arrays are read when first asked for and are read-only; close the record, or use it in a
-    ``with`` block, when done. In a file whose run was killed (``ended`` is "running") the tables
-    end with the last recorded sample.
+    What is in the file are the properties of `physim.record.layout.Layout`. Arrays are read when
+    first asked for and are read-only; close the record, or use it in a ``with`` block, when done.
+    In a file whose run was killed (``ended`` is "running") the tables end with the last recorded
+    sample.
     """
 
-    def __init__(self, file: h5py.File, path: Path | None = None) -> None:
+    def __init__(
+        self, file: h5py.File, path: Path | None = None, *, _just_made: bool = False
+    ) -> None:
         """Read an open file. Raises RecordError where it is no record with all its parts.
 
         ``path`` is where it lies, as messages name it; values are checked when they are read.
@@ -64,46 +77,29 @@ class Record(RecordedHistory):
         """
         if not isinstance(file, h5py.File):
             raise TypeError(f"Record is made of an open file; Record.load({file!r}) opens one")
-        check_layout(file, _named(file, path))
-        self._begin(file, path)
-
-    def _begin(self, file: h5py.File, path: Path | None, declared: Declared | None = None) -> None:
-        """Take what is needed at once from a file that has the layout of a record.
-
-        ``declared`` is what the controller declared, where that need not be read.
-        """
+        in_memory = path is None and file.driver in ("core", "fileobj")
         self.path = path
-        attributes, where = file.attrs, _named(file, path)
-        self.name = str(attributes["name"])
-        self.world_text = str(attributes["world"])
-        """YAML text of the effective world"""
-        self.seed = int(attributes["seed"])
-        self.dt = float(attributes["dt"])
-        """[s] physics step"""
-        self.steps_planned = int(attributes["steps_planned"])
-        self.steps_run = int(attributes["steps_run"])
-        self.record_every = int(attributes["record_every"])
-        """[steps] between two recorded samples"""
-        self.safe_distance = float(attributes["safe_distance"])
-        """[m] at which ``safe`` was drawn"""
-        self.ended = attributes["ended"].decode()
-        """"running" (it was killed), "finished", "duration", "interrupted" or "error\""""
-        self.rejected_contacts = int(attributes["rejected_contacts"])
-        self.tables: tuple[str, ...] = tuple(json.loads(attributes["tables"]))
-        """the optional tables (`layout.OPTIONAL`) that the run recorded; others are empty"""
-        self.given = tuple((str(kind), str(name)) for kind, name in json.loads(attributes["given"]))
-        """parts that came from Python beside or in place of what the world names: kind and name"""
-        self.declared = read_declared(file, where) if declared is None else declared
-        """modes, rules and columns of the controller"""
+        self.where = "record in memory" if in_memory else str(path or file.filename)
+        """what messages call it"""
+        self._handle = file
+        vars(self).update(attributes_of(file, self.where))
+        self.robots = sum(body.kind == "robot" for body in self.bodies)
+        if not _just_made:
+            check_datasets(file, self.where, self.robots, len(self.bodies), self.declared)
+        self.samples = min(len(file[path]) for path in layout.STEPS)
+        """how many samples were recorded"""
         killed = self.ended == "running"
-        bounds = Bounds(
-            int(file["/robots/stop_station"].size), int(file["/bodies/id"].size),
-            NO_END if killed else self.steps_run,
-            len(self.declared.modes), len(self.declared.rules), self.record_every,
-        )  # fmt: skip
-        super().__init__(file, where, bounds, min(len(file[path]) for path in layout.STEPS))
+        self._highest = {
+            "robots": self.robots - 1,
+            "bodies": len(self.bodies) - 1,
+            "modes": len(self.declared.modes) - 1,
+            "rules": len(self.declared.rules) - 1,
+            "steps": NO_END if killed else self.steps_run,
+        }
+        self._killed_at: int | None = None
         if killed:
-            self.steps_run = max(0, self._cut_tables())
+            self._killed_at = int(self.steps[-1]) if self.samples else -1
+            self.steps_run = max(0, self._killed_at)
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> Record:
@@ -111,46 +107,78 @@ class Record(RecordedHistory):
         file = open_record(Path(path))
         try:
             record = cls(file, Path(path))
-            record.check_values()
+            record._check_values()
             return record
         except BaseException:
             file.close()
             raise
 
-    @classmethod
-    def _just_made(cls, file: h5py.File, path: Path | None, declared: Declared) -> Record:
-        """A file that `RecordWriter` made in this process: what it wrote is checked when it is
-        first read, and the layout needs no check."""
-        record = cls.__new__(cls)
-        record._begin(file, path, declared)
-        return record
-
-    def check_values(self) -> None:
-        """Read steps, tables and starts, which checks them. Poses are checked when they are read.
+    def _check_values(self) -> None:
+        """Read all but the samples, which are checked when they are read.
 
         Raises RecordError, one line: table, row, what was given, what is allowed.
         """
-        last = max(self.steps_run, int(self.steps[-1]) if self.samples else 0)
-        if last > self.samples * self.record_every:
-            raise RecordError(
-                f"{self.where}: truncated: {self.samples} samples, one every {self.record_every} "
-                f"steps, for {last} steps; make the record again"
-            )
-        if self.ended != "running" and not (self.samples and self.steps[-1] == self.steps_run):
-            raise RecordError(
-                f"{self.where}: truncated: no sample of step {self.steps_run}, the last one; make "
-                "the record again"
-            )
-        if last > MOST_STEPS:
-            raise RecordError(
-                f"{self.where}: {last} steps; a run has at most {MOST_STEPS}; make the record again"
-            )
-        for path in layout.TABLES:
-            getattr(self, path[1:])
-        for name in ("steps", "arrived", "stop_station", "lead", "extremes", "farthest", "bodies",
-                     "footprints", "walls", "paths", "reference", "accessible",
-                     "safe"):  # fmt: skip
+        for one in vars(layout.Layout).values():
+            if isinstance(one, layout.Dataset) and one.shape[:2] != ("K", "N"):
+                getattr(self, one.name)
+        for name in ("shapes", "walls", "paths", "reference", "accessible", "safe", "considered"):
             getattr(self, name)
+        last = int(self.steps[-1]) if self.samples else -1
+        ends = last == self.steps_run or self.ended == "running"
+        if not ends or last > self.samples * self.record_every:
+            raise RecordError(
+                f"{self.where}: truncated: {self.samples} samples up to step {last}, one every "
+                f"{self.record_every} steps, for {self.steps_run} steps; {AGAIN}"
+            )
+
+    # The open file
+
+    @property
+    def _file(self) -> h5py.File:
+        """The open file. Raises RecordError where the record was closed."""
+        if not self._handle:
+            raise RecordError(
+                f"{self.where}: the record was closed, so that nothing more is read of it; read "
+                "before the end of its with block, or load it again"
+            )
+        return self._handle
+
+    def read(
+        self, path: str, first: int = 0, last: int | None = None, *, check: bool = True
+    ) -> NDArray[Any]:
+        """Rows ``first`` to ``last - 1`` of a dataset, read-only, without keeping them.
+
+        Of the attributes ``bodies`` and ``declared`` it reads their columns, as ``/bodies/name``.
+        Raises RecordError when they cannot be read, and, with ``check``, for values that no run
+        writes.
+        """
+        if path not in layout.TABLE:
+            return texts(self.bodies, self.declared)[path][first:last]
+        try:
+            dataset = self._file[path]
+            if path in layout.STEPS:
+                last = self.samples if last is None else min(last, self.samples)
+            rows = np.asarray(dataset[first:last] if dataset.ndim else dataset[()], dataset.dtype)
+            if self._killed_at is not None:
+                rows = self._cut(path, first, rows)
+        except (OSError, RuntimeError, KeyError, ValueError, MemoryError) as error:
+            raise damaged(self.where, path, error) from error
+        if check:
+            check_rows(self.where, layout.TABLE[path], rows, first, self._highest)
+        return read_only(rows)
+
+    def _cut(self, path: str, first: int, rows: NDArray[Any]) -> NDArray[Any]:
+        """Rows, from row ``first`` on, up to the last sample of a run that was killed."""
+        if path in layout.TABLES:
+            rows = rows[rows["step"] <= self._killed_at]
+            if path == "/considered":  # what a decision counts may not have been written
+                before = int(self._file[path][:first]["count"].sum(dtype=np.int64)) if first else 0
+                counted = before + np.cumsum(rows["count"], dtype=np.int64)
+                rows = rows[counted <= self._file[layout.OTHERS].size]
+        elif path == layout.OTHERS:
+            counted = self.read("/considered", check=False)["count"].sum(dtype=np.int64)
+            rows = rows[: max(0, counted - first)]
+        return rows
 
     def close(self) -> None:
         """Close the file; what was read stays, nothing more can be read."""
@@ -192,6 +220,8 @@ class Record(RecordedHistory):
             raise TypeError("a record in memory cannot be pickled or copied; save() it to a file")
         return Record.load, (self.path.absolute(),)
 
+    # What the run was made with
+
     @property
     def controller(self) -> str:
         """What decided, ``module:Class`` of an object given from Python; empty where it was the
@@ -210,15 +240,23 @@ class Record(RecordedHistory):
 
     @cached_property
     def world(self) -> World:
-        """The effective world. Raises WorldError where its text is faulty.
+        """The effective world. Raises RecordError where its text is faulty.
 
         Its controller stands as it was named, ``module:Class`` too: nothing is looked up or
         imported, and the controller's settings are as they were recorded.
         """
         from physim.world.file import parse_world
 
-        where = f"world of {self.where}"
-        return parse_world(self.world_text, where, check_controller=False)
+        with reading_world(self.where):
+            return parse_world(self.world_text, f"world of {self.where}", check_controller=False)
+
+    @cached_property
+    def scene(self) -> Scene:
+        """The effective world made ready to run. Raises RecordError where it cannot be built."""
+        from physim.world.layout.scene_builder import build_scene
+
+        with reading_world(self.where):
+            return build_scene(self.world)
 
     @cached_property
     def world_settings(self) -> Mapping[str, Any]:
@@ -229,45 +267,182 @@ class Record(RecordedHistory):
         """
         from physim.world.file import read_document
 
-        try:
-            world = read_document(self.world_text, f"world of {self.where}").values
-        except WorldError as error:
-            raise unreadable_world(self.where, error) from error
-        return world if isinstance(world, Mapping) else {}
-
-    def section(self, key: str, model: type[Section]) -> Section | None:
-        """A part of the effective world by its model, ``arrival``, say; None where it has none.
-
-        The rest of that world need not be valid. Raises RecordError where this part is not.
-        """
-        given = self.world_settings.get(key)
-        if given is None:
-            return None
-        if not isinstance(given, Mapping):
-            raise RecordError(f"world of {self.where}: {key} must be a mapping of keys to values")
-        try:
-            return model(**given)
-        except WorldError as error:
-            fault = error.faults[0]
-            told = Fault((key, *fault.location), fault.message)
-            raise RecordError(f"world of {self.where}: {told}") from None
-
-    @cached_property
-    def given_settings(self) -> tuple[GivenSettings, ...]:
-        """Settings of the parts in ``given``, in their order; empty where the record has none."""
-        found = json.loads(self._file.attrs.get("given_settings", "[]"))
-        return tuple(GivenSettings(one["settings"], tuple(one["not_known"])) for one in found)
-
-    @cached_property
-    def versions(self) -> dict[str, str]:
-        """Versions of physim and its libraries that made the record."""
-        return dict(json.loads(self._file.attrs.get("versions", "{}")))
+        with reading_world(self.where):
+            found = read_document(self.world_text, f"world of {self.where}").values
+        return found if isinstance(found, Mapping) else {}
 
     @cached_property
     def wall_clock(self) -> dict[str, float]:
         """Figures of the wall clock; empty while running."""
         group = self._file.get(layout.WALL_CLOCK)
         return {} if group is None else {key: float(value) for key, value in group.attrs.items()}
+
+    # The scene
+
+    @cached_property
+    def names(self) -> tuple[str, ...]:
+        """Names of the N robots: labels only."""
+        return tuple(body.name for body in self.bodies[: self.robots])
+
+    @cached_property
+    def shapes(self) -> Shapes:
+        """Footprints of the N robots, packed, in their frames."""
+        return self._shapes("/footprints")
+
+    @cached_property
+    def footprints(self) -> tuple[tuple[FloatArray, ...], ...]:
+        """Convex parts (n, 2) [m] of each robot, in its frame."""
+        return tuple(tuple(body_parts(self.shapes, body)) for body in range(self.robots))
+
+    @cached_property
+    def walls(self) -> Shapes:
+        """Boundaries and obstacles, world frame; body k of them has id N + k."""
+        return self._shapes("/walls")
+
+    @cached_property
+    def paths(self) -> Polylines:
+        """Own path of each robot."""
+        return pack_polylines(self._runs("/paths"))
+
+    @cached_property
+    def reference(self) -> Polylines:
+        """The one reference path s*."""
+        return pack_polylines(self._runs("/reference"))
+
+    @cached_property
+    def accessible(self) -> tuple[FloatArray, ...]:
+        """Rings (n, 2) [m] of the accessible area."""
+        return self._runs("/areas/accessible")
+
+    @cached_property
+    def safe(self) -> tuple[FloatArray, ...]:
+        """Rings (n, 2) [m] of the safe area."""
+        return self._runs("/areas/safe")
+
+    def _shapes(self, group: str) -> Shapes:
+        vertices = self.read(f"{group}/vertices")
+        part_start = self._starts(f"{group}/part_start", len(vertices))
+        body_start = self._starts(f"{group}/body_start", len(part_start) - 1)
+        lengths = np.hypot(vertices[:, 0], vertices[:, 1])
+        bodies = part_start[body_start[:-1]]
+        radius = np.maximum.reduceat(lengths, bodies) if len(bodies) else lengths
+        return Shapes(vertices, part_start, body_start, read_only(radius))
+
+    def _runs(self, group: str) -> tuple[FloatArray, ...]:
+        points = self.read(f"{group}/points")
+        starts = self._starts(f"{group}/start", len(points))
+        return tuple(points[first:last] for first, last in pairwise(starts))
+
+    def _starts(self, path: str, whole: int) -> IntArray:
+        start: IntArray = self.read(path)
+        check_starts(self.where, layout.TABLE[path], start, whole)
+        return start
+
+    # What happened
+
+    @cached_property
+    def time(self) -> FloatArray:
+        """(K,) [s]."""
+        return read_only(self.steps * self.dt)
+
+    def pose_at(self, step: int) -> FloatArray:
+        """(N, 3) poses at a recorded step. Raises RecordError for a step that is not recorded."""
+        row = int(np.searchsorted(self.steps, step))
+        if row == self.samples or self.steps[row] != step:
+            closest = self.steps[np.argmin(np.abs(self.steps - step))] if self.samples else "none"
+            raise RecordError(f"{self.where}: step {step} is not recorded; nearest: {closest}")
+        block, place = divmod(row, self._block_rows)
+        pose: FloatArray = self._pose_block(block)[place]
+        return pose
+
+    @property
+    def _block_rows(self) -> int:
+        return max(1, POSE_BLOCK // self.robots)
+
+    @cached_property
+    def _pose_block(self) -> Callable[[int], FloatArray]:
+        """Reads a block of the poses by its number; the last few are kept."""
+        rows, path = self._block_rows, layout.Layout.pose.path
+        return lru_cache(POSE_BLOCKS)(lambda k: self.read(path, k * rows, (k + 1) * rows))
+
+    @cached_property
+    def course(self) -> FloatArray:
+        """(K, N, 3) [m] at each sample: station on the own path, deviation from it (left positive),
+        station on s*. Worked out from the poses, so that it does not depend on who decided when."""
+        return read_only(followed(self))
+
+    def column(self, name: str, *, absent: float | None = None) -> FloatArray:
+        """(M,) values of a column of the decisions.
+
+        ``absent`` stands in each place where the controller declares none such; where it is not
+        given either, that raises RecordError.
+        """
+        names = self.updates.dtype.names or ()
+        if name not in names:
+            if absent is not None:
+                return read_only(np.full(len(self.updates), absent))
+            raise RecordError(
+                f'{self.where}: no column "{escaped(name)}"; allowed: {", ".join(names)}'
+                f"{nearest(name, [*names])}"
+            )
+        return np.asarray(self.updates[name], dtype=np.float64)
+
+    def commands_over(
+        self, stage: Literal["nominal", "filtered", "applied"], first: int, last: int
+    ) -> FloatArray:
+        """(last - first, N, 2) command of each robot over steps ``first`` to ``last - 1``.
+
+        [m/s, rad/s]; a robot's command is 0 before its first decision, and that of its last one
+        after the run, however far. Raises PhysimError for another stage.
+        """
+        stages = list(layout.COMMAND_STAGES)
+        if stage not in stages:
+            raise PhysimError(
+                f"commands_over: stage is {stage!r}; allowed: {', '.join(stages)}"
+                f"{nearest(str(stage), stages)}"
+            )
+        steps = max(0, last - first)
+        held = np.zeros((steps, self.robots, 2))
+        if not steps:
+            return held
+        updates = self.updates
+        nominal = np.stack((updates["nominal_v"], updates["nominal_omega"]), axis=1)
+        at = np.zeros((steps, self.robots), dtype=np.int64)  # row + 1 of the decision that holds
+        begin = int(np.searchsorted(updates["step"], first, side="right"))
+        end = int(np.searchsorted(updates["step"], last))
+        robot, from_end = np.unique(updates["robot"][:begin][::-1], return_index=True)
+        at[0, robot] = begin - from_end
+        rows = np.arange(begin, end)
+        at[updates["step"][rows] - first, updates["robot"][rows]] = rows + 1
+        np.maximum.accumulate(at, axis=0, out=at)
+        held[at > 0] = nominal[at[at > 0] - 1]
+        table = self.commands
+        mine = table[slice(*np.searchsorted(table["step"], (first, last)))]
+        place = mine["step"] - first, mine["robot"]
+        held[place] = np.stack((mine[f"{stage}_v"], mine[f"{stage}_omega"]), axis=1)
+        return held
+
+    @cached_property
+    def considered(self) -> NDArray[np.void]:
+        """Robots considered in decisions, rows of `layout.CONSIDERED` in the order of steps."""
+        count, others = self.considering["count"], self.others
+        if len(others) != (counted := int(count.sum(dtype=np.int64))):
+            refuse(
+                self.where, layout.OTHERS, "", f"{len(others)} rows; /considered counts {counted}"
+            )
+        rows = np.empty(counted, dtype=layout.CONSIDERED)
+        for name in ("step", "robot"):
+            rows[name] = np.repeat(self.considering[name], count)
+        rows["other"] = others
+        return read_only(rows)
+
+    def contacts_over(self, first: int, last: int) -> NDArray[np.void]:
+        """Those rows of `contacts` of steps ``first`` to ``last - 1``."""
+        return self.contacts[slice(*np.searchsorted(self._contact_steps, (first, last)))]
+
+    @cached_property
+    def _contact_steps(self) -> IntArray:
+        return np.ascontiguousarray(self.contacts["step"])
 
     @property
     def noted_until(self) -> int:
@@ -279,13 +454,20 @@ class Record(RecordedHistory):
         told = rows["clearance_step"], rows["boundary_step"], self.arrived, self.farthest["step"]
         return max(self.steps_run, *(int(steps.max(initial=0)) for steps in told))
 
+    # As a whole
+
     def digest(self) -> str:
-        """SHA-256 of all but the wall clock and the versions, see `physim.record.layout`."""
-        return digest(self, self._file)
+        """SHA-256 (hexadecimal) of all but the wall clock and the versions.
+
+        Two runs of the same world, seed and version on one machine have equal digests; so have a
+        record in memory and its copy on disk.
+        """
+        return digest_of(self, self._file.attrs)
 
     def to_pandas(self, table: str = "steps") -> pd.DataFrame:
         """Data frame of a table: "steps" (a row for each sample and robot), "updates" (decisions),
-        "contacts"; columns and units as in the record, with times [s] and names.
+        "commands", "considered", "contacts" or "false_contacts"; columns and units as in the
+        record, with times [s] and names.
 
         Raises PhysimError for another table, and where pandas is not installed.
         """
@@ -299,10 +481,8 @@ class Record(RecordedHistory):
         Raises RecordError when that fails, and where a run is writing the file.
         """
         target = Path(path)
-        lock = None
         try:
-            with draft(target) as part:
-                lock = WriteLock(target)
+            with draft(target) as part, WriteLock(target):
                 if self.path is not None:
                     shutil.copyfile(self.path, part)
                 else:
@@ -312,15 +492,6 @@ class Record(RecordedHistory):
             raise RecordError(f"{target}: cannot be written: {error.strerror}") from error
         except PhysimError as error:
             raise RecordError(str(error)) from None
-        finally:
-            if lock is not None:
-                lock.release()
-
-
-def _named(file: h5py.File, path: Path | None) -> str:
-    """What messages call a file."""
-    in_memory = file.driver in ("core", "fileobj")
-    return "record in memory" if path is None and in_memory else str(path or file.filename)
 
 
 __all__ = ["Record"]

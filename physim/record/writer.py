@@ -1,4 +1,4 @@
-"""Write the record of a run while it goes: `RecordWriter`.
+"""Write the record of a run as it goes: `RecordWriter`.
 
 Rows on their way to a growing dataset are gathered in memory and written in bursts; shortest
 and largest distances are kept over all physics steps, also those that are not recorded.
@@ -6,17 +6,22 @@ and largest distances are kept over all physics steps, also those that are not r
 
 from __future__ import annotations
 
+import functools
+import json
 import os
+import platform
 import time
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
+from dataclasses import asdict
+from importlib.metadata import PackageNotFoundError, version
+from itertools import accumulate
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 from uuid import uuid4
 
 import h5py
 import numpy as np
-from h5py import h5d
 from numpy.typing import ArrayLike, NDArray
 
 from physim.errors import PhysimError, RecordError
@@ -26,56 +31,48 @@ from physim.parts.given import GivenSettings
 from physim.record import layout
 from physim.record.checks import open_record
 from physim.record.crash_safe import PAGE, CrashSafeFile
-from physim.record.datasets import add_rows, fill, growing, put
 from physim.record.reader import Record
-from physim.record.scene import write_attributes, write_declared, write_scene
 from physim.world.scene import Scene
 
 if TYPE_CHECKING:
     from physim.geometry.clearance import Clearances
 
+NOTHING = Declared()
+LIBRARIES = ("physim", "numpy", "pymunk", "numba", "shapely", "h5py")
+CHUNK_BYTES = 1 << 18
+BUFFER_BYTES = 1 << 21
+
 
 class RowBuffer:
     """Gathers rows of one growing dataset; `flush` appends them all at once."""
 
-    def __init__(self, name: str, dataset: h5d.DatasetID, rows: NDArray[Any]) -> None:
-        """Keep rows in memory in ``rows``, as many as it has (at least one)."""
-        self._name, self._dataset = name, dataset
-        self._rows = rows
-        self._count = 0
-        self._written = 0
+    def __init__(self, dataset: h5py.Dataset, row: np.dtype[Any]) -> None:
+        self._dataset, self._row = dataset, row
+        self._rows: list[NDArray[Any]] = []
+        self._bytes = 0
 
     def append(self, rows: ArrayLike) -> None:
-        """Take rows of the dataset's type; goes to the file when the memory is full.
+        """Take rows of the dataset's type; they go to the file when there are many.
 
         Raises ValueError for rows of another shape.
         """
-        given = np.asarray(rows, dtype=self._rows.dtype)
-        if given.shape[1:] != self._rows.shape[1:]:
-            wanted = self._rows.shape[1:]
-            raise ValueError(f"{self._name}: rows {given.shape[1:]}; {wanted} expected")
-        if len(given) >= len(self._rows):  # as they are, without a copy
+        taken = np.array(rows, dtype=self._row.base)
+        if taken.shape[1:] != self._row.shape:
+            raise ValueError(
+                f"{self._dataset.name}: rows {taken.shape[1:]}; {self._row.shape} expected"
+            )
+        self._rows.append(taken)
+        self._bytes += taken.nbytes
+        if self._bytes >= BUFFER_BYTES:
             self.flush()
-            self._write(given)
-            return
-        taken = 0
-        while taken < len(given):
-            part = given[taken : taken + len(self._rows) - self._count]
-            self._rows[self._count : self._count + len(part)] = part
-            self._count += len(part)
-            taken += len(part)
-            if self._count == len(self._rows):
-                self.flush()
 
     def flush(self) -> None:
         """Hand what was gathered to the library."""
-        if self._count:
-            self._write(self._rows[: self._count])
-            self._count = 0
-
-    def _write(self, rows: NDArray[Any]) -> None:
-        add_rows(self._dataset, self._written, rows)
-        self._written += len(rows)
+        if self._bytes:
+            rows = np.concatenate(self._rows)
+            self._dataset.resize(len(self._dataset) + len(rows), axis=0)
+            self._dataset[-len(rows) :] = rows
+        self._rows, self._bytes = [], 0
 
 
 class Extremes:
@@ -107,11 +104,6 @@ class Extremes:
             self.farthest[...] = (
                 found.farthest[at], step[at], found.farthest_a[at], found.farthest_b[at],
             )  # fmt: skip
-
-
-NOTHING = Declared()
-CHUNK_BYTES = 1 << 18
-BUFFER_BYTES = 1 << 21
 
 
 class RecordWriter:
@@ -152,47 +144,66 @@ class RecordWriter:
         it exists.
         """
         world = getattr(scene, "world", None)
-        name = name if name is not None else str(world.name) if world else ""
         every = record_every or (int(world.time.record_every) if world else 1)
         self.path = None if path is None else Path(path)
         self.robots = len(scene.start)
+        self.extremes = Extremes(self.robots)
+        self.arrived = np.full(self.robots, -1, dtype=np.int64)
+        self.types = layout.row_types(self.robots, [column.name for column in declared.columns])
+        """type of the rows of each dataset that grows, by its path"""
         self._flush_every_s = flush_every_s
-        self._declared = declared
         self._disk: CrashSafeFile | None = None
         self._failure: RecordError | None = None
         self._file = self._open(overwrite)
         try:
-            write_attributes(
-                self._file, scene, name=name, world_text=world_text,
-                record_every=every, safe_distance=safe_distance, tables=tables, given=given,
-                given_settings=given_settings,
-            )  # fmt: skip
-            write_scene(self._file, scene, accessible, safe)
-            write_declared(self._file, declared)
+            attributes = {
+                "format": layout.FORMAT,
+                "version": layout.VERSION,
+                "units": layout.UNITS,
+                "name": name if name is not None else str(world.name) if world else "",
+                "world": world_text,
+                "seed": np.int64(scene.seed),
+                "dt": float(scene.dt),
+                "steps_planned": np.int64(scene.steps),
+                "record_every": np.int64(every),
+                "tables": json.dumps(list(tables)),
+                "given": json.dumps([list(one) for one in given]),
+                "safe_distance": float(safe_distance),
+                "ended": np.array(b"running", dtype=f"S{layout.ENDED_BYTES}"),
+                "steps_run": np.int64(0),
+                "rejected_contacts": np.int64(0),
+                "bodies": json.dumps([asdict(body) for body in scene.bodies]),
+                "declared": json.dumps(asdict(declared)),
+                "given_settings": json.dumps([vars(one) for one in given_settings]),
+                "versions": json.dumps(_versions()),
+            }
+            for key, value in attributes.items():
+                self._file.attrs[key] = value
             self._file.create_group(layout.WALL_CLOCK)
-            self.extremes = Extremes(self.robots)
-            self.arrived = np.full(self.robots, -1, dtype=np.int64)
-            self._rewritten = [
-                (put(self._file, path, values), values)
-                for path, values in (
-                    (layout.EXTREMES, self.extremes.rows),
-                    (layout.EXTREMES_FARTHEST, self.extremes.farthest),
-                    (layout.ARRIVED, self.arrived),
-                )
-            ]
+            values = {
+                "/robots/stop_station": scene.stop_station,
+                "/robots/lead": scene.formation.lead,
+                **_packed("/footprints", scene.shapes),
+                **_packed("/walls", scene.walls),
+                **_packed("/paths", scene.paths),
+                **_packed("/reference", scene.reference),
+                **_rings("/areas/accessible", accessible),
+                **_rings("/areas/safe", safe),
+                layout.EXTREMES: self.extremes.rows,
+                layout.EXTREMES_FARTHEST: self.extremes.farthest,
+                layout.ARRIVED: self.arrived,
+            }
             samples = scene.steps // every + 2
-            self.types = layout.table_types([column.name for column in declared.columns])
-            self._tables = {
-                path: self._growing(path, (), row, samples * self.robots)
-                for path, row in self.types.items()
-            }
-            self._others = self._growing(
-                layout.OTHERS, (), layout.other_type(self.robots), most=samples * self.robots
-            )
-            self._steps = {
-                path: self._growing(path, shape, row, samples)
-                for path, (shape, row) in layout.steps_rows(self.robots).items()
-            }
+            self._buffers: dict[str, RowBuffer] = {}
+            self._rewritten: list[tuple[h5py.Dataset, NDArray[Any]]] = []
+            for path, one in layout.TABLE.items():
+                if path in self.types:
+                    most = samples if path in layout.STEPS else samples * self.robots
+                    self._buffers[path] = self._growing(path, self.types[path], most)
+                    continue
+                made = self._file.create_dataset(path, data=values[path], dtype=one.dtype)
+                if path in (layout.EXTREMES, layout.EXTREMES_FARTHEST, layout.ARRIVED):
+                    self._rewritten.append((made, values[path]))
             self.flush()
         except BaseException as error:
             self._abandon()
@@ -209,10 +220,9 @@ class RecordWriter:
         before, then a killed run's tables end with its samples.
         """
         with self._writing():
-            for buffer, rows in zip(
-                self._steps.values(), (step, pose, clearance, boundary_clearance), strict=True
-            ):
-                buffer.append(rows)
+            given = step, pose, clearance, boundary_clearance
+            for path, rows in zip(layout.STEPS, given, strict=True):
+                self._buffers[path].append(rows)
         if time.monotonic() >= self._due:
             self.flush()
 
@@ -225,7 +235,7 @@ class RecordWriter:
         if rows.dtype != self.types[path]:
             raise RecordError(f"{path}: rows of type {rows.dtype}; {self.types[path]} expected")
         with self._writing():
-            self._tables[path].append(rows)
+            self._buffers[path].append(rows)
 
     def append_considered(self, decisions: NDArray[np.void], others: ArrayLike) -> None:
         """Append rows of `layout.CONSIDERING` and the robots that they count, in their order.
@@ -234,7 +244,7 @@ class RecordWriter:
         """
         self.append("considered", decisions)
         with self._writing():
-            self._others.append(others)
+            self._buffers[layout.OTHERS].append(others)
 
     def note_arrived(self, since: NDArray[np.int64]) -> None:
         """Set the physics steps (N,) from which on robots have arrived; -1 where they have not."""
@@ -247,10 +257,10 @@ class RecordWriter:
     def flush(self) -> None:
         """Make all that was appended so far readable. Raises RecordError when that fails."""
         with self._writing():
-            for buffer in (*self._tables.values(), self._others, *self._steps.values()):
+            for buffer in self._buffers.values():
                 buffer.flush()
             for dataset, values in self._rewritten:  # before the index: never older than samples
-                fill(dataset, values)
+                dataset[...] = values
             if self._disk is not None:
                 self._disk.holding = True
             self._file.flush()
@@ -276,12 +286,16 @@ class RecordWriter:
         attributes.modify("ended", np.array(ended.encode(), dtype=f"S{layout.ENDED_BYTES}"))
         self.flush()
         if self._disk is not None:
-            self._close_disk(self._disk)
+            with self._writing():
+                self._disk.holding = True
+                self._file.close()
+                self._disk.commit()
+                self._disk.close()
 
     def record(self) -> Record:
         """Return what was written, to be read; the writer must be closed."""
         file = self._file if self.path is None else open_record(self.path)
-        return Record._just_made(file, self.path, self._declared)
+        return Record(file, self.path, _just_made=True)
 
     def _open(self, overwrite: bool) -> h5py.File:
         """Open the file, with an index that changes on disk at a flush only."""
@@ -307,20 +321,13 @@ class RecordWriter:
         file.id.set_mdc_config(cache)
         return file
 
-    def _growing(self, path: str, shape: tuple[int, ...], row: Any, most: int) -> RowBuffer:
+    def _growing(self, path: str, row: np.dtype[Any], most: int) -> RowBuffer:
         """Create a dataset that grows by rows, with chunks no larger than ``most`` rows."""
-        size = np.dtype(row).itemsize * int(np.prod(shape, dtype=int))
-        rows = max(1, min(CHUNK_BYTES // size, most))
-        buffered = max(1, min(BUFFER_BYTES // size, 8 * rows))
-        dataset = growing(self._file, path, row, shape, rows)
-        return RowBuffer(path, dataset, np.empty((buffered, *shape), row))
-
-    def _close_disk(self, disk: CrashSafeFile) -> None:
-        with self._writing():
-            disk.holding = True
-            self._file.close()
-            disk.commit()
-            disk.close()
+        rows = max(1, min(CHUNK_BYTES // row.itemsize, most))
+        dataset = self._file.create_dataset(
+            path, (0, *row.shape), row.base, maxshape=(None, *row.shape), chunks=(rows, *row.shape)
+        )
+        return RowBuffer(dataset, row)
 
     @contextmanager
     def _writing(self) -> Iterator[None]:
@@ -345,3 +352,33 @@ class RecordWriter:
             self._file.close()
         if self._disk is not None:
             self._disk.close()
+
+
+def _packed(group: str, values: Any) -> dict[str, Any]:
+    """Datasets of packed shapes or lines, those fields of theirs that a record keeps."""
+    named = {f"{group}/{field}": array for field, array in values._asdict().items()}
+    return {path: array for path, array in named.items() if path in layout.TABLE}
+
+
+def _rings(group: str, rings: Sequence[ArrayLike]) -> dict[str, Any]:
+    """Datasets of rings (n, 2), packed."""
+    arrays = [np.asarray(ring, dtype=np.float64).reshape(-1, 2) for ring in rings]
+    start = [*accumulate(map(len, arrays), initial=0)]
+    return {f"{group}/points": np.concatenate([np.zeros((0, 2)), *arrays]), f"{group}/start": start}
+
+
+@functools.cache
+def _versions() -> dict[str, str]:
+    """Versions of the libraries that made a record; looked up once, for it takes 2 ms.
+
+    And the processor: kernels are compiled for it, so the same bits are due on its kind alone.
+    """
+    from llvmlite.binding import get_host_cpu_name
+
+    found = {"processor": f"{platform.machine()}-{get_host_cpu_name()}"}
+    for library in LIBRARIES:
+        try:
+            found[library] = version(library)
+        except PackageNotFoundError:
+            found[library] = "unknown"
+    return found

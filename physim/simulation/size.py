@@ -13,10 +13,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-import numpy as np
-
 from physim.errors import RecordError
-from physim.record.layout import OPTIONAL, other_type, steps_rows, table_types
+from physim.record.layout import OPTIONAL, OTHERS, STEPS, row_types
 from physim.world.scene import Scene
 
 DECISION_SECONDS = 0.1
@@ -75,15 +73,12 @@ def size_of(scene: Scene, every: int, columns: int = 0, tables: Sequence[str] = 
     kept.
     """
     robots = scene.robots
-    row = sum(
-        np.dtype(kind).itemsize * int(np.prod(shape, dtype=int))
-        for shape, kind in steps_rows(robots).values()
-    )
-    types = table_types([f"column{k}" for k in range(columns)])
+    types = row_types(robots, [f"column{k}" for k in range(columns)])
+    row = sum(types[path].itemsize for path in STEPS)
     decision = types["/updates"].itemsize * ("updates" in tables)
     if "considered" in tables:
-        other = np.dtype(other_type(robots)).itemsize
-        decision += types["/considered"].itemsize + other * min(robots - 1, CONSIDERED)
+        others = types[OTHERS].itemsize * min(robots - 1, CONSIDERED)
+        decision += types["/considered"].itemsize + others
     duration = scene.steps * scene.dt
     decided = robots * min(scene.steps, round(duration / DECISION_SECONDS))
     samples = (scene.steps // every + 2) * row

@@ -75,6 +75,8 @@ OPTIONS: Table = {
     ("run", "a", "b c"): ('"b c"', "too many", "physim run"),
     ("validate", "x", "--sede", "3"): ("--sede", "physim validate", '"--seed"'),
     ("video", "x", "--seed", "3"): ("--seed", "physim video", '"--speed"'),
+    ("import", "x", "-o", "y", "--untried"): ("--untried", "no such option", "--no-run"),
+    ("compare", "x", "--seeds", "1:3"): ("--seeds", "no such option", "physim sweep"),
     ("run", "x", "--fast=3"): ("--fast", "physim run", "physim run --help"),
     ("run", "x", "-q"): ("-q", "physim run"),
     ("run", "x", "--quiet=3"): ("--quiet", "given 3"),
@@ -132,7 +134,9 @@ TOGETHER: Table = {
     ("report", "x", "-o", "x/pages/4f1c.html", "--force"): ("x/pages/4f1c.html", "part of"),
     ("compare", "x", "--by", "controller", "--only", "finish"): ("--only", "given: finish; did"),
     ("plot", "x", "--only", "modes", "--snapshots", "3"): ("--snapshots", "trajectories"),
-    ("plot", "x", "--only", "mode"): ("--only mode", ", ".join(NAMES), '"modes"'),
+    ("plot", "a/record.h5", "--only", "mode"): (
+        "no picture is called", '"mode"', ", ".join(NAMES), '"modes"',
+    ),
     ("reproduce", "--figure", "1", "--study", "alpha"): ("--study", "--figure"),
     ("video", "x", "--at", "5", "-o", "a.mp4"): ("a.mp4", "still", '"a.png"'),
     ("video", "x", "--at", "5", "--to", "7"): ("--to", "--at 5"),
@@ -227,12 +231,11 @@ INPUTS: Table = {
         "narrow.yaml:4:69", "corridor.random.passage", "9.5 m",
     ),
     ("new",): ("physim new:", "NAME", "missing"),
-    **{("new", name): (f'"{shown}":', "cannot name") for name, shown in (
-        ("", ""), ("  ", "  "), ("..", ".."), (".hidden", ".hidden"), ("a\nb", r"a\u000ab"),
-        ("../b", "../b"))},
-    ("new", "a/b"): ('"a/b":', "is a path", "-o"),
-    ("new", "a\\b"): ("", "is a path"),
-    ("new", "x" * 101): ("", "at most 100", "given 101"),
+    **{("new", name): (f"{shown}:", "cannot name") for name, shown in (
+        ("", '""'), ("  ", '"  "'), ("..", ".."), (".hidden", ".hidden"), ("a\nb", r"a\u000ab"),
+        ("../b", "../b"), ("a/b", "a/b"), ("a\\b", "a\\b"))},
+    ("new", "a/b"): ("a/b:", "-o takes a path"),
+    ("new", "x" * 101): ("x" * 59, "cannot name", "at most 100"),
     ("new", "a", "--robots", "0", "--like", "jam"): ("--robots 0:", "1 to 20000"),
     ("new", "a", "--robots", "11"): ("--robots 11:", "straight", "one by one"),
     ("new", "a", "--like", "dorway"): ("dorway:", "no such file", '"doorway"'),
@@ -272,7 +275,7 @@ OUTPUTS: Table = {
     ("new", "--project", "a\x1bb"): ("", r"a\u001bb", "cannot be shown", "my_study"),
     ("new", "--project", "a\nb"): ("", r"a\u000ab", "in one line"),
     ("new", "--project", "full/loop"): ("full/loop",),
-    ("new", "a/b", "--project", "new"): ('"a/b":', "is a path"),
+    ("new", "a/b", "--project", "new"): ("a/b:", "takes a path"),
     ("new", "--project", "new", "--robots", "99"): ("--robots 99:", "straight"),
 }  # fmt: skip
 """Places that cannot be written, or are taken"""

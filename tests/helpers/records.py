@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import json
 import os
+from collections.abc import Callable
 from itertools import pairwise
 from pathlib import Path
 from types import SimpleNamespace
+from typing import Any
 
+import h5py
 import numpy as np
 import shapely
 from numpy.typing import NDArray
@@ -110,6 +114,17 @@ def make_record(
     clock = {"seconds": 0.1, "factor": 10.0 * seconds} if wall_clock is None else wall_clock
     writer.close(ended, steps_run=scene.steps, rejected=int(len(touching) > 0), wall_clock=clock)
     return writer.record()
+
+
+def told(attribute: str, group: str | None, row: int, **values: Any) -> Callable[[h5py.File], None]:
+    """Change what a record says in an attribute of JSON, in a row of a list or of its ``group``."""
+
+    def change(file: h5py.File) -> None:
+        found = json.loads(file.attrs[attribute])
+        (found if group is None else found[group])[row].update(values)
+        file.attrs[attribute] = json.dumps(found)
+
+    return change
 
 
 def poses(scene: SimpleNamespace) -> FloatArray:

@@ -133,7 +133,7 @@ def test_settings_that_are_not_the_worlds_are_never_told_as_the_worlds() -> None
     assert record.setup.controller.settings == {"gap": 3.0}
 
 
-@pytest.mark.parametrize("text", ["[", "{}", '[{"settings": {}}]'])
+@pytest.mark.parametrize("text", ["[", "{}", '[{"not_known": []}]'])
 def test_settings_that_nothing_wrote_are_refused(tmp_path: Path, text: str) -> None:
     path = tmp_path / "r.h5"
     simulate(WORLD, controller=Base(), path=path)

@@ -33,6 +33,7 @@ from typing import Any
 import numpy as np
 
 from physim.analysis.metrics.distances import along_wall
+from physim.analysis.metrics.metric import section
 from physim.contacts import Kind, Phase, allowed_depth, touching
 from physim.errors import place_text
 from physim.geometry.motion import chord_velocity
@@ -205,7 +206,7 @@ def severity(
     if mass is None:
         return Severity(closing, sliding, None, None)
     changes = tuple(episode.impact / float(mass[i]) for i in (a, b) if i < record.robots)
-    material = record.section("physics", Physics) or Physics()
+    material = section(record, "physics", Physics) or Physics()
     energy = 0.5 * (1.0 - material.elasticity) * episode.impact * closing
     return Severity(closing, sliding, changes, energy)
 

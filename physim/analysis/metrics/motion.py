@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from physim.analysis.metrics.metric import Each, Moment, Series
+from physim.analysis.metrics.metric import Each, Moment, Series, section
 from physim.analysis.metrics.progress import (
     GRID,
     active_samples,
@@ -212,7 +212,7 @@ def desired_leads(record: Record) -> FloatArray | None:
 
     None in a run without formation, or of a single robot.
     """
-    has_one = record.section("formation", Formation) is not None
+    has_one = section(record, "formation", Formation) is not None
     return record.lead - record.lead.mean() if has_one and record.robots > 1 else None
 
 
@@ -221,7 +221,7 @@ def _neighbours(record: Record) -> tuple[FloatArray | None, float]:
 
     Raises RecordError where the world inside has something else there.
     """
-    plan, names = record.section("formation", Formation) or Formation(), record.names
+    plan, names = section(record, "formation", Formation) or Formation(), record.names
     if plan.neighbours == "range":
         return None, plan.range
     if plan.neighbours == "all":

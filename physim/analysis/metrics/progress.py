@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from physim.analysis.metrics.metric import Each, Series
+from physim.analysis.metrics.metric import Each, Series, section
 from physim.errors import PhysimError
 from physim.geometry.shapes import FloatArray, IntArray
 from physim.record import Record
@@ -192,7 +192,7 @@ def absent(record: Record) -> tuple[Absent, ...]:
 
 def arrival_tolerance(record: Record) -> float:
     """[m] by which a robot may be short of its stop station, or past it: the world's, or 0.1."""
-    return (record.section("arrival", Arrival) or Arrival()).tolerance
+    return (section(record, "arrival", Arrival) or Arrival()).tolerance
 
 
 def ratio(part: NDArray[Any], whole: NDArray[Any]) -> Each | None:

@@ -23,7 +23,6 @@ from physim.geometry.separation import body_distance, point_gap, wall_distance
 from physim.geometry.shapes import FloatArray, IntArray, Shapes, read_only
 from physim.geometry.swept import swept_pair, swept_walls
 from physim.record import Record
-from physim.record.row_checks import Source
 from physim.tolerances import CONTACT
 
 FULL = -1
@@ -213,14 +212,14 @@ def pose_blocks(record: Record) -> Iterator[tuple[FloatArray, int]]:
         last = min(first + size + 1, record.samples)
         if last > first:
             poses = np.ascontiguousarray(record.read("/steps/pose", first, last))
-            _refuse_jumps(Source(record.where, "/steps/pose", first + 1), poses)
+            far = np.abs(np.diff(poses[..., :2], axis=0)).max(axis=(1, 2), initial=0.0)
+            if (far > FARTHEST_STEP).any():
+                k = int(np.argmax(far > FARTHEST_STEP))
+                raise RecordError(
+                    f"{record.where}: /steps/pose, row {first + 1 + k}: a step of {far[k]:.6g} m; "
+                    "make the record again"
+                )
             yield poses, first
-
-
-def _refuse_jumps(source: Source, poses: FloatArray) -> None:
-    """Raise RecordError for the first step between poses (B, N, 3) that no robot makes."""
-    far = np.abs(np.diff(poses[..., :2], axis=0)).max(axis=(1, 2), initial=0.0)
-    source.refuse(far > FARTHEST_STEP, lambda k: f"a step of {far[k]:.6g} m")
 
 
 MOST_UNKNOWN = 1_000_000

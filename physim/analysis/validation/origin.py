@@ -20,15 +20,14 @@ from physim.analysis.validation.finding import (
     unlike_attributes,
     unlike_scene,
 )
-from physim.errors import ControllerError, RecordError, WorldError, plural
+from physim.errors import ControllerError, RecordError, plural
 from physim.parts.declarations import Declared, kept_distance
 from physim.parts.registry import CONTROLLER, DISTURBANCE, FILTER, SENSING, make_part
 from physim.record import Record, RecordWriter
-from physim.record.checks import unreadable_world
-from physim.record.layout import FIXED
+from physim.record.checks import reading_world
+from physim.record.digest import KNOWN
 from physim.world import World
 from physim.world.differences import differences
-from physim.world.layout.scene_builder import build_scene
 from physim.world.scene import Scene
 
 AREA = 1e-6
@@ -37,7 +36,7 @@ rounds in its own way."""
 LOOKED_AT = 20
 """Places of each edge of an area that are looked at: it may be drawn anew between two corners."""
 BY = "by the world inside it"
-PATHS = tuple(path for path in FIXED if not path.startswith("/areas"))
+PATHS = tuple(path for path in KNOWN if not path.startswith("/areas"))
 SAME = ("name", "seed", "dt", "steps_planned", "safe_distance")
 """Attributes that follow from the world inside"""
 
@@ -72,16 +71,15 @@ def world_inside(record: Record) -> Inside:
         )
     controller, why_not = None, ""
     try:
-        scene = build_scene(record.world)
+        scene = record.scene
         world, choice = scene.world, scene.world.controller
         if record.controller:
             why_not = f"{record.controller} was given from Python"
         elif ":" in choice.type:
             why_not = f"no code is run because a record names it ({choice.type})"
         else:
-            controller = make_part(CONTROLLER, choice.type, choice.settings)
-    except WorldError as error:
-        raise unreadable_world(record.where, error) from error
+            with reading_world(record.where):
+                controller = make_part(CONTROLLER, choice.type, choice.settings)
     except ControllerError as error:
         why_not = str(error).splitlines()[0]
     named = ((SENSING, world.sensing.stages), (FILTER, world.filters),

@@ -24,14 +24,14 @@ from physim.analysis.validation.finding import (
 )
 from physim.analysis.validation.origin import PATHS, controller_name
 from physim.contacts import CONTACT_ROW, FALSE_CONTACT_ROW
-from physim.errors import PhysimError, RecordError, WorldError
+from physim.errors import PhysimError, RecordError
 from physim.geometry.shapes import FloatArray
 from physim.record import Record
+from physim.record.digest import KNOWN
 from physim.record.layout import (
     ARRIVED,
     EXTREMES,
     EXTREMES_FARTHEST,
-    FIXED,
     OTHERS,
     STEPS,
     TABLES,
@@ -97,7 +97,7 @@ def simulation_again(
         raise AgainError(record, "it made no step")
     try:
         world, name = record.world, controller_name(record)
-    except WorldError as error:
+    except RecordError as error:
         raise AgainError(record, str(error).splitlines()[0]) from error
     if controller is None and (record.controller or ":" in name):
         raise AgainError(
@@ -231,7 +231,7 @@ def _first(record: Record, again: Record, until: int, exact: bool, whole: bool) 
     """First difference: what is known before the run, then by time, then what sums it up."""
     before = chain(
         unlike_attributes(record, again, BEFORE, BY),
-        unlike_scene(record, again, FIXED if exact else PATHS, BY, exact),
+        unlike_scene(record, again, KNOWN if exact else PATHS, BY, exact),
     )
     if found := next(before, None):
         return found

@@ -163,7 +163,8 @@ def joints(lines: Sequence[FloatArray], within: float, only_ends: bool = False) 
 
     Where there is none, to the nearest other line, unless ``only_ends``.
     """
-    ends, shapes = loose_ends(lines), [shapely.LineString(line) for line in lines]
+    shapes = [shapely.LineString(line) for line in lines]
+    ends = _loose(shapely.union_all(shapes, grid_size=GRID))
     found: dict[tuple[int, int], FloatArray] = {}
     to_lines = list[FloatArray]()
     away, other = _nearest_other(ends)
@@ -187,13 +188,8 @@ def joint_text(joint: FloatArray) -> str:
     return f"ends {np.hypot(*(joint[1] - joint[0])):.3f} m apart at {place(joint[0])} joined"
 
 
-def loose_ends(lines: Sequence[FloatArray]) -> FloatArray:
-    """(n, 2) [m] ends of lines at which no other line is, and no other part of the same."""
-    noded = shapely.union_all([shapely.LineString(line) for line in lines], grid_size=GRID)
-    return _loose(noded)
-
-
 def _loose(noded: Any) -> FloatArray:
+    """(n, 2) [m] ends of noded lines at which no other line is, and no other part of the same."""
     edges = shapely.get_parts(noded)
     nodes = shapely.get_coordinates([shapely.get_point(edges, k) for k in (0, -1)])
     times = Counter(map(tuple, nodes.tolist()))
@@ -227,20 +223,15 @@ def _chosen(drawing: Drawing, options: Options, faces: list[Any], noded: Any) ->
         shape, what = robots[0], "the robot is"
     else:
         held, shape, what = faces, None, "there is"
-        if len(held) == 1 and len(_loose(noded)) > 1:
-            raise drawing.refusal(
-                f"one area is closed, {_areas(held)}, but other lines are open"
-                f"{_where_open(noded)}; say which is the place: --from X,Y, or a path or "
-                "robot in it"
-            )
     if not held:
         elsewhere = f"; closed elsewhere: {_areas(faces)}" if faces else ""
         there = "in no closed area" if what != "there is" else "no closed area"
         raise drawing.lack(f"{what} {there}{_where_open(noded)}{elsewhere}", shape)
-    if len(held) > 1:
+    is_open = what == "there is" and len(_loose(noded)) > 1  # that may be meant to be closed
+    if len(held) > 1 or is_open:
         raise drawing.refusal(
-            f"the lines enclose {len(held)} areas: {_areas(held)}; say which is the place: "
-            "--from X,Y, or a path or robot in it"
+            f"which area is the place: {_areas(held)}? Say --from X,Y, or draw a path or a robot "
+            f"in it{_where_open(noded) if is_open else ''}"
         )
     return held[0]
 

@@ -3,28 +3,33 @@
 from __future__ import annotations
 
 import os
+import textwrap
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from importlib import import_module
+from math import ceil
 from pathlib import Path
+from typing import Any
 
+import numpy as np
 import shapely
 
 from physim.authoring.importing.area import Place, find_place
 from physim.authoring.importing.drawing import Drawing, refused
 from physim.authoring.importing.drawn import Placed, as_drawn, robot_names
 from physim.authoring.importing.group import fill_in, reach_of
-from physim.authoring.importing.made import made_world, world_text
 from physim.authoring.importing.options import Options, check_options
 from physim.authoring.importing.paths import drawn_paths
 from physim.authoring.importing.size import Size, check_way, size_as_drawn, size_of
-from physim.authoring.importing.source import format_of
+from physim.authoring.importing.source import FORMATS, format_of
 from physim.errors import WorldError, plural
 from physim.escaping import escaped
 from physim.geometry.arc_length import Polyline
 from physim.geometry.shapes import FloatArray
 from physim.world import World
+from physim.world.file.schema import FILE
 from physim.world.layout.scene_builder import build_scene
+from physim.world.yaml_text import yaml_text
 
 STEPS = (0.01, 0.005, 0.002, 0.001)
 """[s] of a world, and shorter ones for robots with narrow parts"""
@@ -32,13 +37,23 @@ AGAINST = 0.5
 """[-] share of its path that leads back along the reference path of a robot that goes against it"""
 MOST_TEXT = 5_000_000
 """Characters of a world file"""
-READERS = {
-    "track": ("physim.authoring.importing.track", "read_track"),
-    "ros-map": ("physim.authoring.importing.ros_map", "read_ros_map"),
-    "svg": ("physim.authoring.importing.svg", "read_svg"),
-    "wkt": ("physim.authoring.importing.vector", "read_wkt"),
-    "geojson": ("physim.authoring.importing.vector", "read_geojson"),
+SETTINGS = {
+    "look_ahead": 2.0,
+    "safe_distance": 1.0,
+    "arrival_tolerance": 0.06,
+    "distance_low": 0.5,
+    "distance_high": 0.8,
+    "boundary_low": 0.15,
 }
+"""[m] settings of the shipped controller that are lengths, at size 1"""
+CORNERS = {"boundary_time_high": 1.0}
+"""[s] a setting of it: else robots that had to stop before a corner may stand there for ever"""
+RANGE, MARGIN = 10.0, 1.1
+"""[m] of formation neighbours at size 1, and [-] how many times the longest gap between them"""
+TOLERANCE = 0.1
+"""[m] of arrival, at size 1"""
+SPACE = 1.35
+"""[-] duration over the time that the path takes at the formation's speed"""
 
 
 @dataclass(frozen=True)
@@ -65,8 +80,9 @@ def import_world(source: str | os.PathLike[str], options: Options | None = None)
     try:
         form = options.format or format_of(source)
         check_options(source, form, options)
-        module, name = READERS[form]
-        reader: Callable[[Path, Options], Drawing] = getattr(import_module(module), name)
+        module, name = FORMATS[form].reader.split(".")
+        found = import_module(f"physim.authoring.importing.{module}")
+        reader: Callable[[Path, Options], Drawing] = getattr(found, name)
         return _made(reader(source, options), options)
     except shapely.errors.GEOSException as error:  # whichever of many calls it was
         reason = escaped(str(error).split(": ", 1)[-1].strip())[:120]
@@ -175,36 +191,89 @@ def _written(
     has_formation: bool,
     options: Options,
 ) -> Imported:
-    """The world and its text; its scene has been built as a run would.
+    """The world [m] and its text; its scene has been built as a run would.
 
     With a shorter step than usual where robots have parts too narrow for it.
     """
-    source = escaped(drawing.path.name)
-    name = options.name or (escaped(drawing.path.stem).strip() or "imported")[:100]
+    factor, source = size.factor, escaped(drawing.path.name)
+
+    def scaled(value: float) -> float:
+        return float(f"{value * factor:.3g}")
+
+    longest = max(Polyline(line).length for line in (reference, *(one.path for one in robots)))
+    controller: dict[str, Any] = {"type": "mode_switching", **CORNERS}
+    count = "One robot" if len(robots) == 1 else plural(len(robots), "robot")
+    values: dict[str, Any] = {
+        "name": options.name or (escaped(drawing.path.stem).strip() or "imported")[:100],
+        "description": f"{count} in a place imported from {source}.",
+        "boundaries": [line.tolist() for line in where.boundaries],
+        "obstacles": [ring.tolist() for ring in where.obstacles],
+        "reference_path": reference.tolist(),
+        "robots": [_robot(one, None if factor == 1.0 else scaled(1.5)) for one in robots],
+        "expect": {"contacts": 0, "finished": True},
+        "controller": controller,
+    }
+    if factor != 1.0:
+        controller |= {key: scaled(value) for key, value in SETTINGS.items()}
+        values["arrival"] = {"tolerance": scaled(TOLERANCE)}
+    if has_formation:
+        stations = Polyline(reference).nearest(np.array([one.pose[:2] for one in robots]))
+        gap = float(np.diff(np.sort(stations)).max(initial=0.0))  # one behind the other
+        reach = scaled(max(RANGE, MARGIN * gap / factor))
+        limits = [scaled(0.8), scaled(1.3)]
+        values["formation"] = {
+            "gain": 0.05, "speed": scaled(1.0), "limits": limits, "range": reach,
+        }  # fmt: skip
+    else:  # robots that may reverse stand for ever in tight bends
+        controller |= {"speed": scaled(1.0), "reverse_in_safe_mode": False}
+        values["sensing"] = {"range": scaled(RANGE)}
+    duration = 10.0 * ceil((longest / factor * SPACE + 20.0) / 10.0)
     for step in STEPS:
+        values["time"] = {"step": step, "duration": duration}
         try:
-            world = made_world(name, source, where, reference, robots, size, has_formation, step)
+            world = World(**values)
             build_scene(world)
             break
         except WorldError as error:
-            first, count = error.faults[0], len(error.faults)
-            key, k, last = (*first.location[:2], None, None)[:2] + (*first.location[-1:], "")[:1]
-            is_of_step = (key, last) in (("time", "step"), ("robots", "limits"))
+            first, more = error.faults[0], len(error.faults) - 1
+            at = first.location or ("",)
+            is_of_step = (at[0], at[-1]) in (("time", "step"), ("robots", "limits"))
             if not is_of_step or step == STEPS[-1]:
-                shape = robots[k].shape if key == "robots" and isinstance(k, int) else None
-                more = f" (and {count - 1} more)" if count > 1 else ""
-                message = f"the world made of it cannot run: {first}{more}"
+                k = at[1] if at[0] == "robots" and len(at) > 1 else None
+                shape = robots[k].shape if isinstance(k, int) else None
+                message = f"the world made of it cannot run: {first}"
+                message += f" (and {more} more)" if more else ""
                 raise drawing.refusal(message, shape) from None
     if step != STEPS[0]:
         drawing.facts.append(f"steps of {step:g} s, as a robot has narrow parts")
-    if size.factor != 1.0:
+    if factor != 1.0:
         drawing.facts.append(
-            f"lengths and speeds of the control are the usual ones times {size.factor:g}"
+            f"lengths and speeds of the control are the usual ones times {factor:g}"
         )
-    text = world_text(world, source, drawing)
+    lines = [
+        f"# yaml-language-server: $schema={FILE}",
+        *textwrap.wrap(f"# Imported from {source}: {drawing.kind}.", 100, subsequent_indent="# "),
+    ]
+    for told in (*drawing.facts, *drawing.changes):
+        lines += textwrap.wrap(f"# - {escaped(told)}", 100, subsequent_indent="#   ")
+    text = "\n".join(lines) + "\n" + yaml_text(world)
     if len(text) > MOST_TEXT:
         raise drawing.refusal(
             f"the world would have {len(text) / 1e6:.1f} MB, and a world file has at most "
             f"{MOST_TEXT / 1e6:.0f} MB; simplify the source"
         )
     return Imported(text, world, drawing.kind, tuple(drawing.facts), tuple(drawing.changes))
+
+
+def _robot(robot: Placed, speed: float | None) -> dict[str, Any]:
+    """Keys of a robot; ``speed`` [m/s] is its limit, where that is not the usual one."""
+    box = robot.footprint
+    keys: dict[str, Any] = {
+        "name": robot.name,
+        "footprint": {"length": box[0], "width": box[1]}
+        if isinstance(box, tuple)
+        else box.tolist(),
+        "pose": list(robot.pose),
+        "path": robot.path.tolist() if robot.offset is None else {"offset": robot.offset},
+    }
+    return keys if speed is None else {**keys, "limits": {"v": speed, "omega": 1.6}}

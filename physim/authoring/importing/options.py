@@ -8,6 +8,7 @@ from typing import Annotated, Any, Literal
 from pydantic import Field, Tag
 
 from physim.authoring.importing.drawing import DIGITS, refused
+from physim.authoring.importing.source import FORMATS
 from physim.world.base import Model
 from physim.world.kinds import Flag, Number, Sequence, Text, Whole, either
 
@@ -65,20 +66,10 @@ class Options(Model):
         return 1.0 if self.scale is None else self.scale
 
 
-OF_KIND = {
-    "track": ("start", "gap", "open"),
-    "ros-map": ("specks", "tolerance"),
-    "svg": ("tolerance", "boundary", "close", "ignore", "ignore_others"),
-    "wkt": ("close",),
-    "geojson": ("close", "ignore", "ignore_others"),
-}
-"""Options that some kinds of source alone have a use for; the others serve all."""
-
-
 def check_options(source: Path, kind: str, options: Options) -> None:
     """Refuse options that would be without effect for a kind of source."""
     for name, field in Options.model_fields.items():
-        kinds = [one for one, names in OF_KIND.items() if name in names]
+        kinds = [key for key, one in FORMATS.items() if name in one.options]
         if kinds and kind not in kinds and getattr(options, name) != field.default:
             option = f"--{name.replace('_', '-')}"
             message = f"{option} is for {', '.join(kinds)}; this is read as {kind}"

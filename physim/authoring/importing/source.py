@@ -5,7 +5,7 @@ from __future__ import annotations
 import io
 import warnings
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from PIL import Image
@@ -23,15 +23,27 @@ MOST_PIXELS = 50_000_000
 MOST_SIDE = 1_000_000
 """Pixels of a side"""
 
-FORMATS = ("track", "ros-map", "svg", "wkt", "geojson")
-SUFFIXES = {
-    ".csv": "track",
-    ".yaml": "ros-map",
-    ".yml": "ros-map",
-    ".svg": "svg",
-    ".wkt": "wkt",
-    ".geojson": "geojson",
-    ".json": "geojson",
+
+class Format(NamedTuple):
+    """Module and function that read a kind of source, suffixes of its files, and options that are
+    not for all kinds.
+    """
+
+    reader: str
+    suffixes: tuple[str, ...]
+    options: tuple[str, ...]
+
+
+FORMATS = {
+    "track": Format("track.read_track", (".csv",), ("start", "gap", "open")),
+    "ros-map": Format("ros_map.read_ros_map", (".yaml", ".yml"), ("specks", "tolerance")),
+    "svg": Format(
+        "svg.read_svg", (".svg",), ("tolerance", "boundary", "close", "ignore", "ignore_others")
+    ),
+    "wkt": Format("vector.read_wkt", (".wkt",), ("close",)),
+    "geojson": Format(
+        "vector.read_geojson", (".geojson", ".json"), ("close", "ignore", "ignore_others")
+    ),
 }
 IMAGES = (".pgm", ".png", ".pnm", ".jpg", ".jpeg", ".bmp", ".tif", ".tiff")
 
@@ -39,8 +51,9 @@ IMAGES = (".pgm", ".png", ".pnm", ".jpg", ".jpeg", ".bmp", ".tif", ".tiff")
 def format_of(path: Path) -> str:
     """Kind of a source by its suffix; ImportSourceError where that says none."""
     suffix = path.suffix.lower()
-    if suffix in SUFFIXES:
-        return SUFFIXES[suffix]
+    for name, one in FORMATS.items():
+        if suffix in one.suffixes:
+            return name
     if suffix in IMAGES:
         raise refused(path, "an image alone has no scale; name the map.yaml that belongs to it")
     if suffix in (".gz", ".svgz", ".zip"):

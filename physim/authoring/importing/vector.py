@@ -9,7 +9,6 @@ from __future__ import annotations
 import json
 import re
 from collections import Counter
-from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from itertools import accumulate
 from math import isfinite, radians
@@ -40,7 +39,6 @@ MOST_DEPTH = 20
 ROLES = ("place", "boundary", "obstacle", "path", "robot")
 ABUT = 1.5e-3
 """[m] Places nearer than this abut: corners that are one may be rounded apart by 1.4 mm."""
-COLLECTIONS = {"FeatureCollection": "features", "GeometryCollection": "geometries"}
 BY_ROLE = 'give it the property "role": place, boundary, obstacle, path or robot'
 PROJECT = "project them first (ogr2ogr -t_srs EPSG:32633, the UTM zone of the place)"
 
@@ -129,8 +127,9 @@ def read_geojson(path: Path, options: Options) -> Drawing:
         geometry = feature.get("geometry") if feature.get("type") == "Feature" else feature
         if geometry is not feature and isinstance(geometry, dict) and geometry.get("crs"):
             raise refused(path, f"{about.label}: has a crs of its own; give one to the file")
-        found = _geometries(path, geometry, about.label, 0) if geometry is not None else ()
-        parts += [replace(about, geometry=one) for one in found]
+        if geometry is not None:
+            found = _geometries(path, geometry, about.label)
+            parts += [replace(about, geometry=one) for one in found]
     for name in sorted({*options.ignore} - names):
         near = nearest(name[:100], sorted(names))
         raise refused(path, f"--ignore {escaped(name)}: no feature has that name or layer{near}")
@@ -180,40 +179,35 @@ def _about(path: Path, feature: Any, number: int) -> _Part:
     if role and role not in (*ROLES, "wall"):
         message = f'{label}: role: "{escaped(role)[:40]}" is none of {", ".join(ROLES)}'
         raise refused(path, message + nearest(role[:40], list(ROLES)))
-    heading = about.get("heading")
-    if role == "robot" and heading is not None:
-        if isinstance(heading, bool) or not isinstance(heading, float) or not isfinite(heading):
-            raise refused(path, f"{label}: heading: a number of degrees is needed, 0 along x")
-        heading = radians(heading)
-    else:
-        heading = None
+    heading = about.get("heading") if role == "robot" else None
+    if heading is not None and not (isinstance(heading, float) and isfinite(heading)):
+        raise refused(path, f"{label}: heading: a number of degrees is needed, 0 along x")
+    heading = None if heading is None else radians(heading)
     return _Part(None, role, name, layer, heading, elsewhere, label)
 
 
-def _geometries(path: Path, value: Any, label: str, depth: int) -> Iterator[Any]:
+def _geometries(path: Path, value: Any, label: str) -> list[Any]:
     """Single geometries of a GeoJSON geometry."""
-    kind = str(value.get("type")) if isinstance(value, dict) else ""
-    if depth > MOST_DEPTH or kind in ("Feature", "FeatureCollection"):
-        raise refused(path, f"{label}: nested too deeply, or features within a feature")
-    if kind == "GeometryCollection" and isinstance(value.get("geometries"), list):
-        for one in value["geometries"]:
-            yield from _geometries(path, one, label, depth + 1)
-        return
     try:
-        if not _are_numbers(value["coordinates"], 0):
+        if not _is_geometry(value, 0):
             raise ValueError
-        yield from _flat(shapely.geometry.shape(value))
+        return _flat(shapely.geometry.shape(value))
     except (
         shapely.errors.ShapelyError, ValueError, TypeError, LookupError, AttributeError,
         OverflowError,
     ):  # fmt: skip
-        message = f'{label}: geometry "{escaped(kind)[:40]}" cannot be read; coordinates are lists '
-        raise refused(path, f"{message}of [x, y]") from None
+        kind = escaped(str(value.get("type") if isinstance(value, dict) else value))[:40]
+        message = f'{label}: geometry "{kind}" cannot be read; coordinates are lists of [x, y], '
+        raise refused(path, f"{message}nested at most {MOST_DEPTH} deep") from None
 
 
-def _are_numbers(value: Any, depth: int) -> bool:
+def _is_geometry(value: Any, depth: int) -> bool:
+    """Whether all coordinates of a geometry, or of those in it, are lists of numbers."""
+    if isinstance(value, dict):
+        is_many = value.get("type") == "GeometryCollection"
+        return _is_geometry(value["geometries" if is_many else "coordinates"], depth)
     if isinstance(value, list) and depth < MOST_DEPTH:
-        return all(_are_numbers(one, depth + 1) for one in value)
+        return all(_is_geometry(one, depth + 1) for one in value)
     return isinstance(value, float)
 
 

@@ -19,6 +19,7 @@ from physim.analysis.metrics import (
     formation_errors,
     formation_parts,
 )
+from physim.analysis.metrics.metric import section
 from physim.analysis.metrics.motion import WINDOW
 from physim.analysis.metrics.progress import samples_over_time
 from physim.drawing.crowd import MOST_LINES, quantiles
@@ -235,7 +236,7 @@ def speeds(record: Record, paper: Paper = USUAL) -> Any:
             nothing(axis, f"no robot was under way for {WINDOW:.0f} s")
         return figure
     zero_line(above)
-    if plan := record.section("formation", Formation):
+    if plan := section(record, "formation", Formation):
         for value in (*plan.limits, plan.speed):
             below.axhline(value, color=QUIET, linewidth=0.8, linestyle=(0, (5, 3)), zorder=1.5)
         words = "dashed: steady speed and limits of (7)"

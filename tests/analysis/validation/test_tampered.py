@@ -63,9 +63,8 @@ def test_tables(parted, tmp_path, change, words):
     ("change", "words"),
     [
         (column("/contacts", "x", np.nan), ("/contacts, row 0", "x", "nan")),
-        (attribute("versions", "nonsense"), ("JSON object", "versions")),
+        (attribute("versions", "nonsense"), ("JSON", "versions")),
         (attribute("units", "feet"), ("attribute units", "'feet'")),
-        (lambda file: file.attrs.create("ended", b"finished"), ("S16", "ended", "fixed length")),
         (lambda file: file.__delitem__("contacts"), ("/contacts", "missing")),
         (attribute("world", "nonsense: ["), ("world inside", "cannot be read")),
     ],
@@ -151,10 +150,6 @@ def test_behind_stages_decisions_are_made_again_and_what_was_sensed_is_not_known
     found = validate(physim.simulate(world, sensing=[Heard()]))
     assert (found.recomputed.mismatches, found.recomputed.replayed) == ((), 0)
     assert states(report(found), "sensed", "not in the record", within=40)
-
-
-def test_an_older_version_of_the_format_is_read(finished, tmp_path):
-    assert judged(finished, tmp_path, attribute("version", "4.7")).code == 0
 
 
 def test_a_run_that_goes_on_when_all_have_arrived(tmp_path):

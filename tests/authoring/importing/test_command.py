@@ -147,7 +147,7 @@ def test_what_the_check_says_of_the_world_is_told(
 def test_formats_of_the_command_line_are_those_of_the_import() -> None:
     OFFERED = get_args(inside("physim.cli", "Format"))
 
-    assert OFFERED == FORMATS
+    assert tuple(FORMATS) == OFFERED
 
 
 HALL = """

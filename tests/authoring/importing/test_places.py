@@ -41,10 +41,10 @@ def test_an_end_before_a_wall_is_joined_to_it_on_request(tmp_path: Path) -> None
 @pytest.mark.parametrize(
     ("more", "parts"),
     [
-        ([], "one area is closed, 100 m² … other lines are open … (0.00, 0.10) … --from X,Y"),
+        ([], "which area … 100 m² … --from X,Y … (0.00, 0.10)"),
         (
             [("boundary", shapely.box(60, 0, 70, 9))],
-            "2 areas … 100 m² about … 90 m² about … --from",
+            "which area … 100 m² about … 90 m² about … --from",
         ),
         ([WAY], "the path is in no closed area"),
         ([("robot", shapely.box(5, 5, 6.8, 6))], "the robot is in no closed area"),

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import struct
 import zlib
 from pathlib import Path
@@ -165,24 +164,6 @@ def test_maps(tmp_path: Path, name: str) -> None:
         import_world(path)
     check_says(str(caught.value), message)
     assert "\n" not in str(caught.value)
-
-
-def test_a_damaged_image_is_one_message_and_no_line_of_a_decoder(
-    tmp_path: Path, capfd: pytest.CaptureFixture[str]
-) -> None:
-    """Its check sums are right, so that the decoder is the one to find it."""
-    size = struct.pack(">IIBBBBB", 60, 40, 8, 0, 0, 0, 0)
-    parts = ((b"IHDR", size), (b"IDAT", b"no pixels"), (b"IEND", b""))
-    chunks = (
-        struct.pack(">I", len(b)) + k + b + struct.pack(">I", zlib.crc32(k + b)) for k, b in parts
-    )
-    (tmp_path / "map.png").write_bytes(b"\x89PNG\r\n\x1a\n" + b"".join(chunks))
-    (tmp_path / "map.yaml").write_text(map_yaml("map.png", 0.05, (0, 0)))
-    with pytest.raises(PhysimError, match="damaged"):
-        import_world(tmp_path / "map.yaml")
-    assert capfd.readouterr().err == ""
-    os.write(2, b"heard again")
-    assert capfd.readouterr().err == "heard again"
 
 
 def test_a_link_out_of_the_folder_is_no_way_out(tmp_path: Path) -> None:

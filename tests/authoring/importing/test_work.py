@@ -1,7 +1,4 @@
-"""Bounds on the work of an import: what is beyond one is refused before the work is done.
-
-Those of drawings are in test_svg_refusals.py.
-"""
+"""Bounds on the work of an import: what is beyond one is refused before the work is done."""
 
 from __future__ import annotations
 

@@ -12,7 +12,7 @@ import pytest
 from physim.drawing.page import page, write_page
 from physim.record import Record
 from tests.drawing.browser.driver import Seen
-from tests.helpers.records import make_record
+from tests.helpers.records import make_record, told
 
 Opened = Callable[..., Seen]
 HACK = "window.hacked = 1"
@@ -31,11 +31,11 @@ def hostile(tmp_path: Path) -> Path:
     make_record(file, 3, 2.0, name=f"<!--<script>{HACK}</script>").close()
     with h5py.File(file, "r+") as record:
         for k, name in enumerate(NAMES):
-            record["/bodies/name"][k] = name.encode()
-        record["/bodies/name"][3] = f"-->]]></style><script>{HACK}</script>".encode()
-        record["/modes/words"][0] = NAMES[0].encode()
-        record["/rules/words"][0] = NAMES[1].encode()
-        record["/columns/words"][5] = NAMES[1].encode()
+            told("bodies", None, k, name=name)(record)
+        told("bodies", None, 3, name=f"-->]]></style><script>{HACK}</script>")(record)
+        told("declared", "modes", 0, words=NAMES[0])(record)
+        told("declared", "rules", 0, words=NAMES[1])(record)
+        told("declared", "columns", 5, words=NAMES[1])(record)
     with Record.load(file) as record:
         return write_page([record, record], tmp_path / "hostile.html")
 

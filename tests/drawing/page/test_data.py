@@ -202,7 +202,7 @@ def test_a_run_far_from_the_origin_is_shown_as_well(tmp_path: Path) -> None:
     ("column", "far", "told"),
     [
         (0, 3e5, "robots .* apart"),
-        (2, 1e300, "headings differ"),
+        (2, 9e7, "headings differ"),
     ],
 )
 def test_robots_too_far_apart_are_refused_in_a_line(
@@ -210,8 +210,7 @@ def test_robots_too_far_apart_are_refused_in_a_line(
 ) -> None:
     make_record(tmp_path / "r.h5", 2, 1.0).close()
     with h5py.File(tmp_path / "r.h5", "r+") as record:
-        samples = slice(None) if column == 2 else 5  # no robot turns so far in a step
-        record["steps/pose"][samples, 0, column] = far
+        record["steps/pose"][5, 0, column] = far
     with (
         physim.Record.load(tmp_path / "r.h5") as record,
         pytest.raises(PhysimError, match=rf"r\.h5: {told}"),

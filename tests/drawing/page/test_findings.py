@@ -14,6 +14,7 @@ from physim.errors import PhysimError
 from physim.record import Record
 from tests.analysis.validation.runs import APART, REAR_END, lane
 from tests.helpers import inside
+from tests.helpers.records import told
 
 findings_section = inside("physim.drawing.page", "findings_section")
 
@@ -26,7 +27,7 @@ def renamed(tmp_path_factory: pytest.TempPathFactory) -> Path:
     file = tmp_path_factory.mktemp("renamed") / "r.h5"
     lane(REAR_END, file).close()
     with h5py.File(file, "r+") as record:
-        record["/bodies/name"][0] = NAME.encode()
+        told("bodies", None, 0, name=NAME)(record)
     return file
 
 

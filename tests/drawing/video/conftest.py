@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 import yaml
 
-from physim.record import Record
 from tests.helpers import inside
 from tests.helpers.records import make_record
 
@@ -35,8 +34,6 @@ class Changed(SimpleNamespace):
     @property
     def world_settings(self) -> Any:
         return yaml.safe_load(self.world_text)
-
-    section = Record.section
 
     def column(self, name: str, *, absent: float = np.nan) -> Any:
         known = name in (self.updates.dtype.names or ())

@@ -107,11 +107,11 @@ def falsify(
 
     check_json(json, force, inputs(world))
     checked = check_world(world, **changes.reading, seed=changes.seed)
-    if checked.world is None or checked.errors:
+    if checked.layout is None or checked.errors:
         raise PhysimError("\n".join(map(str, checked.errors)))
     if checked.document is not None:
         tell(checked.document.lines(checked.document.warnings))
-    space = Space(checked.world, vary)
+    space = Space(checked.layout.world, vary)
     folder = output or Path("falsified") / f"{space.world.stem}-{space.world.seed}"
     names = list(dict.fromkeys((*results.FILES, *OF_RUN)))
     files = [folder / name for name in names]

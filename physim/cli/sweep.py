@@ -168,4 +168,6 @@ def sweep(
     wrong = disagreeing(found) if validate else []
     for line in wrong:
         print(line, file=sys.stderr)
+    if validate and not (wrong or json or quiet):
+        print("validated: physics and geometry agree in every run")
     return INTERRUPTED if tally.interrupted else DISAGREE if wrong else 0

@@ -171,6 +171,24 @@ def _declared(controller: object, key: str, kind: type) -> tuple:  # type: ignor
     return tuple(given)
 
 
+def kept_from_walls(controller: object) -> tuple[str, float]:
+    """Setting by which a controller turns away from walls, and how near [m]; no name without one.
+
+    A controller tells it by a method ``kept_from_walls()``. `physim check` names the setting where
+    a robot stands before a place that leaves it less. Raises ControllerError where that fails.
+    """
+    if (say := getattr(controller, "kept_from_walls", None)) is None:
+        return "", 0.0
+    try:
+        name, distance = say()
+        return str(name), float(distance)
+    except KeyboardInterrupt:
+        raise
+    except BaseException as error:
+        name = f"{type(controller).__name__}.kept_from_walls"
+        raise ControllerError(f"{name} fails: {broken_by(error)}") from error
+
+
 def kept_distance(controller: object) -> float:
     """L [m] that a controller keeps from boundaries: its setting ``safe_distance``; 0 without.
 

@@ -16,8 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from physim.compiled import compiled, direct
+from physim.geometry.path import Tracking, track_all
 from physim.geometry.shapes import FloatArray, IntArray, Shapes, read_only
-from physim.geometry.tracking import Tracking, track_all
 from physim.tolerances import LENGTH
 
 if TYPE_CHECKING:
@@ -63,7 +63,7 @@ class Arrivals:
         near = still_distances(scene.shapes.radius)
         self.bounds = np.stack((stop - tolerance, stop + tolerance, beside**2, near**2))
         """(4, N) least and greatest station [m], squares of how far beside and how far moved"""
-        self.legs = tracking.legs
+        self.lines = tracking.lines
         self.trail = np.zeros((still_steps(scene.dt) + 1, scene.robots, 2))
         """(W + 1, N, 2) places of the last samples, sample k in row k % (W + 1)"""
         self.trail[0] = scene.start[:, :2]
@@ -77,7 +77,7 @@ class Arrivals:
         """Judge the sample after the last one, to which ``tracking`` follows."""
         stations, arrived = np.empty((3, len(pose))), np.empty(len(pose), np.bool_)
         self.all = self._follow_and_judge(
-            *self.legs, tracking.last, pose, tracking.windows, tracking.stations, stations,
+            *self.lines, tracking.last, pose, tracking.windows, tracking.stations, stations,
             step, self.bounds, self.trail, arrived,
         )  # fmt: skip
         tracking.stations, self.arrived = read_only(stations), read_only(arrived)
@@ -85,7 +85,7 @@ class Arrivals:
     def note(self, step: int, pose: FloatArray, stations: FloatArray) -> None:
         """Judge the sample after the last one: ``stations`` (3, N) as `Tracking` has them."""
         arrived = np.empty(len(pose), np.bool_)
-        self.all = self._judge(*self.legs, step, pose, stations, self.bounds, self.trail, arrived)
+        self.all = self._judge(*self.lines, step, pose, stations, self.bounds, self.trail, arrived)
         self.arrived = read_only(arrived)
 
     def restore(self, trail: FloatArray, arrived: NDArray[np.bool_]) -> None:
@@ -110,7 +110,7 @@ def follow_and_judge(
 ) -> bool:
     """`track_all` and `judge` in one call, since every step makes both.
 
-    ``start`` and ``row`` are those of the legs: one by one they are handed over in a third of the
+    ``start`` and ``row`` are those of the paths: one by one they are handed over in a third of the
     time.
     """
     track_all(start, row, last, pose, windows, before, after)

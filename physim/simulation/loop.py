@@ -16,8 +16,8 @@ from numpy.typing import NDArray
 
 from physim.contacts import CONTACT_ROW
 from physim.errors import PhysimError, WorldError, plural
+from physim.geometry.path import Tracking
 from physim.geometry.shapes import FloatArray, locked, read_only
-from physim.geometry.tracking import Tracking
 from physim.parts.controller import (
     Controller,
     Observation,

@@ -16,10 +16,10 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from physim.geometry.in_range import rows_in_range, sorted_places, window_along
+from physim.geometry.neighbours import rows_in_range, sorted_places, window_along
 from physim.geometry.path import Path
 from physim.geometry.shapes import FloatArray, IntArray, Shapes, read_only
-from physim.geometry.wall_grid import parts_in_range, parts_near
+from physim.geometry.walls import parts_within
 from physim.parts.controller import FormationView, Neighbour, Observation, ObservedRobot, Sensed
 from physim.world.scene import Scene
 
@@ -88,8 +88,7 @@ class Sight:
     def walls_near(self, x: float, y: float) -> tuple[FloatArray, ...]:
         """Parts of walls (n, 2) within range of a place, read-only."""
         scene, made = self.scene, self._walls
-        near = parts_near(scene.wall_grid, x, y)
-        parts = parts_in_range(scene.walls, near, x, y, scene.sensing_range).tolist()
+        parts = parts_within(scene.wall_tree, x, y, scene.sensing_range).tolist()
         for p in parts:
             if p not in made:
                 made[p] = _part(scene.walls, p)

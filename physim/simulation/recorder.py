@@ -87,7 +87,7 @@ class Recorder:
         self.scene: Scene = simulation.scene
         self.since = np.full(self.scene.robots, -1, dtype=np.int64)
         scene = self.scene
-        self.near = ClearanceFinder(scene.shapes, scene.walls, scene.wall_grid)
+        self.near = ClearanceFinder(scene.shapes, scene.wall_tree)
         self.least = np.full((2, scene.robots), np.inf)
         """[m] least distance of each robot from another, and from a wall, since the last recorded
         sample"""

@@ -17,9 +17,9 @@ import numpy as np
 from physim.compiled import is_cached
 from physim.errors import ControllerError, PhysimError, RecordError
 from physim.geometry.clearance import clearances
+from physim.geometry.path import Tracking
 from physim.geometry.shapes import read_only
 from physim.geometry.swept_contacts import find_swept_contacts
-from physim.geometry.tracking import Tracking
 from physim.parts.controller import Controller
 from physim.parts.declarations import kept_distance
 from physim.parts.registry import OBSERVER, check_part
@@ -294,7 +294,7 @@ def warm_up_motion(scene: Scene, controller: Controller | None = None) -> None:
     simulation = Simulation(scene, controller=controller)
     simulation.step(np.zeros((scene.robots, 2)))
     touch_a_wall(scene)
-    clearances(simulation.pose[None], scene.shapes, scene.walls, scene.wall_grid)
+    clearances(simulation.pose[None], scene.shapes, scene.wall_tree)
     # its record is followed in one go
     tracking = Tracking(scene.paths, scene.reference, scene.shapes.radius, read_only(scene.start))
     tracking.course(read_only(simulation.pose[None]))

@@ -21,7 +21,7 @@ from tests.oracles.view import Body, Cluster
 
 ModeSwitching = inside("physim.controllers", "ModeSwitching")
 ModeSwitchingSettings = inside("physim.controllers", "ModeSwitchingSettings")
-build_wall_grid, pack_parts = inside("physim.geometry", "build_wall_grid", "pack_parts")
+build_wall_tree, pack_parts = inside("physim.geometry", "build_wall_tree", "pack_parts")
 pack_polylines, read_only = inside("physim.geometry", "pack_polylines", "read_only")
 Declared, shared = inside("physim.parts", "Declared", "shared")
 observe, PerRobotAdapter = inside("physim.simulation", "observe", "PerRobotAdapter")
@@ -64,7 +64,7 @@ def scene_of(history: History) -> Scene:
         bodies=tuple(names),
         shapes=pack_parts([robot.parts for robot in robots]),
         walls=walls,
-        wall_grid=build_wall_grid(walls, cluster.range if np.isfinite(cluster.range) else 1e3, 2.0),
+        wall_tree=build_wall_tree(walls),
         mass=np.ones(n),
         limits=np.array([robot.limits for robot in robots]),
         start=np.array([robot.pose for robot in robots]),

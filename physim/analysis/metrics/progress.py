@@ -20,6 +20,7 @@ from physim.geometry.shapes import FloatArray, IntArray
 from physim.record import Record
 from physim.simulation.arrival import STILL_TIME, most_beside, still_distances
 from physim.tolerances import LENGTH
+from physim.world import Arrival
 
 Rows = NDArray[np.void]
 
@@ -208,12 +209,7 @@ def absent(record: Record) -> tuple[Absent, ...]:
 
 def arrival_tolerance(record: Record) -> float:
     """[m] by which a robot may be short of its stop station, or past it: the world's, or 0.1."""
-    tolerance = section(record, "arrival").get("tolerance")
-    if isinstance(tolerance, float) or (isinstance(tolerance, int) and abs(tolerance) < 2**63):
-        return float(tolerance)
-    from physim.world import Arrival
-
-    return Arrival().tolerance
+    return (section(record, "arrival", Arrival) or Arrival()).tolerance
 
 
 def ratio(part: NDArray[Any], whole: NDArray[Any]) -> Each | None:

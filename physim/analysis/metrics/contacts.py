@@ -33,7 +33,6 @@ from typing import Any
 import numpy as np
 
 from physim.analysis.metrics.distances import along_wall
-from physim.analysis.metrics.metric import section
 from physim.contacts import Kind, Phase, allowed_depth, touching
 from physim.errors import place_text
 from physim.geometry.motion import chord_velocity
@@ -205,8 +204,7 @@ def severity(
     if mass is None:
         return Severity(closing, sliding, None, None)
     changes = tuple(episode.impact / float(mass[i]) for i in (a, b) if i < record.robots)
-    given = section(record, "physics").get("elasticity")
-    elasticity = given if isinstance(given, int | float) else 0.0
+    elasticity = record.setting("physics", "elasticity", kind=float) or 0.0
     energy = 0.5 * (1.0 - elasticity) * episode.impact * closing
     return Severity(closing, sliding, changes, energy)
 
@@ -216,9 +214,8 @@ def masses(record: Record) -> FloatArray | None:
 
     A robot without a mass of its own has `DENSITY` over the area of its footprint.
     """
-    entries = record.world_settings.get("robots")
     given: list[Any] = []
-    for entry in entries if isinstance(entries, list) else ():
+    for entry in record.setting("robots", kind=list) or ():
         one = entry if isinstance(entry, dict) else {}
         count = one.get("count", 1)  # an entry with a count stands for many
         given += [one.get("mass")] * min(count if isinstance(count, int) else 1, record.robots)

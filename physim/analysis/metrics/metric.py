@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -116,9 +116,3 @@ class Metric:
                 return cls(name, unit, found.value, robots=found.robots)
             case _:
                 return cls(name, unit, found)
-
-
-def section(record: Record, name: str) -> Mapping[str, Any]:
-    """A section of the world inside a record, ``arrival``, say; empty where it has none."""
-    found = record.world_settings.get(name)
-    return found if isinstance(found, Mapping) else {}

@@ -6,7 +6,6 @@ world has a formation and more than one robot.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from math import sqrt
 from typing import Any, NamedTuple
 
@@ -214,7 +213,7 @@ def desired_leads(record: Record) -> FloatArray | None:
 
     None in a run without formation, or of a single robot.
     """
-    has_one = isinstance(record.world_settings.get("formation"), Mapping)
+    has_one = record.setting("formation", kind=dict) is not None
     return record.lead - record.lead.mean() if has_one and record.robots > 1 else None
 
 
@@ -223,10 +222,10 @@ def _neighbours(record: Record) -> tuple[FloatArray | None, float]:
 
     Raises RecordError where the world inside has something else there.
     """
-    plan, names = record.world_settings["formation"], record.names
-    neighbours, reach = plan.get("neighbours", "range"), plan.get("range", RANGE)
-    if not isinstance(reach, int | float):
-        raise RecordError(f"{record.where}: the world inside: formation.range is no number")
+    names = record.names
+    neighbours: Any = record.setting("formation", "neighbours") or "range"
+    reach = record.setting("formation", "range", kind=float)
+    reach = RANGE if reach is None else reach
     if neighbours == "range":
         return None, reach
     if neighbours == "all":

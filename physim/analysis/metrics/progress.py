@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from physim.analysis.metrics.metric import Each, Series, section
+from physim.analysis.metrics.metric import Each, Series
 from physim.errors import PhysimError
 from physim.geometry.shapes import FloatArray, IntArray
 from physim.record import Record
@@ -191,12 +191,10 @@ def absent(record: Record) -> tuple[Absent, ...]:
 
 def arrival_tolerance(record: Record) -> float:
     """[m] by which a robot may be short of its stop station, or past it: the world's, or 0.1."""
-    tolerance = section(record, "arrival").get("tolerance")
-    if isinstance(tolerance, float) or (isinstance(tolerance, int) and abs(tolerance) < 2**63):
-        return float(tolerance)
     from physim.world import Arrival
 
-    return Arrival().tolerance
+    tolerance = record.setting("arrival", "tolerance", kind=float)
+    return Arrival().tolerance if tolerance is None else tolerance
 
 
 def ratio(part: NDArray[Any], whole: NDArray[Any]) -> Each | None:

@@ -7,7 +7,6 @@ each), formation errors and formation energy (Figs. 2b, 7a; (9), (10)), speeds a
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from itertools import pairwise
 from typing import Any
 
@@ -235,11 +234,10 @@ def speeds(record: Record, paper: Paper = USUAL) -> Any:
             nothing(axis, f"no robot was under way for {WINDOW:.0f} s")
         return figure
     zero_line(above)
-    plan = record.world_settings.get("formation")
-    if isinstance(plan, Mapping):
-        limits = plan.get("limits")
-        for value in (*(limits if isinstance(limits, list) else ()), plan.get("speed")):
-            if isinstance(value, int | float) and not isinstance(value, bool):
+    if record.setting("formation") is not None:
+        speed = record.setting("formation", "speed", kind=float)
+        for value in (*(record.setting("formation", "limits", kind=list) or ()), speed):
+            if isinstance(value, int | float):
                 below.axhline(value, color=QUIET, linewidth=0.8, linestyle=(0, (5, 3)), zorder=1.5)
         words = "dashed: steady speed and limits of (7)"
         below.set_title(words, loc="right", fontsize=8.0, color=QUIET)

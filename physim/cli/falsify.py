@@ -68,7 +68,7 @@ def falsify(
       --whole-budget  go on after the first failure, for the severest
       --random  search at random, to compare with
       --shrink N  runs to shrink a failure with at most (500); 0 leaves it as found
-      --workers N  processes, 1 to 64 (as many as cores, at most 8); the result is the same
+      --workers N  processes (as many as cores, at most 8); the result is the same
       -o, --output DIR  output folder (default: falsified/NAME-SEED)
       --force  overwrite an earlier search in DIR
       --no-video  make no video

@@ -8,7 +8,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
-from physim.cli.options import Out, Output, Seeds, TeamSize, Words, Worlds, kind, real
+from physim.cli.options import Out, Output, Seeds, Words, Workers, Worlds, kind, real
 from physim.cli.progress import Bar
 from physim.cli.simulating import compile_once, tell
 from physim.errors import PhysimError, plural
@@ -45,7 +45,7 @@ def sweep(
     set: tuple[str, ...] = (),
     controller: Words = (),
     output: Output | None = None,
-    workers: TeamSize | None = None,
+    workers: Workers | None = None,
     scheduler: str | None = None,
     until: Annotated[Any, kind(goal)] = None,
     shard: Annotated[tuple[int, int], kind(shard)] = (1, 1),

@@ -356,8 +356,8 @@ class RecordWriter:
 
 def _packed(group: str, values: Any) -> dict[str, Any]:
     """Datasets of packed shapes or lines, those fields of theirs that a record keeps."""
-    kept = (path.rpartition("/") for path in layout.TABLE)
-    return {f"{group}/{field}": getattr(values, field) for at, _, field in kept if at == group}
+    mine = (path for path in layout.TABLE if path.startswith(f"{group}/"))
+    return {path: getattr(values, path.rpartition("/")[2]) for path in mine}
 
 
 def _rings(group: str, rings: Sequence[ArrayLike]) -> dict[str, Any]:

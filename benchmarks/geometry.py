@@ -14,7 +14,7 @@ import numpy as np
 from physim.geometry import collision_times, shortest_distances
 from physim.geometry.clearance import clearances
 from physim.geometry.shapes import Shapes, pack_parts
-from physim.geometry.wall_grid import build_wall_grid
+from physim.geometry.walls import build_wall_tree
 
 ROBOTS = 300
 ROUNDS = 5
@@ -68,8 +68,7 @@ def main() -> None:
     heading = 0.2 * np.cos(x / 15.0) + 0.1 * np.sin(t * i)
     group = pack_parts([[BOX]] * robots)
     poses = np.stack([x, y, heading], axis=2)
-    near = build_wall_grid(walls, 10.0, 2.0)
-    sample = best_time(clearances, poses, group, walls, near) / samples * 1e6
+    sample = best_time(clearances, poses, group, build_wall_tree(walls)) / samples * 1e6
     print(f"clearances        {sample:6.2f} us a sample of {robots} robots")
 
 

@@ -127,7 +127,7 @@ class Twin:
     def judge(self, world: World) -> Judged:
         """Judge a world that differs from that of the twin in its starts alone."""
         scene, poses = self.scene, self.poses(world)
-        found = clearances(poses, scene.shapes, scene.walls, scene.wall_grid)
+        found = clearances(poses, scene.shapes, scene.wall_tree)
         gap = np.minimum(found.clearance[:, 0], found.boundary_clearance[:, 0])
         finder, steps = SweptContactFinder(scene), list(locked(poses))
         between = np.concatenate(

@@ -7,50 +7,50 @@ collision time; ties, two infinities included, are settled by (5). A collision t
 ``horizon`` counts as infinite: under a short one (ten_robots: 4.5 s) all commands that are safe
 that long are equal in (13), and (5) decides among them.
 
-A smallest value is found by looking at few pairs: bounds say which of them can have it, and what
-lies behind all bounds is left out. Of a pair that does count the value is that of
-`physim.geometry`, whatever was found before. Candidates that have lost are left as soon as that is
-certain. So values and choices are those of plain loops over everything, bit for bit.
+Pairs whose discs are farther apart than the smallest value found are left out, and so are
+candidates that have lost. No choice depends on it.
 """
 
 from __future__ import annotations
 
-from math import cos, hypot, sin
+from math import cos, sin, sqrt
+from typing import NamedTuple
 
 import numpy as np
 
 from physim.compiled import compiled
-from physim.geometry.collision import bodies_time, never_near
-from physim.geometry.motion import Course, move
+from physim.geometry.collision import bodies_time
+from physim.geometry.motion import Course, facing_course, move
 from physim.geometry.separation import BOUND_MARGIN, body_gap, frame_from
-from physim.geometry.shapes import FloatArray
-from physim.geometry.time_bounds import discs_lasting, discs_meet, overlap_time
-from physim.geometry.wall_tree import seen_distance, seen_time
+from physim.geometry.shapes import FloatArray, IntArray
+from physim.geometry.walls import Sight, seen_distance, seen_time
 from physim.tolerances import TIE
 
-from .near_field import (
-    APART,
-    BOUND,
-    PASS,
-    PULL,
-    REFINED,
-    ROOM,
-    SPEED,
-    VX,
-    VY,
-    NearField,
-    X,
-    Y,
-    course_under,
-    held_course,
-    leeway,
-    note_passes,
-)
-from .path_following import comes_first, judge, single
+from .path_following import Aim, comes_first, judge, single
 from .priority import Bodies
 
-ROUNDING = 1e-9
-"""[-] A horizon must lie this far beyond the time that it must not cut off: its share, and [s]."""
+
+class NearField(NamedTuple):
+    """What one decision of the robot of row ``me`` looks at."""
+
+    me: int
+    """its row of `Bodies`"""
+    rows: IntArray
+    """(n,) rows of `Bodies` that it considers"""
+    sight: Sight
+    """the walls"""
+    keep: float
+    """1.0; 0.0 where collision times assume that nobody turns"""
+
+
+@compiled
+def course_under(bodies: Bodies, row: int, v: float, omega: float) -> Course:
+    """Course of a row of ``bodies`` under the command (v, omega)."""
+    pose, facing = bodies.pose, bodies.facing
+    radius = bodies.shapes.radius[bodies.shape[row]]
+    return facing_course(
+        pose[row, 0], pose[row, 1], facing[row, 0], facing[row, 1], v, omega, radius
+    )
 
 
 @compiled
@@ -61,9 +61,13 @@ def distance_to(
     """Signed distance (11) [m] of row ``me`` at ``pose`` and row j at ``there``.
 
     (c, s) are cosine and sine of the heading of ``pose``. Exact where it is below ``enough``;
-    otherwise some number from ``enough`` up to it.
+    otherwise some number from ``enough`` on.
     """
     shapes, mine, its = bodies.shapes, bodies.shape[me], bodies.shape[j]
+    dx, dy = there[0] - pose[0], there[1] - pose[1]
+    bound: float = sqrt(dx * dx + dy * dy) - shapes.radius[mine] - shapes.radius[its] - BOUND_MARGIN
+    if bound >= enough:
+        return bound
     first, start = shapes.body_start, shapes.part_start
     turned_c, turned_s, x, y = frame_from(pose, c, s, there)
     return body_gap(
@@ -78,14 +82,29 @@ def smallest_distance(bodies: Bodies, near: NearField) -> float:
     me, pose = near.me, bodies.pose
     c, s = bodies.facing[me, 0], bodies.facing[me, 1]
     smallest = np.inf
-    if near.nearest >= 0:
-        j = near.rows[near.nearest]
-        smallest = distance_to(bodies, me, pose[me], c, s, j, pose[j], smallest)  # (11)
-    for k in range(len(near.rows)):
-        if near.table[k, ROOM] < smallest and k != near.nearest:  # the discs are no farther
-            j = near.rows[k]
-            d = distance_to(bodies, me, pose[me], c, s, j, pose[j], smallest)  # (11)
-            smallest = min(smallest, d)
+    for j in near.rows:
+        d = distance_to(bodies, me, pose[me], c, s, j, pose[j], smallest)  # (11)
+        smallest = min(smallest, d)
+    return smallest
+
+
+@compiled
+def first_robot(
+    bodies: Bodies, near: NearField, mine: Course, horizon: float, enough: float
+) -> float:
+    """Smallest xi [s] by (11) of the considered robots, the robot being on course ``mine``.
+
+    ``enough`` is that of `smallest_time`.
+    """
+    shapes, shape, command = bodies.shapes, bodies.shape, bodies.command
+    smallest = np.inf
+    for j in near.rows:
+        theirs = course_under(bodies, j, command[j, 0], near.keep * command[j, 1])
+        until = min(smallest, horizon)
+        xi = bodies_time(shapes, shape[near.me], mine, shapes, shape[j], theirs, until)  # (11)
+        smallest = min(smallest, xi)
+        if smallest < enough:
+            break
     return smallest
 
 
@@ -103,79 +122,8 @@ def smallest_time(
     smallest = first_robot(bodies, near, mine, horizon, enough)
     if smallest < enough:
         return smallest
-    body, until = bodies.shape[near.me], beyond(smallest, horizon)
-    return min(smallest, seen_time(bodies.shapes, body, mine, near.sight, until))
-
-
-@compiled
-def beyond(smallest: float, horizon: float) -> float:
-    """Horizon [s] up to which there may be a time smaller than ``smallest``, and a little more."""
-    return min(horizon, smallest + ROUNDING * (1.0 + smallest))
-
-
-@compiled
-def first_robot(
-    bodies: Bodies, near: NearField, mine: Course, horizon: float, enough: float
-) -> float:
-    """Smallest xi [s] by (11) of the considered robots, the robot being on course ``mine``.
-
-    ``enough`` is that of `smallest_time`.
-    """
-    shapes, shape, table, listed = bodies.shapes, bodies.shape, near.table, near.listed
-    body = shape[near.me]
-    left = list_dangers(bodies, near, mine, horizon)
-    smallest = np.inf
-    while True:
-        least, at = smallest, -1
-        for m in range(left):
-            if table[listed[m], BOUND] < least:
-                least, at = table[listed[m], BOUND], m
-        if at < 0:
-            return smallest
-        k = listed[at]
-        its = shape[near.rows[k]]
-        theirs = held_course(bodies, near, k)
-        until = beyond(smallest, horizon)
-        if table[k, REFINED] == 0.0:
-            table[k, BOUND], table[k, REFINED] = discs_meet(mine, theirs, least, until), 1.0
-            continue
-        if least < enough:
-            sure = min(enough, until)
-            xi = overlap_time(shapes, body, mine, shapes, its, theirs, least, sure)
-            if xi < enough:
-                return xi
-        xi = bodies_time(shapes, body, mine, shapes, its, theirs, until)  # (11)
-        smallest = min(smallest, xi)
-        if smallest < enough:
-            return smallest
-        left -= 1
-        listed[at] = listed[left]
-
-
-@compiled
-def list_dangers(bodies: Bodies, near: NearField, mine: Course, horizon: float) -> int:
-    """List in ``near.listed`` which robots may be met up to the horizon, and return how many.
-
-    Each with a time in ``near.table`` before which it is not met.
-    """
-    table, listed = near.table, near.listed
-    pull, reach = mine.speed * abs(mine.turn), leeway(mine)
-    count = 0
-    for k in range(len(near.rows)):
-        if table[k, PASS] > reach:
-            continue
-        apart, room, pulls = table[k, APART], table[k, ROOM], pull + table[k, PULL]
-        closing = table[k, X] * (mine.vx - table[k, VX]) + table[k, Y] * (mine.vy - table[k, VY])
-        if pulls == 0.0 and room > 0.0 and room * apart > closing * horizon:
-            continue
-        if never_near(mine, held_course(bodies, near, k), horizon):
-            continue
-        bound = discs_lasting(room, closing / apart, pulls) if room > 0.0 else 0.0
-        if bound <= horizon:
-            table[k, BOUND], table[k, REFINED] = bound, 0.0
-            listed[count] = k
-            count += 1
-    return count
+    until = min(smallest, horizon)
+    return min(smallest, seen_time(bodies.shapes, bodies.shape[near.me], mine, near.sight, until))
 
 
 @compiled
@@ -186,33 +134,22 @@ def distance_after(
     pair: FloatArray,
     period: float,
     poses: FloatArray,
-    end: FloatArray,
     enough: float,
 ) -> float:
     """Smallest distance [m] after ``period`` under the speed pair ``pair``.
 
-    ``poses`` (n, 3) of the considered robots then; those not yet known are NaN, and are filled in.
-    ``end`` (3,) receives the robot's own. As soon as the value is below ``enough`` the rest is
+    ``poses`` (n + 1, 3) of the considered robots then; those not yet known are NaN, and are filled
+    in. The last row is for the robot's own. As soon as the value is below ``enough`` the rest is
     left out.
     """
-    me, pose, command, radius = near.me, bodies.pose, bodies.command, bodies.shapes.radius
+    me, pose, command, end = near.me, bodies.pose, bodies.command, poses[-1]
     move(pose[me], pair[0], pair[1], period, end)
     c, s = cos(end[2]), sin(end[2])
-    mine = radius[bodies.shape[me]]
-    reach = abs(pair[0]) * period
     smallest = np.inf
-    for step in range(-1, len(near.rows)):
-        k = near.nearest if step < 0 else step
-        if k < 0 or (k == near.nearest and step >= 0):
-            continue
-        if near.table[k, ROOM] - reach - near.table[k, SPEED] * period >= smallest:
-            continue
+    for k in range(len(near.rows)):
         j = near.rows[k]
         if np.isnan(poses[k, 0]):
             move(pose[j], command[j, 0], command[j, 1], period, poses[k])
-        gap = hypot(poses[k, 0] - end[0], poses[k, 1] - end[1])
-        if gap - mine - radius[bodies.shape[j]] - BOUND_MARGIN >= smallest:
-            continue
         d = distance_to(bodies, me, end, c, s, j, poses[k], smallest)  # (11)
         smallest = min(smallest, d)
         if smallest < enough:
@@ -230,23 +167,21 @@ def widest_pair(
     pairs: FloatArray,
     walls_count: bool,
     period: float,
-    judge_ahead: float,
-    tx: float,
-    ty: float,
+    aim: Aim,
 ) -> int:
     """Index of the speed pair with the largest smallest distance after ``period`` (12).
 
     Other robots move on under their held commands. ``walls_count``: whether the boundaries do.
     """
-    poses, end = np.full((len(near.rows), 3), np.nan), np.empty(3)
+    poses = np.full((len(near.rows) + 1, 3), np.nan)
     dwell, pose = single(period), bodies.pose[near.me]
     best, widest, best_value = 0, -np.inf, (np.inf, np.inf, np.inf)
     for c in range(len(pairs)):
         enough = widest - TIE
-        width = distance_after(bodies, near, walls_count, pairs[c], period, poses, end, enough)
+        width = distance_after(bodies, near, walls_count, pairs[c], period, poses, enough)
         if width < enough:
             continue
-        value = judge(pose, pairs[c : c + 1], dwell, judge_ahead, tx, ty)
+        value = judge(pose, pairs[c : c + 1], dwell, aim)
         if width > widest + TIE or comes_first(value, best_value):  # (12)
             best, widest, best_value = c, width, value
     return best
@@ -261,30 +196,22 @@ def longest_pair(
     known_time: float,
     horizon: float,
     period: float,
-    judge_ahead: float,
-    tx: float,
-    ty: float,
+    aim: Aim,
 ) -> tuple[int, float]:
     """Index of the speed pair with the largest smallest collision time (13), and that time.
 
     ``known_time`` is that of the speed pair ``known``, which may be one of ``pairs``.
     """
     dwell, pose = single(period), bodies.pose[near.me]
-    note_passes(bodies, near, horizon)
-    # What loses by more than all ties together could move the choice cannot take part in it.
-    hopeless = -np.inf
-    for c in range(len(pairs)):
-        if pairs[c, 0] == known[0] and pairs[c, 1] == known[1]:
-            hopeless = known_time - 2.0 * len(pairs) * TIE - ROUNDING
     best, longest, best_value = 0, -np.inf, (np.inf, np.inf, np.inf)
     for c in range(len(pairs)):
-        enough = max(longest - TIE, hopeless)
+        enough = longest - TIE
         xi = known_time
         if pairs[c, 0] != known[0] or pairs[c, 1] != known[1]:
             xi = smallest_time(bodies, near, pairs[c], horizon, enough)
         if xi < enough:
             continue
-        value = judge(pose, pairs[c : c + 1], dwell, judge_ahead, tx, ty)
+        value = judge(pose, pairs[c : c + 1], dwell, aim)
         if xi > longest + TIE or comes_first(value, best_value):  # (13)
             best, longest, best_value = c, xi, value
     return best, longest

@@ -15,8 +15,9 @@ from numpy.typing import NDArray
 
 from physim.compiled import compiled, direct
 from physim.geometry.motion import facings
+from physim.geometry.neighbours import put_in_order
 from physim.geometry.shapes import FloatArray, IntArray, Polylines, Shapes
-from physim.geometry.wall_tree import Sight, WallTree, build_wall_tree
+from physim.geometry.walls import Sight, WallTree
 from physim.parts.controller import Decisions, Sensed
 from physim.world.scene import Scene
 
@@ -108,20 +109,12 @@ def longer(values: IntArray, length: int) -> IntArray:
 @compiled
 def own_speed(cluster: Cluster, ranking: Ranking, bodies: Bodies, me: int) -> float:
     """Forward speed of row ``me`` [m/s] by (7)."""
-    number, station = bodies.number, bodies.station
-    top_speed = cluster.top_speed[number[me]]
+    number, station, reach = bodies.number, bodies.station, cluster.formation_range
     if cluster.adjacency.shape[0] > 0:
-        return speed_as_listed(cluster, bodies, me)
-    rows = ranking.rows[: within_by_rank(me, ranking, cluster.formation_range)]
-    return forward_speed(cluster.speed_rule, top_speed, me, number, rows, station, cluster.lead)
-
-
-@compiled
-def speed_as_listed(cluster: Cluster, bodies: Bodies, me: int) -> float:
-    """`own_speed` where the world lists who is whose neighbour."""
-    number, station = bodies.number, bodies.station
+        rows = formation_neighbours(me, number, station, cluster.adjacency, reach)
+    else:
+        rows = ranking.rows[: within_by_rank(me, ranking, station, reach)]
     top_speed = cluster.top_speed[number[me]]
-    rows = formation_neighbours(me, number, station, cluster.adjacency, cluster.formation_range)
     return forward_speed(cluster.speed_rule, top_speed, me, number, rows, station, cluster.lead)
 
 
@@ -145,7 +138,7 @@ def decide_row(
     """
     me, pose, reach = row_of(bodies.number, i), bodies.pose, cluster.reach
     nu = own_speed(cluster, ranking, bodies, me)
-    near = ranking.rows[: considered_by_rank(me, ranking, pose, reach)]
+    near = ranking.rows[: considered_by_rank(me, ranking, pose, bodies.station, reach)]
     own = EgoState(
         me,
         i,
@@ -220,6 +213,7 @@ def decide_all(
             listed = longer(listed, start[k + 1])
         for m in range(looked_at):
             listed[start[k] + m] = number[ranking.rows[m]]
+        put_in_order(listed[start[k] : start[k + 1]], looked_at)
     return Decided(
         out.command, out.hold, out.mode, out.rule, out.report, listed[: start[-1]], start
     )
@@ -236,7 +230,7 @@ class ModeSwitchingBatch:
         stretches = [np.reshape(s, (-1, 2)) for s in scene.outside]
         self.cluster = Cluster(
             shapes=scene.shapes,
-            walls=build_wall_tree(scene.walls),
+            walls=scene.wall_tree,
             paths=scene.paths,
             stop_station=scene.stop_station,
             outside=np.concatenate(stretches),
@@ -253,7 +247,7 @@ class ModeSwitchingBatch:
         )
         nearest = np.full(scene.robots, -1)
         pairs = np.diff(self.cluster.speeds.start) * np.diff(self.cluster.omegas.start)
-        room = room_for(scene.robots, int(pairs.max()), len(self.rules.dwell))
+        room = room_for(int(pairs.max()), len(self.rules.dwell))
         ranking = ranking_of(scene.robots)
         self._decide = direct(decide_all)
         self._kept = kept((self.cluster, self.rules, ranking, nearest, room))

@@ -32,15 +32,22 @@ from physim.errors import Fault, Location
 from physim.geometry.motion import Course, facings
 from physim.geometry.path import path_length, point_at
 from physim.geometry.shapes import FloatArray, IntArray, Polylines, pack_parts
-from physim.geometry.wall_tree import Sight, build_wall_tree, seen_distance, seen_time
+from physim.geometry.walls import Sight, build_wall_tree, seen_distance, seen_time
 from physim.parts.controller import BatchController, Decision, Observation
 from physim.parts.declarations import PAPER_MODES, STANDARD_COLUMNS, Rule
 from physim.world.scene import Scene
 
-from .avoidance import first_robot, longest_pair, smallest_distance, smallest_time, widest_pair
+from .avoidance import (
+    NearField,
+    course_under,
+    first_robot,
+    longest_pair,
+    smallest_distance,
+    smallest_time,
+    widest_pair,
+)
 from .formation import SpeedRule, forward_speed
-from .near_field import COLUMNS, NearField, course_under, look_about
-from .path_following import judging_time, put_best_plan, put_pairs, target_on_path
+from .path_following import Aim, judging_time, put_best_plan, put_pairs, target_on_path
 from .priority import Bodies, considered
 from .safe_area import is_outside, safe_target
 from .settings import ModeSwitchingSettings, Rules
@@ -112,21 +119,11 @@ class Room(NamedTuple):
     """(1,) the speed, as a multiple of nu, of a robot that leaves it to (7): 1"""
     plan: FloatArray
     """(m, 2)"""
-    table: FloatArray
-    """(N, COLUMNS) see `NearField`"""
-    listed: IntArray
-    """(N,)"""
 
 
-def room_for(robots: int, pairs: int, dwells: int) -> Room:
-    """Room for so many robots and speed pairs, and plans of ``dwells`` pairs."""
-    return Room(
-        np.empty((pairs, 2)),
-        np.ones(1),
-        np.empty((dwells, 2)),
-        np.empty((robots, COLUMNS)),
-        np.empty(robots, dtype=np.int64),
-    )
+def room_for(pairs: int, dwells: int) -> Room:
+    """Room for so many speed pairs, and plans of ``dwells`` pairs."""
+    return Room(np.empty((pairs, 2)), np.ones(1), np.empty((dwells, 2)))
 
 
 @compiled
@@ -159,17 +156,16 @@ def decide_one(
         own.sight, (x, y), (ax, ay), outside, position, rules.look_ahead, rules.safe_distance
     )  # fmt: skip
 
-    judge_ahead = judging_time(rules.judge_ahead, length - own.station, own.nu)
+    aim = Aim(tx, ty, judging_time(rules.judge_ahead, length - own.station, own.nu))
     keep = 0.0 if rules.translation_only else 1.0
-    nearest = look_about(bodies, me, rows, keep, room.table)
-    near = NearField(me, rows, room.table, nearest, own.sight, room.listed, keep)
+    near = NearField(me, rows, own.sight, keep)
     distance = smallest_distance(bodies, near)
     boundary = seen_distance(bodies.shapes, bodies.shape[me], pose[me], own.sight)
     dwell, plan = memory.dwell, memory.plan
     if dwell == 0:
         speeds = room.forward if own.forward_only else own.speeds
         choice = room.pairs[: put_pairs(speeds, own.nu, own.omegas, room.pairs)]
-        put_best_plan(pose[me], choice, rules.dwell, judge_ahead, tx, ty, room.plan, plan)  # (5)
+        put_best_plan(pose[me], choice, rules.dwell, aim, room.plan, plan)  # (5)
     pair = plan[dwell]
     xi = smallest_time(bodies, near, pair, rules.horizon, -1.0)
     evaluations = len(rows) + 1
@@ -190,15 +186,12 @@ def decide_one(
         if mode == DISTANCE:
             walls_count = boundary < rules.safe_distance
             rule = WIDEST
-            best = widest_pair(
-                bodies, near, pairs, walls_count, rules.update_period, judge_ahead, tx, ty
-            )
+            best = widest_pair(bodies, near, pairs, walls_count, rules.update_period, aim)
         else:
             rule = LONGEST
             best, xi = longest_pair(
-                bodies, near, pairs, pair, xi, rules.horizon, rules.update_period, judge_ahead,
-                tx, ty,
-            )  # fmt: skip
+                bodies, near, pairs, pair, xi, rules.horizon, rules.update_period, aim
+            )
             evaluations += len(pairs) * (len(rows) + 1)
         pair = pairs[best]
         if mode == DISTANCE:
@@ -293,6 +286,11 @@ class ModeSwitching:
             *safe_area_doubts(settings, world, where),
         ]
 
+    def kept_from_walls(self) -> tuple[str, float]:
+        """Setting by which danger mode keeps off walls, and how near [m]."""
+        is_kept = self.settings.avoidance != "none"
+        return "boundary_low", self.settings.boundary_low if is_kept else 0.0
+
     def decide(self, observation: Observation, memory: Any) -> Decision:
         """Decide for one robot from what it sees; ``memory`` is None or a `Memory`."""
         o = observation
@@ -330,7 +328,7 @@ class ModeSwitching:
         report = np.empty(len(STANDARD_COLUMNS))
         v, omega, hold, mode, made_by, dwell, looked_at = decide_one(
             bodies, rows, own, o.path.lines, self._rules, memory,
-            room_for(len(pose), len(own.speeds) * len(own.omegas), dwells), report,
+            room_for(len(own.speeds) * len(own.omegas), dwells), report,
         )  # fmt: skip
         columns = (column.name for column in STANDARD_COLUMNS)
         return Decision(

@@ -14,6 +14,7 @@ then by the order of the sets.
 from __future__ import annotations
 
 from math import atan2, cos, hypot, sin
+from typing import NamedTuple
 
 import numpy as np
 
@@ -22,6 +23,16 @@ from physim.geometry.motion import arc
 from physim.geometry.path import path_length, point_at
 from physim.geometry.shapes import FloatArray, Polylines
 from physim.tolerances import TIE
+
+
+class Aim(NamedTuple):
+    """Where a plan is to lead."""
+
+    x: float
+    """[m] of the target"""
+    y: float
+    ahead: float
+    """[s] how far ahead a plan is judged"""
 
 
 @compiled
@@ -111,11 +122,12 @@ def plan_end(
 
 @compiled
 def judge(
-    pose: FloatArray, plan: FloatArray, dwell: FloatArray, judge_ahead: float, tx: float, ty: float
+    pose: FloatArray, plan: FloatArray, dwell: FloatArray, aim: Aim
 ) -> tuple[float, float, float]:
     """What (5) and its tie-breaks look at, smaller is better: distance, heading error, |omega|."""
-    x, y, heading = plan_end(pose, plan, dwell, judge_ahead)
-    return hypot(tx - x, ty - y), heading_error(x, y, heading, tx, ty), abs(plan[0, 1])
+    x, y, heading = plan_end(pose, plan, dwell, aim.ahead)
+    error = heading_error(x, y, heading, aim.x, aim.y)
+    return hypot(aim.x - x, aim.y - y), error, abs(plan[0, 1])
 
 
 @compiled
@@ -130,17 +142,10 @@ def comes_first(a: tuple[float, float, float], b: tuple[float, float, float]) ->
 
 
 @compiled
-def best_plan(
-    pose: FloatArray,
-    pairs: FloatArray,
-    dwell: FloatArray,
-    judge_ahead: float,
-    tx: float,
-    ty: float,
-) -> FloatArray:
+def best_plan(pose: FloatArray, pairs: FloatArray, dwell: FloatArray, aim: Aim) -> FloatArray:
     """Plan (m, 2) that ends nearest to the target (5), out of every sequence of ``pairs``."""
     best = np.empty((len(dwell), 2))
-    put_best_plan(pose, pairs, dwell, judge_ahead, tx, ty, np.empty((len(dwell), 2)), best)
+    put_best_plan(pose, pairs, dwell, aim, np.empty((len(dwell), 2)), best)
     return best
 
 
@@ -149,13 +154,12 @@ def put_best_plan(
     pose: FloatArray,
     pairs: FloatArray,
     dwell: FloatArray,
-    judge_ahead: float,
-    tx: float,
-    ty: float,
+    aim: Aim,
     plan: FloatArray,
     best: FloatArray,
 ) -> None:
     """Write `best_plan` into ``best`` (m, 2); ``plan`` (m, 2) is room for the others."""
+    tx, ty = aim.x, aim.y
     count, length = len(pairs), len(dwell)
     best_end, best_gap = (0.0, 0.0, 0.0), np.inf
     for code in range(count**length):
@@ -164,7 +168,7 @@ def put_best_plan(
             pair = digits % count
             plan[k, 0], plan[k, 1] = pairs[pair, 0], pairs[pair, 1]
             digits //= count
-        end = plan_end(pose, plan, dwell, judge_ahead)
+        end = plan_end(pose, plan, dwell, aim.ahead)
         gap = hypot(tx - end[0], ty - end[1])
         if gap > best_gap + TIE:
             continue

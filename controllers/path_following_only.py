@@ -14,7 +14,7 @@ from physim.errors import Fault, Location
 from physim.parts.controller import Decision, Observation
 from physim.parts.declarations import AT_STOP, SAFE, STANDARD_COLUMNS, Rule
 
-from .path_following import best_plan, judging_time, speed_pairs
+from .path_following import Aim, best_plan, judging_time, speed_pairs
 from .settings import ModeSwitchingSettings, PathFollowingSettings
 from .world_checks import omega_faults, speed_doubts, speed_faults, stop_doubts
 
@@ -68,7 +68,7 @@ class PathFollowing:
         dwell = np.array([rules.update_period])
         left = observation.path.length - observation.station
         ahead = judging_time(rules.judge_ahead, left, nu)
-        plan = best_plan(observation.pose, pairs, dwell, ahead, x, y)
+        plan = best_plan(observation.pose, pairs, dwell, Aim(x, y, ahead))
         v, omega = plan[0]
         return Decision(
             v, omega, hold=rules.update_period, mode=SAFE, rule="path_following",

@@ -19,7 +19,7 @@ from math import hypot
 from physim.compiled import compiled
 from physim.geometry.safe_point import nearest_safe_point, roomiest_point
 from physim.geometry.shapes import FloatArray
-from physim.geometry.wall_tree import Sight, all_seen, comes_near, parts_seen
+from physim.geometry.walls import Sight, all_seen, comes_near, parts_seen
 from physim.tolerances import LENGTH
 
 NEAR = 1.5

@@ -31,7 +31,6 @@ from physim.world.file import load_world, parse_world
 from tests.helpers import inside
 
 pack_parts, read_only = inside("physim.geometry", "pack_parts", "read_only")
-build_wall_grid = inside("physim.geometry", "build_wall_grid")
 BatchCapable, Declared = inside("physim.parts", "BatchCapable", "Declared")
 CONTROLLER, controller_names = inside("physim.parts", "CONTROLLER", "controller_names")
 make_part, everybody, shared = inside("physim.parts", "make_part", "everybody", "shared")

@@ -5,7 +5,9 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from physim.analysis.metrics import Figures
+from physim.analysis.metrics.metric import section
 from physim.record import Record
+from physim.world import Expectation
 
 Figure = bool | float | int | None
 
@@ -51,7 +53,7 @@ def expectations(record: Record) -> list[Held]:
     does not hold then. A distance that a run does not have (one robot, no walls) holds any bound.
     """
     cut = record.ended in ("running", "interrupted") and record.steps_run < record.steps_planned
-    run = Figures(record)
+    run, wanted = Figures(record), section(record, "expect", Expectation) or Expectation()
     found: dict[str, Figure] = {
         "contacts": len(run.episodes) + len(run.grazes),
         "min_distance": run.value("shortest_distance"),
@@ -61,8 +63,7 @@ def expectations(record: Record) -> list[Held]:
     }
     held = []
     for key, got in found.items():
-        kind = bool if key == "finished" else float
-        if (bound := record.setting("expect", key, kind=kind)) is None:
+        if (bound := getattr(wanted, key)) is None:
             continue
         if key == "finished":
             holds = got is bound

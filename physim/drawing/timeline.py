@@ -18,7 +18,7 @@ from physim.drawing.scene_model import SceneModel
 from physim.errors import RecordError
 from physim.geometry.clearance import ClearanceFinder
 from physim.geometry.shapes import FloatArray, IntArray
-from physim.geometry.wall_grid import build_wall_grid
+from physim.geometry.walls import build_wall_tree
 from physim.parts.declarations import NO_NUMBER
 from physim.record import check_record
 
@@ -32,8 +32,6 @@ NO_ROW = -1
 COARSE = 0.1
 """[s] between two samples from which on a picture shows the sample before, and that sample's time:
 the clock has so many seconds, and all of a picture is of one moment"""
-REACH, CELL = 10.0, 2.0
-"""[m] of the look-up of walls: a matter of speed, not of values"""
 MOST_POSES = 100_000
 """whose distances are worked out in one go"""
 
@@ -218,7 +216,7 @@ class Timeline:
     @cached_property
     def _finder(self) -> ClearanceFinder:
         walls = self.record.walls
-        return ClearanceFinder(self.record.shapes, walls, build_wall_grid(walls, REACH, CELL))
+        return ClearanceFinder(self.record.shapes, build_wall_tree(walls))
 
     @cached_property
     def distances(self) -> Curves:

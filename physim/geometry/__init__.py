@@ -9,15 +9,12 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from physim.geometry.encounters import (
-        CertifiedTime,
-        collision_time_certified,
-        contact_intervals,
-    )
     from physim.geometry.queries import (
+        CertifiedTime,
         Separation,
         closest_points,
         collision_time,
+        collision_time_certified,
         collision_times,
         pack_shapes,
         polyline,
@@ -35,7 +32,6 @@ __all__ = [
     "collision_time",
     "collision_time_certified",
     "collision_times",
-    "contact_intervals",
     "pack_shapes",
     "polyline",
     "shortest_distance",
@@ -44,14 +40,13 @@ __all__ = [
 ]
 
 HOMES = {
-    "CertifiedTime": "physim.geometry.encounters",
+    "CertifiedTime": "physim.geometry.queries",
     "Separation": "physim.geometry.queries",
     "Shapes": "physim.geometry.shapes",
     "closest_points": "physim.geometry.queries",
     "collision_time": "physim.geometry.queries",
-    "collision_time_certified": "physim.geometry.encounters",
+    "collision_time_certified": "physim.geometry.queries",
     "collision_times": "physim.geometry.queries",
-    "contact_intervals": "physim.geometry.encounters",
     "pack_shapes": "physim.geometry.queries",
     "polyline": "physim.geometry.queries",
     "shortest_distance": "physim.geometry.queries",

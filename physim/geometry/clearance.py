@@ -1,8 +1,6 @@
 """Clearances of many samples: nearest robot, nearest wall, farthest pair. For monitoring.
 
-Values are exact: discs inside and around the shapes only leave out pairs that cannot win, and the
-list of walls near a robot is used only while it provably holds the nearest one. A sample's values
-do not depend on the samples before it.
+Values are exact, and a sample's values do not depend on the samples before it.
 """
 
 from __future__ import annotations
@@ -12,18 +10,16 @@ from typing import NamedTuple
 import numpy as np
 
 from physim.compiled import compiled
-from physim.geometry.farthest import farthest_pair
-from physim.geometry.nearest_robots import (
+from physim.geometry.neighbours import (
     Neighbours,
-    Pairs,
+    bounding_discs,
+    farthest_pair,
     nearest_others,
     neighbours,
-    no_pairs,
+    set_frames,
 )
-from physim.geometry.nearest_wall import WallLists, empty_lists, nearest_parts
-from physim.geometry.robot_frames import bounding_discs, set_frames
 from physim.geometry.shapes import FloatArray, IntArray, Shapes, locked, part_bodies
-from physim.geometry.wall_grid import WallGrid
+from physim.geometry.walls import Sight, WallTree, nearest_seen
 
 
 class Clearances(NamedTuple):
@@ -45,27 +41,14 @@ class Clearances(NamedTuple):
     """(B,)"""
 
 
-class Known(NamedTuple):
-    """What is known from the samples before."""
-
-    robots: Neighbours
-    walls: WallLists
-
-
 class ClearanceFinder:
     """Finds clearances of one run, block by block; what it learns of a block speeds up the next."""
 
-    def __init__(self, shapes: Shapes, walls: Shapes, wall_grid: WallGrid) -> None:
+    def __init__(self, shapes: Shapes, wall_tree: WallTree) -> None:
         robots = len(shapes.body_start) - 1
         # Read-only, whoever asks: for arrays that may be written to, kernels are compiled anew.
-        self._world = (
-            locked(shapes),
-            locked(walls),
-            locked(wall_grid),
-            locked(part_bodies(walls)),
-        )
-        self._known: Known | None = None
-        self._pairs = no_pairs(8 * robots)
+        self._world = (locked(shapes), locked(wall_tree), locked(part_bodies(wall_tree.walls)))
+        self._known = neighbours(robots), np.full(robots, -1)
         self.measured = 0
         """distances of two robots that were worked out for ``clearance``, over all blocks"""
 
@@ -81,55 +64,46 @@ class ClearanceFinder:
             np.empty(samples, dtype=np.int64),
             np.empty(samples, dtype=np.int64),
         )
-        if not samples:
-            return out
-        if self._known is None:
-            self._known = Known(neighbours(poses[0]), empty_lists(robots))
         poses = locked(np.ascontiguousarray(poses))
-        self._pairs, measured = fill(poses, *self._world, self._known, self._pairs, out)
-        self.measured += measured
+        self.measured += fill(poses, *self._world, *self._known, out)
         return out
 
 
-def clearances(poses: FloatArray, shapes: Shapes, walls: Shapes, wall_grid: WallGrid) -> Clearances:
+def clearances(poses: FloatArray, shapes: Shapes, wall_tree: WallTree) -> Clearances:
     """Work out the clearances of poses (B, N, 3) of the N robots in ``shapes``."""
-    return ClearanceFinder(shapes, walls, wall_grid).find(poses)
+    return ClearanceFinder(shapes, wall_tree).find(poses)
 
 
 @compiled
 def fill(
     poses: FloatArray,
     shapes: Shapes,
-    walls: Shapes,
-    wall_grid: WallGrid,
+    wall_tree: WallTree,
     part_body: IntArray,
-    known: Known,
-    pairs: Pairs,
+    known: Neighbours,
+    nearest_wall: IntArray,
     out: Clearances,
-) -> tuple[Pairs, int]:
+) -> int:
     """Write `clearances` into ``out``; ``part_body`` (P,) names the body of each wall part.
 
-    Returns ``pairs`` for the next block, and how many distances of two robots were worked out for
-    ``clearance``.
+    ``known`` and ``nearest_wall`` (N,) go from block to block. Returns how many distances of two
+    robots were worked out for ``clearance``.
     """
     robots = poses.shape[1]
     discs = bounding_discs(shapes)
     frame = np.empty((robots, 6))
     spread, rim = np.empty(robots), np.empty(robots, dtype=np.int64)
-    part = np.empty(robots, dtype=np.int64)
+    sight = Sight(wall_tree, 0.0, 0.0, np.inf, nearest_wall)
     measured = 0
     for b in range(len(poses)):
-        pose = poses[b]
-        set_frames(pose, discs, frame)
-        pairs, count = nearest_others(
-            shapes, discs, pose, frame, known.robots, pairs, out.clearance[b], out.other[b]
-        )
-        measured += count
+        set_frames(poses[b], discs, frame)
+        measured += nearest_others(shapes, discs, frame, known, out.clearance[b], out.other[b])
         out.farthest[b], out.farthest_a[b], out.farthest_b[b] = farthest_pair(
             shapes, discs, frame, spread, rim
         )
-        gap = out.boundary_clearance[b]
-        nearest_parts(shapes, pose, frame, walls, wall_grid, known.walls, gap, part)
         for i in range(robots):
-            out.boundary_other[b, i] = robots + part_body[part[i]] if part[i] >= 0 else -1
-    return pairs, measured
+            x, y, c, s = frame[i, 0], frame[i, 1], frame[i, 2], frame[i, 3]
+            gap, part = nearest_seen(shapes, i, x, y, c, s, sight)
+            out.boundary_clearance[b, i] = gap
+            out.boundary_other[b, i] = robots + part_body[part] if part >= 0 else -1
+    return measured

@@ -307,37 +307,3 @@ def face_step(
         best = max(best, found)
         most = min(most, 3.0 * best)
     return best
-
-
-@compiled
-def faces_last(
-    P: FloatArray, p0: int, p1: int, Q: FloatArray, q0: int, q1: int, r: Relative, level: float
-) -> float:
-    """Return a time [s] for which no edge normal of P shows a gap of more than ``level``."""
-    best = 0.0
-    most = np.inf
-    if r.spin != 0.0:
-        most = math.pi / abs(r.spin)
-    for _ in range(2):
-        lasts = np.inf
-        k = p1 - 1
-        for m in range(p0, p1):
-            ex = P[m, 0] - P[k, 0]
-            ey = P[m, 1] - P[k, 1]
-            size = math.sqrt(ex * ex + ey * ey)
-            k = m
-            if size == 0.0:
-                continue
-            # One vertex below the edge is enough; the best is the one that stays there longest.
-            longest = 0.0
-            for j in range(q0, q1):
-                h, rate, reach = above(P, m, ey / size, -ex / size, Q, j, r)
-                if h < level:
-                    curve = bend(r, reach, most) if r.spin != 0.0 else bend(r, 0.0, 0.0)
-                    longest = max(longest, lasting(level - h, -rate, curve))
-            lasts = min(lasts, longest)
-        best = max(best, min(lasts, most))
-        most = min(most, 3.0 * best)
-        if r.spin == 0.0:
-            break
-    return best

@@ -173,6 +173,12 @@ def along_course(course: Course, t: float) -> tuple[float, float, float, float, 
     return x, y, turned_c * c - turned_s * s, turned_s * c + turned_c * s, vx, vy
 
 
+def pose_along(course: Course, t: float) -> FloatArray:
+    """Pose (3,) of a course after time t [s]."""
+    x, y, c, s, _, _ = along_course(course, t)
+    return np.array([x, y, math.atan2(s, c)])
+
+
 @compiled
 def moves_straight(a: Course, b: Course) -> bool:
     """Whether both bodies keep their headings and directions."""

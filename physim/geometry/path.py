@@ -18,32 +18,48 @@ from math import hypot, tan
 import numpy as np
 
 from physim.compiled import compiled
-from physim.geometry.shapes import FloatArray, Polylines, locked, pack_polylines
+from physim.geometry.shapes import (
+    FloatArray,
+    IntArray,
+    Polylines,
+    joined_polylines,
+    locked,
+    pack_polylines,
+    read_only,
+)
 
 SHARPEST_TURN = 2.6
 """[rad] Beyond this (150 degrees) a mitred corner of a road would reach four half-widths out."""
 CORNER = 2.0 * tan(0.5 * SHARPEST_TURN)
 """[-] way along a path over the distance from it, between the two points nearest to a robot on the
 inside of its sharpest turn"""
+SHORTEST_WINDOW = 1.0
+"""[m] A projection may move at least this far along the path between two steps."""
+MORE = 1.0 + 1e-9
+"""[-] A square larger by this is one of a larger distance, whatever rounding does to both."""
+TINY = 1e-290
+"""[m^2] below which squares are no longer known to a share of themselves"""
 
 
 @compiled
 def path_length(lines: Polylines, k: int) -> float:
     """Length [m] of polyline k."""
-    return float(lines.station[lines.start[k + 1] - 1])
+    return float(lines.row[lines.start[k + 1] - 1, 4])
 
 
 @compiled
-def segment_at(lines: Polylines, k: int, station: float) -> int:
-    """Index of the first point of the segment of polyline k that holds a station (clamped)."""
-    low, high = lines.start[k], lines.start[k + 1] - 2
-    while low < high:
-        middle = (low + high + 1) // 2
-        if lines.station[middle] <= station:
-            low = middle
-        else:
-            high = middle - 1
-    return int(low)
+def segment_at(lines: Polylines, k: int, station: float, near: int) -> int:
+    """Row of the segment of polyline k that holds a station (clamped), sought from row ``near``.
+
+    A row that does not belong to it stands for its first.
+    """
+    row, first, last = lines.row, lines.start[k], lines.start[k + 1] - 2
+    a = near if first <= near <= last else first
+    while a < last and row[a + 1, 4] <= station:
+        a += 1
+    while a > first and row[a, 4] > station:
+        a -= 1
+    return int(a)
 
 
 @compiled
@@ -52,22 +68,48 @@ def point_at(lines: Polylines, k: int, station: float) -> tuple[float, float, fl
 
     Before the first waypoint it is the first, past the last it is the last.
     """
-    a = segment_at(lines, k, station)
-    length = lines.station[a + 1] - lines.station[a]
-    tx = (lines.points[a + 1, 0] - lines.points[a, 0]) / length
-    ty = (lines.points[a + 1, 1] - lines.points[a, 1]) / length
-    along = min(max(station - lines.station[a], 0.0), length)
-    return lines.points[a, 0] + along * tx, lines.points[a, 1] + along * ty, tx, ty
+    row, low, high = lines.row, lines.start[k], lines.start[k + 1] - 2
+    while low < high:
+        middle = (low + high + 1) // 2
+        if row[middle, 4] <= station:
+            low = middle
+        else:
+            high = middle - 1
+    tx, ty = row[low, 2], row[low, 3]
+    along = min(max(station - row[low, 4], 0.0), row[low, 5])
+    return row[low, 0] + along * tx, row[low, 1] + along * ty, tx, ty
 
 
 @compiled
-def left_of_both(lines: Polylines, a: int, b: int, ox: float, oy: float) -> bool:
-    """Whether (ox, oy) from the waypoint between segments a and b is left of both together."""
-    p, s = lines.points, lines.station
-    one, other = s[a + 1] - s[a], s[b + 1] - s[b]
-    tx = (p[a + 1, 0] - p[a, 0]) / one + (p[b + 1, 0] - p[b, 0]) / other
-    ty = (p[a + 1, 1] - p[a, 1]) / one + (p[b + 1, 1] - p[b, 1]) / other
-    return bool(tx * oy - ty * ox >= 0.0)
+def foot(
+    lines: Polylines, k: int, x: float, y: float, low: float, high: float, near: int
+) -> tuple[float, float, int]:
+    """`project`, and the segment that holds ``low``, sought from row ``near`` on."""
+    row, first, end = lines.row, lines.start[k], lines.start[k + 1] - 1
+    low, high = min(max(low, 0.0), row[end, 4]), min(max(high, 0.0), row[end, 4])
+    best, station, bx, by, is_left = np.inf, low, np.inf, 0.0, True
+    near = segment_at(lines, k, low, near)
+    a = near
+    if a > first and row[a, 4] >= low:
+        a -= 1
+    while a < end and row[a, 4] <= high:
+        tx, ty, s0, length = row[a, 2], row[a, 3], row[a, 4], row[a, 5]
+        dx, dy = x - row[a, 0], y - row[a, 1]
+        along = min(max(dx * tx + dy * ty, max(low - s0, 0.0)), min(high - s0, length))
+        ox, oy = dx - along * tx, dy - along * ty
+        square = ox * ox + oy * oy
+        if square * MORE + TINY < best or (  # plainly nearer; else the distances themselves decide
+            square <= best * MORE + TINY and hypot(ox, oy) < hypot(bx, by)
+        ):
+            best, bx, by, is_left = square, ox, oy, tx * dy - ty * dx >= 0.0
+            station = min(max(s0 + along, low), high)  # rounding must not leave the stretch
+            if along >= length and a + 1 < end:
+                is_left = (tx + row[a + 1, 2]) * oy - (ty + row[a + 1, 3]) * ox >= 0.0
+            elif along <= 0.0 and a > first:
+                is_left = (tx + row[a - 1, 2]) * oy - (ty + row[a - 1, 3]) * ox >= 0.0
+        a += 1
+    gap = hypot(bx, by)
+    return station, gap if is_left else -gap, near
 
 
 @compiled
@@ -80,33 +122,25 @@ def project(
     Of equally near points the one with the smaller station is taken. Next to a waypoint both its
     legs say where left is: outside of a turn of more than 90 degrees one of them alone may not.
     """
-    first = lines.start[k]
-    end = lines.station[lines.start[k + 1] - 1]
-    low, high = min(max(low, 0.0), end), min(max(high, 0.0), end)
-    best, station, deviation = np.inf, low, 0.0
-    a = segment_at(lines, k, low)
-    if a > first and lines.station[a] >= low:
-        a -= 1
-    while a < lines.start[k + 1] - 1 and lines.station[a] <= high:
-        s0, s1 = lines.station[a], lines.station[a + 1]
-        length = s1 - s0
-        tx = (lines.points[a + 1, 0] - lines.points[a, 0]) / length
-        ty = (lines.points[a + 1, 1] - lines.points[a, 1]) / length
-        dx, dy = x - lines.points[a, 0], y - lines.points[a, 1]
-        along = min(max(dx * tx + dy * ty, max(low - s0, 0.0)), min(high - s0, length))
-        ox, oy = dx - along * tx, dy - along * ty
-        gap = hypot(ox, oy)
-        if gap < best:
-            best = gap
-            station = min(max(s0 + along, low), high)  # rounding must not leave the stretch
-            left = tx * dy - ty * dx >= 0.0
-            if along >= length and a + 2 < lines.start[k + 1]:
-                left = left_of_both(lines, a, a + 1, ox, oy)
-            elif along <= 0.0 and a > first:
-                left = left_of_both(lines, a, a - 1, ox, oy)
-            deviation = gap if left else -gap
-        a += 1
+    station, deviation, _ = foot(lines, k, x, y, low, high, 0)
     return station, deviation
+
+
+@compiled
+def follow(
+    lines: Polylines, k: int, x: float, y: float, previous: float, window: float, near: int
+) -> tuple[float, float, int]:
+    """`track`, and the segment at which the next search begins; this one begins at ``near``."""
+    low, high = previous - window, previous + window
+    station, deviation, near = foot(lines, k, x, y, low, high, near)
+    wide = CORNER * abs(deviation)
+    if wide > window:
+        row, first, last = lines.row, lines.start[k], lines.start[k + 1] - 2
+        goes_on = near > first and previous - wide < row[near, 4]
+        goes_on = goes_on or (near < last and previous + wide > row[near + 1, 4])
+        if goes_on or not low < station < high:  # else all of it is one segment, and known
+            return foot(lines, k, x, y, previous - wide, previous + wide, near)
+    return station, deviation, near
 
 
 @compiled
@@ -123,11 +157,13 @@ def track(
     all at once: within what the robot moves the projection would stay on the first leg for good. So
     as much as that is looked at where it is more, for the sharpest turn of a road.
     """
-    station, deviation = project(lines, k, x, y, previous - window, previous + window)
-    wide = CORNER * abs(deviation)
-    if wide > window:
-        return project(lines, k, x, y, previous - wide, previous + wide)
+    station, deviation, _ = follow(lines, k, x, y, previous, window, 0)
     return station, deviation
+
+
+def project_near(lines: Polylines, k: int, x: float, y: float, near: float) -> float:
+    """Station [m] of the point of path k next to (x, y), by `track` from ``near`` on."""
+    return float(track(lines, k, x, y, near, SHORTEST_WINDOW)[0])
 
 
 @dataclass(frozen=True, init=False, eq=False)
@@ -181,10 +217,110 @@ class Path:
         return self.point(station + look_ahead)
 
 
-SHORTEST_WINDOW = 1.0
-"""[m] A projection may move at least this far along the path between two steps."""
+class Tracking:
+    """Stations of N robots along the way, from their start poses (N, 3) on.
+
+    ``radius`` (N,) [m] are the circumscribed radii. At the start the nearest point of the whole
+    path is taken. What was handed out never changes: every sample has arrays of its own.
+    """
+
+    def __init__(
+        self, paths: Polylines, reference: Polylines, radius: FloatArray, start: FloatArray
+    ) -> None:
+        self.lines = joined_polylines(paths, reference)
+        """the N own paths, s* behind them"""
+        self.windows = np.maximum(SHORTEST_WINDOW, 2.0 * radius)
+        robots = len(start)
+        self.last = np.zeros((2, robots), dtype=np.int64)
+        """(2, N) the rows of ``lines`` at which the last searches ended: no result depends on it"""
+        everywhere, nowhere = np.full(robots, np.inf), read_only(np.zeros((3, robots)))
+        self.stations: FloatArray = self._projected(start, everywhere, nowhere)
+        """(3, N) [m] station on the own path, deviation from it (left positive), station on s*"""
+
+    @property
+    def station(self) -> FloatArray:
+        """(N,) [m] along the own path."""
+        return np.asarray(self.stations[0])
+
+    @property
+    def deviation(self) -> FloatArray:
+        """(N,) [m] from the own path, left positive."""
+        return np.asarray(self.stations[1])
+
+    @property
+    def reference_station(self) -> FloatArray:
+        """(N,) [m] along s*."""
+        return np.asarray(self.stations[2])
+
+    def follow(self, pose: FloatArray) -> None:
+        """Follow the robots to their poses (N, 3) one step later."""
+        self.stations = self._projected(pose, self.windows, self.stations)
+
+    def course(self, poses: FloatArray) -> FloatArray:
+        """Follow the robots over poses (K, N, 3) of consecutive steps.
+
+        Returns (K, N, 3): station, deviation and reference station [m] at each.
+        """
+        found = np.empty((len(poses), *self.stations.shape))
+        track_course(*self.lines, self.last, poses, self.windows, self.stations, found)
+        if len(found):
+            self.stations = read_only(found[-1].copy())
+        return found.transpose(0, 2, 1)
+
+    def seek(self, pose: FloatArray, before: FloatArray, ways: FloatArray) -> None:
+        """Follow the robots to their poses (N, 3) from stations ``before`` (3, N), some steps ago.
+
+        ``ways`` (N,) [m] is how far they went at most since then: as far again is looked to either
+        side.
+        """
+        self.stations = self._projected(pose, self.windows + 2.0 * ways, before)
+
+    def _projected(self, pose: FloatArray, windows: FloatArray, before: FloatArray) -> FloatArray:
+        after = np.empty(before.shape)
+        track_all(*self.lines, self.last, pose, windows, before, after)
+        return read_only(after)
 
 
-def project_near(lines: Polylines, k: int, x: float, y: float, near: float) -> float:
-    """Station [m] of the point of path k next to (x, y), by `track` from ``near`` on."""
-    return float(track(lines, k, x, y, near, SHORTEST_WINDOW)[0])
+@compiled
+def track_all(
+    start: IntArray,
+    row: FloatArray,
+    last: IntArray,
+    pose: FloatArray,
+    windows: FloatArray,
+    before: FloatArray,
+    after: FloatArray,
+) -> None:
+    """Move every robot's projections on its own path and on s* along with its pose.
+
+    ``start`` and ``row`` are `Polylines` of the N own paths and s*; ``before`` and ``after``
+    (3, N): station, deviation, reference station. ``last`` (2, N) rows are where searches begin
+    and end.
+    """
+    robots, lines = len(pose), Polylines(start, row)
+    for i in range(robots):
+        x, y, window = pose[i, 0], pose[i, 1], windows[i]
+        after[0, i], after[1, i], last[0, i] = follow(
+            lines, i, x, y, before[0, i], window, last[0, i]
+        )
+        after[2, i], _, last[1, i] = follow(
+            lines, robots, x, y, before[2, i], window, last[1, i]
+        )  # fmt: skip
+
+
+@compiled
+def track_course(
+    start: IntArray,
+    row: FloatArray,
+    last: IntArray,
+    poses: FloatArray,
+    windows: FloatArray,
+    before: FloatArray,
+    out: FloatArray,
+) -> None:
+    """Run `track_all` over poses (K, N, 3), one after the other; ``out`` (K, 3, N) takes all."""
+    for k in range(len(poses)):
+        if k == 0:
+            track_all(start, row, last, poses[k], windows, before, out[k])
+        else:
+            track_all(start, row, last, poses[k], windows, out[k - 1], out[k])

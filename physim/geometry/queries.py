@@ -13,6 +13,7 @@ Shapes are closed sets: touching ones have distance 0 and collide. Anything else
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, cast
@@ -22,59 +23,49 @@ from numpy.typing import ArrayLike
 
 from physim.compiled import compiled
 from physim.errors import PhysimError
-from physim.geometry.collision import bodies_time
-from physim.geometry.motion import Course, arc_course, straight_course
+from physim.geometry.advancement import MOST_STEPS, advancement_time
+from physim.geometry.collision import bodies_time, never_meet, part_time
+from physim.geometry.motion import (
+    Course,
+    arc_course,
+    moves_straight,
+    pose_along,
+    relative_motion,
+    straight_course,
+)
 from physim.geometry.polygon import convex_parts, is_convex_part
 from physim.geometry.separation import body_distance, body_separation
-from physim.geometry.shapes import FloatArray, IntArray, Shapes, locked, pack_at, pack_parts
+from physim.geometry.shapes import FloatArray, IntArray, Shapes, locked, pack_parts
+from physim.geometry.translation import translation_times
+from physim.tolerances import CONTACT
 
 ShapeLike = ArrayLike | Sequence[ArrayLike]
+Point = tuple[float, float]
+
+DEPTH = 0.01 * CONTACT
+"""[m] Shapes overlap for sure where their depth is more than this: above rounding up to 10 km."""
+
+FIRST_STRIDE = 1e-9
+"""[s] First look for an overlap after a contact; strides double from there."""
+
+ROWS = {"pose": {3: "x, y, heading"}, "twist": {2: "v, omega", 3: "vx, vy, omega"}}
+"""How many numbers a row of an argument may have, and which they are"""
 
 
-def course_of(pose: ArrayLike, twist: ArrayLike, radius: float, which: str) -> Course:
-    """Course of a body from its pose (3,) and twist (2,) or (3,)."""
-    at = numbers(pose, f"pose_{which}", (3,), "x, y, heading")
-    speeds = numbers(twist, f"twist_{which}", (2, 3), "v, omega or vx, vy, omega")
-    if len(speeds) == 2:
-        return arc_course(at, float(speeds[0]), float(speeds[1]), radius)
-    return straight_course(at, float(speeds[0]), float(speeds[1]), float(speeds[2]), radius)
+# Arguments
 
 
-def bodies_of(
-    footprint_a: ShapeLike,
-    pose_a: ArrayLike,
-    twist_a: ArrayLike,
-    footprint_b: ShapeLike,
-    pose_b: ArrayLike,
-    twist_b: ArrayLike,
-) -> tuple[Shapes, Course, Shapes, Course]:
-    """Both bodies with their courses: shapes and course of a, then of b."""
-    a = pack_parts([parts_of(footprint_a, "footprint_a")])
-    b = pack_parts([parts_of(footprint_b, "footprint_b")])
-    course_a = course_of(pose_a, twist_a, float(a.radius[0]), "a")
-    course_b = course_of(pose_b, twist_b, float(b.radius[0]), "b")
-    return a, course_a, b, course_b
-
-
-def numbers(values: ArrayLike, what: str, lengths: tuple[int, ...], names: str) -> FloatArray:
-    """Finite numbers, as many as one of ``lengths``."""
-    array = array_of(values, what)
-    if array.ndim != 1 or len(array) not in lengths or not np.isfinite(array).all():
-        raise PhysimError(f"{what}: {values!r} given; finite numbers {names} are needed")
-    return array
-
-
-def array_of(values: Any, what: str, copy: bool | None = True) -> FloatArray:
-    """Values as an array of floats; a copy, unless ``copy`` is None (only where needed)."""
+def array_of(values: Any, what: str) -> FloatArray:
+    """Values as an array of floats."""
     try:
-        return np.array(values, dtype=np.float64, copy=copy)
+        return np.asarray(values, dtype=np.float64)
     except (TypeError, ValueError):
         raise PhysimError(f"{what}: not an array of numbers") from None
 
 
 def points_of(values: Any, what: str) -> FloatArray:
     """Finite points (n, 2), n >= 1."""
-    points = array_of(values, what)
+    points = array_of(values, what).copy()
     if points.ndim != 2 or points.shape[1] != 2 or not len(points):
         raise PhysimError(f"{what}: array of shape {points.shape} given; (n, 2) is needed")
     if not np.isfinite(points).all():
@@ -111,21 +102,42 @@ def horizon_of(horizon: float) -> float:
     return float(horizon)
 
 
-Point = tuple[float, float]
+def rows_of(values: Any, what: str, count: int) -> FloatArray:
+    """Poses (count, 3), or twists (count, 2 or 3), from as many rows or one; read-only."""
+    rows = array_of(values, what)
+    widths = ROWS[what.split("_")[0]]
+    if rows.ndim == 1 and len(rows) in widths:
+        rows = np.broadcast_to(rows, (count, len(rows)))
+    if rows.ndim != 2 or len(rows) != count or rows.shape[1] not in widths:
+        allowed = " or ".join(f"({count}, {width}) {names}" for width, names in widths.items())
+        raise PhysimError(f"{what}: shape {rows.shape} given; {allowed} is needed")
+    if not np.isfinite(rows).all():
+        raise PhysimError(f"{what}: row {int(np.argmin(np.isfinite(rows).all(axis=1)))} not finite")
+    return cast(FloatArray, locked(np.ascontiguousarray(rows)))
 
 
-@dataclass(frozen=True)
-class Separation:
-    """How two shapes lie to each other, all in [m]."""
+def indices_of(values: Any, what: str, shapes: Shapes, count: int) -> IntArray:
+    """Indices (count,) of bodies, from as many or one; read-only."""
+    index = np.asarray(values)
+    bodies = len(shapes.body_start) - 1
+    if index.size and not np.issubdtype(index.dtype, np.integer):
+        raise PhysimError(f"{what}: {index.dtype} given; whole numbers are needed")
+    if index.ndim > 1 or (index.ndim == 1 and len(index) != count):
+        raise PhysimError(f"{what}: shape {index.shape} given; ({count},) or one number is needed")
+    if index.size and not (index.min() >= 0 and index.max() < bodies):
+        wrong = index.min() if index.min() < 0 else index.max()
+        raise PhysimError(f"{what}: body {wrong} given; 0 to {bodies - 1} are there")
+    return cast(IntArray, locked(np.ascontiguousarray(np.broadcast_to(index, (count,)), np.int64)))
 
-    distance: float
-    """signed: 0 where they touch, negative = depth of the deepest pair of convex parts"""
-    normal: Point
-    """unit vector from a to b; where they overlap, the direction of least penetration"""
-    point_a: Point
-    """on a: nearest to b, or deepest inside b"""
-    point_b: Point
-    """on b: nearest to a, or deepest inside a"""
+
+def count_of(indices: Sequence[Any], rows: Sequence[Any]) -> int:
+    """How many pairs indices and rows are about."""
+    lengths = [np.size(index) for index in indices if np.ndim(index)]
+    lengths += [len(np.asarray(row)) for row in rows if np.ndim(row) == 2]
+    return 0 if 0 in lengths else max(lengths, default=1)
+
+
+# Shapes
 
 
 def pack_shapes(bodies: Sequence[ShapeLike]) -> Shapes:
@@ -141,6 +153,23 @@ def polyline(points: ArrayLike) -> tuple[FloatArray, ...]:
     if len(line) < 2:
         raise PhysimError(f"polyline: {len(line)} point given; at least 2 are needed")
     return tuple(line[k : k + 2] for k in range(len(line) - 1))
+
+
+# Two shapes
+
+
+@dataclass(frozen=True)
+class Separation:
+    """How two shapes lie to each other, all in [m]."""
+
+    distance: float
+    """signed: 0 where they touch, negative = depth of the deepest pair of convex parts"""
+    normal: Point
+    """unit vector from a to b; where they overlap, the direction of least penetration"""
+    point_a: Point
+    """on a: nearest to b, or deepest inside b"""
+    point_b: Point
+    """on b: nearest to a, or deepest inside a"""
 
 
 def shortest_distance(a: ShapeLike, b: ShapeLike) -> float:
@@ -170,9 +199,8 @@ def closest_points(a: ShapeLike, b: ShapeLike) -> Separation:
     # Far from the origin nothing is lost when both are seen from one of their own corners.
     origin = parts_a[0][0]
     still = np.zeros(3)
-    d, nx, ny, ax, ay, bx, by = body_separation(
-        pack_at(parts_a, origin), 0, still, pack_at(parts_b, origin), 0, still
-    )
+    pair = pack_parts([[part - origin for part in parts] for parts in (parts_a, parts_b)])
+    d, nx, ny, ax, ay, bx, by = body_separation(pair, 0, still, pair, 1, still)
     x, y = (float(value) for value in origin)
     return Separation(d, (nx, ny), (x + ax, y + ay), (x + bx, y + by))
 
@@ -197,8 +225,132 @@ def collision_time(
     within 1e-9 m; a pass within 1e-9 m may count either way.
     """
     until = horizon_of(horizon)
-    a, course_a, b, course_b = bodies_of(footprint_a, pose_a, twist_a, footprint_b, pose_b, twist_b)
-    return bodies_time(a, 0, course_a, b, 0, course_b, until)
+    shapes, a, b = _two_bodies(footprint_a, pose_a, twist_a, footprint_b, pose_b, twist_b)
+    return bodies_time(shapes, 0, a, shapes, 1, b, until)
+
+
+def _two_bodies(
+    footprint_a: ShapeLike,
+    pose_a: ArrayLike,
+    twist_a: ArrayLike,
+    footprint_b: ShapeLike,
+    pose_b: ArrayLike,
+    twist_b: ArrayLike,
+) -> tuple[Shapes, Course, Course]:
+    """Both bodies, packed, and their courses."""
+    parts = parts_of(footprint_a, "footprint_a"), parts_of(footprint_b, "footprint_b")
+    shapes = pack_parts(parts)
+    a = rows_of(pose_a, "pose_a", 1), rows_of(twist_a, "twist_a", 1)
+    b = rows_of(pose_b, "pose_b", 1), rows_of(twist_b, "twist_b", 1)
+    return shapes, course_at(*a, 0, shapes.radius[0]), course_at(*b, 0, shapes.radius[1])
+
+
+@dataclass(frozen=True)
+class CertifiedTime:
+    """A collision time with bounds of the exact one, all in [s].
+
+    The exact time is the first instant at which the closed shapes have a point in common, inf if
+    there is none up to the horizon: lower <= exact <= upper.
+    """
+
+    time: float
+    """as `collision_time` gives it; inf: none up to the horizon"""
+    lower: float
+    """at every earlier instant the shapes are apart; finite while ``time`` is inf where they pass
+    each other within 1e-9 m"""
+    upper: float
+    """here they overlap for sure, by more than 1e-11 m; inf where no overlap was found: no
+    contact, a graze, or shapes without an inside"""
+    capped: bool
+    """the advances reached their cap: ``time`` is a lower bound only"""
+
+
+def collision_time_certified(
+    footprint_a: ShapeLike,
+    pose_a: ArrayLike,
+    twist_a: ArrayLike,
+    footprint_b: ShapeLike,
+    pose_b: ArrayLike,
+    twist_b: ArrayLike,
+    horizon: float = 10.0,
+) -> CertifiedTime:
+    """Return `collision_time` with a lower and an upper bound [s], and whether the cap was hit.
+
+    Arguments, units and errors are those of `collision_time`: footprints (n, 2) [m], or several
+    together (a boundary: ``polyline(points)`` with pose (0, 0, 0) and twist (0, 0)), poses (3,),
+    twists (v, omega) in the body frame or (vx, vy, omega) in the world frame. Raises `PhysimError`
+    for anything else.
+
+    ``time`` errs early by at most what it takes to close 1e-9 m, never late. Where the shapes
+    close at 1e-3 m/s or more and overlap, the bounds are within 2e-6 s of each other.
+    """
+    until = horizon_of(horizon)
+    shapes, a, b = _two_bodies(footprint_a, pose_a, twist_a, footprint_b, pose_b, twist_b)
+    if never_meet(a, b, until):
+        return CertifiedTime(math.inf, math.inf, math.inf, False)
+    time, lower, capped = certified_start(shapes, a, b, until)
+    upper = math.inf if math.isinf(time) else _overlap_after(shapes, a, b, time, until)
+    return CertifiedTime(time, min(lower, time), upper, capped)
+
+
+@compiled
+def certified_start(
+    shapes: Shapes, a: Course, b: Course, horizon: float
+) -> tuple[float, float, bool]:
+    """Return (collision time [s], lower bound of the exact one, was the cap of advances hit?).
+
+    Of bodies 0 and 1. The time is that of `collision.bodies_time`, to the last bit.
+    """
+    V, start, first = shapes.vertices, shapes.part_start, shapes.body_start
+    straight = moves_straight(a, b)
+    xi, lower, capped = np.inf, np.inf, False
+    for p in range(first[0], first[1]):
+        p0, p1 = start[p], start[p + 1]
+        for q in range(first[1], first[2]):
+            q0, q1 = start[q], start[q + 1]
+            until, stopped = min(xi, horizon), False
+            if straight:
+                time = part_time(V, p0, p1, a, V, q0, q1, b, until)
+                c, s, x, y, vx, vy = relative_motion(a, b)
+                near, near_last = translation_times(
+                    V, p0, p1, V, q0, q1, c, s, x, y, vx, vy, until
+                )[2:]
+                if near_last >= 0.0 and near <= min(near_last, until):
+                    lower = min(lower, max(0.0, near))
+            else:
+                time, d, steps = advancement_time(V, p0, p1, a, V, q0, q1, b, until)
+                lower = min(lower, time)
+                stopped = steps >= MOST_STEPS and d > CONTACT
+            if time < xi:
+                xi, capped = time, stopped
+    return xi, lower, capped
+
+
+def _overlap_after(shapes: Shapes, a: Course, b: Course, start: float, horizon: float) -> float:
+    """Return a time from ``start`` on at which two bodies overlap for sure; inf if none is found.
+
+    As near to the start as can be found: sought in strides that double, then by bisection.
+    """
+
+    def overlaps(t: float) -> bool:
+        return body_distance(shapes, 0, pose_along(a, t), shapes, 1, pose_along(b, t)) < -DEPTH
+
+    if overlaps(start):
+        return start
+    stride, low = FIRST_STRIDE, start
+    while low < horizon:
+        high = min(start + stride, horizon)
+        if overlaps(high):
+            for _ in range(60):
+                t = 0.5 * (low + high)
+                low, high = (low, t) if overlaps(t) else (t, high)
+            return high
+        low = high
+        stride *= 2.0
+    return math.inf
+
+
+# Many pairs
 
 
 def shortest_distances(
@@ -218,7 +370,9 @@ def shortest_distances(
     Exact to about 1e-15 of the size of the shapes and of their distance, either way. Raises
     `PhysimError` where arrays do not fit together, an index names no body, or a pose is not finite.
     """
-    count, (i, p, j, q) = _pairs(shapes_a, index_a, pose_a, shapes_b, index_b, pose_b)
+    count = count_of((index_a, index_b), (pose_a, pose_b))
+    i, p = indices_of(index_a, "index_a", shapes_a, count), rows_of(pose_a, "pose_a", count)
+    j, q = indices_of(index_b, "index_b", shapes_b, count), rows_of(pose_b, "pose_b", count)
     out = np.empty(count)
     fill_distances(locked(shapes_a), i, p, locked(shapes_b), j, q, out)
     return out
@@ -245,11 +399,11 @@ def collision_times(
     is a lower bound. Raises `PhysimError` as `shortest_distances` does.
     """
     until = horizon_of(horizon)
-    twists = (twist_a, twist_b)
-    count, (i, p, j, q) = _pairs(shapes_a, index_a, pose_a, shapes_b, index_b, pose_b, *twists)
+    count = count_of((index_a, index_b), (pose_a, pose_b, twist_a, twist_b))
+    i, p = indices_of(index_a, "index_a", shapes_a, count), rows_of(pose_a, "pose_a", count)
+    j, q = indices_of(index_b, "index_b", shapes_b, count), rows_of(pose_b, "pose_b", count)
+    u, w = rows_of(twist_a, "twist_a", count), rows_of(twist_b, "twist_b", count)
     out = np.empty(count)
-    u = _rows(twist_a, "twist_a", (2, 3), count)
-    w = _rows(twist_b, "twist_b", (2, 3), count)
     fill_times(locked(shapes_a), i, p, u, locked(shapes_b), j, q, w, until, out)
     return out
 
@@ -299,51 +453,3 @@ def fill_times(
         a = course_at(pose_a, twist_a, k, shapes_a.radius[i])
         b = course_at(pose_b, twist_b, k, shapes_b.radius[j])
         out[k] = bodies_time(shapes_a, i, a, shapes_b, j, b, horizon)
-
-
-def _pairs(
-    shapes_a: Shapes,
-    index_a: ArrayLike,
-    pose_a: ArrayLike,
-    shapes_b: Shapes,
-    index_b: ArrayLike,
-    pose_b: ArrayLike,
-    *more: ArrayLike,
-) -> tuple[int, tuple[IntArray, FloatArray, IntArray, FloatArray]]:
-    """Count of pairs, and indices (M,) and poses (M, 3) of both."""
-    lengths = [np.size(index) for index in (index_a, index_b) if np.ndim(index)]
-    lengths += [len(np.asarray(rows)) for rows in (pose_a, pose_b, *more) if np.ndim(rows) == 2]
-    count = max(lengths, default=1)
-    if 0 in lengths:
-        count = 0
-    return count, (
-        _indices(index_a, "index_a", shapes_a, count),
-        _rows(pose_a, "pose_a", (3,), count),
-        _indices(index_b, "index_b", shapes_b, count),
-        _rows(pose_b, "pose_b", (3,), count),
-    )
-
-
-def _indices(values: Any, what: str, shapes: Shapes, count: int) -> IntArray:
-    index = np.asarray(values)
-    bodies = len(shapes.body_start) - 1
-    if index.size and not np.issubdtype(index.dtype, np.integer):
-        raise PhysimError(f"{what}: {index.dtype} given; whole numbers are needed")
-    if index.ndim > 1 or (index.ndim == 1 and len(index) != count):
-        raise PhysimError(f"{what}: shape {index.shape} given; ({count},) or one number is needed")
-    if index.size and not (index.min() >= 0 and index.max() < bodies):
-        wrong = index.min() if index.min() < 0 else index.max()
-        raise PhysimError(f"{what}: body {wrong} given; 0 to {bodies - 1} are there")
-    return cast(IntArray, locked(np.ascontiguousarray(np.broadcast_to(index, (count,)), np.int64)))
-
-
-def _rows(values: Any, what: str, widths: tuple[int, ...], count: int) -> FloatArray:
-    rows = array_of(values, what, copy=None)
-    if rows.ndim == 1 and len(rows) in widths:
-        rows = np.broadcast_to(rows, (count, len(rows)))
-    if rows.ndim != 2 or len(rows) != count or rows.shape[1] not in widths:
-        allowed = " or ".join(f"({count}, {width})" for width in widths)
-        raise PhysimError(f"{what}: shape {rows.shape} given; {allowed} is needed")
-    if not np.isfinite(rows).all():
-        raise PhysimError(f"{what}: row {int(np.argmin(np.isfinite(rows).all(axis=1)))} not finite")
-    return cast(FloatArray, locked(np.ascontiguousarray(rows)))

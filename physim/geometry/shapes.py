@@ -51,14 +51,23 @@ class Shapes(NamedTuple):
 
 
 class Polylines(NamedTuple):
-    """Several polylines: number k has the points ``points[start[k]:start[k + 1]]``."""
+    """Several polylines, each a run of rows, one a point."""
 
-    points: FloatArray
-    """(V, 2) [m]"""
     start: IntArray
-    """(K + 1,)"""
-    station: FloatArray
-    """(V,) [m] arc length from the first point of its polyline"""
+    """(K + 1,) polyline k has the rows ``start[k]:start[k + 1]``"""
+    row: FloatArray
+    """(V, 6) x, y [m], unit direction and station [m] of each point, and the length [m] of the
+    segment that begins there; the last point of a polyline has no direction and no length"""
+
+    @property
+    def points(self) -> FloatArray:
+        """(V, 2) [m]."""
+        return self.row[:, :2]
+
+    @property
+    def station(self) -> FloatArray:
+        """(V,) [m] arc length from the first point of its polyline."""
+        return np.asarray(self.row[:, 4])
 
 
 def pack_parts(bodies: Sequence[Sequence[ArrayLike]]) -> Shapes:
@@ -77,11 +86,6 @@ def pack_parts(bodies: Sequence[Sequence[ArrayLike]]) -> Shapes:
         _offsets([len(body) for body in packed]),
         np.array(radius, dtype=np.float64),
     )
-
-
-def pack_at(parts: Sequence[FloatArray], origin: FloatArray) -> Shapes:
-    """Pack one body, seen from ``origin``."""
-    return pack_parts([[part - origin for part in parts]])
 
 
 def joined_shapes(shapes: Shapes, walls: Shapes) -> Shapes:
@@ -110,23 +114,23 @@ def part_bodies(shapes: Shapes) -> IntArray:
 
 def pack_polylines(lines: Sequence[ArrayLike]) -> Polylines:
     """Pack polylines (n, 2), n >= 2, with their arc lengths."""
-    arrays = [np.asarray(line, dtype=np.float64) for line in lines]
-    station = [
-        np.concatenate(([0.0], np.cumsum(np.hypot(*np.diff(line, axis=0).T)))) for line in arrays
-    ]
-    return Polylines(
-        np.ascontiguousarray(np.concatenate(arrays)),
-        _offsets([len(line) for line in arrays]),
-        np.concatenate(station),
-    )
+    rows = []
+    for line in lines:
+        points = np.asarray(line, dtype=np.float64)
+        step, row = np.diff(points, axis=0), np.zeros((len(points), 6))
+        row[:, :2] = points
+        row[1:, 4] = np.cumsum(np.hypot(*step.T))
+        row[:-1, 5] = np.diff(row[:, 4])
+        row[:-1, 2:4] = step / row[:-1, 5, None]
+        rows.append(row)
+    return Polylines(_offsets([len(row) for row in rows]), np.concatenate(rows))
 
 
 def joined_polylines(lines: Polylines, more: Polylines) -> Polylines:
     """Those of ``more`` behind those of ``lines``."""
     return Polylines(
-        np.concatenate((lines.points, more.points)),
         np.concatenate((lines.start, more.start[1:] + lines.start[-1])),
-        np.concatenate((lines.station, more.station)),
+        np.concatenate((lines.row, more.row)),
     )
 
 

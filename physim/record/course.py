@@ -1,7 +1,7 @@
 """Stations and deviations of robots at the samples of a record, by the poses and the paths.
 
 They are followed from sample to sample as the run itself followed them from step to step
-(`physim.geometry.tracking`), whoever decided, and however often. In a coarse record robots go far
+(`physim.geometry.path`), whoever decided, and however often. In a coarse record robots go far
 between two samples, on paths that may pass over themselves: there they are followed from the last
 decision before a sample, which knows its stations.
 """
@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from physim.geometry.path import Tracking
 from physim.geometry.shapes import FloatArray
-from physim.geometry.tracking import Tracking
 
 if TYPE_CHECKING:
     from physim.record.reader import Record

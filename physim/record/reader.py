@@ -8,7 +8,7 @@ from collections.abc import Callable, Mapping
 from functools import cached_property, lru_cache
 from itertools import pairwise
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal, TypeVar, cast
+from typing import TYPE_CHECKING, Any, Literal
 
 import h5py
 import numpy as np
@@ -40,7 +40,6 @@ from physim.record.checks import (
     open_record,
     reading_world,
     refuse,
-    shown,
 )
 from physim.record.course import followed
 from physim.record.digest import digest_of, texts
@@ -53,8 +52,6 @@ if TYPE_CHECKING:
     from physim.world import World
     from physim.world.scene import Scene
 
-T = TypeVar("T")
-WORDS = {float: "number", dict: "mapping", bool: "true or false"}
 POSE_BLOCK, POSE_BLOCKS = 1 << 14, 32
 """Poses read at once where single samples are asked for; how many such blocks are kept: 12 MB"""
 NO_END = int(np.iinfo(np.int64).max)
@@ -273,26 +270,6 @@ class Record(layout.Layout):
         with reading_world(self.where):
             found = read_document(self.world_text, f"world of {self.where}").values
         return found if isinstance(found, Mapping) else {}
-
-    def setting(self, *keys: str, kind: type[T] = object) -> T | None:  # type: ignore[assignment]
-        """Value of a key of the world inside, ``setting("arrival", "tolerance", kind=float)``.
-
-        None where the text has no such key. Raises RecordError where it is of another kind; a whole
-        number is a ``float``, too.
-        """
-        found: Any = self.world_settings
-        for key in keys:
-            found = found.get(key) if isinstance(found, Mapping) else None
-        is_one = isinstance(found, kind)
-        if kind is float:
-            is_one = isinstance(found, int | float) and not isinstance(found, bool)
-            is_one = is_one and abs(found) < 2**63
-        if found is None or is_one:
-            return cast("T | None", found)
-        raise RecordError(
-            f"{self.where}: the world inside: {'.'.join(keys)} is {shown(found)}; it must be a "
-            f"{WORDS.get(kind, kind.__name__)}"
-        )
 
     @cached_property
     def wall_clock(self) -> dict[str, float]:

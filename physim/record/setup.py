@@ -92,11 +92,11 @@ def setup_of(record: Record) -> Setup:
         for (kind, name), one in zip(record.given, record.given_settings, strict=False)
     ]
     own = dict(parts).get("controller")
-    choice = _part(record.setting("controller", kind=dict) or {}, ControllerChoice().type)
+    choice = _part(_at(record.world_settings, "controller"), ControllerChoice().type)
     return Setup(
         controller=choice if own is None else own,
         stages={
-            word: tuple(_part(one, "?") for one in record.setting(*keys, kind=list) or ())
+            word: tuple(_part(one, "?") for one in _at(record.world_settings, *keys) or ())
             for word, keys in STAGES.items()
         },
         others=tuple(f"{kind} {part}" for kind, part in parts if kind != "controller"),
@@ -104,8 +104,17 @@ def setup_of(record: Record) -> Setup:
     )
 
 
-def _part(choice: Mapping[str, Any], usual: str) -> Part:
-    """A part as the world names it."""
+def _at(world: Any, *keys: str) -> Any:
+    """What stands in a world that need not be valid; None where there is no such key."""
+    for key in keys:
+        world = world.get(key) if isinstance(world, Mapping) else None
+    return world
+
+
+def _part(choice: Any, usual: str) -> Part:
+    """A part as the world names it; of a world that is none, what can be told."""
+    if not isinstance(choice, Mapping):
+        return Part(usual, {})
     settings = {str(key): value for key, value in choice.items() if key != "type"}
     return Part(str(choice.get("type", usual)), settings)
 

@@ -25,7 +25,7 @@ class SweptContactFinder:
 
     def __init__(self, scene: Scene) -> None:
         self._scene = scene
-        self._clearances = ClearanceFinder(scene.shapes, scene.walls, scene.wall_grid)
+        self._clearances = ClearanceFinder(scene.shapes, scene.wall_tree)
         self._wear_off = direct(wear_off)
         self._pose: FloatArray | None = None
         self._room, self._reach = np.empty((2, 2, scene.robots))

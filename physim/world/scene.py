@@ -22,7 +22,7 @@ from physim.world.robot import Offset, Robot
 
 if TYPE_CHECKING:
     from physim.geometry.area import Area
-    from physim.geometry.wall_grid import WallGrid
+    from physim.geometry.walls import WallTree
     from physim.world import World
 
 Named = tuple[str, Any]
@@ -182,7 +182,7 @@ class Scene:
     walls: Shapes
     """boundaries (parts of two vertices) and obstacles (convex parts), world frame; body k of
     ``walls`` is body id N + k"""
-    wall_grid: WallGrid
+    wall_tree: WallTree
     """which parts of ``walls`` are near a place"""
     mass: FloatArray
     """(N,) [kg]"""

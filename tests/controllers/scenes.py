@@ -21,10 +21,11 @@ from tests.oracles.view import Body, Cluster
 
 ModeSwitching = inside("physim.controllers", "ModeSwitching")
 ModeSwitchingSettings = inside("physim.controllers", "ModeSwitchingSettings")
-build_wall_grid, pack_parts = inside("physim.geometry", "build_wall_grid", "pack_parts")
+build_wall_tree, pack_parts = inside("physim.geometry", "build_wall_tree", "pack_parts")
 pack_polylines, read_only = inside("physim.geometry", "pack_polylines", "read_only")
 Declared, shared = inside("physim.parts", "Declared", "shared")
-observe, PerRobotAdapter = inside("physim.simulation", "observe", "PerRobotAdapter")
+PerRobotAdapter = inside("physim.simulation", "PerRobotAdapter")
+Sight, Views = inside("physim.simulation", "Sight", "Views")
 FormationPlan, SceneBody = inside("physim.world", "FormationPlan", "Body")
 
 
@@ -64,7 +65,7 @@ def scene_of(history: History) -> Scene:
         bodies=tuple(names),
         shapes=pack_parts([robot.parts for robot in robots]),
         walls=walls,
-        wall_grid=build_wall_grid(walls, cluster.range if np.isfinite(cluster.range) else 1e3, 2.0),
+        wall_tree=build_wall_tree(walls),
         mass=np.ones(n),
         limits=np.array([robot.limits for robot in robots]),
         start=np.array([robot.pose for robot in robots]),
@@ -125,7 +126,9 @@ def decisions(history: History, settings: ModeSwitchingSettings) -> dict[str, li
 def observations(history: History, moment: int) -> list[Observation]:
     """What each robot may know at a moment."""
     scene, sensed = scene_of(history), sensed_at(history.moments[moment], 0)
-    return [observe(scene, sensed, i) for i in range(len(history.moments[moment]))]
+    robots = len(history.moments[moment])
+    views = Views(Sight(scene), sensed, np.arange(robots))
+    return [views.observation(i) for i in range(robots)]
 
 
 def single_robot(path: np.ndarray, station: float) -> History:

@@ -15,7 +15,8 @@ from tests.oracles import path_following, paths
 from tests.oracles.choice import smallest
 from tests.oracles.tolerances import ROUNDING
 
-best_plan, judging_time = inside("physim.controllers", "best_plan", "judging_time")
+Aim, best_plan = inside("physim.controllers", "Aim", "best_plan")
+judging_time = inside("physim.controllers", "judging_time")
 speed_pairs, target_energy = inside("physim.controllers", "speed_pairs", "target_energy")
 target_on_path = inside("physim.controllers", "target_on_path")
 pack_polylines, Tracking = inside("physim.geometry", "pack_polylines", "Tracking")
@@ -67,7 +68,7 @@ def test_best_plan_is_that_of_trying_all(dwells: int) -> None:
         pose = np.array([*rng.uniform(-20.0, 20.0, 2), rng.uniform(-9.0, 9.0)])
         target = pose[:2] + rng.normal(0.0, rng.choice([0.05, 2.0]), 2)
         ahead = float(rng.choice([0.0, 0.5, 1.0]))
-        plan = best_plan(pose, pairs, dwell, ahead, *target)
+        plan = best_plan(pose, pairs, dwell, Aim(*target, ahead))
         sequences = path_following.plans(pairs, dwell)
         right, _ = smallest(path_following.judgements(pose, sequences, dwell, ahead, target))
         assert any(np.array_equal(plan, sequences[c]) for c in right)
@@ -79,7 +80,7 @@ def test_at_its_target_a_robot_stands_still() -> None:
     """All turns on the spot end at the target, where no heading is wrong: |omega| decides."""
     for heading in (-2.0, 0.5, 3.0):
         pairs = speed_pairs(np.array([0.0, 1.0]), 1.0, np.array([-0.7, 0.7, 0.0]))
-        plan = best_plan(np.array([4.0, 2.0, heading]), pairs, np.array([0.1]), 0.5, 4.0, 2.0)
+        plan = best_plan(np.array([4.0, 2.0, heading]), pairs, np.array([0.1]), Aim(4.0, 2.0, 0.5))
         assert plan.tolist() == [[0.0, 0.0]]
 
 
@@ -95,7 +96,7 @@ def test_of_mirror_images_the_first_in_the_order_of_the_sets_is_taken(dwells: in
         pose = np.array([*rng.uniform(-5.0, 5.0, 2), rng.uniform(-3.0, 3.0)])
         gap = rng.uniform(0.05, 1.0) * dwell.sum()
         target = pose[:2] + gap * np.array([np.cos(pose[2]), np.sin(pose[2])])
-        plan = best_plan(pose, pairs, dwell, 0.0, *target)
+        plan = best_plan(pose, pairs, dwell, Aim(*target, 0.0))
         sequences = path_following.plans(pairs, dwell)
         keys = path_following.judgements(pose, sequences, dwell, 0.0, target)
         right, settled = smallest(keys)

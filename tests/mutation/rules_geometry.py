@@ -14,7 +14,6 @@ COLLISION = "physim.geometry.collision:"
 MOTION = "physim.geometry.motion:"
 PATH = "physim.geometry.path:"
 SAFE_POINT = "physim.geometry.safe_point:"
-TRACKING = "physim.geometry.tracking:"
 
 
 @rule("geometry")
@@ -93,14 +92,14 @@ def clearance_to_the_nearest_middle() -> None:
 
     def nearest(old: Any, a: Any) -> Any:
         answer = old()
-        place = a.pose[:, :2]
+        place = a.frame[:, :2]
         apart = np.hypot(*(place[:, None] - place).transpose(2, 0, 1))
         np.fill_diagonal(apart, np.inf)
         if len(place) > 1:
             a.other[:] = apart.argmin(axis=1)
         return answer
 
-    called("physim.geometry.nearest_robots:nearest_others", nearest)
+    called("physim.geometry.neighbours:nearest_others", nearest)
 
 
 # Collision time
@@ -136,7 +135,7 @@ def headings_are_kept_in_11() -> None:
 @rule("geometry")
 def walls_are_not_foreseen() -> None:
     """A robot meets no wall that it does not touch."""
-    found(COLLISION + "walls_time", lambda xi, a: xi if xi == 0.0 else math.inf)
+    found("physim.geometry.walls:seen_time", lambda xi, a: xi if xi == 0.0 else math.inf)
 
 
 @rule("geometry")
@@ -158,8 +157,7 @@ def swept_check_looks_at_the_middle() -> None:
 @rule("geometry")
 def projection_jumps() -> None:
     """The projection is the nearest point of all the path, also where it passes near itself."""
-    given(PATH + "track", window=lambda a: 1e9)
-    given(TRACKING + "track_line", window=lambda a: 1e9)
+    given(PATH + "follow", window=lambda a: 1e9)
 
 
 @rule("geometry")

@@ -24,9 +24,7 @@ def _sample(pose: FloatArray, shapes: Shapes, walls: Shapes) -> tuple[object, ..
     apart = np.full((robots, robots), np.nan)
     for i in range(robots):
         for j in range(i + 1, robots):
-            apart[i, j] = apart[j, i] = pair_distance(
-                shapes.vertices, shapes.part_start, shapes.body_start, i, j, frame
-            )
+            apart[i, j] = apart[j, i] = pair_distance(shapes, i, j, frame)
     nearest = np.where(np.isnan(apart), np.inf, apart)
     farthest = np.where(np.isnan(apart), -np.inf, apart)
     gaps = np.array([

@@ -33,12 +33,14 @@ from typing import Any
 import numpy as np
 
 from physim.analysis.metrics.distances import along_wall
+from physim.analysis.metrics.metric import section
 from physim.contacts import Kind, Phase, allowed_depth, touching
 from physim.errors import place_text
 from physim.geometry.motion import chord_velocity
 from physim.geometry.polygon import signed_area
 from physim.geometry.shapes import FloatArray
 from physim.record import Record
+from physim.world import Physics
 from physim.world.scene import DENSITY
 
 STOPPED = 1e-6
@@ -204,8 +206,8 @@ def severity(
     if mass is None:
         return Severity(closing, sliding, None, None)
     changes = tuple(episode.impact / float(mass[i]) for i in (a, b) if i < record.robots)
-    elasticity = record.setting("physics", "elasticity", kind=float) or 0.0
-    energy = 0.5 * (1.0 - elasticity) * episode.impact * closing
+    material = section(record, "physics", Physics) or Physics()
+    energy = 0.5 * (1.0 - material.elasticity) * episode.impact * closing
     return Severity(closing, sliding, changes, energy)
 
 
@@ -214,8 +216,9 @@ def masses(record: Record) -> FloatArray | None:
 
     A robot without a mass of its own has `DENSITY` over the area of its footprint.
     """
+    entries = record.world_settings.get("robots")
     given: list[Any] = []
-    for entry in record.setting("robots", kind=list) or ():
+    for entry in entries if isinstance(entries, list) else ():
         one = entry if isinstance(entry, dict) else {}
         count = one.get("count", 1)  # an entry with a count stands for many
         given += [one.get("mass")] * min(count if isinstance(count, int) else 1, record.robots)

@@ -162,7 +162,7 @@ def sides_of(record: Record) -> tuple[tuple[FloatArray, FloatArray] | None, Floa
 
     None for a world without a corridor. Its caps are left out.
     """
-    corridor = record.setting("corridor") is not None
+    corridor = record.world_settings.get("corridor") is not None
     named: dict[str, FloatArray] = {}
     others = [np.zeros((0, 4))]
     for body in record.bodies[record.robots :]:
@@ -186,7 +186,8 @@ def along_wall(record: Record, body: int, point: FloatArray | tuple[float, float
     """
     if body < record.robots:
         return ""
-    written = record.setting("boundaries", kind=list)
+    boundaries = record.world_settings.get("boundaries")
+    written = boundaries if isinstance(boundaries, list | tuple) else None
     return stretch_text(written, record.bodies[body].name, point)
 
 

@@ -38,7 +38,7 @@ from physim.geometry.clearance import clearances
 from physim.geometry.shapes import FloatArray, IntArray, joined_shapes
 from physim.geometry.solids import describe_contacts, solids_of
 from physim.geometry.swept import least_gap_pair, least_gap_walls
-from physim.geometry.wall_grid import build_wall_grid
+from physim.geometry.walls import build_wall_tree
 from physim.record import Record
 from physim.record.writer import Extremes
 from physim.tolerances import CONTACT
@@ -56,8 +56,6 @@ LEAST_SLACK = 1e-8
 from poses of one motion."""
 NEAR_TOUCH = 2.0 * CONTACT
 """[m] A least distance within this of 0 may count as touching or not."""
-REACH, CELL = 10.0, 2.0
-"""[m] of the look-up of walls: a matter of speed, not of values"""
 SMALLEST = (
     (("clearance", "clearance_step", "clearance_other"), "nearest robot"),
     (("boundary_clearance", "boundary_step", "boundary_other"), "nearest boundary"),
@@ -296,12 +294,12 @@ def exact_distances(record: Record) -> tuple[Extremes, list[Finding]]:
     ``/steps/boundary_clearance`` differ by more than `DEPTH_SLACK`: one for each robot and block.
     """
     shapes, walls = record.shapes, record.walls
-    wall_grid = build_wall_grid(walls, REACH, CELL)
+    wall_tree = build_wall_tree(walls)
     extremes = Extremes(record.robots)
     found: list[Finding] = []
     for poses, start in pose_blocks(record):
         first, end = start + (start > 0), start + len(poses)
-        block = clearances(poses[first - start :], shapes, walls, wall_grid)
+        block = clearances(poses[first - start :], shapes, wall_tree)
         extremes.note(np.arange(first, end), block)
         near = (block.clearance, block.other), (block.boundary_clearance, block.boundary_other)
         for ((column, *_), what), (exact, others) in zip(SMALLEST, near, strict=True):

@@ -73,7 +73,7 @@ def explanations(record: Record) -> dict[str, Any]:
     settings = _settings(record)
     prose = dict(PROSE.get(name, {}))
     if name == "mode_switching":
-        prose["path_following"] += IN_FORMATION if record.setting("formation") else ALONE
+        prose["path_following"] += IN_FORMATION if record.world_settings.get("formation") else ALONE
     if settings.get("avoidance") == "none" and "path_following" in prose:
         prose["path_following"] = f"It keeps clear of nothing: avoidance is off. {STEERS}."
     return {

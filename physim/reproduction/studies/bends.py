@@ -72,8 +72,7 @@ def measure_bends(record: Record) -> Measures:
         for a, b in straights
         if time[b - 1] - time[a] >= SHORTEST and size[a] >= LARGE
     )
-    gain = record.setting("formation", "gain", kind=float) or math.nan
-    theory = 1.0 / (gain * record.robots)
+    theory = 1.0 / (float(record.world_settings["formation"]["gain"]) * record.robots)
     return {
         "peak": float(largest[progressing].max()),
         "after_bends": _median(size[a] for a, _ in after),

@@ -22,8 +22,6 @@ Part, Setup = inside("physim.record", "Part", "Setup")
 class Told:
     """As much of a record as is asked."""
 
-    setting = Record.setting
-
     def __init__(
         self, name: str, settings: dict[str, Any], rules: tuple[Rule, ...], world: dict[str, Any]
     ) -> None:

@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 import yaml
 
-from physim.record import Record
 from tests.helpers import inside
 from tests.helpers.records import make_record
 
@@ -31,8 +30,6 @@ class Changed(SimpleNamespace):
         if name == "course":  # unless it is among what was replaced
             return followed(self)
         raise AttributeError(name)
-
-    setting = Record.setting
 
     @property
     def world_settings(self) -> Any:

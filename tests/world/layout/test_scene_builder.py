@@ -12,7 +12,7 @@ from physim.world import World
 from tests.helpers import BOX, inside, road
 
 formation_neighbours = inside("physim.controllers", "formation_neighbours")
-parts_in_range, parts_near = inside("physim.geometry", "parts_in_range", "parts_near")
+point_part, parts_within = inside("physim.geometry", "point_part", "parts_within")
 DENSITY = inside("physim.world", "DENSITY")
 
 PLACES = [[20.0, -10.0, 0.3], [30.0, 0.0, -2.0], [40.0, 10.0, 0.0]]
@@ -80,7 +80,7 @@ def test_every_wall_within_range_is_looked_up() -> None:
     for reach in (3.0, 12.0):
         world = in_formation(range=reach).changed(obstacles=posts)
         scene = build_scene(world)
-        every = np.arange(len(scene.walls.part_start) - 1)
+        every = range(len(scene.walls.part_start) - 1)
         for x, y in rng.uniform((0.0, -19.0), (200.0, 19.0), (200, 2)):
-            near = parts_in_range(scene.walls, every, x, y, reach)
-            assert set(near) <= set(parts_near(scene.wall_grid, x, y))
+            near = [k for k in every if point_part(scene.walls, k, x, y) <= reach]
+            assert parts_within(scene.wall_tree, x, y, reach).tolist() == near

@@ -1,4 +1,4 @@
-"""Bounds of collision times and contact intervals, against closed cases and marching."""
+"""Bounds of collision times, against closed cases and marching."""
 
 from __future__ import annotations
 
@@ -9,14 +9,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from physim.errors import PhysimError
-from physim.geometry import (
-    collision_time,
-    collision_time_certified,
-    contact_intervals,
-    polyline,
-)
-from physim.tolerances import CONTACT, TIME
+from physim.geometry import collision_time, collision_time_certified, polyline
+from physim.tolerances import TIME
 from tests.geometry.cases import BOX, random_scene
 from tests.geometry.test_collision_time import disc, random_twist
 from tests.helpers import examples
@@ -27,9 +21,9 @@ STILL = ((0.0, 0.0, 0.0), (0.0, 0.0))
 seeds = st.integers(0, 2**32 - 1)
 
 
-def random_pair(seed, spread=3.0):
+def random_pair(seed):
     rng = np.random.default_rng(seed)
-    bodies, _, poses = random_scene(rng, 2, spread=spread)
+    bodies, _, poses = random_scene(rng, 2, spread=3.0)
     return [(bodies[k], poses[k], random_twist(rng)) for k in (0, 1)]
 
 
@@ -96,80 +90,10 @@ def test_cap_is_reported():
     assert found.capped
     assert 0.0 < found.lower == found.time < 1e5
     assert found.upper == math.inf
-    with pytest.raises(PhysimError, match="not settled after"):
-        contact_intervals(small, (0, 0, 0), (1, 1), small, (0, 1, 0), (0, 0), 1e5)
     short = collision_time_certified(small, (0, 0, 0), (1, 1), small, (0, 1, 0), (0, 0), 20.0)
     assert (short.time, short.capped) == (math.inf, False)
-
-
-@examples(25, deep=150)
-@given(seeds)
-def test_intervals_against_sampling(seed):
-    """Apart outside, together inside, the first entry is the collision time."""
-    a, b = random_pair(seed, spread=2.5)
-    rows = contact_intervals(*a, *b, HORIZON)
-    xi = collision_time(*a, *b, HORIZON)
-    assert rows.shape == (len(rows), 2)
-    assert (rows[0, 0] if len(rows) else math.inf) == pytest.approx(xi, abs=1e-12)
-    flat = rows.ravel()
-    assert (np.diff(flat) >= 0.0).all()
-    assert (np.diff(flat)[1::2] > 0.0).all()
-    assert ((flat >= 0.0) & (flat <= HORIZON)).all()
-    for t in np.linspace(0.0, HORIZON, 400):
-        d = distance_at(*a, *b, t)
-        inside = any(entry <= t <= leave for entry, leave in rows)
-        if inside:
-            assert d <= 2e-8
-        else:
-            assert d > 0.0
-    for entry, leave in rows:
-        assert distance_at(*a, *b, entry) <= CONTACT * (1.0 + 1e-5)
-        assert distance_at(*a, *b, leave) <= 2e-8
-        if leave < HORIZON:
-            # Apart soon after, but for grazes and slow departures.
-            later = [distance_at(*a, *b, leave + dt) for dt in (1e-6, 1e-4, 1e-3)]
-            assert max(later) > 0.0 or len(rows) > 1
-
-
-def test_passing_through_head_on():
-    rows = contact_intervals(BOX, (0, 0, 0), (1, 0), BOX, (5, 0, 0), (0, 0), 20.0)
-    assert rows == pytest.approx(np.array([[3.2, 6.8]]), abs=1e-12)
-    rows = contact_intervals(BOX, (0, 0, 0), (1, 0), BOX, (5, 0, 0), (0, 0), 5.0)
-    assert rows == pytest.approx(np.array([[3.2, 5.0]]), abs=1e-12)
-    rows = contact_intervals(BOX, (0, 0, 0), (1, 0), BOX, (1, 0, 0), (0, 0), 20.0)
-    assert rows == pytest.approx(np.array([[0.0, 2.8]]), abs=1e-12)
-
-
-def test_ring_meets_a_wall_twice_a_turn():
-    """A disc on a ring of 1 m dips into a wall once a turn; chords of a fine polygon are near."""
-    wall = polyline([[-5.0, 1.8], [5.0, 1.8]])
-    round_one = disc(0.2, 2048)
-    rows = contact_intervals(round_one, (0, 0, 0), (1, 1), wall, *STILL, 4.0 * math.pi)
-    # The ring is about (0, 1): the centre at height 1 - cos t, contact from 1.6 to 2.0.
-    t = math.acos(-0.6)
-    exact = [[t, 2.0 * math.pi - t], [t + 2.0 * math.pi, 4.0 * math.pi - t]]
-    assert rows == pytest.approx(np.array(exact), abs=1e-5)
-
-
-def test_contact_through_parts_is_one_interval():
-    """An L of two parts moves over a post: no seam where the post goes from part to part."""
-    ell = [[0, 0], [2, 0], [2, 1], [1, 1], [1, 2], [0, 2]]
-    for omega in (0.0, 1e-6):
-        rows = contact_intervals(ell, (0, 0, 0), (1, 0, omega), [[5.0, 0.5]], *STILL, 20.0)
-        assert rows == pytest.approx(np.array([[3.0, 5.0]]), abs=1e-4)
-
-
-def test_point_and_sliding_contacts():
-    rows = contact_intervals([[0.0, 0.0]], (0, 0, 0), (1, 0), [[5.0, -1.0], [5.0, 1.0]], *STILL)
-    assert rows == pytest.approx(np.array([[5.0, 5.0]]), abs=1e-9)
-    # Deep by more than the tolerance along a wall: in contact as long as there is wall.
-    wall = [[2.0, 0.5 - 1e-6], [6.0, 0.5 - 1e-6]]
-    rows = contact_intervals(BOX, (0, 0, 0), (1, 0), wall, *STILL, 20.0)
-    assert rows == pytest.approx(np.array([[1.1, 6.9]]), abs=1e-9)
 
 
 def test_endless_horizon():
     motion = (BOX, (0, 0, 0), (1, 0), BOX, (5, 0, 0), (0, 0))
     assert collision_time_certified(*motion, math.inf).time == pytest.approx(3.2)
-    with pytest.raises(PhysimError, match="finite"):
-        contact_intervals(*motion, math.inf)

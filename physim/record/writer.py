@@ -356,8 +356,8 @@ class RecordWriter:
 
 def _packed(group: str, values: Any) -> dict[str, Any]:
     """Datasets of packed shapes or lines, those fields of theirs that a record keeps."""
-    named = {f"{group}/{field}": array for field, array in values._asdict().items()}
-    return {path: array for path, array in named.items() if path in layout.TABLE}
+    mine = (path for path in layout.TABLE if path.startswith(f"{group}/"))
+    return {path: getattr(values, path.rpartition("/")[2]) for path in mine}
 
 
 def _rings(group: str, rings: Sequence[ArrayLike]) -> dict[str, Any]:

@@ -185,8 +185,8 @@ INPUTS: Table = {
     ("run", "small.yaml", "--set", "time.step=abc"): ("--set time.step:", "a number", '"abc"'),
     ("run", "small.yaml", "--set", "time.step=[1"): ("--set time.step:", "YAML"),
     ("run", "small.yaml", "--controller", "nobody"): ("--controller:", '"nobody"', REGISTERED),
-    ("run", "small.yaml", "--controller", "own/ctl.py"): ("--controller:", "own.ctl:CLASS"),
-    ("run", "small.yaml", "--controller", "ctl.Ttc"): ("--controller:", "MODULE:CLASS", "ctl:Ttc"),
+    ("run", "small.yaml", "--controller", "own/ctl.py"): ("--controller:", "MODULE:CLASS"),
+    ("run", "small.yaml", "--controller", "ctl.Ttc"): ("--controller:", "MODULE:CLASS"),
     ("run", "small.yaml", "--controller", "no_such.module:X"): (
         "--controller:", '"no_such.module:X"', 'no module "no_such.module" in the current folder',
     ),

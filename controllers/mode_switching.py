@@ -286,6 +286,11 @@ class ModeSwitching:
             *safe_area_doubts(settings, world, where),
         ]
 
+    def kept_from_walls(self) -> tuple[str, float]:
+        """Setting by which danger mode keeps off walls, and how near [m]."""
+        is_kept = self.settings.avoidance != "none"
+        return "boundary_low", self.settings.boundary_low if is_kept else 0.0
+
     def decide(self, observation: Observation, memory: Any) -> Decision:
         """Decide for one robot from what it sees; ``memory`` is None or a `Memory`."""
         o = observation

@@ -32,8 +32,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from physim.escaping import escaped
-
 FloatArray = NDArray[np.float64]
 CONFIDENCE = 0.95
 """Probability with which the intervals of all reports hold the true value, at least."""
@@ -215,7 +213,7 @@ def read_goal(text: str) -> Goal:
             return Goal(rate or "rate", sign or "", number)
     raise ValueError(
         'a width above 0 and below 1, as 0.02 or 2%, or RATE < or > NUMBER, as "rate > 0.99", '
-        f'RATE one of {", ".join(RATES)}; given: "{escaped(text[:40])}"'
+        f'RATE one of {", ".join(RATES)}; given: "{text[:40]}"'
     )
 
 

@@ -45,6 +45,11 @@ def amount(value: float, unit: str = "", digits: int | None = None) -> str:
     return f"{text} {unit}".rstrip()
 
 
+def figure(value: float, digits: int = 4) -> str:
+    """``0.3147``, ``30000``: so many significant digits, and no exponent where it is large."""
+    return f"{value:.{digits}g}" if abs(value) < 10.0**digits else f"{value:.0f}"
+
+
 def decimals(value: float, digits: int, most: int) -> str:
     """A number with so many decimals, and more, up to ``most``, where two digits take more."""
     size = abs(value)

@@ -6,8 +6,8 @@ from typing import NamedTuple
 
 from physim.analysis.metrics import Figures
 from physim.analysis.metrics.metric import section
-from physim.errors import RecordError
 from physim.record import Record
+from physim.world import Expectation
 
 Figure = bool | float | int | None
 
@@ -53,11 +53,7 @@ def expectations(record: Record) -> list[Held]:
     does not hold then. A distance that a run does not have (one robot, no walls) holds any bound.
     """
     cut = record.ended in ("running", "interrupted") and record.steps_run < record.steps_planned
-    run, wanted = Figures(record), section(record, "expect")
-    for key, value in wanted.items():
-        huge = isinstance(value, int) and abs(value) > 2**63  # no float has it
-        if not isinstance(value, bool | float | int | None) or huge:
-            raise RecordError(f"world text of {record!r}: expect.{key} is {value!r}, not a number")
+    run, wanted = Figures(record), section(record, "expect", Expectation) or Expectation()
     found: dict[str, Figure] = {
         "contacts": len(run.episodes) + len(run.grazes),
         "min_distance": run.value("shortest_distance"),
@@ -67,7 +63,7 @@ def expectations(record: Record) -> list[Held]:
     }
     held = []
     for key, got in found.items():
-        if (bound := wanted.get(key)) is None:
+        if (bound := getattr(wanted, key)) is None:
             continue
         if key == "finished":
             holds = got is bound

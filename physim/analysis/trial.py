@@ -12,19 +12,23 @@ from dataclasses import dataclass
 from itertools import islice
 
 import numpy as np
+import shapely
+from shapely.ops import substring
 
-from physim.analysis.metrics import Figures
+from physim.analysis.metrics import Absent, Figures
 from physim.analysis.metrics.distances import nearest_points
+from physim.analysis.metrics.progress import LATELY, LITTLE
 from physim.errors import ControllerError, Fault, PhysimError, place_text, plural
 from physim.geometry.polygon import circumscribed_radius
+from physim.parts.declarations import kept_from_walls
 from physim.parts.registry import CONTROLLER, make_part
 from physim.record import Record
 from physim.simulation.arrival import still_distances, still_steps
 from physim.simulation.loop import Simulation
 from physim.simulation.run import is_warm, record_run
-from physim.world import World
+from physim.world.checks.room import inscribed_radius
 from physim.world.faults import describe
-from physim.world.layout.scene_builder import build_scene
+from physim.world.layout.scene_builder import scene_of
 from physim.world.scene import Layout
 
 MOST_STEPS = 100_000
@@ -35,8 +39,6 @@ MOST_SECONDS = 10.0
 """[s] of the clock after which a trial ends: a controller of one's own may be slow"""
 STANDSTILL = 10.0
 """[s] for which all robots stand when a trial ends: nothing more is expected of it"""
-LATELY = 2.0
-"""[s] before the end whose speed says how long a robot would need"""
 FAR = 4.0
 """circumscribed radii from which on another robot is none of its concern"""
 MOST_TOLD = 12
@@ -55,46 +57,44 @@ class Trial:
 
 
 def try_world(
-    world: World,
+    laid: Layout,
     *,
     trusted: bool = False,
     stop: Callable[[], bool] = lambda: False,
     progress: Callable[[Simulation, float], None] | None = None,
 ) -> Trial:
-    """Run a world as `physim run` does, until all arrive, all stand, or its duration is over.
+    """Run a world that is laid out as `physim run` does, until all arrive or stand, or it is over.
 
     ``trusted`` allows its controller to be ``module:Class``; when ``stop`` says True it ends. What
     the world expects is not told: robots that do not arrive under ``expect.finished: false``, and
     no more contacts than ``expect.contacts``.
     """
-    if why := _too_long(world):
+    if why := _too_long(laid):
         return Trial(f"not tried: {why} take long; physim run shows if all arrive")
     if not is_warm():
-        return Trial(
-            "not tried: nothing is compiled yet; physim run does it, and shows if all arrive"
-        )
+        why = "nothing is compiled yet; physim run does it, and shows if all arrive"
+        return Trial(f"not tried: {why}")
     try:
-        choice = world.controller
+        choice = laid.world.controller
         controller = make_part(CONTROLLER, choice.type, choice.settings, trusted=trusted)
-        simulation = Simulation(build_scene(world), controller=controller)
+        simulation = Simulation(scene_of(laid), controller=controller)
         ending = _Ending(simulation, stop)
         with record_run(simulation, stop=ending, progress=progress) as record:
-            return _shown(simulation.scene.layout, record, ending)
+            return _shown(laid, record, ending, kept_from_walls(controller))
     except ControllerError as error:
         return Trial("tried, not to the end", (Fault(("controller",), str(error)),))
     except PhysimError as error:  # as of a record too large for the memory
         return Trial(f"not tried: {error}")
 
 
-def _too_long(world: World) -> str:
+def _too_long(laid: Layout) -> str:
     """What makes a run of a world long; empty where it is not."""
-    steps = round(world.time.duration / world.time.step)
-    solids = [getattr(one, "outline", one) for one in world.obstacles or ()]
-    points = sum(len(line) for line in (*(world.boundaries or ()), *solids))
-    if points <= MOST_POINTS and steps * max(world.robot_count / 10.0, 1.0) <= MOST_STEPS:
+    steps, robots = laid.world.time.steps, len(laid.robots)
+    points = sum(map(len, (*laid.boundaries.values(), *laid.obstacles)))
+    if points <= MOST_POINTS and steps * max(robots / 10.0, 1.0) <= MOST_STEPS:
         return ""
     walls = f" between walls of {points:,} points" if points > MOST_POINTS else ""
-    return f"{steps:,} steps of {plural(world.robot_count, 'robot')}{walls}"
+    return f"{steps:,} steps of {plural(robots, 'robot')}{walls}"
 
 
 @dataclass
@@ -127,25 +127,24 @@ class _Ending:
         return bool(self.why) or self.stop()
 
 
-def _shown(laid: Layout, record: Record, ending: _Ending) -> Trial:
+def _shown(laid: Layout, record: Record, ending: _Ending, kept: tuple[str, float]) -> Trial:
     """What a run shows, in short and of each robot."""
     run, expect = Figures(record), laid.world.expect
-    count = len(run.episodes) + len(run.grazes)
-    left = len(run.absent)
-    do = "does" if left == 1 else "do"
-    arrive = f"{left} of {plural(record.robots, 'robot')} {do} not arrive"
-    if ending.is_cut:
-        arrive = f"{left} of {plural(record.robots, 'robot')} under way"
+    count, left = len(run.episodes) + len(run.grazes), len(run.absent)
+    said = "all robots arrive"
+    if left:
+        do = "under way" if ending.is_cut else f"{'does' if left == 1 else 'do'} not arrive"
+        said = f"{left} of {plural(record.robots, 'robot')} {do}"
     contacts = plural(count, "contact") if count else "no contact"
-    line = (
-        f"tried for {record.steps_run * record.dt:.1f} s{ending.why}: "
-        f"{arrive if left else 'all robots arrive'}; {contacts}"
-    )
+    line = f"tried for {record.steps_run * record.dt:.1f} s{ending.why}: {said}; {contacts}"
     faults: list[Fault] = []
     if expect is None or expect.contacts is None or count > expect.contacts:
         faults += islice(_contacts(laid, record, run), MOST_TOLD)
     if not ending.is_cut and (expect is None or expect.finished is not False):
-        faults += _absent(laid, record, run)
+        for late in sorted(run.absent, key=lambda late: -late.short)[:MOST_TOLD]:
+            said = late.sentence(describe(record.names[late.robot]))
+            said += _what_keeps(laid, record, late, kept)
+            faults.append(Fault(laid.path_entry(late.robot), said))
     return Trial(line, tuple(faults))
 
 
@@ -163,39 +162,39 @@ def _contacts(laid: Layout, record: Record, run: Figures) -> Iterator[Fault]:
             )
 
 
-def _absent(laid: Layout, record: Record, run: Figures) -> Iterator[Fault]:
-    """Robots that do not arrive, what is nearest to each, and who of the others is.
+def _what_keeps(laid: Layout, record: Record, late: Absent, kept: tuple[str, float]) -> str:
+    """How long a robot would need that is under way as the time is over; else what is near it.
 
-    It waits for a robot that its controller considered in its last decision. Of one that is under
-    way when the time is over, how long it would need.
+    It waits for a robot that its controller considered in its last decision. A wall that is nearest
+    may be one that it keeps off by a setting of its controller, ``kept``, on the way ahead.
     """
-    pose, rows, robots = np.asarray(record.pose[-1]), record.considered, record.robots
-    back = max(len(record.pose) - 1 - round(LATELY / (record.dt * record.record_every)), 0)
-    lately = (len(record.pose) - 1 - back) * record.dt * record.record_every
-    for late in sorted(run.absent, key=lambda late: -late.short)[:MOST_TOLD]:
-        i = late.robot
-        said = late.sentence(describe(record.names[i]))
-        speed = float(np.hypot(*(pose[i, :2] - record.pose[back, i, :2]))) / max(lately, record.dt)
-        is_over = record.steps_run == laid.world.time.steps
-        if is_over and not late.stands and late.short > 0.0 and speed * LATELY > late.tolerance:
-            said += f"; time.duration is over, and it needs about {late.short / speed:.0f} s more"
-        elif len(record.bodies) > 1:
-            away = {
-                k: float(np.hypot(*np.diff(nearest_points(record, i, k, pose), axis=0)[0]))
-                for k in range(len(record.bodies))
-                if k != i
-            }
-            mine = rows[rows["robot"] == i]
-            last = mine["other"][mine["step"] == mine["step"].max(initial=-1)]
-            nearest = min(away, key=away.__getitem__)
-            others = [k for k in away if k < robots]
-            near = dict.fromkeys([nearest, *sorted(others, key=away.__getitem__)[:1]])
-            far = FAR * circumscribed_radius(laid.footprints[i])
-            told = [
-                f"{'it waits for' if k in last else 'nearest to it is' if k == nearest else 'then'}"
-                f" {describe(record.bodies[k].name)}, {away[k]:.2f} m away"
-                for k in near
-                if k == nearest or k in last or away[k] < far
-            ]
-            said += f"; {', '.join(told)}"
-        yield Fault(laid.path_entry(i), said)
+    i, pose = late.robot, np.asarray(record.pose[-1])
+    is_over = record.steps_run == laid.world.time.steps
+    if is_over and not late.stands and late.short > 0.0 and LITTLE <= late.pace * LATELY < np.inf:
+        return f"; time.duration is over, and it needs about {late.short / late.pace:.0f} s more"
+    away = {
+        k: float(np.hypot(*np.diff(nearest_points(record, i, k, pose), axis=0)[0]))
+        for k in range(len(record.bodies))
+        if k != i
+    }
+    mine = record.considered[record.considered["robot"] == i]
+    last = mine["other"][mine["step"] == mine["step"].max(initial=-1)]
+    near = sorted(away, key=away.__getitem__)
+    far = FAR * circumscribed_radius(laid.footprints[i])
+    told: list[str] = []
+    for k in dict.fromkeys([*near[:1], *[k for k in near if k < record.robots][:1]]):
+        if k == near[0] or k in last or away[k] < far:
+            who = "it waits for" if k in last else "nearest to it is" if not told else "then"
+            told.append(f"{who} {describe(record.bodies[k].name)}, {away[k]:.2f} m away")
+    said = f"; {', '.join(told)}"
+    if near[0] >= record.robots:
+        line, stop = shapely.LineString(laid.paths[i]), float(record.stop_station[i])
+        ahead = substring(line, max(stop - late.short, 0.0), stop)
+        room = min(ahead.distance(one) for _, one in (*laid.walls, *laid.solids))
+        room -= inscribed_radius(laid.footprints[i])
+        if room >= 0.0 and round(room, 2) < kept[1]:
+            said += (
+                f"; on the way ahead {room:.2f} m are left beside it, and it turns away nearer "
+                f"than {kept[1]:g} m to a wall, controller.{kept[0]}"
+            )
+    return said

@@ -27,7 +27,6 @@ from physim.campaigns.rows import (
 from physim.campaigns.rows import FOLDER as ROWS
 from physim.campaigns.spec import Label, RunSpec, engine, identity_of, key_of, short_hash
 from physim.errors import PhysimError
-from physim.escaping import escaped
 from physim.files import write_text, write_whole
 from physim.json_text import file_json, json_text
 from physim.world.file.files import file_text
@@ -320,7 +319,7 @@ def read(folder: str | os.PathLike[str]) -> pa.Table:
         row, why = wrong
         k = bisect_right(starts, row) - 1
         where = f"{files[k]}:{row - starts[k] + 1}"
-        raise PhysimError(f"{where}: {escaped(why)}; is this a row of another campaign?")
+        raise PhysimError(f"{where}: {why}; is this a row of another campaign?")
     return each_once(table)
 
 

@@ -168,7 +168,7 @@ def make_grid(
             sources=sources[own] + files_named(world), limit=limit,
         )  # fmt: skip
         if (same := cells.setdefault(cell.key, cell)) is not cell:
-            one, other = (escaped(", ".join(filter(None, each.label))) for each in (same, cell))
+            one, other = (", ".join(filter(None, each.label)) for each in (same, cell))
             raise PhysimError(
                 f"{one} and {other} are the same world and controller, so that their runs would be "
                 "the same; leave one of them out"
@@ -287,8 +287,8 @@ def _of_cell(error: WorldError, world: str, controller: str | None) -> WorldErro
 
     A line of a file says by itself which world it is of.
     """
-    words = [f"in {escaped(world)}"] if world else []
-    words += [f"with {escaped(controller)}"] if controller else []
+    words = [f"in {world}"] if world else []
+    words += [f"with {controller}"] if controller else []
     if not words or not error.positions:  # a file that is not there has no places
         return error
     of = f" ({' '.join(words)})"
@@ -311,6 +311,6 @@ def _check(world: World, document: Document, seeds: range | None, overrides: Seq
         except WorldError as error:
             if k == len(tried) - 1:
                 one_of = [*overrides, *([] if seeds is None else [f"seed {seed}"])]
-                of = f" (with {escaped(', '.join(one_of))})" if one_of else ""
+                of = f" (with {', '.join(one_of)})" if one_of else ""
                 faults = [replace(one, message=one.message + of) for one in error.faults]
                 raise document.error(faults) from None

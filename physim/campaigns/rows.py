@@ -23,7 +23,6 @@ from pydantic import ConfigDict, Field, TypeAdapter, ValidationError
 from pydantic.dataclasses import dataclass
 
 from physim.errors import PhysimError
-from physim.escaping import escaped
 
 if TYPE_CHECKING:
     import pyarrow as pa
@@ -283,7 +282,7 @@ def told(error: ValidationError) -> str:
     if first["type"] == "json_invalid":
         return "is no JSON"
     where = "".join(f"{one}: " for one in first["loc"])
-    return f"{where}{first['msg']}; given: {escaped(repr(first['input']))[:40]}"
+    return f"{where}{first['msg']}; given: {repr(first['input'])[:40]}"
 
 
 class Rows:

@@ -30,7 +30,6 @@ from physim.campaigns.pool import (
 from physim.campaigns.rows import ERROR, KILLED, TIMEOUT, Came, Row
 from physim.campaigns.spec import Label, RunSpec
 from physim.errors import PhysimError
-from physim.escaping import escaped
 from physim.files import write_text, write_whole
 from physim.json_text import json_text
 from physim.statistics import Decision, Goal, Watch, read_goal
@@ -181,7 +180,7 @@ def _cells(specs: Iterable[RunSpec]) -> Collection[RunSpec]:
     cells: dict[Label, RunSpec] = {}
     names: dict[str, Label] = {}
     for one in specs:
-        called = escaped(", ".join(filter(None, one.label)))
+        called = ", ".join(filter(None, one.label))
         if cells.setdefault(one.label, one).identity != one.identity:
             raise PhysimError(
                 f"two worlds are called {called}, though they, or the code that they run, are not "
@@ -190,7 +189,7 @@ def _cells(specs: Iterable[RunSpec]) -> Collection[RunSpec]:
             )
         if (known := names.setdefault(one.identity, one.label)) != one.label:
             raise PhysimError(
-                f"{escaped(', '.join(filter(None, known)))} and {called} are the same world and "
+                f"{', '.join(filter(None, known))} and {called} are the same world and "
                 "controller, so that their runs would be the same; leave one of them out"
             )
     return cells.values()

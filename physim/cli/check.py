@@ -88,14 +88,16 @@ def looked_at(
     And the line on the trial; None where there was none. ``changes`` are those of `check_world`.
     Ctrl-C raises KeyboardInterrupt.
     """
-    from physim.analysis.trial import try_world
     from physim.world.checks import check_world
 
     findings = check_world(world, **changes)
-    if not run or not findings.ok or findings.world is None:
+    if not run or not findings.ok or findings.layout is None:
         return findings, None
-    tried = partial(try_world, findings.world, trusted=changes.get("controller") is not None)
-    trial = to_the_end(tried, "trying it", findings.world.time.duration, quiet)
+    from physim.analysis.trial import try_world
+
+    laid, trusted = findings.layout, changes.get("controller") is not None
+    tried = partial(try_world, laid, trusted=trusted)
+    trial = to_the_end(tried, "trying it", laid.world.time.duration, quiet)
     shown = map(findings.located, trial.faults)
     return replace(findings, warnings=(*findings.warnings, *shown)), trial.line
 

@@ -68,7 +68,7 @@ def falsify(
       --whole-budget  go on after the first failure, for the severest
       --random  search at random, to compare with
       --shrink N  runs to shrink a failure with at most (500); 0 leaves it as found
-      --workers N  processes, 1 to 64 (as many as cores, at most 8); the result is the same
+      --workers N  processes (as many as cores, at most 8); the result is the same
       -o, --output DIR  output folder (default: falsified/NAME-SEED)
       --force  overwrite an earlier search in DIR
       --no-video  make no video
@@ -107,11 +107,11 @@ def falsify(
 
     check_json(json, force, inputs(world))
     checked = check_world(world, **changes.reading, seed=changes.seed)
-    if checked.world is None or checked.errors:
+    if checked.layout is None or checked.errors:
         raise PhysimError("\n".join(map(str, checked.errors)))
     if checked.document is not None:
         tell(checked.document.lines(checked.document.warnings))
-    space = Space(checked.world, vary)
+    space = Space(checked.layout.world, vary)
     folder = output or Path("falsified") / f"{space.world.stem}-{space.world.seed}"
     names = list(dict.fromkeys((*results.FILES, *OF_RUN)))
     files = [folder / name for name in names]

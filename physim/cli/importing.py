@@ -6,6 +6,7 @@ from typing import Annotated, Any, Literal
 
 from physim.cli.new import check_files, write_schema
 from physim.cli.options import Count, Distance, File, Output, Place, Positive, kind, size
+from physim.escaping import escaped
 from physim.files import write_text
 
 Format = Literal["track", "ros-map", "svg", "wkt", "geojson"]
@@ -106,9 +107,9 @@ def import_world(
     write_text(output, imported.text)
     if quiet:
         return 0
-    print(f"{source}: {imported.kind}", *imported.facts, sep="\n  ")
+    print(f"{source}: {imported.kind}", *map(escaped, imported.facts), sep="\n  ")
     head = f"dropped or repaired:{'' if imported.changes else ' nothing'}"
-    print(head, *imported.changes, sep="\n  ", flush=True)
+    print(head, *map(escaped, imported.changes), sep="\n  ", flush=True)
     try:
         findings, trial = looked_at(output, run=not no_run, quiet=False)
         print(*filter(None, [trial]), findings, sep="\n")

@@ -19,7 +19,6 @@ from cyclopts import Parameter
 
 from physim.drawing.printed import WIDTHS, printed_width
 from physim.errors import nearest
-from physim.escaping import escaped
 
 LONGEST_QUOTE = 60
 """Characters of what was given that an error repeats."""
@@ -35,7 +34,7 @@ def kind(read: Callable[[str], object], *names: str, **more: Any) -> Parameter:
 
 def quoted(text: str) -> str:
     """What was given, in quotes where it would not be seen as one word."""
-    text = escaped(text[: LONGEST_QUOTE + 1])
+    text = text[: LONGEST_QUOTE + 1]
     text = text if len(text) <= LONGEST_QUOTE else text[: LONGEST_QUOTE - 1] + "…"
     return text if text and re.fullmatch(r"[^\s\"']+", text) else f'"{text}"'
 
@@ -152,7 +151,6 @@ def words(text: str) -> tuple[str, ...]:
     return names
 
 
-RECORD_HELP = "a run: its folder or its record.h5"
 WORLD_HELP = (
     "a world file; the name of a shipped world, or of one in worlds/; or the record.h5 of a run, "
     "whose world is taken"
@@ -170,12 +168,11 @@ Words = Annotated[tuple[str, ...], kind(words)]
 File = Annotated[Path, kind(path)]
 RecordFile = Annotated[Path, kind(record_file)]
 Output = Annotated[Path, kind(path, "-o", "--output")]
-Workers = Annotated[int, kind(whole(1, 64))]
-TeamSize = Annotated[int, kind(whole(1, 1024))]
-"""Workers where a machine may be a large one"""
+Workers = Annotated[int, kind(whole(1, 1024))]
 
 World = Annotated[str, Parameter(help=WORLD_HELP, metavar="WORLD")]
 Worlds = Annotated[str, Parameter(help=WORLD_HELP, metavar="WORLD...", required=True)]
+RECORD_HELP = "a run: its folder or its record.h5"
 Record = Annotated[RecordFile, Parameter(help=RECORD_HELP, metavar="RECORD")]
 JSON_HELP = "write everything to FILE (-: standard output) as JSON"
 JsonFile = Annotated[

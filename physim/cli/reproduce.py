@@ -38,7 +38,7 @@ def reproduce(
       -o, --output DIR  folder to write to (reproduction)
       --quick  few seeds: some minutes instead of half an hour
       --no-video  make no videos
-      --workers N  processes, 1 to 64 (as many as cores, at most 8)
+      --workers N  processes (as many as cores, at most 8)
       --force  overwrite an earlier reproduction in DIR
       --quiet  print neither progress nor verdicts
 

@@ -30,14 +30,14 @@ def ready(given: str, changes: Changes, quiet: bool, path: Path | None = None) -
     """Simulation of a world with changes, with the kernels loaded or compiled.
 
     A run too large for the disk of ``path``, or, where that is None, for memory, is refused before
-    anything is compiled; where one is long or its record large, that is told, and so is a robot
-    that counts from the start as beyond a wall: it might be said to have arrived.
+    anything is compiled. A robot that counts from the start as beyond a wall is told of: it might
+    be said to have arrived.
     """
     from physim.parts.declarations import Declared
     from physim.parts.registry import CONTROLLER, make_part
     from physim.simulation.loop import Simulation
+    from physim.simulation.recorder import check_room
     from physim.simulation.run import is_warm, warm_up
-    from physim.simulation.size import check_room, size_of
     from physim.world.checks.starts import check_walled_off
     from physim.world.file import read_world
     from physim.world.layout.scene_builder import build_scene
@@ -55,11 +55,8 @@ def ready(given: str, changes: Changes, quiet: bool, path: Path | None = None) -
         made: Controller = make_part(CONTROLLER, choice.type, choice.settings, trusted=trusted)
         return made
 
-    declared = Declared.of(controller())
-    size = size_of(scene, world.time.record_every, len(declared.columns))
-    check_room(size, path)
-    if path is not None and size.is_large and not quiet:
-        print(size.line(), file=sys.stderr, flush=True)
+    Declared.of(controller())  # refuses what cannot be
+    check_room(scene, world.time.record_every, path)
     if is_warm():
         warm_up(scene, controller())
     else:

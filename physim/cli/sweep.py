@@ -8,7 +8,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
-from physim.cli.options import Out, Output, Seeds, TeamSize, Words, Worlds, kind, real
+from physim.cli.options import Out, Output, Seeds, Words, Workers, Worlds, kind, real
 from physim.cli.progress import Bar
 from physim.cli.simulating import compile_once, tell
 from physim.errors import PhysimError, plural
@@ -45,7 +45,7 @@ def sweep(
     set: tuple[str, ...] = (),
     controller: Words = (),
     output: Output | None = None,
-    workers: TeamSize | None = None,
+    workers: Workers | None = None,
     scheduler: str | None = None,
     until: Annotated[Any, kind(goal)] = None,
     shard: Annotated[tuple[int, int], kind(shard)] = (1, 1),
@@ -168,4 +168,6 @@ def sweep(
     wrong = disagreeing(found) if validate else []
     for line in wrong:
         print(line, file=sys.stderr)
+    if validate and not (wrong or json or quiet):
+        print("validated: physics and geometry agree in every run")
     return INTERRUPTED if tally.interrupted else DISAGREE if wrong else 0

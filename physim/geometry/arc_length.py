@@ -95,7 +95,10 @@ class Polyline:
         return np.vstack([begin, self.points[inner], end])
 
     def crossings(self) -> list[tuple[int, int, FloatArray]]:
-        """Segments i < j that meet elsewhere than at the joint between them, and where (2,) [m]."""
+        """Segments i < j that meet elsewhere than at the joint between them, and where (2,) [m].
+
+        Of a stretch that both share its middle.
+        """
         if len(self.points) < 3 or self.shape.is_simple:
             return []
         pieces = self._segments.geometries
@@ -103,11 +106,9 @@ class Polyline:
         apart = (j > i) & ~((i == 0) & (j == len(pieces) - 1) & self.is_ring())
         i, j = i[apart], j[apart]
         common = shapely.intersection(pieces[i], pieces[j])
-        is_joint = (j == i + 1) & (shapely.length(common) == 0.0)
-        return [
-            (int(a), int(b), np.asarray(shapely.get_coordinates(c)[0]))
-            for a, b, c in zip(i[~is_joint], j[~is_joint], common[~is_joint], strict=True)
-        ]
+        inner = (j > i + 1) | (shapely.length(common) > 0.0)
+        places = shapely.get_coordinates(shapely.centroid(common[inner]))
+        return list(zip(i[inner].tolist(), j[inner].tolist(), places, strict=True))
 
     @cached_property
     def _segments(self) -> shapely.STRtree:

@@ -12,8 +12,8 @@ is whatever the last decision returned, None at first.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, fields
 from typing import TYPE_CHECKING, Any, NamedTuple, Protocol, runtime_checkable
 
 from numpy.typing import NDArray
@@ -21,7 +21,6 @@ from numpy.typing import NDArray
 from physim.escaping import escaped
 from physim.geometry.shapes import FloatArray, IntArray
 from physim.parts.declarations import Column, Mode, Rule
-from physim.parts.later import Later, made_later
 
 if TYPE_CHECKING:
     from physim.errors import Fault
@@ -30,6 +29,8 @@ if TYPE_CHECKING:
     from physim.world.scene import Scene
 
 
+LATER = frozenset(("footprint", "path", "neighbours", "others", "walls"))
+"""Fields of an `Observation` that are made when they are asked for."""
 FASTEST = 1.0e4
 """[m/s, rad/s] No command is beyond, whatever disturbances make of it; limits end at 1000."""
 LONGEST_HOLD = 10**9
@@ -49,6 +50,8 @@ class ObservedRobot:
     """held command [m/s]"""
     omega: float
     """held command [rad/s]"""
+    velocity: FloatArray
+    """(3,) what it did over the last step: vx, vy [m/s], omega [rad/s], world frame"""
     station: float
     """[m] along the reference path"""
     time: float
@@ -68,13 +71,12 @@ class Neighbour:
     """[s] when it was sent"""
 
 
-@made_later("footprint", "path", "neighbours", "others", "walls")
 @dataclass(frozen=True)
-class Observation(Later):
+class Observation:
     """All that Robot i may know when it decides. World frame, SI units.
 
-    Arrays are read-only. What takes time to find out is made when
-    it is first asked for; whenever that is, it is what was true when the robot decided.
+    Arrays are read-only. What takes time to find out (`LATER`) is made when it is first asked for;
+    whenever that is, it is what was true when the robot decided.
     """
 
     time: float
@@ -86,6 +88,10 @@ class Observation(Later):
     v: float
     """held command before this decision [m/s]"""
     omega: float
+    """[rad/s]"""
+    velocity: FloatArray
+    """(3,) what the robot did over the last step, whatever was commanded: vx, vy [m/s], omega
+    [rad/s], world frame; 0 at the start"""
     footprint: tuple[FloatArray, ...]
     """own convex parts (n, 2) [m], robot's frame"""
     limits: tuple[float, float]
@@ -113,6 +119,24 @@ class Observation(Later):
     """forward speeds set for this robot in the world, multiples of nu; None: the controller's"""
     omegas: tuple[float, ...] | None = None
     """rotational speeds set for this robot in the world [rad/s]; None: the controller's"""
+
+    @classmethod
+    def partly(cls, values: dict[str, Any], make: Callable[[str], Any]) -> Observation:
+        """Return one with these fields already; ``make`` makes each of the others by its name."""
+        one = cls.__new__(cls)
+        one.__dict__.update(values, _make=make)
+        return one
+
+    def __getattr__(self, name: str) -> Any:
+        """Make a field that is not there yet, and keep it."""
+        if name not in LATER or "_make" not in self.__dict__:
+            raise AttributeError(f"Observation has no attribute {name!r}")
+        value = self.__dict__[name] = self.__dict__["_make"](name)
+        return value
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Every field, made by now: what a copy is made of."""
+        return {one.name: getattr(self, one.name) for one in fields(self)}
 
     def __repr__(self) -> str:
         """Whose, when and where; what is made when asked for is not made for that."""
@@ -193,6 +217,9 @@ class Snapshot(NamedTuple):
     """(N, 3)"""
     command: FloatArray
     """(N, 2) nominal commands held before this step"""
+    velocity: FloatArray
+    """(N, 3) what the bodies did over the last step: vx, vy [m/s], omega [rad/s], world frame; 0 at
+    the start"""
     station: FloatArray
     """(N,) [m] own projection on the own path"""
     deviation: FloatArray
@@ -214,7 +241,9 @@ class Sensed(NamedTuple):
     pose: FloatArray
     """(M, 3)"""
     command: FloatArray
-    """(M, 2) nominal command held before this step"""
+    """(M, 2) nominal command held before this step: what was wanted"""
+    velocity: FloatArray
+    """(M, 3) what the body did over the last step: vx, vy [m/s], omega [rad/s], world frame"""
     reference_station: FloatArray
     """(M,) [m] along s*"""
     age: FloatArray

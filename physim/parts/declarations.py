@@ -11,7 +11,7 @@ import re
 from dataclasses import dataclass
 
 from physim.errors import ControllerError
-from physim.parts.user_code import broken_by, place_of
+from physim.parts.user_code import naming
 
 NO_NUMBER = -1
 """In tables, the mode or rule of a decision that gave none."""
@@ -97,17 +97,9 @@ class Declared:
         Raises ControllerError for what is no such thing, for names given twice, and for a standard
         column with another unit, with the line of the class; for what raises as it is read, too.
         """
-        try:
+        name = type(controller).__name__
+        with naming(f"controller {name}", type(controller)):
             return cls._of(controller)
-        except ControllerError as error:
-            raise ControllerError(f"{error}{place_of(type(controller))}") from None
-        except KeyboardInterrupt:
-            raise
-        except BaseException as error:  # a property of the user's
-            raise ControllerError(
-                f"modes, rules and columns of {type(controller).__name__} cannot be read: "
-                f"{broken_by(error)}"
-            ) from error
 
     @classmethod
     def _of(cls, controller: object) -> Declared:
@@ -117,22 +109,21 @@ class Declared:
                 for key, kind in (("modes", Mode), ("rules", Rule), ("columns", Column))
             )
         )
-        name = type(controller).__name__
         for mode in declared.modes:
             if not _COLOUR.fullmatch(mode.colour):
                 raise ControllerError(
-                    f'{name}.modes: colour of "{mode.name}" is {mode.colour!r}; it must be #rrggbb'
+                    f'modes: colour of "{mode.name}" is {mode.colour!r}; it must be #rrggbb'
                 )
         standard = {column.name: column for column in STANDARD_COLUMNS}
         for column in declared.columns:
             if column.name in RESERVED:
                 raise ControllerError(
-                    f'{name}.columns: "{column.name}" is written for every decision anyway'
+                    f'columns: "{column.name}" is written for every decision anyway'
                 )
             meant = standard.get(column.name)
             if meant is not None and meant.unit != column.unit:
                 raise ControllerError(
-                    f'{name}.columns: "{column.name}" has the unit {column.unit!r}; the standard '
+                    f'columns: "{column.name}" has the unit {column.unit!r}; the standard '
                     f"column has {meant.unit!r}: use it, or another name"
                 )
         return declared
@@ -150,25 +141,37 @@ RESERVED = frozenset(
 
 def _declared(controller: object, key: str, kind: type) -> tuple:  # type: ignore[type-arg]
     given = getattr(controller, key, ())
-    where = f"{type(controller).__name__}.{key}"
     if not isinstance(given, tuple | list) or not all(isinstance(one, kind) for one in given):
-        raise ControllerError(f"{where} must be a tuple of {kind.__name__}(...)")
+        raise ControllerError(f"{key} must be a tuple of {kind.__name__}(...)")
     if len(given) > MOST_MODES:
-        raise ControllerError(f"{where} has {len(given)} entries; at most {MOST_MODES} are allowed")
+        raise ControllerError(f"{key} has {len(given)} entries; at most {MOST_MODES} are allowed")
     names = [one.name for one in given]
     for name in names:
         if not isinstance(name, str) or not _NAME.fullmatch(name):
             raise ControllerError(
-                f"{where}: name {name!r}; allowed: 1 to 40 lower-case letters, digits and _, a "
+                f"{key}: name {name!r}; allowed: 1 to 40 lower-case letters, digits and _, a "
                 "letter first"
             )
         if names.count(name) > 1:
-            raise ControllerError(f'{where}: "{name}" is declared {names.count(name)} times')
+            raise ControllerError(f'{key}: "{name}" is declared {names.count(name)} times')
     for one in given:
         words = getattr(one, "words", "") + getattr(one, "unit", "")
         if not isinstance(words, str) or not words.isprintable() or len(words) > 300:
-            raise ControllerError(f'{where}: words of "{one.name}" must be one line of plain text')
+            raise ControllerError(f'{key}: words of "{one.name}" must be one line of plain text')
     return tuple(given)
+
+
+def kept_from_walls(controller: object) -> tuple[str, float]:
+    """Setting by which a controller turns away from walls, and how near [m]; no name without one.
+
+    A controller tells it by a method ``kept_from_walls()``. `physim check` names the setting where
+    a robot stands before a place that leaves it less. Raises ControllerError where that fails.
+    """
+    if (say := getattr(controller, "kept_from_walls", None)) is None:
+        return "", 0.0
+    with naming(f"{type(controller).__name__}.kept_from_walls", say):
+        name, distance = say()
+        return str(name), float(distance)
 
 
 def kept_distance(controller: object) -> float:

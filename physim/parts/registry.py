@@ -6,26 +6,21 @@ imports a module, so it is taken from the command line or Python alone, never fr
 
 from __future__ import annotations
 
-import functools
+import inspect
 import json
-import os
-import sys
 from collections.abc import Mapping
 from dataclasses import replace
 from importlib.metadata import entry_points
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from physim.errors import ControllerError, Fault, Location, WorldError, dotted, nearest
-from physim.escaping import escaped
 from physim.parts.user_code import (
-    attribute,
-    broken_by,
     folder_kept,
     kind_of,
     load_class,
     make_folder_importable,
+    naming,
     place_of,
-    takes,
 )
 from physim.world.faults import describe, faults_of, unknown_key
 from physim.world.kinds import thawed
@@ -56,11 +51,6 @@ class Kind(NamedTuple):
     def usage(self, method: str) -> str:
         """How a method is called: ``sense(scene, truth, sensed, state)``."""
         return self.calls[self.methods.index(method)]
-
-    @property
-    def place(self) -> str:
-        """Where a world names it, as ``sensing.stages``; empty where no world does."""
-        return dotted(self.key)
 
 
 CONTROLLER = Kind(
@@ -97,10 +87,10 @@ def part_names(kind: Kind) -> dict[str, str]:
     One that cannot be imported is listed with the reason.
     """
     found = {}
-    entries = _entries(kind)
-    for name in sorted(entries):
+    for name in sorted(_entries(kind)):
         try:
-            found[name] = _first_line(_registered(kind, entries, name))
+            doc = find_part(kind, name).__doc__
+            found[name] = next(iter((doc or "").strip().splitlines()), "no description")
         except ControllerError as error:
             found[name] = str(error)
     return found
@@ -124,20 +114,28 @@ def find_part(kind: Kind, name: str, trusted: bool = False) -> type[Any]:
     """
     entries = _entries(kind)
     if name in entries:
-        return _registered(kind, entries, name)
-    if ":" in name:
-        if not trusted:
+        target, *others = entries[name]
+        if others:
             raise ControllerError(
-                f"{describe(name)} names a class; a world may name registered {kind.word}s only: "
-                f"{', '.join(sorted(entries)) or 'none'}; {advice(kind, name)}"
+                f"{kind.word} {describe(name)} is registered by several packages, as "
+                f"{', '.join(entries[name])}; give all but one another name"
             )
-        make_folder_importable(kind, name)
-        return load_class(kind, name, name)
+        return load_class(kind, target, name)
     known = sorted(entries)
-    raise ControllerError(
-        f"no {kind.word} is called {describe(name)}; registered: {', '.join(known) or 'none'}"
-        f"{_elsewhere(kind, name) or nearest(name[:100], known) or _own(kind, name, trusted)}"
-    )
+    if ":" not in name:
+        own = f"give one of your own as {kind.option} MODULE:CLASS, or " if kind.option else ""
+        raise ControllerError(
+            f"no {kind.word} is called {describe(name)}; registered: {', '.join(known) or 'none'}"
+            f"{nearest(name[:100], known)}; {own}register it by an entry point in the group "
+            f"{describe(kind.group)}, then pip install again"
+        )
+    if not trusted:
+        raise ControllerError(
+            f"{describe(name)} names a class; a world may name registered {kind.word}s only: "
+            f"{', '.join(known) or 'none'}; {advice(kind, name)}"
+        )
+    make_folder_importable()
+    return load_class(kind, name, name)
 
 
 def advice(kind: Kind, name: str) -> str:
@@ -148,17 +146,26 @@ def advice(kind: Kind, name: str) -> str:
 
 
 def check_part(kind: Kind, part: object) -> None:
-    """Raise `ControllerError` where an object lacks a method of its kind, or is a class."""
+    """Raise `ControllerError` for a class, and for what lacks a method as its kind calls it."""
     if isinstance(part, type):
         raise ControllerError(
             f"{kind.word} is the class {part.__name__}; give an instance of it{place_of(part)}"
         )
-    for method in kind.methods:
-        if not callable(attribute(part, method)):
-            raise ControllerError(
-                f"{kind.word} {type(part).__name__} has no method {method}; it needs "
-                f"{', '.join(kind.methods)}{place_of(type(part))}"
-            )
+    for usage, name in zip(kind.calls, kind.methods, strict=True):
+        method = getattr(part, name, None)
+        try:
+            if callable(method):
+                given = usage.partition("(")[2].rstrip(")").split(", ")
+                inspect.signature(method).bind(*given)
+                continue
+        except TypeError:
+            pass
+        except ValueError:  # built in, without a signature
+            continue
+        raise ControllerError(
+            f"{kind.word} {type(part).__name__} has no method {usage}"
+            f"{place_of(method) or place_of(type(part))}"
+        )
 
 
 def settings_model(part: type[Any]) -> type[BaseModel] | None:
@@ -168,15 +175,13 @@ def settings_model(part: type[Any]) -> type[BaseModel] | None:
     """
     from pydantic import BaseModel
 
-    settings = attribute(part, "Settings")
-    if settings is None:
-        return None
-    if not (isinstance(settings, type) and issubclass(settings, BaseModel)):
-        raise ControllerError(
-            f"{part.__name__}.Settings must be a pydantic model; it is {kind_of(settings)}"
-            f"{place_of(settings) or place_of(part)}"
-        )
-    return settings
+    settings = getattr(part, "Settings", None)
+    if settings is None or (isinstance(settings, type) and issubclass(settings, BaseModel)):
+        return settings
+    raise ControllerError(
+        f"{part.__name__}.Settings must be a pydantic model; it is {kind_of(settings)}"
+        f"{place_of(part)}"
+    )
 
 
 def make_part(
@@ -203,24 +208,9 @@ def made_part(kind: Kind, part: type[Any], settings: BaseModel | None, name: str
 
     Raises `ControllerError` where it fails, and where what its class gives lacks a method.
     """
-    given = () if settings is None else (settings,)
-    try:
-        with folder_kept():
-            made = part(*given)
-    except KeyboardInterrupt:
-        raise
-    except BaseException as error:
-        reason = broken_by(error)
-        if isinstance(error, TypeError) and not takes(part, *given):
-            reason = _unmade(part, bool(given))
-        raise ControllerError(f"{kind.word} {describe(name)} cannot be made: {reason}") from error
-    lacking = [method for method in kind.methods if not callable(attribute(made, method))]
-    if isinstance(made, type) or lacking:
-        raise ControllerError(
-            f"{kind.word} {describe(name)} cannot be made: {part.__name__}() gives "
-            f"{kind_of(made)}; it must give an object with {', '.join(kind.methods)}"
-            f"{place_of(part)}"
-        )
+    with naming(f"{kind.word} {describe(name)} cannot be made", part), folder_kept():
+        made = part() if settings is None else part(settings)
+        check_part(kind, made)
     return made
 
 
@@ -254,103 +244,25 @@ def checked_settings(
     allowed = [] if model is None else list(model.model_fields)
     faults: list[Fault] = []
     for key in (key for key in settings if key not in allowed):
-        known_keys = ["type", *allowed] if where and allowed else allowed
-        fault = unknown_key((*where, key), known_keys)
+        fault = unknown_key((*where, key), ["type", *allowed] if where and allowed else allowed)
         text = fault.message if allowed else f"{fault.message}; {part.__name__} takes no settings"
         faults.append(replace(fault, message=text))
     if model is None:
         return None, faults
-    given = {key: value for key, value in settings.items() if value is not None}
-    known = {key: thawed(value) for key, value in given.items() if key in allowed}
+    given = {key: thawed(settings[key]) for key in allowed if settings.get(key) is not None}
     try:
-        made = model.model_validate_json(json.dumps(known), strict=True)
-    except ValidationError as error:
-        faults += [
-            Fault((*where, *fault.location), fault.message) for fault in faults_of(error, model)
-        ]
-        return None, faults
-    except (TypeError, ValueError) as error:
-        return None, [*faults, Fault(where, f"settings cannot be read: {error}")]
-    except KeyboardInterrupt:
-        raise
-    except BaseException as error:  # a validator of the user's
-        reason = f"settings cannot be read: {broken_by(error)}"
-        return None, [*faults, Fault(where, reason)]
-    return made, faults
+        with naming("settings cannot be read", model):
+            return model.model_validate_json(json.dumps(given), strict=True), faults
+    except ControllerError as error:
+        if isinstance(error.__cause__, ValidationError):
+            found = faults_of(error.__cause__, model)
+            return None, faults + [Fault((*where, *one.location), one.message) for one in found]
+        return None, [*faults, Fault(where, str(error))]
 
 
 def _entries(kind: Kind) -> dict[str, tuple[str, ...]]:
     """``module:Class`` by name: several where packages give different ones the same name."""
-    return _installed(kind.group, tuple((folder, _changed(folder)) for folder in sys.path))
-
-
-@functools.lru_cache
-def _installed(
-    group: str, folders: tuple[tuple[str, int | None], ...]
-) -> dict[str, tuple[str, ...]]:
-    """Entry points of a group, read anew once packages come or go: every run asks, in 3 ms."""
     found: dict[str, set[str]] = {}
-    for entry in entry_points(group=group):
+    for entry in entry_points(group=kind.group):
         found.setdefault(entry.name, set()).add(entry.value)
     return {name: tuple(sorted(targets)) for name, targets in found.items()}
-
-
-def _changed(folder: str) -> int | None:
-    """When something was put into a folder or taken out of it last; None where it is none."""
-    try:
-        return os.stat(folder or os.curdir).st_mtime_ns
-    except (OSError, ValueError):
-        return None
-
-
-def _registered(kind: Kind, entries: Mapping[str, tuple[str, ...]], name: str) -> type[Any]:
-    """Import what is registered under a name; `ControllerError` where they are several classes."""
-    target, *others = entries[name]
-    if others:
-        raise ControllerError(
-            f"{kind.word} {describe(name)} is registered by several packages, as "
-            f"{', '.join(entries[name])}; give all but one another name"
-        )
-    return load_class(kind, target, name)
-
-
-def _unmade(part: type[Any], settings: bool) -> str:
-    """Why a class cannot be made of what its ``Settings`` say that it is made of."""
-    name = part.__name__
-    has, made = ("has", f"{name}(settings)") if settings else ("has no", f"{name}()")
-    init = part.__init__
-    return (
-        f"class {name} {has} Settings, so it is made as {made}, which its __init__ does not take"
-        f"{place_of(init if hasattr(init, '__code__') else part)}"
-    )
-
-
-def _elsewhere(kind: Kind, name: str) -> str:
-    """What else is registered by a name: another kind of part, or in a group that is none."""
-    kinds = (*KINDS, METRIC, PLOT)
-    for other in kinds:
-        if other is not kind and name in _entries(other):
-            article = "an" if other.word[0] in "aeiou" else "a"
-            named = f", which a world names under {other.place}" if other.key else ""
-            return f"; {describe(name)} is {article} {other.word}{named}"
-    groups = {other.group for other in kinds}
-    for entry in entry_points(name=name):
-        if entry.group.startswith("physim") and entry.group not in groups:
-            return (
-                f"; {describe(name)} is registered in {describe(entry.group)}, which is no group "
-                f"of parts; write {describe(kind.group)}, then pip install again"
-            )
-    return ""
-
-
-def _own(kind: Kind, name: str, trusted: bool) -> str:
-    registered = f"register one by an entry point in the group {describe(kind.group)}"
-    path, dot, own = name.removesuffix(".py").removeprefix("./").rpartition(".")
-    module, own = (path, own) if dot and "/" not in name else (path + dot + own, "CLASS")
-    like = f"{escaped(module.replace('/', '.'))[:40]}:{escaped(own)[:40]}"
-    given = f"one of your own is given as MODULE:CLASS, here {like}; or " if trusted else ""
-    return f"; {given}{registered}, then pip install again"
-
-
-def _first_line(part: type[Any]) -> str:
-    return next(iter((part.__doc__ or "").strip().splitlines()), "no description")

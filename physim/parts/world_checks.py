@@ -1,15 +1,13 @@
-"""What parts say of a world before it runs, so that all commands refuse alike; and their errors."""
+"""What parts say of a world before it runs, so that all commands refuse alike."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any, Protocol, runtime_checkable
 
 from physim.errors import ControllerError, Fault, Location
-from physim.parts.registry import Kind
-from physim.parts.user_code import MistakenError, asked, attribute, broken_by, kind_of, place_of
+from physim.parts.user_code import kind_of, naming
 
 if TYPE_CHECKING:
     from physim.world import Robot, World
@@ -50,7 +48,7 @@ def robot_faults(
     is written in. Raises `ControllerError` where its ``robot_faults`` fails.
     """
     found: dict[Fault, None] = {}
-    for fault in _faults(controller, "robot_faults", "(robots)", dict(enumerate(robots))):
+    for fault in _faults(controller, "robot_faults", dict(enumerate(robots))):
         where = fault.location
         if where[:1] == ("robots",) and where[1:] and where[1] in range(len(entries)):
             fault = replace(fault, location=("robots", entries[int(where[1])], *where[2:]))
@@ -63,72 +61,26 @@ def world_faults(part: object, world: World, where: Location) -> list[Fault]:
 
     Raises `ControllerError` where its ``world_faults`` fails.
     """
-    return _faults(part, "world_faults", "(world, where)", world, where)
+    return _faults(part, "world_faults", world, where)
 
 
 def world_doubts(part: object, world: World, where: Location) -> list[Fault]:
     """What a controller or stage at ``where`` warns of; as `world_faults`."""
-    return _faults(part, "world_doubts", "(world, where)", world, where)
+    return _faults(part, "world_doubts", world, where)
 
 
-def _faults(part: object, hook: str, usage: str, *given: Any) -> list[Fault]:
-    """What a method says, where the part has it: its class may answer the question by an error."""
-    say = attribute(part, hook)
+def _faults(part: object, hook: str, *given: Any) -> list[Fault]:
+    """What a method says, where the part has it."""
+    say = getattr(part, hook, None)
     if say is None:
         return []
-    name = getattr(say, "__qualname__", "")
-    try:
-        answer = asked(say, f"{hook}{usage}", *given)
-        faults = list(answer) if isinstance(answer, Iterable) else []
-    except KeyboardInterrupt:
-        raise
-    except BaseException as error:
-        raise ControllerError(f"{name} fails: {broken_by(error)}") from error
-    wrong = [fault for fault in faults if not isinstance(fault, Fault)]
-    if wrong or not isinstance(answer, Iterable) or isinstance(answer, str):
-        text = isinstance(answer, str) or not wrong
-        returned = kind_of(answer) if text else f"{kind_of(wrong[0])} among them"
+    with naming(f"{type(part).__name__}.{hook}", say):
+        answer = say(*given)
+        if not isinstance(answer, str) and isinstance(answer, Iterable):
+            faults = list(answer)
+            if all(isinstance(fault, Fault) for fault in faults):
+                return faults
         raise ControllerError(
-            f"{name} returned {returned}; it must return a list of faults, "
-            f"physim.Fault(location, message), empty where there are none{place_of(say)}"
+            f"returned {kind_of(answer)}; it must return a list of physim.Fault(location, message),"
+            " empty where there are none"
         )
-    return faults
-
-
-def listed(key: str, given: Any) -> tuple[Any, ...]:
-    """Parts of a kind that were given from Python. Raises `ControllerError` where they are one."""
-    if isinstance(given, Iterable) and not isinstance(given, str):
-        return tuple(given)
-    name = given if isinstance(given, str) else type(given).__name__
-    raise ControllerError(
-        f"{key} must be a list of objects; {kind_of(given)} given; write {key}=[{name}(…)]"
-    )
-
-
-def call(kind: Kind, part: object, method: str, *given: Any) -> Any:
-    """Call a method of a part within `naming`; `MistakenError` where it does not take that."""
-    return asked(getattr(part, method), kind.usage(method), *given)
-
-
-def two(part: object, method: str, answer: Any, what: str) -> tuple[Any, Any]:
-    """Both of what a method of a stage returned: ``what`` and its next state."""
-    if type(answer) is not tuple or len(answer) != 2:
-        raise returned(part, method, f"{kind_of(answer)}; it must return ({what}, state)")
-    return answer
-
-
-def returned(part: object, method: str, answer: str) -> MistakenError:
-    """Error of a method that returned what it may not, with the line at which it is written."""
-    return MistakenError(f"{method} returned {answer}{place_of(getattr(part, method))}")
-
-
-@contextmanager
-def naming(kind: Kind, part: object, time: float) -> Iterator[None]:
-    """Make an error within a part one line that names it, the time [s] and the line of code."""
-    try:
-        yield
-    except (ControllerError, KeyboardInterrupt):
-        raise
-    except BaseException as error:
-        where = f"{kind.word} {type(part).__name__} at {time:g} s"
-        raise ControllerError(f"{where}: {broken_by(error)}") from error

@@ -71,22 +71,16 @@ class Arrivals:
         """(N,) who has arrived at the present sample"""
         self.all = False
         """whether all have"""
-        self._follow_and_judge, self._judge = direct(follow_and_judge), direct(judge)
+        self._judge = direct(judge)
 
     def follow(self, tracking: Tracking, step: int, pose: FloatArray) -> None:
         """Judge the sample after the last one, to which ``tracking`` follows."""
         stations, arrived = np.empty((3, len(pose))), np.empty(len(pose), np.bool_)
-        self.all = self._follow_and_judge(
+        self.all = self._judge(
             *self.lines, tracking.last, pose, tracking.windows, tracking.stations, stations,
             step, self.bounds, self.trail, arrived,
         )  # fmt: skip
         tracking.stations, self.arrived = read_only(stations), read_only(arrived)
-
-    def note(self, step: int, pose: FloatArray, stations: FloatArray) -> None:
-        """Judge the sample after the last one: ``stations`` (3, N) as `Tracking` has them."""
-        arrived = np.empty(len(pose), np.bool_)
-        self.all = self._judge(*self.lines, step, pose, stations, self.bounds, self.trail, arrived)
-        self.arrived = read_only(arrived)
 
     def restore(self, trail: FloatArray, arrived: NDArray[np.bool_]) -> None:
         """Go to a sample whose ``trail`` and ``arrived`` are known; the trail is copied."""
@@ -95,44 +89,27 @@ class Arrivals:
 
 
 @compiled
-def follow_and_judge(
+def judge(
     start: IntArray,
     row: FloatArray,
     last: IntArray,
     pose: FloatArray,
     windows: FloatArray,
     before: FloatArray,
-    after: FloatArray,
-    step: int,
-    bounds: FloatArray,
-    trail: FloatArray,
-    arrived: NDArray[np.bool_],
-) -> bool:
-    """`track_all` and `judge` in one call, since every step makes both.
-
-    ``start`` and ``row`` are those of the paths: one by one they are handed over in a third of the
-    time.
-    """
-    track_all(start, row, last, pose, windows, before, after)
-    return judge(start, row, step, pose, after, bounds, trail, arrived)
-
-
-@compiled
-def judge(
-    start: IntArray,
-    row: FloatArray,
-    step: int,
-    pose: FloatArray,
     stations: FloatArray,
+    step: int,
     bounds: FloatArray,
     trail: FloatArray,
     arrived: NDArray[np.bool_],
 ) -> bool:
-    """Judge the robots at ``pose`` (N, 3), sample ``step``, into ``arrived`` (N,): are all there?
+    """Follow the robots to ``pose`` (N, 3), sample ``step``, by `track_all`: are all there?
 
-    Stations end with the path: past that the path goes straight on. This sample is added to
-    ``trail``; it and ``bounds`` are those of `Arrivals`.
+    Writes ``stations`` (3, N) and who has ``arrived`` (N,). Stations end with the path: past that
+    the path goes straight on. This sample is added to ``trail``; it and ``bounds`` are those of
+    `Arrivals`. ``start`` and ``row`` are those of the paths: one by one they are handed over in a
+    third of the time.
     """
+    track_all(start, row, last, pose, windows, before, stations)
     length = len(trail)
     now = step % length
     everybody = True

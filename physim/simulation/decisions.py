@@ -5,7 +5,6 @@ A controller that decides for one robot at a time is adapted to the batch form o
 
 from __future__ import annotations
 
-import copy
 from collections.abc import Mapping, Sequence
 from itertools import islice
 from math import nan
@@ -26,13 +25,10 @@ from physim.parts.controller import (
     Sensed,
 )
 from physim.parts.declarations import NO_NUMBER, Declared, Mode, Rule
-from physim.parts.user_code import asked, broken_by, is_shipped, kind_of, place_of
-from physim.simulation.decision_checks import checked, plainly_fine
+from physim.parts.user_code import broken_by, is_shipped, kind_of, naming
+from physim.simulation.checks import next_steps, taken_decisions
 from physim.simulation.observation import Sight, Views
 from physim.world.scene import Scene
-
-_NO_NUMBER = (TypeError, ValueError, OverflowError)
-"""What Python raises where something cannot be made a number."""
 
 
 class Row(NamedTuple):
@@ -46,30 +42,28 @@ class Row(NamedTuple):
     report: list[float]
 
 
-def decision_row(decision: object, declared: Declared, robots: int, robot: int) -> Row:
-    """Numbers of a decision of a ``robot``, by index, among ``robots``.
+def decision_row(decision: object, declared: Declared, robots: int) -> Row:
+    """Numbers of a decision of one among ``robots``.
 
     Raises ControllerError when it is no Decision, when one of its fields is of a wrong type, or
-    names what the controller has not declared; or when a value of the user's own class fails as it
-    is read.
+    names what the controller has not declared.
     """
     if not isinstance(decision, Decision):
-        given = type(decision).__name__
-        raise ControllerError(f"decide returned {given}; it must return a Decision")
+        raise ControllerError(f"decide returned {kind_of(decision)}; it must return a Decision")
     try:
-        return Row(
-            (_number(decision.v, "v"), _number(decision.omega, "omega")),
-            _number(decision.hold, "hold"),
-            _declared(decision.mode, "mode", declared.modes),
-            _declared(decision.rule, "rule", declared.rules),
-            _considered(decision.considered, robots, robot),
-            _report(decision.report, declared),
-        )
-    except (ControllerError, KeyboardInterrupt):
-        raise
-    except BaseException as error:
-        text = f"decide returned what cannot be read: {broken_by(error)}"
-        raise ControllerError(text) from error
+        considered = [index(j) for j in islice(decision.considered, robots + 1)]
+    except TypeError:
+        raise ControllerError(
+            f"considered is {_quoted(decision.considered)}; it must list robots by index"
+        ) from None
+    return Row(
+        (_number(decision.v, "v"), _number(decision.omega, "omega")),
+        _number(decision.hold, "hold"),
+        _declared(decision.mode, "mode", declared.modes),
+        _declared(decision.rule, "rule", declared.rules),
+        considered,
+        _report(decision.report, declared),
+    )
 
 
 def _number(value: object, field: str) -> float:
@@ -79,9 +73,8 @@ def _number(value: object, field: str) -> float:
         if isinstance(value, str | bytes):
             raise TypeError
         return float(value)  # type: ignore[arg-type]
-    except _NO_NUMBER:
-        given = _quoted(value)
-        raise ControllerError(f"{field} is {given}; it must be a number") from None
+    except (TypeError, ValueError, OverflowError):
+        raise ControllerError(f"{field} is {_quoted(value)}; it must be a number") from None
 
 
 def _declared(given: str | Mode | Rule | None, field: str, among: Sequence[Mode | Rule]) -> int:
@@ -98,35 +91,12 @@ def _declared(given: str | Mode | Rule | None, field: str, among: Sequence[Mode 
     raise ControllerError(f"{field} is {_quoted(given)}; {allowed}{hint}")
 
 
-def _considered(given: object, robots: int, robot: int) -> list[int]:
-    if type(given) is tuple and not given:
-        return []
-    try:
-        found = [index(j) for j in islice(given, robots + 1)]  # type: ignore[call-overload]
-    except TypeError:
-        raise ControllerError(
-            f"considered is {_quoted(given)}; it must list robots by index"
-        ) from None
-    if any(not 0 <= j < robots for j in found) or len(set(found)) < len(found):
-        raise ControllerError(
-            f"considered is {_quoted(given)}; it must list robots 0 to {robots - 1}, each once"
-        )
-    if robot in found:
-        raise ControllerError(
-            f"considered is {_quoted(given)}; it lists the robot itself, which is {robot}; it must "
-            "list others"
-        )
-    return found
-
-
 def _report(report: object, declared: Declared) -> list[float]:
     """Numbers of a report, one a declared column; NaN where one is left out or None."""
     if not isinstance(report, Mapping):
-        raise ControllerError(
-            f"report is a {type(report).__name__}; it must be a mapping of columns"
-        )
-    if not report and not declared.columns:
-        return []
+        raise ControllerError(f"report is {kind_of(report)}; it must be a mapping of columns")
+    if not report:
+        return [nan] * len(declared.columns)
     names = [column.name for column in declared.columns]
     for name in report:
         if name not in names:
@@ -135,27 +105,14 @@ def _report(report: object, declared: Declared) -> list[float]:
             raise ControllerError(
                 f"report names {_quoted(name)}, which is not declared; declared: {allowed}{hint}"
             )
-    values = (report.get(name) for name in names)
-    return [
-        nan if value is None else _number(value, f"report {name}")
-        for name, value in zip(names, values, strict=True)
-    ]
+    values = ((name, report.get(name)) for name in names)
+    return [nan if one is None else _number(one, f"report {name}") for name, one in values]
 
 
 def _quoted(value: object) -> str:
     """What was given, on one line and cut off where it is long."""
-    try:
-        text = " ".join(repr(value).split())
-    except KeyboardInterrupt:
-        raise
-    except BaseException:  # of code that is not ours; or a whole number too long to be written out
-        text = f"of type {type(value).__name__}"
+    text = " ".join(repr(value).split())
     return text if len(text) <= 60 else f"{text[:57]}..."
-
-
-def broken(error: BaseException, where: str) -> ControllerError:
-    """One line about an error inside a controller: type, text, and the line it arose on."""
-    return ControllerError(f"{where}: {broken_by(error)}")
 
 
 NOBODY = read_only(np.zeros(0, dtype=np.int64))
@@ -176,45 +133,20 @@ def begun(
 
     Raises ControllerError where one of the user's own fails.
     """
+    if is_shipped(controller) and isinstance(controller, BatchCapable):
+        ours = controller.batch(scene)
+        return ours, ours.memory()
     if not isinstance(controller, BatchCapable):
         plain = PerRobotAdapter(controller, scene, declared)
         return plain, plain.memory()
-    try:
+    with naming(f"controller {type(controller).__name__}, batch form", controller.batch):
         batch = controller.batch(scene)
         if lacking := [one for one in ("memory", "decide_due") if not hasattr(batch, one)]:
             raise ControllerError(
-                f"controller {type(controller).__name__}: batch(scene) gives {kind_of(batch)}; it "
-                f"must give an object with {' and '.join(lacking)}{place_of(controller.batch)}"
+                f"batch(scene) gives {kind_of(batch)}; it must give an object with "
+                f"{' and '.join(lacking)}"
             )
         return batch, batch.memory()
-    except (ControllerError, KeyboardInterrupt):
-        raise
-    except BaseException as error:
-        if is_shipped(controller):
-            raise
-        raise broken(error, f"controller {type(controller).__name__}, batch form") from error
-
-
-NUMBERS_OF = ("robot", "mode", "rule", "considered", "considered_start")
-"""Fields of decisions that number something"""
-
-
-def unreadable(decisions: object, due: IntArray) -> str:
-    """Why what a batch form returned is not a row for each robot asked for; empty where it is."""
-    if not isinstance(decisions, Decisions):
-        return f"returned {type(decisions).__name__}; it must return Decisions"
-    for name, values in zip(decisions._fields, decisions, strict=True):
-        kinds, what = ("iu", "whole numbers") if name in NUMBERS_OF else ("fiu", "numbers")
-        if not isinstance(values, np.ndarray) or values.dtype.kind not in kinds:
-            return f"returned {name} that is not an array of {what}"
-        if not values.ndim or isinstance(values, np.ma.MaskedArray | np.matrix):
-            return f"returned {name} of type {type(values).__name__}, shape {values.shape}"
-    if decisions.command.shape != (len(due), 2):
-        return f"returned command of shape {decisions.command.shape}; it must be {(len(due), 2)}"
-    if not np.array_equal(decisions.robot, due):
-        given = np.asarray(decisions.robot).tolist()
-        return f"decided for robots {given} when asked for {due.tolist()}"
-    return ""
 
 
 def decide(
@@ -230,35 +162,24 @@ def decide(
 
     Writes ``memory``. Raises ControllerError for what cannot be done or recorded.
     """
-    try:
+    if is_shipped(batch):
         decisions = batch.decide_due(sensed, due, memory)
-        if not is_shipped(batch):
-            if fault := unreadable(decisions, due):
-                where = f"{type(batch).__name__}.decide_due at {sensed.step * scene.dt:g} s"
-                raise ControllerError(f"{where} {fault}{place_of(batch.decide_due)}")
-            decisions = copy.deepcopy(decisions)  # it may write its own arrays again
-        next_step = plainly_fine(scene, sensed.step, due, decisions, declared)
-    except (ControllerError, KeyboardInterrupt):
-        raise
-    except BaseException as error:
-        if is_shipped(batch):
-            raise
+    else:
         where = f"{type(batch).__name__}.decide_due at {sensed.step * scene.dt:g} s"
-        raise broken(error, where) from error
-    if next_step is None:
-        try:
-            next_step = checked(scene, sensed.step, due, decisions, declared)
-        except ControllerError as error:
-            name = type(getattr(batch, "controller", batch)).__name__
-            plain = batch.controller if isinstance(batch, PerRobotAdapter) else None
-            written = batch.decide_due if plain is None else plain.decide
-            raise ControllerError(f"controller {name}: {error}{place_of(written)}") from None
+        with naming(where, batch.decide_due):
+            answer = batch.decide_due(sensed, due, memory)
+            decisions = taken_decisions(answer, due, len(declared.columns))
+    try:
+        next_step = next_steps(scene, sensed.step, decisions, declared)
+    except ControllerError as error:
+        plain = batch.controller if isinstance(batch, PerRobotAdapter) else None
+        told = broken_by(error, batch.decide_due if plain is None else plain.decide)
+        raise ControllerError(f"controller {type(plain or batch).__name__}: {told}") from None
     nominal = held.copy()
     nominal[due] = decisions.command
     return Decided(read_only(nominal), locked(decisions), read_only(next_step))
 
 
-DECIDE = "decide(observation, memory)"
 MEMORY = "memory"
 """Name of the one array of a plain controller's memories: (N,) of Python values."""
 
@@ -281,39 +202,28 @@ class PerRobotAdapter:
     ) -> Decisions:
         """Decide for robots ``due``; every one sees the same snapshot, whatever their order."""
         rows, memories, views = [], [], Views(self.sight, sensed, due)
+        name, ask = type(self.controller).__name__, self.controller.decide
         for i in due.tolist():
-            decision, row = self._decide(i, views, memory[MEMORY][i])
-            rows.append(row)
-            memories.append(decision.memory)
+            where = f"controller {name}, {self.scene.names[i]} at {views.time:g} s"
+            with naming(where, ask):
+                decision = ask(views.observation(i), memory[MEMORY][i])
+                rows.append(decision_row(decision, self.declared, self.scene.robots))
+                memories.append(decision.memory)
         for i, value in zip(due, memories, strict=True):
             memory[MEMORY][i] = value
-        considered = [row.considered for row in rows]
-        columns = len(self.declared.columns)
-        return Decisions(
-            due,
-            np.array([row.command for row in rows], dtype=np.float64),
-            np.array([row.hold for row in rows], dtype=np.float64),
-            np.array([row.mode for row in rows], dtype=np.int64),
-            np.array([row.rule for row in rows], dtype=np.int64),
-            np.array([row.report for row in rows], dtype=np.float64).reshape(len(due), columns),
-            np.array([j for robots in considered for j in robots], dtype=np.int64),
-            np.cumsum([0, *(len(robots) for robots in considered)]).astype(np.int64),
-        )
+        return decisions_of(due, rows, len(self.declared.columns))
 
-    def _decide(self, i: int, views: Views, memory: Any) -> tuple[Decision, Row]:
-        observation = views.observation(i)
-        try:
-            decision = asked(self.controller.decide, DECIDE, observation, memory)
-        except KeyboardInterrupt:
-            raise
-        except BaseException as error:
-            raise broken(error, self._where(i, views)) from error
-        try:
-            return decision, decision_row(decision, self.declared, self.scene.robots, i)
-        except ControllerError as error:
-            place = place_of(self.controller.decide)
-            raise ControllerError(f"{self._where(i, views)}: {error}{place}") from None
 
-    def _where(self, i: int, views: Views) -> str:
-        name = type(self.controller).__name__
-        return f"controller {name}, {self.scene.names[i]} at {views.time:g} s"
+def decisions_of(due: IntArray, rows: Sequence[Row], columns: int) -> Decisions:
+    """Rows of the robots ``due`` as arrays; each reports so many columns."""
+    considered = [row.considered for row in rows]
+    return Decisions(
+        due,
+        np.array([row.command for row in rows], dtype=np.float64),
+        np.array([row.hold for row in rows], dtype=np.float64),
+        np.array([row.mode for row in rows], dtype=np.int64),
+        np.array([row.rule for row in rows], dtype=np.int64),
+        np.array([row.report for row in rows], dtype=np.float64).reshape(len(due), columns),
+        np.array([j for robots in considered for j in robots], dtype=np.int64),
+        np.cumsum([0, *(len(robots) for robots in considered)]).astype(np.int64),
+    )

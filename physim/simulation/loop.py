@@ -8,6 +8,7 @@ allow. What each stage is for: `physim.parts.stages`.
 from __future__ import annotations
 
 import copy
+import hashlib
 from collections.abc import Sequence
 from typing import Any, SupportsIndex
 
@@ -15,16 +16,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from physim.contacts import CONTACT_ROW
-from physim.errors import PhysimError, WorldError, plural
+from physim.errors import ControllerError, PhysimError, WorldError, plural
+from physim.geometry.clearance import ClearanceFinder, Clearances
 from physim.geometry.path import Tracking
 from physim.geometry.shapes import FloatArray, locked, read_only
-from physim.parts.controller import (
-    Controller,
-    Observation,
-    Sensed,
-    Snapshot,
-)
+from physim.parts.controller import FASTEST, Controller, Observation, Sensed, Snapshot
 from physim.parts.declarations import NO_NUMBER, Declared
+from physim.parts.registry import (
+    DISTURBANCE,
+    FILTER,
+    OBSERVER,
+    SENSING,
+    STAGES,
+    check_part,
+)
 from physim.parts.stages import (
     Disturbance,
     Filter,
@@ -34,19 +39,23 @@ from physim.parts.stages import (
     everybody,
     shared,
 )
-from physim.parts.world_checks import listed
-from physim.simulation import parts
+from physim.parts.user_code import broken_by, kind_of, naming
 from physim.simulation.arrival import Arrivals
-from physim.simulation.decision_checks import outside
+from physim.simulation.checks import taken_commands, taken_sensed
 from physim.simulation.decisions import Decided, begun, decide
 from physim.simulation.engine import Physics
-from physim.simulation.observation import observe
-from physim.simulation.state import SimulationState, replaced, scene_digest
+from physim.simulation.observation import Sight, Views
+from physim.simulation.parts import driven_by, listed, parts_of
+from physim.simulation.state import SimulationState
 from physim.simulation.swept_contacts import SweptContactFinder
 from physim.world import World
 from physim.world.faults import describe
 from physim.world.layout.scene_builder import build_scene, reseeded
 from physim.world.scene import Scene
+
+LOOK_ON = "observers look on and change nothing"
+SENSE, FILTERED, DISTURBED = range(3)
+"""Numbers of the stages whose parts are `STAGES`"""
 
 
 class Simulation:
@@ -66,8 +75,11 @@ class Simulation:
     memory: dict[str, NDArray[Any]]
     _next_due: int
     _sensed: tuple[Sensed, tuple[Any, ...]] | None
-    _stages: tuple[tuple[Any, ...], ...]
+    _states: tuple[tuple[Any, ...], ...]
     _told: tuple[Snapshot, Any, Decided, FloatArray, FloatArray] | None
+    _sight: Sight | None
+    _digested: tuple[Scene | None, str] = None, ""
+    _found: tuple[Snapshot | None, Clearances | None] = None, None
 
     def __init__(
         self,
@@ -91,16 +103,17 @@ class Simulation:
         """
         if isinstance(world, World):
             seed = state.seed if seed is None and state is not None else seed
-            world = build_scene(parts.driven_by(world, controller), seed)
+            world = build_scene(driven_by(world, controller), seed)
         if not isinstance(world, Scene):
             raise TypeError(
                 f"a World or a Scene is needed, not {type(world).__name__}; "
                 "load_world(name or file) gives one"
             )
         self.scene = world
-        self.parts = parts.parts_of(world.world, controller, sensing, filters, disturbances)
+        stages = {SENSING: sensing, FILTER: filters, DISTURBANCE: disturbances}
+        self.parts = parts_of(world.world, controller, stages)
         self.declared = Declared.of(self.parts.controller)
-        if faults := parts.part_faults(self.parts, world.world):
+        if faults := self.parts.faults(world.world):
             raise WorldError(faults)
         self.observers: list[Observer] = []
         self._host()
@@ -133,6 +146,21 @@ class Simulation:
         return self.now.command
 
     @property
+    def velocity(self) -> FloatArray:
+        """(N, 3) vx, vy [m/s], omega [rad/s] over the last step, world frame; read-only."""
+        return self.now.velocity
+
+    @property
+    def clearance(self) -> FloatArray:
+        """(N,) [m] signed distance of each robot from the nearest other one; inf without others."""
+        return np.asarray(self._distances.clearance[0])
+
+    @property
+    def boundary_clearance(self) -> FloatArray:
+        """(N,) [m] signed distance of each robot from the nearest wall; inf without walls."""
+        return np.asarray(self._distances.boundary_clearance[0])
+
+    @property
     def arrived(self) -> NDArray[np.bool_]:
         """(N,) who has arrived, by `physim.simulation.arrival`; read-only."""
         return self._arrivals.arrived
@@ -159,11 +187,15 @@ class Simulation:
         """What Robot i, 0 to N - 1, may know now. Raises PhysimError for another i."""
         if not isinstance(i, SupportsIndex) or i not in range(self.scene.robots):
             raise PhysimError(f"robot {describe(i)}; allowed: 0 to {self.scene.robots - 1}")
-        return observe(self.scene, self._sense()[0], i)
+        if self._sight is None or self._sight.scene is not self.scene:
+            self._sight = Sight(self.scene)
+        return Views(self._sight, self._sense()[0], np.array([i])).observation(int(i))
 
     def look_on(self, observer: Observer) -> None:
         """Let an observer look on from now on; during a step, from the next on."""
-        observer.start(self)
+        check_part(OBSERVER, observer)
+        with naming(f"observer {type(observer).__name__} at {self.time:g} s", observer.start):
+            observer.start(self)
         self.observers.append(observer)
 
     # A step
@@ -174,22 +206,105 @@ class Simulation:
         With ``commands`` (N, 2) every robot holds those and no controller is asked. Raises
         ControllerError for a command that is not finite or beyond a robot's limits.
         """
-        truth, parts = self.now, self.parts
-        sensing = self._sense()[1] if parts.sensing else ()
-        if commands is None:
-            decided = self._decide()
-        else:
-            decided = Decided(outside(self.scene, truth.step, commands))
+        truth = self.now
+        sensing = self._sense()[1] if self._parts[SENSE] else ()
+        decided = self._decide() if commands is None else self._given(commands)
         nominal = decided.nominal
-        filtered, filters = self._filter(nominal) if parts.filters else (nominal, ())
-        applied, disturbances = self._disturb(filtered) if parts.disturbances else (filtered, ())
+        filtered, filters = self._run_stage(FILTERED, nominal)
+        applied, disturbances = self._run_stage(DISTURBED, filtered)
         self.physics.step(applied)
-        self._stages = (sensing, filters, disturbances)
+        self._states = (sensing, filters, disturbances)
         self._told = truth, self._sensed, decided, filtered, applied
         self._arrive(truth.step + 1, nominal)
-        if self.observers and (last := self.last):
-            for observer in tuple(self.observers):  # one that is added sees the next step first
-                observer.after_step(last)
+        if self.observers:
+            self._report()
+
+    def _run_stage(self, stage: int, given: Any) -> tuple[Any, tuple[Any, ...]]:
+        """What the parts of a stage make of what they are given, in turn; and their next states.
+
+        Whatever they return comes through here: its shape, finite numbers, and limits. Raises
+        ControllerError.
+        """
+        parts = self._parts[stage]
+        if not parts:
+            return given, ()
+        known: Any = self._sense()[0] if stage == FILTERED else self.now
+        kind, states = STAGES[stage], []
+        method = kind.methods[1]
+        for part, state in zip(parts, self._states[stage], strict=True):
+            call = getattr(part, method)
+            with naming(f"{kind.word} {type(part).__name__} at {self.time:g} s", call):
+                answer = call(self.scene, known, given, state)
+                if type(answer) is not tuple or len(answer) != 2:
+                    what = "sensed" if stage == SENSE else "commands"
+                    raise ControllerError(
+                        f"{method} returned {kind_of(answer)}; it must return ({what}, state)"
+                    )
+                if stage == SENSE:
+                    given = taken_sensed(answer[0], given, self.scene)
+                else:
+                    given = taken_commands(self.scene, answer[0], given, self._limits[stage])
+            states.append(answer[1])
+        return given, tuple(states)
+
+    def _sense(self) -> tuple[Sensed, tuple[Any, ...]]:
+        """What robots know at this sample, and the states of the stages for the next."""
+        if self._sensed is None:
+            self._sensed = self._run_stage(SENSE, everybody(self.now, self._shared))
+        return self._sensed
+
+    def _given(self, commands: FloatArray) -> Decided:
+        """Nominal commands from outside."""
+        with naming(f"commands at {self.time:g} s"):
+            return Decided(taken_commands(self.scene, commands, None, self.scene.limits))
+
+    def _decide(self) -> Decided:
+        """Nominal commands of all robots from now on; those that are due are asked."""
+        if self.now.step < self._next_due:
+            return Decided(self.now.command)
+        sensed = self._sense()[0]
+        due = read_only((self.next_decision <= sensed.step).nonzero()[0])
+        decided = decide(
+            self._batch, self.scene, self.declared, sensed, due, self.now.command, self.memory
+        )
+        if decided.decisions is not None:
+            self.mode = _replaced(self.mode, due, decided.decisions.mode)
+        self.next_decision = _replaced(self.next_decision, due, decided.next_step)
+        self._next_due = int(np.minimum.reduce(self.next_decision))
+        return decided
+
+    def _arrive(self, step: int, nominal: FloatArray) -> None:
+        """Take up the sample to which the physics brought the robots."""
+        pose = read_only(self.physics.pose)
+        grazes = self._swept.rows(step, self.now.pose, pose)
+        if len(grazes):  # which the engine cannot see
+            self.physics.contacts = np.concatenate(
+                (self.physics.contacts, grazes), dtype=CONTACT_ROW
+            )
+        self._arrivals.follow(self._tracking, step, pose)
+        velocity = pose - self.now.pose
+        velocity /= self.scene.dt
+        self._take(step, pose, nominal, read_only(velocity))
+
+    def _take(self, step: int, pose: FloatArray, nominal: FloatArray, velocity: FloatArray) -> None:
+        along = self._tracking.stations
+        self.now = Snapshot(step, pose, nominal, velocity, along[0], along[1], along[2])
+        self._sensed = None
+
+    def _report(self) -> None:
+        """Let observers look at the step; one that is added sees the next step first."""
+        last, now, due = self.last, self.now, self.next_decision
+        for observer in tuple(self.observers):
+            try:
+                observer.after_step(last)  # type: ignore[arg-type]  # a step was made
+                if self.now is not now or self.next_decision is not due:
+                    raise ControllerError(f"it moved the simulation; {LOOK_ON}")
+            except KeyboardInterrupt:
+                raise
+            except BaseException as error:
+                where = f"observer {type(observer).__name__} at {now.step * self.scene.dt:g} s"
+                told = broken_by(error, observer.after_step)
+                raise ControllerError(f"{where}: {told}") from error
 
     @property
     def last(self) -> Step | None:
@@ -204,70 +319,13 @@ class Simulation:
             self._arrivals.arrived,
         )  # fmt: skip
 
-    def _sense(self) -> tuple[Sensed, tuple[Any, ...]]:
-        """What robots know at this sample, and the states of the stages for the next."""
-        if self._sensed is None:
-            sensed, states = everybody(self.now, self._shared), []
-            for part, state in zip(self.parts.sensing, self._stages[0], strict=True):
-                sensed, state = parts.ask_sense(part, self.scene, self.now, sensed, state)
-                states.append(state)
-            self._sensed = sensed, tuple(states)
-        return self._sensed
-
-    def _decide(self) -> Decided:
-        """Nominal commands of all robots from now on; those that are due are asked."""
-        if self.now.step < self._next_due:
-            return Decided(self.now.command)
-        sensed = self._sense()[0]
-        due = read_only((self.next_decision <= sensed.step).nonzero()[0])
-        decided = decide(
-            self._batch, self.scene, self.declared, sensed, due, self.now.command, self.memory
-        )
-        if decided.decisions is not None:
-            self.mode = replaced(self.mode, due, decided.decisions.mode)
-        self.next_decision = replaced(self.next_decision, due, decided.next_step)
-        self._next_due = int(np.minimum.reduce(self.next_decision))
-        return decided
-
-    def _filter(self, nominal: FloatArray) -> tuple[FloatArray, tuple[Any, ...]]:
-        """Filtered commands (N, 2): the nominal ones through every filter in turn."""
-        sensed, filtered, states = self._sense()[0], nominal, []
-        for part, state in zip(self.parts.filters, self._stages[1], strict=True):
-            filtered, state = parts.ask_filter(part, self.scene, sensed, filtered, state)
-            states.append(state)
-        return filtered, tuple(states)
-
-    def _disturb(self, filtered: FloatArray) -> tuple[FloatArray, tuple[Any, ...]]:
-        """Applied commands (N, 2): the filtered ones through every disturbance in turn."""
-        applied, states = filtered, []
-        for part, state in zip(self.parts.disturbances, self._stages[2], strict=True):
-            applied, state = parts.ask_disturbance(part, self.scene, self.now, applied, state)
-            states.append(state)
-        return applied, tuple(states)
-
-    def _arrive(self, step: int, nominal: FloatArray) -> None:
-        """Take up the sample to which the physics brought the robots."""
-        pose = read_only(self.physics.pose)
-        grazes = self._swept.rows(step, self.now.pose, pose)
-        if len(grazes):  # which the engine cannot see
-            self.physics.contacts = np.concatenate(
-                (self.physics.contacts, grazes), dtype=CONTACT_ROW
-            )
-        self._arrivals.follow(self._tracking, step, pose)
-        self._take(step, pose, nominal)
-
-    def _take(self, step: int, pose: FloatArray, nominal: FloatArray) -> None:
-        along = self._tracking.stations
-        self.now = Snapshot(step, pose, nominal, along[0], along[1], along[2])
-        self._sensed = None
-
     # State
 
     @property
     def state(self) -> SimulationState:
         """Everything that the next step depends on, as a value."""
         return SimulationState(
-            scene=scene_digest(self.scene),
+            scene=self._digest,
             seed=self.scene.seed,
             parts=self.parts.names,
             settings=self.parts.settings,
@@ -275,7 +333,7 @@ class Simulation:
             mode=self.mode,
             next_decision=self.next_decision,
             memory={name: array.copy() for name, array in self.memory.items()},
-            stages=self._stages,
+            stages=self._states,
             trail=self._arrivals.trail.copy(),
             arrived=self.arrived,
             physics=self.physics.state,
@@ -296,16 +354,16 @@ class Simulation:
             )
         if other := self.parts.set_otherwise(state.settings):
             raise PhysimError(f"the state is of a run in which {other}; give it the same")
-        if state.scene != scene_digest(self.scene):
+        if state.scene != self._digest:
             raise PhysimError("the state is of another world or seed; restore it in its own")
         self.physics.restore(state.physics)
         for array in (*state.now[1:], state.mode, state.next_decision):
             read_only(array)  # which unpickled arrays are not
-        self._tracking.stations = read_only(np.stack(state.now[3:]))
+        self._tracking.stations = read_only(np.stack(state.now[4:]))
         self.now, self.mode, self.next_decision = state.now, state.mode, state.next_decision
         self._next_due = int(state.next_decision.min())
         self.memory = {name: array.copy() for name, array in state.memory.items()}
-        self._stages = state.stages
+        self._states = state.stages
         self._arrivals.restore(state.trail, state.arrived)
         self._sensed, self._told = None, None
 
@@ -324,6 +382,7 @@ class Simulation:
     def _host(self) -> None:
         """Put the robots into the engine."""
         scene = self.scene
+        self._sight = None
         self._swept = SweptContactFinder(scene)
         self.physics = Physics(
             scene.shapes, scene.walls, scene.start, scene.mass, scene.dt,
@@ -335,7 +394,16 @@ class Simulation:
         scene, robots, controller = self.scene, self.scene.robots, self.parts.controller
         self._batch, self.memory = begun(controller, scene, self.declared)
         self._shared = shared(robots)
-        self._stages = self.parts.start(scene)
+        self._parts = tuple(map(self.parts.of, STAGES))
+        self._limits = {FILTERED: scene.limits, DISTURBED: np.full((robots, 2), FASTEST)}
+        states = []
+        for kind, parts in zip(STAGES, self._parts, strict=True):
+            begun_with = []
+            for part in parts:
+                with naming(f"{kind.word} {type(part).__name__} at 0 s", part.start):
+                    begun_with.append(part.start(scene))
+            states.append(tuple(begun_with))
+        self._states = tuple(states)
         self._tracking = Tracking(
             scene.paths, scene.reference, scene.shapes.radius[:robots], read_only(scene.start)
         )
@@ -343,7 +411,28 @@ class Simulation:
         self.mode = read_only(np.full(robots, NO_NUMBER, dtype=np.int64))
         self.next_decision = read_only(np.zeros(robots, dtype=np.int64))
         self._next_due, self._told = 0, None
-        self._take(0, read_only(self.physics.pose), read_only(np.zeros((robots, 2))))
+        still = read_only(np.zeros((robots, 3)))
+        self._take(0, read_only(self.physics.pose), read_only(np.zeros((robots, 2))), still)
+
+    @property
+    def _distances(self) -> Clearances:
+        """Clearances of the present sample, found once."""
+        of, found = self._found
+        if found is None or of is not self.now:
+            scene = self.scene
+            finder = ClearanceFinder(scene.shapes, scene.wall_tree)
+            found = locked(finder.find(self.now.pose[None]))
+            self._found = self.now, found
+        return found
+
+    @property
+    def _digest(self) -> str:
+        """SHA-256 of the effective world, its seed in it; made once for a scene."""
+        of, found = self._digested
+        if of is not self.scene:
+            found = hashlib.sha256(self.scene.world.to_yaml().encode()).hexdigest()
+            self._digested = self.scene, found
+        return found
 
     def __getstate__(self) -> dict[str, Any]:
         """Scene, parts and state: the engine itself is built anew from these."""
@@ -363,3 +452,10 @@ class Simulation:
         other = copy.copy(self)  # by __getstate__
         memo[id(self)] = other
         return other
+
+
+def _replaced(array: NDArray[np.int64], at: NDArray[np.int64], values: Any) -> NDArray[np.int64]:
+    """Copy of an array with other values in some places."""
+    new = array.copy()
+    new[at] = values
+    return read_only(new)

@@ -10,9 +10,8 @@ arrays of a step and of a scene never do once they are handed out.
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from functools import cached_property, partial
-from typing import Any, ClassVar
+from functools import cache, cached_property, partial
+from typing import Any
 
 import numpy as np
 
@@ -22,11 +21,6 @@ from physim.geometry.shapes import FloatArray, IntArray, Shapes, read_only
 from physim.geometry.walls import parts_within
 from physim.parts.controller import FormationView, Neighbour, Observation, ObservedRobot, Sensed
 from physim.world.scene import Scene
-
-
-def observe(scene: Scene, sensed: Sensed, i: int) -> Observation:
-    """What Robot i may know at a step, from what it senses."""
-    return Views(Sight(scene), sensed, np.array([i])).observation(i)
 
 
 def formation_errors(scene: Scene, reference_station: FloatArray) -> FloatArray:
@@ -46,53 +40,42 @@ class Sight:
         self.scene = scene
         plan = scene.formation
         self.formation = FormationView(plan.active, plan.gain, plan.speed, plan.v_min, plan.v_max)
-        self._facts: dict[int, dict[str, Any]] = {}
-        self._footprints: dict[int, tuple[FloatArray, ...]] = {}
-        self._paths: dict[int, Path] = {}
-        self._walls: dict[int, FloatArray] = {}
+        self.facts, self.footprint = cache(self._facts), cache(self._footprint)
+        self.path, self.wall = cache(self._path), cache(partial(_part, scene.walls))
 
-    def facts(self, i: int) -> dict[str, Any]:
+    def _facts(self, i: int) -> dict[str, Any]:
         """Fields of observations of Robot i that stay as they are."""
-        if i not in self._facts:
-            scene = self.scene
-            self._facts[i] = {
-                "index": i,
-                "name": scene.names[i],
-                "limits": (float(scene.limits[i, 0]), float(scene.limits[i, 1])),
-                "stop_station": float(scene.stop_station[i]),
-                "lead": float(scene.formation.lead[i]),
-                "range": scene.sensing_range,
-                "dt": scene.dt,
-                "formation": self.formation,
-                "speeds": scene.speeds[i],
-                "omegas": scene.omegas[i],
-            }
-        return self._facts[i]
+        scene = self.scene
+        return {
+            "index": i,
+            "name": scene.names[i],
+            "limits": (float(scene.limits[i, 0]), float(scene.limits[i, 1])),
+            "stop_station": float(scene.stop_station[i]),
+            "lead": float(scene.formation.lead[i]),
+            "range": scene.sensing_range,
+            "dt": scene.dt,
+            "formation": self.formation,
+            "speeds": scene.speeds[i],
+            "omegas": scene.omegas[i],
+        }
 
-    def footprint(self, i: int) -> tuple[FloatArray, ...]:
+    def _footprint(self, i: int) -> tuple[FloatArray, ...]:
         """Convex parts (n, 2) of Robot i, read-only."""
-        if i not in self._footprints:
-            shapes = self.scene.shapes
-            parts = range(shapes.body_start[i], shapes.body_start[i + 1])
-            self._footprints[i] = tuple(_part(shapes, p) for p in parts)
-        return self._footprints[i]
+        shapes = self.scene.shapes
+        return tuple(
+            _part(shapes, p) for p in range(shapes.body_start[i], shapes.body_start[i + 1])
+        )
 
-    def path(self, i: int) -> Path:
+    def _path(self, i: int) -> Path:
         """Path of Robot i."""
-        if i not in self._paths:
-            paths = self.scene.paths
-            points = paths.points[paths.start[i] : paths.start[i + 1]]
-            self._paths[i] = Path(points, self.scene.outside[i])
-        return self._paths[i]
+        paths = self.scene.paths
+        return Path(paths.points[paths.start[i] : paths.start[i + 1]], self.scene.outside[i])
 
     def walls_near(self, x: float, y: float) -> tuple[FloatArray, ...]:
         """Parts of walls (n, 2) within range of a place, read-only."""
-        scene, made = self.scene, self._walls
-        parts = parts_within(scene.wall_tree, x, y, scene.sensing_range).tolist()
-        for p in parts:
-            if p not in made:
-                made[p] = _part(scene.walls, p)
-        return tuple(map(made.__getitem__, parts))
+        scene = self.scene
+        parts = parts_within(scene.wall_tree, x, y, scene.sensing_range)
+        return tuple(map(self.wall, parts.tolist()))
 
 
 class Views:
@@ -103,7 +86,7 @@ class Views:
         self.sensed = sensed
         self.due = due
         self.time = sensed.step * sight.scene.dt
-        self._neighbours: dict[int, Neighbour] = {}
+        self._neighbour = cache(self._made_neighbour)
 
     def observation(self, i: int) -> Observation:
         """What Robot i, one of those that are due, may know."""
@@ -112,69 +95,49 @@ class Views:
         values["time"] = self.time
         values["pose"] = read_only(sensed.pose[own].copy())
         values["v"], values["omega"] = sensed.command[own].tolist()
+        values["velocity"] = read_only(sensed.velocity[own].copy())
         values["station"] = sensed.station.item(i)
         values["reference_station"] = sensed.reference_station.item(own)
-        return Observation.partly(values, partial(self._field, i))
+        return Observation.partly(values, partial(self._make, i))
 
-    def _field(self, i: int, name: str) -> Any:
-        return self._makers[name](self, i)
-
-    def _footprint(self, i: int) -> tuple[FloatArray, ...]:
-        return self.sight.footprint(i)
-
-    def _path(self, i: int) -> Path:
-        return self.sight.path(i)
-
-    def _walls(self, i: int) -> tuple[FloatArray, ...]:
-        x, y, _ = self.sensed.pose[self._own_row(i)]
-        return self.sight.walls_near(x, y)
-
-    def _others(self, i: int) -> tuple[ObservedRobot, ...]:
+    def _make(self, i: int, field: str) -> Any:
+        """A field of `physim.parts.controller.LATER`."""
+        if field == "footprint":
+            return self.sight.footprint(i)
+        if field == "path":
+            return self.sight.path(i)
+        if field == "walls":
+            x, y, _ = self.sensed.pose[self._own_row(i)]
+            return self.sight.walls_near(x, y)
+        if field == "neighbours":
+            return tuple(map(self._neighbour, self._neighbour_rows(i)))
         start, found = self._in_range
         k = self._position[i]
         rows = np.sort(found[start[k] : start[k + 1]]).tolist()
         return tuple(map(self._robots.__getitem__, rows))
 
-    def _told(self, i: int) -> tuple[Neighbour, ...]:
-        made, rows = self._neighbours, self._neighbour_rows(i)
-        for row in rows:
-            if row not in made:
-                made[row] = self._neighbour(row)
-        return tuple(map(made.__getitem__, rows))
-
-    _makers: ClassVar[dict[str, Callable[[Views, int], Any]]] = {
-        "footprint": _footprint,
-        "path": _path,
-        "walls": _walls,
-        "others": _others,
-        "neighbours": _told,
-    }
-    """Fields that are made when they are asked for."""
-
     @cached_property
     def _robots(self) -> dict[int, ObservedRobot]:
         """Robots as they are seen in the rows that are within range of anybody."""
         sensed = self.sensed
-        is_seen = np.zeros(len(sensed.robot), dtype=bool)
-        is_seen[self._in_range[1]] = True
-        rows = is_seen.nonzero()[0]
-        columns = zip(
-            sensed.robot[rows].tolist(),
-            read_only(sensed.pose[rows]),
-            map(self.sight.footprint, sensed.robot[rows].tolist()),
-            sensed.command[rows].tolist(),
-            sensed.reference_station[rows].tolist(),
-            (self.time - sensed.age[rows]).tolist(),
-            strict=True,
-        )
+        rows = np.unique(self._in_range[1])
+        robots = sensed.robot[rows].tolist()
         return {
-            row: ObservedRobot(j, pose, shape, v, omega, station, time)
-            for row, (j, pose, shape, (v, omega), station, time) in zip(
-                rows.tolist(), columns, strict=True
+            row: ObservedRobot(j, pose, shape, v, omega, velocity, station, time)
+            for row, j, pose, shape, (v, omega), velocity, station, time in zip(
+                rows.tolist(),
+                robots,
+                read_only(sensed.pose[rows]),
+                map(self.sight.footprint, robots),
+                sensed.command[rows].tolist(),
+                read_only(sensed.velocity[rows]),
+                sensed.reference_station[rows].tolist(),
+                (self.time - sensed.age[rows]).tolist(),
+                strict=True,
             )
         }
 
-    def _neighbour(self, row: int) -> Neighbour:
+    def _made_neighbour(self, row: int) -> Neighbour:
         sensed = self.sensed
         j = int(sensed.robot[row])
         return Neighbour(

@@ -6,15 +6,19 @@ out in one call and everything goes to the record, so memory stays flat however 
 
 from __future__ import annotations
 
+import os
+import shutil
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from physim.contacts import CONTACT_ROW, FALSE_CONTACT_ROW
+from physim.errors import RecordError
 from physim.geometry.clearance import ClearanceFinder, Clearances
 from physim.geometry.shapes import FloatArray
 from physim.parts.stages import Step
@@ -34,6 +38,8 @@ BLOCK_POSES = 1 << 15
 and what was just written is still near the processor."""
 BLOCK_SECONDS = 0.3
 """[s] of computing after which a block goes to the record, however short."""
+SAMPLE_BYTES = 40
+"""of a robot in a sample: its pose and two clearances"""
 NO_COMMANDS = np.zeros(0, dtype=COMMAND)
 
 
@@ -63,6 +69,31 @@ class SaveAt:
         object.__setattr__(self, "every", int(self.every))
 
 
+def check_room(scene: Scene, every: int, path: str | os.PathLike[str] | None) -> None:
+    """Raise RecordError where the samples of a whole run surely do not fit.
+
+    There is one every ``every`` steps; ``path`` is the file of the record, None for memory.
+    """
+    if path is None:
+        where, room = "memory", float("inf")
+        if "SC_PHYS_PAGES" in getattr(os, "sysconf_names", ()):
+            room = os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")
+    else:
+        folder = Path(path).absolute().parent
+        while not folder.exists():
+            folder = folder.parent
+        disk, where = shutil.disk_usage(folder), str(folder)
+        room = disk.free if disk.total else float("inf")  # no disk: /proc and the like
+    needed = (scene.steps // every + 2) * (8 + SAMPLE_BYTES * scene.robots)
+    if needed > room:
+        raise RecordError(
+            f"{where}: no room for the record: there are {room / 1e6:.3g} MB, and its samples "
+            f"alone take {needed / 1e6:.3g} MB: {scene.robots:,} robots, time.duration "
+            f"{scene.steps * scene.dt:g} s, time.record_every {every}; make the run smaller, or "
+            "record less often"
+        )
+
+
 class Recorder:
     """Takes down one run of a `Simulation`, sample by sample, into a `RecordWriter`."""
 
@@ -73,6 +104,8 @@ class Recorder:
         self.size = max(1, min(BLOCK_STEPS, BLOCK_POSES // writer.robots))
         self.steps: list[Step] = []
         self.first = self.rejected = 0
+        self.unrecorded: tuple[int, FloatArray] | None = None
+        """the latest sample and its poses, where that is not recorded"""
         self.taken = 0
         """steps taken down"""
         self.latest: FloatArray | None = None
@@ -91,8 +124,6 @@ class Recorder:
         self.least = np.full((2, scene.robots), np.inf)
         """[m] least distance of each robot from another, and from a wall, since the last recorded
         sample"""
-        self.unrecorded: tuple[int, FloatArray] | None = None
-        """the latest sample and its poses, where that is not recorded"""
         # sample 0 is a row of its own, so that later windows end on recorded steps
         self._write_false_contacts([simulation.physics.false_contacts])
         self._write_samples(simulation.pose[None], simulation.arrived[None], [simulation.contacts])

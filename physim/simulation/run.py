@@ -8,35 +8,31 @@ from __future__ import annotations
 import os
 import time
 from collections.abc import Callable, Sequence
-from contextlib import suppress
 from types import SimpleNamespace
 from typing import cast
 
 import numpy as np
 
 from physim.compiled import is_cached
-from physim.errors import ControllerError, PhysimError, RecordError
+from physim.errors import ControllerError, RecordError
 from physim.geometry.clearance import clearances
 from physim.geometry.path import Tracking
 from physim.geometry.shapes import read_only
 from physim.geometry.swept_contacts import find_swept_contacts
 from physim.parts.controller import Controller
 from physim.parts.declarations import kept_distance
-from physim.parts.registry import OBSERVER, check_part
-from physim.parts.stages import Disturbance, Filter, Observer, SensingStage, Step
-from physim.parts.user_code import MistakenError, folder_kept
-from physim.parts.world_checks import call, listed, naming
+from physim.parts.stages import Disturbance, Filter, Observer, SensingStage
+from physim.parts.user_code import folder_kept, naming
 from physim.record import Record, RecordWriter
 from physim.simulation.engine import Physics
-from physim.simulation.loop import Simulation
-from physim.simulation.recorder import Recorder, SaveAt
-from physim.simulation.size import check_room, size_of
+from physim.simulation.loop import LOOK_ON, Simulation
+from physim.simulation.parts import listed
+from physim.simulation.recorder import Recorder, SaveAt, check_room
 from physim.simulation.swept_contacts import warm_up_swept_contacts
 from physim.world import World
 from physim.world.scene import Scene
 
 EVERYTHING = SaveAt()
-LOOK_ON = "observers look on and change nothing"
 
 
 def simulate(
@@ -96,41 +92,31 @@ def record_run(
         raise TypeError(f"save: takes physim.SaveAt(every=..., tables=...), not {save!r}")
     if path is not None and os.path.lexists(path) and not overwrite:
         raise RecordError(f"{path}: exists; give another path, or overwrite=True")
+    others = listed("observers", observers)
     every = save.every or simulation.scene.world.time.record_every
-    columns = len(simulation.declared.columns)
-    check_room(size_of(simulation.scene, every, columns, save.tables), path)
+    check_room(simulation.scene, every, path)
     writer = _writer(simulation, path, every, save.tables, overwrite)
     recorder = Recorder(writer, every, save.tables)
-    looking_on: list[Observer] = []
-    started = time.perf_counter()
-    ended = "error"
+    started, ended, late = time.perf_counter(), "error", None
     try:
-        looking_on.append(recorder)
-        simulation.look_on(recorder)
-        others: list[Observer] = [Named(one, simulation) for one in listed("observers", observers)]
-        for observer in [*others, *([] if progress is None else [Progress(progress)])]:
+        for observer in (recorder, *others):
             simulation.look_on(observer)
-            looking_on.append(observer)  # one whose start failed is not closed
         with folder_kept():
-            ended = _loop(simulation, recorder, looking_on, stop)
-            late = _close(simulation, looking_on, ended)
+            ended = _loop(simulation, recorder, progress, stop)
+            recorder.close(ended)
+            late = _close(simulation, ended)
     finally:
+        if ended == "error":
+            _close(simulation, ended)  # the error that ended the run is the one to report
+            recorder.close(ended)
         simulation.observers = []
         elapsed = time.perf_counter() - started
         simulated = recorder.taken * simulation.scene.dt
-        if ended == "error":
-            for observer in looking_on[1:]:
-                with suppress(Exception):  # the error that ended the run is the one to report
-                    observer.close(ended)
-            recorder.close(ended)
         writer.close(
             ended,
             steps_run=recorder.taken,
             rejected=recorder.rejected,
-            wall_clock={
-                "seconds": elapsed,
-                "factor": simulated / max(elapsed, 1e-9),
-            },
+            wall_clock={"seconds": elapsed, "factor": simulated / max(elapsed, 1e-9)},
         )
     if late is not None:
         raise LateError(str(late), writer.record()) from late
@@ -145,33 +131,34 @@ class LateError(ControllerError):
         super().__init__(message)
 
 
-def _close(
-    simulation: Simulation, looking_on: Sequence[Observer], ended: str
-) -> PhysimError | None:
-    """Close every observer, whatever becomes of the others; the first error of one."""
-    late: PhysimError | None = None
-    try:
-        looking_on[0].close(ended)  # the recorder
-    finally:
-        simulation.observers = []  # the record is whole
-        for observer in looking_on[1:]:
-            try:
+def _close(simulation: Simulation, ended: str) -> ControllerError | None:
+    """Close every observer but the recorder, whatever becomes of the others; the first error."""
+    late: ControllerError | None = None
+    observers, simulation.observers = simulation.observers, []
+    for observer in observers:
+        if isinstance(observer, Recorder):
+            continue
+        where = f"observer {type(observer).__name__} at {simulation.time:g} s"
+        try:
+            with naming(where, observer.close):
+                now = simulation.now
                 observer.close(ended)
-            except PhysimError as error:
-                late = late or error
+                if simulation.now is not now:
+                    raise ControllerError(f"it moved the simulation in close; {LOOK_ON}")
+        except ControllerError as error:
+            late = late or error
     return late
 
 
 def _loop(
     simulation: Simulation,
     recorder: Recorder,
-    looking_on: list[Observer],
+    progress: Callable[[Simulation, float], None] | None,
     stop: Callable[[], bool] | None,
 ) -> str:
     """Step to the end; says how it ended. Raises ControllerError for a step not taken down."""
+    started = time.perf_counter()
     while simulation.step_number < simulation.scene.steps:
-        if simulation.observers and len(simulation.observers) > len(looking_on):
-            _take_in(simulation, looking_on)
         simulation.step()
         if recorder.taken != simulation.step_number:
             after = recorder.taken * simulation.scene.dt
@@ -179,70 +166,13 @@ def _loop(
                 f"an observer moved the simulation after {after:g} s, or let the recorder go (by "
                 f"restore, reset or observers); {LOOK_ON}"
             )
+        if progress is not None:
+            progress(simulation, simulation.time / (time.perf_counter() - started))
         if simulation.finished:
             return "finished"
         if stop is not None and stop():
             return "interrupted"
     return "duration"
-
-
-def _take_in(simulation: Simulation, looking_on: list[Observer]) -> None:
-    """Name and close those that an observer let look on, by `look_on`, as those of the run."""
-    known = {id(one) for one in looking_on}
-    both = [one if id(one) in known else Named(one, simulation) for one in simulation.observers]
-    looking_on += [one for one in both if id(one) not in known]
-    simulation.observers = both
-
-
-class Named:
-    """An observer whose errors are one line that names it and the time; they end the run."""
-
-    def __init__(self, observer: Observer, simulation: Simulation) -> None:
-        check_part(OBSERVER, observer)
-        self.observer = observer
-        self.simulation, self.time = simulation, simulation.time
-
-    def start(self, simulation: Simulation) -> None:
-        """Let it look at sample 0."""
-        with naming(OBSERVER, self.observer, self.time):
-            call(OBSERVER, self.observer, "start", simulation)
-
-    def after_step(self, step: Step) -> None:
-        """Let it look at a step."""
-        self.time = (step.truth.step + 1) * self.simulation.scene.dt
-        with naming(OBSERVER, self.observer, self.time):
-            before = self.simulation.now, self.simulation.next_decision
-            call(OBSERVER, self.observer, "after_step", step)
-            after = self.simulation.now, self.simulation.next_decision
-            if after[0] is not before[0] or after[1] is not before[1]:
-                raise MistakenError(f"it moved the simulation; {LOOK_ON}")
-
-    def close(self, ended: str) -> None:
-        """Let it finish."""
-        with naming(OBSERVER, self.observer, self.time):
-            now = self.simulation.now
-            call(OBSERVER, self.observer, "close", ended)
-            if self.simulation.now is not now:
-                raise MistakenError(f"it moved the simulation in close; {LOOK_ON}")
-
-
-class Progress:
-    """Calls a function after every step with the simulation and the real-time factor."""
-
-    def __init__(self, report: Callable[[Simulation, float], None]) -> None:
-        self.report = report
-
-    def start(self, simulation: Simulation) -> None:
-        """Begin to measure."""
-        self.simulation, self.started = simulation, time.perf_counter()
-
-    def after_step(self, step: Step) -> None:
-        """Report how far the run is."""
-        elapsed = time.perf_counter() - self.started
-        self.report(self.simulation, self.simulation.time / elapsed)
-
-    def close(self, ended: str) -> None:
-        """Nothing is left to do."""
 
 
 def _writer(
@@ -257,8 +187,10 @@ def _writer(
     return RecordWriter(
         path, scene, scene.world.to_yaml(), accessible=area.accessible_rings,
         safe=area.safe_rings(distance), safe_distance=distance, record_every=every,
-        declared=simulation.declared, tables=tables, given=simulation.parts.given,
-        given_settings=simulation.parts.given_settings, overwrite=overwrite,
+        declared=simulation.declared, tables=tables,
+        given=tuple((part.kind.word, part.name) for part in simulation.parts.given),
+        given_settings=tuple(part.settings for part in simulation.parts.given),
+        overwrite=overwrite,
     )  # fmt: skip
 
 

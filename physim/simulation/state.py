@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-import hashlib
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from physim.geometry.shapes import FloatArray, IntArray, read_only
+from physim.geometry.shapes import FloatArray, IntArray
 from physim.parts.controller import Snapshot
 from physim.parts.given import GivenSettings
 from physim.simulation.engine import PhysicsState
-from physim.world.scene import Scene
 
 
 @dataclass(frozen=True)
@@ -46,15 +44,3 @@ class SimulationState:
     """(N,)"""
     physics: PhysicsState
     """of the engine"""
-
-
-def scene_digest(scene: Scene) -> str:
-    """SHA-256 of the effective world, its seed in it."""
-    return hashlib.sha256(scene.world.to_yaml().encode()).hexdigest()
-
-
-def replaced(array: NDArray[np.int64], at: NDArray[np.int64], values: Any) -> NDArray[np.int64]:
-    """Copy of an array with other values in some places."""
-    new = array.copy()
-    new[at] = values
-    return read_only(new)

@@ -16,9 +16,8 @@ from physim.errors import ControllerError
 from physim.geometry.shapes import IntArray
 from physim.parts.controller import BatchCapable, BatchController, Controller
 from physim.parts.declarations import Declared
-from physim.parts.user_code import is_shipped, place_of
-from physim.simulation.decision_checks import check_decisions
-from physim.simulation.decisions import broken, unreadable
+from physim.parts.user_code import broken_by, is_shipped, place_of
+from physim.simulation.checks import next_steps, taken_decisions
 from physim.testing.contents import (
     Contents,
     Difference,
@@ -316,20 +315,17 @@ class _BatchDriver:
         except KeyboardInterrupt:
             raise
         except BaseException as error:
-            self.report(str(broken(error, "the batch form fails")), due[0])
+            self.report(f"the batch form fails: {broken_by(error)}", due[0])
             return False
         given, after = (contents(pair, "") for pair in ((step.sensed, due), (sensed, asked)))
         if change := difference(given, after):
             text = "the batch form modifies what is sensed, or the list of robots it is asked for"
             self.report(f"{text}, at {change.place}", due[0], Rule.OBSERVATION)
-        fault = unreadable(decisions, due)
-        if not fault:
-            try:
-                check_decisions(self.trial.scene, self.time, decisions, self.declared)
-            except ControllerError as error:
-                fault = f"returned what no record may hold: {error}"
-        if fault:
-            self.report(f"decide_due {fault}", due[0])
+        try:
+            decisions = taken_decisions(decisions, due, len(self.declared.columns))
+            next_steps(self.trial.scene, step.sensed.step, decisions, self.declared)
+        except ControllerError as error:
+            self.report(f"decide_due: {error}", due[0])
             return False
         rows |= {robot: values_of(row, self.declared) for robot, row in rows_of(decisions).items()}
         return True

@@ -18,8 +18,9 @@ from physim.errors import ControllerError
 from physim.geometry.shapes import IntArray, read_only
 from physim.parts.controller import Controller, Decision, Decisions, Observation, Sensed
 from physim.parts.declarations import Declared
-from physim.simulation.decision_checks import check_commands, hold_steps
-from physim.simulation.decisions import Row, broken, decision_row
+from physim.parts.user_code import broken_by
+from physim.simulation.checks import next_steps
+from physim.simulation.decisions import Row, decision_row, decisions_of
 from physim.simulation.loop import Simulation
 from physim.testing.contents import NAN, Contents, Difference, Label, contents, difference
 from physim.world.scene import Scene
@@ -56,14 +57,13 @@ def ask(controller: Controller, scene: Scene, observation: Observation, memory: 
     except KeyboardInterrupt:
         raise
     except BaseException as error:
-        fault = str(broken(error, where)).removeprefix(f"{where}: ")
+        fault = broken_by(error, controller.decide)
         return Answer({RAISES: type(error).__name__}, None, fault)
-    robot, time = np.array([observation.index]), observation.time
     try:
         declared = Declared.of(controller)
-        row = decision_row(decision, declared, scene.robots, observation.index)
-        check_commands(scene, time, robot, np.array([row.command]))
-        hold_steps(scene, time, robot, np.array([row.hold]))
+        row = decision_row(decision, declared, scene.robots)
+        rows = decisions_of(np.array([observation.index]), [row], len(declared.columns))
+        next_steps(scene, round(observation.time / scene.dt), rows, declared)
     except ControllerError as error:
         fault = str(error).removeprefix(f"{where}: ")
         return Answer({REFUSED: fault}, None, fault)

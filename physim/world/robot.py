@@ -151,15 +151,9 @@ class Robot(Model):
     omegas: Speeds = None
 
     def __repr__(self) -> str:
-        """Name, shape, start and path in brief; its attributes hold all of it."""
-        shape, path = self.footprint, self.path
-        if isinstance(shape, Box):
-            size = f"{shape.length:g} x {shape.width:g} m"
-        else:
-            size = f"{len(shape)} corners"
+        """Name and start in brief; its attributes hold all of it."""
         start = "placed by the seed" if self.pose is None else f"pose {list(self.pose)}"
-        way = f"offset {path.offset:g} m" if isinstance(path, Offset) else f"{len(path)} points"
-        return f'<Robot "{escaped(self.name)}": {size}, {start}, path {way}>'
+        return f'<Robot "{escaped(self.name)}": {start}>'
 
     @property
     def outline(self) -> tuple[Point, ...]:

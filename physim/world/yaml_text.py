@@ -69,7 +69,7 @@ def _choice(choice: Choice, indent: int) -> Iterator[str]:
     is_named = "type" in choice.model_fields_set or not choice.settings
     named = {"type": choice.type} if is_named else {}
     for name, setting in (named | thawed(choice.settings)).items():
-        yield from _entry(f"{' ' * indent}{scalar_text(name)}", setting, "")
+        yield from _entry(f"{' ' * indent}{_scalar_text(name)}", setting, "")
 
 
 @functools.cache
@@ -87,26 +87,22 @@ def _unit(description: str) -> str:
 def _entry(head: str, value: Any, unit: str) -> Iterator[str]:
     """``key: value  # [unit]``, long lists broken over several lines."""
     if isinstance(value, list | tuple):
-        yield from flow_list(f"{head}: ", [_flow(item) for item in value], LINE, unit)
+        yield from _flow_list(f"{head}: ", [_flow(item) for item in value], unit)
     else:
         yield f"{head}: {_flow(value)}{unit}"
 
 
-def flow_list(head: str, pieces: Sequence[str], width: int, comment: str = "") -> Iterator[str]:
-    """Lines of ``head[piece, piece]comment``, a YAML list broken beyond ``width`` columns.
-
-    ``head`` holds the indentation, and the dash or key before the list; the comment stands on the
-    first line.
-    """
+def _flow_list(head: str, pieces: Sequence[str], comment: str) -> Iterator[str]:
+    """Lines of ``head[piece, piece]comment``, the list broken beyond `LINE` columns."""
     whole = f"{head}[{', '.join(pieces)}]{comment}"
-    if len(whole) <= width:
+    if len(whole) <= LINE:
         yield whole
         return
     yield f"{head}[{comment}"
-    space = " " * (len(head) - len(head.lstrip(" -")))
+    space = " " * (len(head) - len(head.lstrip()))
     line = f"{space} "
     for piece in pieces:
-        if line.strip() and len(line) + len(piece) + 2 > width:
+        if line.strip() and len(line) + len(piece) + 2 > LINE:
             yield line
             line = f"{space} "
         line += f" {piece},"
@@ -123,11 +119,11 @@ def _flow(value: Any) -> str:
     if isinstance(value, int):
         return int.__repr__(value)
     if isinstance(value, str):
-        return scalar_text(value)
+        return _scalar_text(value)
     if isinstance(value, BaseModel):
         return _flow({key: getattr(value, key) for key, _ in _keys(type(value))})
     if isinstance(value, Mapping):
-        return "{" + ", ".join(f"{scalar_text(k)}: {_flow(v)}" for k, v in value.items()) + "}"
+        return "{" + ", ".join(f"{_scalar_text(k)}: {_flow(v)}" for k, v in value.items()) + "}"
     if isinstance(value, list | tuple):
         return "[" + ", ".join(_flow(item) for item in value) + "]"
     raise PhysimError(f"a value of type {type(value).__name__} cannot stand in a world file")
@@ -143,7 +139,7 @@ def _float(value: float) -> str:
     return f"{mantissa}{dot}e{exponent}"
 
 
-def scalar_text(text: str) -> str:
+def _scalar_text(text: str) -> str:
     """Plain where no reader could take it for something else, else in double quotes."""
     if _PLAIN.fullmatch(text) and text.lower() not in _NOT_PLAIN:
         return text

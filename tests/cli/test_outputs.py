@@ -22,7 +22,7 @@ TRACK = "x_m,y_m,w_tr_right_m,w_tr_left_m\n0,0,4,4\n20,0,4,4\n40,0,4,4\n"
 def here(here: Path) -> Path:
     """The working directory with a record and a track, too."""
     (here / "track.csv").write_text(TRACK)
-    make_record(here / "record.h5", seconds=1.0, world_text="").close()
+    make_record(here / "record.h5", seconds=1.0).close()
     return here
 
 

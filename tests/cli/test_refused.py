@@ -96,7 +96,7 @@ OPTIONS: Table = {
     ("video", "x", "--width", "641"): ("--width 641", "even number from 160 to 1280"),
     ("crashtest", "--cases", "0"): ("--cases 0", "whole number from 1 to 1000000000"),
     ("crashtest", "--cases", ""): ('--cases ""', "whole number from 1 to 1000000000"),
-    ("reproduce", "--workers", "65"): ("--workers 65", "whole number from 1 to 64"),
+    ("reproduce", "--workers", "1025"): ("--workers 1025", "whole number from 1 to 1024"),
     ("plot", "x", "--width", "0.3"): ("--width 0.3", "column", "page", "from 3.3 to 20"),
     ("plot", "x", "--width", "colum"): ("--width colum", "column", "page", "from 3.3 to 20"),
     ("plot", "x", "--snapshots", "inf"): ("--snapshots inf", "number greater than 0"),
@@ -106,7 +106,7 @@ OPTIONS: Table = {
     ("import", "x", "-o", "y", "--start", "-1"): ("--start -1", "number of 0 or more"),
     ("import", "x", "-o", "y", "--lanes", "0"): ("--lanes 0", "whole number from 1 to 10000"),
     ("import", "x", "-o", "y", "--robot", "1,0"): ("--robot 1,0", "LENGTH,WIDTH", "1.8,1.0"),
-    ("page", "x.h5", "-o", "a\nb.html"): (r"-o/--output a\u000ab.html", "in one line"),
+    ("page", "x.h5", "-o", "a\nb.html"): (r'-o/--output "a\u000ab.html"', "in one line"),
     ("run", "x", "--seed", "1", "--set", "seed=1", "--seed=2"): ("--seed:", "twice"),
     ("run", "x", "-o", "a", "--output", "b"): ("--output:", "twice"),
     ("run", "x", "--set", "robots[0].name=a", "--set", "robots.0.name=b"): (
@@ -185,8 +185,8 @@ INPUTS: Table = {
     ("run", "small.yaml", "--set", "time.step=abc"): ("--set time.step:", "a number", '"abc"'),
     ("run", "small.yaml", "--set", "time.step=[1"): ("--set time.step:", "YAML"),
     ("run", "small.yaml", "--controller", "nobody"): ("--controller:", '"nobody"', REGISTERED),
-    ("run", "small.yaml", "--controller", "own/ctl.py"): ("--controller:", "own.ctl:CLASS"),
-    ("run", "small.yaml", "--controller", "ctl.Ttc"): ("--controller:", "MODULE:CLASS", "ctl:Ttc"),
+    ("run", "small.yaml", "--controller", "own/ctl.py"): ("--controller:", "MODULE:CLASS"),
+    ("run", "small.yaml", "--controller", "ctl.Ttc"): ("--controller:", "MODULE:CLASS"),
     ("run", "small.yaml", "--controller", "no_such.module:X"): (
         "--controller:", '"no_such.module:X"', 'no module "no_such.module" in the current folder',
     ),
@@ -208,7 +208,7 @@ INPUTS: Table = {
     ("check-controller", SOUND, "--seconds", "0"): ("--seconds 0:", "from 0.001 to"),
     **{(command, record): (f"{record}:",) for command in ("summary", "video", "page", "plot")
        for record in ("none.h5", "file", "small.yaml", "earlier/record.h5", "half.h5", "text.h5")},
-    ("video", "no\nsuch.h5"): (r"RECORD no\u000asuch.h5", "in one line"),
+    ("video", "no\nsuch.h5"): (r'RECORD "no\u000asuch.h5"', "in one line"),
     ("video", "a/record.h5", "none.h5", "-o", "c.mp4"): ("none.h5:",),
     ("video", "a/record.h5", "-o", "b.png", "--at", "99"): ("99 s", "from 0 to 1 s"),
     **{("video", "a/record.h5", "-o", "b.mp4", *times): (place, "before the end")
@@ -219,7 +219,7 @@ INPUTS: Table = {
     ("page", "."): ("record.h5:", "no such file"),
     ("page", *(("a/record.h5",) * 7)): ("a page shows 1 to 6 records", "7"),
     ("page",): ("physim page:", "RECORD", "missing"),
-    ("replay", "a\nb:0"): (r"a\u000ab:0", "DIR:ROW"),
+    ("replay", "a\nb:0"): (r'"a\u000ab:0"', "DIR:ROW"),
     ("reproduce", "--figure", "9"): ('--figure "9":', "1, 2, 3, 3a, 4, 6, 7, 8"),
     ("reproduce", "--figure", "5"): ("--figure 5:", "flow chart"),
     ("reproduce", "--study", "bend"): ('--study "bend":', "bends"),
@@ -232,7 +232,7 @@ INPUTS: Table = {
     ),
     ("new",): ("physim new:", "NAME", "missing"),
     **{("new", name): (f"{shown}:", "cannot name") for name, shown in (
-        ("", '""'), ("  ", '"  "'), ("..", ".."), (".hidden", ".hidden"), ("a\nb", r"a\u000ab"),
+        ("", '""'), ("  ", '"  "'), ("..", ".."), (".hidden", ".hidden"), ("a\nb", r'"a\u000ab"'),
         ("../b", "../b"), ("a/b", "a/b"), ("a\\b", "a\\b"))},
     ("new", "a/b"): ("a/b:", "-o takes a path"),
     ("new", "x" * 101): ("x" * 59, "cannot name", "at most 100"),

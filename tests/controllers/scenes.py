@@ -24,7 +24,8 @@ ModeSwitchingSettings = inside("physim.controllers", "ModeSwitchingSettings")
 build_wall_tree, pack_parts = inside("physim.geometry", "build_wall_tree", "pack_parts")
 pack_polylines, read_only = inside("physim.geometry", "pack_polylines", "read_only")
 Declared, shared = inside("physim.parts", "Declared", "shared")
-observe, PerRobotAdapter = inside("physim.simulation", "observe", "PerRobotAdapter")
+PerRobotAdapter = inside("physim.simulation", "PerRobotAdapter")
+Sight, Views = inside("physim.simulation", "Sight", "Views")
 FormationPlan, SceneBody = inside("physim.world", "FormationPlan", "Body")
 
 
@@ -96,6 +97,7 @@ def sensed_at(robots: list[Body], step: int) -> Sensed:
         robot=robot,
         pose=np.array([robot.pose for robot in robots]),
         command=np.array([robot.command for robot in robots]),
+        velocity=np.zeros((len(robots), 3)),
         reference_station=np.array([robot.reference_station for robot in robots]),
         age=age,
         first=first,
@@ -125,7 +127,9 @@ def decisions(history: History, settings: ModeSwitchingSettings) -> dict[str, li
 def observations(history: History, moment: int) -> list[Observation]:
     """What each robot may know at a moment."""
     scene, sensed = scene_of(history), sensed_at(history.moments[moment], 0)
-    return [observe(scene, sensed, i) for i in range(len(history.moments[moment]))]
+    robots = len(history.moments[moment])
+    views = Views(Sight(scene), sensed, np.arange(robots))
+    return [views.observation(i) for i in range(robots)]
 
 
 def single_robot(path: np.ndarray, station: float) -> History:

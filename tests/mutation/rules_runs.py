@@ -10,7 +10,7 @@ import numpy as np
 from tests.mutation.rules import called, found, given, instead, replaced, rule
 
 ARRIVAL = "physim.simulation.arrival:"
-CHECKS = "physim.simulation.decision_checks:"
+CHECKS = "physim.simulation.checks:"
 CRASH = "physim.analysis.crashtest."
 MOTION = "physim.analysis.metrics.motion:"
 PROGRESS = "physim.analysis.metrics.progress:"
@@ -19,16 +19,15 @@ PROGRESS = "physim.analysis.metrics.progress:"
 @rule("simulation")
 def holds_are_rounded_up() -> None:
     """A command is held for the steps that its time begins, not for those it fills."""
-    given(CHECKS + "fits", hold=lambda a: np.ceil(a.hold / a.dt - 1e-9) * a.dt)
-    given(CHECKS + "hold_steps", hold=lambda a: np.ceil(a.hold / a.scene.dt - 1e-9) * a.scene.dt)
+    given(CHECKS + "decision_fault", hold=lambda a: np.ceil(a.hold / a.dt - 1e-9) * a.dt)
 
 
 @rule("simulation")
 def limits_bind_speeds_forward_alone() -> None:
     """A robot may turn as fast as its controller likes."""
     half = np.array((1.0, 0.0))
-    given(CHECKS + "within", command=lambda a: a.command * half)
-    given(CHECKS + "check_commands", command=lambda a: a.command * half)
+    given(CHECKS + "beyond", command=lambda a: a.command * half)
+    given(CHECKS + "decision_fault", command=lambda a: a.command * half)
 
 
 @rule("simulation")

@@ -36,9 +36,10 @@ def judged(pose: np.ndarray, sizes: list[float], stop: float = END, dt: float = 
         stop_station=np.full(robots, stop), arrival_tolerance=TOLERANCE, dt=dt,
         shapes=shapes, robots=robots, start=pose[0],
     )  # fmt: skip
-    arrivals, found = Arrivals(scene, tracking), []
-    for k, stations in enumerate(tracking.course(pose)):
-        arrivals.note(k, pose[k], stations.T)
+    arrivals = Arrivals(scene, tracking)
+    found = [arrivals.arrived]
+    for k in range(1, len(pose)):
+        arrivals.follow(tracking, k, pose[k])
         found.append(arrivals.arrived)
         assert arrivals.all == found[-1].all()
     return np.array(found)

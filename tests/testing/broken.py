@@ -340,7 +340,7 @@ BATCH = {
     turns_later: ("r2", 0.3, ["omega", "1e-09", "0.0"]),
     tells_a_mode: ("r1", 0.0, ["mode", "steady", "no mode"]),
     decides_for_others: ("r1", 0.0, ["robots", "[1, 0]", "[0, 1]"]),
-    says_nothing: ("r1", 0.0, ["NoneType", "Decisions"]),
+    says_nothing: ("r1", 0.0, ["None", "Decisions"]),
     fails: ("r1", 0.0, ["ZeroDivisionError: no way on"]),
 }
 """Robot, time [s] and the facts of the finding."""

@@ -40,6 +40,7 @@ from physim.geometry.motion import chord_velocity
 from physim.geometry.polygon import signed_area
 from physim.geometry.shapes import FloatArray
 from physim.record import Record
+from physim.world import Physics
 from physim.world.scene import DENSITY
 
 STOPPED = 1e-6
@@ -205,9 +206,8 @@ def severity(
     if mass is None:
         return Severity(closing, sliding, None, None)
     changes = tuple(episode.impact / float(mass[i]) for i in (a, b) if i < record.robots)
-    given = section(record, "physics").get("elasticity")
-    elasticity = given if isinstance(given, int | float) else 0.0
-    energy = 0.5 * (1.0 - elasticity) * episode.impact * closing
+    material = section(record, "physics", Physics) or Physics()
+    energy = 0.5 * (1.0 - material.elasticity) * episode.impact * closing
     return Severity(closing, sliding, changes, energy)
 
 

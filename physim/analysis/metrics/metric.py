@@ -3,14 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, NamedTuple
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 
+from physim.errors import Fault, WorldError
 from physim.geometry.shapes import FloatArray
 from physim.record import Record
+from physim.record.checks import reading_world
 
 if TYPE_CHECKING:
     from physim.analysis.metrics.figures import Figures
+    from physim.world.base import Model
+
+    Section = TypeVar("Section", bound=Model)
 
 
 @dataclass(frozen=True)
@@ -118,7 +123,19 @@ class Metric:
                 return cls(name, unit, found)
 
 
-def section(record: Record, name: str) -> Mapping[str, Any]:
-    """A section of the world inside a record, ``arrival``, say; empty where it has none."""
-    found = record.world_settings.get(name)
-    return found if isinstance(found, Mapping) else {}
+def section(record: Record, key: str, model: type[Section]) -> Section | None:
+    """A part of the world inside a record by its model, ``arrival``, say; None where it has none.
+
+    The rest of that world need not be valid. Raises RecordError where this part is not.
+    """
+    given = record.world_settings.get(key)
+    if given is None:
+        return None
+    with reading_world(record.where):
+        if not isinstance(given, Mapping):
+            raise WorldError([Fault((key,), "must be a mapping of keys to values")])
+        try:
+            return model(**given)
+        except WorldError as error:
+            faults = [replace(one, location=(key, *one.location)) for one in error.faults]
+            raise WorldError(faults) from None

@@ -6,13 +6,12 @@ world has a formation and more than one robot.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from math import sqrt
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from physim.analysis.metrics.metric import Each, Moment, Series
+from physim.analysis.metrics.metric import Each, Moment, Series, section
 from physim.analysis.metrics.progress import (
     GRID,
     active_samples,
@@ -26,13 +25,12 @@ from physim.analysis.metrics.progress import (
 from physim.errors import RecordError
 from physim.geometry.shapes import FloatArray
 from physim.record import Record
+from physim.world import Formation
 
 WINDOW = 10.0
 """[s] window of averaged speeds (paper)"""
 MOST_PAIRS = 30_000_000
 """Pairs of robots and moments that `formation_energy` looks at, about: bounds its time."""
-RANGE = 10.0
-"""[m] `range` of a formation that does not give it (paper)"""
 
 
 class AveragedSpeeds(NamedTuple):
@@ -214,7 +212,7 @@ def desired_leads(record: Record) -> FloatArray | None:
 
     None in a run without formation, or of a single robot.
     """
-    has_one = isinstance(record.world_settings.get("formation"), Mapping)
+    has_one = section(record, "formation", Formation) is not None
     return record.lead - record.lead.mean() if has_one and record.robots > 1 else None
 
 
@@ -223,25 +221,20 @@ def _neighbours(record: Record) -> tuple[FloatArray | None, float]:
 
     Raises RecordError where the world inside has something else there.
     """
-    plan, names = record.world_settings["formation"], record.names
-    neighbours, reach = plan.get("neighbours", "range"), plan.get("range", RANGE)
-    if not isinstance(reach, int | float):
-        raise RecordError(f"{record.where}: the world inside: formation.range is no number")
-    if neighbours == "range":
-        return None, reach
-    if neighbours == "all":
-        return np.ones((len(names), len(names))), reach
+    plan, names = section(record, "formation", Formation) or Formation(), record.names
+    if plan.neighbours == "range":
+        return None, plan.range
+    if plan.neighbours == "all":
+        return np.ones((len(names), len(names))), plan.range
     listed = np.zeros((len(names), len(names)))
-    try:
-        pairs = [(names.index(a), names.index(b)) for a, b in neighbours]
-    except (TypeError, ValueError):
-        raise RecordError(
-            f"{record.where}: the world inside: formation.neighbours is neither range nor all, nor "
-            "pairs of names of its robots"
-        ) from None
-    for i, j in pairs:
+    for pair in plan.neighbours:
+        if not set(pair) <= set(names):
+            raise RecordError(
+                f"world of {record.where}: formation.neighbours: no pair of names of its robots"
+            )
+        i, j = map(names.index, pair)
         listed[i, j] = listed[j, i] = 1.0
-    return listed, reach
+    return listed, plan.range
 
 
 def extreme(record: Record, values: FloatArray, first: int = 0) -> Moment | None:

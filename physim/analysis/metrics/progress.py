@@ -20,6 +20,7 @@ from physim.geometry.shapes import FloatArray, IntArray
 from physim.record import Record
 from physim.simulation.arrival import STILL_TIME, most_beside, still_distances
 from physim.tolerances import LENGTH
+from physim.world import Arrival
 
 Rows = NDArray[np.void]
 
@@ -29,6 +30,10 @@ BACKWARDS = 90.0
 """[deg] from the direction of its path beyond which it is said to be turned"""
 MOST_MOMENTS = 2_000_000
 """Values of a course of all robots, about: of longer runs moments are farther apart."""
+LATELY = 5.0
+"""[s] before the end of a run that show how far a robot came of late"""
+LITTLE = 0.5
+"""[m] A robot that moves, but came less far of late, is said to get nowhere."""
 GRID = 0.1
 """[s] between two values of a course over time: the longest update interval (14)"""
 MOST_COMMANDS = 500_000
@@ -112,7 +117,8 @@ class Absent:
 
     robot: int
     short: float
-    """[m] along its path from where it is to its stop station; negative when past it"""
+    """[m] along its path from where it is, or before the path begins, to its stop station;
+    negative when past it"""
     tolerance: float
     """[m] by which it may be short, or past"""
     stands: bool
@@ -123,6 +129,10 @@ class Absent:
     """[deg] from the direction of its path there, 0 to 180"""
     room: float = np.inf
     """[m] that it may be beside"""
+    behind: float = 0.0
+    """[m] how far before the beginning of its path it is"""
+    pace: float = np.inf
+    """[m/s] from where it was `LATELY` ago, or at the start, to where it is"""
 
     def sentence(self, name: str) -> str:
         """Why robot ``name`` has not arrived."""
@@ -135,19 +145,22 @@ class Absent:
             return f"{name} is at its stop station, but has not stood there for {STILL_TIME:g} s"
         else:
             return f"{name} still moves at its stop station"
-        off = [f"{self.beside:.1f} m off its path"] if self.beside > ASTRAY else []
+        off = [f"{self.behind:.1f} m before its path begins"] if self.behind > ASTRAY else []
+        off += [f"{self.beside:.1f} m off its path"] if self.beside > ASTRAY else []
         if self.turned > BACKWARDS:
             off.append(f"turned {self.turned:.0f}° from its direction")
         lies = f": it is {' and '.join(off)}" if off else ""
         where = f"{away} m {side} its stop station"
         if self.stands:
             return f"{name} stands {where} (tolerance {allowed} m){lies}"
-        return f"{name} still moves, {where}{lies}"
+        came = self.pace * LATELY
+        little = f"; it came only {came:.2f} m in the last {LATELY:g} s" if came < LITTLE else ""
+        return f"{name} still moves, {where}{lies}{little}"
 
     @property
     def is_astray(self) -> bool:
         """Whether it is so far off its path, or so turned, that it does not follow it."""
-        return self.beside > ASTRAY or self.turned > BACKWARDS
+        return max(self.beside, self.behind) > ASTRAY or self.turned > BACKWARDS
 
 
 def _lengths(away: float, allowed: float) -> tuple[str, str]:
@@ -169,6 +182,9 @@ def absent(record: Record) -> tuple[Absent, ...]:
     off = record.pose[first:, :, :2] - record.pose[-1, :, :2]
     most = still_distances(record.shapes.radius[: record.robots])
     stands = (np.hypot(*off.transpose(2, 0, 1)) <= most).all(axis=0)
+    back = int(np.searchsorted(record.time, record.time[-1] - LATELY - 1e-9))
+    came = np.hypot(*(record.pose[-1, :, :2] - record.pose[back, :, :2]).T)
+    pace = came / max(record.time[-1] - record.time[back], record.dt)
     room, lines, found = most_beside(record.shapes, record.course[0, :, 1]), record.paths, []
     for i in np.flatnonzero(record.arrived < 0).tolist():
         mine, station = slice(*lines.start[i : i + 2]), float(record.course[-1, i, 0])
@@ -177,13 +193,15 @@ def absent(record: Record) -> tuple[Absent, ...]:
         along = (points[k + 1] - points[k]) / (at[k + 1] - at[k])
         x, y, heading = record.pose[-1, i]
         way = (x, y) - points[k] - (station - at[k]) * along
-        past = max(float(way @ along), 0.0) if station >= at[-1] - LENGTH else 0.0
+        over = float(way @ along)
+        past = max(over, 0.0) if station >= at[-1] - LENGTH else 0.0
+        behind = max(-over, 0.0) if station <= LENGTH else 0.0
         turned = (heading - np.arctan2(along[1], along[0]) + np.pi) % (2.0 * np.pi) - np.pi
         found.append(
             Absent(
-                i, float(record.stop_station[i]) - station - past, tolerance, bool(stands[i]),
-                float(np.hypot(*(way - past * along))), float(np.degrees(abs(turned))),
-                float(room[i]),
+                i, float(record.stop_station[i]) - station - past + behind, tolerance,
+                bool(stands[i]), float(np.hypot(*(way - (past - behind) * along))),
+                float(np.degrees(abs(turned))), float(room[i]), behind, float(pace[i]),
             )
         )  # fmt: skip
     return tuple(found)
@@ -191,12 +209,7 @@ def absent(record: Record) -> tuple[Absent, ...]:
 
 def arrival_tolerance(record: Record) -> float:
     """[m] by which a robot may be short of its stop station, or past it: the world's, or 0.1."""
-    tolerance = section(record, "arrival").get("tolerance")
-    if isinstance(tolerance, float) or (isinstance(tolerance, int) and abs(tolerance) < 2**63):
-        return float(tolerance)
-    from physim.world import Arrival
-
-    return Arrival().tolerance
+    return (section(record, "arrival", Arrival) or Arrival()).tolerance
 
 
 def ratio(part: NDArray[Any], whole: NDArray[Any]) -> Each | None:

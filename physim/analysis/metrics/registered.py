@@ -26,7 +26,7 @@ import numpy as np
 
 from physim.analysis.metrics.metric import Definition, Each, Found, Moment, Place
 from physim.errors import PhysimError
-from physim.parts.user_code import asked, broken_by, kind_of
+from physim.parts.user_code import kind_of, naming
 from physim.record import Record
 
 if TYPE_CHECKING:
@@ -92,12 +92,8 @@ def _definition(name: str, part: Any) -> Definition:
             )
 
     def find(run: Figures) -> Found:
-        try:
-            value = asked(part.measure, "measure(record)", run.record)
-        except KeyboardInterrupt:
-            raise
-        except BaseException as error:
-            raise PhysimError(f'metric "{name}" fails: {broken_by(error)}') from None
+        with naming(f'metric "{name}"', part.measure):
+            value = part.measure(run.record)
         try:
             return _checked(value, run.record)
         except ValueError as error:

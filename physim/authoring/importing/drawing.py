@@ -12,7 +12,6 @@ import numpy as np
 import shapely
 
 from physim.errors import PhysimError
-from physim.escaping import escaped
 from physim.geometry.shapes import FloatArray
 
 DIGITS = 3
@@ -115,7 +114,7 @@ class Drawing:
 
 def refused(source: Path | str, message: str, line: int | None = None) -> ImportSourceError:
     """Error at a source, or at a line of it (from 1)."""
-    place = escaped(str(source)) if line is None else f"{escaped(str(source))}:{line}"
+    place = f"{source}" if line is None else f"{source}:{line}"
     return ImportSourceError(f"{place}: {message}")
 
 

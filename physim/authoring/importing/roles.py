@@ -8,7 +8,6 @@ from pathlib import Path
 
 from physim.authoring.importing.drawing import ImportSourceError, refused
 from physim.errors import nearest, plural
-from physim.escaping import escaped
 
 NAME = re.compile(
     r"(boundar(?:y|ies)|walls?|obstacles?|paths?|reference(?:[\s_-]paths?)?|robots?)"
@@ -56,7 +55,7 @@ def unroled(
         hints.add(near)
     more = f" and {len(once) - MOST_NAMED} more" if len(once) > MOST_NAMED else ""
     named = next((name for _, _, name, _ in shapes if name), "")
-    by_name = f' --ignore "{escaped(named)[:60]}" or' if named else ""
+    by_name = f' --ignore "{named[:60]}" or' if named else ""
     return refused(
         path,
         f"{plural(len(shapes), 'shape')} without a role: {', '.join(others)}{more}; "

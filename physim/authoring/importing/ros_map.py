@@ -25,7 +25,6 @@ from physim.authoring.importing.drawing import DIGITS, Drawing, Shape, listed, p
 from physim.authoring.importing.options import Options
 from physim.authoring.importing.source import read_image, read_text
 from physim.errors import Fault, WorldError, nearest
-from physim.escaping import escaped
 from physim.geometry.shapes import FloatArray
 from physim.world.base import Model
 from physim.world.file import read_document
@@ -93,7 +92,7 @@ def read_ros_map(path: Path, options: Options) -> Drawing:
         drawing.doubt = f"{told} below free_thresh {found.free_thresh:g}; 0.196 takes it as unknown"
         drawing.changes.append(f"WARNING: {drawing.doubt}")
     drawing.facts.append(
-        f"{columns} x {rows} cells of {cell:g} m from {escaped(image.name)}, "
+        f"{columns} x {rows} cells of {cell:g} m from {image.name}, "
         f"{columns * cell:.1f} x {rows * cell:.1f} m, {100.0 * free.mean():.0f} % free; {told}"
     )
     x, y, yaw = found.origin
@@ -127,7 +126,7 @@ def _read_yaml(drawing: Drawing) -> tuple[RosMap, Path]:
     """What a map says, and the path of its image; ImportSourceError with the line of a fault."""
     path, keys = drawing.path, list(RosMap.model_fields)
     text = read_text(path)
-    document = read_document(text, escaped(str(path))) if text.strip() else None
+    document = read_document(text, str(path)) if text.strip() else None
     values = document.values if document else None
     if document is None or not isinstance(values, dict):
         raise refused(path, f"a map is a mapping of keys: {', '.join(keys)}", 1)
@@ -136,7 +135,7 @@ def _read_yaml(drawing: Drawing) -> tuple[RosMap, Path]:
         raise refused(path, message)
     others = [key for key in values if key not in keys]
     if others and {"image", "resolution", "origin"} <= set(values):
-        drawing.changes.append(f"keys left out: {', '.join(escaped(str(key)) for key in others)}")
+        drawing.changes.append(f"keys left out: {', '.join(str(key) for key in others)}")
         values = {key: value for key, value in values.items() if key in keys}
     try:
         found = RosMap(**values)
@@ -151,7 +150,7 @@ def _read_yaml(drawing: Drawing) -> tuple[RosMap, Path]:
 
 def _image(path: Path, name: str) -> Path:
     """The image beside the map, never a file elsewhere; WorldError for another name."""
-    folder, given = path.parent.resolve(), escaped(name[:100])
+    folder, given = path.parent.resolve(), name[:100]
     try:
         image = (folder / name).resolve()
         is_there = image.is_file()

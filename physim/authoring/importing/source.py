@@ -12,7 +12,6 @@ from PIL import Image
 
 from physim import files
 from physim.authoring.importing.drawing import refused
-from physim.escaping import escaped
 
 MOST_TEXT = 20_000_000
 """Bytes of a text that is read"""
@@ -102,7 +101,7 @@ def read_image(path: Path) -> tuple[Any, Any]:
             "cells larger",
         ) from None
     except (OSError, ValueError, SyntaxError, EOFError, OverflowError) as error:
-        reason = escaped(str(error))[:80]
+        reason = str(error)[:80]
         raise refused(path, f"cannot be decoded: {reason}; is it cut short or damaged?") from None
     clear = image.info.get("transparency")
     if image.mode == "P" or (clear is not None and not image.mode.startswith("I")):

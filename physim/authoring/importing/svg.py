@@ -33,7 +33,6 @@ from physim.authoring.importing.source import MOST_TEXT, read_bytes
 from physim.authoring.importing.svg_lines import MOST_POINTS, length, numbers, outline, subpaths
 from physim.authoring.importing.work import check_work
 from physim.errors import nearest, plural
-from physim.escaping import escaped
 from physim.geometry.shapes import FloatArray
 
 TOLERANCE = 0.01
@@ -103,7 +102,7 @@ def read_svg(path: Path, options: Options) -> Drawing:
     for option, names in (("boundary", options.boundary), ("ignore", options.ignore)):
         for name in sorted({*names} - reader.names):
             near = nearest(name[:100], sorted(reader.names))
-            raise refused(path, f"--{option} {escaped(name)}: no shape has that id or label{near}")
+            raise refused(path, f"--{option} {name}: no shape has that id or label{near}")
     if reader.unroled and not options.ignore_others:
         how = "say boundary, obstacle, path or robot by layer or name"
         raise unroled(path, reader.unroled, how)
@@ -133,7 +132,7 @@ def _tree(path: Path) -> Any:
     try:
         root = etree.fromstring(read_bytes(path, MOST_TEXT), parser)
     except etree.XMLSyntaxError as error:
-        reason = escaped(str(error.msg))[:100]
+        reason = str(error.msg)[:100]
         raise refused(path, f"not valid XML: {reason}", error.lineno or 1) from None
     document = root.getroottree().docinfo.internalDTD
     entity = next((one for one in parser.error_log if "ENTITY" in one.type_name), None)
@@ -141,12 +140,12 @@ def _tree(path: Path) -> Any:
         line = entity.line if entity else None
         raise refused(path, "has an XML entity; save the drawing as plain SVG without any", line)
     if root.tag not in (f"{SVG}svg", "svg"):
-        raise refused(path, f"the root is <{escaped(str(root.tag))[:60]}>, not <svg>", 1)
+        raise refused(path, f"the root is <{str(root.tag)[:60]}>, not <svg>", 1)
     if sum(1 for _ in root.iter()) > MOST_ELEMENTS:
         raise refused(path, f"more than {MOST_ELEMENTS} elements; leave out what is no wall")
     for sheet in root.iter(f"{SVG}style", "style"):
         if said := _hides("".join(sheet.itertext())):
-            message = f'a style sheet says "{escaped(said)[:40]}"; of sheets only paint is read'
+            message = f'a style sheet says "{said[:40]}"; of sheets only paint is read'
             raise refused(
                 path, f"{message}: save as plain SVG, or use attributes", sheet.sourceline
             )
@@ -187,7 +186,7 @@ def _frame(drawing: Drawing, root: Any, options: Options) -> Any:
             raise ValueError("four numbers are needed, the last two above 0")
     except ValueError as error:
         given = f'width="{sides[0]}" height="{sides[1]}" viewBox="{view}"'
-        message = f"<svg {escaped(given)[:120]}>: {error}"
+        message = f"<svg {given[:120]}>: {error}"
         raise refused(drawing.path, message, root.sourceline) from None
     x, y, width, height = box
     if (scale := options.scale) is not None:
@@ -299,7 +298,7 @@ class _Reader:
                 state = replace(state, group=group)
         if state.levels > MOST_LEVELS:
             message = f"more than {MOST_LEVELS} groups or copies within each other, or a copy of "
-            message += f"itself ({escaped(own_id)[:40]}); ungroup some"
+            message += f"itself ({own_id[:40]}); ungroup some"
             raise refused(self.drawing.path, message, element.sourceline)
         look, unread = _looks(element, tag, element is self.root)
         matrix = state.matrix
@@ -341,11 +340,11 @@ class _Reader:
                 return
             if not target:
                 return
-            message = f'{called}: copies "{escaped(target)[:40]}", which is not in this file'
+            message = f'{called}: copies "{target[:40]}", which is not in this file'
             unread = unread or (line, message)
         if not state.role:
             own = "" if OF_PROGRAMS.fullmatch(_name(shown).lower()) else _name(shown)
-            within = f' in "{escaped(state.group)[:60]}"' if state.group else ""
+            within = f' in "{state.group[:60]}"' if state.group else ""
             near = hint(own) or hint(state.group)
             self.unroled.append((called + within, near, own or state.group or _name(shown), line))
         elif unread is not None:
@@ -364,10 +363,10 @@ class _Reader:
         if role == "robot" and "@" in name:
             name, _, said = (one.strip() for one in name.rpartition("@"))
             if len(degrees := numbers(said)) != 1:
-                raise ValueError(f'"@{escaped(said)[:40]}": one number of degrees is needed')
+                raise ValueError(f'"@{said[:40]}": one number of degrees is needed')
             heading = radians(degrees[0])
         elif role == "robot" and (found := re.fullmatch(r".*\S\s+([-+]?[\d.]+)°?", name)):
-            message = f'"{escaped(name)[:40]}" may hold a heading; write @{found[1][:20]} if so, '
+            message = f'"{name[:40]}" may hold a heading; write @{found[1][:20]} if so, '
             raise ValueError(f"{message}else a name without the space")
         m = state.matrix
         turn = np.array([[m.a, m.b], [m.c, m.d]])
@@ -409,7 +408,7 @@ def _looks(element: Any, tag: str, is_root: bool) -> tuple[dict[str, str], str]:
             look[key] = value.strip().lower()
         elif not (is_root or key in READ.get(tag, ()) or PAINT.fullmatch(key)
                   or COMMON.fullmatch(key) or value.strip() == "none"):  # fmt: skip
-            unread.append(f'the attribute "{escaped(key)[:40]}" is not read')
+            unread.append(f'the attribute "{key[:40]}" is not read')
     style = re.sub(r"/\*.*?(?:\*/|\Z)", " ", given.get("style", ""), flags=re.S)
     for one in style.split(";"):
         key, _, value = (part.strip().lower() for part in one.partition(":"))
@@ -418,8 +417,8 @@ def _looks(element: Any, tag: str, is_root: bool) -> tuple[dict[str, str], str]:
         if key in look:
             look[key] = value.removesuffix("!important").strip()
         elif key and value != "none" and not PAINT.fullmatch(key):
-            unread.append(f'its style says "{escaped(key)[:40]}", which is not read')
-    unread += [f'{key} "{escaped(value)[:40]}" is not read'
+            unread.append(f'its style says "{key[:40]}", which is not read')
+    unread += [f'{key} "{value[:40]}" is not read'
                for key, value in look.items() if value and not SEEN.fullmatch(value)]  # fmt: skip
     return look, f"{unread[0]}; use plain attributes, or ungroup it" if unread else ""
 
@@ -431,12 +430,12 @@ def _transform(text: str) -> Any:
         found = FUNCTION.match(text, at)
         if found is None or len(given := numbers(found[2])) not in COUNTS.get(found[1], ()):
             takes = ", ".join(f"{key} {' or '.join(map(str, n))}" for key, n in COUNTS.items())
-            raise ValueError(f'"{escaped(text[at : at + 30])}" is none of {takes} numbers')
+            raise ValueError(f'"{text[at : at + 30]}" is none of {takes} numbers')
         # as svgelements has it, the left one is applied first
         matrix = svgelements.Matrix(f"{found[1]}({','.join(map(repr, given))})") * matrix
         at = found.end()
     if abs(matrix.a * matrix.d - matrix.b * matrix.c) == 0.0:
-        raise ValueError(f'"{escaped(text)[:40]}" leaves no area')
+        raise ValueError(f'"{text[:40]}" leaves no area')
     return matrix
 
 
@@ -473,5 +472,5 @@ def _name(element: Any) -> str:
 
 def _called(element: Any) -> str:
     """``<rect> "pillar"``: what messages call an element."""
-    name = escaped(_name(element))[:60]
+    name = _name(element)[:60]
     return f"<{_tag(element)}>" + (f' "{name}"' if name else "")

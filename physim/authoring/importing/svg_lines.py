@@ -9,7 +9,6 @@ from math import acos, ceil, isfinite, pi, sqrt
 import numpy as np
 import svgelements
 
-from physim.escaping import escaped
 from physim.geometry.shapes import FloatArray
 
 MOST_POINTS = 50_000
@@ -39,9 +38,9 @@ def numbers(text: str, kinds: str = "n") -> list[float]:
         one = form.match(text, at)
         if one is None:
             wanted = "the flag 0 or 1" if form is FLAG else "a number"
-            raise ValueError(f'"{escaped(text[at : at + 20])}" cannot be read: {wanted} is needed')
+            raise ValueError(f'"{text[at : at + 20]}" cannot be read: {wanted} is needed')
         if not isfinite(value := float(one[0])):
-            raise ValueError(f'"{escaped(one[0])[:40]}" is too large a number')
+            raise ValueError(f'"{one[0][:40]}" is too large a number')
         found.append(value)
         gap = GAP.match(text, one.end())
         at = gap.end() if gap else one.end()
@@ -54,7 +53,7 @@ def length(text: str) -> float:
     unit = text[found.end() :].strip().lower() if found else None
     if found is None or unit not in PIXELS or not isfinite(float(found[0])):
         units = ", ".join(one for one in PIXELS if one)
-        raise ValueError(f'"{escaped(text)[:40]}": a number is needed, alone or with {units}')
+        raise ValueError(f'"{text[:40]}": a number is needed, alone or with {units}')
     return float(found[0]) * PIXELS[unit]
 
 
@@ -75,7 +74,7 @@ def outline(tag: str, values: Mapping[str, str]) -> str:
         except ValueError as error:
             raise ValueError(f"{key}={error}") from None
         if value < 0.0 and key in ("width", "height", "r", "rx", "ry"):
-            raise ValueError(f'{key}="{escaped(values[key])[:40]}": must not be negative')
+            raise ValueError(f'{key}="{values[key][:40]}": must not be negative')
         return value
 
     if tag == "line":
@@ -143,7 +142,7 @@ def _strict(data: str) -> str:
     """
     before, *pieces = COMMANDS.split(data.strip())
     if before or (pieces and pieces[0] not in "Mm"):
-        raise ValueError(f'path data begin with M, not "{escaped(data.strip()[:20])}"')
+        raise ValueError(f'path data begin with M, not "{data.strip()[:20]}"')
     words, count, last = list[str](), 0, ""
     for letter, text in zip(pieces[::2], pieces[1::2], strict=True):
         takes, is_arc = TAKES[letter.upper()], letter in "Aa"

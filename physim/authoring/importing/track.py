@@ -28,7 +28,6 @@ from physim.authoring.importing.options import Options
 from physim.authoring.importing.source import read_text
 from physim.authoring.importing.work import check_work
 from physim.errors import nearest
-from physim.escaping import escaped
 from physim.geometry.arc_length import Polyline
 from physim.geometry.shapes import FloatArray
 
@@ -129,7 +128,7 @@ def _columns(drawing: Drawing, above: list[tuple[int, str]], first: int, count: 
             header, line = names, k
     if not header and count == 4:
         return [0, 1, 2, 3]
-    given = escaped(", ".join(header))[:200] if header else f"{count} without names"
+    given = ", ".join(header)[:200] if header else f"{count} without names"
     others = [name for name in header if name and name not in COLUMNS]
     wrong = [name for name in COLUMNS if header.count(name) != 1]
     if wrong:
@@ -137,7 +136,7 @@ def _columns(drawing: Drawing, above: list[tuple[int, str]], first: int, count: 
         message = f"not one column {', '.join(wrong)}; the columns are {given}{near}"
         raise refused(drawing.path, f"{message}; rename or add: {MEANT}", line)
     if others:
-        drawing.changes.append(f"columns left out: {escaped(', '.join(others))}"[:200])
+        drawing.changes.append(f"columns left out: {', '.join(others)}"[:200])
     return [header.index(name) for name in COLUMNS]
 
 
@@ -156,7 +155,7 @@ def _numbers(
         except ValueError:
             value = math.nan
         if not math.isfinite(value):
-            raise refused(path, f'{name}: "{escaped(cell[:40])}" is not a finite number', line)
+            raise refused(path, f'{name}: "{cell[:40]}" is not a finite number', line)
         if name.startswith("w_") and value <= 0.0:
             raise refused(path, f"{name}: {value:g}; a width must be greater than 0", line)
         values.append(value)

@@ -32,7 +32,6 @@ from physim.authoring.importing.roles import hint, role_named, unroled
 from physim.authoring.importing.source import read_text
 from physim.authoring.importing.work import check_work
 from physim.errors import nearest
-from physim.escaping import escaped
 
 MOST_DEPTH = 20
 """Geometries within geometries"""
@@ -87,7 +86,7 @@ def read_wkt(path: Path, options: Options) -> Drawing:
             with np.errstate(invalid="ignore", over="ignore"):
                 shape = shapely.from_wkt(text)
         except (shapely.errors.ShapelyError, ValueError, NotImplementedError) as error:
-            reason = escaped(str(error).split(": ", 1)[-1].strip())[:100]
+            reason = str(error).split(": ", 1)[-1].strip()[:100]
             counts = f"{text.count('(')} opening and {text.count(')')} closing brackets"
             if "closed linestring" in reason:
                 counts = "repeat the first point of a ring as its last"
@@ -110,7 +109,7 @@ def read_geojson(path: Path, options: Options) -> Drawing:
     except RecursionError:
         raise refused(path, "nested too deeply") from None
     except ValueError as error:
-        raise refused(path, escaped(str(error))[:100]) from None
+        raise refused(path, str(error)[:100]) from None
     if not isinstance(value, dict) or "type" not in value:
         raise refused(path, 'not GeoJSON: an object with "type" is needed')
     features = value.get("features") if value["type"] == "FeatureCollection" else [value]
@@ -132,7 +131,7 @@ def read_geojson(path: Path, options: Options) -> Drawing:
             parts += [replace(about, geometry=one) for one in found]
     for name in sorted({*options.ignore} - names):
         near = nearest(name[:100], sorted(names))
-        raise refused(path, f"--ignore {escaped(name)}: no feature has that name or layer{near}")
+        raise refused(path, f"--ignore {name}: no feature has that name or layer{near}")
     kinds = {"Polygon": "place", "LineString": "path", "LinearRing": "path"}
     as_wkt = [replace(one, role=kinds.get(one.geometry.geom_type, "")) for one in parts]
     if any(one.role or one.layer for one in parts) or any(
@@ -171,13 +170,13 @@ def _about(path: Path, feature: Any, number: int) -> _Part:
     given = [about.get("name"), rest, "" if role == "path" else feature.get("id")]
     given = [int(one) if isinstance(one, float) and one.is_integer() else one for one in given]
     name = next((str(one).strip() for one in given if one not in (None, "")), "")[:80]
-    label = f"feature {number}" + (f' "{escaped(name)}"' if name else "")
+    label = f"feature {number}" + (f' "{name}"' if name else "")
     elsewhere = frozenset(
         word for key, one in about.items()
         if key not in ("role", "layer") and (word := str(one).strip().lower()) in (*ROLES, "wall")
     )  # fmt: skip
     if role and role not in (*ROLES, "wall"):
-        message = f'{label}: role: "{escaped(role)[:40]}" is none of {", ".join(ROLES)}'
+        message = f'{label}: role: "{role[:40]}" is none of {", ".join(ROLES)}'
         raise refused(path, message + nearest(role[:40], list(ROLES)))
     heading = about.get("heading") if role == "robot" else None
     if heading is not None and not (isinstance(heading, float) and isfinite(heading)):
@@ -196,7 +195,7 @@ def _geometries(path: Path, value: Any, label: str) -> list[Any]:
         shapely.errors.ShapelyError, ValueError, TypeError, LookupError, AttributeError,
         OverflowError,
     ):  # fmt: skip
-        kind = escaped(str(value.get("type") if isinstance(value, dict) else value))[:40]
+        kind = str(value.get("type") if isinstance(value, dict) else value)[:40]
         message = f'{label}: geometry "{kind}" cannot be read; coordinates are lists of [x, y], '
         raise refused(path, f"{message}nested at most {MOST_DEPTH} deep") from None
 
@@ -226,7 +225,7 @@ def _with_roles(path: Path, parts: list[_Part], options: Options) -> list[_Part]
     without = [one for one in parts if not one.role and one.geometry.geom_type != "Point"]
     if without and not options.ignore_others:
         said = [
-            (f'{one.label} of the layer "{escaped(one.layer)[:40]}"' if one.layer else one.label,
+            (f'{one.label} of the layer "{one.layer[:40]}"' if one.layer else one.label,
              hint(one.layer), one.name or one.layer, None)
             for one in without
         ]  # fmt: skip
@@ -263,11 +262,11 @@ def _drawing(path: Path, kind: str, parts: list[_Part], stated: str, options: Op
         raise refused(path, f"{drawn[k].label}: a coordinate is not a finite number", drawn[k].line)
     is_small = stated or np.ptp(every, axis=0).max() < 1.0
     if options.scale is None and is_small and (np.abs(every) <= (180.0, 90.0)).all():
-        about = f" ({escaped(stated)})" if stated else ""
+        about = f" ({stated})" if stated else ""
         message = f"within 180 by 90 units{about}: degrees? {PROJECT}; --scale 1 if metres"
         raise refused(path, message)
     if stated:
-        drawing.facts.append(f"lengths of {escaped(stated)} are taken as metres")
+        drawing.facts.append(f"lengths of {stated} are taken as metres")
     shapes = shapely.transform(shapes, drawing.moved)
     check_work(path, [shapely.get_coordinates(one) for one in shapes])
     for dimension, is_there in (("heights", shapely.has_z), ("measures (M)", shapely.has_m)):
@@ -296,7 +295,7 @@ def _shapes(path: Path, part: _Part, shape: Any, drawing: Drawing) -> list[Shape
             raise refused(path, f"{part.label}: shorter than a millimetre; --scale?", part.line)
         return [made(shapely.LineString(line)) for line in lines]
     if not shape.is_valid:
-        reason = escaped(shapely.is_valid_reason(shape).split("[")[0].lower())
+        reason = shapely.is_valid_reason(shape).split("[")[0].lower()
         raise refused(
             path,
             f"{part.label}: no valid polygon: {reason}{invalid_at(shape)}; correct it",

@@ -16,7 +16,7 @@ from physim.parts.registry import CONTROLLER, make_part
 from physim.parts.world_checks import robot_faults
 from physim.world import Robot, World, each_robot
 from physim.world.layout.layout import lay_out
-from physim.world.layout.places import Occupancy
+from physim.world.layout.occupancy import Occupancy
 from physim.world.scene import Layout
 
 POSE, HEADING, SPEED = KINDS = ("pose", "heading", "speed")

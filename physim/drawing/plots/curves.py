@@ -7,7 +7,6 @@ each), formation errors and formation energy (Figs. 2b, 7a; (9), (10)), speeds a
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from itertools import pairwise
 from typing import Any
 
@@ -20,6 +19,7 @@ from physim.analysis.metrics import (
     formation_errors,
     formation_parts,
 )
+from physim.analysis.metrics.metric import section
 from physim.analysis.metrics.motion import WINDOW
 from physim.analysis.metrics.progress import samples_over_time
 from physim.drawing.crowd import MOST_LINES, quantiles
@@ -39,6 +39,7 @@ from physim.drawing.plots.style import BAND, CYCLE, INK, NARROW, QUIET, RULE, ro
 from physim.geometry.shapes import FloatArray
 from physim.record import Record
 from physim.units import true_minus
+from physim.world import Formation
 
 MOST_TOGETHER = 4
 """Robots whose deviations share an axis; those of more would tangle."""
@@ -235,12 +236,9 @@ def speeds(record: Record, paper: Paper = USUAL) -> Any:
             nothing(axis, f"no robot was under way for {WINDOW:.0f} s")
         return figure
     zero_line(above)
-    plan = record.world_settings.get("formation")
-    if isinstance(plan, Mapping):
-        limits = plan.get("limits")
-        for value in (*(limits if isinstance(limits, list) else ()), plan.get("speed")):
-            if isinstance(value, int | float) and not isinstance(value, bool):
-                below.axhline(value, color=QUIET, linewidth=0.8, linestyle=(0, (5, 3)), zorder=1.5)
+    if plan := section(record, "formation", Formation):
+        for value in (*plan.limits, plan.speed):
+            below.axhline(value, color=QUIET, linewidth=0.8, linestyle=(0, (5, 3)), zorder=1.5)
         words = "dashed: steady speed and limits of (7)"
         below.set_title(words, loc="right", fontsize=8.0, color=QUIET)
     draw_courses(above, record, found.time, found.rotational)

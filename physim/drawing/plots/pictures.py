@@ -32,7 +32,7 @@ from physim.drawing.plots.modes import modes
 from physim.drawing.plots.style import load_matplotlib, save_figure
 from physim.drawing.printed import printed_width
 from physim.errors import PhysimError, RecordError, WorldError, nearest
-from physim.parts.user_code import asked, broken_by
+from physim.parts.user_code import naming
 from physim.record import Record, check_record
 
 __all__ = ["FORMATS", "NAMES", "draw", "names", "not_replaced"]
@@ -154,12 +154,8 @@ def _plot() -> Any:
 
 def _own_figure(name: str, part: Any, record: Record, paper: Paper) -> Any:
     """Figure of a registered picture. Raises PhysimError, one line, where it fails."""
-    try:
-        figure = asked(part.draw, "draw(record)", record)
-    except KeyboardInterrupt:
-        raise
-    except BaseException as error:
-        raise PhysimError(f'plot "{name}" fails: {broken_by(error)}') from None
+    with naming(f'plot "{name}"', part.draw):
+        figure = part.draw(record)
     if not callable(getattr(figure, "savefig", None)):
         raise PhysimError(
             f'plot "{name}" gives a {type(figure).__name__}; it must give a matplotlib Figure'

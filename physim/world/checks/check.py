@@ -39,7 +39,6 @@ CHECKS: tuple[Callable[[Layout], Iterable[Fault]], ...] = (
     formation.check_length,
     formation.check_ends,
     formation.check_stops,
-    formation.check_duration,
     formation.check_spacing,
     formation.check_slow,
     formation.check_neighbours,
@@ -70,38 +69,39 @@ def check_world(
         found = (Finding.of(fault, at, file if at is None else str(at.file)) for fault, at in pairs)
         return Findings(file=escaped(file), errors=tuple(found))
     faults = [replace(one, severity="warning") for one in document.warnings]
-    of_layout, profiles, note = _of_layout(world)
-    faults += [*check_scale(world), *of_layout]
+    faults += check_scale(world)
+    laid, profiles, notes = _laid_out(world, faults)
     return Findings(
         file=escaped(document.source),
         errors=_located([one for one in faults if one.severity == "error"], document),
         warnings=_located([one for one in faults if one.severity == "warning"], document),
-        notes=(note,) if note else (),
+        notes=notes,
         clearance=profiles,
-        world=world,
+        layout=laid,
         document=document,
     )
 
 
 @np.errstate(all="ignore")  # see build_scene
-def _of_layout(world: World) -> tuple[list[Fault], tuple[ClearanceProfile, ...], str]:
-    """What lies in where things are, the room on the paths, and a note."""
+def _laid_out(
+    world: World, faults: list[Fault]
+) -> tuple[Layout | None, tuple[ClearanceProfile, ...], tuple[str, ...]]:
+    """Where things are, the room on the paths, and notes; adds the faults that lie in that."""
     try:
         laid = lay_out(world)
-        faults = [*ground.check_boundaries(world)]
-        faults += [fault for check in CHECKS for fault in check(laid)]
+        found = [*ground.check_boundaries(world)]
+        found += [fault for check in CHECKS for fault in check(laid)]
         profiles = clearance_profiles(laid)
-        faults += paths.check_room(laid, profiles, faults)
-        return faults, profiles, ground.road_note(laid)
+        faults += [*found, *paths.check_room(laid, profiles, found)]
+        return laid, profiles, ground.road_notes(laid)
     except WorldError as error:
-        faults = list(error.faults)
-        if all(fault.location[:1] != ("boundaries",) for fault in faults):
+        faults += error.faults
+        if all(fault.location[:1] != ("boundaries",) for fault in error.faults):
             faults += ground.check_boundaries(world)  # they may follow from that
-        return faults, (), ""
     except shapely.errors.ShapelyError as error:
         reason = " ".join(str(error).split())[:100]
-        message = f"the geometry is beyond what can be computed ({reason})"
-        return [Fault((), message)], (), ""
+        faults.append(Fault((), f"the geometry is beyond what can be computed ({reason})"))
+    return None, (), ()
 
 
 def _located(faults: Sequence[Fault], document: Document) -> tuple[Finding, ...]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from typing import TYPE_CHECKING, Any
 
 from physim.errors import Fault, Position, dotted, names_key, plural
@@ -10,9 +10,9 @@ from physim.escaping import escaped
 from physim.world.faults import describe
 
 if TYPE_CHECKING:
-    from physim.world import World
     from physim.world.checks.room import ClearanceProfile
     from physim.world.file import Document
+    from physim.world.scene import Layout
 
 
 MOST_ALIKE = 5
@@ -52,13 +52,7 @@ class Finding:
 
     def as_json(self) -> dict[str, Any]:
         """Return the finding as JSON holds it."""
-        return {
-            "file": self.file,
-            "line": self.line,
-            "column": self.column,
-            "key": self.key,
-            "message": self.message,
-        }
+        return asdict(self)
 
 
 @dataclass(frozen=True)
@@ -74,8 +68,8 @@ class Findings:
     """what the errors and warnings hold for, where the file alone does not say it"""
     clearance: tuple[ClearanceProfile, ...] = ()
     """room along the path of each robot whose path and footprint are sound"""
-    world: World | None = field(default=None, repr=False)
-    """the world, where it could be read without a fault"""
+    layout: Layout | None = field(default=None, repr=False)
+    """where everything of the world lies, if that could be worked out"""
     document: Document | None = field(default=None, repr=False)
     """the text that was checked; None where it could not be read"""
 

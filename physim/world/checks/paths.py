@@ -15,6 +15,7 @@ from physim.geometry.corridor import offset_polyline
 from physim.geometry.path import SHARPEST_TURN
 from physim.geometry.shapes import FloatArray
 from physim.tolerances import CONTACT, LENGTH
+from physim.units import figure
 from physim.world import Offset
 from physim.world.checks.room import NOT, ClearanceProfile
 from physim.world.checks.stations import lines_of
@@ -206,9 +207,9 @@ def check_room(
         yield Fault(
             laid.path_key(first.number),
             f"{describe(first.robot)} does not fit at station {station:.2f} m of its path{others} "
-            f"at {place_text(x, y)}: {clearance:.4g} m to {name} "
+            f"at {place_text(x, y)}: {figure(clearance)} m to {name} "
             f"{stretch_text(laid.world.boundaries, name, foot)}, while the footprint reaches "
-            f"{first.inscribed:.4g} m from the reference point even at its narrowest; lead the "
+            f"{figure(first.inscribed)} m from the reference point even at its narrowest; lead the "
             "path further away, or widen the place",
             "warning",
         )

@@ -22,7 +22,7 @@ from physim.geometry.polygon import circumscribed_radius
 from physim.geometry.shapes import FloatArray
 from physim.tolerances import CONTACT
 from physim.world.checks.stations import lines_of, spans
-from physim.world.layout.shared import Shared
+from physim.world.layout.robots import shared
 from physim.world.scene import Layout
 
 SPACING = 0.25
@@ -95,7 +95,7 @@ def clearance_profiles(laid: Layout) -> tuple[ClearanceProfile, ...]:
     points = [shapely.get_coordinates(line) for line in lines]
     pieces = np.concatenate([np.stack([one[:-1], one[1:]], axis=1) for one in points])
     tree = shapely.STRtree(shapely.linestrings(pieces))
-    radii = Shared(lambda outline: (inscribed_radius(outline), circumscribed_radius(outline)))
+    inner, outer = (shared(of, laid.footprints) for of in (inscribed_radius, circumscribed_radius))
     rooms: dict[int, tuple[FloatArray, FloatArray]] = {}
     least: dict[tuple[int, float, float], Place] = {}
     profiles = []
@@ -109,7 +109,7 @@ def clearance_profiles(laid: Layout) -> tuple[ClearanceProfile, ...]:
             least[key, first, last] = _narrowest(line, *rooms[key], tree, first, last)
         profiles.append(
             ClearanceProfile(
-                i, laid.names[i], *rooms[key], *radii(laid.footprints[i]), (first, last),
+                i, laid.names[i], *rooms[key], inner[i], outer[i], (first, last),
                 least[key, first, last],
             )
         )  # fmt: skip

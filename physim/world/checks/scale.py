@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from physim.errors import Fault, Location
+from physim.units import figure
 from physim.world import Corridor, Robot, World, each_robot
 from physim.world.checks.findings import MOST_ALIKE
 from physim.world.faults import describe, in_metres
@@ -47,7 +48,7 @@ def _doubts(world: World) -> Iterator[tuple[Location, str]]:
     if isinstance(world.corridor, Corridor):
         widest, longest = float(np.max(world.corridor.width)), max(sizes, default=0.0)
         if widest > WIDEST_CORRIDOR or widest > WIDEST_FOR_ROBOTS * longest > 0.0:
-            said = f"{widest:.6g} m is very wide for a corridor; {in_metres(widest)}"
+            said = f"{figure(widest, 6)} m is very wide for a corridor; {in_metres(widest)}"
             yield ("corridor", "width"), said
     yield from _large_ground(world)
     told: dict[Location, str] = {}
@@ -60,13 +61,15 @@ def _doubts(world: World) -> Iterator[tuple[Location, str]]:
         yield from _turned(("start", "heading"), world.start.heading)
     step, duration = world.time.step, world.time.duration
     if duration > LONGEST_RUN:
-        hours = f"{duration:.6g} s is {duration / 3600.0:.4g} hours; durations are in seconds"
+        hours = (
+            f"{figure(duration, 6)} s is {duration / 3600.0:.4g} hours; durations are in seconds"
+        )
         yield ("time", "duration"), hours + _thousandth(duration, "milliseconds")
     if duration / step > MOST_STEPS:
         yield (
             ("time", "step"),
-            f"{step:.4g} s makes {duration / step:,.0f} steps in {duration:.6g} s: such a run "
-            "takes hours; steps are in seconds, and 0.01 is usual",
+            f"{step:.4g} s makes {duration / step:,.0f} steps in {figure(duration, 6)} s: such a "
+            "run takes hours; steps are in seconds, and 0.01 is usual",
         )
 
 
@@ -82,14 +85,14 @@ def _large_ground(world: World) -> Iterator[tuple[Location, str]]:
     for where, line in lines:
         extent = float(np.ptp(np.array(line), axis=0).max())
         if extent > LARGEST_GROUND:
-            yield where, f"it spans {extent:.6g} m; {in_metres(extent)}"
+            yield where, f"it spans {figure(extent, 6)} m; {in_metres(extent)}"
             return
 
 
 def _of_robot(robot: Robot, size: float, where: Location) -> Iterator[tuple[Location, str]]:
     name, limits = describe(robot.name), robot.limits
     if size > LONGEST_ROBOT:
-        yield (*where, "footprint"), f"{name} is {size:.6g} m long; {in_metres(size)}"
+        yield (*where, "footprint"), f"{name} is {figure(size, 6)} m long; {in_metres(size)}"
     elif size < SHORTEST_ROBOT:
         said = f"{name} is only {size:.4g} m long; lengths are in metres"
         yield (*where, "footprint"), said
@@ -98,13 +101,13 @@ def _of_robot(robot: Robot, size: float, where: Location) -> Iterator[tuple[Loca
     if robot.start is not None:
         yield from _turned((*where, "start", "heading"), robot.start.heading)
     if limits.v > FASTEST:
-        said = f"{limits.v:.6g} m/s is very fast; speeds are in metres per second"
+        said = f"{figure(limits.v, 6)} m/s is very fast; speeds are in metres per second"
         yield (*where, "limits", "v"), said + _thousandth(limits.v, "millimetres per second")
     if limits.omega > FASTEST_TURN:
         yield (
             (*where, "limits", "omega"),
-            f"{limits.omega:.6g} rad/s is very fast; it is in radians per second; if degrees per "
-            f"second are meant, write {radians(limits.omega):.6g}",
+            f"{figure(limits.omega, 6)} rad/s is very fast; it is in radians per second; if "
+            f"degrees per second are meant, write {radians(limits.omega):.6g}",
         )
 
 

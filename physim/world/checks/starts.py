@@ -13,10 +13,12 @@ from physim.errors import Fault, place_text, plural
 from physim.geometry.arc_length import Polyline
 from physim.geometry.outline import placed_outline
 from physim.geometry.polygon import circumscribed_radius
+from physim.geometry.shapes import FloatArray
 from physim.tolerances import LENGTH
+from physim.units import figure
 from physim.world.checks.stations import lines_of
 from physim.world.faults import describe
-from physim.world.layout.shared import Shared
+from physim.world.layout.robots import shared
 from physim.world.scene import Layout
 
 FAR = 10.0
@@ -28,14 +30,13 @@ NEARLY = 1.0 - 1e-9
 def check_footprints(laid: Layout) -> Iterator[Fault]:
     """Footprints that do not hold the point about which their robot turns."""
     origin = shapely.Point(0.0, 0.0)
-    away = Shared(lambda outline: shapely.Polygon(outline).convex_hull.distance(origin))
-    for i in range(len(laid.names)):
-        if (far := away(laid.footprints[i])) > LENGTH:
+    hulls = shared(lambda outline: shapely.Polygon(outline).convex_hull, laid.footprints)
+    for i, hull in enumerate(hulls):
+        if (far := hull.distance(origin)) > LENGTH:
             yield Fault(
                 (*laid.entry_key(i), "footprint"),
                 "the reference point (0, 0), about which the robot turns and which follows the "
-                f"path, lies {far:.4g} m outside the footprint; corners are given relative to that "
-                "point",
+                f"path, lies {figure(far)} m outside the footprint; corners are relative to it",
                 "warning",
             )
 
@@ -63,44 +64,49 @@ def check_walled_off(laid: Layout) -> Iterator[Fault]:
         return
     edges = [shapely.get_coordinates(shape) for _, shape in (*laid.walls, *laid.solids)]
     pieces = np.concatenate([np.stack([one[:-1], one[1:]], axis=1) for one in edges])
-    walls = shapely.STRtree(shapely.linestrings(pieces))
-    starts, paths = shapely.points(laid.start[:, :2]), lines_of(laid)
-    ways = shapely.get_coordinates(shapely.shortest_line(starts, paths)).reshape(-1, 2, 2)
-    begin, end = ways[:, 0], ways[:, 1]
-    short = shapely.linestrings(np.stack([begin, begin + NEARLY * (end - begin)], axis=1))
-    hidden = np.unique(walls.query(short, predicate="intersects")[0]).tolist()
-    if hidden:
-        i, left = hidden[0], len(hidden) - 1
-        more = f", and {plural(left, 'more robot')} so" if left else ""
+    walls, ways = shapely.STRtree(shapely.linestrings(pieces)), _ways(laid)
+    ways[:, 1] = ways[:, 0] + NEARLY * (ways[:, 1] - ways[:, 0])
+    hidden = walls.query(shapely.linestrings(ways), predicate="intersects")[0]
+    for i in np.unique(hidden)[:1].tolist():
+        station = lines_of(laid)[i].project(shapely.Point(ways[i, 1]))
         yield Fault(
             (*laid.entry_key(i), "pose"),
-            f"{describe(laid.names[i])} counts as at station {paths[i].project(starts[i]):.2f} m "
-            f"of its path, which is nearest at {place_text(end[i, 0], end[i, 1], 4)}, beyond a "
-            f"wall or an obstacle{more}; start it nearer to where it is to begin, or lead the path "
-            "farther from what is between",
+            f"{describe(laid.names[i])} counts as at station {station:.2f} m of its path, which is "
+            f"nearest at {_end(ways[i])}, beyond a wall or an obstacle"
+            f"{_so(len(np.unique(hidden)) - 1)}; start it nearer to where it is to begin, or lead "
+            "the path farther from what is between",
             "warning",
         )
 
 
 def check_far(laid: Layout) -> Iterator[Fault]:
     """Robots that are written to start far from their paths, as where x and y are swapped."""
-    far = []
-    for i, line in enumerate(lines_of(laid)):
-        if laid.robots[i].pose is not None:
-            start = shapely.Point(laid.start[i, :2])
-            away = line.distance(start)
-            if away > FAR * circumscribed_radius(laid.footprints[i]):
-                far.append((i, away, line.interpolate(line.project(start))))
-    if far:
-        i, away, foot = far[0]
-        more = f", and {plural(len(far) - 1, 'more robot')} so" if len(far) > 1 else ""
+    ways, reach = _ways(laid), np.array(shared(circumscribed_radius, laid.footprints))
+    away = np.hypot(*(ways[:, 1] - ways[:, 0]).T)
+    is_posed = np.array([robot.pose is not None for robot in laid.robots])
+    far = np.flatnonzero((away > FAR * reach) & is_posed)
+    for i in far[:1].tolist():
         yield Fault(
             (*laid.entry_key(i), "pose"),
-            f"{describe(laid.names[i])} starts {away:.4g} m away from its path, which is nearest "
-            f"at {place_text(foot.x, foot.y, 4)}{more}; are x and y swapped, or is the path "
+            f"{describe(laid.names[i])} starts {figure(away[i])} m away from its path, which is "
+            f"nearest at {_end(ways[i])}{_so(len(far) - 1)}; are x and y swapped, or is the path "
             "another's?",
             "warning",
         )
+
+
+def _ways(laid: Layout) -> FloatArray:
+    """(N, 2, 2) [m] where each robot starts, and the nearest point of its path."""
+    lines = shapely.shortest_line(shapely.points(laid.start[:, :2]), lines_of(laid))
+    return np.asarray(shapely.get_coordinates(lines).reshape(-1, 2, 2))
+
+
+def _end(way: FloatArray) -> str:
+    return place_text(way[1, 0], way[1, 1], 4)
+
+
+def _so(more: int) -> str:
+    return f", and {plural(more, 'more robot')} so" if more else ""
 
 
 def check_headings(laid: Layout) -> Iterator[Fault]:
@@ -156,42 +162,35 @@ def check_random_headings(laid: Layout) -> Iterator[Fault]:
 
 def check_expected(laid: Layout) -> Iterator[Fault]:
     """Distances that the world expects, but does not keep at the start."""
-    expect, count = laid.world.expect, len(laid.names)
-    if expect is None:
+    expect = laid.world.expect
+    if expect is None or not laid.names:
         return
-    shapes = np.array([placed_outline(laid.footprints[i], laid.start[i]) for i in range(count)])
     names = [describe(name) for name in laid.names]
-
-    def fault(key: str, who: str, gap: float, than: str) -> Fault:
-        return Fault(
-            ("expect", key), f"{who} {gap:.4g} m apart at the start, which is {than}", "warning"
-        )
-
-    def nearest(tree: list[Any], exclusive: bool) -> tuple[int, int, float]:
-        pairs, gaps = shapely.STRtree(tree).query_nearest(
-            shapes, exclusive=exclusive, all_matches=False, return_distance=True
-        )
-        k = int(np.argmin(gaps))
-        return int(pairs[0, k]), int(pairs[1, k]), float(gaps[k])
-
-    if (least := expect.min_boundary_distance) is not None:
-        around = [*laid.walls, *laid.solids]
-        i, k, gap = nearest([shape for _, shape in around], False)
-        if gap < least - LENGTH:
-            who = f"{names[i]} and {around[k][0]} are"
-            yield fault("min_boundary_distance", who, gap, f"less than {least:.6g} m")
-    if count < 2:
-        return
-    if (least := expect.min_distance) is not None:
-        i, k, gap = nearest(list(shapes), True)
-        if gap < least - LENGTH:
-            who = f"{names[min(i, k)]} and {names[max(i, k)]} are"
-            yield fault("min_distance", who, gap, f"less than {least:.6g} m")
-    if (most := expect.max_distance) is not None:
+    shapes = [placed_outline(*one) for one in zip(laid.footprints, laid.start, strict=True)]
+    around = [*laid.walls, *laid.solids]
+    found = {"min_boundary_distance": _nearest(shapes, [shape for _, shape in around], False)}
+    if len(shapes) > 1:
+        found["min_distance"] = _nearest(shapes, shapes, True)
         apart = np.hypot(*(laid.start[:, None, :2] - laid.start[:, :2]).transpose(2, 0, 1))
         i, k = sorted(int(one) for one in np.unravel_index(np.argmax(apart), apart.shape))
-        gap = float(shapely.distance(shapes[i], shapes[k]))
-        if gap > most + LENGTH:
-            yield fault(
-                "max_distance", f"{names[i]} and {names[k]} are", gap, f"more than {most:.6g} m"
+        found["max_distance"] = i, k, float(shapely.distance(shapes[i], shapes[k]))
+    for key, (i, k, gap) in found.items():
+        allowed, side = getattr(expect, key), -1.0 if key.startswith("min") else 1.0
+        if allowed is not None and side * (gap - allowed) > LENGTH:
+            other = around[k][0] if key == "min_boundary_distance" else names[k]
+            yield Fault(
+                ("expect", key),
+                f"{names[i]} and {other} are {figure(gap)} m apart at the start, which is "
+                f"{'less' if side < 0.0 else 'more'} than {allowed:.6g} m",
+                "warning",
             )
+
+
+def _nearest(shapes: list[Any], others: list[Any], exclusive: bool) -> tuple[int, int, float]:
+    """Numbers of the two that are nearest to each other, and how far apart they are [m]."""
+    pairs, gaps = shapely.STRtree(others).query_nearest(
+        shapes, exclusive=exclusive, all_matches=False, return_distance=True
+    )
+    k = int(np.argmin(gaps))
+    i, j = pairs[:, k].tolist()
+    return (min(i, j), max(i, j), float(gaps[k])) if exclusive else (i, j, float(gaps[k]))

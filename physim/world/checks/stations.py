@@ -8,13 +8,13 @@ import numpy as np
 import shapely
 
 from physim.geometry.shapes import FloatArray
+from physim.world.layout.robots import shared
 from physim.world.scene import Layout
 
 
 def lines_of(laid: Layout) -> list[Any]:
     """Paths of the N robots as shapely lines; robots of the same path share one."""
-    known = {id(path): shapely.LineString(path) for path in laid.paths}
-    return [known[id(path)] for path in laid.paths]
+    return shared(shapely.LineString, laid.paths)
 
 
 def stations_on(line: Any, laid: Layout) -> FloatArray:

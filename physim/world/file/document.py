@@ -107,9 +107,9 @@ def _child(node: Any, part: str | int) -> tuple[Any, Any] | None:
     return None
 
 
-def refused(source: str, line: int, column: int, message: str) -> WorldError:
-    """One fault of the whole text, at a place of it (from 1)."""
-    return WorldError([Fault((), message)], [Position(source, line, column)])
+def refused(at: Position, message: str, location: Location = ()) -> WorldError:
+    """Error of one fault, at a place of a text or of the command line."""
+    return WorldError([Fault(location, message)], [at])
 
 
 def read_document(text: str, source: str = "<text>") -> Document:
@@ -120,28 +120,28 @@ def read_document(text: str, source: str = "<text>") -> Document:
     """
     text = text.removeprefix("\ufeff")
     if len(text) > MOST_BYTES:
-        raise refused(source, 1, 1, f"the text is longer than {MOST_BYTES // 10**6} MB")
+        raise refused(Position(source, 1, 1), f"the text is longer than {MOST_BYTES // 10**6} MB")
     if found := _CONTROL.search(text):
         message = f"character U+{ord(found[0]):04X} is not allowed in YAML"
-        raise refused(source, *_line_column(text, found.start()), message)
+        raise refused(_position(source, text, found.start()), message)
     if found := _TAB.search(text):
         message = "a tab in the indentation; indent with spaces"
-        raise refused(source, *_line_column(text, found.start(1)), message)
+        raise refused(_position(source, text, found.start(1)), message)
     collects = gc.isenabled()
     gc.disable()  # a quarter of the time of a long text, which makes no cycles
     try:
         roots = list(yaml.compose_all(text, Loader=_Loader))
         if not roots or roots[0].value in ("", "~", "null"):
             message = "the file is empty; a world needs name, time, corridor and robots"
-            raise refused(source, 1, 1, message)
+            raise refused(Position(source, 1, 1), message)
         if len(roots) > 1:
-            at = _place(source, roots[1])
             message = "a second document begins here; a world file holds one"
-            raise refused(source, at.line, at.column, message)
+            raise refused(_place(source, roots[1]), message)
         reader = _Reader(source)
         values = reader.value(roots[0], ())
     except yaml.YAMLError as error:
-        raise refused(source, *syntax_fault(error, text)) from None
+        line, column, message = syntax_fault(error, text)
+        raise refused(Position(source, line, column), message) from None
     finally:
         if collects:
             gc.enable()
@@ -150,8 +150,9 @@ def read_document(text: str, source: str = "<text>") -> Document:
     return Document(source, values, roots[0])
 
 
-def _line_column(text: str, index: int) -> tuple[int, int]:
-    return text.count("\n", 0, index) + 1, index - text.rfind("\n", 0, index)
+def _position(source: str, text: str, index: int) -> Position:
+    line, column = text.count("\n", 0, index) + 1, index - text.rfind("\n", 0, index)
+    return Position(source, line, column)
 
 
 class _Reader:
@@ -165,9 +166,11 @@ class _Reader:
     def value(self, node: Any, location: Location) -> Any:
         self.count += 1
         if self.count > MOST_VALUES:
-            raise self._refused(node, f"more than {MOST_VALUES} values, aliases written out")
+            raise refused(
+                _place(self.source, node), f"more than {MOST_VALUES} values, aliases written out"
+            )
         if len(location) > MOST_DEPTH:
-            raise self._refused(node, f"nested deeper than {MOST_DEPTH} levels")
+            raise refused(_place(self.source, node), f"nested deeper than {MOST_DEPTH} levels")
         if node.tag:
             tag = describe(node.tag.replace("tag:yaml.org,2002:", "!!"))
             return self._fault(location, f"tag {tag} is not allowed; write the bare value", node)
@@ -186,10 +189,12 @@ class _Reader:
         is_told = False
         for key, item in node.value:
             if not isinstance(key, yaml.ScalarNode):
-                raise self._refused(key, "a list or mapping cannot be a key")
+                raise refused(_place(self.source, key), "a list or mapping cannot be a key")
             name = key.value
             if len(values) >= MOST_KEYS:
-                raise self._refused(key, f"more than {MOST_KEYS} keys in one mapping")
+                raise refused(
+                    _place(self.source, key), f"more than {MOST_KEYS} keys in one mapping"
+                )
             if key.tag or not name.isprintable() or not 0 < len(name) <= MOST_KEY:
                 self._fault(
                     location, f"{describe(name)} cannot be a key; keys are short plain words", key
@@ -214,9 +219,6 @@ class _Reader:
         if len(self.faults) > MOST_FAULTS:
             raise _placed(self.faults)
 
-    def _refused(self, node: Any, message: str) -> WorldError:
-        return WorldError([Fault((), message)], [_place(self.source, node)])
-
 
 def apply_overrides(document: Document, overrides: Sequence[str]) -> Document:
     """The document with ``KEY=YAML`` values put in, in order; the given one is unchanged.
@@ -229,24 +231,23 @@ def apply_overrides(document: Document, overrides: Sequence[str]) -> Document:
         key, equals, text = override.partition("=")
         key = key.strip()
         option = f"--set {describe(key)[1:-1]}"
+        at = Position(option, 1, 1, option)
         if not equals or not _OVERRIDE.fullmatch(key):
-            message = f"{describe(override)} is not KEY=VALUE, as time.step=0.02"
-            raise _of_option(option, (), message)
+            raise refused(at, f"{describe(override)} is not KEY=VALUE, as time.step=0.02")
         parts = re.findall(r"[^.\[\]]+", key)
         location: Location = tuple(int(p) if re.fullmatch("[0-9]{1,9}", p) else p for p in parts)
         if len(location) > MOST_DEPTH:
             message = f"{len(location)} keys within each other; a world has at most {MOST_DEPTH}"
-            raise _of_option(option, (), message)
+            raise refused(at, message)
         if not text.strip():
-            raise _of_option(option, location, "no value after the =; null leaves a key out")
+            raise refused(at, "no value after the =; null leaves a key out", location)
         value = None
         if text.strip() not in ("null", "Null", "NULL"):  # not ~, which shells replace
             try:
                 value = read_document(text).values
             except WorldError as error:
-                place = Position(option, 1, 1, option)
                 faults = [replace(one, location=location + one.location) for one in error.faults]
-                raise WorldError(faults, [place] * len(faults)) from None
+                raise WorldError(faults, [at] * len(faults)) from None
         document = put(document, location, value, option)
     return document
 
@@ -256,15 +257,16 @@ def put(document: Document, location: Location, value: Any, option: str) -> Docu
 
     Raises `WorldError` where there is no such place.
     """
-    values = holder = _copied(document.values)
+    at = Position(option, 1, 1, option)
+    values = holder = document.values.copy()
     for end, part in enumerate(location[:-1]):
         if isinstance(holder, dict):
             part = str(part)
-            inner = _copied(holder.get(part, {}))
+            inner = holder.get(part, {})
         else:
-            inner = _copied(_entry(holder, part, location[:end], option))
-        holder[part] = inner
-        holder = inner
+            inner = _entry(holder, part, location[:end], at)
+        holder[part] = inner.copy() if isinstance(inner, dict | list) else inner
+        holder = holder[part]
     last = location[-1]
     if isinstance(holder, dict):
         if value is not None or (last not in holder and field_at(World, location) is None):
@@ -272,29 +274,20 @@ def put(document: Document, location: Location, value: Any, option: str) -> Docu
         else:
             holder.pop(str(last), None)
     else:
-        _entry(holder, last, location[:-1], option)
+        _entry(holder, last, location[:-1], at)
         if value is None:
-            raise _of_option(option, location, "null leaves a key out, not an entry of a list")
+            raise refused(at, "null leaves a key out, not an entry of a list", location)
         holder[last] = value
     options = {k: v for k, v in document.options.items() if k[: len(location)] != location}
     return replace(document, values=values, options={**options, location: option})
 
 
-def _copied(value: Any) -> Any:
-    return value.copy() if isinstance(value, dict | list) else value
-
-
-def _entry(holder: Any, part: str | int, location: Location, option: str) -> Any:
+def _entry(holder: Any, part: str | int, location: Location, at: Position) -> Any:
     """Entry of a list."""
     if not isinstance(holder, list):
         message = f"there is no {describe(part)} in it; it is the single value {describe(holder)}"
-        raise _of_option(option, location, message)
+        raise refused(at, message, location)
     if not isinstance(part, int) or part >= len(holder):
         there = f"has entries 0 to {len(holder) - 1}" if holder else "is an empty list"
-        message = f"there is no entry {describe(part)}; this list {there}"
-        raise _of_option(option, location, message)
+        raise refused(at, f"there is no entry {describe(part)}; this list {there}", location)
     return holder[part]
-
-
-def _of_option(option: str, location: Location, message: str) -> WorldError:
-    return WorldError([Fault(location, message)], [Position(option, 1, 1, option)])

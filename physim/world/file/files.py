@@ -13,7 +13,7 @@ from pathlib import Path
 
 import yaml
 
-from physim.errors import Fault, WorldError, nearest
+from physim.errors import Fault, Position, WorldError, nearest
 from physim.escaping import escaped
 from physim.files import UnreadableError, read_text
 from physim.json_text import parse_json
@@ -117,7 +117,7 @@ def file_text(path: Path) -> str:
         return read_text(path, MOST_BYTES)
     except UnreadableError as error:
         if error.line is not None:
-            raise refused(str(path), error.line, error.column, str(error)) from None
+            raise refused(Position(path, error.line, error.column), str(error)) from None
         near = "" if os.path.lexists(path) else _nearest(path)
         raise _unreadable(path, f"{error}{near}") from None
 

@@ -96,24 +96,9 @@ def _candidates(
     return outlines, sizes, at
 
 
-def _box(share: float) -> FloatArray:
-    """From a square to one twice as long as wide."""
-    return _rectangle(pi / 4.0 - share * 0.32)
-
-
-def _bar(share: float) -> FloatArray:
-    """Five to nine times as long as wide."""
-    return _rectangle(0.2 - share * 0.09)
-
-
 def _rectangle(half: float) -> FloatArray:
     """Angles (4,) [rad] at which the corners lie on the circle round a rectangle."""
     return np.array([-half, half, pi - half, pi + half])
-
-
-def _round(_share: float) -> FloatArray:
-    """An octagon."""
-    return np.linspace(0.0, 2.0 * pi, 8, endpoint=False)
 
 
 def _triangle(share: float) -> FloatArray:
@@ -123,9 +108,9 @@ def _triangle(share: float) -> FloatArray:
 
 
 SHAPES: dict[str, Callable[[float], FloatArray]] = {
-    "box": _box,
-    "bar": _bar,
-    "round": _round,
+    "box": lambda share: _rectangle(pi / 4.0 - share * 0.32),  # up to twice as long as wide
+    "bar": lambda share: _rectangle(0.2 - share * 0.09),  # five to nine times
+    "round": lambda _: np.linspace(0.0, 2.0 * pi, 8, endpoint=False),
     "triangle": _triangle,
 }
 """Angles [rad] of the corners on the circle round an obstacle, counter-clockwise, by its shape;

@@ -17,7 +17,6 @@ import shapely
 from physim.errors import Fault, Location, WorldError, place_text
 from physim.geometry.area import accessible_area, united
 from physim.geometry.corridor import corridor_boundaries
-from physim.geometry.outline import placed_outline
 from physim.geometry.shapes import FloatArray
 from physim.geometry.tangles import meet_more_often, segments_of
 from physim.geometry.thinning import thinned
@@ -25,17 +24,15 @@ from physim.tolerances import LENGTH
 from physim.world import RandomCorridor, World, each_robot
 from physim.world.layout.road import drawn_road
 from physim.world.layout.robots import footprints_of, paths_of
-from physim.world.layout.self_overlap import self_overlap
 from physim.world.layout.shape_checks import (
-    Placed,
     corners_of_line,
     gaps,
     outline_fault,
-    robot_faults,
-    wall_faults,
+    standing_faults,
 )
 from physim.world.layout.start_poses import start_poses
 from physim.world.layout.step import step_faults
+from physim.world.layout.wall_crossing import wall_crossing
 from physim.world.scene import Layout, wall_label
 
 MOST_MEETINGS = 100_000
@@ -62,8 +59,9 @@ def lay_out(world: World, seed: int | None = None) -> Layout:
     if world.reference_path is not None:
         line = np.array(world.reference_path)
     if isinstance(world.corridor, RandomCorridor):
-        road, passage = drawn_road(world, world.corridor)
+        road = drawn_road(world, world.corridor)
         centreline, widths, line, obstacles = road.centreline, road.widths, road.way, road.obstacles
+        passage = road.passage
     elif world.corridor is not None:
         centreline = np.array(world.corridor.centreline)
         widths = np.zeros(len(centreline)) + np.array(world.corridor.width)
@@ -91,13 +89,7 @@ def lay_out(world: World, seed: int | None = None) -> Layout:
 def placed(laid: Layout) -> Layout:
     """The layout with the robots where its world and seed put them; WorldError if it cannot."""
     laid = replace(laid, start=start_poses(laid))
-    standing = [
-        Placed((*laid.entry_key(i), "pose"), robot.name, placed_outline(footprint, pose))
-        for i, (robot, footprint, pose) in enumerate(
-            zip(laid.robots, laid.footprints, laid.start, strict=True)
-        )
-    ]
-    _raise(wall_faults(laid, standing) + robot_faults(standing))
+    _raise(standing_faults(laid))
     return laid
 
 
@@ -136,9 +128,9 @@ def _boundaries(
 def _check_ground(laid: Layout, faults: list[Fault]) -> None:
     """Refuse a corridor that runs into itself, and a reference path that is not all in the area."""
     if laid.centreline is not None and laid.widths is not None and laid.world.corridor is not None:
-        message = self_overlap(laid.centreline, laid.widths, laid.world.corridor.end_margin)
-        if message:
-            faults.append(Fault(("corridor", "centreline"), message))
+        found = wall_crossing(laid.centreline, laid.widths, laid.world.corridor.end_margin)
+        if found is not None and found.severity == "error":
+            faults.append(found)
             return
     outside = laid.area.outside_stretches(laid.reference)
     if not len(outside):

@@ -57,6 +57,8 @@ class DrawnRoad:
     """(n, 2) reference path"""
     obstacles: list[FloatArray]
     """outlines (m, 2)"""
+    passage: float
+    """clear width along the reference path"""
 
 
 @dataclass(frozen=True)
@@ -72,35 +74,24 @@ class Lane:
     """[m] least width of its footprint"""
 
 
-def drawn_road(world: World, corridor: RandomCorridor) -> tuple[DrawnRoad, float]:
-    """The road that the seed of a world draws, and its clear width [m].
-
-    Raises WorldError where none can be drawn.
-    """
-    lanes = _lanes(world)
-    passage = _passage(corridor.random, lanes)
-    offsets = sorted({lane.offset for lane in lanes})
-    road = draw_road(corridor.random, corridor.end_margin, passage, offsets, world.seed)
-    return road, passage
-
-
-def draw_road(
-    road: RandomRoad, end_margin: float, passage: float, offsets: list[float], seed: int
-) -> DrawnRoad:
-    """Road of a seed with a clear ``passage`` [m], and room for paths at these offsets [m].
+def drawn_road(world: World, corridor: RandomCorridor) -> DrawnRoad:
+    """The road that the seed of a world draws, with room for all paths beside its reference path.
 
     Raises WorldError where none of the roads drawn keeps to what is asked.
     """
+    road, end_margin, lanes = corridor.random, corridor.end_margin, _lanes(world)
+    passage = _passage(road, lanes)
+    offsets = sorted({lane.offset for lane in lanes})
     failed: Counter[str] = Counter()
     for attempt in range(ATTEMPTS):
         astray = ASTRAY[2 * attempt >= ATTEMPTS]
-        centreline = draw_centreline(road, seed, attempt, astray)
-        widths = draw_widths(road, centreline, seed, attempt)
+        centreline = draw_centreline(road, world.seed, attempt, astray)
+        widths = draw_widths(road, centreline, world.seed, attempt)
         if not are_apart(centreline, widths, end_margin):
             failed["bends"] += 1
             continue
         lines = corridor_boundaries(centreline, widths, end_margin)
-        course = Course(road, passage, seed, attempt, centreline, widths, lines)
+        course = Course(road, passage, world.seed, attempt, centreline, widths, lines)
         if not walls_advance(lines, centreline) or not lanes_advance(
             way := draw_way(course), offsets
         ):
@@ -116,7 +107,7 @@ def draw_road(
         # the diameter of the largest disc that moves along all of the way
         solids = [course.walls, *map(shapely.Polygon, obstacles)]
         if 2.0 * min(float(line.distance(one)) for one in solids) >= passage - LENGTH:
-            return DrawnRoad(centreline, widths, way, obstacles)
+            return DrawnRoad(centreline, widths, way, obstacles, passage)
         failed["radii"] += 1
     key = "clutter" if failed["clutter"] >= CROWDED else failed.most_common(1)[0][0]
     count = round(road.clutter * (road.length - 2.0 * road.ends) / 100.0)
@@ -124,8 +115,8 @@ def draw_road(
         "clutter": f"have no room for {count} obstacles beside a passage of {passage:.4g} m; give "
         "less clutter, smaller sizes, more width",
         "bends": "cross or nearly touch themselves; give fewer bends, smaller turns, more length",
-        "radii": "have no room for their walls and the paths of all robots in bends; give larger "
-        "radii, smaller offsets",
+        "radii": "have no room for walls and paths in their bends; give larger radii, smaller "
+        "offsets",
     }[key]
     drawn = f"{failed[key]} of {failed.total()} roads drawn by this seed"
     raise WorldError([Fault((*ROAD, key), f"{drawn} {why} or another seed")])
@@ -137,11 +128,9 @@ def _lanes(world: World) -> list[Lane]:
     for e, entry in enumerate(world.robots):
         shapes: Any = entry.shapes if isinstance(entry, RobotGroup) else (entry.footprint,)
         several = entry.paths if isinstance(entry, RobotGroup) else None
-        paths = (entry.path,) if several is None else several
-        for shape in shapes:
-            outline = outline_of(shape)
+        for outline in map(outline_of, shapes):
             reach, width = circumscribed_radius(outline), least_width(outline)
-            for k, path in enumerate(paths):
+            for k, path in enumerate((entry.path,) if several is None else several):
                 where = ("path",) if several is None else ("paths", k)
                 if isinstance(path, Offset):
                     found.append(Lane(("robots", e, *where), path.offset, reach, width))
@@ -150,23 +139,22 @@ def _lanes(world: World) -> list[Lane]:
 
 def _passage(road: RandomRoad, lanes: list[Lane]) -> float:
     """Clear width [m] that is guaranteed; WorldError where it cannot be."""
-    least, tightest = road.widths[0], road.bend_radii[0]
-    far = [lane for lane in lanes if abs(lane.offset) >= tightest]
-    if far:
-        lane = far[0]
-        message = (
-            f"{lane.offset:g} m to the side there is no path in bends of {tightest:.4g} m radius; "
-            "use a smaller offset, or larger radii"
-        )
-        raise WorldError([Fault((*lane.where, "offset"), message)])
+    tightest = road.bend_radii[0]
+    for lane in lanes:
+        if abs(lane.offset) >= tightest:
+            message = (
+                f"{lane.offset:g} m to the side there is no path in bends of {tightest:.4g} m "
+                "radius; use a smaller offset, or larger radii"
+            )
+            raise WorldError([Fault((*lane.where, "offset"), message)])
     if road.passage is None:
         half = max((abs(lane.offset) + lane.reach for lane in lanes), default=0.0) + MARGIN
         wanted = float(np.ceil(2000.0 * half - 1e-6) / 1000.0)
-        if wanted > least:
+        if wanted > road.widths[0]:
             message = (
-                f"{least:.6g} m at the least is narrower than the passage, {wanted:.6g} m, in "
-                f"which every robot can turn round on its path with {MARGIN} m to either side; "
-                "widen the road, or state a passage"
+                f"{road.widths[0]:.6g} m at the least is narrower than the passage, {wanted:.6g} "
+                f"m, in which every robot can turn round on its path with {MARGIN} m to either "
+                "side; widen the road, or state a passage"
             )
             raise WorldError([Fault((*ROAD, "width"), message)])
         return wanted
@@ -174,8 +162,8 @@ def _passage(road: RandomRoad, lanes: list[Lane]) -> float:
         if (needed := 2.0 * abs(lane.offset) + lane.width) > road.passage:
             message = (
                 f"{road.passage:.6g} m is too narrow for robots[{lane.where[1]}], "
-                f"{lane.width:.4g} m wide on a path {lane.offset:g} m to the side: at least "
-                f"{needed:.6g} m; the passage lies about the reference path"
+                f"{lane.width:.4g} m wide, {lane.offset:g} m beside the middle of the passage: "
+                f"at least {needed:.6g} m"
             )
             raise WorldError([Fault((*ROAD, "passage"), message)])
     return road.passage

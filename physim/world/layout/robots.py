@@ -5,8 +5,8 @@ Robots of equal outlines share one array, and so do robots of equal paths.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import Any
+from collections.abc import Callable, Sequence
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -18,6 +18,14 @@ from physim.world import Offset, Robot, RobotGroup, World
 from physim.world.layout.shape_checks import corners_of_line, outline_fault
 from physim.world.robot import outline_of
 from physim.world.scene import path_location
+
+Found = TypeVar("Found")
+
+
+def shared(work_out: Callable[[FloatArray], Found], arrays: Sequence[FloatArray]) -> list[Found]:
+    """What is worked out of each array, once for robots that share the very same one."""
+    known = {key: work_out(array) for key, array in {id(one): one for one in arrays}.items()}
+    return [known[id(one)] for one in arrays]
 
 
 def footprints_of(world: World, robots: Sequence[Robot], faults: list[Fault]) -> list[FloatArray]:

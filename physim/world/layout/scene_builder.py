@@ -24,7 +24,7 @@ from physim.units import joined
 from physim.world import Robot, RobotGroup, World
 from physim.world.kinds import MOST_SEED
 from physim.world.layout.layout import lay_out, placed
-from physim.world.layout.shared import Shared
+from physim.world.layout.robots import shared
 from physim.world.run import DEFAULT_RANGE
 from physim.world.scene import DENSITY, Body, FormationPlan, Layout, Scene
 
@@ -36,37 +36,42 @@ def build_scene(world: World, seed: int | None = None) -> Scene:
     Raises WorldError with every fault of its geometry: robots outside or overlapping, boundaries
     that enclose nothing, a step that would tunnel, ...
     """
-    laid = lay_out(world, seed)
+    return scene_of(lay_out(world, seed))
+
+
+@np.errstate(all="ignore")
+def scene_of(laid: Layout) -> Scene:
+    """Make a world that is laid out ready to run."""
     world, footprints = laid.world, laid.footprints
     walls = pack_parts(
-        [_segments(line) for line in laid.boundaries.values()]
-        + [list(convex_parts(obstacle)) for obstacle in laid.obstacles]
+        [
+            *([line[k : k + 2] for k in range(len(line) - 1)] for line in laid.boundaries.values()),
+            *(list(convex_parts(obstacle)) for obstacle in laid.obstacles),
+        ]
     )
     formation = _formation(laid)
     names = [("robot", robot.name) for robot in laid.robots]
     names += [("boundary", name) for name in laid.boundaries]
     names += [("obstacle", f"obstacle {k + 1}") for k in range(len(laid.obstacles))]
     paths = pack_polylines(laid.paths)
-    parts, size = Shared(convex_parts), Shared(signed_area)
-    outside = Shared(laid.area.outside_stretches)
     return Scene(
         world=world,
         seed=world.seed,
         dt=world.time.step,
         steps=round(world.time.duration / world.time.step),
         bodies=tuple(Body(k, kind, name) for k, (kind, name) in enumerate(names)),
-        shapes=pack_parts([parts(outline) for outline in footprints]),
+        shapes=pack_parts(shared(convex_parts, footprints)),
         walls=walls,
         wall_tree=build_wall_tree(walls),
         mass=np.array([
-            DENSITY * abs(size(outline)) if robot.mass is None else robot.mass
-            for robot, outline in zip(laid.robots, footprints, strict=True)
+            DENSITY * abs(size) if robot.mass is None else robot.mass
+            for robot, size in zip(laid.robots, shared(signed_area, footprints), strict=True)
         ]),
         limits=np.array([(robot.limits.v, robot.limits.omega) for robot in laid.robots]),
         start=laid.start,
         paths=paths,
         reference=pack_polylines([laid.reference]),
-        outside=tuple(outside(path) for path in laid.paths),
+        outside=tuple(shared(laid.area.outside_stretches, laid.paths)),
         speeds=tuple(robot.speeds for robot in laid.robots),
         omegas=tuple(robot.omegas for robot in laid.robots),
         stop_station=_stop_stations(paths, formation),
@@ -175,10 +180,6 @@ def _drawing(world: World) -> tuple[str, ...]:
     if is_own and hasattr(find_part(CONTROLLER, name, trusted=True), "batch"):
         return (name, *(stage.type for stage in stages))
     return tuple(stage.type for stage in stages)
-
-
-def _segments(line: FloatArray) -> list[FloatArray]:
-    return [line[k : k + 2] for k in range(len(line) - 1)]
 
 
 def _formation(laid: Layout) -> FormationPlan:

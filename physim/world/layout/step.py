@@ -7,13 +7,14 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from physim.errors import Fault, Location
+from physim.errors import Fault
 from physim.geometry.polygon import circumscribed_radius, convex_parts, smallest_width
 from physim.geometry.shapes import FloatArray
 from physim.tolerances import TUNNEL_FRACTION
+from physim.units import figure
 from physim.world import Limits, Robot
 from physim.world.faults import describe
-from physim.world.layout.shared import Shared
+from physim.world.layout.robots import shared
 
 
 def step_faults(
@@ -24,7 +25,7 @@ def step_faults(
     One fault at most: of the step, or of the limits of the one robot that is too fast for it.
     """
     radius, width = (
-        np.array(list(map(Shared(of), footprints)))
+        np.array(shared(of, footprints))
         for of in (circumscribed_radius, lambda outline: smallest_width(convex_parts(outline)))
     )
     v, omega = np.array([(robot.limits.v, robot.limits.omega) for robot in robots]).T
@@ -32,21 +33,19 @@ def step_faults(
     count = int((speed * step > limit).sum())
     if not count:
         return []
-    i, usual = int(np.argmax(speed)), Limits()
+    i, thin, usual = int(np.argmax(speed)), int(np.argmin(width)), Limits()
     at_usual = min(v[i], usual.v) + radius[i] * min(omega[i], usual.omega)
-    where: Location = ("time", "step")
-    if count == 1 and at_usual * step <= limit:
-        where = ("robots", entries[i], "limits")
+    is_its = count == 1 and at_usual * step <= limit
     unit = 10.0 ** (math.floor(math.log10(limit / speed[i])) - 2)  # three digits, rounded down
     largest = math.floor(limit / speed[i] / unit) * unit
     others = f", and {count - 1} more move too far" if count > 1 else ""
     return [
         Fault(
-            where,
-            f"{describe(robots[i].name)} could move {speed[i] * step:.4g} m in one step of "
-            f"{step:.6g} s (v {v[i]:.6g} m/s + {radius[i]:.4g} m x {omega[i]:.6g} rad/s){others}; "
-            f"at most {limit:.4g} m are allowed, a quarter of the smallest width, "
-            f"that of {describe(robots[int(np.argmin(width))].name)}; use a step of at most "
-            f"{largest:.3g} s or lower limits",
+            ("robots", entries[i], "limits") if is_its else ("time", "step"),
+            f"{describe(robots[i].name)} could move {figure(speed[i] * step)} m in a step of "
+            f"{step:.6g} s, by v = {figure(v[i], 6)} m/s and omega = {figure(omega[i], 6)} rad/s"
+            f"{others}; at most {limit:.4g} m are allowed, a quarter of the smallest width, that "
+            f"of {describe(robots[thin].name)}: use a step of at most {largest:.3g} s, or lower "
+            "limits",
         )
     ]

@@ -45,3 +45,12 @@ def test_who_is_pushed_does_not_stand_though_it_commands_nothing(every: int) -> 
     assert record.pose[-1, 0, 0] > 8.2  # [m] it was pushed
     for one in Figures(record).absent:
         assert "still moves" in one.sentence("it")
+
+
+@pytest.mark.parametrize(("v", "is_told"), [(0.05, True), (0.4, False)])
+def test_who_moves_but_gets_nowhere_is_told(v: float, is_told: bool) -> None:
+    world = physim.parse_world(LANE, overrides=["time.duration=6.0"])
+    record = physim.simulate(world, controller=Drivers((v, 0.0), (0.0, 0.0)))
+    slow = Figures(record).absent[0]
+    assert slow.pace == pytest.approx(v, rel=1e-6)
+    assert ("came only 0.25 m in the last 5 s" in slow.sentence("slow")) == is_told

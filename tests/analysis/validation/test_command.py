@@ -119,6 +119,7 @@ def test_of_many_runs_each_has_its_verdict(folder, monkeypatch):
         "--workers", "1", "--validate",
     )  # fmt: skip
     assert done.code == 0, done.err
+    assert "agree in every run" in done.out
     rows = physim.campaigns.read(folder / "sweeps/any").to_pylist()
     verdict = "contact-free; not as expected: finished"
     assert [(one["verdict"], one["unexplained"]) for one in rows] == [(verdict, 0)] * 3

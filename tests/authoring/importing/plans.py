@@ -159,7 +159,8 @@ def free_area(made: Imported, folder: Path) -> float:
     world.write_text(made.text)
     found = check_world(world)
     assert not found.errors
-    assert found.world == made.world
+    assert found.layout is not None
+    assert found.layout.world == made.world
     boundaries = [np.asarray(line) for line in made.world.boundaries or ()]
     obstacles = [np.asarray(getattr(one, "outline", one)) for one in made.world.obstacles or ()]
     path = np.asarray(made.world.reference_path)

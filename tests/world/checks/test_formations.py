@@ -36,14 +36,6 @@ def test_the_reference_path_is_longer_than_the_formation(tmp_path):
     check_finding(warning, "11:11 robots[1].pose", '"b"', *figures)
 
 
-def test_a_run_too_short_to_finish_is_a_warning(tmp_path):
-    text = changed(CORRIDOR, ("duration: 60.0", "duration: 15.0")) + "expect: {finished: true}\n"
-    warning = only_warning(tmp_path, text)
-    figures = ("24 m", "16 s", "15 s", "expect.finished")
-    check_finding(warning, "2:30 time.duration", "short", '"a"', *figures)
-    assert lines(check(tmp_path, text.replace("finished: true", "contacts: 0"))) == ([], [])
-
-
 def test_a_steady_speed_outside_its_limits_is_a_warning(tmp_path):
     text = changed(CORRIDOR, ("{spacing", "{speed: 1.5, spacing"))
     given = ("1.5 m/s", "formation.limits", "at 1.3 m/s")

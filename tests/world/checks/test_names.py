@@ -31,8 +31,8 @@ def test_any_printable_name_is_a_label(tmp_path, name):
     found = check(tmp_path, changed(text, ("name: a", f"name: {quoted(name)}")))
     assert lines(found) == ([], [])
     assert found.clearance[0].robot == name
-    assert found.world is not None
-    stem = found.world.stem
+    assert found.layout is not None
+    stem = found.layout.world.stem
     assert stem not in ("", ".", "..")
     assert "/" not in stem
     assert "\\" not in stem

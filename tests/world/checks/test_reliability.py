@@ -99,7 +99,7 @@ def test_what_check_passes_is_built_and_what_is_not_built_check_refuses(tmp_path
     is_unit_doubted = any("centimetres" in warning.message for warning in found.warnings)
     left_out = [message for message in refused if message not in reported]
     assert left_out == [] or (found.errors and is_unit_doubted)  # they follow from the wrong unit
-    assert scene is None or found.world == scene.world
+    assert scene is None or found.layout.world == scene.world
     assert found.ok <= (scene is not None)
 
 

@@ -182,3 +182,27 @@ def test_a_controller_that_fails_in_the_run_is_told(
     assert done.code == 0
     assert re.search(r"controller: .*too late", done.out)
     assert "1 warning" in done.out.splitlines()[-1]
+
+
+BEHIND = DOOR.replace("pose: [2, 0, 0], path: [[1.5, 0]", "pose: [2, 0, 0], path: [[7.5, 0]")
+
+
+@pytest.mark.parametrize(
+    ("text", "given", "told"),
+    [
+        (DOOR, "seed=0", r"0\.05 m are left beside it, .* 0\.15 m .*, controller\.boundary_low"),
+        (DOOR, "controller.boundary_low=0.04", "all robots arrive"),
+        (
+            BEHIND,
+            "seed=0",
+            r"5\.49 m short of its stop station [^:]*: it is 2\.5 m before its path",
+        ),
+    ],
+    ids=["kept off by a setting", "let through", "before its path"],
+)
+def test_what_is_said_of_a_robot_that_stands_is_true(
+    here: Path, capsys: pytest.CaptureFixture[str], text: str, given: str, told: str
+) -> None:
+    (here / "w.yaml").write_text(text)
+    out = physim("check", "w.yaml", "--set", given, capture=capsys).out
+    assert re.search(told, out), out

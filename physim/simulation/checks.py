@@ -1,0 +1,297 @@
+"""What is given to a step, taken as arrays of our own and checked, once.
+
+Compiled code reads bytes as they lie and trusts what it is given, so all that parts and users give
+comes through here. Kernels find the first number that may not be; it is worded here alone. Errors
+say what is wrong; who raises them adds the part and the time (`physim.parts.user_code.naming`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from physim.compiled import compiled
+from physim.errors import ControllerError, plural
+from physim.geometry.shapes import FloatArray, IntArray, read_only
+from physim.parts.controller import LONGEST_HOLD, Decisions, Sensed
+from physim.parts.declarations import NO_NUMBER, Declared
+from physim.parts.user_code import kind_of
+from physim.tolerances import SHARE
+from physim.world.scene import Scene
+
+COMMAND = (("v", "m/s"), ("omega", "rad/s"))
+"""Quantity and unit of either part of a command."""
+
+
+def array_of(name: str, values: Any, own: type, shape: Sequence[int | None]) -> NDArray[Any]:
+    """An array that was given, as one of ours of the type ``own``: a read-only copy.
+
+    ``shape`` has None where any size will do. Raises ControllerError for what is no array of
+    numbers, whole ones where ``own`` is, or not of that shape.
+    """
+    kinds, words = ("iu", "whole numbers") if own is np.int64 else ("fiu", "numbers")
+    is_array = isinstance(values, np.ndarray) and not isinstance(
+        values, np.ma.MaskedArray | np.matrix
+    )
+    if not is_array or values.dtype.kind not in kinds:
+        raise ControllerError(f"{name} is {kind_of(values)}; an array of {words} is needed")
+    fits = values.ndim == len(shape) and all(
+        size in (None, found) for size, found in zip(shape, values.shape, strict=True)
+    )
+    if not fits:
+        wanted = ", ".join("any" if size is None else str(size) for size in shape)
+        raise ControllerError(f"{name} has the shape {values.shape}; it must be ({wanted})")
+    return read_only(np.array(values, dtype=own, order="C"))
+
+
+# Commands
+
+
+def taken_commands(
+    scene: Scene, found: Any, given: FloatArray | None, limits: FloatArray
+) -> FloatArray:
+    """Commands (N, 2) of all robots as an array of our own; the very array that was given stays.
+
+    Raises ControllerError where they are no numbers, or not finite and within ``limits`` (N, 2).
+    """
+    commands = given
+    if found is not given or commands is None:
+        try:
+            array = np.asarray(found)
+            if np.ma.isMaskedArray(found) or array.dtype.kind not in "fiuO":
+                raise TypeError
+            commands = np.array(array, dtype=np.float64, order="C")
+        except (TypeError, ValueError):
+            raise ControllerError(
+                f"commands are {kind_of(found)}; an array of numbers of the shape "
+                f"{limits.shape} is needed"
+            ) from None
+        if commands.shape != limits.shape:
+            raise ControllerError(
+                f"commands have the shape {commands.shape}; it must be {limits.shape}"
+            )
+        read_only(commands)
+    place = beyond(limits, commands)
+    if place >= 0:
+        raise ControllerError(
+            f"{scene.names[place // 2]}: {_beyond(commands.flat[place], limits.flat[place], place)}"
+        )
+    return commands
+
+
+@compiled
+def beyond(limits: FloatArray, command: FloatArray) -> int:
+    """Place, counted row by row, of the first number that is not finite and within; or -1."""
+    for i in range(len(limits)):
+        for column in range(2):
+            if not abs(command[i, column]) <= limits[i, column] * (1.0 + SHARE):
+                return 2 * i + column
+    return -1
+
+
+def _beyond(value: float, most: float, place: int) -> str:
+    """Why a number of a command is refused."""
+    quantity, unit = COMMAND[place % 2]
+    # as many digits as tell it from what is allowed: single precision rounds up
+    texts = (f"{value:.{digits}g}" for digits in range(6, 18))
+    told = next(text for text in texts if abs(float(text)) != most or abs(value) == most)
+    is_rounded = float(np.float32(most)) == abs(value)
+    hint = "; numbers of 32 bits are rounded: clip those of 64 bits" if is_rounded else ""
+    return (
+        f"command {quantity} = {told} {unit}; it must be finite and within {most:g} {unit} in "
+        f"either direction{hint}"
+    )
+
+
+# Decisions
+
+COMMANDED, HELD, MODE, RULE, PARTED, CONSIDERED = range(1, 7)
+"""What of a decision may not be"""
+
+
+def taken_decisions(found: Any, due: IntArray, columns: int) -> Decisions:
+    """What a batch form returned for the robots ``due``, copied: it may write its own again.
+
+    Raises ControllerError for what is not a row for each of them.
+    """
+    if not isinstance(found, Decisions):
+        raise ControllerError(f"returned {kind_of(found)}; it must return Decisions")
+    many = len(due)
+    taken = Decisions(
+        array_of("robot", found.robot, np.int64, (None,)),
+        array_of("command", found.command, np.float64, (many, 2)),
+        array_of("hold", found.hold, np.float64, (many,)),
+        array_of("mode", found.mode, np.int64, (many,)),
+        array_of("rule", found.rule, np.int64, (many,)),
+        array_of("report", found.report, np.float64, (many, columns)),
+        array_of("considered", found.considered, np.int64, (None,)),
+        array_of("considered_start", found.considered_start, np.int64, (many + 1,)),
+    )
+    if not np.array_equal(taken.robot, due):
+        raise ControllerError(
+            f"decided for robots {taken.robot.tolist()} when asked for {due.tolist()}"
+        )
+    return taken
+
+
+def next_steps(scene: Scene, step: int, d: Decisions, declared: Declared) -> IntArray:
+    """Steps (M,) of the next decisions: holds are rounded down, to one step at least (14).
+
+    Raises ControllerError for commands beyond limits and for numbers that no record may hold.
+    """
+    steps = np.empty(len(d.robot), np.int64)
+    modes, rules = len(declared.modes), len(declared.rules)
+    what, k, column = decision_fault(
+        scene.limits, d.robot, d.command, d.hold, d.mode, d.rule, d.considered,
+        d.considered_start, modes, rules, step, scene.dt, steps,
+    )  # fmt: skip
+    if not what:
+        return steps
+    robot = d.robot[k]
+    if what == COMMANDED:
+        text = _beyond(d.command[k, column], scene.limits[robot, column], column)
+    elif what == HELD:
+        text = f"hold = {d.hold[k]:g} s; it must be a time of at least 0 s"
+    elif what in (MODE, RULE):
+        name, given, most = ("mode", d.mode, modes) if what == MODE else ("rule", d.rule, rules)
+        text = f"{name} = {given[k]}; allowed: {NO_NUMBER} to {most - 1}"
+    elif what == PARTED:
+        text = (
+            f"considered_start is {d.considered_start}; it must part "
+            f"{plural(len(d.considered), 'considered robot')} in their order"
+        )
+    else:
+        listed = d.considered[d.considered_start[k] : d.considered_start[k + 1]].tolist()
+        text = (
+            f"considered is {listed}; it must list robots 0 to {scene.robots - 1}, each once, and "
+            f"others than the robot itself, which is {robot}"
+        )
+    raise ControllerError(f"{scene.names[robot]} at {step * scene.dt:g} s: {text}")
+
+
+@compiled
+def decision_fault(
+    limits: FloatArray,
+    due: IntArray,
+    command: FloatArray,
+    hold: FloatArray,
+    mode: IntArray,
+    rule: IntArray,
+    considered: IntArray,
+    considered_start: IntArray,
+    modes: int,
+    rules: int,
+    step: int,
+    dt: float,
+    next_step: IntArray,
+) -> tuple[int, int, int]:
+    """What is wrong first, 0 where nothing is, in which row, and column of the command.
+
+    Writes ``next_step`` (M,).
+    """
+    if considered_start[0] != 0 or considered_start[-1] != len(considered):
+        return PARTED, 0, 0
+    seen = np.full(len(limits), -1)  # the row that considered each robot last
+    for k in range(len(due)):
+        for column in range(2):
+            if not abs(command[k, column]) <= limits[due[k], column] * (1.0 + SHARE):
+                return COMMANDED, k, column
+        if not hold[k] >= 0.0:
+            return HELD, k, 0
+        if not NO_NUMBER <= mode[k] < modes:
+            return MODE, k, 0
+        if not NO_NUMBER <= rule[k] < rules:
+            return RULE, k, 0
+        held = min(max(np.floor(hold[k] / dt + SHARE), 1.0), LONGEST_HOLD)
+        next_step[k] = step + np.int64(held)
+        first, end = considered_start[k], considered_start[k + 1]
+        if not 0 <= first <= end <= len(considered):
+            return PARTED, k, 0
+        for j in considered[first:end]:
+            if not 0 <= j < len(limits) or j == due[k] or seen[j] == k:
+                return CONSIDERED, k, 0
+            seen[j] = k
+    return 0, 0, 0
+
+
+# What is sensed
+
+ROWS: dict[str, tuple[type, tuple[int, ...]]] = {
+    "robot": (np.int64, ()), "pose": (np.float64, (3,)), "command": (np.float64, (2,)),
+    "velocity": (np.float64, (3,)), "reference_station": (np.float64, ()), "age": (np.float64, ()),
+}  # fmt: skip
+"""Type of each array of a `Sensed` with a row for each body that is sensed, and shape of a row"""
+OBSERVERS: dict[str, type] = {"first": np.int64, "end": np.int64, "station": np.float64}
+"""Type of each with a number for each observer"""
+
+
+def taken_sensed(found: object, given: Sensed, scene: Scene) -> Sensed:
+    """What a stage made of the rows it was given, copied; what stayed the same array stays.
+
+    Raises ControllerError for rows that are not finite or do not fit, and of another step; every
+    observer must have one of itself, and none of a robot twice.
+    """
+    if found is given:
+        return given
+    if not isinstance(found, Sensed):
+        raise ControllerError(f"sense returned {kind_of(found)} first; that must be a Sensed")
+    if not isinstance(found.step, int | np.integer) or found.step != given.step:
+        raise ControllerError(
+            f"step is {found.step!r}, the present one is {given.step}; rows of the past have their "
+            "age, and the step of now: sensed._replace(step=...)"
+        )
+    rows = len(found.robot) if np.ndim(found.robot) else None
+    shapes = {name: (own, (rows, *row)) for name, (own, row) in ROWS.items()}
+    shapes |= {name: (own, (scene.robots,)) for name, own in OBSERVERS.items()}
+    arrays: dict[str, Any] = {}
+    for name, (own, shape) in shapes.items():
+        values = getattr(found, name)
+        if values is not getattr(given, name):
+            values = array_of(name, values, own, shape)
+            if not np.isfinite(values).all():
+                raise ControllerError(f"{name} is not finite")
+        elif values.shape != shape:  # of other rows than the others are
+            raise ControllerError(f"{name} has the shape {values.shape}; it must be {shape}")
+        arrays[name] = values
+    sensed = Sensed(given.step, **arrays)
+    robot, robots, names = sensed.robot, scene.robots, scene.names
+    if len(robot) > robots**2:
+        raise ControllerError(
+            f"{len(robot)} rows; {robots} robots have use for {robots**2} at most"
+        )
+    if len(robot) and not 0 <= robot.min() <= robot.max() < robots:
+        raise ControllerError(
+            f"robot holds an index that does not exist; allowed: 0 to {robots - 1}"
+        )
+    i, j = rows_fault(robot, sensed.first, sensed.end)
+    if i < 0:
+        return sensed
+    if j < 0:
+        raise ControllerError(
+            f"rows {sensed.first[i]} to {sensed.end[i]} of {names[i]}; there are {len(robot)}"
+        )
+    raise ControllerError(
+        f"{names[i]} must have exactly one row of its own"
+        if j == i
+        else f"{names[i]} has several rows of {names[j]}; one is allowed"
+    )
+
+
+@compiled
+def rows_fault(robot: IntArray, first: IntArray, end: IntArray) -> tuple[int, int]:
+    """First observer whose rows are wrong: (i, -1) they are not there, (i, i) it has not one of
+    itself, (i, j) it has several of another; (-1, -1) where none is."""
+    seen = np.full(len(first), -1)
+    for i in range(len(first)):
+        if not 0 <= first[i] <= end[i] <= len(robot):
+            return i, -1
+        for j in robot[first[i] : end[i]]:
+            if seen[j] == i:
+                return i, j
+            seen[j] = i
+        if seen[i] != i:
+            return i, i
+    return -1, -1

@@ -326,6 +326,13 @@ class Layout(Attributes):
         "/considered_others", "M", "<i4", "the robots that were considered, decision after "
         "decision, as many as /considered counts", "", 0, "robots",
     )  # fmt: skip
+    state_bytes = Dataset[NDArray[np.uint8]](
+        "/state_bytes", "S", "u1", "states that were kept, one after the other, each NumPy's .npz"
+    )
+    states = Dataset[Rows](
+        "/states", "M", (_STEP, Column("size", "<i8", "bytes", "in /state_bytes", 0)),
+        "a row per kept state, from which another run can start",
+    )  # fmt: skip
     steps = Dataset[IntArray](
         "/steps/step", "K", "<i8", "physics step of each sample, from 0", "", 0, MOST_STEPS
     )
@@ -406,6 +413,7 @@ def row_types(robots: int, columns: Sequence[str]) -> dict[str, np.dtype[Any]]:
     """Type and shape of a row of each dataset that grows, for N robots and declared columns."""
     types: dict[str, np.dtype[Any]] = {path: TABLE[path].dtype for path in TABLES}
     types[Layout.updates.path] = update_type(columns)
+    types[Layout.state_bytes.path] = np.dtype("u1")
     types[OTHERS] = np.dtype("<u2" if robots <= 1 << 16 else "<i4")
     sizes = {"N": robots, "3": 3}
     for path in STEPS:

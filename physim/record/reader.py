@@ -119,7 +119,7 @@ class Record(layout.Layout):
         Raises RecordError, one line: table, row, what was given, what is allowed.
         """
         for one in vars(layout.Layout).values():
-            if isinstance(one, layout.Dataset) and one.shape[:2] != ("K", "N"):
+            if isinstance(one, layout.Dataset) and one.shape[:2] not in (("K", "N"), ("S",)):
                 getattr(self, one.name)
         for name in ("shapes", "walls", "paths", "reference", "accessible", "safe", "considered"):
             getattr(self, name)
@@ -453,7 +453,7 @@ class Record(layout.Layout):
     # As a whole
 
     def digest(self) -> str:
-        """SHA-256 (hexadecimal) of all but the wall clock and the versions.
+        """SHA-256 (hexadecimal) of all but the wall clock, the versions and kept states.
 
         Two runs of the same world, seed and version on one machine have equal digests; so have a
         record in memory and its copy on disk.

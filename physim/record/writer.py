@@ -218,6 +218,12 @@ class RecordWriter:
         self.append("considered", decisions)
         self._append(layout.OTHERS, others)
 
+    def keep_state(self, step: int, state: bytes) -> None:
+        """Append a state of the run, from which another can start."""
+        self._append(layout.Layout.state_bytes.path, np.frombuffer(state, np.uint8))
+        row = np.array([(step, len(state))], self.types[layout.Layout.states.path])
+        self._append(layout.Layout.states.path, row)
+
     def _append(self, path: str, rows: ArrayLike) -> None:
         """Gather rows; they go to the file when there are many. ValueError for another shape."""
         row, waiting = self.types[path], self._waiting[path]

@@ -201,7 +201,7 @@ class PerRobotAdapter:
         self, sensed: Sensed, due: IntArray, memory: dict[str, NDArray[Any]]
     ) -> Decisions:
         """Decide for robots ``due``; every one sees the same snapshot, whatever their order."""
-        rows, memories, views = [], [], Views(self.sight, sensed, due)
+        rows, memories, views = [], [], Views(self.sight, sensed)
         name, ask = type(self.controller).__name__, self.controller.decide
         for i in due.tolist():
             where = f"controller {name}, {self.scene.names[i]} at {views.time:g} s"

@@ -36,7 +36,7 @@ from .record import Record
 from .simulation.kept_states import state_at
 from .simulation.loop import Simulation
 from .simulation.recorder import SaveAt
-from .simulation.run import simulate
+from .simulation.run import record_run, simulate
 from .simulation.state import SimulationState
 from .testing import check_controller
 from .world import World

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from physim.geometry.path import Tracking
-from physim.geometry.shapes import FloatArray
+from physim.geometry.shapes import FloatArray, read_only
 
 if TYPE_CHECKING:
     from physim.record.reader import Record
@@ -25,7 +25,9 @@ def followed(record: Record) -> FloatArray:
     if not len(pose):
         return np.zeros((0, record.robots, 3))
     tracking = Tracking(record.paths, record.reference, record.shapes.radius, pose[0])
-    if len(pose) > steps[-1]:
+    if record.begun_at:  # the nearest point of the path may lie on another branch of it
+        tracking.stations = read_only(record.begun_along.T.copy())
+    if len(pose) > record.steps_made:
         return tracking.course(pose)
     found = []
     for here, way, decided, since in zip(pose, *_ways(record), strict=True):

@@ -35,7 +35,11 @@ KNOWN = (
     *(one.path for one in layout.PACKED),
 )  # fmt: skip
 """What is known before the first step: datasets, and columns of ``bodies`` and ``declared``."""
-LEFT_OUT = (*KNOWN, layout.Layout.states.path, layout.Layout.state_bytes.path)
+LEFT_OUT = (
+    *KNOWN, layout.Layout.begun_along.path, layout.Layout.states.path,
+    layout.Layout.state_bytes.path,
+)  # fmt: skip
+"""What follows from the samples, and states: no two runs differ in these alone."""
 PARTS = (*KNOWN, *(path for path in layout.TABLE if path not in LEFT_OUT))
 BLOCK_BYTES = 1 << 22
 

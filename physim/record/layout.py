@@ -102,6 +102,10 @@ class Attributes:
     seed: Annotated[Whole, "seed of the run"]
     dt: Annotated[float, Field(strict=True, ge=1e-9, le=10.0), "[s] physics step"]
     steps_planned: Annotated[Steps, "physics steps of the whole duration"]
+    begun_at: Annotated[
+        Steps,
+        "physics step of the first sample: 0, or that of the state from which the run went on",
+    ]
     record_every: Annotated[
         int, Field(strict=True, ge=1, le=1_000_000), "physics steps from one sample to the next"
     ]
@@ -117,7 +121,7 @@ class Attributes:
         float, Field(strict=True, ge=0.0, le=1e6), "[m] from boundaries, at which /areas/safe is"
     ]
     ended: Annotated[Ended, f"{', '.join(ENDED)}; of a run that was killed running"]
-    steps_run: Annotated[Steps, "physics steps that were made"]
+    steps_run: Annotated[Steps, "physics step of the last sample: so many were made since step 0"]
     rejected_contacts: Annotated[
         Whole, "contacts that the engine reported and the exact distance refuted"
     ]
@@ -278,10 +282,15 @@ class Layout(Attributes):
         ),
         "largest distance of two robots over all physics steps",
     )  # fmt: skip
+    begun_along = Dataset[FloatArray](
+        "/robots/begun_along", "N 3", "<f8",
+        "at the first sample: station on its own path, deviation from it, station on s*; NaN where "
+        "the run began at step 0", "m",
+    )  # fmt: skip
     arrived = Dataset[IntArray](
         "/robots/arrived", "N", "<i8",
-        "step from which on it has arrived, to the end of the run; -1 where it has not", "", -1,
-        "steps",
+        "step from which on it has arrived, to the end of the run, begun_at at the earliest; -1 "
+        "where it has not", "", -1, "steps",
     )  # fmt: skip
     updates = Dataset[Rows](
         "/updates", "M", DECISION,
@@ -334,7 +343,7 @@ class Layout(Attributes):
         "a row per kept state, from which another run can start",
     )  # fmt: skip
     steps = Dataset[IntArray](
-        "/steps/step", "K", "<i8", "physics step of each sample, from 0", "", 0, MOST_STEPS
+        "/steps/step", "K", "<i8", "physics step of each sample, from begun_at", "", 0, MOST_STEPS
     )
     pose = Dataset[FloatArray](
         "/steps/pose", "K N 3", "<f8", "x, y, heading, unwrapped", "m, m, rad", -FAR, FAR

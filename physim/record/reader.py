@@ -99,7 +99,7 @@ class Record(layout.Layout):
         self._killed_at: int | None = None
         if killed:
             self._killed_at = int(self.steps[-1]) if self.samples else -1
-            self.steps_run = max(0, self._killed_at)
+            self.steps_run = max(self.begun_at, self._killed_at)
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> Record:
@@ -123,9 +123,14 @@ class Record(layout.Layout):
                 getattr(self, one.name)
         for name in ("shapes", "walls", "paths", "reference", "accessible", "safe", "considered"):
             getattr(self, name)
-        last = int(self.steps[-1]) if self.samples else -1
+        first, last = self.steps[[0, -1]].tolist() if self.samples else (self.begun_at, -1)
         ends = last == self.steps_run or self.ended == "running"
-        if not ends or last > self.samples * self.record_every:
+        if first != self.begun_at:
+            raise RecordError(
+                f"{self.where}: its first sample is of step {first}, not of begun_at "
+                f"{self.begun_at}; {AGAIN}"
+            )
+        if not ends or last - first > self.samples * self.record_every:
             raise RecordError(
                 f"{self.where}: truncated: {self.samples} samples up to step {last}, one every "
                 f"{self.record_every} steps, for {self.steps_run} steps; {AGAIN}"
@@ -208,6 +213,7 @@ class Record(layout.Layout):
                 ("controller", self.setup.controller.name),
                 ("robots", str(self.robots)),
                 ("samples", f"{self.samples}, one every {self.record_every * self.dt:g} s"),
+                *([("begun", f"at {self.begun:g} s")] if self.begun_at else []),
                 ("ended", f'"{self.ended}" after {self.steps_run * self.dt:g} s'),
                 ("contacts", str(found) if "contacts" in self.tables else "not recorded"),
                 ("to watch it", "physim.page(record)"),
@@ -342,8 +348,18 @@ class Record(layout.Layout):
 
     @cached_property
     def time(self) -> FloatArray:
-        """(K,) [s]."""
+        """(K,) [s] since step 0."""
         return read_only(self.steps * self.dt)
+
+    @property
+    def begun(self) -> float:
+        """[s] of the first sample: 0, or where the run went on from the state of another."""
+        return self.begun_at * self.dt
+
+    @property
+    def steps_made(self) -> int:
+        """Physics steps from the first sample to the last."""
+        return self.steps_run - self.begun_at
 
     def pose_at(self, step: int) -> FloatArray:
         """(N, 3) poses at a recorded step. Raises RecordError for a step that is not recorded."""

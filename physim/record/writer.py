@@ -98,6 +98,8 @@ class RecordWriter:
         tables: Sequence[str] = layout.OPTIONAL,
         given: Sequence[tuple[str, str]] = (),
         given_settings: Sequence[GivenSettings] = (),
+        begun_at: int = 0,
+        begun_along: ArrayLike | None = None,
         flush_every_s: float = 0.5,
         overwrite: bool = True,
     ) -> None:
@@ -107,7 +109,9 @@ class RecordWriter:
         [m] from the boundaries. ``name`` and ``record_every`` [steps] are those of the scene's
         world where they are not given. ``declared`` are modes, rules and columns of the controller,
         ``tables`` those of `layout.OPTIONAL` that the run fills, ``given`` the parts that came from
-        Python, with their ``given_settings`` where these are known. Raises RecordError where the
+        Python, with their ``given_settings`` where these are known. ``begun_at`` is the step of the
+        first sample, ``begun_along`` (N, 3) [m] where robots are then, as `Layout.begun_along` has
+        it. Raises RecordError where the
         file cannot be written, where another run is writing it, and, without ``overwrite``, where
         it exists.
         """
@@ -138,7 +142,8 @@ class RecordWriter:
                 "given": json.dumps([list(one) for one in given]),
                 "safe_distance": float(safe_distance),
                 "ended": np.array(b"running", dtype=f"S{layout.ENDED_BYTES}"),
-                "steps_run": np.int64(0),
+                "begun_at": np.int64(begun_at),
+                "steps_run": np.int64(begun_at),
                 "rejected_contacts": np.int64(0),
                 "bodies": json.dumps([asdict(body) for body in scene.bodies]),
                 "declared": json.dumps(asdict(declared)),
@@ -157,6 +162,9 @@ class RecordWriter:
                 **_packed("/reference", scene.reference),
                 **_rings("/areas/accessible", accessible),
                 **_rings("/areas/safe", safe),
+                layout.Layout.begun_along.path: np.full((self.robots, 3), np.nan)
+                if begun_along is None
+                else begun_along,
                 layout.EXTREMES: self.extremes.rows,
                 layout.EXTREMES_FARTHEST: self.extremes.farthest,
                 layout.ARRIVED: self.arrived,

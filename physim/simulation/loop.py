@@ -41,6 +41,7 @@ from physim.parts.stages import (
 )
 from physim.parts.user_code import broken_by, kind_of, naming
 from physim.simulation.arrival import Arrivals
+from physim.simulation.branching import branch_of
 from physim.simulation.checks import taken_commands, taken_sensed
 from physim.simulation.decisions import Decided, begun, decide
 from physim.simulation.engine import Physics
@@ -363,6 +364,18 @@ class Simulation:
         self._states = state.stages
         self._arrivals.restore(state.trail, state.arrived)
         self._sensed, self._told = None, None
+
+    def branch(self, controller: Controller | str | None = None, **changes: Any) -> Simulation:
+        """A simulation that goes on from the present sample with something changed.
+
+        ``controller`` as for `Simulation`: it begins with its own memory, and all robots decide at
+        once. ``changes`` are those of `World.changed`, of keys that move and reshape no body
+        (`physim.simulation.branching.FREE`). A stage that is changed, too, begins anew; all else is
+        kept, so that without changes what follows is bit for bit what follows here. Observers stay
+        behind; `physim.record_run` records the branch. Raises PhysimError for a key that cannot
+        change in mid-run, and what `Simulation` raises.
+        """
+        return branch_of(self, controller, changes)
 
     def reset(self, seed: int | None = None) -> None:
         """Go back to sample 0, with another seed or the same. Observers are let go."""

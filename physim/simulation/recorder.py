@@ -107,23 +107,27 @@ class Recorder:
         self.tables = tuple(tables)
         self.size = max(1, min(BLOCK_STEPS, BLOCK_POSES // writer.robots))
         self.steps: list[Step] = []
-        self.first = self.rejected = 0
+        self.begun = self.first = self.rejected = 0
         self.unrecorded: tuple[int, FloatArray] | None = None
         """the latest sample and its poses, where that is not recorded"""
         self.taken = 0
         """steps taken down"""
         self.latest: FloatArray | None = None
-        """(N, 2) latest command of each controller, once commands came from outside"""
+        """(N, 2) latest command of each controller, once others are held: given from outside, or
+        from before the record began"""
 
     def start(self, simulation: Simulation) -> None:
-        """Take down sample 0, at which the simulation is."""
+        """Take down the sample at which the simulation is."""
         self.scene = scene = simulation.scene
+        self.begun = self.first = simulation.step_number
+        if self.begun:  # the record has no decision that gave the commands that are held
+            self.latest = np.zeros((scene.robots, 2))
         self.since = np.full(scene.robots, -1, dtype=np.int64)
         self.near = ClearanceFinder(scene.shapes, scene.wall_tree)
         self.least = np.full((2, scene.robots), np.inf)
         """[m] least distance of each robot from another, and from a wall, since the last recorded
         sample"""
-        # sample 0 is a row of its own, so that later windows end on recorded steps
+        # the first sample is a row of its own, so that later windows end on recorded steps
         self._write_false_contacts([simulation.physics.false_contacts])
         self._write_samples(simulation.pose[None], simulation.arrived[None], [simulation.contacts])
         self.last_write = time.monotonic()
@@ -219,7 +223,7 @@ class Recorder:
         self.writer.note_extremes(step, found)
         gaps = np.stack((found.clearance, found.boundary_clearance))
         gaps[:, 0] = np.minimum(gaps[:, 0], self.least)
-        ends = np.flatnonzero(step % self.every == 0) + 1
+        ends = np.flatnonzero((step % self.every == 0) | (step == self.begun)) + 1
         if len(ends):
             starts = np.concatenate(([0], ends[:-1]))
             least = np.minimum.reduceat(gaps[:, : ends[-1]], starts, axis=1)

@@ -8,13 +8,14 @@ from __future__ import annotations
 import os
 import time
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from types import SimpleNamespace
 from typing import cast
 
 import numpy as np
 
 from physim.compiled import is_cached
-from physim.errors import ControllerError, RecordError
+from physim.errors import ControllerError, PhysimError, RecordError
 from physim.geometry.clearance import clearances
 from physim.geometry.path import Tracking
 from physim.geometry.shapes import read_only
@@ -29,6 +30,7 @@ from physim.simulation.kept_states import packed
 from physim.simulation.loop import LOOK_ON, Simulation
 from physim.simulation.parts import listed
 from physim.simulation.recorder import Recorder, SaveAt, check_room
+from physim.simulation.state import SimulationState
 from physim.simulation.swept_contacts import warm_up_swept_contacts
 from physim.world import World
 from physim.world.scene import Scene
@@ -44,6 +46,7 @@ def simulate(
     sensing: Sequence[SensingStage] = (),
     filters: Sequence[Filter] = (),
     disturbances: Sequence[Disturbance] = (),
+    state: SimulationState | None = None,
     observers: Sequence[Observer] = (),
     save: SaveAt = EVERYTHING,
     path: str | os.PathLike[str] | None = None,
@@ -54,15 +57,16 @@ def simulate(
     """Run a world until every robot has arrived or its duration is over, and record it.
 
     The record goes to the file ``path``, which must not exist unless ``overwrite`` is set, or
-    stays in memory; ``save`` says what is recorded. Stages and controller are as for `Simulation`;
-    ``observers`` look on. ``progress`` is called after every step with the simulation and the
+    stays in memory; ``save`` says what is recorded. Stages, controller and ``state``, from which a
+    run goes on, are as for `Simulation`; ``observers`` look on. ``progress`` is called after every step with the simulation and the
     real-time factor; when ``stop`` says True the run ends there, with a complete record. Raises
     WorldError or ControllerError, and RecordError where the record cannot fit on the disk or in
     memory; a run that breaks off leaves its record closed, ended "error".
     """
     simulation = Simulation(
-        world, seed, controller, sensing=sensing, filters=filters, disturbances=disturbances
-    )
+        world, seed, controller, sensing=sensing, filters=filters, disturbances=disturbances,
+        state=state,
+    )  # fmt: skip
     return record_run(
         simulation, observers=observers, save=save, path=path, overwrite=overwrite,
         progress=progress, stop=stop,
@@ -79,16 +83,14 @@ def record_run(
     progress: Callable[[Simulation, float], None] | None = None,
     stop: Callable[[], bool] | None = None,
 ) -> Record:
-    """Run a simulation from its start to its end and record it; see `simulate`.
+    """Run a simulation from where it is to its end and record it; see `simulate`.
 
-    Raises ValueError for one that has made steps already: its record would lack them; TypeError
-    where ``save`` is something else; and RecordError where its record cannot fit on the disk or in
+    A record that begins later than at step 0 keeps the state from which it went on, so that it can
+    be simulated again; not where a part remembers what no record can keep. Raises TypeError where
+    ``save`` is something else, and RecordError where its record cannot fit on the disk or in
     memory.
     """
-    if simulation.step_number:
-        raise ValueError(
-            f"the simulation is at step {simulation.step_number}; a record begins at step 0"
-        )
+    begun = simulation.step_number
     if not isinstance(save, SaveAt):
         raise TypeError(f"save: takes physim.SaveAt(every=..., tables=...), not {save!r}")
     if path is not None and os.path.lexists(path) and not overwrite:
@@ -97,6 +99,9 @@ def record_run(
     every = save.every or simulation.scene.world.time.record_every
     check_room(simulation.scene, every, path)
     writer = _writer(simulation, path, every, save.tables, overwrite)
+    if begun:
+        with suppress(PhysimError):
+            writer.keep_state(begun, packed(simulation.state))
     recorder = Recorder(writer, every, save.tables)
     started, ended, late = time.perf_counter(), "error", None
     try:
@@ -115,7 +120,7 @@ def record_run(
         simulated = recorder.taken * simulation.scene.dt
         writer.close(
             ended,
-            steps_run=recorder.taken,
+            steps_run=begun + recorder.taken,
             rejected=recorder.rejected,
             wall_clock={"seconds": elapsed, "factor": simulated / max(elapsed, 1e-9)},
         )
@@ -162,12 +167,12 @@ def _loop(
 
     Raises ControllerError for a step not taken down.
     """
-    started, step = time.perf_counter(), simulation.scene.dt
+    started, step, begun = time.perf_counter(), simulation.scene.dt, simulation.step_number
     apart = 0 if states is None else max(1, round(states / step))
     while simulation.step_number < simulation.scene.steps:
         simulation.step()
-        if recorder.taken != simulation.step_number:
-            after = recorder.taken * simulation.scene.dt
+        if begun + recorder.taken != simulation.step_number:
+            after = (begun + recorder.taken) * simulation.scene.dt
             raise ControllerError(
                 f"an observer moved the simulation after {after:g} s, or let the recorder go (by "
                 f"restore, reset or observers); {LOOK_ON}"
@@ -175,7 +180,7 @@ def _loop(
         if apart and simulation.step_number % apart == 0:
             recorder.writer.keep_state(simulation.step_number, packed(simulation.state))
         if progress is not None:
-            progress(simulation, simulation.time / (time.perf_counter() - started))
+            progress(simulation, recorder.taken * step / (time.perf_counter() - started))
         if simulation.finished:
             return "finished"
         if stop is not None and stop():
@@ -198,6 +203,8 @@ def _writer(
         declared=simulation.declared, tables=tables,
         given=tuple((part.kind.word, part.name) for part in simulation.parts.given),
         given_settings=tuple(part.settings for part in simulation.parts.given),
+        begun_at=simulation.step_number,
+        begun_along=np.stack(simulation.now[4:], axis=1) if simulation.step_number else None,
         overwrite=overwrite,
     )  # fmt: skip
 

@@ -18,7 +18,6 @@ from tests.helpers.stages import Changes
 
 formation_energy = inside("physim.controllers", "formation_energy")
 formation_energy_rate = inside("physim.controllers", "formation_energy_rate")
-arcs = inside("physim.geometry", "arcs")
 record_run = inside("physim.simulation", "record_run")
 find_world = inside("physim.world.file", "find_world")
 

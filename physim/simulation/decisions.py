@@ -174,7 +174,7 @@ def decide(
     except ControllerError as error:
         plain = batch.controller if isinstance(batch, PerRobotAdapter) else None
         told = broken_by(error, batch.decide_due if plain is None else plain.decide)
-        raise ControllerError(f"controller {type(plain or batch).__name__}: {told}") from None
+        raise ControllerError(f"controller {type(plain or batch).__name__}, {told}") from None
     nominal = held.copy()
     nominal[due] = decisions.command
     return Decided(read_only(nominal), locked(decisions), read_only(next_step))

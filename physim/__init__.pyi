@@ -91,6 +91,7 @@ __all__ = [
     "parse_world",
     "plots",
     "randomness",
+    "record_run",
     "render",
     "simulate",
     "state_at",

@@ -137,7 +137,7 @@ class Summary:
             ],
             "no_safe_area_at_m": self.no_safe_area,
             "rejected_contacts": record.rejected_contacts,
-            "robot_steps": record.steps_run * record.robots,
+            "robot_steps": record.steps_made * record.robots,
             "modes": [str(mode) for mode in record.modes],
             "expectations": [dict(sorted(one._asdict().items())) for one in self.expectations],
             "wall_clock": dict(sorted(record.wall_clock.items())),
@@ -202,7 +202,8 @@ def table(summary: Summary, brief: bool = False) -> str:
 def table_rows(summary: Summary, brief: bool = False) -> Rows:
     """Label and text of each line of the table, for whoever sets it out otherwise."""
     s, run, record = summary, summary.run, summary.run.record
-    end = f"{ENDED.get(record.ended, record.ended)} after {s.value('simulated_time'):.2f} s"
+    begun = f"begun at {record.begun:.2f} s, " if record.begun_at else ""
+    end = f"{begun}{ENDED.get(record.ended, record.ended)} after {s.value('simulated_time'):.2f} s"
     factor = record.wall_clock.get("factor")
     computes = s.value("collision_time_evaluations") is not None
     none = "none" if computes else "n/a (the controller computes none)"
@@ -335,7 +336,7 @@ def _commands(summary: Summary) -> Rows:
         ("applied differs from filtered", "disturbed_steps"),
     ):
         if n := summary.value(name):
-            share = percent(n / max(record.steps_run * record.robots, 1))
+            share = percent(n / max(record.steps_made * record.robots, 1))
             parts.append(f"{words} in {n} robot-steps ({share})")
     return [("commands", ", ".join(parts))] if parts else []
 

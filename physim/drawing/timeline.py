@@ -102,7 +102,8 @@ class Timeline:
         self.record = record
         self.scene = SceneModel.of_record(record)
         self.robots = len(record.names)
-        self.duration = float(self.time[-1])
+        self.begin, self.duration = float(self.time[0]), float(self.time[-1])
+        """[s] of the first sample and of the last"""
         self.spacing = coarse_spacing(self.time)
         """[s] that of `coarse_spacing`"""
         robot = np.asarray(record.updates["robot"], dtype=np.int64)
@@ -178,7 +179,7 @@ class Timeline:
 
     def over(self, time: float) -> bool:
         """Return whether ``time`` [s] is that of the last sample, or later; of one, never."""
-        return bool(time >= self.duration - 1e-9 > 0.0)
+        return bool(time >= self.duration - 1e-9 > self.begin)
 
     def arrived(self, time: float) -> int:
         """Return how many robots have arrived at ``time``, judged by their motion."""

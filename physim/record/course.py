@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 def followed(record: Record) -> FloatArray:
     """(K, N, 3) [m] at each sample: station on the own path, deviation from it, station on s*."""
-    pose, steps = record.pose, record.steps
+    pose = record.pose
     if not len(pose):
         return np.zeros((0, record.robots, 3))
     tracking = Tracking(record.paths, record.reference, record.shapes.radius, pose[0])

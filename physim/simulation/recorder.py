@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from physim.contacts import CONTACT_ROW, FALSE_CONTACT_ROW
+from physim.contacts import CONTACT_ROW, FALSE_CONTACT_ROW, touching
 from physim.errors import RecordError
 from physim.geometry.clearance import ClearanceFinder
 from physim.geometry.shapes import FloatArray
@@ -129,7 +129,10 @@ class Recorder:
         sample"""
         # the first sample is a row of its own, so that later windows end on recorded steps
         self._write_false_contacts([simulation.physics.false_contacts])
-        self._write_samples(simulation.pose[None], simulation.arrived[None], [simulation.contacts])
+        contacts = simulation.contacts
+        if self.begun:  # what happened in the step that led here is not of this record
+            contacts = touching(contacts)
+        self._write_samples(simulation.pose[None], simulation.arrived[None], [contacts])
         self.last_write = time.monotonic()
 
     def after_step(self, step: Step) -> None:

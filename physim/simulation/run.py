@@ -58,10 +58,11 @@ def simulate(
 
     The record goes to the file ``path``, which must not exist unless ``overwrite`` is set, or
     stays in memory; ``save`` says what is recorded. Stages, controller and ``state``, from which a
-    run goes on, are as for `Simulation`; ``observers`` look on. ``progress`` is called after every step with the simulation and the
-    real-time factor; when ``stop`` says True the run ends there, with a complete record. Raises
-    WorldError or ControllerError, and RecordError where the record cannot fit on the disk or in
-    memory; a run that breaks off leaves its record closed, ended "error".
+    run goes on, are as for `Simulation`; ``observers`` look on. ``progress`` is called after every
+    step with the simulation and the real-time factor; when ``stop`` says True the run ends there,
+    with a complete record. Raises WorldError or ControllerError, and RecordError where the record
+    cannot fit on the disk or in memory; a run that breaks off leaves its record closed, ended
+    "error".
     """
     simulation = Simulation(
         world, seed, controller, sensing=sensing, filters=filters, disturbances=disturbances,

@@ -235,9 +235,9 @@ def point_velocity(
 ) -> FloatArray:
     """Velocity (2,) [m/s] of a body's material at a point [m] in the step that led to a sample.
 
-    0 for what stands still, and at the start. ``held`` as for `severity`.
+    0 for what stands still, and at the first sample. ``held`` as for `severity`.
     """
-    if body >= record.robots or step == 0:
+    if body >= record.robots or step <= record.begun_at:
         return np.zeros(2)
     before, now = record.pose_at(step - 1)[body], record.pose_at(step)[body]
     moved = (now - before) / record.dt

@@ -62,7 +62,7 @@ class Figures:
 
         None without contacts, and where not every step is recorded.
         """
-        if not self.episodes or self.record.samples <= self.record.steps_run:
+        if not self.episodes or self.record.samples <= self.record.steps_made:
             return None
         mass = contacts.masses(self.record)
         found = [(one, contacts.severity(self.record, one, mass)) for one in self.episodes]

@@ -112,10 +112,11 @@ def averaged_speeds(record: Record, window: float = WINDOW, every: float = GRID)
     apart than it is long. Raises PhysimError for a window or spacing that is not positive.
     """
     check_positive("window", window)
-    end, every = record.steps_run * record.dt, spacing(record, every)
+    start, end, every = record.begun, record.steps_run * record.dt, spacing(record, every)
     sampled = record.samples > 1 and record.record_every * record.dt <= window
-    count = int((end - window) / every + 1e-9) + 1 if sampled and end >= window - 1e-9 else 0
-    begins: FloatArray = every * np.arange(float(count))
+    whole_windows = sampled and end - start >= window - 1e-9
+    count = int((end - start - window) / every + 1e-9) + 1 if whole_windows else 0
+    begins: FloatArray = start + every * np.arange(float(count))
     found = np.full((2, count, record.robots), np.nan)
     arrival = np.minimum(active_steps(record) * record.dt, end) + 1e-9
     for i in range(record.robots if count else 0):

@@ -60,7 +60,7 @@ def active_samples(record: Record) -> NDArray[np.bool_]:
 
 
 def active_steps(record: Record) -> IntArray:
-    """(N,) steps from the start until each robot was at its stop station for good.
+    """(N,) step from which on each robot was at its stop station for good.
 
     By its samples, and by its decisions between the last of them away from there and the next;
     between two of these its station is taken to be linear. To the end of the run where it was not
@@ -74,7 +74,7 @@ def active_steps(record: Record) -> IntArray:
     for i in range(record.robots):
         samples = np.flatnonzero(away[:, i])[-1:]
         if not len(samples):
-            found[i] = 0
+            found[i] = record.begun_at
         elif (k := int(samples[0])) < record.samples - 1:
             rows, ends = decisions[i], slice(k, k + 2)
             rows = rows[(rows["step"] > record.steps[k]) & (rows["step"] < record.steps[k + 1])]
@@ -230,7 +230,7 @@ def rows_of_robots(record: Record) -> list[Rows]:
 def blocks(record: Record) -> Iterator[tuple[int, int]]:
     """First step and one past the last of stretches of the run whose commands fit into memory."""
     size = max(1, MOST_COMMANDS // max(1, record.robots))
-    for first in range(0, record.steps_run, size):
+    for first in range(record.begun_at, record.steps_run, size):
         yield first, min(first + size, record.steps_run)
 
 
@@ -246,13 +246,14 @@ def spacing(record: Record, every: float) -> float:
     Raises PhysimError unless it is positive.
     """
     check_positive("every", every)
-    return max(every, record.steps_run * record.dt * max(record.robots, 1) / MOST_MOMENTS)
+    return max(every, record.steps_made * record.dt * max(record.robots, 1) / MOST_MOMENTS)
 
 
 def grid(record: Record, every: float = GRID) -> FloatArray:
-    """Times (K,) [s] from 0 on, ``every`` [s] apart (`spacing`), and the end of the run."""
+    """Times (K,) [s] from the first sample on, ``every`` [s] apart (`spacing`), and the end."""
     every, end = spacing(record, every), record.steps_run * record.dt
-    times: FloatArray = every * np.arange(float(int(end / every + 1e-9) + 1))
+    count = int((end - record.begun) / every + 1e-9) + 1
+    times: FloatArray = record.begun + every * np.arange(float(count))
     return np.append(times, end) if end > times[-1] + 1e-9 else times
 
 

@@ -205,7 +205,7 @@ class AnalyticContacts:
 
 
 def pose_blocks(record: Record) -> Iterator[tuple[FloatArray, int]]:
-    """Poses (B, N, 3) of consecutive samples and the number of the first; each block begins with
+    """Poses (B, N, 3) of consecutive samples and the step of the first; each block begins with
     the last sample of the one before. Raises RecordError for a step that no robot makes."""
     size = max(LEAST_STEPS, BLOCK_POSES // max(1, record.robots))
     for first in range(0, max(1, record.samples - 1), size):
@@ -219,7 +219,7 @@ def pose_blocks(record: Record) -> Iterator[tuple[FloatArray, int]]:
                     f"{record.where}: /steps/pose, row {first + 1 + k}: a step of {far[k]:.6g} m; "
                     "make the record again"
                 )
-            yield poses, first
+            yield poses, record.begun_at + first
 
 
 MOST_UNKNOWN = 1_000_000
@@ -238,7 +238,9 @@ def analytic_contacts(record: Record) -> AnalyticContacts:
     room = Room()
     left = len(record.contacts) + MOST_UNKNOWN
     for poses, start in pose_blocks(record):
-        rows = near_rows(poses, start, shapes, walls, reach, record.dt, room)
+        row = start - record.begun_at
+        rows = near_rows(poses, row, shapes, walls, reach, record.dt, room)
+        rows["step"] += record.begun_at
         touching.append(rows[rows["distance"] <= CONTACT])
         left -= len(touching[-1])
         if left < 0:

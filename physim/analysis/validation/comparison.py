@@ -183,8 +183,10 @@ def _contacts(record: Record, analytic: AnalyticContacts) -> Iterator[Finding]:
     lasting = theirs[~ended]
     pairs = len(record.bodies) ** 2
     before, after = np.isin(theirs - pairs, lasting), np.isin(theirs + pairs, theirs)
+    if record.begun_at:  # what touches at the first sample may have touched before
+        before |= (rows["step"] == record.begun_at) & (rows["phase"] == Phase.STAYS)
     should = np.where(ended, Phase.ENDED, np.where(before, Phase.STAYS, Phase.BEGAN))
-    last = rows["step"] >= record.samples - 1
+    last = rows["step"] >= record.steps_run
     for wrong, what in (
         (rows["phase"] != should, "a row that begins a contact or goes on with one, wrongly"),
         (ended & ~before, "a contact that ends without having lasted"),
@@ -209,7 +211,7 @@ def _exact(record: Record, rows: Rows) -> dict[str, FloatArray]:
     pose = np.zeros((len(shapes.body_start) - 1, 3))
     step, pairs = rows["step"], np.stack((rows["a"], rows["b"]), axis=1).astype(np.int64)
     for poses, start in pose_blocks(record) if len(rows) else ():
-        first, last = np.searchsorted(step, (start + (start > 0), start + len(poses)))
+        first, last = np.searchsorted(step, (start + (start > record.begun_at), start + len(poses)))
         edges = np.flatnonzero(np.diff(step[first:last], prepend=-1)) + first
         for low, high in zip(edges, [*edges[1:], last], strict=True):
             pose[: record.robots] = poses[step[low] - start]
@@ -224,10 +226,10 @@ def _swept_contacts(record: Record, analytic: AnalyticContacts) -> Iterator[Find
     without a force, it is unexplained. Raises RecordError for one before the start.
     """
     rows = record.contacts[record.contacts["kind"] == Kind.SWEPT]
-    if (rows["step"] == 0).any():
+    if (rows["step"] <= record.begun_at).any():
         raise RecordError(
-            f"{record.where}: a contact between samples in the step that ends at 0; steps are 1 to "
-            f"{record.samples - 1}"
+            f"{record.where}: a contact between samples in the step that ends at "
+            f"{record.begun_at}; steps are {record.begun_at + 1} to {record.steps_run}"
         )
     theirs, ours = (
         {tuple(row[key].item() for key in ("step", "a", "b")): row for row in some}
@@ -298,12 +300,13 @@ def exact_distances(record: Record) -> tuple[Extremes, list[Finding]]:
     extremes = Extremes(record.robots)
     found: list[Finding] = []
     for poses, start in pose_blocks(record):
-        first, end = start + (start > 0), start + len(poses)
+        first, end = start + (start > record.begun_at), start + len(poses)
         block = clearances(poses[first - start :], shapes, wall_tree)
         extremes.note(np.arange(first, end), block)
         near = (block.clearance, block.other), (block.boundary_clearance, block.boundary_other)
         for ((column, *_), what), (exact, others) in zip(SMALLEST, near, strict=True):
-            recorded = record.read(f"/steps/{column}", first, end)
+            rows = first - record.begun_at, end - record.begun_at
+            recorded = record.read(f"/steps/{column}", *rows)
             wrong = differs(recorded, exact, DEPTH_SLACK)
             for i in np.flatnonzero(wrong.any(axis=0)).tolist():
                 k = int(np.argmax(wrong[:, i]))
@@ -348,7 +351,7 @@ def check_extremes(
                     due[column][me] = value
     for columns, what in SMALLEST:
         least = due[columns[0]]
-        most = whole.read(f"/steps/{columns[0]}", 0, record.steps_run + 1).min(axis=0)
+        most = whole.read(f"/steps/{columns[0]}", 0, record.steps_made + 1).min(axis=0)
         for i, pair in enumerate(zip(record.extremes, due, strict=True)):
             noted, true = ([row[column].item() for column in columns] for row in pair)
             is_one = least[i] <= noted[0] <= most[i] if killed else False

@@ -110,7 +110,7 @@ def contacts_of(
         found.append(
             _contact(
                 record, table, one, number=number, severity=hit,
-                duration=one.samples * record.dt, lasting=step + one.samples >= record.samples,
+                duration=one.samples * record.dt, lasting=step + one.samples > record.steps_run,
                 first_impulse=one.impact, impulse=one.impulse,
                 also_touching=tuple(sorted(already - {a, b})), prediction=prediction,
                 warning=predictor.ahead(prediction) if is_known else None,

@@ -82,14 +82,15 @@ def check_motion(record: Record, table: DecisionTable, mass: FloatArray | None) 
     rows = touching(record.contacts)
     for who in ("a", "b"):
         mine = rows[rows[who] < record.robots]
-        touched[mine["step"], mine[who]] = True
+        touched[mine["step"] - record.begun_at, mine[who]] = True
     pushing = None if mass is None else Pushing(record, mass)
     checked = held = 0
     off, far = [], []
     for poses, first in pose_blocks(record):
         last = first + len(poses) - 1
         command = record.commands_over("applied", first, last)
-        free = ~touched[first:last] & ~touched[first + 1 : last + 1]
+        both = touched[first - record.begun_at : last - record.begun_at + 1]
+        free = ~both[:-1] & ~both[1:]
         checked += int(free.sum())
         off.append(_off(poses, first, command, record.dt, free))
         if pushing is not None:
@@ -156,7 +157,7 @@ def _pushed(
     `PUSHED` more. What it meets is shifted by no more than twice that.
     """
     before, after = record.pose_at(step - 1), record.pose_at(step)
-    for j in np.flatnonzero(touched[step - 1]).tolist():
+    for j in np.flatnonzero(touched[step - 1 - record.begun_at]).tolist():
         x, y, turn = np.abs(after[j] - before[j]).tolist()
         v, omega = table.held(j, step - 1)
         radius = float(table.radius[j])

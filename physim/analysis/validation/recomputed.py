@@ -112,6 +112,7 @@ def _check_counts(record: Record) -> Iterator[Finding]:
             both = f"without {table}", f"with {table}"
             yield unlike(record, "attribute", "tables", *both, by)
     apart = np.diff(record.steps[:-1])  # the last sample may be nearer
+    apart = apart[record.begun_at % record.record_every > 0 :]  # and the first, of a later begin
     for wrong in apart[apart != record.record_every][:1].tolist():
         told, by = record.record_every, "by the recorded steps"
         yield unlike(record, "attribute", "record_every", told, wrong, by)
@@ -120,8 +121,9 @@ def _check_counts(record: Record) -> Iterator[Finding]:
 def _check_decisions(record: Record, inside: Inside) -> tuple[list[Finding], int, str]:
     """Stations against poses, and decisions made again: how many, and why others are not."""
     rows, lead, own, why_not = record.updates, record.lead, inside.controller, inside.why_not
-    station, deviation, reference = record.course[rows["step"], rows["robot"]].T
-    mean = record.course[rows["step"], :, 2].mean(axis=1)
+    samples = rows["step"] - record.begun_at
+    station, deviation, reference = record.course[samples, rows["robot"]].T
+    mean = record.course[samples, :, 2].mean(axis=1)
     due = {
         "station": station, "deviation": deviation, "reference_station": reference,
         "formation_error": (mean - reference) - (lead.mean() - lead[rows["robot"]]),
@@ -138,6 +140,8 @@ def _check_decisions(record: Record, inside: Inside) -> tuple[list[Finding], int
         why_not = f"{kind} is not shipped with physim, and need not decide alike twice"
     elif own is not None and record.declared != Declared.of(own):
         why_not = "the record declares others"
+    elif record.begun_at:
+        why_not = "the run went on from the state of another"
     if why_not or own is None or not len(rows):
         return found, 0, why_not
     try:

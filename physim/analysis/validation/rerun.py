@@ -44,7 +44,7 @@ if TYPE_CHECKING:
     from physim.world.scene import Scene
 
 BY = "simulated again"
-BEFORE = ("name", "world", "seed", "dt", "steps_planned")
+BEFORE = ("name", "world", "seed", "dt", "steps_planned", "begun_at")
 AFTER = ("safe_distance", "ended", "steps_run", "rejected_contacts")
 """Attributes that are compared: what was to be run, and last of all how it went"""
 BLOCK = 4096
@@ -85,15 +85,16 @@ def simulation_again(
     filters: Sequence[Filter] = (),
     disturbances: Sequence[Disturbance] = (),
 ) -> Simulation:
-    """Set up the run of a record anew, at sample 0, from the world inside.
+    """Set up the run of a record anew, from the world inside and the state where it went on.
 
     No code is run because a record names it: parts that were given from Python, and a controller
     ``module:Class``, have to be given again. Raises AgainError where one is missing, and where the
     run made no step.
     """
+    from physim.simulation.kept_states import state_at
     from physim.simulation.loop import Simulation
 
-    if not record.noted_until:
+    if record.noted_until <= record.begun_at:
         raise AgainError(record, "it made no step")
     try:
         world, name = record.world, controller_name(record)
@@ -116,9 +117,10 @@ def simulation_again(
                 "physim.analysis.validation.rerun",
             )
     try:
+        state = state_at(record, record.begun) if record.begun_at else None
         return Simulation(
             world, controller=controller, sensing=sensing, filters=filters,
-            disturbances=disturbances,
+            disturbances=disturbances, state=state,
         )  # fmt: skip
     except PhysimError as error:
         raise AgainError(record, str(error).splitlines()[0]) from error
@@ -263,8 +265,9 @@ def _samples(record: Record, again: Record, path: str, until: int, exact: bool) 
     count = int(np.searchsorted(record.steps, until, side="right"))
     for low in range(0, count, BLOCK):
         steps = record.steps[low : min(low + BLOCK, count)]
-        first = int(record.steps[low - 1]) + 1 if low else 0
-        every = again.read(path, first, int(steps[-1]) + 1)
+        first = int(record.steps[low - 1]) + 1 if low else record.begun_at
+        begun = record.begun_at
+        every = again.read(path, first - begun, int(steps[-1]) + 1 - begun)
         ends = steps[steps < first + len(every)] - first
         thinned = every[ends]
         if path != "/steps/pose" and record.record_every > 1 and len(ends):

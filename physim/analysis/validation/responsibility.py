@@ -43,7 +43,7 @@ def has_priority(record: Record) -> bool:
 
 def pushed_by(record: Record, table: DecisionTable, robot: int, touch: Touch) -> int | None:
     """Robot to be charged in place of ``robot``; None where it moved by its own command."""
-    if touch.step == 0:
+    if touch.step <= record.begun_at:
         return None
     ends = {touch.a, touch.b}
     pusher = _pusher(record, table, robot, touch, ends)

@@ -259,7 +259,7 @@ def judge(
 
 def missing(record: Record) -> str:
     """What a record lacks, so that its run has to be simulated again; empty where it has all."""
-    if record.record_every > 1 and record.steps_run > 0:
+    if record.record_every > 1 and record.steps_made > 0:
         return f"poses of one step in {record.record_every} only"
     if record.noted_until > record.steps_run:
         return "no samples of the last steps of which it tells"
@@ -274,7 +274,9 @@ def check_complete(record: Record) -> None:
             f"{record.where}: {lacking}; every step and all tables are needed (physim validate "
             "simulates such a run again)"
         )
-    for step in np.setdiff1d(np.arange(record.steps_run + 1), record.steps)[:1].tolist():
+    for step in np.setdiff1d(np.arange(record.begun_at, record.steps_run + 1), record.steps)[
+        :1
+    ].tolist():
         raise RecordError(f"{record.where}: step {step} has no sample; make the record again")
 
 

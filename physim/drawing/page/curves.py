@@ -9,7 +9,7 @@ import numpy as np
 from physim.drawing.crowd import MOST_LINES, NAMED, quantiles
 from physim.drawing.page.packing import Pack
 from physim.drawing.timeline import Timeline
-from physim.geometry.shapes import IntArray
+from physim.geometry.shapes import FloatArray, IntArray
 
 BINS = 3000
 """Least values at most; of longer runs each is that of a stretch of time"""
@@ -56,6 +56,11 @@ def pack_curves(timeline: Timeline, pack: Pack) -> dict[str, Any]:
     }
 
 
+def _moments(timeline: Timeline) -> FloatArray:
+    """(T,) [s] spread evenly over a run."""
+    return np.linspace(timeline.begin, timeline.duration, MOMENTS)
+
+
 def _pack_times(timeline: Timeline, first: IntArray, pack: Pack) -> bool:
     """Add the least collision time of the decisions in each bin; inf where all have none."""
     record = timeline.record
@@ -82,9 +87,7 @@ def _pack_errors(timeline: Timeline, pack: Pack) -> dict[str, Any]:
     pack.whole("error_step", timeline.record.steps[at])
     pack.real("error", curves.values[at].T, ERROR)
     if bands:
-        levels = quantiles(
-            curves.values[timeline.shown(np.linspace(0.0, timeline.duration, MOMENTS))]
-        )
+        levels = quantiles(curves.values[timeline.shown(_moments(timeline))])
         pack.real("bands", levels, ERROR)
     return {"title": curves.title, "name": curves.name, "bands": bands}
 
@@ -93,7 +96,7 @@ def _pack_modes(timeline: Timeline, pack: Pack) -> bool:
     """Add how many robots of a crowd have each mode (modes + 1, T); the last have none."""
     if timeline.robots <= NAMED:
         return False
-    modes = timeline.modes(timeline.decisions(np.linspace(0.0, timeline.duration, MOMENTS)))
+    modes = timeline.modes(timeline.decisions(_moments(timeline)))
     known = len(timeline.scene.modes)
     counts = [(modes == mode).sum(axis=1) for mode in (*range(known), -1)]
     pack.whole("mode_counts", np.array(counts))

@@ -83,6 +83,7 @@ def run_data(record: Record, summary: Summary, validation: Validation | None = N
         "seed": record.seed,
         "dt": record.dt,
         "robots": timeline.robots,
+        "begin": timeline.begin,
         "duration": timeline.duration,
         "ended": record.ended,
         "crowd": crowd,

@@ -48,7 +48,7 @@ def stretches(record: Record, rows: Any, count: int) -> tuple[FloatArray, IntArr
     These are pairs of numbers, (n,) each: of a row, and of a stretch in which it is in force. A
     decision holds until the next of its robot, which may be longer than a stretch.
     """
-    edges = np.linspace(0.0, max(record.steps_run, 1), count + 1)
+    edges = np.linspace(record.begun_at, max(record.steps_run, record.begun_at + 1), count + 1)
     last_step = np.maximum(rows["next_step"] - 1, rows["step"])
     first, last = (
         np.clip(np.searchsorted(edges, step, side="right") - 1, 0, count - 1)

@@ -45,7 +45,7 @@ def mark_contacts(axes: Sequence[Any], record: Record) -> list[Any]:
 
     run = Figures(record)
     ends = [(e.time, e.time + (e.samples - 1) * record.dt) for e in run.episodes]
-    spans = merged(ends, NARROWEST * max(record.steps_run, 1) * record.dt)
+    spans = merged(ends, NARROWEST * max(record.steps_made, 1) * record.dt)
     low, high = 1.0, 1.0 + STRIP
     corners = [[(a, low), (b, low), (b, high), (a, high)] for a, b in spans]
     handles: list[Any] = []

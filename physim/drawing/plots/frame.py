@@ -172,7 +172,7 @@ def nothing_in(figure: Any) -> str | None:
 def time_axis(axis: Any, record: Record) -> None:
     """Time from start to end of the run."""
     axis.set_xlabel("time [s]")
-    axis.set_xlim(0.0, max(record.steps_run, 1) * record.dt)
+    axis.set_xlim(record.begun, max(record.steps_run, record.begun_at + 1) * record.dt)
 
 
 def zero_line(axis: Any) -> None:

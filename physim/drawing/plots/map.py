@@ -156,8 +156,8 @@ def trajectories(record: Record, every: float | None = None, paper: Paper = USUA
         return finished(figure, handles)
     timeline = Timeline(record)
     every = snapshot_interval(record) if every is None else every
-    count = min(int(timeline.duration / every + 1e-9) + 1, MOST_SNAPSHOTS)
-    at = np.unique(timeline.sample(every * np.arange(count)))
+    count = min(int((timeline.duration - timeline.begin) / every + 1e-9) + 1, MOST_SNAPSHOTS)
+    at = np.unique(timeline.sample(timeline.begin + every * np.arange(count)))
     handles += _courses(axis, record) + _snapshots(axis, timeline, at) + _contacts(axis, record)
     axis.set_title(f"robots every {every:g} s", loc="right", fontsize=8.5)
     finished(figure, handles)
@@ -175,7 +175,7 @@ def snapshot_interval(record: Record) -> float:
     length = float(np.hypot(*np.diff(middle, axis=0).T).sum())
     halfway = record.pose[record.samples // 2, :, :2]
     share = float(np.hypot(*np.ptp(halfway, axis=0))) / length if length > 0.0 else 0.0
-    duration = max(record.steps_run * record.dt, 1e-3)
+    duration = max(record.steps_made * record.dt, 1e-3)
     least = duration * min(share, 0.5 if record.robots > MOST_LINES else 1.0 / LEAST_SNAPSHOTS)
     wanted = max(duration / SNAPSHOTS, least)
     power = 10.0 ** np.floor(np.log10(wanted))

@@ -96,7 +96,7 @@ def _rows(axis: Any, record: Record, spans: NDArray[np.void], height: float) -> 
 
 def mode_counts(record: Record, spans: NDArray[np.void]) -> tuple[FloatArray, IntArray]:
     """Moments (T,) [s] and how many robots are in each of the M modes then (M, T)."""
-    times = np.linspace(0.0, record.steps_run * record.dt, MOMENTS)
+    times = np.linspace(record.begun, record.steps_run * record.dt, MOMENTS)
     found = []
     for mode in range(len(record.modes)):
         mine = spans[spans["mode"] == mode]
@@ -121,6 +121,6 @@ def _handles(record: Record, spans: NDArray[np.void]) -> list[Any]:
     filled = np.bincount(
         coloured["robot"], coloured["end"] - coloured["begin"], minlength=record.robots
     )
-    if filled.min() < record.steps_run * record.dt * (1.0 - BLANK):
+    if filled.min() < record.steps_made * record.dt * (1.0 - BLANK):
         handles.append(Patch(facecolor="white", edgecolor=QUIET, label="blank: no mode given"))
     return handles

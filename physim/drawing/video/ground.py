@@ -209,7 +209,8 @@ class Whole:
             for swept in (True, False):
                 draw_contacts(view, places[contacts.swept == swept], swept, small=True)
             draw_contacts(view, places[np.isfinite(contacts.deep)], False, deep=True)
-        title = f"the whole run, {timeline.duration:.1f} s: where the robots went"
+        span = f"{timeline.begin:.1f} to " if timeline.begin else ""
+        title = f"the whole run, {span}{timeline.duration:.1f} s: where the robots went"
         write_corner(view, [title, *notes(timeline)], grown(fleet.boxes(vertices), 3.0))
 
 

@@ -247,7 +247,8 @@ class Panel:
         words = f"{now.time:.1f} s"
         if self._is_new(Box(PAD, CLOCK + 4, self._right - 60 - PAD, 38), words):
             write(self._image, words, (PAD, CLOCK + 32), 30, weight=BOLD)
-        share = now.time / max(self._timeline.duration, 1e-9)
+        begin, end = self._timeline.begin, self._timeline.duration
+        share = (now.time - begin) / max(end - begin, 1e-9)
         length = round((self._right - PAD) * share)
         if self._is_new(Box(PAD - 4, CLOCK + 46, self._right - PAD + 8, 9), length):
             draw_progress(self._image, PAD, self._right, CLOCK + 50, share)

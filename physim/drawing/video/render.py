@@ -130,7 +130,7 @@ class Beside:
 
     def __init__(self, left: Timeline, right: Timeline, speed: float, fps: float) -> None:
         timelines = left, right
-        self.duration = max(left.duration, right.duration)
+        self.begin, self.duration = _span([left, right])
         self._speed = speed
         half, high = (WIDTH - GAP) // 2, HEIGHT - HEADER - BARS - FOOTER
         boxes = Box(0, HEADER, half, high), Box(WIDTH - half, HEADER, half, high)
@@ -161,7 +161,8 @@ class Beside:
             draw_scale(image, view.box.left + PAD, BARS_TOP + BARS // 2, view.scales[over])
         y = HEIGHT - FOOTER + 32
         write(image, f"{time:.1f} s", (PAD, y), 24, weight=BOLD)
-        draw_progress(image, PAD + 200, BAR_END, y - 8, time / max(self.duration, 1e-9))
+        share = (time - self.begin) / max(self.duration - self.begin, 1e-9)
+        draw_progress(image, PAD + 200, BAR_END, y - 8, share)
         return image
 
     def _outcome(self, image: Image, view: View, time: float, clock: float, held: bool) -> None:
@@ -326,7 +327,8 @@ def render(
 
     With ``beside`` the two runs go on side by side, the second on the right, until both are over;
     titles say in what their worlds differ. ``start`` and ``end`` [s of simulated time] are those
-    of the film; an end after that of the run is the run's.
+    of the film; a start before that of the run, of two runs of the later, is the run's, and so is
+    an end after its end.
 
     The suffix says what is made: H.264 in MP4 (yuv420p, 25 frames a second), GIF (20) or WebP
     (25), which play again and again, or what ``fps`` asks for. ``width`` is 1280 px, of GIF and
@@ -343,8 +345,9 @@ def render(
     fps, width = rate(kind, fps), kind.width if width is None else width
     size_at(width)
     timelines = _timelines(record, beside)
-    end = min(end, _duration(timelines))
-    if not 0.0 <= start < end and (start, end) != (0.0, 0.0):
+    begin, last = _span(timelines)
+    is_early, start, end = start < 0.0, max(start, begin), min(end, last)
+    if is_early or (not start < end and (start, end) != (begin, begin)):
         raise PhysimError(
             f"from {start:g} s to {end:g} s: nothing to show; allowed: a start of at least 0 s and "
             "before the end, which is at most that of the run"
@@ -396,9 +399,9 @@ def frame_at(
     if not math.isfinite(time):
         raise PhysimError(f"time of a still: {time} given; allowed: a finite number of seconds")
     timelines = _timelines(record, beside)
-    duration = _duration(timelines)
-    painter = _painter(timelines, _speed(speed, duration, MP4.longest), rate(MP4, fps))
-    return painter.paint(min(max(float(time), 0.0), duration))
+    begin, end = _span(timelines)
+    painter = _painter(timelines, _speed(speed, end - begin, MP4.longest), rate(MP4, fps))
+    return painter.paint(min(max(float(time), begin), end))
 
 
 def close_up(record: Record, time: float, between: tuple[int, int] | None = None) -> Image:
@@ -435,9 +438,9 @@ def still(
     cannot be written.
     """
     check_still(Path(path))
-    size, over = size_at(width or WIDTH), _duration(_timelines(record, beside))
-    if not 0.0 <= time <= over + 1e-9:
-        raise PhysimError(f"{time:g} s is outside the run, which goes from 0 to {over:g} s")
+    size, (begin, end) = size_at(width or WIDTH), _span(_timelines(record, beside))
+    if not begin - 1e-9 <= time <= end + 1e-9:
+        raise PhysimError(f"{time:g} s is outside the run, which goes from {begin:g} to {end:g} s")
     image = frame_at(record, time, beside=beside, speed=speed)
     save_still(Path(path), resized(image, size))
 
@@ -446,8 +449,10 @@ def _timelines(record: Record, beside: Record | None) -> list[Timeline]:
     return [Timeline(record)] if beside is None else [Timeline(record), Timeline(beside)]
 
 
-def _duration(timelines: list[Timeline]) -> float:
-    return max(timeline.duration for timeline in timelines)
+def _span(timelines: list[Timeline]) -> tuple[float, float]:
+    """[s] from where all runs have begun to where all are over."""
+    begins, ends = zip(*((one.begin, one.duration) for one in timelines), strict=True)
+    return max(begins), max(ends)
 
 
 def _speed(speed: float | None, duration: float, longest: float) -> float:

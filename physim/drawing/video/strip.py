@@ -49,7 +49,7 @@ class Strip:
         self._timeline, self._curves, self._image = timeline, curves, image
         high, wide = image.shape[:2]
         self._wide, self._high = wide - LEFT - NAMES, high - TOP - BOTTOM
-        times = np.linspace(0.0, timeline.duration, 2 * self._wide + 1)
+        times = np.linspace(timeline.begin, timeline.duration, 2 * self._wide + 1)
         shown = timeline.shown(times)
         if curves is timeline.distances:  # the least until the next column; both lines seen at it
             values = np.minimum.reduceat(curves.values, shown).T
@@ -75,7 +75,8 @@ class Strip:
         image[:] = self._blank
 
     def _x(self, time: FloatArray | float) -> FloatArray:
-        return np.asarray(LEFT + time / max(self._timeline.duration, 1e-9) * self._wide)
+        begin, end = self._timeline.begin, self._timeline.duration
+        return np.asarray(LEFT + (time - begin) / max(end - begin, 1e-9) * self._wide)
 
     def _y(self, value: FloatArray | float) -> FloatArray:
         return np.asarray(TOP + (self._top - value) / (self._top - self._low) * self._high)
@@ -97,7 +98,7 @@ class Strip:
             y = round(float(self._y(value)))
             cv2.line(image, (LEFT, y), (right, y), palette.FAINT if value else grey, 1)
             write(image, words, (LEFT - 8, y + 5), SMALL, colour=grey, anchor="right")
-        for time, words in ticks(0.0, self._timeline.duration, 8):
+        for time, words in ticks(self._timeline.begin, self._timeline.duration, 8):
             x = round(float(self._x(time)))
             cv2.line(image, (x, bottom), (x, bottom + 4), grey, 1)
             write(image, words, (x, bottom + 18), SMALL, colour=grey, anchor="middle")
@@ -137,7 +138,8 @@ class Strip:
     def paint(self, now: Moment) -> None:
         """Show one moment; only what is near the cursor, before and now, is drawn anew."""
         image, cursor = self._image, round(float(self._x(now.time)))
-        named = now.time >= LEAST * self._timeline.duration
+        begin, end = self._timeline.begin, self._timeline.duration
+        named = now.time - begin >= LEAST * (end - begin)
         names = self._place_names(now) if named else []
         if (cursor, names) == self._shown:
             return

@@ -146,7 +146,7 @@ function largestReach({ header: { scene } }) {
 function groupSize(run, reach) {
   const scratch = new Float64Array(3 * run.robots);
   const sizes = Array.from({ length: LOOKS }, (_, k) => {
-    const [low, high] = boxOf(run, (run.duration * k) / (LOOKS - 1), scratch);
+    const [low, high] = boxOf(run, run.begin + ((run.duration - run.begin) * k) / (LOOKS - 1), scratch);
     return [high[0] - low[0], high[1] - low[1]];
   });
   return [0, 1].map((axis) => {

@@ -110,9 +110,12 @@ function stroke(context, colour, width, dash, trace) {
   context.setLineDash([]);
 }
 
-/** Fills between two functions of moments spread evenly over a run, 0 to `count` - 1. */
+/** Moment `k` of `count` that are spread evenly over a run [s]. */
+const moment = (run, k, count) => run.begin + ((run.duration - run.begin) * k) / (count - 1);
+
+/** Fills between two functions of such moments. */
 function fill(context, frame, run, count, low, high) {
-  const x = (k) => frame.x((run.duration * k) / (count - 1));
+  const x = (k) => frame.x(moment(run, k, count));
   context.beginPath();
   for (let k = 0; k < count; k++) context.lineTo(x(k), frame.y(high(k)));
   for (let k = count - 1; k >= 0; k--) context.lineTo(x(k), frame.y(low(k)));
@@ -155,7 +158,7 @@ function drawBands(context, frame, run, colour) {
   }
   context.globalAlpha = 1;
   stroke(context, colour, 1.2, [], () => {
-    for (let k = 0; k < count; k++) context.lineTo(frame.x((run.duration * k) / (count - 1)), frame.y(at(3)(k)));
+    for (let k = 0; k < count; k++) context.lineTo(frame.x(moment(run, k, count)), frame.y(at(3)(k)));
   });
 }
 

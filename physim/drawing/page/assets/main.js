@@ -29,13 +29,14 @@ class Page {
     this.contact = -1;
     this.layers = { names: true, targets: true, trails: true };
     this.ready = false;
+    this.begin = Math.max(...runs.map((run) => run.begin));
     this.duration = Math.max(...runs.map((run) => run.duration));
     this.dark = matchMedia("(prefers-color-scheme: dark)");
-    const speed = SPEEDS.find((one) => this.duration / one <= USUAL) ?? SPEEDS.at(-1);
-    this.player = new Player(this.duration, Math.max(1, speed), (time) => this.show(time));
+    const speed = SPEEDS.find((one) => (this.duration - this.begin) / one <= USUAL) ?? SPEEDS.at(-1);
+    this.player = new Player(this.begin, this.duration, Math.max(1, speed), (time) => this.show(time));
     this.views = runs.map((run) => this.makeView(run));
     agree(this.views.map((view) => view.camera));
-    this.plots = new Plots(byId("plots"), runs, this.duration, (time) => this.player.seek(time));
+    this.plots = new Plots(byId("plots"), runs, this.begin, this.duration, (time) => this.player.seek(time));
     this.build();
     this.listen();
   }
@@ -110,6 +111,7 @@ class Page {
       el("p", { class: "quiet" }, `Robots are drawn to within ${exact} mm of where the record has them.`),
     );
     this.scrub = byId("scrub");
+    this.scrub.min = String(this.begin);
     this.scrub.max = String(this.duration);
     this.scrub.step = String(Math.max(this.runs[0].dt, 0.01));
     this.follow();

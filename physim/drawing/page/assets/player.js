@@ -3,9 +3,9 @@
 const KEPT = 600; // frames whose times are kept
 
 export class Player {
-  constructor(duration, speed, show) {
-    Object.assign(this, { duration, speed, show });
-    this.time = 0;
+  constructor(begin, duration, speed, show) {
+    Object.assign(this, { begin, duration, speed, show });
+    this.time = begin;
     this.playing = false;
     this.listeners = [];
     this.frames = []; // [ms] from each frame to the next while it plays
@@ -23,7 +23,7 @@ export class Player {
   }
 
   play() {
-    if (this.time >= this.duration) this.time = 0;
+    if (this.time >= this.duration) this.time = this.begin;
     this.playing = true;
     this.last = null;
     this.changed();
@@ -43,7 +43,7 @@ export class Player {
 
   /** Shows another time [s], within the run. */
   seek(time) {
-    this.time = Math.min(Math.max(Number.isFinite(time) ? time : 0, 0), this.duration);
+    this.time = Math.min(Math.max(Number.isFinite(time) ? time : this.begin, this.begin), this.duration);
     this.last = null;
     this.changed();
     this.draw();

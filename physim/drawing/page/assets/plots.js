@@ -14,8 +14,8 @@ const APART = 4; // [px] from mark to mark on the time axis at least
 
 export class Plots {
   /** `seek` is called with a time [s] while the line is dragged. */
-  constructor(canvas, runs, duration, seek) {
-    Object.assign(this, { canvas, runs, duration });
+  constructor(canvas, runs, begin, duration, seek) {
+    Object.assign(this, { canvas, runs, begin, duration });
     this.context = canvas.getContext("2d");
     this.still = document.createElement("canvas");
     this.rows = courses(runs);
@@ -23,7 +23,7 @@ export class Plots {
     const drag = (event) => {
       const box = canvas.getBoundingClientRect();
       const share = (event.clientX - box.left - LEFT) / (box.width - LEFT - RIGHT);
-      seek(Math.min(Math.max(share, 0), 1) * duration);
+      seek(begin + Math.min(Math.max(share, 0), 1) * (duration - begin));
     };
     canvas.addEventListener("pointerdown", (event) => {
       canvas.setPointerCapture(event.pointerId);
@@ -67,7 +67,8 @@ export class Plots {
   }
 
   x(time) {
-    return LEFT + (this.width - LEFT - RIGHT) * (this.duration ? time / this.duration : 0);
+    const lasts = this.duration - this.begin;
+    return LEFT + (this.width - LEFT - RIGHT) * (lasts ? (time - this.begin) / lasts : 0);
   }
 
   drawStill(colours, active, chosen) {
@@ -166,14 +167,15 @@ export class Plots {
   }
 
   drawAxis(context, colours) {
-    const step = roundBelow(this.duration / Math.max(2, this.width / 130)) || 1;
+    const step = roundBelow((this.duration - this.begin) / Math.max(2, this.width / 130)) || 1;
+    const first = Math.ceil(this.begin / step - 1e-9);
     context.fillStyle = colours.quiet;
     context.textBaseline = "alphabetic";
-    for (let k = 0; k * step <= this.duration + 1e-9; k++) {
+    for (let k = first; k * step <= this.duration + 1e-9; k++) {
       const x = this.x(k * step);
-      context.textAlign = k === 0 ? "left" : x > this.width - RIGHT - 14 ? "right" : "center";
+      context.textAlign = k === first ? "left" : x > this.width - RIGHT - 14 ? "right" : "center";
       const words = tick(k * step, step);
-      context.fillText(k === 0 ? `${words} s` : words, x, this.height - 4);
+      context.fillText(k === first ? `${words} s` : words, x, this.height - 4);
     }
   }
 }

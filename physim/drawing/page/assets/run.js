@@ -8,6 +8,7 @@ export class Run {
     Object.assign(this, { header, number, array });
     this.dt = header.dt;
     this.robots = header.robots;
+    this.begin = header.begin;
     this.duration = header.duration;
     this.names = header.scene.bodies.map((body) => body.name);
     this.modes = header.modes;

@@ -212,6 +212,8 @@ def _exact(record: Record, rows: Rows) -> dict[str, FloatArray]:
     step, pairs = rows["step"], np.stack((rows["a"], rows["b"]), axis=1).astype(np.int64)
     for poses, start in pose_blocks(record) if len(rows) else ():
         first, last = np.searchsorted(step, (start + (start > record.begun_at), start + len(poses)))
+        if first == last:
+            continue
         edges = np.flatnonzero(np.diff(step[first:last], prepend=-1)) + first
         for low, high in zip(edges, [*edges[1:], last], strict=True):
             pose[: record.robots] = poses[step[low] - start]
@@ -370,7 +372,7 @@ def _moment(
     if is_one or not differs(value, true[0], DEPTH_SLACK):
         if not np.isfinite(value):
             return
-        if 0 <= at < record.samples and other >= 0 and other != i:
+        if record.begun_at <= at <= record.steps_run and other >= 0 and other != i:
             there = distance_at(record, min(i, other), max(i, other), at)
             if abs(there - value) > DEPTH_SLACK:
                 text = "at this sample in the record, but the shapes are"

@@ -65,10 +65,12 @@ def _check_commands(record: Record, table: DecisionTable, inside: Inside) -> Ite
     key, listed_key = (some["step"] * record.robots + some["robot"] for some in (rows, commands))
     _, at_decision, listed = np.intersect1d(key, listed_key, return_indices=True)
     last = table.last_rows(commands["robot"], commands["step"])
-    alike = np.ones(len(commands), dtype=np.bool_)
+    inherited = (last < 0) & (record.begun_at > 0)  # held from before the record began
+    alike = ~inherited
     for part in PARTS:
         exact = rows[f"nominal_{part}"].copy()
         decided = np.append(exact, 0.0)[last]  # row -1: 0 before the first decision
+        decided[inherited] = commands[f"nominal_{part}"][inherited]
         exact[at_decision] = commands[f"applied_{part}"][listed]
         column, by = f"applied_{part}", "by the table /commands and the nominal command"
         wrong = rows[column] != exact

@@ -6,7 +6,7 @@ import shlex
 import sys
 from pathlib import Path
 
-from physim.cli.options import AS_IT_IS, Changes, Output, Positive, World
+from physim.cli.options import AS_IT_IS, Changes, Output, Positive, Seconds, World, record_file
 from physim.cli.output import SUMMARY, inputs, run_folder
 from physim.cli.page import make_page
 from physim.cli.pictures import files_written, write_video
@@ -26,6 +26,7 @@ def run(
     changes: Changes = AS_IT_IS,
     observer: tuple[str, ...] = (),
     keep_states: Positive | None = None,
+    from_: Seconds | None = None,
     no_video: bool = False,
     page: bool = False,
     full: bool = False,
@@ -39,6 +40,8 @@ def run(
       --observer NAME  attach a registered observer (physim list) or your own, as module:Class (may
           be repeated)
       --keep-states S  keep the state of the run every S seconds, for other runs to start from
+      --from T  go on from the state that the record given as the world kept at T [s], with another
+          --controller, or with --set of what moves no body
       --no-video  make no video
       --page  write DIR/page.html, too: the run in a browser, to watch, scrub and ask why
       --full  print every figure, as physim summary does
@@ -64,9 +67,15 @@ def run(
       physim run my_world.yaml --set time.duration=20.0 --set controller.beta=0.3
       physim run my_world.yaml --controller my_module:MyController
       physim run my_world.yaml --observer my_module:MyObserver
+      physim run ten_robots --keep-states 10 -o kept
+      physim run kept/record.h5 --from 60 --controller path_following -o branch
     """
     from physim.analysis.summary import summarise, table
     from physim.parts.registry import OBSERVER, make_by_defaults
+    from physim.record import Record
+    from physim.simulation.branching import check_changes, taken_over
+    from physim.simulation.kept_states import state_at
+    from physim.simulation.loop import Simulation
     from physim.simulation.recorder import SaveAt
     from physim.simulation.run import LateError, record_run
 
@@ -75,6 +84,11 @@ def run(
             print(text, file=sys.stderr, flush=True)
 
     simulation = ready(world, changes, quiet, (output or Path("runs")) / "record.h5")
+    if from_ is not None:
+        with Record.load(record_file(world)) as kept:
+            before = Simulation(kept.world, state=state_at(kept, from_))
+        check_changes(before.scene.world, simulation.scene.world)
+        simulation.restore(taken_over(before, simulation))
     try:
         observers = [make_by_defaults(OBSERVER, name, trusted=True) for name in observer]
     except PhysimError as error:

@@ -16,6 +16,7 @@ from physim.simulation.parts import Part
 from physim.simulation.state import SimulationState
 from physim.world import World
 from physim.world.differences import differences
+from physim.world.scene import Scene
 
 if TYPE_CHECKING:
     from physim.simulation.loop import Simulation
@@ -36,27 +37,29 @@ def branch_of(
     if controller is None and "controller" not in changes:
         own = parts.all[0]
         controller = own.made if own.from_python else None
+    world: World | Scene = scene
+    if changes or isinstance(controller, str):
+        world = scene.world.changed(**changes)
+        check_changes(scene.world, world)
     branch = type(simulation)(
-        _changed(scene.world, changes), scene.seed, controller, sensing=given[SENSING],
-        filters=given[FILTER], disturbances=given[DISTURBANCE],
+        world, scene.seed, controller, sensing=given[SENSING], filters=given[FILTER],
+        disturbances=given[DISTURBANCE],
     )  # fmt: skip
-    branch.restore(_taken_over(simulation, branch))
+    branch.restore(taken_over(simulation, branch))
     return branch
 
 
-def _changed(world: World, changes: Mapping[str, Any]) -> World:
-    """The world with changes. Raises PhysimError for the first that may not be in mid-run."""
-    other = world.changed(**changes)
+def check_changes(world: World, other: World) -> None:
+    """Raise PhysimError, one line, for the first key of a world that may not change in mid-run."""
     for key, (before, after) in differences(world, other).items():
         if not f"{key}.".startswith(tuple(f"{one}." for one in FREE)):
             raise PhysimError(
                 f"branch: {key} is {before} and cannot become {after} in mid-run; allowed: "
                 f"{', '.join(FREE)}"
             )
-    return other
 
 
-def _taken_over(simulation: Simulation, branch: Simulation) -> SimulationState:
+def taken_over(simulation: Simulation, branch: Simulation) -> SimulationState:
     """State of a simulation as that of a branch, which stands at sample 0.
 
     Parts that are the same keep theirs; others have that with which they begin.

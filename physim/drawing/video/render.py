@@ -350,7 +350,7 @@ def render(
     if is_early or (not start < end and (start, end) != (begin, begin)):
         raise PhysimError(
             f"from {start:g} s to {end:g} s: nothing to show; allowed: a start of at least 0 s and "
-            "before the end, which is at most that of the run"
+            f"before the end, in a run from {begin:g} s to {last:g} s"
         )
     speed = _speed(speed, end - start, kind.longest)
     times = frame_times(start, end, fps, speed)

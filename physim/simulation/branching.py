@@ -29,12 +29,16 @@ FREE = (
 
 
 def branch_of(
-    simulation: Simulation, controller: Controller | str | None, changes: Mapping[str, Any]
+    simulation: Simulation,
+    controller: Controller | str | Mapping[str, Any] | None,
+    changes: Mapping[str, Any],
 ) -> Simulation:
     """See `Simulation.branch`."""
     scene, parts = simulation.scene, simulation.parts
     given = {kind: [one.made for one in parts.given if one.kind == kind] for kind in STAGES}
-    if controller is None and "controller" not in changes:
+    if isinstance(controller, Mapping):
+        changes, controller = {**changes, "controller": controller}, None
+    elif controller is None:
         own = parts.all[0]
         controller = own.made if own.from_python else None
     world: World | Scene = scene

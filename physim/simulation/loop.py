@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import copy
 import hashlib
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import nullcontext
 from typing import Any, SupportsIndex
 
@@ -369,15 +369,18 @@ class Simulation:
         self._arrivals.restore(state.trail, state.arrived)
         self._sensed, self._told = None, None
 
-    def branch(self, controller: Controller | str | None = None, **changes: Any) -> Simulation:
+    def branch(
+        self, controller: Controller | str | Mapping[str, Any] | None = None, **changes: Any
+    ) -> Simulation:
         """A simulation that goes on from the present sample with something changed.
 
-        ``controller`` as for `Simulation`: it begins with its own memory, and all robots decide at
-        once. ``changes`` are those of `World.changed`, of keys that move and reshape no body
-        (`physim.simulation.branching.FREE`). A stage that is changed, too, begins anew; all else is
-        kept, so that without changes what follows is bit for bit what follows here. Observers stay
-        behind; `physim.record_run` records the branch. Raises PhysimError for a key that cannot
-        change in mid-run, and what `Simulation` raises.
+        ``controller`` as for `Simulation`, or settings of the world's: a controller that is changed
+        begins with its own memory, and all robots decide at once. ``changes`` are those of
+        `World.changed`, of keys that move and reshape no body (`physim.simulation.branching.FREE`).
+        A stage that is changed, too, begins anew; all else is kept, so that without changes what
+        follows is bit for bit what follows here. Observers stay behind; `physim.record_run` records
+        the branch. Raises PhysimError for a key that cannot change in mid-run, and what
+        `Simulation` raises.
         """
         return branch_of(self, controller, changes)
 

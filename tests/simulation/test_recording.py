@@ -154,13 +154,6 @@ def test_what_is_recorded_is_a_value(wild: Any, every: int) -> None:
     assert type(SaveAt(every=np.int8(3)).every) is int
 
 
-def test_a_simulation_that_has_made_steps_is_not_recorded() -> None:
-    simulation = Simulation(load_world("straight"))
-    simulation.step()
-    with pytest.raises(ValueError, match=facts("step 1", "step 0")):
-        record_run(simulation)
-
-
 # Observers
 
 

@@ -164,7 +164,7 @@ class Predictor:
         place = predicted / self.record.dt
         if place > step + 1:
             return False
-        before = max(0, min(math.floor(place), self.record.samples - 2))
+        before = max(self.record.begun_at, min(math.floor(place), self.record.steps_run - 1))
         start, end = self.record.pose_at(before), self.record.pose_at(before + 1)
         now = start + (place - before) * (end - start)
         return abs(pair_distance(self.record, now, a, b)) <= 2.0 * gap

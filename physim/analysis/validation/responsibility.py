@@ -195,7 +195,7 @@ def _behind(record: Record, table: DecisionTable, i: int, other: int, step: int)
     if other >= record.robots:
         return None
     row = table.last(i, step - 1)
-    at = int(row["step"]) if row is not None else max(step - 1, 0)
+    at = int(row["step"]) if row is not None else max(step - 1, record.begun_at)
     return table.reference_station(other, at) - table.reference_station(i, at)
 
 

@@ -19,9 +19,9 @@ from typing import NamedTuple
 import numpy as np
 
 from physim.compiled import compiled
-from physim.geometry.collision import bodies_time
+from physim.geometry.bodies import BOUND_MARGIN, body_gap, frame_from
+from physim.geometry.collision import bodies_time, never_meet
 from physim.geometry.motion import Course, facing_course, move
-from physim.geometry.separation import BOUND_MARGIN, body_gap, frame_from
 from physim.geometry.shapes import FloatArray, IntArray
 from physim.geometry.walls import Sight, seen_distance, seen_time
 from physim.tolerances import TIE
@@ -54,6 +54,13 @@ def course_under(bodies: Bodies, row: int, v: float, omega: float) -> Course:
 
 
 @compiled
+def discs_apart(pose: FloatArray, there: FloatArray, reach: float) -> float:
+    """Lower bound [m] of the distance of two bodies at poses, which reach that far together."""
+    dx, dy = there[0] - pose[0], there[1] - pose[1]
+    return sqrt(dx * dx + dy * dy) - reach - BOUND_MARGIN
+
+
+@compiled
 def distance_to(
     bodies: Bodies, me: int, pose: FloatArray, c: float, s: float, j: int, there: FloatArray,
     enough: float,
@@ -61,30 +68,22 @@ def distance_to(
     """Signed distance (11) [m] of row ``me`` at ``pose`` and row j at ``there``.
 
     (c, s) are cosine and sine of the heading of ``pose``. Exact where it is below ``enough``;
-    otherwise some number from ``enough`` on.
+    otherwise some number from ``enough`` up to it.
     """
-    shapes, mine, its = bodies.shapes, bodies.shape[me], bodies.shape[j]
-    dx, dy = there[0] - pose[0], there[1] - pose[1]
-    bound: float = sqrt(dx * dx + dy * dy) - shapes.radius[mine] - shapes.radius[its] - BOUND_MARGIN
-    if bound >= enough:
-        return bound
-    first, start = shapes.body_start, shapes.part_start
-    turned_c, turned_s, x, y = frame_from(pose, c, s, there)
-    return body_gap(
-        shapes.vertices, start, first[mine], first[mine + 1],
-        shapes.vertices, start, first[its], first[its + 1], turned_c, turned_s, x, y, enough,
-    )  # fmt: skip
+    shapes, shape = bodies.shapes, bodies.shape
+    return body_gap(shapes, shape[me], shapes, shape[j], frame_from(pose, c, s, there), enough)
 
 
 @compiled
 def smallest_distance(bodies: Bodies, near: NearField) -> float:
     """Smallest d_ij [m] by (11) to the considered robots, signed; inf without any."""
-    me, pose = near.me, bodies.pose
-    c, s = bodies.facing[me, 0], bodies.facing[me, 1]
+    me, pose, radius, shape = near.me, bodies.pose, bodies.shapes.radius, bodies.shape
+    c, s, mine = bodies.facing[me, 0], bodies.facing[me, 1], radius[shape[me]]
     smallest = np.inf
     for j in near.rows:
-        d = distance_to(bodies, me, pose[me], c, s, j, pose[j], smallest)  # (11)
-        smallest = min(smallest, d)
+        if discs_apart(pose[me], pose[j], mine + radius[shape[j]]) < smallest:
+            d = distance_to(bodies, me, pose[me], c, s, j, pose[j], smallest)  # (11)
+            smallest = min(smallest, d)
     return smallest
 
 
@@ -97,10 +96,16 @@ def first_robot(
     ``enough`` is that of `smallest_time`.
     """
     shapes, shape, command = bodies.shapes, bodies.shape, bodies.command
+    pose, facing, radius = bodies.pose, bodies.facing, shapes.radius
     smallest = np.inf
     for j in near.rows:
-        theirs = course_under(bodies, j, command[j, 0], near.keep * command[j, 1])
+        theirs = facing_course(
+            pose[j, 0], pose[j, 1], facing[j, 0], facing[j, 1],
+            command[j, 0], near.keep * command[j, 1], radius[shape[j]],
+        )  # fmt: skip
         until = min(smallest, horizon)
+        if never_meet(mine, theirs, until):
+            continue
         xi = bodies_time(shapes, shape[near.me], mine, shapes, shape[j], theirs, until)  # (11)
         smallest = min(smallest, xi)
         if smallest < enough:
@@ -143,17 +148,19 @@ def distance_after(
     left out.
     """
     me, pose, command, end = near.me, bodies.pose, bodies.command, poses[-1]
+    radius, shape = bodies.shapes.radius, bodies.shape
     move(pose[me], pair[0], pair[1], period, end)
-    c, s = cos(end[2]), sin(end[2])
+    c, s, mine = cos(end[2]), sin(end[2]), radius[shape[me]]
     smallest = np.inf
     for k in range(len(near.rows)):
         j = near.rows[k]
         if np.isnan(poses[k, 0]):
             move(pose[j], command[j, 0], command[j, 1], period, poses[k])
-        d = distance_to(bodies, me, end, c, s, j, poses[k], smallest)  # (11)
-        smallest = min(smallest, d)
-        if smallest < enough:
-            return smallest
+        if discs_apart(end, poses[k], mine + radius[shape[j]]) < smallest:
+            d = distance_to(bodies, me, end, c, s, j, poses[k], smallest)  # (11)
+            smallest = min(smallest, d)
+            if smallest < enough:
+                return smallest
     if walls_count:
         gap = seen_distance(bodies.shapes, bodies.shape[me], end, near.sight)
         smallest = min(smallest, gap)

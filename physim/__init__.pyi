@@ -33,6 +33,7 @@ from .parts.stages import (
     with_poses,
 )
 from .record import Record
+from .simulation.kept_states import state_at
 from .simulation.loop import Simulation
 from .simulation.recorder import SaveAt
 from .simulation.run import simulate
@@ -92,6 +93,7 @@ __all__ = [
     "randomness",
     "render",
     "simulate",
+    "state_at",
     "summarise",
     "testing",
     "validate",

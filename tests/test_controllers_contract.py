@@ -282,6 +282,7 @@ def each_with_rows_of_its_own(sensed: Sensed, rng: np.random.Generator) -> Sense
         robot=sensed.robot[taken],
         pose=sensed.pose[taken] + rng.normal(0.0, 0.1, (len(taken), 3)),
         command=sensed.command[taken],
+        velocity=sensed.velocity[taken],
         reference_station=sensed.reference_station[taken] + rng.normal(0.0, 2.0, len(taken)),
         age=sensed.age[taken],
         first=ends - [len(one) for one in rows],

@@ -6,7 +6,7 @@ import shlex
 import sys
 from pathlib import Path
 
-from physim.cli.options import AS_IT_IS, Changes, Output, World
+from physim.cli.options import AS_IT_IS, Changes, Output, Positive, World
 from physim.cli.output import SUMMARY, inputs, run_folder
 from physim.cli.page import make_page
 from physim.cli.pictures import files_written, write_video
@@ -25,6 +25,7 @@ def run(
     force: bool = False,
     changes: Changes = AS_IT_IS,
     observer: tuple[str, ...] = (),
+    keep_states: Positive | None = None,
     no_video: bool = False,
     page: bool = False,
     full: bool = False,
@@ -37,6 +38,7 @@ def run(
       --force  overwrite an earlier run in DIR
       --observer NAME  attach a registered observer (physim list) or your own, as module:Class (may
           be repeated)
+      --keep-states S  keep the state of the run every S seconds, for other runs to start from
       --no-video  make no video
       --page  write DIR/page.html, too: the run in a browser, to watch, scrub and ask why
       --full  print every figure, as physim summary does
@@ -65,6 +67,7 @@ def run(
     """
     from physim.analysis.summary import summarise, table
     from physim.parts.registry import OBSERVER, make_by_defaults
+    from physim.simulation.recorder import SaveAt
     from physim.simulation.run import LateError, record_run
 
     def say(text: str) -> None:
@@ -83,7 +86,8 @@ def run(
         try:
             with Bar(scene.world.name, scene.steps * scene.dt, "s", quiet) as bar:
                 record = record_run(
-                    simulation, observers=observers, path=folder / "record.h5",
+                    simulation, observers=observers, save=SaveAt(states=keep_states),
+                    path=folder / "record.h5",
                     progress=bar.simulated if bar.visible else None, stop=interrupt,
                 )  # fmt: skip
         except LateError as error:  # in an observer, after the last step

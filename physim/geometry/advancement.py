@@ -4,8 +4,25 @@ At each time the parts are apart by a gap along some axis. How far either part c
 axis in a further time is bounded, the bound says how long the gap lasts, and time goes on by that
 much. So no contact is ever stepped over: at every earlier instant the parts are apart.
 
-The bounds, along an axis that stands still and along the normal of an edge of a body that turns,
-are in `face_bound`.
+Along an axis that stands still a body's reference point moves by
+``a sin(k t)/k + b (1 - cos(k t))/k^2`` (a speed along the axis now, k turning rate, b acceleration
+along the axis now), a vertex about it by ``x cos(w t) + r sin(w t)/w`` less x. With sin y <= y,
+sin y >= y - y^3/6, 1 - y^2/2 <= cos y <= 1 these are below polynomials with coefficients >= 0 from
+the second power on, so their sum and the maximum over the vertices, closing(t), are convex.
+closing(0) <= 0, hence closing(T) <= gap bounds all times up to T, not only the start. The first
+power is exact, so that steps shrink no faster than the gap closes (Newton-like near contact).
+
+Such an axis sees the ends of a turning edge come and go faster than the edge itself does at the
+vertex before it. So where the best axis is the normal of an edge of a body that turns, the axis
+turns along. In the frame of that body a vertex q of the other part lies at ``h`` above the edge,
+with ``h'`` known exactly, and ``|h''|`` is bounded by
+
+    pull + 2 |spin| speed + spin^2 reach + (other spin - spin)^2 radius
+
+(pull: accelerations of both reference points; speed: of these to each other; reach: how far apart
+they may come; radius: of the other body), so that ``h + h' t -+ bend t^2 / 2`` are bounds. When
+the other body does not turn, the last term goes and the reach is that of the vertex itself: walls
+have vertices in the world frame and no radius.
 """
 
 from __future__ import annotations
@@ -16,18 +33,18 @@ from typing import NamedTuple
 import numpy as np
 
 from physim.compiled import compiled
-from physim.geometry.convex import by_outline, part_faces, support_gap
-from physim.geometry.gap_bounds import (
-    Closing,
-    Relative,
-    certified_step,
-    face_step,
-    travel,
-    turned,
+from physim.geometry.convex import (
+    Faces,
+    Frame,
+    before,
+    by_outline,
+    frame_at,
+    outline_witness,
+    part_faces,
+    support_gap,
 )
 from physim.geometry.motion import Course, along_course
-from physim.geometry.shapes import FloatArray
-from physim.geometry.witness import outline_witness
+from physim.geometry.shapes import Part
 from physim.tolerances import CONTACT
 
 MARGIN = 0.25
@@ -35,6 +52,49 @@ MARGIN = 0.25
 
 MOST_STEPS = 2000
 """Advances after which the time reached is returned: a lower bound of the collision time."""
+
+LOOKS = 3
+"""How often the advance is lengthened towards the root of closing(t) = gap."""
+
+
+# How two parts lie to each other
+
+
+class Relative(NamedTuple):
+    """Body b seen from body a at one time."""
+
+    f: Frame
+    vx: float
+    """[m/s] velocity of b's reference point less that of a's, in a's frame"""
+    vy: float
+    spin: float
+    """[rad/s] of a"""
+    other_spin: float
+    pull: float
+    """[m/s^2] bound on the accelerations of both reference points together"""
+    speed: float
+    """[m/s] both speeds together"""
+    radius: float
+    """[m] of b"""
+
+
+@compiled
+def turned(r: Relative, radius: float) -> Relative:
+    """Body a, of that radius, seen from body b."""
+    f = r.f
+    return Relative(
+        frame_at(f.c, -f.s, -(f.c * f.tx + f.s * f.ty), -(f.c * f.ty - f.s * f.tx)),
+        -(f.c * r.vx + f.s * r.vy), -(f.c * r.vy - f.s * r.vx),
+        r.other_spin, r.spin, r.pull, r.speed, radius,
+    )  # fmt: skip
+
+
+class Closing(NamedTuple):
+    """Coefficients of the bound on how far two bodies close along an axis, but for the turning."""
+
+    first: float
+    second: float
+    third: float
 
 
 class Look(NamedTuple):
@@ -54,75 +114,59 @@ class Look(NamedTuple):
     face: int
     """1: the axis is the normal of an edge of P, 2: of Q, 0: of neither"""
     edge: int
-    """that edge, by its last vertex"""
+    """that edge"""
     seen: Relative
     """Q seen from P"""
 
 
 @compiled
-def face_normal(
-    P: FloatArray,
-    p0: int,
-    p1: int,
-    Q: FloatArray,
-    q0: int,
-    q1: int,
-    c: float,
-    s: float,
-    of_q: bool,
-    edge: int,
-) -> tuple[float, float]:
-    """Return the unit normal of the edge that `part_faces` found, from P to Q, in P's frame."""
-    if edge < 0:
-        return 1.0, 0.0
-    if of_q:
-        k = edge - 1 if edge > q0 else q1 - 1
-        ex = Q[edge, 0] - Q[k, 0]
-        ey = Q[edge, 1] - Q[k, 1]
-        size = math.sqrt(ex * ex + ey * ey)
-        nx = -ey / size
-        ny = ex / size
-        return c * nx - s * ny, s * nx + c * ny
-    k = edge - 1 if edge > p0 else p1 - 1
-    ex = P[edge, 0] - P[k, 0]
-    ey = P[edge, 1] - P[k, 1]
+def edge_normal(P: Part, m: int) -> tuple[float, float]:
+    """Unit normal of edge m, outward, in P's frame."""
+    k = before(P, m)
+    ex = P.vertices[m, 0] - P.vertices[k, 0]
+    ey = P.vertices[m, 1] - P.vertices[k, 1]
     size = math.sqrt(ex * ex + ey * ey)
     return ey / size, -ex / size
 
 
 @compiled
-def look_at(
-    P: FloatArray,
-    p0: int,
-    p1: int,
-    a: Course,
-    Q: FloatArray,
-    q0: int,
-    q1: int,
-    b: Course,
-    t: float,
-) -> Look:
+def face_normal(P: Part, Q: Part, f: Frame, faces: Faces) -> tuple[float, float]:
+    """Return the unit normal of the edge that `part_faces` found, from P to Q, in P's frame."""
+    if faces.edge < 0:
+        return 1.0, 0.0
+    if faces.of_q:
+        nx, ny = edge_normal(Q, faces.edge)
+        nx, ny = -nx, -ny
+        return f.c * nx - f.s * ny, f.s * nx + f.c * ny
+    return edge_normal(P, faces.edge)
+
+
+@compiled
+def look_at(P: Part, a: Course, Q: Part, b: Course, t: float) -> Look:
     """Distance of part P on course a and part Q on course b at time t [s], and the best axis."""
     ax, ay, ac, az, avx, avy = along_course(a, t)
     bx, by, bc, bz, bvx, bvy = along_course(b, t)
-    c = ac * bc + az * bz
-    s = ac * bz - az * bc
-    tx = ac * (bx - ax) + az * (by - ay)
-    ty = ac * (by - ay) - az * (bx - ax)
-    gap, of_q, edge, settled = part_faces(P, p0, p1, Q, q0, q1, c, s, tx, ty, 0.0, 0.0, np.inf)
-    nx, ny = face_normal(P, p0, p1, Q, q0, q1, c, s, of_q, edge)
-    face = 2 if of_q else 1
+    f = frame_at(
+        ac * bc + az * bz,
+        ac * bz - az * bc,
+        ac * (bx - ax) + az * (by - ay),
+        ac * (by - ay) - az * (bx - ax),
+    )
+    faces = part_faces(P, Q, f, np.inf)
+    gap, edge = faces.gap, faces.edge
+    nx, ny = face_normal(P, Q, f, faces)
+    face = 2 if faces.of_q else 1
     if edge < 0:
         face = 0
     d, outline, ox, oy = gap, False, 0.0, 0.0
-    if not settled:
-        distance, _, _, ox, oy = outline_witness(P, p0, p1, Q, q0, q1, c, s, tx, ty, 0.0, 0.0)
-        d, outline = by_outline(gap, distance, abs(tx) + abs(ty))
+    if not faces.settled:
+        distance, _, _, ox, oy = outline_witness(P, Q, f)
+        d, outline = by_outline(gap, distance, f)
     if outline and d > 0.0:
         size = math.sqrt(ox * ox + oy * oy)
         ox /= size
         oy /= size
-        wide = support_gap(P, p0, p1, Q, q0, q1, c, s, tx, ty, 0.0, 0.0, ox, oy)
+        wide = support_gap(P, Q, f, ox, oy)
         # Rounding can spoil the direction between two close points: then keep the normal.
         if wide > gap:
             nx, ny, gap = ox, oy, wide
@@ -134,25 +178,193 @@ def look_at(
     two = travel(-nx, -ny, bvx, bvy, b.turn)
     closing = Closing(one.first + two.first, one.second + two.second, one.third + two.third)
     pull = a.speed * abs(a.turn) + b.speed * abs(b.turn)
-    seen = Relative(
-        c, s, tx, ty, bvx - avx, bvy - avy, a.spin, b.spin, pull, a.speed + b.speed, b.radius
-    )
+    seen = Relative(f, bvx - avx, bvy - avy, a.spin, b.spin, pull, a.speed + b.speed, b.radius)
     return Look(
-        d, gap, nx, ny, c * nx + s * ny, c * ny - s * nx, closing, face, edge, seen
+        d, gap, nx, ny, f.c * nx + f.s * ny, f.c * ny - f.s * nx, closing, face, edge, seen
     )  # fmt: skip
+
+
+# An axis that stands still
+
+
+@compiled
+def travel(ax: float, ay: float, vx: float, vy: float, turn: float) -> Closing:
+    """Bound on the travel along the axis (ax, ay) of a point of velocity v that turns."""
+    along = ax * vx + ay * vy
+    bend = turn * (ay * vx - ax * vy)
+    return Closing(along, 0.5 * max(0.0, bend), max(0.0, -along) * turn * turn / 6.0)
+
+
+@compiled
+def top_along(P: Part, ux: float, uy: float) -> float:
+    """Return how far a part reaches along (ux, uy) from the origin of its frame."""
+    top = -np.inf
+    for k in range(P.first, P.end):
+        top = max(top, ux * P.vertices[k, 0] + uy * P.vertices[k, 1])
+    return top
+
+
+@compiled
+def turning_reach(P: Part, ux: float, uy: float, spin: float, top: float, t: float) -> float:
+    """Bound on how far a part, turning for time t, reaches along (ux, uy) beyond ``top``."""
+    V = P.vertices
+    best = -np.inf
+    square = 0.5 * (spin * t) * (spin * t)
+    for k in range(P.first, P.end):
+        x = ux * V[k, 0] + uy * V[k, 1]
+        rate = spin * (uy * V[k, 0] - ux * V[k, 1])
+        reach = x + t * rate
+        if x < 0.0:
+            reach -= square * x
+        if rate < 0.0:
+            reach -= square * t * rate / 3.0
+        best = max(best, reach)
+    return best - top
+
+
+@compiled
+def closed(
+    P: Part, a: Course, Q: Part, b: Course, look: Look, top_a: float, top_b: float, t: float
+) -> float:
+    """Bound on how far two parts close along the axis in a time t [s]: closing(t)."""
+    closing = look.closing
+    value = (closing.first + (closing.second + closing.third * t) * t) * t
+    if a.spin != 0.0:
+        value += turning_reach(P, look.nx, look.ny, a.spin, top_a, t)
+    if b.spin != 0.0:
+        value += turning_reach(Q, -look.ux, -look.uy, b.spin, top_b, t)
+    return value
+
+
+@compiled
+def certified_step(
+    P: Part, a: Course, Q: Part, b: Course, look: Look, gap: float, rest: float
+) -> float:
+    """Return a time [s] for which the gap along the axis surely lasts (more than ``rest`` is
+    enough)."""
+    top_a = top_along(P, look.nx, look.ny) if a.spin != 0.0 else 0.0
+    top_b = top_along(Q, -look.ux, -look.uy) if b.spin != 0.0 else 0.0
+    speed = a.speed + b.speed
+    low = gap / (speed + abs(a.spin) * a.radius + abs(b.spin) * b.radius)
+    # Turning never takes a vertex out of the body's disc.
+    discs = gap
+    if a.spin != 0.0:
+        discs -= a.radius - top_a
+    if b.spin != 0.0:
+        discs -= b.radius - top_b
+    if discs > 0.0:
+        low = max(low, discs / speed)
+    at_low, high = 0.0, low
+    for look_number in range(64):
+        value = closed(P, a, Q, b, look, top_a, top_b, high)
+        if value > gap:
+            if look_number == 0:
+                return low
+            break
+        low, at_low = high, value
+        if low > rest:
+            return low
+        high = 2.0 * low
+    else:
+        return low
+    # Along chords, which lie above the convex curve, towards closing = gap.
+    at_high = value
+    for _ in range(LOOKS):
+        t = low + (high - low) * (gap - at_low) / (at_high - at_low)
+        value = closed(P, a, Q, b, look, top_a, top_b, t)
+        if not value <= gap:
+            return low
+        low, at_low = t, value
+        if gap - value < 0.05 * gap:
+            return low
+    return low
+
+
+# An axis that turns with an edge
+
+
+class Height(NamedTuple):
+    """Of a vertex above an edge."""
+
+    height: float
+    """[m]"""
+    rate: float
+    """[m/s] how fast it grows"""
+    reach: float
+    """[m] goes into `bend`"""
+
+
+@compiled
+def above(P: Part, m: int, nx: float, ny: float, Q: Part, j: int, r: Relative) -> Height:
+    """Height of vertex j of Q above vertex m of P along (nx, ny), all seen from P."""
+    f, V, W = r.f, P.vertices, Q.vertices
+    ox = f.c * W[j, 0] - f.s * W[j, 1]
+    oy = f.s * W[j, 0] + f.c * W[j, 1]
+    x = ox + f.tx
+    y = oy + f.ty
+    vx = r.vx - r.other_spin * oy + r.spin * y
+    vy = r.vy + r.other_spin * ox - r.spin * x
+    if r.other_spin == 0.0:
+        reach = math.sqrt(x * x + y * y)
+    else:
+        reach = math.sqrt(f.tx * f.tx + f.ty * f.ty)
+    h = nx * (ox + (f.tx - V[m, 0])) + ny * (oy + (f.ty - V[m, 1]))
+    return Height(h, nx * vx + ny * vy, reach)
+
+
+@compiled
+def bend(r: Relative, reach: float, most: float) -> float:
+    """Bound on |h''| [m/s^2] over a time ``most`` [s] of a vertex of that reach."""
+    turning = r.spin * r.spin * (reach + r.speed * most) + 2.0 * abs(r.spin) * r.speed
+    if r.other_spin == 0.0:
+        return r.pull + turning
+    twist = r.other_spin - r.spin
+    return r.pull + turning + twist * twist * r.radius
+
+
+@compiled
+def lasting(room: float, rate: float, bend: float) -> float:
+    """Time [s] up to which ``room + rate t - bend t^2 / 2`` is positive; room > 0, bend >= 0."""
+    root = math.sqrt(rate * rate + 2.0 * bend * room)
+    if rate < 0.0:
+        return 2.0 * room / (root - rate)
+    if bend == 0.0:
+        return np.inf
+    return (rate + root) / bend
+
+
+@compiled
+def face_step(P: Part, m: int, Q: Part, r: Relative, spare: float) -> float:
+    """Return a time [s] for which the gap along the normal of edge m of P, which turns, lasts.
+
+    The gap stays above what it is now less ``spare`` [m]. Half a turn of P is the most it looks
+    ahead.
+    """
+    nx, ny = edge_normal(P, m)
+    low = np.inf
+    for j in range(Q.first, Q.end):
+        low = min(low, above(P, m, nx, ny, Q, j, r).height)
+    # First for the longest time, then for that of the time found.
+    best = 0.0
+    most = math.pi / abs(r.spin)
+    for _ in range(2):
+        found = most
+        for j in range(Q.first, Q.end):
+            at = above(P, m, nx, ny, Q, j, r)
+            found = min(
+                found, lasting(at.height - low + spare, at.rate, bend(r, at.reach, most))
+            )  # fmt: skip
+        best = max(best, found)
+        most = min(most, 3.0 * best)
+    return best
+
+
+# Advancement
 
 
 @compiled
 def advancement_time(
-    P: FloatArray,
-    p0: int,
-    p1: int,
-    a: Course,
-    Q: FloatArray,
-    q0: int,
-    q1: int,
-    b: Course,
-    horizon: float,
+    P: Part, a: Course, Q: Part, b: Course, horizon: float
 ) -> tuple[float, float, int]:
     """Return (xi [s], distance then [m], advances) of part P on course a and part Q on course b.
 
@@ -160,18 +372,14 @@ def advancement_time(
     apart; at xi they are within CONTACT, unless the advances are MOST_STEPS: then xi is a lower
     bound and the distance says how far they still are.
     """
-    return fall_time(P, p0, p1, a, Q, q0, q1, b, 0.0, CONTACT, 0.0, horizon)
+    return fall_time(P, a, Q, b, 0.0, CONTACT, 0.0, horizon)
 
 
 @compiled
 def fall_time(
-    P: FloatArray,
-    p0: int,
-    p1: int,
+    P: Part,
     a: Course,
-    Q: FloatArray,
-    q0: int,
-    q1: int,
+    Q: Part,
     b: Course,
     level: float,
     slack: float,
@@ -190,7 +398,7 @@ def fall_time(
     t = start
     d = np.inf
     for step in range(MOST_STEPS):
-        look = look_at(P, p0, p1, a, Q, q0, q1, b, t)
+        look = look_at(P, a, Q, b, t)
         d = look.distance
         if d <= level + slack:
             return t, d, step
@@ -200,19 +408,12 @@ def fall_time(
             return t, d, MOST_STEPS
         rest = horizon - t
         stride = 0.0
-        seen = look.seen
-        V, v0, v1, W, w0, w1 = P, p0, p1, Q, q0, q1
-        if look.face == 2:
-            seen = turned(seen, a.radius)
-            V, v0, v1, W, w0, w1 = Q, q0, q1, P, p0, p1
-        if look.face != 0 and seen.spin != 0.0:
-            stride = face_step(V, v0, v1, look.edge, W, w0, w1, seen, room)
+        if look.face == 1 and a.spin != 0.0:
+            stride = face_step(P, look.edge, Q, look.seen, room)
+        elif look.face == 2 and b.spin != 0.0:
+            stride = face_step(Q, look.edge, P, turned(look.seen, a.radius), room)
         if stride <= rest:
-            fixed = certified_step(
-                P, p0, p1, a, Q, q0, q1, b, look.closing,
-                look.nx, look.ny, look.ux, look.uy, room, rest,
-            )  # fmt: skip
-            stride = max(stride, fixed)
+            stride = max(stride, certified_step(P, a, Q, b, look, room, rest))
         t += stride
         if not t <= horizon:
             return np.inf, d, step + 1

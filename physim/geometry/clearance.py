@@ -10,6 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from physim.compiled import compiled
+from physim.geometry.convex import frame_at
 from physim.geometry.neighbours import (
     Neighbours,
     bounding_discs,
@@ -102,8 +103,8 @@ def fill(
             shapes, discs, frame, spread, rim
         )
         for i in range(robots):
-            x, y, c, s = frame[i, 0], frame[i, 1], frame[i, 2], frame[i, 3]
-            gap, part = nearest_seen(shapes, i, x, y, c, s, sight)
+            f = frame_at(frame[i, 2], frame[i, 3], frame[i, 0], frame[i, 1])
+            gap, part = nearest_seen(shapes, i, f, sight)
             out.boundary_clearance[b, i] = gap
             out.boundary_other[b, i] = robots + part_body[part] if part >= 0 else -1
     return measured

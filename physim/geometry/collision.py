@@ -6,7 +6,10 @@ up to the horizon. It is never late: at every earlier instant the shapes are apa
 are within 1e-9 m; a graze within 1e-9 m may count either way. Should the advancement of parts that
 turn reach its cap (MOST_STEPS), the value is a lower bound.
 
-- Both keep their headings (omega = 0): closed form, `physim.geometry.translation`.
+- Both keep their headings (omega = 0): closed form. As P sees it, part Q moves along a straight
+  line. Along each separating axis the gap is linear in time, so it says when the parts overlap on
+  that axis; they touch while they overlap on all axes (normals of both; for two segments or points,
+  which those do not decide, their directions too).
 - Otherwise: certified conservative advancement, `physim.geometry.advancement`.
 
 Early outs only leave out what cannot meet, and never change a value. A twist is (v [m/s],
@@ -16,11 +19,14 @@ omega [rad/s]) in the body frame, poses are (3,) in the world frame.
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
 from physim.compiled import compiled
 from physim.geometry.advancement import advancement_time
+from physim.geometry.bodies import point_gap
+from physim.geometry.convex import Frame, frame_at, part_gap, support_gap
 from physim.geometry.motion import (
     Course,
     arc_course,
@@ -28,9 +34,8 @@ from physim.geometry.motion import (
     relative_motion,
     still_course,
 )
-from physim.geometry.separation import point_gap
-from physim.geometry.shapes import FloatArray, IntArray, Shapes
-from physim.geometry.translation import translation_time
+from physim.geometry.shapes import FloatArray, IntArray, Part, Shapes
+from physim.tolerances import CONTACT
 
 BOUND_MARGIN = 1e-8
 """[m] An early out must leave this much: ten times CONTACT, and far above rounding."""
@@ -39,7 +44,142 @@ LARGEST_CIRCLE = 1e6
 """[m] Radius of a turning circle up to which discs are trusted: its middle is known to 1e-16 of
 that, which must stay far below BOUND_MARGIN."""
 
+PARALLEL = 1e-12
+"""[-] Motion along an axis below this share of the speed is rounding: 1e-10 m over 100 m."""
+
 Twist = tuple[float, float]
+
+
+# Closed form
+
+
+class Straight(NamedTuple):
+    """Part Q as part P sees it now, and its velocity."""
+
+    f: Frame
+    vx: float
+    """[m/s] in P's frame"""
+    vy: float
+
+
+class Times(NamedTuple):
+    """When two parts overlap on the axes looked at so far [s]."""
+
+    first: float
+    last: float
+    near_first: float
+    """likewise for gaps of at most CONTACT"""
+    near_last: float
+
+
+@compiled
+def clip(times: Times, gap: float, rate: float, least: float) -> Times:
+    """Cut the times of overlap down to those with ``gap + rate * t <= 0`` (or <= CONTACT)."""
+    first, last, near_first, near_last = times
+    if abs(rate) <= least:
+        if gap > 0.0:
+            last = -np.inf
+        if gap > CONTACT:
+            near_last = -np.inf
+    elif rate < 0.0:
+        first = max(first, -gap / rate)
+        near_first = max(near_first, (CONTACT - gap) / rate)
+    else:
+        last = min(last, -gap / rate)
+        near_last = min(near_last, (CONTACT - gap) / rate)
+    return Times(first, last, near_first, near_last)
+
+
+@compiled
+def clip_normals(times: Times, P: Part, Q: Part, motion: Straight, least: float) -> Times:
+    """`clip` over the edge normals of P."""
+    V, W, f = P.vertices, Q.vertices, motion.f
+    k = P.end - 1
+    for m in range(P.first, P.end):
+        ex = V[m, 0] - V[k, 0]
+        ey = V[m, 1] - V[k, 1]
+        length = math.sqrt(ex * ex + ey * ey)
+        if length > 0.0:
+            nx = ey / length
+            ny = -ex / length
+            ux = f.c * nx + f.s * ny
+            uy = f.c * ny - f.s * nx
+            low = np.inf
+            for j in range(Q.first, Q.end):
+                low = min(low, ux * W[j, 0] + uy * W[j, 1])
+            gap = low + (nx * (f.tx - V[k, 0]) + ny * (f.ty - V[k, 1]))
+            times = clip(times, gap, nx * motion.vx + ny * motion.vy, least)
+            if times.near_last < 0.0:
+                return times
+        k = m
+    return times
+
+
+@compiled
+def clip_directions(times: Times, P: Part, Q: Part, motion: Straight, least: float) -> Times:
+    """`clip` over the directions of two segments or points, of the motion, and across it."""
+    V, W, f, wx, wy = P.vertices, Q.vertices, motion.f, motion.vx, motion.vy
+    px = V[P.end - 1, 0] - V[P.first, 0]
+    py = V[P.end - 1, 1] - V[P.first, 1]
+    qx = W[Q.end - 1, 0] - W[Q.first, 0]
+    qy = W[Q.end - 1, 1] - W[Q.first, 1]
+    axes = ((px, py), (f.c * qx - f.s * qy, f.s * qx + f.c * qy), (wx, wy), (-wy, wx))
+    for ax, ay in axes:
+        size = math.sqrt(ax * ax + ay * ay)
+        if size > 0.0:
+            for sign in (1.0, -1.0):
+                nx = sign * ax / size
+                ny = sign * ay / size
+                gap = support_gap(P, Q, f, nx, ny)
+                times = clip(times, gap, nx * wx + ny * wy, least)
+    return times
+
+
+@compiled
+def translation_times(P: Part, a: Course, Q: Part, b: Course, horizon: float) -> Times:
+    """When P and Q overlap on all axes, neither of which turns.
+
+    Of times that do not come within [0, horizon] only that is sure: they do not.
+    """
+    c, s, x, y, vx, vy = relative_motion(a, b)
+    least = PARALLEL * math.sqrt(vx * vx + vy * vy)
+    times = Times(-np.inf, np.inf, -np.inf, np.inf)
+    motion = Straight(frame_at(c, s, x, y), vx, vy)
+    times = clip_normals(times, P, Q, motion, least)
+    if times.near_last < 0.0 or times.near_first > min(times.near_last, horizon):
+        return times
+    back = frame_at(c, -s, -(c * x + s * y), -(c * y - s * x))
+    back_motion = Straight(back, -(c * vx + s * vy), -(c * vy - s * vx))
+    times = clip_normals(times, Q, P, back_motion, least)
+    if P.end - P.first <= 2 and Q.end - Q.first <= 2:
+        times = clip_directions(times, P, Q, motion, least)
+    return times
+
+
+@compiled
+def translation_time(P: Part, a: Course, Q: Part, b: Course, horizon: float) -> float:
+    """Collision time [s] of P and Q, neither of which turns; inf if none.
+
+    0 when they are within CONTACT now. Where they graze within CONTACT it may say either.
+    """
+    times = translation_times(P, a, Q, b, horizon)
+    if times.near_last < 0.0 or times.near_first > min(times.near_last, horizon):
+        return np.inf
+    c, s, x, y, vx, vy = relative_motion(a, b)
+    if times.near_first <= 0.0 and part_gap(P, Q, frame_at(c, s, x, y), np.inf) <= CONTACT:
+        return 0.0
+    xi = max(times.first, 0.0)
+    if xi > horizon:
+        return np.inf
+    if xi <= times.last:
+        return xi
+    # A graze: the overlap is shorter than rounding, or a gap within CONTACT.
+    if part_gap(P, Q, frame_at(c, s, x + xi * vx, y + xi * vy), np.inf) <= CONTACT:
+        return xi
+    return np.inf
+
+
+# Early outs
 
 
 @compiled
@@ -108,49 +248,11 @@ def never_near(a: Course, b: Course, horizon: float) -> bool:
 
 
 @compiled
-def part_time(
-    P: FloatArray,
-    p0: int,
-    p1: int,
-    a: Course,
-    Q: FloatArray,
-    q0: int,
-    q1: int,
-    b: Course,
-    horizon: float,
-) -> float:
-    """Collision time [s] of two parts on their courses."""
-    if moves_straight(a, b):
-        c, s, x, y, vx, vy = relative_motion(a, b)
-        return translation_time(P, p0, p1, Q, q0, q1, c, s, x, y, vx, vy, horizon)
-    return advancement_time(P, p0, p1, a, Q, q0, q1, b, horizon)[0]
-
-
-@compiled
-def bodies_time(
-    shapes_a: Shapes, i: int, a: Course, shapes_b: Shapes, j: int, b: Course, horizon: float
-) -> float:
-    """Collision time [s] of body i on course a and body j on course b; inf when there is none."""
-    xi = np.inf
-    if never_meet(a, b, horizon):
-        return xi
-    P, p_start = shapes_a.vertices, shapes_a.part_start
-    Q, q_start = shapes_b.vertices, shapes_b.part_start
-    q_first, q_last = shapes_b.body_start[j], shapes_b.body_start[j + 1]
-    for p in range(shapes_a.body_start[i], shapes_a.body_start[i + 1]):
-        p0, p1 = p_start[p], p_start[p + 1]
-        for q in range(q_first, q_last):
-            time = part_time(P, p0, p1, a, Q, q_start[q], q_start[q + 1], b, min(xi, horizon))
-            xi = min(xi, time)
-    return xi
-
-
-@compiled
-def clear_of_part(a: Course, W: FloatArray, p0: int, p1: int, horizon: float) -> bool:
+def clear_of_part(a: Course, wall: Part, horizon: float) -> bool:
     """Whether discs alone show that a body does not meet a part that stands still."""
     if stays(a):
         x, y, radius = swept_disc(a)
-        return point_gap(W, p0, p1, x, y) > radius + BOUND_MARGIN
+        return point_gap(wall, x, y) > radius + BOUND_MARGIN
     if a.turn != 0.0:
         return False
     # Straight ahead: all vertices to the left, to the right, behind or beyond.
@@ -161,9 +263,9 @@ def clear_of_part(a: Course, W: FloatArray, p0: int, p1: int, horizon: float) ->
     right = np.inf
     behind = np.inf
     beyond = np.inf
-    for k in range(p0, p1):
-        x = W[k, 0] - a.x
-        y = W[k, 1] - a.y
+    for k in range(wall.first, wall.end):
+        x = wall.vertices[k, 0] - a.x
+        y = wall.vertices[k, 1] - a.y
         along = ux * x + uy * y
         across = ux * y - uy * x
         left = min(left, across)
@@ -173,27 +275,54 @@ def clear_of_part(a: Course, W: FloatArray, p0: int, p1: int, horizon: float) ->
     return left > room or right > room or behind > room or beyond > room
 
 
+# Bodies
+
+
 @compiled
-def walls_time(
-    shapes: Shapes, i: int, a: Course, walls: Shapes, part_ids: IntArray, horizon: float
+def part_time(P: Part, a: Course, Q: Part, b: Course, horizon: float) -> float:
+    """Collision time [s] of two parts on their courses."""
+    if moves_straight(a, b):
+        return translation_time(P, a, Q, b, horizon)
+    return advancement_time(P, a, Q, b, horizon)[0]
+
+
+@compiled
+def bodies_time(
+    shapes_a: Shapes, i: int, a: Course, shapes_b: Shapes, j: int, b: Course, horizon: float
 ) -> float:
-    """Collision time [s] of body i on course a and the given parts, which stand still."""
-    still = still_course()
+    """Collision time [s] of body i on course a and body j on course b; inf when there is none."""
     xi = np.inf
-    if a.spin != 0.0 and (a.turn == a.spin or a.speed == 0.0):
-        # After a full turn all repeats.
-        horizon = min(horizon, 2.0 * math.pi / abs(a.spin) * (1.0 + 1e-6))
-    W, w_start = walls.vertices, walls.part_start
-    Q, q_start = shapes.vertices, shapes.part_start
-    first, last = shapes.body_start[i], shapes.body_start[i + 1]
-    for part in part_ids:
-        w0, w1 = w_start[part], w_start[part + 1]
-        if clear_of_part(a, W, w0, w1, min(xi, horizon)):
-            continue
-        for q in range(first, last):
-            q0, q1 = q_start[q], q_start[q + 1]
-            xi = min(xi, part_time(W, w0, w1, still, Q, q0, q1, a, min(xi, horizon)))
+    if never_meet(a, b, horizon):
+        return xi
+    V, start = shapes_a.vertices, shapes_a.part_start
+    W, w_start = shapes_b.vertices, shapes_b.part_start
+    for p in range(shapes_a.body_start[i], shapes_a.body_start[i + 1]):
+        P = Part(V, start[p], start[p + 1])
+        for q in range(shapes_b.body_start[j], shapes_b.body_start[j + 1]):
+            Q = Part(W, w_start[q], w_start[q + 1])
+            xi = min(xi, part_time(P, a, Q, b, min(xi, horizon)))
     return xi
+
+
+@compiled
+def wall_time(wall: Part, shapes: Shapes, i: int, a: Course, horizon: float) -> float:
+    """Collision time [s] of body i on course a and a part that stands still; inf if none."""
+    xi = np.inf
+    if clear_of_part(a, wall, horizon):
+        return xi
+    V, start = shapes.vertices, shapes.part_start
+    for q in range(shapes.body_start[i], shapes.body_start[i + 1]):
+        Q = Part(V, start[q], start[q + 1])
+        xi = min(xi, part_time(wall, still_course(), Q, a, min(xi, horizon)))
+    return xi
+
+
+@compiled
+def until_all_repeats(a: Course, horizon: float) -> float:
+    """Time [s], up to the horizon, after which a body meets no wall that it did not meet before."""
+    if a.spin != 0.0 and (a.turn == a.spin or a.speed == 0.0):
+        return min(horizon, 2.0 * math.pi / abs(a.spin) * (1.0 + 1e-6))
+    return horizon
 
 
 @compiled
@@ -225,4 +354,10 @@ def collision_time_walls(
 ) -> float:
     """Collision time (11) [s] of robot i on its arc and the given parts of ``walls``."""
     a = arc_course(pose, twist[0], twist[1], shapes.radius[i])
-    return walls_time(shapes, i, a, walls, part_ids, horizon)
+    until = until_all_repeats(a, horizon)
+    V, start = walls.vertices, walls.part_start
+    xi = np.inf
+    for part in part_ids:
+        wall = Part(V, start[part], start[part + 1])
+        xi = min(xi, wall_time(wall, shapes, i, a, min(xi, until)))
+    return xi

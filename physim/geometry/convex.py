@@ -1,10 +1,8 @@
-"""Signed distance of two convex parts: separating axes inside, vertex to edge outside.
+"""Two convex parts: signed distance, by separating axes inside and vertex to edge outside, and
+where they are closest or deepest.
 
-A part is a run ``P[p0:p1]`` of vertices, counter-clockwise; two vertices are a segment (its two
-normals are the normals of going there and back), one vertex is a point. Part Q lies in a frame of
-its own, and its point q is at ``R (q - r) + t`` in the frame of P, with R the rotation (c, s).
-That form is the same seen from the other side (swap P with Q and r with t, and negate s), loses
-nothing far from the origin, and needs no scratch memory.
+A part's vertices run counter-clockwise; two vertices are a segment (its two normals are the normals
+of going there and back), one vertex is a point. An edge is named by the index of its last vertex.
 
 Why it is exact: where the parts overlap, the depth is the smallest overlap over the normals of
 both (the faces of their Minkowski difference). Where they are apart, either the closest pair is a
@@ -15,11 +13,13 @@ which is the distance; or it is a pair of vertices. Error: a few ulp of the size
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
 from physim.compiled import compiled
-from physim.geometry.shapes import FloatArray
+from physim.geometry.shapes import Part
+from physim.tolerances import TIE
 
 NEARLY_TOUCHING = 1e-6
 """[m] Overlaps below this are looked at twice: the normals of two collinear segments, or of
@@ -30,100 +30,112 @@ OUTLINE_ROUNDING = 1e-12
 ROUNDINGS = 16.0 * 2.0**-52
 """[-] Share of their coordinates by which they must be, where that is more: beyond 280 m."""
 
-Frame = tuple[float, float, float, float]
+
+class Frame(NamedTuple):
+    """Part Q as part P sees it: its point q is at ``R (q - r) + t``, R being the rotation (c, s).
+
+    That form is the same from the other side (`seen_back`), and loses nothing far from the origin.
+    """
+
+    c: float
+    s: float
+    tx: float
+    ty: float
+    rx: float
+    ry: float
 
 
 @compiled
-def face_gap(
-    P: FloatArray,
-    p0: int,
-    p1: int,
-    Q: FloatArray,
-    q0: int,
-    q1: int,
-    c: float,
-    s: float,
-    tx: float,
-    ty: float,
-    rx: float,
-    ry: float,
-    enough: float,
-) -> tuple[float, int, int]:
-    """Return the largest gap over the edge normals of P, its edge, and the vertex of Q nearest.
+def frame_at(c: float, s: float, x: float, y: float) -> Frame:
+    """Frame whose origin is at (x, y) [m], turned by (c, s)."""
+    return Frame(c, s, x, y, 0.0, 0.0)
 
-    An edge is named by the index of its last vertex; -1 where there is none. The search ends
-    early, with a lower bound, once the gap is ``enough``.
-    """
-    best = -np.inf
-    edge = -1
-    vertex = -1
-    k = p1 - 1
-    for m in range(p0, p1):
-        ex = P[m, 0] - P[k, 0]
-        ey = P[m, 1] - P[k, 1]
+
+@compiled
+def seen_back(f: Frame) -> Frame:
+    """P as Q sees it."""
+    return Frame(f.c, -f.s, f.rx, f.ry, f.tx, f.ty)
+
+
+@compiled
+def before(P: Part, m: int) -> int:
+    """Vertex before m: the first of the edge that ends at m."""
+    return m - 1 if m > P.first else P.end - 1
+
+
+class FaceGap(NamedTuple):
+    """Largest gap over the edge normals of a part."""
+
+    gap: float
+    edge: int
+    """-1 where there is none"""
+    vertex: int
+    """of the other part, nearest to it"""
+
+
+@compiled
+def face_gap(P: Part, Q: Part, f: Frame, enough: float) -> FaceGap:
+    """Largest gap over the edge normals of P; a lower bound once it is ``enough``."""
+    V, W = P.vertices, Q.vertices
+    best, edge, vertex = -np.inf, -1, -1
+    k = P.end - 1
+    for m in range(P.first, P.end):
+        ex = V[m, 0] - V[k, 0]
+        ey = V[m, 1] - V[k, 1]
         length = math.sqrt(ex * ex + ey * ey)
         if length > 0.0:
             nx = ey / length
             ny = -ex / length
-            ux = c * nx + s * ny
-            uy = c * ny - s * nx
-            height = nx * (tx - P[k, 0]) + ny * (ty - P[k, 1])
-            low = ux * (Q[q0, 0] - rx) + uy * (Q[q0, 1] - ry)
-            at = q0
+            ux = f.c * nx + f.s * ny
+            uy = f.c * ny - f.s * nx
+            height = nx * (f.tx - V[k, 0]) + ny * (f.ty - V[k, 1])
+            low = ux * (W[Q.first, 0] - f.rx) + uy * (W[Q.first, 1] - f.ry)
+            at = Q.first
             if not low + height > best:
                 k = m
                 continue  # the others can only be lower
-            for j in range(q0 + 1, q1):
-                h = ux * (Q[j, 0] - rx) + uy * (Q[j, 1] - ry)
+            for j in range(Q.first + 1, Q.end):
+                h = ux * (W[j, 0] - f.rx) + uy * (W[j, 1] - f.ry)
                 if h < low:
                     low = h
                     at = j
             gap = low + height
             if gap > best:
-                best = gap
-                edge = m
-                vertex = at
+                best, edge, vertex = gap, m, at
                 if best >= enough:
-                    return best, edge, vertex
+                    break
         k = m
-    return best, edge, vertex
+    return FaceGap(best, edge, vertex)
+
+
+class VertexGap(NamedTuple):
+    """Where a vertex of one part is closest to the outline of another."""
+
+    square: float
+    """[m^2] of the distance"""
+    edge: int
+    vertex: int
+    share: float
+    """place on the edge in 0..1"""
 
 
 @compiled
-def vertex_gap(
-    P: FloatArray,
-    p0: int,
-    p1: int,
-    Q: FloatArray,
-    q0: int,
-    q1: int,
-    c: float,
-    s: float,
-    tx: float,
-    ty: float,
-    rx: float,
-    ry: float,
-) -> tuple[float, int, int, float]:
-    """Return the smallest squared distance of a vertex of Q from the outline of P, and where.
-
-    That is (squared distance, edge by its last vertex, vertex of Q, place on the edge in 0..1).
-    """
-    best = np.inf
-    edge = -1
-    vertex = -1
-    place = 0.0
-    for j in range(q0, q1):
-        qx = Q[j, 0] - rx
-        qy = Q[j, 1] - ry
+def vertex_gap(P: Part, Q: Part, f: Frame) -> VertexGap:
+    """Vertex of Q closest to the outline of P."""
+    V, W = P.vertices, Q.vertices
+    best, edge, vertex, place = np.inf, -1, -1, 0.0
+    for j in range(Q.first, Q.end):
+        qx = W[j, 0] - f.rx
+        qy = W[j, 1] - f.ry
         # The vertex relative to P[k], so that nothing is lost far from the origin.
-        ox = c * qx - s * qy
-        oy = s * qx + c * qy
-        k = p1 - 1
-        for m in range(p0, p1):
-            dx = ox + (tx - P[k, 0])
-            dy = oy + (ty - P[k, 1])
-            ex = P[m, 0] - P[k, 0]
-            ey = P[m, 1] - P[k, 1]
+        ox = f.c * qx - f.s * qy
+        oy = f.s * qx + f.c * qy
+        k = P.end - 1
+        for m in range(P.first, P.end):
+            dx = ox + (f.tx - V[k, 0])
+            dy = oy + (f.ty - V[k, 1])
+            ex = V[m, 0] - V[k, 0]
+            ey = V[m, 1] - V[k, 1]
             square = dx * dx + dy * dy
             along = ex * dx + ey * dy
             size = ex * ex + ey * ey
@@ -133,194 +145,201 @@ def vertex_gap(
                 square = cross * cross / size
                 share = along / size
             if square < best:
-                best = square
-                edge = m
-                vertex = j
-                place = share
+                best, edge, vertex, place = square, m, j, share
             k = m
-    return best, edge, vertex, place
+    return VertexGap(best, edge, vertex, place)
 
 
 @compiled
-def over_edge(
-    P: FloatArray,
-    k: int,
-    m: int,
-    Q: FloatArray,
-    j: int,
-    c: float,
-    s: float,
-    tx: float,
-    ty: float,
-    rx: float,
-    ry: float,
-) -> bool:
-    """Whether the foot of vertex j of Q lies on the edge from k to m of P, not beside it."""
-    qx = Q[j, 0] - rx
-    qy = Q[j, 1] - ry
-    dx = c * qx - s * qy + (tx - P[k, 0])
-    dy = s * qx + c * qy + (ty - P[k, 1])
-    ex = P[m, 0] - P[k, 0]
-    ey = P[m, 1] - P[k, 1]
+def from_vertex(P: Part, k: int, Q: Part, j: int, f: Frame) -> tuple[float, float]:
+    """Return (dx, dy) [m] from vertex k of P to vertex j of Q, in P's frame."""
+    qx = Q.vertices[j, 0] - f.rx
+    qy = Q.vertices[j, 1] - f.ry
+    dx = f.c * qx - f.s * qy + (f.tx - P.vertices[k, 0])
+    return dx, f.s * qx + f.c * qy + (f.ty - P.vertices[k, 1])
+
+
+@compiled
+def is_over_edge(P: Part, m: int, Q: Part, j: int, f: Frame) -> bool:
+    """Whether the foot of vertex j of Q lies on edge m of P, not beside it."""
+    k = before(P, m)
+    dx, dy = from_vertex(P, k, Q, j, f)
+    ex = P.vertices[m, 0] - P.vertices[k, 0]
+    ey = P.vertices[m, 1] - P.vertices[k, 1]
     along = ex * dx + ey * dy
     return bool(0.0 <= along <= ex * ex + ey * ey)
 
 
-@compiled
-def outline_distance(
-    P: FloatArray,
-    p0: int,
-    p1: int,
-    Q: FloatArray,
-    q0: int,
-    q1: int,
-    c: float,
-    s: float,
-    tx: float,
-    ty: float,
-    rx: float,
-    ry: float,
-) -> float:
-    """Smallest distance of a vertex of one part from the outline of the other."""
-    a = vertex_gap(P, p0, p1, Q, q0, q1, c, s, tx, ty, rx, ry)[0]
-    b = vertex_gap(Q, q0, q1, P, p0, p1, c, -s, rx, ry, tx, ty)[0]
-    return math.sqrt(min(a, b))
+class Faces(NamedTuple):
+    """Largest gap over the normals of two parts."""
+
+    gap: float
+    of_q: bool
+    """whether the normal is one of Q's"""
+    edge: int
+    """-1 where there is none"""
+    settled: bool
+    """whether that is the distance; else that between the outlines decides, see `by_outline`"""
 
 
 @compiled
-def part_faces(
-    P: FloatArray,
-    p0: int,
-    p1: int,
-    Q: FloatArray,
-    q0: int,
-    q1: int,
-    c: float,
-    s: float,
-    tx: float,
-    ty: float,
-    rx: float,
-    ry: float,
-    enough: float,
-) -> tuple[float, bool, int, bool]:
-    """Return the largest gap over the normals of both, and what it rests on.
-
-    That is (gap, is the normal one of Q's?, its edge, is this `part_gap`?). Where it is not, the
-    distance between the outlines decides, see `by_outline`.
-    """
-    gap, edge, vertex = face_gap(P, p0, p1, Q, q0, q1, c, s, tx, ty, rx, ry, enough)
-    if gap >= enough:
-        return gap, False, edge, True
-    other, n, i = face_gap(Q, q0, q1, P, p0, p1, c, -s, rx, ry, tx, ty, enough)
-    if other >= enough:
-        return other, True, n, True
-    of_q = other > gap
-    if of_q:
-        gap = other
-        edge = n
-        k = n - 1 if n > q0 else q1 - 1
-        if gap > 0.0 and over_edge(Q, k, n, P, i, c, -s, rx, ry, tx, ty):
-            return gap, of_q, edge, True
-    elif gap > 0.0:
-        k = edge - 1 if edge > p0 else p1 - 1
-        if over_edge(P, k, edge, Q, vertex, c, s, tx, ty, rx, ry):
-            return gap, of_q, edge, True
-    return gap, of_q, edge, not (gap > -NEARLY_TOUCHING or gap == -np.inf)
+def part_faces(P: Part, Q: Part, f: Frame, enough: float) -> Faces:
+    """Largest gap over the normals of both parts; a lower bound once it is ``enough``."""
+    one = face_gap(P, Q, f, enough)
+    if one.gap >= enough:
+        return Faces(one.gap, False, one.edge, True)
+    back = seen_back(f)
+    two = face_gap(Q, P, back, enough)
+    if two.gap >= enough:
+        return Faces(two.gap, True, two.edge, True)
+    if two.gap > one.gap:
+        if two.gap > 0.0 and is_over_edge(Q, two.edge, P, two.vertex, back):
+            return Faces(two.gap, True, two.edge, True)
+        deep = not (two.gap > -NEARLY_TOUCHING)
+        return Faces(two.gap, True, two.edge, deep)
+    if one.gap > 0.0 and is_over_edge(P, one.edge, Q, one.vertex, f):
+        return Faces(one.gap, False, one.edge, True)
+    deep = not (one.gap > -NEARLY_TOUCHING or one.gap == -np.inf)
+    return Faces(one.gap, False, one.edge, deep)
 
 
 @compiled
-def by_outline(gap: float, distance: float, away: float) -> tuple[float, bool]:
+def by_outline(gap: float, distance: float, f: Frame) -> tuple[float, bool]:
     """Return `part_gap`, from the largest gap and the distance of the outlines; is it the latter?
 
-    For parts that `part_faces` left open, and that lie ``away`` [m] from an origin of theirs.
+    For parts that `part_faces` left open.
     """
     if gap > 0.0:
         # Never below the gap by rounding, so that `enough` cannot change a minimum over parts.
         return max(gap, distance), True
+    away = abs(f.tx) + abs(f.ty) + abs(f.rx) + abs(f.ry)
     if gap == -np.inf or distance > max(OUTLINE_ROUNDING, ROUNDINGS * away) - gap:
         return distance, True
     return gap, False
 
 
 @compiled
-def part_feature(
-    P: FloatArray,
-    p0: int,
-    p1: int,
-    Q: FloatArray,
-    q0: int,
-    q1: int,
-    c: float,
-    s: float,
-    tx: float,
-    ty: float,
-    rx: float,
-    ry: float,
-    enough: float,
-) -> tuple[float, bool, bool, int, float]:
-    """Return `part_gap`, and what it rests on.
-
-    That is (signed distance, is it between outlines rather than along a normal?, is the best
-    normal one of Q's?, the edge of the best normal, the gap along it).
-    """
-    gap, of_q, edge, settled = part_faces(P, p0, p1, Q, q0, q1, c, s, tx, ty, rx, ry, enough)
-    if settled:
-        return gap, False, of_q, edge, gap
-    distance = outline_distance(P, p0, p1, Q, q0, q1, c, s, tx, ty, rx, ry)
-    d, outline = by_outline(gap, distance, abs(tx) + abs(ty) + abs(rx) + abs(ry))
-    return d, outline, of_q, edge, gap
-
-
-@compiled
-def part_gap(
-    P: FloatArray,
-    p0: int,
-    p1: int,
-    Q: FloatArray,
-    q0: int,
-    q1: int,
-    c: float,
-    s: float,
-    tx: float,
-    ty: float,
-    rx: float,
-    ry: float,
-    enough: float,
-) -> float:
-    """Signed distance [m] of parts P and Q (frames: see the module), negative = depth.
+def part_gap(P: Part, Q: Part, f: Frame, enough: float) -> float:
+    """Signed distance [m] of parts P and Q, negative = depth.
 
     Where it is below ``enough`` it is exact; otherwise some number from ``enough`` up to it.
     """
-    return part_feature(P, p0, p1, Q, q0, q1, c, s, tx, ty, rx, ry, enough)[0]
+    faces = part_faces(P, Q, f, enough)
+    if faces.settled:
+        return faces.gap
+    a, b = vertex_gap(P, Q, f).square, vertex_gap(Q, P, seen_back(f)).square
+    return by_outline(faces.gap, math.sqrt(min(a, b)), f)[0]
 
 
 @compiled
-def support_gap(
-    P: FloatArray,
-    p0: int,
-    p1: int,
-    Q: FloatArray,
-    q0: int,
-    q1: int,
-    c: float,
-    s: float,
-    tx: float,
-    ty: float,
-    rx: float,
-    ry: float,
-    nx: float,
-    ny: float,
-) -> float:
+def support_gap(P: Part, Q: Part, f: Frame, nx: float, ny: float) -> float:
     """Return the gap of P and Q along a unit direction of P's frame, from P to Q."""
-    x = P[p0, 0]
-    y = P[p0, 1]
+    V, W = P.vertices, Q.vertices
+    x = V[P.first, 0]
+    y = V[P.first, 1]
     top = -np.inf
-    for k in range(p0, p1):
-        top = max(top, nx * (P[k, 0] - x) + ny * (P[k, 1] - y))
-    ux = c * nx + s * ny
-    uy = c * ny - s * nx
+    for k in range(P.first, P.end):
+        top = max(top, nx * (V[k, 0] - x) + ny * (V[k, 1] - y))
+    ux = f.c * nx + f.s * ny
+    uy = f.c * ny - f.s * nx
     low = np.inf
-    for k in range(q0, q1):
-        low = min(low, ux * (Q[k, 0] - rx) + uy * (Q[k, 1] - ry))
-    gap: float = low + (nx * (tx - x) + ny * (ty - y)) - top
+    for k in range(Q.first, Q.end):
+        low = min(low, ux * (W[k, 0] - f.rx) + uy * (W[k, 1] - f.ry))
+    gap: float = low + (nx * (f.tx - x) + ny * (f.ty - y)) - top
     return gap
+
+
+class Witness(NamedTuple):
+    """Signed distance [m] with a unit normal from a to b, and a point [m] on each."""
+
+    distance: float
+    nx: float
+    ny: float
+    ax: float
+    ay: float
+    bx: float
+    by: float
+
+
+@compiled
+def face_witness(
+    P: Part, m: int, Q: Part, f: Frame, gap: float
+) -> tuple[bool, float, float, float, float]:
+    """Return (on the edge?, x, y, nx, ny): the middle of what faces edge m of P, and its normal.
+
+    The vertices of Q nearest to the edge's line (two where a side is parallel) cast a shadow on
+    it; the middle of what falls on the edge is the point. If nothing does, the nearest end.
+    """
+    V, k = P.vertices, before(P, m)
+    ex = V[m, 0] - V[k, 0]
+    ey = V[m, 1] - V[k, 1]
+    length = math.sqrt(ex * ex + ey * ey)
+    ex /= length
+    ey /= length
+    low, high = np.inf, -np.inf
+    for j in range(Q.first, Q.end):
+        dx, dy = from_vertex(P, k, Q, j, f)
+        if ey * dx - ex * dy <= gap + TIE:
+            along = ex * dx + ey * dy
+            low = min(low, along)
+            high = max(high, along)
+    hit = low <= length and high >= 0.0
+    middle = 0.5 * (min(max(low, 0.0), length) + max(min(high, length), 0.0))
+    return hit, V[k, 0] + middle * ex, V[k, 1] + middle * ey, ey, -ex
+
+
+@compiled
+def vertex_witness(P: Part, Q: Part, f: Frame) -> tuple[float, float, float, float, float]:
+    """Return (squared distance, px, py, dx, dy): closest vertex of Q is at p + d, p on P."""
+    V, at = P.vertices, vertex_gap(P, Q, f)
+    k = before(P, at.edge)
+    ex = at.share * (V[at.edge, 0] - V[k, 0])
+    ey = at.share * (V[at.edge, 1] - V[k, 1])
+    dx, dy = from_vertex(P, k, Q, at.vertex, f)
+    return at.square, V[k, 0] + ex, V[k, 1] + ey, dx - ex, dy - ey
+
+
+@compiled
+def outline_witness(P: Part, Q: Part, f: Frame) -> tuple[float, float, float, float, float]:
+    """Return (distance, ax, ay, dx, dy) in P's frame: closest point a on P, and b = a + d on Q."""
+    square, ax, ay, dx, dy = vertex_witness(P, Q, f)
+    other, bx, by, ox, oy = vertex_witness(Q, P, seen_back(f))
+    if square <= other:
+        return math.sqrt(square), ax, ay, dx, dy
+    bx -= f.rx
+    by -= f.ry
+    # o leads from b to a in Q's frame.
+    dx = -(f.c * ox - f.s * oy)
+    dy = -(f.s * ox + f.c * oy)
+    ax = f.c * bx - f.s * by + f.tx - dx
+    return math.sqrt(other), ax, f.s * bx + f.c * by + f.ty - dy, dx, dy
+
+
+@compiled
+def part_witness(P: Part, Q: Part, f: Frame) -> Witness:
+    """`part_gap` with normal and points, all in P's frame (a lies on P, b on Q)."""
+    faces = part_faces(P, Q, f, np.inf)
+    d, outline = faces.gap, False
+    distance, ax, ay, dx, dy = 0.0, 0.0, 0.0, 0.0, 0.0
+    if not faces.settled:
+        distance, ax, ay, dx, dy = outline_witness(P, Q, f)
+        d, outline = by_outline(faces.gap, distance, f)
+    if faces.edge >= 0 and faces.gap >= d - TIE:
+        if faces.of_q:
+            hit, x, y, nx, ny = face_witness(Q, faces.edge, P, seen_back(f), faces.gap)
+            if hit or not outline:
+                x -= f.rx
+                y -= f.ry
+                bx = f.c * x - f.s * y + f.tx
+                by = f.s * x + f.c * y + f.ty
+                ox = -(f.c * nx - f.s * ny)
+                oy = -(f.s * nx + f.c * ny)
+                return Witness(d, ox, oy, bx - d * ox, by - d * oy, bx, by)
+        else:
+            hit, x, y, nx, ny = face_witness(P, faces.edge, Q, f, faces.gap)
+            if hit or not outline:
+                return Witness(d, nx, ny, x, y, x + d * nx, y + d * ny)
+    size = math.sqrt(dx * dx + dy * dy)
+    if size > 0.0:
+        return Witness(d, dx / size, dy / size, ax, ay, ax + dx, ay + dy)
+    return Witness(d, 1.0, 0.0, ax, ay, ax, ay)

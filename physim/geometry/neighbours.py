@@ -12,8 +12,9 @@ from typing import NamedTuple
 import numpy as np
 
 from physim.compiled import compiled
-from physim.geometry.separation import body_gap, point_gap
-from physim.geometry.shapes import FloatArray, IntArray, Shapes
+from physim.geometry.bodies import body_gap, point_gap
+from physim.geometry.convex import frame_at
+from physim.geometry.shapes import FloatArray, IntArray, Part, Shapes
 
 MARGIN = 1e-9
 """[m] Bounds must win by this, so that their rounding cannot matter; of a window of places it is
@@ -65,7 +66,7 @@ def bounding_discs(shapes: Shapes) -> BoundingDiscs:
         discs.x[i], discs.y[i] = x, y
         discs.inner[i], discs.outer[i] = 0.0, 0.0
         if p1 - p0 > 2:
-            discs.inner[i] = max(0.0, -point_gap(V, p0, p1, x, y))
+            discs.inner[i] = max(0.0, -point_gap(Part(V, p0, p1), x, y))
         for k in range(p0, shapes.part_start[shapes.body_start[i + 1]]):
             discs.outer[i] = max(discs.outer[i], math.hypot(V[k, 0] - x, V[k, 1] - y))
     return discs
@@ -90,16 +91,15 @@ def pair_distance(shapes: Shapes, i: int, j: int, frame: FloatArray) -> float:
     """Signed distance [m] of robots i and j; the same whichever comes first."""
     if j < i:
         i, j = j, i
-    c = frame[i, 2]
-    s = frame[i, 3]
-    dx = frame[j, 0] - frame[i, 0]
-    dy = frame[j, 1] - frame[i, 1]
-    V, start, first = shapes.vertices, shapes.part_start, shapes.body_start
-    return body_gap(
-        V, start, first[i], first[i + 1], V, start, first[j], first[j + 1],
-        c * frame[j, 2] + s * frame[j, 3], c * frame[j, 3] - s * frame[j, 2],
-        c * dx + s * dy, c * dy - s * dx,
-    )  # fmt: skip
+    c, s = frame[i, 2], frame[i, 3]
+    dx, dy = frame[j, 0] - frame[i, 0], frame[j, 1] - frame[i, 1]
+    f = frame_at(
+        c * frame[j, 2] + s * frame[j, 3],
+        c * frame[j, 3] - s * frame[j, 2],
+        c * dx + s * dy,
+        c * dy - s * dx,
+    )
+    return body_gap(shapes, i, shapes, j, f)
 
 
 class Neighbours(NamedTuple):

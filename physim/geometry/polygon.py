@@ -22,7 +22,7 @@ from physim.geometry.shapes import FloatArray
 from physim.tolerances import FLAT, LENGTH
 
 Corner = tuple[float, float]
-Part = list[int]
+Ring = list[int]
 
 MOST_TRIALS = 8
 """Orders tried for a small polygon; a large one gets one."""
@@ -30,7 +30,7 @@ LARGE = 40
 """Corners of a large polygon."""
 
 
-def cut(points: FloatArray) -> Iterator[list[Part]]:
+def cut(points: FloatArray) -> Iterator[list[Ring]]:
     """Yield ways to cut a simple counter-clockwise polygon (n, 2): parts as lists of indices."""
     corners: list[Corner] = [(x, y) for x, y in (points - points[0]).tolist()]
     trials = 1 if len(corners) > LARGE else min(len(corners), MOST_TRIALS)
@@ -54,7 +54,7 @@ def _is_left(a: Corner, b: Corner, c: Corner) -> bool:
     return _turn(a, b, c) > FLAT * math.dist(a, b) * math.dist(b, c)
 
 
-def _triangles(corners: list[Corner], start: int | None) -> list[Part]:
+def _triangles(corners: list[Corner], start: int | None) -> list[Ring]:
     """Clip ears: the best-shaped one each time, or the next one from ``start`` on."""
     ring = list(range(len(corners)))
     if start is not None:
@@ -63,7 +63,7 @@ def _triangles(corners: list[Corner], start: int | None) -> list[Part]:
     before = {j: i for i, j in after.items()}
     reflex = {i for i in ring if not _is_left(corners[before[i]], corners[i], corners[after[i]])}
     quality = {i: q for i in ring if (q := _ear(corners, before[i], i, after[i], reflex)) > 0.0}
-    triangles: list[Part] = []
+    triangles: list[Ring] = []
     while len(after) > 3:
         if not quality:
             quality = _all_ears(corners, before, after, reflex)
@@ -113,7 +113,7 @@ def _ear(corners: list[Corner], i: int, j: int, k: int, reflex: set[int]) -> flo
     return _turn(a, b, c) / longest**2
 
 
-def _merged(corners: list[Corner], triangles: list[Part], longest_first: bool) -> list[Part]:
+def _merged(corners: list[Corner], triangles: list[Ring], longest_first: bool) -> list[Ring]:
     """Take out every diagonal whose two parts together are convex."""
     parts = dict(enumerate(triangles))
     owner = {edge: k for k, part in parts.items() for edge in _edges(part)}
@@ -130,18 +130,18 @@ def _merged(corners: list[Corner], triangles: list[Part], longest_first: bool) -
     return list(parts.values())
 
 
-def _edges(part: Part) -> list[tuple[int, int]]:
+def _edges(part: Ring) -> list[tuple[int, int]]:
     return list(zip(part, part[1:] + part[:1], strict=True))
 
 
-def _joined(first: Part, second: Part, i: int, j: int) -> Part | None:
+def _joined(first: Ring, second: Ring, i: int, j: int) -> Ring | None:
     """Ring of two parts without the edge i-j they share; None if they share more of it."""
     at, to = first.index(j), second.index(i)
     ring = first[at:] + first[:at] + (second[to:] + second[:to])[1:-1]
     return ring if len(set(ring)) == len(ring) else None
 
 
-def _convex_at(corners: list[Corner], ring: Part, ends: tuple[int, int]) -> bool:
+def _convex_at(corners: list[Corner], ring: Ring, ends: tuple[int, int]) -> bool:
     for end in ends:
         k = ring.index(end)
         a, b, c = (corners[ring[m % len(ring)]] for m in (k - 1, k, k + 1))

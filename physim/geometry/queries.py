@@ -8,7 +8,7 @@ A shape is given as one of
 
 Shapes are closed sets: touching ones have distance 0 and collide. Anything else raises
 `PhysimError`, one line that names the argument. The kernels behind these functions are in
-`separation` and `collision`.
+`bodies` and `collision`.
 """
 
 from __future__ import annotations
@@ -24,19 +24,17 @@ from numpy.typing import ArrayLike
 from physim.compiled import compiled
 from physim.errors import PhysimError
 from physim.geometry.advancement import MOST_STEPS, advancement_time
-from physim.geometry.collision import bodies_time, never_meet, part_time
+from physim.geometry.bodies import body_distance, body_separation
+from physim.geometry.collision import bodies_time, never_meet, part_time, translation_times
 from physim.geometry.motion import (
     Course,
     arc_course,
     moves_straight,
     pose_along,
-    relative_motion,
     straight_course,
 )
 from physim.geometry.polygon import convex_parts, is_convex_part
-from physim.geometry.separation import body_distance, body_separation
-from physim.geometry.shapes import FloatArray, IntArray, Shapes, locked, pack_parts
-from physim.geometry.translation import translation_times
+from physim.geometry.shapes import FloatArray, IntArray, Part, Shapes, locked, pack_parts
 from physim.tolerances import CONTACT
 
 ShapeLike = ArrayLike | Sequence[ArrayLike]
@@ -305,20 +303,17 @@ def certified_start(
     straight = moves_straight(a, b)
     xi, lower, capped = np.inf, np.inf, False
     for p in range(first[0], first[1]):
-        p0, p1 = start[p], start[p + 1]
+        P = Part(V, start[p], start[p + 1])
         for q in range(first[1], first[2]):
-            q0, q1 = start[q], start[q + 1]
+            Q = Part(V, start[q], start[q + 1])
             until, stopped = min(xi, horizon), False
             if straight:
-                time = part_time(V, p0, p1, a, V, q0, q1, b, until)
-                c, s, x, y, vx, vy = relative_motion(a, b)
-                near, near_last = translation_times(
-                    V, p0, p1, V, q0, q1, c, s, x, y, vx, vy, until
-                )[2:]
-                if near_last >= 0.0 and near <= min(near_last, until):
-                    lower = min(lower, max(0.0, near))
+                time = part_time(P, a, Q, b, until)
+                near = translation_times(P, a, Q, b, until)
+                if near.near_last >= 0.0 and near.near_first <= min(near.near_last, until):
+                    lower = min(lower, max(0.0, near.near_first))
             else:
-                time, d, steps = advancement_time(V, p0, p1, a, V, q0, q1, b, until)
+                time, d, steps = advancement_time(P, a, Q, b, until)
                 lower = min(lower, time)
                 stopped = steps >= MOST_STEPS and d > CONTACT
             if time < xi:

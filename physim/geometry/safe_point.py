@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from physim.compiled import compiled
-from physim.geometry.shapes import FloatArray, IntArray, Shapes
+from physim.geometry.shapes import FloatArray, IntArray, Part, Shapes
 from physim.tolerances import CONTACT
 
 CURVE_MARGIN = 1e-6
@@ -36,8 +36,9 @@ def point_segment(x: float, y: float, ax: float, ay: float, bx: float, by: float
 
 
 @compiled
-def outline_distance(V: FloatArray, first: int, end: int, x: float, y: float) -> float:
-    """Distance [m] of a point from the part ``V[first:end]``; 0 inside a solid one."""
+def outline_distance(P: Part, x: float, y: float) -> float:
+    """Distance [m] of a point from a part; 0 inside a solid one."""
+    V, first, end = P.vertices, P.first, P.end
     if end - first == 2:
         return point_segment(
             x, y, V[first, 0], V[first, 1], V[first + 1, 0], V[first + 1, 1]
@@ -56,9 +57,8 @@ def outline_distance(V: FloatArray, first: int, end: int, x: float, y: float) ->
 @compiled
 def point_part(walls: Shapes, part: int, x: float, y: float) -> float:
     """Distance [m] of a point from a wall part; 0 inside a solid one."""
-    return outline_distance(
-        walls.vertices, walls.part_start[part], walls.part_start[part + 1], x, y
-    )
+    start = walls.part_start
+    return outline_distance(Part(walls.vertices, start[part], start[part + 1]), x, y)
 
 
 @compiled
@@ -67,7 +67,7 @@ def point_clearance(walls: Shapes, parts: IntArray, x: float, y: float) -> float
     V, start = walls.vertices, walls.part_start
     best = np.inf
     for part in parts:
-        best = min(best, outline_distance(V, start[part], start[part + 1], x, y))
+        best = min(best, outline_distance(Part(V, start[part], start[part + 1]), x, y))
     return best
 
 

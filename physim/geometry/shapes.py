@@ -50,6 +50,14 @@ class Shapes(NamedTuple):
     """(B,) [m] largest distance of a vertex from the origin of the body's frame"""
 
 
+class Part(NamedTuple):
+    """One part: the vertices ``vertices[first:end]``."""
+
+    vertices: FloatArray
+    first: int
+    end: int
+
+
 class Polylines(NamedTuple):
     """Several polylines, each a run of rows, one a point."""
 

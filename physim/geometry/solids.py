@@ -16,7 +16,7 @@ import shapely
 
 from physim.compiled import compiled
 from physim.geometry.area import united
-from physim.geometry.separation import describe_pair
+from physim.geometry.bodies import describe_pair
 from physim.geometry.shapes import (
     FloatArray,
     IntArray,

@@ -20,10 +20,10 @@ import numpy as np
 
 from physim.compiled import compiled
 from physim.geometry.advancement import MOST_STEPS, fall_time, look_at
+from physim.geometry.bodies import point_gap
 from physim.geometry.collision import clear_of_part, never_meet
 from physim.geometry.motion import Course, still_course, straight_course
-from physim.geometry.separation import point_gap
-from physim.geometry.shapes import FloatArray, IntArray, Shapes
+from physim.geometry.shapes import FloatArray, IntArray, Part, Shapes
 from physim.tolerances import CONTACT
 
 SLACK = 0.25 * CONTACT
@@ -63,13 +63,9 @@ def top_speed(a: Course, b: Course) -> float:
 
 @compiled
 def touch_time(
-    P: FloatArray,
-    p0: int,
-    p1: int,
+    P: Part,
     a: Course,
-    Q: FloatArray,
-    q0: int,
-    q1: int,
+    Q: Part,
     b: Course,
     horizon: float,
 ) -> float:
@@ -80,7 +76,7 @@ def touch_time(
     """
     t = 0.0
     while True:
-        t, d, steps = fall_time(P, p0, p1, a, Q, q0, q1, b, CONTACT, SLACK, t, horizon)
+        t, d, steps = fall_time(P, a, Q, b, CONTACT, SLACK, t, horizon)
         if steps < MOST_STEPS or d <= 2.0 * CONTACT:
             return t
         further = t + (d - 2.0 * CONTACT) / top_speed(a, b)
@@ -110,11 +106,10 @@ def swept_pair(
         return t
     V, start = shapes.vertices, shapes.part_start
     for p in range(shapes.body_start[i], shapes.body_start[i + 1]):
+        P = Part(V, start[p], start[p + 1])
         for q in range(shapes.body_start[j], shapes.body_start[j + 1]):
-            found = touch_time(
-                V, start[p], start[p + 1], a, V, start[q], start[q + 1], b, min(t, dt)
-            )  # fmt: skip
-            t = min(t, found)
+            Q = Part(V, start[q], start[q + 1])
+            t = min(t, touch_time(P, a, Q, b, min(t, dt)))
     return t
 
 
@@ -139,13 +134,12 @@ def swept_walls(
     W, w_start = walls.vertices, walls.part_start
     V, v_start = shapes.vertices, shapes.part_start
     for part in part_ids:
-        w0, w1 = w_start[part], w_start[part + 1]
-        if clear_of_part(a, W, w0, w1, dt):
+        wall = Part(W, w_start[part], w_start[part + 1])
+        if clear_of_part(a, wall, dt):
             continue
         for q in range(shapes.body_start[i], shapes.body_start[i + 1]):
-            found = touch_time(
-                W, w0, w1, still, V, v_start[q], v_start[q + 1], a, min(t, dt)
-            )  # fmt: skip
+            Q = Part(V, v_start[q], v_start[q + 1])
+            found = touch_time(wall, still, Q, a, min(t, dt))
             if found < t:
                 t = found
                 touched = part
@@ -154,13 +148,9 @@ def swept_walls(
 
 @compiled
 def valley(
-    P: FloatArray,
-    p0: int,
-    p1: int,
+    P: Part,
     a: Course,
-    Q: FloatArray,
-    q0: int,
-    q1: int,
+    Q: Part,
     b: Course,
     start: float,
     end: float,
@@ -171,12 +161,12 @@ def valley(
     """
     low = start
     t = start
-    at_t = look_at(P, p0, p1, a, Q, q0, q1, b, start).distance
+    at_t = look_at(P, a, Q, b, start).distance
     stride = FIRST_STRIDE * (end - start)
     high = end
     while t < end:
         u = min(t + stride, end)
-        at_u = look_at(P, p0, p1, a, Q, q0, q1, b, u).distance
+        at_u = look_at(P, a, Q, b, u).distance
         if at_u >= at_t:
             high = u
             break
@@ -188,17 +178,17 @@ def valley(
     best_at = t
     t = high - GOLDEN * (high - low)
     u = low + GOLDEN * (high - low)
-    at_t = look_at(P, p0, p1, a, Q, q0, q1, b, t).distance
-    at_u = look_at(P, p0, p1, a, Q, q0, q1, b, u).distance
+    at_t = look_at(P, a, Q, b, t).distance
+    at_u = look_at(P, a, Q, b, u).distance
     for _ in range(CUTS):
         if at_t <= at_u:
             high, u, at_u = u, t, at_t
             t = high - GOLDEN * (high - low)
-            at_t = look_at(P, p0, p1, a, Q, q0, q1, b, t).distance
+            at_t = look_at(P, a, Q, b, t).distance
         else:
             low, t, at_t = t, u, at_u
             u = low + GOLDEN * (high - low)
-            at_u = look_at(P, p0, p1, a, Q, q0, q1, b, u).distance
+            at_u = look_at(P, a, Q, b, u).distance
     if at_u < at_t:
         t, at_t = u, at_u
     if at_t < best:
@@ -208,13 +198,9 @@ def valley(
 
 @compiled
 def least_part(
-    P: FloatArray,
-    p0: int,
-    p1: int,
+    P: Part,
     a: Course,
-    Q: FloatArray,
-    q0: int,
-    q1: int,
+    Q: Part,
     b: Course,
     dt: float,
     best: Least,
@@ -222,7 +208,7 @@ def least_part(
     """Lower ``best`` to the least signed distance of two parts in [0, dt], where it is less."""
     least, bound, at = best
     for end in (0.0, dt):
-        d = look_at(P, p0, p1, a, Q, q0, q1, b, end).distance
+        d = look_at(P, a, Q, b, end).distance
         if d < least:
             least = d
             at = end
@@ -231,7 +217,7 @@ def least_part(
     while True:
         # Either nothing comes below the level any more, or a lower value is found.
         level = least - CONTACT
-        t, d, used = fall_time(P, p0, p1, a, Q, q0, q1, b, level, SLACK, t, dt)
+        t, d, used = fall_time(P, a, Q, b, level, SLACK, t, dt)
         if t == np.inf:
             return least, min(bound, level), at
         steps += used
@@ -240,7 +226,7 @@ def least_part(
         if d < least:
             least = d
             at = t
-        d, u = valley(P, p0, p1, a, Q, q0, q1, b, t, dt)
+        d, u = valley(P, a, Q, b, t, dt)
         if d < least:
             least = d
             at = u
@@ -267,10 +253,9 @@ def least_gap_pair(
     best = (np.inf, np.inf, 0.0)
     V, start = shapes.vertices, shapes.part_start
     for p in range(shapes.body_start[i], shapes.body_start[i + 1]):
+        P = Part(V, start[p], start[p + 1])
         for q in range(shapes.body_start[j], shapes.body_start[j + 1]):
-            best = least_part(
-                V, start[p], start[p + 1], a, V, start[q], start[q + 1], b, dt, best
-            )  # fmt: skip
+            best = least_part(P, a, Part(V, start[q], start[q + 1]), b, dt, best)
     return best[0], min(best[1], best[0] - CONTACT), best[2]
 
 
@@ -298,14 +283,12 @@ def least_gap_walls(
     W, w_start = walls.vertices, walls.part_start
     V, v_start = shapes.vertices, shapes.part_start
     for part in part_ids:
-        w0, w1 = w_start[part], w_start[part + 1]
-        if point_gap(W, w0, w1, middle_x, middle_y) - reach > best[0]:
+        wall = Part(W, w_start[part], w_start[part + 1])
+        if point_gap(wall, middle_x, middle_y) - reach > best[0]:
             continue
         for q in range(shapes.body_start[i], shapes.body_start[i + 1]):
             before = best[0]
-            best = least_part(
-                W, w0, w1, still, V, v_start[q], v_start[q + 1], a, dt, best
-            )  # fmt: skip
+            best = least_part(wall, still, Part(V, v_start[q], v_start[q + 1]), a, dt, best)
             if best[0] < before:
                 nearest = part
     return best[0], min(best[1], best[0] - CONTACT), best[2], nearest

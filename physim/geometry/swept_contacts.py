@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from physim.compiled import compiled
-from physim.geometry.separation import body_distance, describe_pair, point_gap, wall_distance
-from physim.geometry.shapes import FloatArray, IntArray, Shapes
+from physim.geometry.bodies import body_distance, describe_pair, point_gap, wall_distance
+from physim.geometry.shapes import FloatArray, IntArray, Part, Shapes
 from physim.geometry.swept import least_gap_pair, least_gap_walls, swept_pair, swept_walls
 from physim.tolerances import CONTACT
 
@@ -135,7 +135,7 @@ def parts_about(walls: Shapes, body: int, pose: FloatArray, room: float) -> IntA
     count = 0
     for p in range(first, last):
         start, end = walls.part_start[p], walls.part_start[p + 1]
-        if point_gap(walls.vertices, start, end, pose[0], pose[1]) <= room:
+        if point_gap(Part(walls.vertices, start, end), pose[0], pose[1]) <= room:
             found[count] = p
             count += 1
     return found[:count]

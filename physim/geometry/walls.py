@@ -16,12 +16,13 @@ from typing import NamedTuple
 import numpy as np
 
 from physim.compiled import compiled
-from physim.geometry.collision import clear_of_part, part_time, stays, swept_disc
-from physim.geometry.motion import Course, still_course
+from physim.geometry.bodies import wall_gap
+from physim.geometry.collision import stays, swept_disc, until_all_repeats, wall_time
+from physim.geometry.convex import Frame, frame_at
+from physim.geometry.motion import Course
 from physim.geometry.neighbours import put_in_order
 from physim.geometry.safe_point import outline_distance
-from physim.geometry.separation import wall_gap
-from physim.geometry.shapes import FloatArray, IntArray, Shapes
+from physim.geometry.shapes import FloatArray, IntArray, Part, Shapes
 
 LEAF = 4
 """Parts of a leaf."""
@@ -130,11 +131,9 @@ def leaf_after(tree: WallTree, before: int, x: float, y: float, distance: float)
 
 
 @compiled
-def is_seen(sight: Sight, part: int) -> bool:
+def is_seen(sight: Sight, wall: Part) -> bool:
     """Whether the robot sees a part."""
-    start = sight.tree.walls.part_start
-    V, reach = sight.tree.walls.vertices, sight.reach
-    return outline_distance(V, start[part], start[part + 1], sight.x, sight.y) <= reach
+    return outline_distance(wall, sight.x, sight.y) <= sight.reach
 
 
 @compiled
@@ -151,8 +150,8 @@ def parts_seen(sight: Sight, x: float, y: float, within: float) -> IntArray:
         first = (leaf - tree.leaves) * LEAF
         for k in range(first, min(first + LEAF, len(tree.part))):
             part = tree.part[k]
-            apart = outline_distance(W, start[part], start[part + 1], x, y)
-            if apart <= within + MARGIN and is_seen(sight, part):
+            wall = Part(W, start[part], start[part + 1])
+            if outline_distance(wall, x, y) <= within + MARGIN and is_seen(sight, wall):
                 if count == len(found):
                     more = np.empty(2 * count, dtype=np.int64)
                     for m in range(count):  # a slice would take long to compile
@@ -185,30 +184,32 @@ def comes_near(sight: Sight, x: float, y: float, distance: float) -> bool:
         first = (leaf - tree.leaves) * LEAF
         for k in range(first, min(first + LEAF, len(tree.part))):
             part = tree.part[k]
-            apart = outline_distance(W, start[part], start[part + 1], x, y)
-            if apart < distance and is_seen(sight, part):
+            wall = Part(W, start[part], start[part + 1])
+            if outline_distance(wall, x, y) < distance and is_seen(sight, wall):
                 return True
         leaf = leaf_after(tree, leaf, x, y, distance)
     return False
 
 
 @compiled
-def segment_bound(
-    W: FloatArray, w: int, Q: FloatArray, q0: int, q1: int, c: float, s: float, x: float, y: float
-) -> float:
-    """Lower bound [m] of the signed distance of a segment ``W[w:w + 2]`` from ``Q[q0:q1]``.
+def segment_bound(wall: Part, shapes: Shapes, i: int, f: Frame) -> float:
+    """Lower bound [m] of the signed distance of a segment from body i, whose frame is f.
 
-    In the frame of the segment the vertices have a box, which is held against the segment; -inf
-    where the two meet.
+    In the frame of the segment the body has a box, which is held against the segment; -inf where
+    the two meet, and of what is no segment.
     """
+    if wall.end - wall.first != 2:
+        return -np.inf
+    W, w, Q = wall.vertices, wall.first, shapes.vertices
     ex, ey = W[w + 1, 0] - W[w, 0], W[w + 1, 1] - W[w, 1]
     length = math.sqrt(ex * ex + ey * ey)
     ex, ey = ex / length, ey / length
-    dx, dy = x - W[w, 0], y - W[w, 1]
+    dx, dy = f.tx - W[w, 0], f.ty - W[w, 1]
     along, across = ex * dx + ey * dy, ex * dy - ey * dx
-    ux, uy = c * ex + s * ey, c * ey - s * ex
+    ux, uy = f.c * ex + f.s * ey, f.c * ey - f.s * ex
     low_u, high_u, low_v, high_v = np.inf, -np.inf, np.inf, -np.inf
-    for k in range(q0, q1):
+    first, end = shapes.body_start[i], shapes.body_start[i + 1]
+    for k in range(shapes.part_start[first], shapes.part_start[end]):
         u = ux * Q[k, 0] + uy * Q[k, 1]
         v = ux * Q[k, 1] - uy * Q[k, 0]
         low_u, high_u = min(low_u, u), max(high_u, u)
@@ -220,38 +221,32 @@ def segment_bound(
 
 
 @compiled
-def nearest_seen(
-    shapes: Shapes, i: int, x: float, y: float, c: float, s: float, sight: Sight
-) -> tuple[float, int]:
-    """Signed distance [m] of robot i from the walls in sight, and the nearest part.
+def nearest_seen(shapes: Shapes, i: int, f: Frame, sight: Sight) -> tuple[float, int]:
+    """Signed distance [m] of robot i, whose frame is f, from the walls in sight, and the nearest.
 
-    The robot is at (x, y), its heading has the cosine c and the sine s. Of equally near parts it
-    is the lowest; (inf, -1) without any.
+    Of equally near parts it is the lowest; (inf, -1) without any.
     """
-    tree, W, w_start = sight.tree, sight.tree.walls.vertices, sight.tree.walls.part_start
-    Q, q_start = shapes.vertices, shapes.part_start
-    first_q, last_q = shapes.body_start[i], shapes.body_start[i + 1]
-    q0, q1, radius = q_start[first_q], q_start[last_q], shapes.radius[i]
-    best, nearest, likely = np.inf, -1, sight.nearest[i]
-    if likely >= 0 and is_seen(sight, likely):
-        w0, w1, nearest = w_start[likely], w_start[likely + 1], likely
-        best = wall_gap(W, w0, w1, Q, q_start, first_q, last_q, radius, c, s, x, y, np.inf)
-    leaf = leaf_after(tree, 0, x, y, best + radius)
+    tree, W, start = sight.tree, sight.tree.walls.vertices, sight.tree.walls.part_start
+    radius, best, nearest, likely = shapes.radius[i], np.inf, -1, sight.nearest[i]
+    dx, dy = f.tx - sight.x, f.ty - sight.y
+    seen = sight.reach + math.sqrt(dx * dx + dy * dy)  # nothing that is farther is in sight
+    if likely >= 0:
+        wall = Part(W, start[likely], start[likely + 1])
+        if is_seen(sight, wall):
+            best, nearest = wall_gap(wall, shapes, i, f, np.inf), likely
+    leaf = leaf_after(tree, 0, f.tx, f.ty, min(best + radius, seen))
     while leaf:
         first = (leaf - tree.leaves) * LEAF
         for k in range(first, min(first + LEAF, len(tree.part))):
             part = tree.part[k]
-            w0, w1 = w_start[part], w_start[part + 1]
-            if part == likely or (
-                w1 - w0 == 2 and segment_bound(W, w0, Q, q0, q1, c, s, x, y) > best + MARGIN
-            ):
+            wall = Part(W, start[part], start[part + 1])
+            if part == likely or segment_bound(wall, shapes, i, f) > best + MARGIN:
                 continue
             # A hair more than the best, so that a part just as near gives its exact distance.
-            enough = np.nextafter(best, np.inf)
-            gap = wall_gap(W, w0, w1, Q, q_start, first_q, last_q, radius, c, s, x, y, enough)
-            if (gap < best or (gap == best and part < nearest)) and is_seen(sight, part):
+            gap = wall_gap(wall, shapes, i, f, np.nextafter(best, np.inf))
+            if (gap < best or (gap == best and part < nearest)) and is_seen(sight, wall):
                 best, nearest = gap, part
-        leaf = leaf_after(tree, leaf, x, y, best + radius)
+        leaf = leaf_after(tree, leaf, f.tx, f.ty, min(best + radius, seen))
     if nearest >= 0:
         sight.nearest[i] = nearest
     return best, nearest
@@ -260,8 +255,8 @@ def nearest_seen(
 @compiled
 def seen_distance(shapes: Shapes, i: int, pose: FloatArray, sight: Sight) -> float:
     """Signed distance [m] of robot i at ``pose`` from the walls in sight; inf without any."""
-    c, s = math.cos(pose[2]), math.sin(pose[2])
-    return nearest_seen(shapes, i, pose[0], pose[1], c, s, sight)[0]
+    f = frame_at(math.cos(pose[2]), math.sin(pose[2]), pose[0], pose[1])
+    return nearest_seen(shapes, i, f, sight)[0]
 
 
 @compiled
@@ -279,31 +274,19 @@ def reached_disc(a: Course, time: float) -> tuple[float, float, float]:
 
 @compiled
 def seen_time(shapes: Shapes, i: int, a: Course, sight: Sight, horizon: float) -> float:
-    """Collision time [s] of robot i on course a and the walls in sight; inf if none.
-
-    As `physim.geometry.collision.walls_time` gives it for the parts in sight.
-    """
-    tree, W, w_start = sight.tree, sight.tree.walls.vertices, sight.tree.walls.part_start
-    Q, q_start = shapes.vertices, shapes.part_start
-    first_q, last_q = shapes.body_start[i], shapes.body_start[i + 1]
-    still, xi = still_course(), np.inf
-    if a.spin != 0.0 and (a.turn == a.spin or a.speed == 0.0):
-        # After a full turn all repeats.
-        horizon = min(horizon, 2.0 * math.pi / abs(a.spin) * (1.0 + 1e-6))
-    x, y, radius = reached_disc(a, horizon)
+    """Collision time [s] of robot i on course a and the walls in sight; inf if none."""
+    tree, W, start = sight.tree, sight.tree.walls.vertices, sight.tree.walls.part_start
+    until, xi = until_all_repeats(a, horizon), np.inf
+    x, y, radius = reached_disc(a, until)
     leaf = leaf_after(tree, 0, x, y, radius)
     while leaf:
         first = (leaf - tree.leaves) * LEAF
         for k in range(first, min(first + LEAF, len(tree.part))):
-            part = tree.part[k]
-            w0, w1 = w_start[part], w_start[part + 1]
-            if clear_of_part(a, W, w0, w1, min(xi, horizon)) or not is_seen(sight, part):
-                continue
-            for q in range(first_q, last_q):
-                until = min(xi, horizon)
-                time = part_time(W, w0, w1, still, Q, q_start[q], q_start[q + 1], a, until)
+            wall = Part(W, start[tree.part[k]], start[tree.part[k] + 1])
+            if is_seen(sight, wall):
+                time = wall_time(wall, shapes, i, a, min(xi, until))
                 if time < xi:
                     xi = time
-                    x, y, radius = reached_disc(a, min(xi, horizon))
+                    x, y, radius = reached_disc(a, min(xi, until))
         leaf = leaf_after(tree, leaf, x, y, radius)
     return xi

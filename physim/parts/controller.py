@@ -50,6 +50,8 @@ class ObservedRobot:
     """held command [m/s]"""
     omega: float
     """held command [rad/s]"""
+    velocity: FloatArray
+    """(3,) what it did over the last step: vx, vy [m/s], omega [rad/s], world frame"""
     station: float
     """[m] along the reference path"""
     time: float
@@ -86,6 +88,10 @@ class Observation:
     v: float
     """held command before this decision [m/s]"""
     omega: float
+    """[rad/s]"""
+    velocity: FloatArray
+    """(3,) what the robot did over the last step, whatever was commanded: vx, vy [m/s], omega
+    [rad/s], world frame; 0 at the start"""
     footprint: tuple[FloatArray, ...]
     """own convex parts (n, 2) [m], robot's frame"""
     limits: tuple[float, float]
@@ -211,6 +217,9 @@ class Snapshot(NamedTuple):
     """(N, 3)"""
     command: FloatArray
     """(N, 2) nominal commands held before this step"""
+    velocity: FloatArray
+    """(N, 3) what the bodies did over the last step: vx, vy [m/s], omega [rad/s], world frame; 0 at
+    the start"""
     station: FloatArray
     """(N,) [m] own projection on the own path"""
     deviation: FloatArray
@@ -232,7 +241,9 @@ class Sensed(NamedTuple):
     pose: FloatArray
     """(M, 3)"""
     command: FloatArray
-    """(M, 2) nominal command held before this step"""
+    """(M, 2) nominal command held before this step: what was wanted"""
+    velocity: FloatArray
+    """(M, 3) what the body did over the last step: vx, vy [m/s], omega [rad/s], world frame"""
     reference_station: FloatArray
     """(M,) [m] along s*"""
     age: FloatArray

@@ -123,8 +123,8 @@ def everybody(truth: Snapshot, rows: tuple[IntArray, IntArray, IntArray, FloatAr
     """What is sensed where everybody knows the truth: no copy; ``rows`` are those of `shared`."""
     robot, first, end, age = rows
     return Sensed(
-        truth.step, robot, truth.pose, truth.command, truth.reference_station, age, first, end,
-        truth.station,
+        truth.step, robot, truth.pose, truth.command, truth.velocity, truth.reference_station, age,
+        first, end, truth.station,
     )  # fmt: skip
 
 
@@ -144,6 +144,7 @@ def for_each(sensed: Sensed) -> Sensed:
         robot=sensed.robot[taken],
         pose=sensed.pose[taken],
         command=sensed.command[taken],
+        velocity=sensed.velocity[taken],
         reference_station=sensed.reference_station[taken],
         age=sensed.age[taken],
         first=np.concatenate(([0], ends[:-1])).astype(np.int64),

@@ -35,7 +35,8 @@ KNOWN = (
     *(one.path for one in layout.PACKED),
 )  # fmt: skip
 """What is known before the first step: datasets, and columns of ``bodies`` and ``declared``."""
-PARTS = (*KNOWN, *(path for path in layout.TABLE if path not in KNOWN))
+LEFT_OUT = (*KNOWN, layout.Layout.states.path, layout.Layout.state_bytes.path)
+PARTS = (*KNOWN, *(path for path in layout.TABLE if path not in LEFT_OUT))
 BLOCK_BYTES = 1 << 22
 
 

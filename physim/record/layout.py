@@ -25,7 +25,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import AfterValidator, Field, Json, create_model
 
-from physim.contacts import CONTACT_ROW, FALSE_CONTACT_ROW, Kind, Phase
+from physim.contacts import Kind, Phase
 from physim.errors import ControllerError
 from physim.geometry.shapes import FloatArray, IntArray
 from physim.parts.declarations import NO_NUMBER, Declared
@@ -247,13 +247,7 @@ _WHEN, _WHO = "physics step, -1 for never", "which, -1 for none"
 
 
 class Layout(Attributes):
-    """All that a record has, as properties of `Record`."""
-
-    def read(
-        self, path: str, first: int = 0, last: int | None = None, *, check: bool = True
-    ) -> NDArray[Any]:
-        """Rows of a dataset."""
-        raise NotImplementedError
+    """All that a record has, as properties of `Record`, which can ``read`` a dataset."""
 
     stop_station = Dataset[FloatArray](
         "/robots/stop_station", "N", "<f8", "where it stops, along its own path", "m", -FAR, FAR
@@ -332,6 +326,13 @@ class Layout(Attributes):
         "/considered_others", "M", "<i4", "the robots that were considered, decision after "
         "decision, as many as /considered counts", "", 0, "robots",
     )  # fmt: skip
+    state_bytes = Dataset[NDArray[np.uint8]](
+        "/state_bytes", "S", "u1", "states that were kept, one after the other, each NumPy's .npz"
+    )
+    states = Dataset[Rows](
+        "/states", "M", (_STEP, Column("size", "<i8", "bytes", "in /state_bytes", 0)),
+        "a row per kept state, from which another run can start",
+    )  # fmt: skip
     steps = Dataset[IntArray](
         "/steps/step", "K", "<i8", "physics step of each sample, from 0", "", 0, MOST_STEPS
     )
@@ -384,8 +385,7 @@ PACKED = (
 )
 """Datasets that several properties of `Record` put together."""
 
-_PROPERTIES = vars(Layout).values()
-_OWN = [one for one in _PROPERTIES if isinstance(one, Dataset)]
+_OWN = [one for one in vars(Layout).values() if isinstance(one, Dataset)]
 TABLE = {one.path: one for one in (*_OWN[:2], *PACKED, *_OWN[2:])}
 """Every dataset that a record must have, by its path."""
 EXTREMES, EXTREMES_FARTHEST = Layout.extremes.path, Layout.farthest.path
@@ -401,8 +401,6 @@ NO_EXTREME = np.array((np.inf, -1, -1, np.inf, -1, -1), dtype=EXTREME)
 NO_FARTHEST = np.array((-np.inf, -1, -1, -1), dtype=FARTHEST)
 CONSIDERED = np.dtype([("step", "<i8"), ("robot", "<i4"), ("other", "<i4")])
 """A robot that was considered in the decision of another, as `Record.considered` gives it."""
-assert Layout.contacts.dtype == CONTACT_ROW
-assert Layout.false_contacts.dtype == FALSE_CONTACT_ROW
 
 
 def update_type(columns: Sequence[str]) -> np.dtype[np.void]:
@@ -415,6 +413,7 @@ def row_types(robots: int, columns: Sequence[str]) -> dict[str, np.dtype[Any]]:
     """Type and shape of a row of each dataset that grows, for N robots and declared columns."""
     types: dict[str, np.dtype[Any]] = {path: TABLE[path].dtype for path in TABLES}
     types[Layout.updates.path] = update_type(columns)
+    types[Layout.state_bytes.path] = np.dtype("u1")
     types[OTHERS] = np.dtype("<u2" if robots <= 1 << 16 else "<i4")
     sizes = {"N": robots, "3": 3}
     for path in STEPS:

@@ -119,7 +119,7 @@ class Record(layout.Layout):
         Raises RecordError, one line: table, row, what was given, what is allowed.
         """
         for one in vars(layout.Layout).values():
-            if isinstance(one, layout.Dataset) and one.shape[:2] != ("K", "N"):
+            if isinstance(one, layout.Dataset) and one.shape[:2] not in (("K", "N"), ("S",)):
                 getattr(self, one.name)
         for name in ("shapes", "walls", "paths", "reference", "accessible", "safe", "considered"):
             getattr(self, name)
@@ -231,7 +231,7 @@ class Record(layout.Layout):
     @cached_property
     def setup(self) -> Setup:
         """Controller, stages and versions of the run. RecordError where its world is no YAML."""
-        return setup_of(self.world_settings, self.given, self.versions, self.given_settings)
+        return setup_of(self)
 
     @property
     def modes(self) -> tuple[Mode, ...]:
@@ -351,18 +351,14 @@ class Record(layout.Layout):
         if row == self.samples or self.steps[row] != step:
             closest = self.steps[np.argmin(np.abs(self.steps - step))] if self.samples else "none"
             raise RecordError(f"{self.where}: step {step} is not recorded; nearest: {closest}")
-        block, place = divmod(row, self._block_rows)
+        block, place = divmod(row, max(1, POSE_BLOCK // self.robots))
         pose: FloatArray = self._pose_block(block)[place]
         return pose
-
-    @property
-    def _block_rows(self) -> int:
-        return max(1, POSE_BLOCK // self.robots)
 
     @cached_property
     def _pose_block(self) -> Callable[[int], FloatArray]:
         """Reads a block of the poses by its number; the last few are kept."""
-        rows, path = self._block_rows, layout.Layout.pose.path
+        rows, path = max(1, POSE_BLOCK // self.robots), layout.Layout.pose.path
         return lru_cache(POSE_BLOCKS)(lambda k: self.read(path, k * rows, (k + 1) * rows))
 
     @cached_property
@@ -457,7 +453,7 @@ class Record(layout.Layout):
     # As a whole
 
     def digest(self) -> str:
-        """SHA-256 (hexadecimal) of all but the wall clock and the versions.
+        """SHA-256 (hexadecimal) of all but the wall clock, the versions and kept states.
 
         Two runs of the same world, seed and version on one machine have equal digests; so have a
         record in memory and its copy on disk.

@@ -4,16 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from itertools import chain, repeat
 from types import MappingProxyType
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from physim.errors import plural
-from physim.parts.given import GivenSettings
 from physim.units import joined
 from physim.world.group import drivers_of
 from physim.world.kinds import MOST_ROBOTS
 from physim.world.run import ControllerChoice
+
+if TYPE_CHECKING:
+    from physim.record.reader import Record
 
 STAGES = MappingProxyType(
     {
@@ -112,25 +113,22 @@ class Setup:
         return ", ".join(f"{name} {version}" for name, version in self.versions.items())
 
 
-def setup_of(
-    world: Mapping[str, Any],
-    given: tuple[tuple[str, str], ...],
-    versions: Mapping[str, str],
-    settings: tuple[GivenSettings, ...] = (),
-) -> Setup:
-    """Setup by the world as plain values, the parts from Python with theirs, and the versions."""
-    told = chain(settings, repeat(GivenSettings({})))  # a record of before knows of none
+def setup_of(record: Record) -> Setup:
+    """Setup by the world inside a record, and the parts from Python with what is known of them."""
     parts = [
         (kind, Part(name, dict(one.settings), one.not_known))
-        for (kind, name), one in zip(given, told, strict=False)
+        for (kind, name), one in zip(record.given, record.given_settings, strict=False)
     ]
     own = dict(parts).get("controller")
-    own = own or _part(world.get("controller"), ControllerChoice().type)
+    own = own or _part(_at(record.world_settings, "controller"), ControllerChoice().type)
     return Setup(
-        controllers=_controllers(own, world.get("robots")),
-        stages={word: _parts(world, where) for word, where in STAGES.items()},
+        controllers=_controllers(own, _at(record.world_settings, "robots")),
+        stages={
+            word: tuple(_part(one, "?") for one in _at(record.world_settings, *keys) or ())
+            for word, keys in STAGES.items()
+        },
         others=tuple(f"{kind} {part}" for kind, part in parts if kind != "controller"),
-        versions=dict(versions),
+        versions=record.versions,
     )
 
 
@@ -151,11 +149,11 @@ def _controllers(own: Part, entries: Any) -> tuple[tuple[Part, tuple[int, ...]],
     return parts or ((own, ()),)
 
 
-def _parts(world: Mapping[str, Any], where: tuple[str, ...]) -> tuple[Part, ...]:
-    found: Any = world
-    for key in where:
-        found = found.get(key) if isinstance(found, Mapping) else None
-    return tuple(_part(one, "?") for one in found) if isinstance(found, list) else ()
+def _at(world: Any, *keys: str) -> Any:
+    """What stands in a world that need not be valid; None where there is no such key."""
+    for key in keys:
+        world = world.get(key) if isinstance(world, Mapping) else None
+    return world
 
 
 def _part(choice: Any, usual: str) -> Part:

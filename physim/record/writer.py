@@ -43,38 +43,6 @@ CHUNK_BYTES = 1 << 18
 BUFFER_BYTES = 1 << 21
 
 
-class RowBuffer:
-    """Gathers rows of one growing dataset; `flush` appends them all at once."""
-
-    def __init__(self, dataset: h5py.Dataset, row: np.dtype[Any]) -> None:
-        self._dataset, self._row = dataset, row
-        self._rows: list[NDArray[Any]] = []
-        self._bytes = 0
-
-    def append(self, rows: ArrayLike) -> None:
-        """Take rows of the dataset's type; they go to the file when there are many.
-
-        Raises ValueError for rows of another shape.
-        """
-        taken = np.array(rows, dtype=self._row.base)
-        if taken.shape[1:] != self._row.shape:
-            raise ValueError(
-                f"{self._dataset.name}: rows {taken.shape[1:]}; {self._row.shape} expected"
-            )
-        self._rows.append(taken)
-        self._bytes += taken.nbytes
-        if self._bytes >= BUFFER_BYTES:
-            self.flush()
-
-    def flush(self) -> None:
-        """Hand what was gathered to the library."""
-        if self._bytes:
-            rows = np.concatenate(self._rows)
-            self._dataset.resize(len(self._dataset) + len(rows), axis=0)
-            self._dataset[-len(rows) :] = rows
-        self._rows, self._bytes = [], 0
-
-
 class Extremes:
     """Running extremes: ``rows`` (N,) of `layout.EXTREME`, ``farthest`` one `layout.FARTHEST`."""
 
@@ -194,12 +162,18 @@ class RecordWriter:
                 layout.ARRIVED: self.arrived,
             }
             samples = scene.steps // every + 2
-            self._buffers: dict[str, RowBuffer] = {}
+            self._datasets: dict[str, h5py.Dataset] = {}
+            self._waiting: dict[str, list[NDArray[Any]]] = {path: [] for path in self.types}
             self._rewritten: list[tuple[h5py.Dataset, NDArray[Any]]] = []
             for path, one in layout.TABLE.items():
                 if path in self.types:
+                    row = self.types[path]
                     most = samples if path in layout.STEPS else samples * self.robots
-                    self._buffers[path] = self._growing(path, self.types[path], most)
+                    rows = max(1, min(CHUNK_BYTES // row.itemsize, most))
+                    self._datasets[path] = self._file.create_dataset(
+                        path, (0, *row.shape), row.base, maxshape=(None, *row.shape),
+                        chunks=(rows, *row.shape),
+                    )  # fmt: skip
                     continue
                 made = self._file.create_dataset(path, data=values[path], dtype=one.dtype)
                 if path in (layout.EXTREMES, layout.EXTREMES_FARTHEST, layout.ARRIVED):
@@ -219,10 +193,9 @@ class RecordWriter:
         Goes to the file when the time has come; append the decisions and contacts of the samples
         before, then a killed run's tables end with its samples.
         """
-        with self._writing():
-            given = step, pose, clearance, boundary_clearance
-            for path, rows in zip(layout.STEPS, given, strict=True):
-                self._buffers[path].append(rows)
+        given = step, pose, clearance, boundary_clearance
+        for path, rows in zip(layout.STEPS, given, strict=True):
+            self._append(path, rows)
         if time.monotonic() >= self._due:
             self.flush()
 
@@ -234,8 +207,7 @@ class RecordWriter:
         path = f"/{table}"
         if rows.dtype != self.types[path]:
             raise RecordError(f"{path}: rows of type {rows.dtype}; {self.types[path]} expected")
-        with self._writing():
-            self._buffers[path].append(rows)
+        self._append(path, rows)
 
     def append_considered(self, decisions: NDArray[np.void], others: ArrayLike) -> None:
         """Append rows of `layout.CONSIDERING` and the robots that they count, in their order.
@@ -243,8 +215,32 @@ class RecordWriter:
         Raises RecordError for rows of another type.
         """
         self.append("considered", decisions)
+        self._append(layout.OTHERS, others)
+
+    def keep_state(self, step: int, state: bytes) -> None:
+        """Append a state of the run, from which another can start."""
+        self._append(layout.Layout.state_bytes.path, np.frombuffer(state, np.uint8))
+        row = np.array([(step, len(state))], self.types[layout.Layout.states.path])
+        self._append(layout.Layout.states.path, row)
+
+    def _append(self, path: str, rows: ArrayLike) -> None:
+        """Gather rows; they go to the file when there are many. ValueError for another shape."""
+        row, waiting = self.types[path], self._waiting[path]
+        taken = np.array(rows, dtype=row.base)
+        if taken.shape[1:] != row.shape:
+            raise ValueError(f"{path}: rows {taken.shape[1:]}; {row.shape} expected")
         with self._writing():
-            self._buffers[layout.OTHERS].append(others)
+            waiting.append(taken)
+            if sum(one.nbytes for one in waiting) >= BUFFER_BYTES:
+                self._write(path)
+
+    def _write(self, path: str) -> None:
+        """Hand what was gathered of a dataset to the library."""
+        if self._waiting[path]:
+            rows, dataset = np.concatenate(self._waiting[path]), self._datasets[path]
+            self._waiting[path].clear()
+            dataset.resize(len(dataset) + len(rows), axis=0)
+            dataset[len(dataset) - len(rows) :] = rows
 
     def note_arrived(self, since: NDArray[np.int64]) -> None:
         """Set the physics steps (N,) from which on robots have arrived; -1 where they have not."""
@@ -257,8 +253,8 @@ class RecordWriter:
     def flush(self) -> None:
         """Make all that was appended so far readable. Raises RecordError when that fails."""
         with self._writing():
-            for buffer in self._buffers.values():
-                buffer.flush()
+            for path in self.types:
+                self._write(path)
             for dataset, values in self._rewritten:  # before the index: never older than samples
                 dataset[...] = values
             if self._disk is not None:
@@ -320,14 +316,6 @@ class RecordWriter:
         cache.incr_mode = cache.flash_incr_mode = cache.decr_mode = 0
         file.id.set_mdc_config(cache)
         return file
-
-    def _growing(self, path: str, row: np.dtype[Any], most: int) -> RowBuffer:
-        """Create a dataset that grows by rows, with chunks no larger than ``most`` rows."""
-        rows = max(1, min(CHUNK_BYTES // row.itemsize, most))
-        dataset = self._file.create_dataset(
-            path, (0, *row.shape), row.base, maxshape=(None, *row.shape), chunks=(rows, *row.shape)
-        )
-        return RowBuffer(dataset, row)
 
     @contextmanager
     def _writing(self) -> Iterator[None]:

@@ -221,7 +221,7 @@ def decision_fault(
 
 ROWS: dict[str, tuple[type, tuple[int, ...]]] = {
     "robot": (np.int64, ()), "pose": (np.float64, (3,)), "command": (np.float64, (2,)),
-    "reference_station": (np.float64, ()), "age": (np.float64, ()),
+    "velocity": (np.float64, (3,)), "reference_station": (np.float64, ()), "age": (np.float64, ()),
 }  # fmt: skip
 """Type of each array of a `Sensed` with a row for each body that is sensed, and shape of a row"""
 OBSERVERS: dict[str, type] = {"first": np.int64, "end": np.int64, "station": np.float64}

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from physim.contacts import CONTACT_ROW
 from physim.errors import ControllerError, PhysimError, WorldError, plural
+from physim.geometry.clearance import ClearanceFinder, Clearances
 from physim.geometry.path import Tracking
 from physim.geometry.shapes import FloatArray, locked, read_only
 from physim.parts.controller import FASTEST, Controller, Observation, Sensed, Snapshot
@@ -78,6 +79,7 @@ class Simulation:
     _told: tuple[Snapshot, Any, Decided, FloatArray, FloatArray] | None
     _sight: Sight | None
     _digested: tuple[Scene | None, str] = None, ""
+    _found: tuple[Snapshot | None, Clearances | None] = None, None
 
     def __init__(
         self,
@@ -142,6 +144,21 @@ class Simulation:
     def command(self) -> FloatArray:
         """(N, 2) nominal commands v [m/s], omega [rad/s] that are held; read-only."""
         return self.now.command
+
+    @property
+    def velocity(self) -> FloatArray:
+        """(N, 3) vx, vy [m/s], omega [rad/s] over the last step, world frame; read-only."""
+        return self.now.velocity
+
+    @property
+    def clearance(self) -> FloatArray:
+        """(N,) [m] signed distance of each robot from the nearest other one; inf without others."""
+        return np.asarray(self._distances.clearance[0])
+
+    @property
+    def boundary_clearance(self) -> FloatArray:
+        """(N,) [m] signed distance of each robot from the nearest wall; inf without walls."""
+        return np.asarray(self._distances.boundary_clearance[0])
 
     @property
     def arrived(self) -> NDArray[np.bool_]:
@@ -265,11 +282,13 @@ class Simulation:
                 (self.physics.contacts, grazes), dtype=CONTACT_ROW
             )
         self._arrivals.follow(self._tracking, step, pose)
-        self._take(step, pose, nominal)
+        velocity = pose - self.now.pose
+        velocity /= self.scene.dt
+        self._take(step, pose, nominal, read_only(velocity))
 
-    def _take(self, step: int, pose: FloatArray, nominal: FloatArray) -> None:
+    def _take(self, step: int, pose: FloatArray, nominal: FloatArray, velocity: FloatArray) -> None:
         along = self._tracking.stations
-        self.now = Snapshot(step, pose, nominal, along[0], along[1], along[2])
+        self.now = Snapshot(step, pose, nominal, velocity, along[0], along[1], along[2])
         self._sensed = None
 
     def _report(self) -> None:
@@ -340,7 +359,7 @@ class Simulation:
         self.physics.restore(state.physics)
         for array in (*state.now[1:], state.mode, state.next_decision):
             read_only(array)  # which unpickled arrays are not
-        self._tracking.stations = read_only(np.stack(state.now[3:]))
+        self._tracking.stations = read_only(np.stack(state.now[4:]))
         self.now, self.mode, self.next_decision = state.now, state.mode, state.next_decision
         self._next_due = int(state.next_decision.min())
         self.memory = {name: array.copy() for name, array in state.memory.items()}
@@ -392,7 +411,19 @@ class Simulation:
         self.mode = read_only(np.full(robots, NO_NUMBER, dtype=np.int64))
         self.next_decision = read_only(np.zeros(robots, dtype=np.int64))
         self._next_due, self._told = 0, None
-        self._take(0, read_only(self.physics.pose), read_only(np.zeros((robots, 2))))
+        still = read_only(np.zeros((robots, 3)))
+        self._take(0, read_only(self.physics.pose), read_only(np.zeros((robots, 2))), still)
+
+    @property
+    def _distances(self) -> Clearances:
+        """Clearances of the present sample, found once."""
+        of, found = self._found
+        if found is None or of is not self.now:
+            scene = self.scene
+            finder = ClearanceFinder(scene.shapes, scene.wall_tree)
+            found = locked(finder.find(self.now.pose[None]))
+            self._found = self.now, found
+        return found
 
     @property
     def _digest(self) -> str:

@@ -95,6 +95,7 @@ class Views:
         values["time"] = self.time
         values["pose"] = read_only(sensed.pose[own].copy())
         values["v"], values["omega"] = sensed.command[own].tolist()
+        values["velocity"] = read_only(sensed.velocity[own].copy())
         values["station"] = sensed.station.item(i)
         values["reference_station"] = sensed.reference_station.item(own)
         return Observation.partly(values, partial(self._make, i))
@@ -122,13 +123,14 @@ class Views:
         rows = np.unique(self._in_range[1])
         robots = sensed.robot[rows].tolist()
         return {
-            row: ObservedRobot(j, pose, shape, v, omega, station, time)
-            for row, j, pose, shape, (v, omega), station, time in zip(
+            row: ObservedRobot(j, pose, shape, v, omega, velocity, station, time)
+            for row, j, pose, shape, (v, omega), velocity, station, time in zip(
                 rows.tolist(),
                 robots,
                 read_only(sensed.pose[rows]),
                 map(self.sight.footprint, robots),
                 sensed.command[rows].tolist(),
+                read_only(sensed.velocity[rows]),
                 sensed.reference_station[rows].tolist(),
                 (self.time - sensed.age[rows]).tolist(),
                 strict=True,

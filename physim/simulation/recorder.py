@@ -49,17 +49,21 @@ class SaveAt:
 
     ``every`` [steps] from one sample to the next, the world's ``time.record_every`` where it is
     None; ``tables``, those of `physim.record.layout.OPTIONAL` that are kept. Samples and commands
-    are always there: without them a record could not be held against anything.
+    are always there: without them a record could not be held against anything. ``states`` [s]:
+    from one kept state to the next, from which `physim.state_at` lets another run start.
     """
 
     every: int | None = None
     tables: Sequence[str] = OPTIONAL
+    states: float | None = None
 
     def __post_init__(self) -> None:
         """Raise ValueError for a table that there is not, and for no whole number of steps."""
         unknown = [table for table in self.tables if table not in OPTIONAL]
         if unknown:
             raise ValueError(f"tables: {unknown[0]!r}; allowed: {', '.join(OPTIONAL)}")
+        if self.states is not None and not 0.0 < self.states < np.inf:
+            raise ValueError(f"states = {self.states!r}; it must be a time in s, above 0")
         if self.every is None:
             return
         if isinstance(self.every, bool) or not isinstance(self.every, int | np.integer):

@@ -25,6 +25,7 @@ from physim.parts.stages import Disturbance, Filter, Observer, SensingStage
 from physim.parts.user_code import folder_kept, naming
 from physim.record import Record, RecordWriter
 from physim.simulation.engine import Physics
+from physim.simulation.kept_states import packed
 from physim.simulation.loop import LOOK_ON, Simulation
 from physim.simulation.parts import listed
 from physim.simulation.recorder import Recorder, SaveAt, check_room
@@ -102,7 +103,7 @@ def record_run(
         for observer in (recorder, *others):
             simulation.look_on(observer)
         with folder_kept():
-            ended = _loop(simulation, recorder, progress, stop)
+            ended = _loop(simulation, recorder, save.states, progress, stop)
             recorder.close(ended)
             late = _close(simulation, ended)
     finally:
@@ -153,11 +154,16 @@ def _close(simulation: Simulation, ended: str) -> ControllerError | None:
 def _loop(
     simulation: Simulation,
     recorder: Recorder,
+    states: float | None,
     progress: Callable[[Simulation, float], None] | None,
     stop: Callable[[], bool] | None,
 ) -> str:
-    """Step to the end; says how it ended. Raises ControllerError for a step not taken down."""
-    started = time.perf_counter()
+    """Step to the end, keeping ``states`` so often [s]; says how it ended.
+
+    Raises ControllerError for a step not taken down.
+    """
+    started, step = time.perf_counter(), simulation.scene.dt
+    apart = 0 if states is None else max(1, round(states / step))
     while simulation.step_number < simulation.scene.steps:
         simulation.step()
         if recorder.taken != simulation.step_number:
@@ -166,6 +172,8 @@ def _loop(
                 f"an observer moved the simulation after {after:g} s, or let the recorder go (by "
                 f"restore, reset or observers); {LOOK_ON}"
             )
+        if apart and simulation.step_number % apart == 0:
+            recorder.writer.keep_state(simulation.step_number, packed(simulation.state))
         if progress is not None:
             progress(simulation, simulation.time / (time.perf_counter() - started))
         if simulation.finished:

@@ -97,6 +97,7 @@ def sensed_at(robots: list[Body], step: int) -> Sensed:
         robot=robot,
         pose=np.array([robot.pose for robot in robots]),
         command=np.array([robot.command for robot in robots]),
+        velocity=np.zeros((len(robots), 3)),
         reference_station=np.array([robot.reference_station for robot in robots]),
         age=age,
         first=first,

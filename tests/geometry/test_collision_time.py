@@ -21,7 +21,8 @@ from tests.helpers import examples, inside
 from tests.oracles.collision_time import distance_at, marched_time
 
 advancement_time, arc_course = inside("physim.geometry", "advancement_time", "arc_course")
-collision_time_walls, part_time = inside("physim.geometry", "collision_time_walls", "part_time")
+collision_time_walls, Part = inside("physim.geometry", "collision_time_walls", "Part")
+part_time = inside("physim.geometry", "part_time")
 
 HORIZON = 10.0
 OMEGAS = (0.0, 0.0, -1.57, -0.785, 0.785, 1.57, 0.3, -1e-3)
@@ -177,8 +178,9 @@ def test_two_derivations_agree_in_translation(seed):
     pose_a, pose_b = (np.array([*rng.uniform(-3, 3, 2), rng.uniform(-4, 4)]) for _ in range(2))
     a = arc_course(pose_a, rng.uniform(-1, 1), 0.0, 3.0)
     b = arc_course(pose_b, rng.uniform(-1, 1), 0.0, 3.0)
-    closed = part_time(P, 0, len(P), a, Q, 0, len(Q), b, HORIZON)
-    marched, d, _ = advancement_time(P, 0, len(P), a, Q, 0, len(Q), b, HORIZON)
+    parts = Part(P, 0, len(P)), a, Part(Q, 0, len(Q)), b
+    closed = part_time(*parts, HORIZON)
+    marched, d, _ = advancement_time(*parts, HORIZON)
     if math.isinf(closed) or math.isinf(marched):
         assert closed == marched
     else:

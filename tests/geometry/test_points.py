@@ -10,7 +10,7 @@ import shapely
 
 from tests.helpers import inside
 
-pack_parts = inside("physim.geometry", "pack_parts")
+pack_parts, Part = inside("physim.geometry", "pack_parts", "Part")
 point_gap, point_part = inside("physim.geometry", "point_gap", "point_part")
 collision_time_pair, describe_pairs = inside(
     "physim.geometry", "collision_time_pair", "describe_pairs"
@@ -27,7 +27,7 @@ def test_distance_of_a_point_from_a_convex_part(seed: int) -> None:
     for x, y in rng.uniform(-2.0, 2.0, (20, 2)):
         point = shapely.Point(x, y)
         assert point_part(walls, 0, x, y) == pytest.approx(solid.distance(point))
-        bound = point_gap(part, 0, 5, x, y)
+        bound = point_gap(Part(part, 0, 5), x, y)
         if solid.contains(point):
             assert bound == pytest.approx(-solid.exterior.distance(point))
         else:

@@ -28,23 +28,26 @@ from tests.geometry.cases import (
 from tests.helpers import examples, inside
 
 body_distance, body_separation = inside("physim.geometry", "body_distance", "body_separation")
-pack_parts, part_gap = inside("physim.geometry", "pack_parts", "part_gap")
-part_witness, wall_distance = inside("physim.geometry", "part_witness", "wall_distance")
-wall_separation = inside("physim.geometry", "wall_separation")
+Frame, pack_parts, Part = inside("physim.geometry", "Frame", "pack_parts", "Part")
+part_gap, part_witness = inside("physim.geometry", "part_gap", "part_witness")
+wall_distance = inside("physim.geometry", "wall_distance")
 
 ROUNDING = 1e-14  # shapes of metres at the origin
 
 
 def distance(a, b):
     rx, ry = b[0]
-    return part_gap(a, 0, len(a), b, 0, len(b), 1.0, 0.0, rx, ry, rx, ry, np.inf)
+    frame = Frame(1.0, 0.0, rx, ry, rx, ry)
+    return part_gap(Part(a, 0, len(a)), Part(b, 0, len(b)), frame, np.inf)
 
 
 def check_pair(a, b, tolerance=ROUNDING):
     """Value, witness and normal of two convex parts in one frame."""
     a, b = np.array(a, dtype=float), np.array(b, dtype=float)
     rx, ry = b[0]
-    d, nx, ny, ax, ay, bx, by = part_witness(a, 0, len(a), b, 0, len(b), 1.0, 0.0, rx, ry, rx, ry)
+    frame = Frame(1.0, 0.0, rx, ry, rx, ry)
+    found = part_witness(Part(a, 0, len(a)), Part(b, 0, len(b)), frame)
+    d, nx, ny, ax, ay, bx, by = found
     normal, point_a, point_b = np.array([nx, ny]), np.array([ax, ay]), np.array([bx, by])
     A, B = geometry(a), geometry(b)
     assert d == distance(a, b)
@@ -178,11 +181,6 @@ def test_walls_agree_with_shapely(seed):
         single = [wall_distance(shapes, 0, pose, walls, ids[k : k + 1]) for k in ids]
         assert d == min(single)
         assert d == wall_distance(shapes, 0, pose, walls, ids[::-1].copy())
-        found = wall_separation(shapes, 0, pose, walls, ids)
-        assert found[0] == d
-        assert body.distance(shapely.Point(found[3:5])) < 1e-13
-        along = np.array(found[5:7]) - found[3:5]
-        assert np.abs(along - d * np.array(found[1:3])).max() < 1e-13
 
 
 def test_public_forms():

@@ -22,7 +22,7 @@ from tests.helpers import examples, inside
 from tests.oracles.collision_time import distance_at, marched_time
 
 body_distance, least_gap_pair = inside("physim.geometry", "body_distance", "least_gap_pair")
-least_gap_walls, nearest_wall = inside("physim.geometry", "least_gap_walls", "nearest_wall")
+least_gap_walls, wall_distance = inside("physim.geometry", "least_gap_walls", "wall_distance")
 pack_parts, swept_pair = inside("physim.geometry", "pack_parts", "swept_pair")
 swept_walls = inside("physim.geometry", "swept_walls")
 
@@ -118,11 +118,10 @@ def test_walls_are_the_best_of_their_parts(seed):
     else:
         assert part == -1
     now = start + (end - start) * at / DT
-    assert nearest_wall(shapes, 0, now, walls, ids[nearest : nearest + 1])[0] == pytest.approx(
-        least, abs=1e-12
-    )
+    own = ids[nearest : nearest + 1]
+    assert wall_distance(shapes, 0, now, walls, own) == pytest.approx(least, abs=1e-12)
     for u in np.linspace(0.0, 1.0, 60):
-        assert nearest_wall(shapes, 0, start + (end - start) * u, walls, ids)[0] >= bound - 1e-12
+        assert wall_distance(shapes, 0, start + (end - start) * u, walls, ids) >= bound - 1e-12
     single = [least_gap_walls(shapes, 0, start, end, walls, ids[k : k + 1], DT)[0] for k in ids]
     assert min(single) == pytest.approx(least, abs=CONTACT)
 

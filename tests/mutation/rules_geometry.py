@@ -60,9 +60,10 @@ def depth_is_not_the_shortest_way_out() -> None:
     def deeper(gap: float, a: Any) -> float:
         if gap >= 0.0:
             return gap
-        turn = np.array([[a.c, -a.s], [a.s, a.c]])
-        between = ((a.Q[a.q0 : a.q1] - (a.rx, a.ry)) @ turn.T + (a.tx, a.ty)).mean(axis=0)
-        between -= a.P[a.p0 : a.p1].mean(axis=0)
+        f, (V, *p), (W, *q) = a.f, a.P, a.Q
+        turn = np.array([[f.c, -f.s], [f.s, f.c]])
+        between = ((W[slice(*q)] - (f.rx, f.ry)) @ turn.T + (f.tx, f.ty)).mean(axis=0)
+        between -= V[slice(*p)].mean(axis=0)
         size = math.hypot(*between)
         return gap if size == 0.0 else gap * (1.0 + abs(between[1]) / size)
 
@@ -72,10 +73,16 @@ def depth_is_not_the_shortest_way_out() -> None:
 @rule("geometry")
 def only_the_first_part_counts() -> None:
     """A nonconvex body is its first convex part."""
-    given(
-        "physim.geometry.separation:body_gap",
-        p_last=lambda a: a.p_first + 1, q_last=lambda a: a.q_first + 1,
-    )  # fmt: skip
+    Part, part_gap = inside("physim.geometry", "Part", "part_gap")
+
+    def first(shapes: Any, body: int) -> Any:
+        part = shapes.body_start[body]
+        return Part(shapes.vertices, shapes.part_start[part], shapes.part_start[part + 1])
+
+    instead(
+        "physim.geometry.bodies:body_gap",
+        lambda a: part_gap(first(a.shapes_a, a.i), first(a.shapes_b, a.j), a.f, math.inf),
+    )
 
 
 @rule("geometry")

@@ -19,6 +19,7 @@ def observe(scene: Scene, sensed: Sensed, i: int) -> Observation:
     known = sensed.robot[rows]
     pose, station = sensed.pose[rows], sensed.reference_station[rows]
     command, age = sensed.command[rows], sensed.age[rows]
+    velocity = sensed.velocity[rows]
     me = int(np.flatnonzero(known == i)[0])
     time = sensed.step * scene.dt
     x, y = pose[me, 0], pose[me, 1]
@@ -34,6 +35,7 @@ def observe(scene: Scene, sensed: Sensed, i: int) -> Observation:
         pose=_read_only(pose[me]),
         v=float(command[me, 0]),
         omega=float(command[me, 1]),
+        velocity=_read_only(velocity[me]),
         footprint=_footprint(scene, i),
         limits=(float(scene.limits[i, 0]), float(scene.limits[i, 1])),
         path=Path(scene.paths.points[first:end], scene.outside[i].copy()),
@@ -57,6 +59,7 @@ def observe(scene: Scene, sensed: Sensed, i: int) -> Observation:
                 footprint=_footprint(scene, int(known[row])),
                 v=float(command[row, 0]),
                 omega=float(command[row, 1]),
+                velocity=_read_only(velocity[row]),
                 station=float(station[row]),
                 time=time - float(age[row]),
             )

@@ -154,7 +154,7 @@ def alone(sensed: Sensed) -> Sensed:
     own = observer_of_row(rows) == rows.robot
     kept = {
         name: getattr(rows, name)[own]
-        for name in ("robot", "pose", "command", "reference_station", "age")
+        for name in ("robot", "pose", "command", "velocity", "reference_station", "age")
     }
     number = np.arange(len(rows.first))
     return rows._replace(first=number, end=number + 1, **kept)

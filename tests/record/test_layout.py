@@ -10,6 +10,7 @@ from typing import get_type_hints
 
 import numpy as np
 
+from physim.contacts import CONTACT_ROW, FALSE_CONTACT_ROW
 from physim.record import Record
 from tests.helpers import inside
 from tests.helpers.records import make_record
@@ -40,6 +41,11 @@ def listed() -> str:
 
 def test_the_page_lists_all_that_a_record_has() -> None:
     assert listed() in PAGE.read_text(encoding="utf-8")
+
+
+def test_contacts_are_kept_as_the_engine_gives_them() -> None:
+    assert Record.contacts.dtype == CONTACT_ROW
+    assert Record.false_contacts.dtype == FALSE_CONTACT_ROW
 
 
 def test_every_property_is_of_the_table_s_type() -> None:

@@ -14,6 +14,7 @@ from physim.errors import ControllerError, Notice
 from physim.record import Record
 from physim.world.file import load_world, parse_world
 from tests.helpers import THREE, Says, facts, inside, road
+from tests.helpers.stages import Changes
 
 formation_energy = inside("physim.controllers", "formation_energy")
 formation_energy_rate = inside("physim.controllers", "formation_energy_rate")
@@ -76,6 +77,62 @@ def test_commands_may_be_given_step_by_step() -> None:
     driven.step()  # steered by hand so far, robots are asked
     assert says.asked == [(0, 1), (1, 1), (2, 1)]
     assert driven.command[:, 0].tolist() == [0.25] * 3
+
+
+def test_velocities_are_what_bodies_do_whatever_they_are_commanded() -> None:
+    """A filter holds the first robot, a disturbance drives the second otherwise, and the third
+    runs into it: all see how each moves, beside what it was told."""
+    near = [[20.0, -3.0, 0.0], [20.0, 0.0, 0.0], [20.0, 1.6, -np.pi / 2]]
+    held, otherwise = np.array([[0.0], [1.0], [1.0]]), np.array([[1.0], [0.25], [1.0]])
+    seen: list[tuple[int, Observation]] = []
+
+    def decide(o: Observation) -> Decision:
+        seen.append((o.index, o))
+        return Decision(1.0, 0.1, hold=0.0)
+
+    simulation = Simulation(
+        road(near), controller=Says(decide), filters=[Changes(lambda given: held * given)],
+        disturbances=[Changes(lambda given: otherwise * given)],
+    )  # fmt: skip
+    assert (simulation.velocity == 0.0).all()
+    met = False
+    for _ in range(80):
+        before = simulation.pose
+        simulation.step()
+        assert simulation.velocity == pytest.approx((simulation.pose - before) / 0.01, abs=1e-12)
+        met = met or len(simulation.contacts) > 0
+    assert met
+    v, omega = simulation.command.T
+    assert (v == 1.0).all()
+    assert (omega == 0.1).all()
+    speed = np.hypot(*simulation.velocity[:, :2].T)
+    assert speed[0] == 0.0
+    assert speed[1:].max() < 0.9
+    state = simulation.state
+    simulation.step()
+    for i, one in seen[-3:]:
+        assert (one.v, one.omega) == (1.0, 0.1)
+        assert np.array_equal(one.velocity, state.now.velocity[i])
+        assert [np.array_equal(j.velocity, state.now.velocity[j.index]) for j in one.others] == [
+            True, True,
+        ]  # fmt: skip
+    simulation.restore(state)
+    assert np.array_equal(simulation.observe(1).velocity, state.now.velocity[1])
+
+
+def test_clearances_are_those_of_the_record(monkeypatch: pytest.MonkeyPatch) -> None:
+    """And a state takes no text of the world but the first."""
+    world = road(THREE, duration=0.3)
+    ahead = Says(lambda o: Decision(1.0, 0.3 * o.index, hold=0.1))
+    record, simulation = simulate(world, controller=ahead), Simulation(world, controller=ahead)
+    texts = []
+    monkeypatch.setattr(type(world), "to_yaml", lambda self: texts.append(self) or "")
+    for k in range(record.samples):
+        assert np.array_equal(simulation.clearance, record.clearance[k])
+        assert np.array_equal(simulation.boundary_clearance, record.boundary_clearance[k])
+        assert simulation.state.seed == 0
+        simulation.step()
+    assert len(texts) == 1
 
 
 # Commands and controllers that fail

@@ -56,7 +56,14 @@ def shared(simulation: Simulation) -> Sensed:
     shuffled = np.random.default_rng(5).permutation(robots)
     taken = np.concatenate((np.resize(shuffled, 7), shuffled))
     first, end = np.full(robots, 7), np.full(robots, 7 + robots)
-    rows = (sensed.robot, sensed.pose, sensed.command, sensed.reference_station, sensed.age)
+    rows = (
+        sensed.robot,
+        sensed.pose,
+        sensed.command,
+        sensed.velocity,
+        sensed.reference_station,
+        sensed.age,
+    )
     seven = Sensed(sensed.step, *(one[taken] for one in rows), first, end, sensed.station)
     return own(seven._replace(age=0.001 * np.arange(len(taken))))
 

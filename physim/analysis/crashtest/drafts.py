@@ -19,6 +19,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.random import Generator
 
+from physim.geometry.bodies import body_distance, body_separation
 from physim.geometry.motion import arc
 from physim.geometry.polygon import (
     circumscribed_radius,
@@ -28,7 +29,6 @@ from physim.geometry.polygon import (
     signed_area,
     smallest_width,
 )
-from physim.geometry.separation import body_distance, body_separation
 from physim.geometry.shapes import FloatArray, Shapes, pack_parts
 from physim.randomness import stream
 from physim.tolerances import TUNNEL_FRACTION

@@ -12,9 +12,10 @@ import numpy as np
 
 from physim.analysis.crashtest.drafts import STEPS, Case
 from physim.compiled import compiled, is_cached
+from physim.geometry.bodies import body_separation
 from physim.geometry.collision import collision_time_pair, collision_time_walls
+from physim.geometry.convex import Witness
 from physim.geometry.motion import arc
-from physim.geometry.separation import body_separation, wall_separation
 from physim.geometry.shapes import FloatArray, IntArray, Shapes, pack_parts
 from physim.geometry.swept import swept_pair, swept_walls
 from physim.tolerances import CONTACT, ROUNDING
@@ -121,8 +122,12 @@ def state_at(batch: Packed, k: int, t: float) -> tuple[float, float]:
     shapes, command, i = batch.shapes, batch.command, batch.first_robot[k]
     pose = poses_at(batch, k, t)
     if len(pose) == 1:
-        parts = wall_parts(batch, k)
-        d, nx, ny, ax, ay, _, _ = wall_separation(shapes, i, pose[0], batch.walls, parts)
+        found = Witness(np.inf, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+        for w in range(batch.first_wall[k], batch.first_wall[k + 1]):
+            other = body_separation(shapes, i, pose[0], batch.walls, w, np.zeros(3))
+            if other.distance < found.distance:
+                found = other
+        d, nx, ny, ax, ay, _, _ = found
         return d, point_speed(pose[0], command[i], ax, ay, nx, ny)
     d, nx, ny, ax, ay, bx, by = body_separation(shapes, i, pose[0], shapes, i + 1, pose[1])
     closing = point_speed(pose[0], command[i], ax, ay, nx, ny)

@@ -19,8 +19,8 @@ from numpy.typing import NDArray
 
 from physim.compiled import compiled
 from physim.errors import RecordError
-from physim.geometry.separation import body_distance, point_gap, wall_distance
-from physim.geometry.shapes import FloatArray, IntArray, Shapes, read_only
+from physim.geometry.bodies import body_distance, point_gap, wall_distance
+from physim.geometry.shapes import FloatArray, IntArray, Part, Shapes, read_only
 from physim.geometry.swept import swept_pair, swept_walls
 from physim.record import Record
 from physim.tolerances import CONTACT
@@ -117,11 +117,11 @@ def walls_about(poses: FloatArray, i: int, radius: float, walls: Shapes, reach: 
     low_y, high_y = poses[:, i, 1].min(), poses[:, i, 1].max()
     x, y = 0.5 * (low_x + high_x), 0.5 * (low_y + high_y)
     room = math.hypot(high_x - x, high_y - y) + radius + reach + 1e-6
-    parts = len(walls.part_start) - 1
+    start, parts = walls.part_start, len(walls.part_start) - 1
     found = np.empty(parts, dtype=np.int64)
     count = 0
     for p in range(parts):
-        if point_gap(walls.vertices, walls.part_start[p], walls.part_start[p + 1], x, y) <= room:
+        if point_gap(Part(walls.vertices, start[p], start[p + 1]), x, y) <= room:
             found[count] = p
             count += 1
     return found[:count]

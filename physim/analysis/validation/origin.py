@@ -98,11 +98,11 @@ def world_inside(record: Record) -> Inside:
 
 
 def controller_name(record: Record) -> str:
-    """What decided: ``module:Class`` of one given from Python, or as the world inside names it;
-    empty where the record names none."""
+    """The world's own controller: ``module:Class`` of one given from Python, or as the world inside
+    names it; empty where the record names none."""
     if record.controller or not record.world_text.strip():
         return record.controller
-    return record.setup.controller_names
+    return record.world.controller.type
 
 
 def compare_with_world(record: Record, inside: Inside) -> tuple[Finding, ...]:

@@ -21,7 +21,7 @@ from __future__ import annotations
 import numpy as np
 
 from physim.compiled import compiled
-from physim.geometry.separation import body_distance
+from physim.geometry.bodies import body_distance
 from physim.geometry.shapes import FloatArray, IntArray, Shapes
 from physim.tolerances import SETTLED_DEPTH
 

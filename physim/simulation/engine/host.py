@@ -8,9 +8,9 @@ from numpy.typing import NDArray
 from physim.compiled import direct
 from physim.contacts import CONTACT_ROW, FALSE_CONTACT_ROW, allowed_depth
 from physim.errors import PhysimError
+from physim.geometry.bodies import describe_pairs
 from physim.geometry.motion import chord_velocities
 from physim.geometry.polygon import moment
-from physim.geometry.separation import describe_pairs
 from physim.geometry.shapes import (
     FloatArray,
     IntArray,

@@ -13,10 +13,10 @@ from numpy.typing import NDArray
 
 from physim.compiled import compiled
 from physim.contacts import FALSE_CONTACT_ROW, Kind, Phase
-from physim.geometry.separation import body_distance, point_gap, relative_frame
-from physim.geometry.shapes import FloatArray, IntArray, Shapes
+from physim.geometry.bodies import body_distance, point_gap, relative_frame
+from physim.geometry.convex import part_witness
+from physim.geometry.shapes import FloatArray, IntArray, Part, Shapes
 from physim.geometry.solids import Solids, describe_contact
-from physim.geometry.witness import part_witness
 from physim.tolerances import CONTACT
 
 BEGAN, STAYS, ENDED, PHYSICAL = map(int, (*Phase, Kind.PHYSICAL))
@@ -99,7 +99,7 @@ def pairs_of(
             gap = np.inf
             for k in range(shapes.body_start[robots + w], shapes.body_start[robots + w + 1]):
                 start, end = shapes.part_start[k], shapes.part_start[k + 1]
-                gap = min(gap, point_gap(shapes.vertices, start, end, x, y))
+                gap = min(gap, point_gap(Part(shapes.vertices, start, end), x, y))
             d = body_distance(shapes, a, pose[a], shapes, robots + w, pose[robots + w])
             touches = d <= CONTACT
             if touches > is_met or (touches == is_met and gap < nearest):
@@ -114,11 +114,9 @@ def pairs_of(
 @compiled
 def _on_solid(joined: Shapes, p: int, pose: FloatArray, q: int) -> tuple[float, float]:
     """Point [m] of part q of a solid at which it touches part p of a robot."""
-    c, s, tx, ty = relative_frame(pose, np.zeros(3))
     v, start = joined.vertices, joined.part_start
-    found = part_witness(
-        v, start[p], start[p + 1], v, start[q], start[q + 1], c, s, tx, ty, 0.0, 0.0
-    )
+    P, Q = Part(v, start[p], start[p + 1]), Part(v, start[q], start[q + 1])
+    found = part_witness(P, Q, relative_frame(pose, np.zeros(3)))
     cp, sp = np.cos(pose[2]), np.sin(pose[2])
     x, y = found[5], found[6]
     return pose[0] + cp * x - sp * y, pose[1] + sp * x + cp * y

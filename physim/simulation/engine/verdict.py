@@ -26,10 +26,9 @@ from typing import NamedTuple
 import numpy as np
 
 from physim.compiled import compiled
-from physim.geometry.convex import part_gap
-from physim.geometry.separation import relative_frame
-from physim.geometry.shapes import FloatArray, IntArray, Shapes
-from physim.geometry.witness import part_witness
+from physim.geometry.bodies import relative_frame
+from physim.geometry.convex import part_gap, part_witness
+from physim.geometry.shapes import FloatArray, IntArray, Part, Shapes
 from physim.tolerances import CONTACT
 
 APART = 0
@@ -93,11 +92,9 @@ def touch(
     The distance is that of `body_distance` to the last bit; the unit normal (world frame) leads
     from q to p.
     """
-    c, s, tx, ty = relative_frame(pose_p, pose_q)
     v, start = shapes.vertices, shapes.part_start
-    found = part_witness(
-        v, start[p], start[p + 1], v, start[q], start[q + 1], c, s, tx, ty, 0.0, 0.0
-    )
+    P, Q = Part(v, start[p], start[p + 1]), Part(v, start[q], start[q + 1])
+    found = part_witness(P, Q, relative_frame(pose_p, pose_q))
     cp, sp = np.cos(pose_p[2]), np.sin(pose_p[2])
     return found[0], -(cp * found[1] - sp * found[2]), -(sp * found[1] + cp * found[2])
 
@@ -164,10 +161,8 @@ def classify(
     """
     v, start = shapes.vertices, shapes.part_start
     if start[q + 1] - start[q] != 2:
-        c, s, tx, ty = relative_frame(pose_p, pose_q)
-        distance = part_gap(
-            v, start[p], start[p + 1], v, start[q], start[q + 1], c, s, tx, ty, 0.0, 0.0, np.inf
-        )
+        P, Q = Part(v, start[p], start[p + 1]), Part(v, start[q], start[q + 1])
+        distance = part_gap(P, Q, relative_frame(pose_p, pose_q), np.inf)
         return (APART if distance > CONTACT else ACTS), 0.0, 0.0
     distance, nx, ny = touch(shapes, p, pose_p, q, pose_q)
     if distance > CONTACT:

@@ -75,8 +75,8 @@ class Setup:
 
     @property
     def controller_names(self) -> str:
-        """Names of the controllers, in words."""
-        return joined([part.name for part, _ in self.controllers])
+        """Names of the controllers, in words, each once."""
+        return joined(dict.fromkeys(part.name for part, _ in self.controllers))
 
     def driven_by(self, name: str) -> frozenset[int]:
         """Robots that controllers of a name drive."""
@@ -87,7 +87,7 @@ class Setup:
         stages = [(word, ", ".join(map(str, parts))) for word, parts in self.stages.items()]
         controllers = str(self.controller)
         if len(self.controllers) > 1:
-            each = (f"{part} of {plural(len(some), 'robot')}" for part, some in self.controllers)
+            each = (f"{part} for {plural(len(some), 'robot')}" for part, some in self.controllers)
             controllers = "; ".join(each)
         found = [("controller", controllers), *stages, ("from Python", self.from_python)]
         return [(word, text) for word, text in found if text]

@@ -4,13 +4,11 @@ At each time the parts are apart by a gap along some axis. How far either part c
 axis in a further time is bounded, the bound says how long the gap lasts, and time goes on by that
 much. So no contact is ever stepped over: at every earlier instant the parts are apart.
 
-Along an axis that stands still a body's reference point moves by
-``a sin(k t)/k + b (1 - cos(k t))/k^2`` (a speed along the axis now, k turning rate, b acceleration
-along the axis now), a vertex about it by ``x cos(w t) + r sin(w t)/w`` less x. With sin y <= y,
-sin y >= y - y^3/6, 1 - y^2/2 <= cos y <= 1 these are below polynomials with coefficients >= 0 from
-the second power on, so their sum and the maximum over the vertices, closing(t), are convex.
-closing(0) <= 0, hence closing(T) <= gap bounds all times up to T, not only the start. The first
-power is exact, so that steps shrink no faster than the gap closes (Newton-like near contact).
+Along an axis that stands still the height of a vertex of Q above a vertex of P changes at a rate
+that is known exactly, and this rate at most by the accelerations: speed times turning of both
+reference points, spin^2 radius of both bodies for their vertices. So ``h + h' t - bend t^2 / 2`` is
+below the height at all times, and the gap lasts until the first of these parabolas has come down by
+the gap (`axis_step`).
 
 Such an axis sees the ends of a turning edge come and go faster than the edge itself does at the
 vertex before it. So where the best axis is the normal of an edge of a body that turns, the axis
@@ -53,10 +51,6 @@ MARGIN = 0.25
 MOST_STEPS = 2000
 """Advances after which the time reached is returned: a lower bound of the collision time."""
 
-LOOKS = 3
-"""How often the advance is lengthened towards the root of closing(t) = gap."""
-
-
 # How two parts lie to each other
 
 
@@ -89,14 +83,6 @@ def turned(r: Relative, radius: float) -> Relative:
     )  # fmt: skip
 
 
-class Closing(NamedTuple):
-    """Coefficients of the bound on how far two bodies close along an axis, but for the turning."""
-
-    first: float
-    second: float
-    third: float
-
-
 class Look(NamedTuple):
     """How two parts lie to each other at one time, and what is needed to go on from there."""
 
@@ -107,10 +93,6 @@ class Look(NamedTuple):
     nx: float
     """axis from P to Q, in P's frame"""
     ny: float
-    ux: float
-    """the same in Q's frame"""
-    uy: float
-    closing: Closing
     face: int
     """1: the axis is the normal of an edge of P, 2: of Q, 0: of neither"""
     edge: int
@@ -174,110 +156,63 @@ def look_at(P: Part, a: Course, Q: Part, b: Course, t: float) -> Look:
     # Velocities in P's frame.
     avx, avy = ac * avx + az * avy, ac * avy - az * avx
     bvx, bvy = ac * bvx + az * bvy, ac * bvy - az * bvx
-    one = travel(nx, ny, avx, avy, a.turn)
-    two = travel(-nx, -ny, bvx, bvy, b.turn)
-    closing = Closing(one.first + two.first, one.second + two.second, one.third + two.third)
     pull = a.speed * abs(a.turn) + b.speed * abs(b.turn)
     seen = Relative(f, bvx - avx, bvy - avy, a.spin, b.spin, pull, a.speed + b.speed, b.radius)
-    return Look(
-        d, gap, nx, ny, f.c * nx + f.s * ny, f.c * ny - f.s * nx, closing, face, edge, seen
-    )  # fmt: skip
+    return Look(d, gap, nx, ny, face, edge, seen)
 
 
 # An axis that stands still
 
 
 @compiled
-def travel(ax: float, ay: float, vx: float, vy: float, turn: float) -> Closing:
-    """Bound on the travel along the axis (ax, ay) of a point of velocity v that turns."""
-    along = ax * vx + ay * vy
-    bend = turn * (ay * vx - ax * vy)
-    return Closing(along, 0.5 * max(0.0, bend), max(0.0, -along) * turn * turn / 6.0)
+def lasting(room: float, rate: float, bend: float) -> float:
+    """Time [s] up to which ``room + rate t - bend t^2 / 2`` is positive; room > 0, bend >= 0."""
+    root = math.sqrt(rate * rate + 2.0 * bend * room)
+    if rate < 0.0:
+        return 2.0 * room / (root - rate)
+    if bend == 0.0:
+        return np.inf
+    return (rate + root) / bend
 
 
 @compiled
-def top_along(P: Part, ux: float, uy: float) -> float:
-    """Return how far a part reaches along (ux, uy) from the origin of its frame."""
-    top = -np.inf
+def axis_step(P: Part, a: Course, Q: Part, b: Course, look: Look, room: float) -> float:
+    """Return a time [s] for which the gap along the axis falls by no more than ``room`` [m]."""
+    V, W, f, nx, ny = P.vertices, Q.vertices, look.seen.f, look.nx, look.ny
+    ux, uy = f.c * nx + f.s * ny, f.c * ny - f.s * nx
+    rate = nx * look.seen.vx + ny * look.seen.vy
+    if a.spin == 0.0 and b.spin == 0.0:
+        return lasting(room, rate, look.seen.pull)
+    bend = look.seen.pull + a.spin * a.spin * a.radius + b.spin * b.spin * b.radius
+    top, low = -np.inf, np.inf
     for k in range(P.first, P.end):
-        top = max(top, ux * P.vertices[k, 0] + uy * P.vertices[k, 1])
-    return top
-
-
-@compiled
-def turning_reach(P: Part, ux: float, uy: float, spin: float, top: float, t: float) -> float:
-    """Bound on how far a part, turning for time t, reaches along (ux, uy) beyond ``top``."""
-    V = P.vertices
-    best = -np.inf
-    square = 0.5 * (spin * t) * (spin * t)
-    for k in range(P.first, P.end):
-        x = ux * V[k, 0] + uy * V[k, 1]
-        rate = spin * (uy * V[k, 0] - ux * V[k, 1])
-        reach = x + t * rate
-        if x < 0.0:
-            reach -= square * x
-        if rate < 0.0:
-            reach -= square * t * rate / 3.0
-        best = max(best, reach)
-    return best - top
-
-
-@compiled
-def closed(
-    P: Part, a: Course, Q: Part, b: Course, look: Look, top_a: float, top_b: float, t: float
-) -> float:
-    """Bound on how far two parts close along the axis in a time t [s]: closing(t)."""
-    closing = look.closing
-    value = (closing.first + (closing.second + closing.third * t) * t) * t
-    if a.spin != 0.0:
-        value += turning_reach(P, look.nx, look.ny, a.spin, top_a, t)
-    if b.spin != 0.0:
-        value += turning_reach(Q, -look.ux, -look.uy, b.spin, top_b, t)
-    return value
-
-
-@compiled
-def certified_step(
-    P: Part, a: Course, Q: Part, b: Course, look: Look, gap: float, rest: float
-) -> float:
-    """Return a time [s] for which the gap along the axis surely lasts (more than ``rest`` is
-    enough)."""
-    top_a = top_along(P, look.nx, look.ny) if a.spin != 0.0 else 0.0
-    top_b = top_along(Q, -look.ux, -look.uy) if b.spin != 0.0 else 0.0
-    speed = a.speed + b.speed
-    low = gap / (speed + abs(a.spin) * a.radius + abs(b.spin) * b.radius)
+        top = max(top, nx * V[k, 0] + ny * V[k, 1])
+    for j in range(Q.first, Q.end):
+        low = min(low, ux * W[j, 0] + uy * W[j, 1])
+    # All vertices of a part that does not turn move alike: the foremost of them stands for all.
+    last_p = P.end if a.spin != 0.0 else P.first + 1
+    last_q = Q.end if b.spin != 0.0 else Q.first + 1
+    best = np.inf
+    for k in range(P.first, last_p):
+        below, rise = 0.0, rate
+        if a.spin != 0.0:
+            below = top - (nx * V[k, 0] + ny * V[k, 1])
+            rise -= a.spin * (ny * V[k, 0] - nx * V[k, 1])
+        for j in range(Q.first, last_q):
+            above_low, its = 0.0, 0.0
+            if b.spin != 0.0:
+                above_low = ux * W[j, 0] + uy * W[j, 1] - low
+                its = b.spin * (uy * W[j, 0] - ux * W[j, 1])
+            best = min(best, lasting(room + below + above_low, rise + its, bend))
     # Turning never takes a vertex out of the body's disc.
-    discs = gap
+    discs, speed = room, look.seen.speed
     if a.spin != 0.0:
-        discs -= a.radius - top_a
+        discs -= a.radius - top
     if b.spin != 0.0:
-        discs -= b.radius - top_b
+        discs -= b.radius + low
     if discs > 0.0:
-        low = max(low, discs / speed)
-    at_low, high = 0.0, low
-    for look_number in range(64):
-        value = closed(P, a, Q, b, look, top_a, top_b, high)
-        if value > gap:
-            if look_number == 0:
-                return low
-            break
-        low, at_low = high, value
-        if low > rest:
-            return low
-        high = 2.0 * low
-    else:
-        return low
-    # Along chords, which lie above the convex curve, towards closing = gap.
-    at_high = value
-    for _ in range(LOOKS):
-        t = low + (high - low) * (gap - at_low) / (at_high - at_low)
-        value = closed(P, a, Q, b, look, top_a, top_b, t)
-        if not value <= gap:
-            return low
-        low, at_low = t, value
-        if gap - value < 0.05 * gap:
-            return low
-    return low
+        return max(best, discs / speed) if speed > 0.0 else np.inf
+    return best
 
 
 # An axis that turns with an edge
@@ -320,17 +255,6 @@ def bend(r: Relative, reach: float, most: float) -> float:
         return r.pull + turning
     twist = r.other_spin - r.spin
     return r.pull + turning + twist * twist * r.radius
-
-
-@compiled
-def lasting(room: float, rate: float, bend: float) -> float:
-    """Time [s] up to which ``room + rate t - bend t^2 / 2`` is positive; room > 0, bend >= 0."""
-    root = math.sqrt(rate * rate + 2.0 * bend * room)
-    if rate < 0.0:
-        return 2.0 * room / (root - rate)
-    if bend == 0.0:
-        return np.inf
-    return (rate + root) / bend
 
 
 @compiled
@@ -413,7 +337,7 @@ def fall_time(
         elif look.face == 2 and b.spin != 0.0:
             stride = face_step(Q, look.edge, P, turned(look.seen, a.radius), room)
         if stride <= rest:
-            stride = max(stride, certified_step(P, a, Q, b, look, room, rest))
+            stride = max(stride, axis_step(P, a, Q, b, look, room))
         t += stride
         if not t <= horizon:
             return np.inf, d, step + 1

@@ -192,7 +192,7 @@ def answered(
     except ControllerError as error:
         plain = batch.controller if isinstance(batch, PerRobotAdapter) else None
         told = broken_by(error, batch.decide_due if plain is None else plain.decide)
-        raise ControllerError(f"controller {type(plain or batch).__name__}: {told}") from None
+        raise ControllerError(f"controller {type(plain or batch).__name__}, {told}") from None
 
 
 MEMORY = "memory"
@@ -216,7 +216,7 @@ class PerRobotAdapter:
         self, sensed: Sensed, due: IntArray, memory: dict[str, NDArray[Any]]
     ) -> Decisions:
         """Decide for robots ``due``; every one sees the same snapshot, whatever their order."""
-        rows, memories, views = [], [], Views(self.sight, sensed, due)
+        rows, memories, views = [], [], Views(self.sight, sensed)
         name, ask = type(self.controller).__name__, self.controller.decide
         for i in due.tolist():
             where = f"controller {name}, {self.scene.names[i]} at {views.time:g} s"

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from physim.contacts import CONTACT_ROW, FALSE_CONTACT_ROW
 from physim.errors import RecordError
-from physim.geometry.clearance import ClearanceFinder, Clearances
+from physim.geometry.clearance import ClearanceFinder
 from physim.geometry.shapes import FloatArray
 from physim.parts.stages import Step
 from physim.record import RecordWriter
@@ -116,14 +116,9 @@ class Recorder:
         """(N, 2) latest command of each controller, once commands came from outside"""
 
     def start(self, simulation: Simulation) -> None:
-        """Take down sample 0. Raises ValueError where the simulation has made steps already."""
-        if simulation.step_number:
-            raise ValueError(
-                f"the simulation is at step {simulation.step_number}; a record begins at step 0"
-            )
-        self.scene: Scene = simulation.scene
-        self.since = np.full(self.scene.robots, -1, dtype=np.int64)
-        scene = self.scene
+        """Take down sample 0, at which the simulation is."""
+        self.scene = scene = simulation.scene
+        self.since = np.full(scene.robots, -1, dtype=np.int64)
         self.near = ClearanceFinder(scene.shapes, scene.wall_tree)
         self.least = np.full((2, scene.robots), np.inf)
         """[m] least distance of each robot from another, and from a wall, since the last recorded
@@ -195,7 +190,11 @@ class Recorder:
         if "updates" in self.tables:
             self.writer.append("updates", rows)
         if "considered" in self.tables:
-            self.writer.append_considered(*considered_rows(steps, rows))
+            counts = np.empty(len(rows), dtype=CONSIDERING)
+            counts["step"], counts["robot"] = rows["step"], rows["robot"]
+            counts["count"] = rows["considered"]
+            others = [d.considered for step in steps if (d := step.decisions) is not None]
+            self.writer.append_considered(counts, np.concatenate(others))
 
     def _write_false_contacts(self, found: Sequence[NDArray[np.void]]) -> None:
         rows = [one for one in found if len(one)]
@@ -206,9 +205,9 @@ class Recorder:
     def _write_samples(
         self, poses: FloatArray, arrived: NDArray[np.bool_], contacts: Sequence[NDArray[np.void]]
     ) -> None:
-        """Clearances, contacts in the order of steps, poses (B, N, 3).
+        """Contacts in the order of steps, and every ``every``-th sample of poses (B, N, 3).
 
-        ``arrived`` (B, N); ``contacts`` are those of samples that have some.
+        With these go the least distances since the one before. ``arrived`` (B, N).
         """
         self.since = later_since(self.since, self.first, arrived)
         self.writer.note_arrived(self.since)
@@ -216,11 +215,6 @@ class Recorder:
         rows = [one for one in contacts if len(one)]
         if rows and "contacts" in self.tables:
             self.writer.append("contacts", np.concatenate(rows, dtype=CONTACT_ROW))
-        self._write_poses(poses, found)
-        self.first += len(poses)
-
-    def _write_poses(self, poses: FloatArray, found: Clearances) -> None:
-        """Write every ``every``-th sample, with the least distances since the one before."""
         step = self.first + np.arange(len(poses))
         self.writer.note_extremes(step, found)
         gaps = np.stack((found.clearance, found.boundary_clearance))
@@ -233,6 +227,7 @@ class Recorder:
             gaps = gaps[:, ends[-1] :]
         self.least = gaps.min(axis=1, initial=np.inf)
         self.unrecorded = (int(step[-1]), poses[-1]) if gaps.shape[1] else None
+        self.first += len(poses)
 
 
 def stacked(arrays: Sequence[NDArray[Any]]) -> NDArray[Any]:
@@ -247,38 +242,28 @@ def update_rows(
     decided = [(step, step.decisions) for step in steps if step.decisions is not None]
     counts = np.array([len(d.robot) for _, d in decided])
     which = np.repeat(np.arange(len(decided)), counts)
-    robot = np.concatenate([d.robot for _, d in decided])
+
+    def told(field: str) -> NDArray[Any]:
+        return np.concatenate([getattr(d, field) for _, d in decided])
+
+    def truth(field: str) -> NDArray[Any]:
+        return stacked([getattr(step.truth, field) for step, _ in decided])
+
+    robot, reference, report = told("robot"), truth("reference_station"), told("report")
     rows = np.empty(len(robot), dtype=row_type)
-    rows["step"] = np.array([s.truth.step for s, _ in decided])[which]
-    rows["robot"] = robot
-    rows["mode"] = np.concatenate([d.mode for _, d in decided])
-    rows["rule"] = np.concatenate([d.rule for _, d in decided])
-    command = np.concatenate([d.command for _, d in decided])
-    rows["nominal_v"], rows["nominal_omega"] = command.T
-    applied = stacked([s.applied for s, _ in decided])[which, robot]
+    rows["step"] = np.array([step.truth.step for step, _ in decided])[which]
+    rows["robot"], rows["mode"], rows["rule"] = robot, told("mode"), told("rule")
+    rows["nominal_v"], rows["nominal_omega"] = told("command").T
+    applied = stacked([step.applied for step, _ in decided])[which, robot]
     rows["applied_v"], rows["applied_omega"] = applied.T
-    rows["station"] = stacked([s.truth.station for s, _ in decided])[which, robot]
-    reference = stacked([s.truth.reference_station for s, _ in decided])
+    rows["station"] = truth("station")[which, robot]
     rows["reference_station"] = reference[which, robot]
-    deviation = stacked([s.truth.deviation for s, _ in decided])
-    rows["deviation"] = deviation[which, robot]
+    rows["deviation"] = truth("deviation")[which, robot]
     rows["formation_error"] = formation_errors(scene, reference)[which, robot]
-    starts = np.concatenate([d.considered_start for _, d in decided])
     between = np.cumsum(counts[:-1] + 1)  # from the last start of a step to the first of the next
-    rows["considered"] = np.delete(np.diff(starts), between - 1)
-    rows["next_step"] = np.concatenate([s.next_step for s, _ in decided])
-    report = np.concatenate([d.report for _, d in decided])
-    fixed = len(row_type.names or ()) - report.shape[1]
-    for k, name in enumerate((row_type.names or ())[fixed:]):
-        rows[name] = report[:, k]
+    rows["considered"] = np.delete(np.diff(told("considered_start")), between - 1)
+    rows["next_step"] = np.concatenate([step.next_step for step, _ in decided])
+    names = row_type.names or ()
+    for name, values in zip(names[len(names) - report.shape[1] :], report.T, strict=True):
+        rows[name] = values
     return rows
-
-
-def considered_rows(
-    steps: Sequence[Step], updates: NDArray[np.void]
-) -> tuple[NDArray[np.void], NDArray[np.int64]]:
-    """Rows of `CONSIDERING`, in the order of ``updates``, and the robots that they count."""
-    rows = np.empty(len(updates), dtype=CONSIDERING)
-    rows["step"], rows["robot"] = updates["step"], updates["robot"]
-    rows["count"] = updates["considered"]
-    return rows, np.concatenate([d.considered for s in steps if (d := s.decisions) is not None])

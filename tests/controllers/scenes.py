@@ -127,9 +127,8 @@ def decisions(history: History, settings: ModeSwitchingSettings) -> dict[str, li
 def observations(history: History, moment: int) -> list[Observation]:
     """What each robot may know at a moment."""
     scene, sensed = scene_of(history), sensed_at(history.moments[moment], 0)
-    robots = len(history.moments[moment])
-    views = Views(Sight(scene), sensed, np.arange(robots))
-    return [views.observation(i) for i in range(robots)]
+    views = Views(Sight(scene), sensed)
+    return [views.observation(i) for i in range(len(history.moments[moment]))]
 
 
 def single_robot(path: np.ndarray, station: float) -> History:

@@ -76,7 +76,7 @@ def test_neighbours_are_those_listed_or_within_range_along_the_reference_path() 
         cluster = dataclasses.replace(history.cluster, range=reach, adjacency=listed)
         adjacency = EVERY_ONE if listed is None else listed
         scene = scene_of(dataclasses.replace(history, cluster=cluster, moments=[robots]))
-        views = Views(Sight(scene), sensed_at(robots, 0), np.arange(n))
+        views = Views(Sight(scene), sensed_at(robots, 0))
         for i in range(n):
             expected = neighbours(robots, cluster, i)
             found = [

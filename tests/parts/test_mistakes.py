@@ -203,6 +203,7 @@ def test_commands_of_no_use_are_refused(kind: str, nonsense: Any, facts_told: An
 
 TWICE = {
     "robot": np.array([0, 1, 2, 2]), "pose": np.zeros((4, 3)), "command": np.zeros((4, 2)),
+    "velocity": np.zeros((4, 3)),
     "reference_station": np.zeros(4), "age": np.zeros(4), "end": np.array([4, 3, 3]),
 }  # fmt: skip
 """Rows of which the first robot has two of the third: compiled code counts on one"""

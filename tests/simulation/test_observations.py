@@ -17,8 +17,7 @@ from physim.world import World
 from tests.helpers import Says, facts, inside, road
 from tests.oracles.observation import observe as observed_at_once
 
-rows_in_range, sorted_places = inside("physim.geometry", "rows_in_range", "sorted_places")
-window_along, FloatArray = inside("physim.geometry", "window_along", "FloatArray")
+FloatArray = inside("physim.geometry", "FloatArray")
 Sight, Views = inside("physim.simulation", "Sight", "Views")
 contents, difference, own = inside("physim.testing", "contents", "difference", "own")
 describe = inside("physim.world", "describe")
@@ -87,7 +86,7 @@ def test_observations_are_those_of_the_oracle(robots: int, rows: Any, plan: dict
     simulation = crowd(robots, **plan)
     scene, sensed = simulation.scene, rows(simulation)
     due = np.arange(robots)[:: 2 if robots > 1 else 1]
-    views = Views(Sight(scene), sensed, due)
+    views = Views(Sight(scene), sensed)
     seen = walls = 0
     for i in due.tolist():
         made, wanted = views.observation(i), observed_at_once(scene, sensed, i)

@@ -129,7 +129,7 @@ def test_errors_name_the_controller_that_made_them() -> None:
         def decide(self, observation: Observation, memory: Any) -> Decision:
             return Decision(9.0, 0.0, 0.1)
 
-    with pytest.raises(ControllerError, match=r"Fast: a at 0 s: command v = 9"):
+    with pytest.raises(ControllerError, match=r"Fast, a at 0 s: command v = 9"):
         simulate(apart(b=CONSTANT), controller=Fast())
 
 

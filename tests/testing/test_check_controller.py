@@ -98,7 +98,7 @@ ONE_RULE = [
     (broken.CannotBePickled, Rule.COPIES, "r1", 0.1, ("cannot be pickled:",), ()),
     (broken.LosesItsMemory, Rule.COPIES, "r1", 0.1, ("pickled", "unpickled", "v", "0.75"), ()),
     (broken.BendsThePath, Rule.OBSERVATION, "r1", 0.0, (),
-     ("observation.path.lines.points[1, 0]", "30.0", "31.0")),
+     ("observation.path.lines.row[1, 0]", "30.0", "31.0")),
     (broken.OverridesTheFreeze, Rule.OBSERVATION, "r1", 0.0, (), ("observation.v", "0.0", "0.3")),
     *((broken.Twofold(one), Rule.BATCH, robot, time, (), values)
       for one, (robot, time, values) in broken.BATCH.items()),

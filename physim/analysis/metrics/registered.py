@@ -92,7 +92,7 @@ def _definition(name: str, part: Any) -> Definition:
             )
 
     def find(run: Figures) -> Found:
-        with naming(f'metric "{name}"', part.measure):
+        with naming(f'metric "{name}" fails', part.measure):
             value = part.measure(run.record)
         try:
             return _checked(value, run.record)

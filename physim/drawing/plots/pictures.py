@@ -154,7 +154,7 @@ def _plot() -> Any:
 
 def _own_figure(name: str, part: Any, record: Record, paper: Paper) -> Any:
     """Figure of a registered picture. Raises PhysimError, one line, where it fails."""
-    with naming(f'plot "{name}"', part.draw):
+    with naming(f'plot "{name}" fails', part.draw):
         figure = part.draw(record)
     if not callable(getattr(figure, "savefig", None)):
         raise PhysimError(

@@ -19,7 +19,7 @@ sprite = inside("physim.drawing.video", "sprite")
 FIELDS = (
     "time dt steps pose samples clearance boundary_clearance updates contacts bodies names "
     "footprints walls paths reference stop_station arrived modes accessible safe safe_distance "
-    "name seed robots world_text commands shapes path setup record_every lead"
+    "name seed robots world_text commands shapes path setup record_every lead where"
 )
 
 

@@ -10,6 +10,7 @@ from __future__ import annotations
 import copy
 import hashlib
 from collections.abc import Sequence
+from contextlib import nullcontext
 from typing import Any, SupportsIndex
 
 import numpy as np
@@ -39,7 +40,7 @@ from physim.parts.stages import (
     everybody,
     shared,
 )
-from physim.parts.user_code import broken_by, kind_of, naming
+from physim.parts.user_code import broken_by, is_shipped, kind_of, naming
 from physim.simulation.arrival import Arrivals
 from physim.simulation.checks import taken_commands, taken_sensed
 from physim.simulation.decisions import Decided, begun, decide
@@ -191,7 +192,8 @@ class Simulation:
     def look_on(self, observer: Observer) -> None:
         """Let an observer look on from now on; during a step, from the next on."""
         check_part(OBSERVER, observer)
-        with naming(f"observer {type(observer).__name__} at {self.time:g} s", observer.start):
+        where = f"observer {type(observer).__name__} at {self.time:g} s"
+        with nullcontext() if is_shipped(observer) else naming(where, observer.start):
             observer.start(self)
         self.observers.append(observer)
 
@@ -299,6 +301,8 @@ class Simulation:
             except KeyboardInterrupt:
                 raise
             except BaseException as error:
+                if is_shipped(observer):
+                    raise
                 where = f"observer {type(observer).__name__} at {now.step * self.scene.dt:g} s"
                 told = broken_by(error, observer.after_step)
                 raise ControllerError(f"{where}: {told}") from error

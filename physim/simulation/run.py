@@ -210,13 +210,6 @@ def is_warm() -> bool:
     return is_cached(find_swept_contacts)
 
 
-def touch_a_wall(scene: Scene) -> None:
-    """Put the first robot on a corner of a wall: compiles what only a contact needs."""
-    start = scene.start.copy()
-    start[0, :2] = scene.walls.vertices[0]
-    Physics(scene.shapes, scene.walls, start, scene.mass, scene.dt)
-
-
 class Unmoved(Simulation):
     """A simulation without an engine, which has to be compiled before it can be made."""
 
@@ -233,7 +226,9 @@ def warm_up_motion(scene: Scene, controller: Controller | None = None) -> None:
     """Compile or load what a run and its summary need beside decisions and swept contacts."""
     simulation = Simulation(scene, controller=controller)
     simulation.step(np.zeros((scene.robots, 2)))
-    touch_a_wall(scene)
+    start = scene.start.copy()
+    start[0, :2] = scene.walls.vertices[0]  # what only a contact needs
+    Physics(scene.shapes, scene.walls, start, scene.mass, scene.dt)
     clearances(simulation.pose[None], scene.shapes, scene.wall_tree)
     # its record is followed in one go
     tracking = Tracking(scene.paths, scene.reference, scene.shapes.radius, read_only(scene.start))

@@ -217,7 +217,7 @@ def test_a_setting_that_nobody_knows_is_refused_by_name(own: Path, capsys) -> No
 def test_a_controller_that_fails_in_the_middle_leaves_what_was_recorded(own: Path, capsys) -> None:
     done = physim("run", "small.yaml", "--controller", "own:Late", "-o", "out", capture=capsys)
     assert (done.code, done.out) == (2, "")
-    check_error(done.err, "controller Late: a at 0.5 s:", "v = 9 m/s", "within 1.5 m/s")
+    check_error(done.err, "controller Late, a at 0.5 s:", "v = 9 m/s", "within 1.5 m/s")
     assert physim("summary", "out/record.h5", capture=capsys).code == 0
 
 

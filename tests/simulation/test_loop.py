@@ -18,7 +18,6 @@ from tests.helpers.stages import Changes
 
 formation_energy = inside("physim.controllers", "formation_energy")
 formation_energy_rate = inside("physim.controllers", "formation_energy_rate")
-arcs = inside("physim.geometry", "arcs")
 record_run = inside("physim.simulation", "record_run")
 find_world = inside("physim.world.file", "find_world")
 
@@ -35,26 +34,6 @@ def plain_update(pose: np.ndarray, command: np.ndarray, dt: float) -> np.ndarray
         after[i, 1] += speed * math.sin(heading + h) * dt
         after[i, 2] += omega * dt
     return after
-
-
-@pytest.mark.parametrize("dt", [0.01, 0.05])
-def test_free_motion_is_the_plain_update_to_the_bit(dt: float) -> None:
-    rng = np.random.default_rng(3)
-
-    def wander(o: Observation) -> Decision:
-        return Decision(*rng.uniform(-1.0, 1.0, 2), hold=rng.uniform(0.0, 0.3))
-
-    simulation = Simulation(road(THREE, step=dt, duration=20.0), controller=Says(wander))
-    pose = simulation.pose.copy()
-    exact = pose.copy()
-    for _ in range(round(20.0 / dt)):
-        simulation.step()
-        pose = plain_update(pose, simulation.command, dt)
-        exact = arcs(exact, simulation.command, dt)
-        assert np.array_equal(simulation.pose, pose)
-    assert np.abs(simulation.pose - exact).max() < 1e-12
-    assert len(simulation.contacts) == 0
-    assert simulation.time == pytest.approx(20.0)
 
 
 def test_commands_may_be_given_step_by_step() -> None:

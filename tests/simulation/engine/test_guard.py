@@ -2,9 +2,15 @@
 
 from __future__ import annotations
 
+import os
+import subprocess
+import sys
+from pathlib import Path
+
 import numpy as np
 import pytest
 
+from tests.simulation.engine.crowds import crowd, digest, go_on
 from tests.simulation.engine.hosts import FALSE_CONTACTS, box, drive, host, side_by_side
 
 
@@ -56,3 +62,22 @@ def test_parts_of_one_robot_do_not_collide():
     poses, rows = drive(physics, [1.0, 0.0], 40)
     assert not any(len(r) for r in rows)
     assert poses[-1, 0, 0] == pytest.approx(2.0, abs=1e-12)
+
+
+PLAIN = """
+from tests.simulation.engine.crowds import crowd, digest, go_on
+for kind, steps in (("abreast", 30), ("wall_ends", 16)):
+    scene = crowd(kind, 1)
+    print(digest(go_on(scene, scene.physics(), steps)))
+"""
+
+
+@pytest.mark.deep
+def test_compiled_callbacks_do_what_they_do_as_plain_python():
+    done = subprocess.run(
+        [sys.executable, "-c", PLAIN], cwd=Path(__file__).parents[3], capture_output=True,
+        text=True, env={**os.environ, "NUMBA_DISABLE_JIT": "1"},
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    runs = ((crowd(kind, 1), steps) for kind, steps in (("abreast", 30), ("wall_ends", 16)))
+    assert done.stdout.split() == [digest(go_on(s, s.physics(), n)) for s, n in runs]

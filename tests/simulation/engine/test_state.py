@@ -80,9 +80,6 @@ def test_restored_in_another_process(tmp_path):
     assert done.stdout.split() == [digest(follows(*case)) for case in cases]
 
 
-# What it takes: without any part of it runs go on differently
-
-
 # The value
 
 

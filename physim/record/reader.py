@@ -205,7 +205,7 @@ class Record(layout.Layout):
             [
                 ("record", self.name),
                 ("seed", str(self.seed)),
-                ("controller", self.setup.controller.name),
+                ("controller", self.setup.controller_names),
                 ("robots", str(self.robots)),
                 ("samples", f"{self.samples}, one every {self.record_every * self.dt:g} s"),
                 ("ended", f'"{self.ended}" after {self.steps_run * self.dt:g} s'),

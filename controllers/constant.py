@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from physim.errors import Fault
+from physim.errors import Fault, Location
 from physim.parts.controller import Decision, Observation
 from physim.tolerances import SHARE
 
@@ -32,9 +32,10 @@ class ConstantSettings(BaseModel):
 
     commands: tuple[tuple[Number, Number], ...] = Field(
         default=(),
-        description="[m/s, rad/s] v and omega of each robot, in their order; "
-        "robots beyond the list stand still",
+        description="[m/s, rad/s] v and omega of each robot, in their order",
     )
+    v: Number = Field(default=0.0, description="[m/s] of robots beyond the list")
+    omega: Number = Field(default=0.0, description="[rad/s] of robots beyond the list")
 
 
 class Constant:
@@ -52,22 +53,23 @@ class Constant:
         if robots and given > last + 1:
             message = f"{given} commands for {last + 1} robots; give one for each at most"
             faults.append(Fault(("controller", "commands", last + 1), message))
-        for i, command in enumerate(self.settings.commands):
-            limits = robots[i].limits if i in robots else None
-            if limits is None:
-                continue
+        for i, robot in robots.items():
             for k, (key, unit) in enumerate((("v", "m/s"), ("omega", "rad/s"))):
-                limit = getattr(limits, key)
+                command, limit = self._command(i), getattr(robot.limits, key)
                 if abs(command[k]) > limit * (1.0 + SHARE):
                     message = (
                         f"{command[k]:g} {unit} is beyond limits.{key} = {limit:g} of "
-                        f'"{robots[i].name}"; use a slower one, or raise the limit'
+                        f'"{robot.name}"; use a slower one, or raise the limit'
                     )
-                    faults.append(Fault(("controller", "commands", i, k), message))
+                    at: Location = ("commands", i, k) if i < given else (key,)
+                    faults.append(Fault(("controller", *at), message))
         return faults
+
+    def _command(self, i: int) -> tuple[float, float]:
+        """v [m/s] and omega [rad/s] of Robot i."""
+        own = self.settings
+        return own.commands[i] if i < len(own.commands) else (own.v, own.omega)
 
     def decide(self, observation: Observation, memory: Any) -> Decision:
         """Hold the robot's command for good."""
-        commands = self.settings.commands
-        v, omega = commands[observation.index] if observation.index < len(commands) else (0.0, 0.0)
-        return Decision(v, omega, hold=LONGEST)
+        return Decision(*self._command(observation.index), hold=LONGEST)

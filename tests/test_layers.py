@@ -98,6 +98,7 @@ FROM_THE_RECORD_ALONE = (
 OF_THEIR_OWN = (
     ("physim.analysis.validation.origin", "physim.world.layout.scene_builder"),
     ("physim.analysis.validation.origin", "physim.parts.registry"),
+    ("physim.analysis.validation.origin", "physim.simulation.team"),
     ("physim.analysis.validation.recomputed", "physim.parts.registry"),
     ("physim.analysis.validation.rerun", "physim.simulation.loop"),
     ("physim.analysis.validation.rerun", "physim.simulation.run"),

@@ -2,20 +2,35 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass
 from types import MappingProxyType
-from typing import Any
+from typing import Any, NamedTuple
 
 from physim.analysis.expectations import Held, expectations
 from physim.analysis.metrics import DEFINITIONS, Deep, Episode, Figures, Graze, Metric
 from physim.analysis.metrics.distances import along_wall
+from physim.analysis.metrics.modes import danger_of
 from physim.errors import plural
 from physim.html import labelled
 from physim.json_text import json_text
 from physim.record import Record
 from physim.units import amount, percent
 from physim.world.faults import describe
+
+
+class ByController(NamedTuple):
+    """What came of the robots of one controller."""
+
+    controller: str
+    """with its settings"""
+    robots: tuple[int, ...]
+    arrived: int
+    contacts: int | None
+    """episodes with one of them; None where contacts were not recorded"""
+    danger_share: float | None
+    """[-] of their active time"""
+
 
 SHOWN_ROBOTS = 12
 """Robots that the table lists one by one."""
@@ -47,6 +62,8 @@ class Summary:
     metric_faults: tuple[str, ...]
     """why metrics that packages registered could not be computed, a line each"""
     expectations: tuple[Held, ...]
+    controllers: tuple[ByController, ...]
+    """by controller, where there are several"""
 
     def __repr__(self) -> str:
         """Whose, what came of it, and whether that was expected; `table` shows all of it."""
@@ -136,6 +153,7 @@ class Summary:
                 for one in run.absent
             ],
             "no_safe_area_at_m": self.no_safe_area,
+            **({"by_controller": self._by_controller} if self.controllers else {}),
             "rejected_contacts": record.rejected_contacts,
             "robot_steps": record.steps_made * record.robots,
             "modes": [str(mode) for mode in record.modes],
@@ -143,6 +161,10 @@ class Summary:
             "wall_clock": dict(sorted(record.wall_clock.items())),
         }
         return json_text(tree)
+
+    @property
+    def _by_controller(self) -> list[dict[str, Any]]:
+        return [one._asdict() | {"robots": self.names_of(*one.robots)} for one in self.controllers]
 
     def _metric(self, one: Metric) -> dict[str, Any]:
         """A metric with its unit; what it does not have is left out."""
@@ -183,9 +205,22 @@ def summarise(record: Record) -> Summary:
     """Compute the summary of a run from its record alone. Raises RecordError if it is damaged."""
     run = Figures(record)
     metrics, faults = run.metrics()
-    found = Summary(run, metrics, faults, tuple(expectations(record)))
+    found = Summary(run, metrics, faults, tuple(expectations(record)), tuple(_by_controller(run)))
     found.to_json()  # reads all that it needs: the record may be closed
     return found
+
+
+def _by_controller(run: Figures) -> Iterator[ByController]:
+    """Figures of each controller, where there are several."""
+    record = run.record
+    controllers = record.setup.controllers
+    absent = {one.robot for one in run.absent}
+    for part, robots in controllers if len(controllers) > 1 else ():
+        met = None
+        if "contacts" in record.tables:
+            met = sum(not {one.a, one.b}.isdisjoint(robots) for one in run.episodes)
+        share = danger_of(record, robots) if "updates" in record.tables else None
+        yield ByController(str(part), robots, len(set(robots) - absent), met, share)
 
 
 def table(summary: Summary, brief: bool = False) -> str:
@@ -233,6 +268,7 @@ def table_rows(summary: Summary, brief: bool = False) -> Rows:
         *_arrival(s),
         *((name, _told(s, name)) for name in s.metrics if name not in DEFINITIONS),
         *(("WARNING", fault) for fault in s.metric_faults),
+        *_each_controller(s),
         *_expected(s, brief),
         ("real-time factor", "n/a" if factor is None else f"{factor:.1f}"),
         *([] if brief else [("made with", record.setup.made_with or "not known")]),
@@ -354,6 +390,20 @@ def _arrival(summary: Summary) -> Rows:
     ]
     some = f", {robots - len(absent)} of {robots}" if absent else ""
     return [(label, f"no{some}"), *reasons, *_more(len(absent) - SHOWN_ROBOTS)]
+
+
+def _each_controller(summary: Summary) -> Rows:
+    """A line for each controller, where there are several."""
+    rows: Rows = []
+    for one in summary.controllers:
+        names = summary.names_of(*one.robots[:SHOWN_ROBOTS])
+        more = len(one.robots) - len(names)
+        met = "n/a" if one.contacts is None else str(one.contacts)
+        share = "n/a" if one.danger_share is None else percent(one.danger_share)
+        who = ", ".join(names) + (f" and {more} more" if more else "")
+        did = f"{one.arrived} of {len(one.robots)} arrived, contacts {met}, danger mode {share}"
+        rows.append(("" if rows else "by controller", f"{one.controller}: {did} ({who})"))
+    return rows
 
 
 def _expected(summary: Summary, brief: bool) -> Rows:

@@ -18,7 +18,7 @@ from shapely.ops import substring
 from physim.analysis.metrics import Absent, Figures
 from physim.analysis.metrics.distances import nearest_points
 from physim.analysis.metrics.progress import LATELY, LITTLE
-from physim.errors import ControllerError, Fault, PhysimError, place_text, plural
+from physim.errors import ControllerError, Fault, PhysimError, dotted, place_text, plural
 from physim.geometry.polygon import circumscribed_radius
 from physim.parts.declarations import kept_from_walls
 from physim.parts.registry import CONTROLLER, make_part
@@ -41,6 +41,8 @@ STANDSTILL = 10.0
 """[s] for which all robots stand when a trial ends: nothing more is expected of it"""
 FAR = 4.0
 """circumscribed radii from which on another robot is none of its concern"""
+Kept = dict[int, tuple[str, float]]
+"""By robot the setting that keeps it from walls, and how far [m]"""
 MOST_TOLD = 12
 """Contacts, and likewise robots that do not arrive, that are told one by one"""
 
@@ -80,7 +82,13 @@ def try_world(
         simulation = Simulation(scene_of(laid), controller=controller)
         ending = _Ending(simulation, stop)
         with record_run(simulation, stop=ending, progress=progress) as record:
-            return _shown(laid, record, ending, kept_from_walls(controller))
+            kept = {
+                i: (dotted((*driver.where, name)), distance)
+                for one, driver in simulation.parts.driving
+                for name, distance in [kept_from_walls(one)]
+                for i in driver.robots
+            }
+            return _shown(laid, record, ending, kept)
     except ControllerError as error:
         return Trial("tried, not to the end", (Fault(("controller",), str(error)),))
     except PhysimError as error:  # as of a record too large for the memory
@@ -127,7 +135,7 @@ class _Ending:
         return bool(self.why) or self.stop()
 
 
-def _shown(laid: Layout, record: Record, ending: _Ending, kept: tuple[str, float]) -> Trial:
+def _shown(laid: Layout, record: Record, ending: _Ending, kept: Kept) -> Trial:
     """What a run shows, in short and of each robot."""
     run, expect = Figures(record), laid.world.expect
     count, left = len(run.episodes) + len(run.grazes), len(run.absent)
@@ -143,7 +151,7 @@ def _shown(laid: Layout, record: Record, ending: _Ending, kept: tuple[str, float
     if not ending.is_cut and (expect is None or expect.finished is not False):
         for late in sorted(run.absent, key=lambda late: -late.short)[:MOST_TOLD]:
             said = late.sentence(describe(record.names[late.robot]))
-            said += _what_keeps(laid, record, late, kept)
+            said += _what_keeps(laid, record, late, *kept[late.robot])
             faults.append(Fault(laid.path_entry(late.robot), said))
     return Trial(line, tuple(faults))
 
@@ -162,11 +170,11 @@ def _contacts(laid: Layout, record: Record, run: Figures) -> Iterator[Fault]:
             )
 
 
-def _what_keeps(laid: Layout, record: Record, late: Absent, kept: tuple[str, float]) -> str:
+def _what_keeps(laid: Layout, record: Record, late: Absent, by: str, kept: float) -> str:
     """How long a robot would need that is under way as the time is over; else what is near it.
 
     It waits for a robot that its controller considered in its last decision. A wall that is nearest
-    may be one that it keeps off by a setting of its controller, ``kept``, on the way ahead.
+    may be one that it is ``kept`` [m] from ``by`` a setting of its controller, on the way ahead.
     """
     i, pose = late.robot, np.asarray(record.pose[-1])
     is_over = record.steps_run == laid.world.time.steps
@@ -192,9 +200,9 @@ def _what_keeps(laid: Layout, record: Record, late: Absent, kept: tuple[str, flo
         ahead = substring(line, max(stop - late.short, 0.0), stop)
         room = min(ahead.distance(one) for _, one in (*laid.walls, *laid.solids))
         room -= inscribed_radius(laid.footprints[i])
-        if room >= 0.0 and round(room, 2) < kept[1]:
+        if room >= 0.0 and round(room, 2) < kept:
             said += (
                 f"; on the way ahead {room:.2f} m are left beside it, and it turns away nearer "
-                f"than {kept[1]:g} m to a wall, controller.{kept[0]}"
+                f"than {kept:g} m to a wall, {by}"
             )
     return said

@@ -63,9 +63,9 @@ Part = tuple[Kind, str]
 
 
 def own_parts(world: World) -> tuple[Part, ...]:
-    """Controller and stages of a world that did not come with physim, each once."""
+    """Controllers and stages of a world that did not come with physim, each once."""
     listed = (world.sensing.stages, world.filters, world.disturbances)
-    named = [(CONTROLLER, world.controller.type)]
+    named = [(CONTROLLER, one.type) for one in world.drivers()]
     named += [(kind, c.type) for kind, some in zip(STAGES, listed, strict=True) for c in some]
     return tuple(part for part in dict.fromkeys(named) if part[1] not in shipped_parts(part[0]))
 
@@ -114,12 +114,13 @@ def files_named(world: World) -> tuple[Source, ...]:
     kinds = {name: kind for kind, name in own_parts(world)}
     stages = (*world.sensing.stages, *world.filters, *world.disturbances)
     found: dict[str, Source] = {}
-    for choice in (world.controller, *stages):
-        if choice.type in kinds:
-            part = find_part(kinds[choice.type], choice.type, trusted=True)
+    named = [(one.type, one.settings) for one in world.drivers()]
+    for name, given in (*named, *((one.type, one.settings) for one in stages)):
+        if name in kinds:
+            part = find_part(kinds[name], name, trusted=True)
             place = _file_of(part.__module__)
-            settings, _ = checked_settings(part, choice.settings, ())
-            for text in _texts(choice.settings if settings is None else settings):
+            settings, _ = checked_settings(part, given, ())
+            for text in _texts(given if settings is None else settings):
                 for folder in (Path(), *([] if place is None else [place.parent])):
                     if (digest := _digest_of(folder / text)) and text not in found:
                         found[text] = Source("", text, digest)

@@ -190,7 +190,8 @@ class Changes:
 
     options:
       --seed N  seed, instead of the world's own
-      --controller NAME  a registered controller (physim list) or your own as module:Class
+      --controller NAME  a registered controller (physim list) or your own as module:Class, in
+          place of the world's; robots with a controller of their own keep it
       --traceback  show where code of your own failed, with all calls that led there
       --set KEY=VALUE  change one value of the world, e.g. robots.0.limits.v=1.2, or leave one out,
           e.g. formation=null (may be repeated)

@@ -57,6 +57,8 @@ CONTROLLER = Kind(
     "controller", "physim.controllers", ("decide(observation, memory)",), ("controller",),
     "--controller",
 )  # fmt: skip
+OF_ROBOTS = CONTROLLER._replace(option="")
+"""Controllers of single robots and groups: no option of the command line takes their place"""
 SENSING = Kind(
     "sensing stage", "physim.sensing", ("start(scene)", "sense(scene, truth, sensed, state)"),
     ("sensing", "stages"), "",

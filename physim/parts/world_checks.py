@@ -8,9 +8,13 @@ from typing import TYPE_CHECKING, Any, Protocol, runtime_checkable
 
 from physim.errors import ControllerError, Fault, Location
 from physim.parts.user_code import kind_of, naming
+from physim.world.group import each_robot
+from physim.world.kinds import FrozenMapping
+from physim.world.run import ControllerChoice
 
 if TYPE_CHECKING:
     from physim.world import Robot, World
+    from physim.world.group import Driver
 
 HOOKS = ("robot_faults", "world_faults", "world_doubts")
 """Methods by which a part says it; one without any of them is not made before it is to run."""
@@ -40,18 +44,54 @@ class DoubtsWorld(Protocol):
 
 
 def robot_faults(
-    controller: object, robots: Sequence[Robot], entries: Sequence[int]
+    controller: object,
+    robots: Sequence[Robot],
+    entries: Sequence[int],
+    driver: Driver | None = None,
 ) -> list[Fault]:
     """What a controller says about robots before a run; empty where it says nothing.
 
-    It is given robots by number; each fault is told once, at the entry of ``robots`` that the robot
-    is written in. Raises `ControllerError` where its ``robot_faults`` fails.
+    It is given robots by number, those of its ``driver`` where it does not drive all; each fault is
+    told once, at the entry of ``robots`` that the robot is written in. Raises `ControllerError`
+    where its ``robot_faults`` fails.
     """
+    own = range(len(robots)) if driver is None else driver.robots
+    found = _faults(controller, "robot_faults", {i: robots[i] for i in own})
+    return _placed(found, entries, ("controller",) if driver is None else driver.where)
+
+
+def driver_faults(controller: object, world: World, driver: Driver) -> list[Fault]:
+    """What a controller says against the robots that it drives, and then against the world."""
+    robots, entries = each_robot(world.robots, world.seed)
+    found = robot_faults(controller, robots, entries, driver)
+    return found or _of_driver(controller, "world_faults", world, driver)
+
+
+def driver_doubts(controller: object, world: World, driver: Driver) -> list[Fault]:
+    """What a controller warns of in a world with the robots that it drives."""
+    return _of_driver(controller, "world_doubts", world, driver)
+
+
+def _of_driver(controller: object, hook: str, world: World, driver: Driver) -> list[Fault]:
+    """Asked as if its robots were alone in the world, and it the world's controller."""
+    _, entries = each_robot(world.robots, world.seed)
+    own = list(dict.fromkeys(entries[i] for i in driver.robots))
+    if len(own) < len(world.robots):
+        alone = tuple(world.robots[e].model_copy(update={"controller": None}) for e in own)
+        choice = ControllerChoice(type=driver.type, settings=FrozenMapping(driver.settings))
+        world = world.model_copy(update={"robots": alone, "controller": choice})
+    return _placed(_faults(controller, hook, world, ("controller",)), own, driver.where)
+
+
+def _placed(faults: Iterable[Fault], entries: Sequence[int], where: Location) -> list[Fault]:
+    """Faults, each once, at the ``entries`` of their robots, those of settings at ``where``."""
     found: dict[Fault, None] = {}
-    for fault in _faults(controller, "robot_faults", dict(enumerate(robots))):
-        where = fault.location
-        if where[:1] == ("robots",) and where[1:] and where[1] in range(len(entries)):
-            fault = replace(fault, location=("robots", entries[int(where[1])], *where[2:]))
+    for fault in faults:
+        at = fault.location
+        if at[:1] == ("robots",) and at[1:] and at[1] in range(len(entries)):
+            fault = replace(fault, location=("robots", entries[int(at[1])], *at[2:]))
+        elif at[:1] == ("controller",):
+            fault = replace(fault, location=(*where, *at[1:]))
         found[fault] = None
     return list(found)
 

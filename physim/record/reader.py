@@ -210,7 +210,7 @@ class Record(layout.Layout):
             [
                 ("record", self.name),
                 ("seed", str(self.seed)),
-                ("controller", self.setup.controller.name),
+                ("controller", self.setup.controller_names),
                 ("robots", str(self.robots)),
                 ("samples", f"{self.samples}, one every {self.record_every * self.dt:g} s"),
                 *([("begun", f"at {self.begun:g} s")] if self.begun_at else []),

@@ -7,6 +7,10 @@ from dataclasses import dataclass
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
+from physim.errors import plural
+from physim.units import joined
+from physim.world.group import drivers_of
+from physim.world.kinds import MOST_ROBOTS
 from physim.world.run import ControllerChoice
 
 if TYPE_CHECKING:
@@ -54,8 +58,9 @@ class Part:
 class Setup:
     """What a run was made with."""
 
-    controller: Part
-    """the name ``module:Class`` where it came from Python as an object"""
+    controllers: tuple[tuple[Part, tuple[int, ...]], ...]
+    """each with the robots that it drives, the world's own first where it drives any; that has the
+    name ``module:Class`` where it came from Python as an object"""
     stages: dict[str, tuple[Part, ...]]
     """by the words of `STAGES`, in the order in which they act"""
     others: tuple[str, ...]
@@ -63,16 +68,39 @@ class Setup:
     versions: dict[str, str]
     """of physim and its libraries; empty where the record does not say"""
 
+    @property
+    def controller(self) -> Part:
+        """The first of the controllers: the only one where no robot has one of its own."""
+        return self.controllers[0][0]
+
+    @property
+    def controller_names(self) -> str:
+        """Names of the controllers, in words, each once."""
+        return joined(dict.fromkeys(part.name for part, _ in self.controllers))
+
+    def driven_by(self, name: str) -> frozenset[int]:
+        """Robots that controllers of a name drive."""
+        return frozenset(i for part, some in self.controllers if part.name == name for i in some)
+
     def lines(self) -> list[tuple[str, str]]:
         """Label and text of controller and stages; none for a stage that there is not."""
         stages = [(word, ", ".join(map(str, parts))) for word, parts in self.stages.items()]
-        found = [("controller", str(self.controller)), *stages, ("from Python", self.from_python)]
+        controllers = str(self.controller)
+        if len(self.controllers) > 1:
+            each = (f"{part} for {plural(len(some), 'robot')}" for part, some in self.controllers)
+            controllers = "; ".join(each)
+        found = [("controller", controllers), *stages, ("from Python", self.from_python)]
         return [(word, text) for word, text in found if text]
 
     def to_dict(self) -> dict[str, Any]:
         """Controller and stages with their settings, and what came from Python, for JSON."""
         stages = {word: [part.to_dict() for part in parts] for word, parts in self.stages.items()}
-        return {"controller": self.controller.to_dict(), **stages, "from_python": self.others}
+        found = {"controller": self.controller.to_dict(), **stages, "from_python": self.others}
+        if len(self.controllers) > 1:
+            found["controllers"] = [
+                {**part.to_dict(), "robots": some} for part, some in self.controllers
+            ]
+        return found
 
     @property
     def from_python(self) -> str:
@@ -92,9 +120,9 @@ def setup_of(record: Record) -> Setup:
         for (kind, name), one in zip(record.given, record.given_settings, strict=False)
     ]
     own = dict(parts).get("controller")
-    choice = _part(_at(record.world_settings, "controller"), ControllerChoice().type)
+    own = own or _part(_at(record.world_settings, "controller"), ControllerChoice().type)
     return Setup(
-        controller=choice if own is None else own,
+        controllers=_controllers(own, _at(record.world_settings, "robots")),
         stages={
             word: tuple(_part(one, "?") for one in _at(record.world_settings, *keys) or ())
             for word, keys in STAGES.items()
@@ -102,6 +130,23 @@ def setup_of(record: Record) -> Setup:
         others=tuple(f"{kind} {part}" for kind, part in parts if kind != "controller"),
         versions=record.versions,
     )
+
+
+def _controllers(own: Part, entries: Any) -> tuple[tuple[Part, tuple[int, ...]], ...]:
+    """Who drives whom, as `World.drivers`, of a world that need not be valid."""
+    named: list[tuple[tuple[str, Mapping[str, Any]] | None, int]] = []
+    for entry in entries if isinstance(entries, list) else ():
+        some = entry if isinstance(entry, Mapping) else {}
+        count, choice = some.get("count", 1), some.get("controller")
+        part = _part(choice, "?")
+        many = min(count, MOST_ROBOTS) if type(count) is int else 1
+        named.append((None if choice is None else (part.name, part.settings), many))
+    found = drivers_of((own.name, own.settings), named)
+    parts = tuple(
+        (own if one.entry is None else Part(one.type, dict(one.settings)), one.robots)
+        for one in found
+    )
+    return parts or ((own, ()),)
 
 
 def _at(world: Any, *keys: str) -> Any:

@@ -162,6 +162,24 @@ def decide(
 
     Writes ``memory``. Raises ControllerError for what cannot be done or recorded.
     """
+    decisions, next_step = answered(batch, scene, declared, sensed, due, memory)
+    nominal = held.copy()
+    nominal[due] = decisions.command
+    return Decided(read_only(nominal), locked(decisions), read_only(next_step))
+
+
+def answered(
+    batch: BatchController,
+    scene: Scene,
+    declared: Declared,
+    sensed: Sensed,
+    due: IntArray,
+    memory: dict[str, NDArray[Any]],
+) -> tuple[Decisions, IntArray]:
+    """What a controller answers for the robots ``due``, checked, and the steps (M,) after it.
+
+    Raises ControllerError as `decide`.
+    """
     if is_shipped(batch):
         decisions = batch.decide_due(sensed, due, memory)
     else:
@@ -170,14 +188,11 @@ def decide(
             answer = batch.decide_due(sensed, due, memory)
             decisions = taken_decisions(answer, due, len(declared.columns))
     try:
-        next_step = next_steps(scene, sensed.step, decisions, declared)
+        return decisions, next_steps(scene, sensed.step, decisions, declared)
     except ControllerError as error:
         plain = batch.controller if isinstance(batch, PerRobotAdapter) else None
         told = broken_by(error, batch.decide_due if plain is None else plain.decide)
         raise ControllerError(f"controller {type(plain or batch).__name__}, {told}") from None
-    nominal = held.copy()
-    nominal[due] = decisions.command
-    return Decided(read_only(nominal), locked(decisions), read_only(next_step))
 
 
 MEMORY = "memory"

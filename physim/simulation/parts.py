@@ -24,9 +24,11 @@ from physim.parts.registry import (
     make_part,
 )
 from physim.parts.user_code import kind_of
-from physim.parts.world_checks import robot_faults, world_faults
-from physim.world import World, each_robot
-from physim.world.file.loading import unused_settings
+from physim.parts.world_checks import driver_faults, world_faults
+from physim.simulation.team import driving, united
+from physim.world import World
+from physim.world.file.loading import drives_none, unused_settings
+from physim.world.group import Driver
 
 
 def driven_by(world: World, controller: Controller | str | None) -> World:
@@ -65,12 +67,11 @@ class Parts:
     """Controller and stages of a run, in their order."""
 
     all: tuple[Part, ...]
-    """the controller first"""
-
-    @property
-    def controller(self) -> Any:
-        """The controller."""
-        return self.all[0].made
+    """the world's own controller, or what takes its place, first"""
+    driving: tuple[tuple[Controller, Driver], ...]
+    """what decides, and for which robots"""
+    controller: Controller
+    """all of these as one"""
 
     def of(self, kind: Kind) -> tuple[Any, ...]:
         """Parts of a stage."""
@@ -108,8 +109,9 @@ class Parts:
 
     def faults(self, world: World) -> list[Fault]:
         """What they say against a world; see `physim.parts.world_checks`."""
-        found = robot_faults(self.controller, *each_robot(world.robots, world.seed))
-        found += world_faults(self.controller, world, CONTROLLER.key)
+        found: list[Fault] = []
+        for controller, driver in self.driving:
+            found += driver_faults(controller, world, driver)
         for kind in STAGES:
             for k, part in enumerate(self.of(kind)):
                 found += world_faults(part, world, (*kind.key, k))
@@ -134,6 +136,9 @@ def parts_of(
         check_part(CONTROLLER, controller)
         chosen, from_python = controller, not _is_worlds_own(controller, world)
         name = class_name(controller) if from_python else own.type
+    drivers = driving(world, chosen, name if from_python else None)
+    if from_python and all(one.entry is not None for _, one in drivers):
+        raise ControllerError(f"controller {drives_none(name)}")
     found = [Part(CONTROLLER, name, chosen, given_settings(chosen), from_python)]
     in_world = {
         SENSING: world.sensing.stages, FILTER: world.filters, DISTURBANCE: world.disturbances
@@ -145,7 +150,7 @@ def parts_of(
         for part in listed(str(kind.key[0]), stages[kind]):
             check_part(kind, part)
             found.append(Part(kind, class_name(part), part, given_settings(part), True))
-    return Parts(tuple(found))
+    return Parts(tuple(found), drivers, united(drivers))
 
 
 def listed(key: str, given: Any) -> tuple[Any, ...]:

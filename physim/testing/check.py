@@ -272,6 +272,9 @@ def check_worlds(
     for one in given:
         # whatever controller a file names is not made, but for this one
         world = one if isinstance(one, World) else read_world(one, check_controller=False)[0]
+        if any(entry.controller for entry in world.robots):  # it drives them all
+            alike = (entry.model_copy(update={"controller": None}) for entry in world.robots)
+            world = world.model_copy(update={"robots": tuple(alike)})
         name = world.name if isinstance(one, World) else str(one)
         begins(name)
         part = _check_scene(name, build_scene(world), chosen.maker(world), seconds)

@@ -7,14 +7,16 @@ drawn by the seed. Each robot draws from (seed, "footprint", robot), so that no 
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from typing import Annotated, Any
+from typing import Annotated, Any, NamedTuple
 
 from pydantic import AfterValidator, Discriminator, Field, Tag
 from pydantic_core import PydanticCustomError
 
+from physim.errors import Location
 from physim.world.base import Model
 from physim.world.kinds import MOST_ROBOTS, Label, Sequence, Whole
 from physim.world.robot import Footprint, Limits, Mass, Multiples, Robot, RobotPath, Speeds, Start
+from physim.world.run import OfRobots
 
 NUMBER = "{number}"
 """What is replaced in the name of a group."""
@@ -60,6 +62,7 @@ class RobotGroup(Model):
     mass: Mass = None
     speeds: Multiples = None
     omegas: Speeds = None
+    controller: OfRobots = None
 
     @property
     def shapes(self) -> tuple[Any, ...]:
@@ -88,6 +91,7 @@ class RobotGroup(Model):
             mass=self.mass,
             speeds=self.speeds,
             omegas=self.omegas,
+            controller=self.controller,
         )
 
 
@@ -130,3 +134,40 @@ def each_robot(
             robots.append(one)
         where += [e] * (len(robots) - len(where))
     return tuple(robots), tuple(where)
+
+
+Named = tuple[str, Mapping[str, Any]]
+"""Type and settings of a controller"""
+
+
+class Driver(NamedTuple):
+    """A controller of a world, and the robots that it drives."""
+
+    type: str
+    settings: Mapping[str, Any]
+    robots: tuple[int, ...]
+    entry: int | None
+    """the first of ``robots`` of the world that names it; None for the world's own"""
+
+    @property
+    def where(self) -> Location:
+        """Where the world names it."""
+        return ("controller",) if self.entry is None else ("robots", self.entry, "controller")
+
+
+def drivers_of(own: Named, entries: Iterable[tuple[Named | None, int]]) -> tuple[Driver, ...]:
+    """Who drives whom: the world's ``own`` controller, then those of entries, equal ones once.
+
+    ``entries`` give the controller of each, None for the world's, and for how many robots it
+    stands. The world's own is left out where every robot has another.
+    """
+    found: list[tuple[Named, int | None, list[int]]] = [(own, None, [])]
+    robots = 0
+    for e, (named, count) in enumerate(entries):
+        one = next((one for one in found if named is None or one[0] == named), None)
+        if one is None:
+            assert named is not None
+            found.append(one := (named, e, []))
+        one[2].extend(range(robots, robots + count))
+        robots += count
+    return tuple(Driver(*named, tuple(some), e) for named, e, some in found if some)

@@ -26,7 +26,7 @@ from physim.errors import WorldError
 from physim.html import labelled
 from physim.world.base import Model
 from physim.world.faults import describe
-from physim.world.group import Entry, RobotGroup, limited, robot_count
+from physim.world.group import Driver, Entry, RobotGroup, drivers_of, limited, robot_count
 from physim.world.kinds import (
     MOST_POINTS,
     MOST_ROBOTS,
@@ -187,6 +187,18 @@ class World(Model):
     def robot_count(self) -> int:
         """Number of robots: a group counts as many."""
         return robot_count(self.robots)
+
+    def drivers(self, own: str | None = None) -> tuple[Driver, ...]:
+        """Controllers that drive robots of the world, its own first; equal ones once.
+
+        ``own``: what stands in the place of the world's own, where something does.
+        """
+        choices = ((one.controller, robot_count([one])) for one in self.robots)
+        world = self.controller
+        return drivers_of(
+            (world.type if own is None else own, world.settings),
+            ((None if one is None else (one.type, one.settings), n) for one, n in choices),
+        )
 
     @property
     def is_road_random(self) -> bool:

@@ -23,6 +23,7 @@ from physim.world.kinds import (
     Whole,
     either,
 )
+from physim.world.run import OfRobots
 
 StartHeading = Annotated[
     Annotated[Literal["random", "along"], Tag("<word>")] | Annotated[Angle, Tag("<value>")],
@@ -149,6 +150,7 @@ class Robot(Model):
     mass: Mass = None
     speeds: Multiples = None
     omegas: Speeds = None
+    controller: OfRobots = None
 
     def __repr__(self) -> str:
         """Name and start in brief; its attributes hold all of it."""

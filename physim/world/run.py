@@ -105,6 +105,22 @@ class ControllerChoice(Choice):
     type: Label = Field(default="mode_switching", description="name of a registered controller")
 
 
+class OwnController(Choice):
+    """The controller of one robot or group, in place of the world's; as a `ControllerChoice`.
+
+    Its type is always written: settings without one might be meant for the world's controller.
+    """
+
+
+OfRobots = Annotated[
+    Annotated[OwnController, BeforeValidator(nested_choice)] | None,
+    Field(
+        description="who decides here, as {type: NAME, KEY: VALUE}, instead of the world's "
+        "controller; its settings are its own alone"
+    ),
+]
+
+
 class Time(Model):
     """Grid of physics steps: sample k is at time ``k * step``."""
 

@@ -46,6 +46,7 @@ robots:
     footprint: [[0.9, 0.0], [-0.5, 0.5], [-0.5, -0.5]]
     start: {region: [[1, -1], [9, -1], [9, -3]]}
     path: [[0, 0], [30, 0]]
+    controller: {type: constant, v: 0.3}
   - count: 2
     name: "s{number}"
     footprints: [{length: 1.0, width: 0.5}, [[0.5, 0.0], [-0.5, 0.5], [-0.5, -0.5]]]
@@ -58,6 +59,7 @@ robots:
     start: {region: [[1, -1], [9, -1], [9, -3]]}
     path: {offset: 1.0}
     limits: {v: 1.0, omega: 1.6}
+    controller: {type: mode_switching, look_ahead: 3.0}
 formation:
   {gain: 0.1, speed: 1.0, limits: [0.8, 1.3], spacing: initial, range: 9.0, neighbours: all}
 controller: {type: mode_switching, look_ahead: 2.0}

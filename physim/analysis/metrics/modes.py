@@ -5,6 +5,8 @@ The cost is counted in decisions, messages and collision times computed.
 
 from __future__ import annotations
 
+from collections.abc import Collection
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -70,6 +72,14 @@ def is_danger(record: Record, rows: Rows) -> NDArray[np.bool_]:
     """Whether each decision is in a mode that the controller declares as danger."""
     danger = np.array([*(mode.danger for mode in record.modes), False])
     return np.asarray(danger[rows["mode"]])  # NO_NUMBER is the last
+
+
+def danger_of(record: Record, robots: Collection[int]) -> float | None:
+    """Share of danger mode by active time [-] of some robots; None as `share_of_modes`."""
+    rows, held = _with_mode(record)
+    mine = np.isin(rows["robot"], list(robots))
+    total = float(held[mine].sum())
+    return float(held[mine & is_danger(record, rows)].sum()) / total if total > 0.0 else None
 
 
 def _with_mode(record: Record) -> tuple[Rows, FloatArray]:

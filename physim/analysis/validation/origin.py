@@ -26,6 +26,7 @@ from physim.parts.registry import CONTROLLER, DISTURBANCE, FILTER, SENSING, make
 from physim.record import Record, RecordWriter
 from physim.record.checks import reading_world
 from physim.record.digest import KNOWN
+from physim.simulation.team import driving, united
 from physim.world import World
 from physim.world.differences import differences
 from physim.world.scene import Scene
@@ -47,7 +48,8 @@ class Inside:
 
     scene: Scene
     controller: Any | None
-    """the world's own controller, where it decided and can be made without running a user's code"""
+    """the world's own controller, or team of controllers, where it decided and can be made without
+    running a user's code"""
     why_not: str
     """why there is no controller; empty where there is one"""
     stages: tuple[str, ...]
@@ -79,7 +81,8 @@ def world_inside(record: Record) -> Inside:
             why_not = f"no code is run because a record names it ({choice.type})"
         else:
             with reading_world(record.where):
-                controller = make_part(CONTROLLER, choice.type, choice.settings)
+                own = make_part(CONTROLLER, choice.type, choice.settings)
+                controller = united(driving(world, own))
     except ControllerError as error:
         why_not = str(error).splitlines()[0]
     named = ((SENSING, world.sensing.stages), (FILTER, world.filters),
@@ -95,8 +98,8 @@ def world_inside(record: Record) -> Inside:
 
 
 def controller_name(record: Record) -> str:
-    """What decided: ``module:Class`` of one given from Python, or as the world inside names it;
-    empty where the record names none."""
+    """The world's own controller: ``module:Class`` of one given from Python, or as the world inside
+    names it; empty where the record names none."""
     if record.controller or not record.world_text.strip():
         return record.controller
     return record.world.controller.type

@@ -26,6 +26,7 @@ from physim.parts.registry import CONTROLLER, DISTURBANCE, FILTER, SENSING, ship
 from physim.record import Record
 from physim.record.layout import COMMAND_STAGES, OPTIONAL, OTHERS
 from physim.tolerances import SHARE
+from physim.units import joined
 
 PARTS = ("v", "omega")
 
@@ -135,11 +136,13 @@ def _check_decisions(record: Record, inside: Inside) -> tuple[list[Finding], int
         for name, exact in due.items()
         for one in unlike_rows(record, "/updates", name, rows, exact, "by the poses")
     ]
-    kind = inside.scene.world.controller.type
+    kind = record.setup.controller_names
+    types = {one.type for one in inside.scene.world.drivers()}
+    own_ones = joined(sorted(types.difference(shipped_parts(CONTROLLER))) or [""])
     if SENSING.word in inside.stages:
         why_not = "what robots sensed is not in the record"
-    elif own is not None and kind not in shipped_parts(CONTROLLER):
-        why_not = f"{kind} is not shipped with physim, and need not decide alike twice"
+    elif own is not None and own_ones:
+        why_not = f"{own_ones} is not shipped with physim, and need not decide alike twice"
     elif own is not None and record.declared != Declared.of(own):
         why_not = "the record declares others"
     elif record.begun_at:
@@ -147,7 +150,7 @@ def _check_decisions(record: Record, inside: Inside) -> tuple[list[Finding], int
     if why_not or own is None or not len(rows):
         return found, 0, why_not
     try:
-        again = run_led(record, inside.scene, own)
+        again = run_led(record, inside.scene)
     except ControllerError as error:
         return found, 0, str(error).splitlines()[0]
     killed = record.ended == "running"  # not all that was decided at its last step may be there

@@ -180,16 +180,16 @@ class _Led:
         self.contacts = self.contacts[:0]
 
 
-def run_led(record: Record, scene: Scene, controller: Controller) -> Record:
-    """Run led through the poses of a record that has those of every step: it decides anew.
+def run_led(record: Record, scene: Scene) -> Record:
+    """Run led through the poses of every step of a record: its controllers decide anew.
 
-    Raises ControllerError where the controller cannot decide.
+    Raises ControllerError where a controller cannot decide.
     """
     from physim.simulation.loop import Simulation
     from physim.simulation.recorder import SaveAt
     from physim.simulation.run import record_run
 
-    simulation = Simulation(scene, controller=controller)
+    simulation = Simulation(scene)
     simulation.physics = cast(Any, _Led(record))
     ended = record.steps_run
     return record_run(

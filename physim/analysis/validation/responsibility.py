@@ -3,8 +3,8 @@
 Between robots responsibility follows the paper's priority rule: a robot has to consider those that
 are further along the reference path s* (equal stations: the lower index has priority). So of two
 robots the one that was behind at its own last decision before the contact had to avoid it. The rule
-is that of `mode_switching` alone: under another controller nobody is responsible but who pushed a
-robot, or ran into one that stood. With a boundary or an obstacle it is always the robot.
+is that of `mode_switching` alone: a robot with another controller is responsible only where it
+pushed a robot, or ran into one that stood. With a boundary or an obstacle it is always the robot.
 
 Departure: the rule speaks of robots that move by their own commands. One that was pushed into the
 contact, or stood by command while the other came, is not charged but the one that did it. A robot
@@ -36,9 +36,9 @@ PRIORITY = "mode_switching"
 """Name of the controller that has the paper's rule of priority."""
 
 
-def has_priority(record: Record) -> bool:
-    """Whether the controller of a run has the paper's rule of priority."""
-    return record.setup.controller.name == PRIORITY
+def priority_robots(record: Record) -> frozenset[int]:
+    """Robots whose controller has the paper's rule of priority."""
+    return record.setup.driven_by(PRIORITY)
 
 
 def pushed_by(record: Record, table: DecisionTable, robot: int, touch: Touch) -> int | None:
@@ -167,14 +167,16 @@ def robots_in_contact(
     a, b, step = touch.a, touch.b, touch.step
     robots = [i for i in (a, b) if i < record.robots]
     behind = {i: _behind(record, table, i, a + b - i, step) for i in robots}
-    ruled = [i for i in robots if _has_to_consider(behind[i], i, a + b - i, len(robots))]
-    if not ruled:  # they changed places between their last decisions
-        ruled = [max(robots, key=lambda i: -table.reference_station(i, step))]
+    later = [i for i in robots if _has_to_consider(behind[i], i, a + b - i, len(robots))]
+    if not later:  # they changed places between their last decisions
+        later = [max(robots, key=lambda i: -table.reference_station(i, step))]
+    ruled = later if len(robots) == 1 else [i for i in later if i in priority_robots(record)]
     pushed = {i: pushed_by(record, table, i, touch) for i in ruled}
-    if len(robots) == 1 or has_priority(record):
+    if ruled:
         charged = {i if by is None else by for i, by in pushed.items()}
     else:  # no rule says who; facts may
-        pushed |= {i: pushed_by(record, table, i, touch) for i in robots if i not in pushed}
+        order = [*later, *(i for i in robots if i not in later)]
+        pushed = {i: pushed_by(record, table, i, touch) for i in order}
         pushed = dict([(i, by) for i, by in pushed.items() if by is not None][:1])
         charged = {by for by in pushed.values() if by is not None}
     sides = tuple(

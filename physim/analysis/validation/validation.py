@@ -283,6 +283,8 @@ def check_complete(record: Record) -> None:
 def _run(record: Record, whole: Record, source: str) -> Run:
     """What was run, as the record says; how long, as that says which has every sample."""
     controller = controller_name(record) or "not named in the record"
+    if len(record.setup.controllers) > 1:
+        controller = record.setup.controller_names
     return Run(
         record.name, source, record.seed, controller, record.bodies, record.robots, record.dt,
         whole.samples, whole.steps_run * record.dt, record.steps_planned * record.dt, record.ended,

@@ -12,8 +12,10 @@ import shapely
 
 from physim.errors import PhysimError, plural
 from physim.geometry.shapes import FloatArray
+from physim.parts.controller import Controller
 from physim.parts.registry import CONTROLLER, make_part
 from physim.parts.world_checks import robot_faults
+from physim.simulation.team import driving
 from physim.world import Robot, World, each_robot
 from physim.world.layout.layout import lay_out
 from physim.world.layout.occupancy import Occupancy
@@ -191,9 +193,11 @@ class Space:
 
     def _dimensions(self) -> list[Dimension]:
         found: list[Dimension] = []
-        controller, choice = None, self.world.controller
+        controllers: dict[int, Controller] = {}
         if SPEED in self.vary:  # one of one's own is asked only where that is needed
-            controller = make_part(CONTROLLER, choice.type, choice.settings, trusted=True)
+            choice = self.world.controller
+            own = make_part(CONTROLLER, choice.type, choice.settings, trusted=True)
+            controllers = {i: one for one, who in driving(self.world, own) for i in who.robots}
         for i, robot in enumerate(self.robots):
             x, y, heading = self.starts.base[i].tolist()
             if POSE in self.vary:
@@ -206,8 +210,8 @@ class Space:
                 turn = pi if self._any_heading[i] else TURN
                 ends = heading - turn, heading + turn
                 found.append(Dimension(HEADING, "heading", i, heading, *ends))
-            for key in () if controller is None else ("v", "omega"):
-                limit, least = getattr(robot.limits, key), least_limit(controller, robot, key)
+            for key in ("v", "omega") if controllers else ():
+                limit, least = getattr(robot.limits, key), least_limit(controllers[i], robot, key)
                 if least < limit:
                     found.append(Dimension(SPEED, key, i, limit, least, limit))
         return found

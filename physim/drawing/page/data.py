@@ -101,7 +101,9 @@ def run_data(record: Record, summary: Summary, validation: Validation | None = N
         "signs": list(signs(timeline, ground(timeline))),
         "range": _range(record),
         "why": why,
-        "decisions": pack_decisions(record, pack, why["thresholds"]),
+        "decisions": pack_decisions(
+            record, pack, [one for driver in why["drivers"] for one in driver["thresholds"]]
+        ),
         "contacts": _pack_contacts(timeline, pack, validation),
         "moments": moments(timeline, summary),
         "curves": pack_curves(timeline, pack),

@@ -52,10 +52,10 @@ def pack_decisions(
     shown = list(OWN if few else OWN[2:])
     for name in shown:
         pack.real(name, rows[name], quantum)
-    bounds = {
-        one["column"]: ((np.less, one["enter"]), (np.less_equal, one["leave"]))
-        for one in thresholds
-    }
+    bounds: dict[str, list[tuple[np.ufunc, float]]] = {}
+    for one in thresholds:
+        both = (np.less, one["enter"]), (np.less_equal, one["leave"])
+        bounds.setdefault(one["column"], []).extend(both)
     for column in record.declared.columns:
         values = rows[column.name]
         # finer than usual where all of it is small

@@ -116,7 +116,7 @@ def _labels(records: Sequence[Record]) -> list[str]:
     parts = (
         [clean(record.name) for record in records],
         [f"seed {record.seed}" for record in records],
-        [clean(record.setup.controller.name) for record in records],
+        [clean(record.setup.controller_names) for record in records],
         [clean(record.path.absolute().parent.name) if record.path else "" for record in records],
     )
     if len(records) == 1:
@@ -134,7 +134,7 @@ def _labels(records: Sequence[Record]) -> list[str]:
 def _about(records: Sequence[Record]) -> str:
     """How many robots or runs, and in what two runs differ where that is known."""
     first, told = records[0], []
-    words = [f"{plural(first.robots, 'robot')}, seed {first.seed}, {first.setup.controller.name}"]
+    words = [f"{plural(first.robots, 'robot')}, seed {first.seed}, {first.setup.controller_names}"]
     if len(records) > 1:
         words = [plural(len(records), "run")]
     if len(records) == 2:

@@ -7,6 +7,7 @@ there is more: a line of prose a rule, and the thresholds of Fig. 5, which are s
 from __future__ import annotations
 
 import re
+from collections.abc import Mapping, Sequence
 from types import MappingProxyType
 from typing import Any
 
@@ -15,6 +16,7 @@ from pydantic import ValidationError
 from physim.errors import PhysimError
 from physim.parts.declarations import Rule
 from physim.record import Record
+from physim.record.setup import Part
 
 EQUATION = re.compile(r"\(\d+[a-z]?\)")
 
@@ -68,17 +70,34 @@ PRIORITY = MappingProxyType(
 
 
 def explanations(record: Record) -> dict[str, Any]:
-    """What the page says of the rules of a record's controller, and its thresholds."""
-    name = record.setup.controller.name
-    settings = _settings(record)
-    prose = dict(PROSE.get(name, {}))
-    if name == "mode_switching":
-        prose["path_following"] += IN_FORMATION if record.world_settings.get("formation") else ALONE
-    if settings.get("avoidance") == "none" and "path_following" in prose:
-        prose["path_following"] = f"It keeps clear of nothing: avoidance is off. {STEERS}."
+    """What the page says of the rules of a record's controllers, and their thresholds."""
+    controllers = record.setup.controllers
+    prose = [_prose(record, part) for part, _ in controllers]
+    drivers = [_driver(*one) for one in controllers]
+    if len(drivers) == 1:
+        drivers[0]["robots"] = None
     return {
-        "controller": name,
+        "controller": record.setup.controller_names,
         "rules": [_rule(rule, prose) for rule in record.declared.rules],
+        "drivers": drivers,
+    }
+
+
+def _prose(record: Record, part: Part) -> dict[str, str]:
+    """What the rules of one controller do."""
+    prose = dict(PROSE.get(part.name, {}))
+    if part.name == "mode_switching":
+        prose["path_following"] += IN_FORMATION if record.world_settings.get("formation") else ALONE
+    if _settings(part).get("avoidance") == "none" and "path_following" in prose:
+        prose["path_following"] = f"It keeps clear of nothing: avoidance is off. {STEERS}."
+    return prose
+
+
+def _driver(part: Part, robots: Sequence[int]) -> dict[str, Any]:
+    """What holds for the robots of one controller."""
+    name, settings = part.name, _settings(part)
+    return {
+        "robots": robots,
         "priority": PRIORITY.get(name, ""),
         "thresholds": _thresholds(settings) if name in NEXT else [],
         "next": _next(name, settings),
@@ -87,25 +106,29 @@ def explanations(record: Record) -> dict[str, Any]:
     }
 
 
-def _rule(rule: Rule, prose: dict[str, str]) -> dict[str, str]:
+def _rule(rule: Rule, prose: Sequence[Mapping[str, str]]) -> dict[str, str]:
+    """A rule of one of the controllers; a `Team` calls some by the number of theirs."""
+    name, _, number = rule.name.rpartition("_")
+    told = next((one[rule.name] for one in prose if rule.name in one), "")
+    if not told and number.isdecimal() and 1 <= int(number) <= len(prose):
+        told = prose[int(number) - 1].get(name, "")
     found = EQUATION.search(str(rule))
     return {
         "name": rule.name,
         "words": str(rule),
         "equation": found[0] if found else "",
-        "prose": prose.get(rule.name, ""),
+        "prose": told,
     }
 
 
-def _settings(record: Record) -> dict[str, Any]:
-    """Settings of the controller, those that the world does not give as they are by default.
+def _settings(part: Part) -> dict[str, Any]:
+    """Settings of a controller, those that the world does not give as they are by default.
 
     Only those that the world gives, where nobody has registered the controller; none where it
     refuses them, as in a record of another version: they may be anything.
     """
     from physim.parts.registry import CONTROLLER, find_part
 
-    part = record.setup.controller
     try:
         model = getattr(find_part(CONTROLLER, part.name), "Settings", None)
         made = None if model is None else model.model_validate(part.settings)

@@ -25,8 +25,9 @@ from physim.errors import PhysimError, plural
 from physim.geometry.corridor import SIDES, Widths, sampled_widths, width_spacing
 from physim.geometry.polygon import least_width
 from physim.geometry.shapes import FloatArray
-from physim.parts.declarations import Declared
+from physim.parts.declarations import Declared, kept_distance
 from physim.parts.registry import CONTROLLER, make_part
+from physim.simulation.team import driving, united
 from physim.world.layout.scene_builder import is_random
 from physim.world.layout.shape_checks import corners_of_line
 from physim.world.scene import Layout
@@ -65,9 +66,9 @@ class Contents:
 def preview_of(layout: Layout, trusted: bool = False) -> Contents:
     """What a preview shows of a world, with the modes of its controller and the L that it keeps."""
     world, choice = layout.world, layout.world.controller
-    controller = make_part(CONTROLLER, choice.type, choice.settings, trusted=trusted)
-    settings = getattr(controller, "settings", None)
-    safe_distance = float(getattr(settings, "safe_distance", 0.0))
+    own = make_part(CONTROLLER, choice.type, choice.settings, trusted=trusted)
+    controller = united(driving(world, own))
+    safe_distance = kept_distance(controller)
     scene = SceneModel.of_layout(layout, Declared.of(controller).modes, safe_distance)
     # the two walls of a corridor without its caps; of another world all boundaries
     sides, walls = _segments(layout.boundaries.values()), None

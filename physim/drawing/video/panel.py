@@ -193,9 +193,12 @@ class Panel:
         self._wide, self._right = wide, wide - PAD
         contacts = timeline.contacts
         lines = 3 + bool(len(contacts.began)) + bool(np.isfinite(contacts.deep).any())
-        self._settings = wrapped(
-            timeline.record.setup.controller.set_to, SMALL, self._right - PAD, most=3
-        )
+        setup = timeline.record.setup
+        self._controller, beside = setup.controller.name, setup.controller.set_to
+        if len(setup.controllers) > 1:
+            self._controller = f"{len(setup.controllers)} controllers"
+            beside = setup.controller_names
+        self._settings = wrapped(beside, SMALL, self._right - PAD, most=3)
         self._rule = FIGURES + 12 + lines * FIGURE
         self._top = self._rule + 8 + HEAD + SETTINGS * len(self._settings)
         self._modes = [timeline.scene.modes[k] for k in timeline.explained_modes]
@@ -221,7 +224,7 @@ class Panel:
               weight=BOLD, anchor="right")  # fmt: skip
         count = self._timeline.robots
         robots = "1 robot" if count == 1 else f"{count} robots"
-        head = f"{'modes of' if self._modes else 'controller'} {record.setup.controller.name}"
+        head = f"{'modes of' if self._modes else 'controller'} {self._controller}"
         top, legend_top = self._rule + 18, self._top + len(self._modes) * self._row
         quiet = {53: f"{robots}, seed {record.seed}", top: shorten(head, SMALL, room)}
         quiet |= {top + k * SETTINGS: line for k, line in enumerate(self._settings, 1)}

@@ -11,17 +11,25 @@ from dataclasses import replace
 from typing import Any
 from warnings import warn
 
-from physim.errors import ControllerError, Fault, WorldError
+from physim.errors import ControllerError, Fault, Location, WorldError
 from physim.parts.registry import (
     CONTROLLER,
+    OF_ROBOTS,
     STAGES,
+    Kind,
     advice,
     checked_settings,
     find_part,
     made_part,
 )
-from physim.parts.world_checks import HOOKS, robot_faults, world_doubts, world_faults
-from physim.world import World, each_robot
+from physim.parts.world_checks import (
+    HOOKS,
+    driver_doubts,
+    driver_faults,
+    world_doubts,
+    world_faults,
+)
+from physim.world import World
 from physim.world.faults import describe
 from physim.world.file.document import Document, apply_overrides, put, read_document
 from physim.world.file.files import world_document
@@ -111,6 +119,8 @@ def _world_of(
         elif controller is None:
             message = f"was the class {name}, {advice(CONTROLLER, name)}"
             faults.append(Fault(CONTROLLER.key, message))
+    if controller is not None and all(one.entry is not None for one in world.drivers()):
+        faults.append(Fault(CONTROLLER.key, drives_none(controller)))
     if faults:
         raise document.error(faults)
     return world, replace(document, warnings=(*document.warnings, *doubts))
@@ -119,9 +129,11 @@ def _world_of(
 def _of_parts(world: World, document: Document, trusted: bool) -> tuple[list[Fault], list[Fault]]:
     """Faults of the parts that a world names, and what they warn of.
 
-    ``trusted`` allows the controller to be ``module:Class``.
+    ``trusted`` allows the world's own controller to be ``module:Class``, none of its robots'.
     """
-    named = [(CONTROLLER, CONTROLLER.key, world.controller.type)]
+    driving = {one.where: one for one in world.drivers()}
+    named: list[tuple[Kind, Location, str]] = [(CONTROLLER, CONTROLLER.key, world.controller.type)]
+    named += [(OF_ROBOTS, at, one.type) for at, one in driving.items() if at != CONTROLLER.key]
     for kind, choices in zip(
         STAGES, (world.sensing.stages, world.filters, world.disturbances), strict=True
     ):
@@ -129,19 +141,22 @@ def _of_parts(world: World, document: Document, trusted: bool) -> tuple[list[Fau
     faults: list[Fault] = []
     doubts: list[Fault] = []
     for kind, where, name in named:
-        is_controller, given = kind is CONTROLLER, document.values
+        driver, given = driving.get(where), document.values
         for key in where:
             given = given.get(key, {}) if isinstance(given, dict) else given[key]
         given = {key: value for key, value in given.items() if key != "type"}
         try:
-            part = find_part(kind, name, trusted and is_controller)
+            part = find_part(kind, name, trusted and kind is CONTROLLER)
             settings, found = checked_settings(part, given, where)
-            if not found and any(hasattr(part, hook) for hook in HOOKS):
+            is_idle = driver is None and kind is CONTROLLER  # every robot has its own
+            if not found and not is_idle and any(hasattr(part, hook) for hook in HOOKS):
                 made = made_part(kind, part, settings, name)
-                if is_controller:
-                    found = robot_faults(made, *each_robot(world.robots, world.seed))
-                found = found or world_faults(made, world, where)
-                doubts += [] if found else world_doubts(made, world, where)
+                if driver is not None:
+                    found = driver_faults(made, world, driver)
+                    doubts += [] if found else driver_doubts(made, world, driver)
+                else:
+                    found = world_faults(made, world, where)
+                    doubts += [] if found else world_doubts(made, world, where)
             faults += found
         except ControllerError as error:
             faults.append(Fault((*where, "type"), str(error)))
@@ -165,6 +180,14 @@ def _with_controller(document: Document, name: str) -> Document:
         document, given = replace(document, warnings=(*document.warnings, note)), {}
     document = replace(document, values={**document.values, "controller": given})
     return put(document, ("controller", "type"), name, "--controller")
+
+
+def drives_none(name: str) -> str:
+    """Say that a controller in the place of the world's own would drive no robot."""
+    return (
+        f"{describe(name)} would drive no robot: each has a controller of its own, which stays; "
+        "leave that of one out"
+    )
 
 
 def unused_settings(keys: Sequence[str], of: Any, by: str) -> str:

@@ -53,6 +53,11 @@ def schema_text(names: Callable[[Kind], Iterable[str]] = part_names) -> str:
     schema = World.model_json_schema(schema_generator=_Generator)
     models = schema["$defs"]
     models[_name(CONTROLLER)] = _choice(CONTROLLER, names, ControllerChoice)
+    models["OwnController"] = {
+        "$ref": f"#/$defs/{_name(CONTROLLER)}",
+        "description": "the controller of one robot or group; its type is always written",
+        "required": ["type"],
+    }
     del models[Choice.__name__]
     for kind in STAGES:
         models[_name(kind)] = _choice(kind, names, Choice)

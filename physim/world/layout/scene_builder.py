@@ -173,13 +173,12 @@ def seeds_note(world: World) -> str:
 
 
 def _drawing(world: World) -> tuple[str, ...]:
-    """Parts that may draw: every stage, and a controller of one's own that is given the scene."""
+    """Parts that may draw: every stage, and controllers of one's own that are given the scene."""
     stages = (*world.sensing.stages, *world.filters, *world.disturbances)
-    name = world.controller.type
-    is_own = name not in shipped_parts(CONTROLLER)
-    if is_own and hasattr(find_part(CONTROLLER, name, trusted=True), "batch"):
-        return (name, *(stage.type for stage in stages))
-    return tuple(stage.type for stage in stages)
+    shipped = shipped_parts(CONTROLLER)
+    own = (one.type for one in world.drivers() if one.type not in shipped)
+    drawing = (one for one in own if hasattr(find_part(CONTROLLER, one, trusted=True), "batch"))
+    return (*dict.fromkeys(drawing), *(stage.type for stage in stages))
 
 
 def _formation(laid: Layout) -> FormationPlan:

@@ -239,7 +239,7 @@ sensing: {range: 0.5}
 
 def test_the_page_keeps_values_on_their_side_of_the_thresholds() -> None:
     record = physim.simulate(physim.parse_world(TINY))
-    why = explanations(record)
+    (why,) = explanations(record)["drivers"]
     _, arrays = unpack(run_data(record, summarise(record)))
     rows = record.updates[np.lexsort((record.updates["step"], record.updates["robot"]))]
     wrong = 0

@@ -26,15 +26,17 @@ class Told:
         self, name: str, settings: dict[str, Any], rules: tuple[Rule, ...], world: dict[str, Any]
     ) -> None:
         self.world_settings = world
-        self.setup = Setup(Part(name, settings), {}, (), {})
+        self.setup = Setup(((Part(name, settings), (0,)),), {}, (), {})
         self.declared = type("Declared", (), {"rules": rules})
 
 
 def of(name: str, settings: dict[str, Any] | None = None, **world: Any) -> dict[str, Any]:
-    """What is told of a shipped controller."""
+    """What is told of a shipped controller, and of those whom it drives: here all."""
     rules = getattr(find_part(CONTROLLER, name), "rules", ())
     told: Any = Told(name, settings or {}, rules, world)
-    return explanations(told)
+    found = explanations(told)
+    assert [one["robots"] for one in found["drivers"]] == [None]
+    return {**found, **found["drivers"][0]}
 
 
 @pytest.mark.parametrize("name", PROSE)
@@ -80,7 +82,8 @@ def test_of_a_controller_that_nobody_knows_its_own_words_are_told() -> None:
     assert found["rules"] == [
         {"name": "go", "words": "goes on, (99)", "equation": "(99)", "prose": ""}
     ]
-    assert (found["thresholds"], found["next"]) == ([], None)
+    (driver,) = found["drivers"]
+    assert (driver["thresholds"], driver["next"]) == ([], None)
 
 
 @pytest.mark.parametrize(
@@ -92,6 +95,6 @@ def test_of_settings_that_are_refused_nothing_is_told(tmp_path: Path, setting: s
     text = f"name: odd\nseed: 1\ncontroller: {{type: mode_switching, {setting}}}\n"
     make_record(tmp_path / "r.h5", 2, 1.0, world_text=text).close()
     with Record.load(tmp_path / "r.h5") as record:
-        told = explanations(record)
+        told = explanations(record)["drivers"][0]
         assert (told["thresholds"], told["next"], told["horizon"]) == ([], None, None)
         write_page([record], tmp_path / "page.html")

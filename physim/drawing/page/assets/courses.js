@@ -68,10 +68,11 @@ function noteOf(runs, known) {
   return `level lines${known.length > 1 ? ", in the same colours" : ""}: danger below, dashed: safe again above`;
 }
 
-/** Thresholds of one run that avoids anything; of several their dashes tell runs apart. */
+/** Thresholds of one run, where one controller has any; of several their dashes tell runs apart. */
 function thresholdOf(runs, column) {
-  const { thresholds: all, avoids } = runs[0].header.why;
-  return runs.length === 1 && avoids ? all.find((one) => one.column === column) : undefined;
+  const having = runs[0].header.why.drivers.filter((one) => one.avoids && one.thresholds.length);
+  if (runs.length > 1 || having.length !== 1) return undefined;
+  return having[0].thresholds.find((one) => one.column === column);
 }
 
 /** Where danger begins, and above which it can end. */

@@ -14,6 +14,10 @@ const PLACES = ["target_x", "target_y"]; // told as the target
 const MOST_OTHERS = 24;
 const MOST_LOOKED_AT = 60;
 
+/** What the controller of a robot goes by. */
+const driverOf = (run, robot) =>
+  run.header.why.drivers.find(({ robots }) => !robots || robots.includes(robot));
+
 /** The panel of one robot; `go` is called with what to show instead: {time, robot, contact}. */
 export function whyRobot(view, robot, time, go) {
   const { run } = view;
@@ -53,10 +57,10 @@ export function because(view, robot, row, mode, rule) {
   const at = `At ${seconds(run.step[row] * run.dt)} ${run.names[robot]}`;
   const does = `${at} decided to ${motion(...["nominal_v", "nominal_omega"].map((column) => run.column(column)[row]))}`;
   const states = limits(run, row);
-  if (!states.length || !mode) return `${does}${run.header.why.avoids ? "" : "; its avoidance is off"}.`;
+  if (!states.length || !mode) return `${does}${driverOf(run, robot).avoids ? "" : "; its avoidance is off"}.`;
   if (!mode.danger) {
     if (rule?.name === "stop") return `${at} stands at its stop.`;
-    const seen = states.filter((one) => !Number.isNaN(one.value)).map((one) => `${SEEN[one.column]} ${saw(run, one)}`);
+    const seen = states.filter((one) => !Number.isNaN(one.value)).map((one) => `${SEEN[one.column]} ${saw(run, row, one)}`);
     return seen.length ? `${does}; nothing was near: ${seen.join(", ")}.` : `${does}.`;
   }
   const near = states.filter((one) => one.isShort && one.column !== "collision_time")
@@ -104,18 +108,20 @@ function nearest(view, robot, row) {
   return found;
 }
 
-const saw = (run, { column, value }) => {
+const saw = (run, row, { column, value }) => {
   if (column !== "collision_time") return metres(value);
-  const horizon = run.header.why.horizon;
+  const { horizon } = driverOf(run, robotOf(run, row));
   return Number.isFinite(value) || !horizon ? seconds(value) : `none within ${decimal(horizon, 1)} s`;
 };
 
+const robotOf = (run, row) => run.first.findLastIndex((first) => first <= row);
+
 /** What was seen, against the thresholds of that moment: those to enter, or in danger to leave it. */
 export function limits(run, row) {
-  const { thresholds, avoids } = run.header.why;
+  const robot = robotOf(run, row);
+  const { thresholds, avoids } = driverOf(run, robot);
   if (!avoids) return [];
-  const robotFirst = run.first.findLastIndex((first) => first <= row);
-  const before = row > run.first[robotFirst] ? run.mode[row - 1] : -1;
+  const before = row > run.first[robot] ? run.mode[row - 1] : -1;
   const wasDanger = before >= 0 && run.modes[before].danger;
   const isSafe = !run.modes[run.mode[row]]?.danger;
   return thresholds.map(({ column, enter, leave, boundary }) => {
@@ -132,7 +138,7 @@ function seenTable(run, row, mode) {
   const rows = states.map((one) => {
     const isNew = one.column === "collision_time" && mode?.danger;
     const bound = amount(one.limit, unitOf(one.column)) + (one.ofWall ? " (a boundary)" : "");
-    return [one.isShort && !isNew ? "short" : "", SEEN[one.column] + (isNew ? " (under its new command)" : ""), saw(run, one), bound];
+    return [one.isShort && !isNew ? "short" : "", SEEN[one.column] + (isNew ? " (under its new command)" : ""), saw(run, row, one), bound];
   });
   const heads = ["it saw", states[0].wasDanger ? "safe again above" : "danger below"];
   const top = el("thead", {}, el("tr", {}, el("td", {}), heads.map((words) => el("th", { scope: "col" }, words))));
@@ -144,7 +150,8 @@ function factTable(run, robot, row, go, time) {
   const add = (label, ...content) => rows.push(["", label, content.flatMap((one) => [one, " "])]);
   const at = (name) => run.column(name)[row];
   const next = (run.step[row] + run.hold[row]) * run.dt;
-  const { why, range } = run.header;
+  const { range } = run.header;
+  const why = driverOf(run, robot);
   const others = run.considered(row);
   if (others) {
     const buttons = others.slice(0, MOST_OTHERS).map((other) =>

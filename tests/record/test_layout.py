@@ -8,8 +8,6 @@ from __future__ import annotations
 from pathlib import Path
 from typing import get_type_hints
 
-import numpy as np
-
 from physim.contacts import CONTACT_ROW, FALSE_CONTACT_ROW
 from physim.record import Record
 from tests.helpers import inside

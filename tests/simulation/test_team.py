@@ -212,6 +212,18 @@ def test_a_validation_makes_the_run_again_and_its_decisions(mixed: Record) -> No
     assert other.recomputed.replayed == len(mixed.updates)
 
 
+def test_pictures_tell_controllers_and_modes_apart(mixed: Record) -> None:
+    timeline = inside("physim.drawing", "Timeline")(mixed)
+    told = inside("physim.drawing.page", "explanations")(mixed)
+    assert timeline.partly_modeless  # b
+    assert told["controller"] == "mode_switching, constant and path_following"
+    assert [one["robots"] for one in told["drivers"]] == [(0,), (1,), (2, 3)]
+    assert [bool(one["thresholds"]) for one in told["drivers"]] == [True, False, False]
+    prose = {one["name"]: one["prose"] for one in told["rules"]}
+    assert "deaf" in prose["path_following_3"]
+    assert "deaf" not in prose["path_following"]
+
+
 ACROSS = """
 name: across
 time: {{step: 0.02, duration: 14}}

@@ -174,7 +174,7 @@ def driving(
     not registered, and WorldError for its settings.
     """
     return tuple(
-        (own, one) if one.entry is None
+        (own, one) if one.is_own
         else (make_part(OF_ROBOTS, one.type, one.settings, where=one.where), one)
         for one in world.drivers(name)
     )  # fmt: skip

@@ -170,7 +170,7 @@ def test_a_controller_that_would_drive_nobody_is_refused(tmp_path: Any) -> None:
     world = apart(a=CONSTANT, b=CONSTANT, g=CONSTANT)
     with simulate(world) as record:
         assert [part.name for part, _ in record.setup.controllers] == ["constant"]
-        assert record.setup.driven_by("constant") == {0, 1, 2, 3}
+        assert [robots for _, robots in record.setup.controllers] == [(0, 1, 2, 3)]
     with pytest.raises(ControllerError, match="would drive no robot"):
         simulate(world, controller=Slow())
     with pytest.raises(WorldError, match="would drive no robot"):

@@ -211,9 +211,9 @@ def decide_all(
         start[k + 1] = start[k] + looked_at
         if start[k + 1] > len(listed):
             listed = longer(listed, start[k + 1])
+        put_in_order(ranking.rows, looked_at)
         for m in range(looked_at):
             listed[start[k] + m] = number[ranking.rows[m]]
-        put_in_order(listed[start[k] : start[k + 1]], looked_at)
     return Decided(
         out.command, out.hold, out.mode, out.rule, out.report, listed[: start[-1]], start
     )

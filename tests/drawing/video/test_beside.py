@@ -215,7 +215,7 @@ def test_commands_and_pages_say_which_sample_is_shown(
     runs: tuple[Record, Record], tmp_path: Path
 ) -> None:
     for record, at, told in (
-        (runs[1], "1.0", ("record.h5", "every 0.4 s", "of 0.8 s")),
+        (runs[1], "1.0", ("record.h5", "every 0.4 s")),
         (runs[1], "1.2", ()),
         (runs[0], "1.005", ()),
     ):

@@ -74,7 +74,7 @@ def driver_doubts(controller: object, world: World, driver: Driver) -> list[Faul
 
 def _of_driver(controller: object, hook: str, world: World, driver: Driver) -> list[Fault]:
     """Asked as if its robots were alone in the world, and it the world's controller."""
-    if len(driver.entries) < len(world.robots):
+    if not driver.is_own or len(driver.entries) < len(world.robots):
         own = (world.robots[e] for e in driver.entries)
         alone = tuple(entry.model_copy(update={"controller": None}) for entry in own)
         choice = ControllerChoice(type=driver.type, settings=FrozenMapping(driver.settings))

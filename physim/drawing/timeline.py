@@ -126,6 +126,11 @@ class Timeline:
         self.contacts = episodes(record)
         self.modeless = len(self._rows) > 1 and bool((self._mode == NO_NUMBER).all())
         """Whether there are decisions, and none gave a mode."""
+        most = np.full(self.robots, NO_NUMBER)
+        np.maximum.at(most, robot, record.updates["mode"])
+        silent = (most == NO_NUMBER) & (np.bincount(robot, minlength=self.robots) > 0)
+        self.partly_modeless = not self.modeless and bool(silent.any())
+        """Whether some robots gave modes, and others decided and gave none."""
 
     def at(self, time: float) -> Moment:
         """Return all that is shown of one time [s]; of a coarse record, of the sample before."""

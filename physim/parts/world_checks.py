@@ -74,13 +74,12 @@ def driver_doubts(controller: object, world: World, driver: Driver) -> list[Faul
 
 def _of_driver(controller: object, hook: str, world: World, driver: Driver) -> list[Fault]:
     """Asked as if its robots were alone in the world, and it the world's controller."""
-    _, entries = each_robot(world.robots, world.seed)
-    own = list(dict.fromkeys(entries[i] for i in driver.robots))
-    if len(own) < len(world.robots):
-        alone = tuple(world.robots[e].model_copy(update={"controller": None}) for e in own)
+    if not driver.is_own or len(driver.entries) < len(world.robots):
+        own = (world.robots[e] for e in driver.entries)
+        alone = tuple(entry.model_copy(update={"controller": None}) for entry in own)
         choice = ControllerChoice(type=driver.type, settings=FrozenMapping(driver.settings))
         world = world.model_copy(update={"robots": alone, "controller": choice})
-    return _placed(_faults(controller, hook, world, ("controller",)), own, driver.where)
+    return _placed(_faults(controller, hook, world, ("controller",)), driver.entries, driver.where)
 
 
 def _placed(faults: Iterable[Fault], entries: Sequence[int], where: Location) -> list[Fault]:

@@ -78,10 +78,6 @@ class Setup:
         """Names of the controllers, in words, each once."""
         return joined(dict.fromkeys(part.name for part, _ in self.controllers))
 
-    def driven_by(self, name: str) -> frozenset[int]:
-        """Robots that controllers of a name drive."""
-        return frozenset(i for part, some in self.controllers if part.name == name for i in some)
-
     def lines(self) -> list[tuple[str, str]]:
         """Label and text of controller and stages; none for a stage that there is not."""
         stages = [(word, ", ".join(map(str, parts))) for word, parts in self.stages.items()]
@@ -143,8 +139,7 @@ def _controllers(own: Part, entries: Any) -> tuple[tuple[Part, tuple[int, ...]],
         named.append((None if choice is None else (part.name, part.settings), many))
     found = drivers_of((own.name, own.settings), named)
     parts = tuple(
-        (own if one.entry is None else Part(one.type, dict(one.settings)), one.robots)
-        for one in found
+        (own if one.is_own else Part(one.type, dict(one.settings)), one.robots) for one in found
     )
     return parts or ((own, ()),)
 

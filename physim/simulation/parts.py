@@ -137,7 +137,7 @@ def parts_of(
         chosen, from_python = controller, not _is_worlds_own(controller, world)
         name = class_name(controller) if from_python else own.type
     drivers = driving(world, chosen, name if from_python else None)
-    if from_python and all(one.entry is not None for _, one in drivers):
+    if from_python and not any(one.is_own for _, one in drivers):
         raise ControllerError(f"controller {drives_none(name)}")
     found = [Part(CONTROLLER, name, chosen, given_settings(chosen), from_python)]
     in_world = {

@@ -17,12 +17,23 @@ from numpy.typing import NDArray
 from physim.errors import ControllerError
 from physim.geometry.shapes import IntArray
 from physim.parts.controller import Controller, Decision, Decisions, Observation, Sensed
-from physim.parts.declarations import NO_NUMBER, Column, Declared, Mode, Rule, kept_distance
+from physim.parts.declarations import (
+    NO_NUMBER,
+    STANDARD_COLUMNS,
+    Column,
+    Declared,
+    Mode,
+    Rule,
+    kept_distance,
+)
 from physim.parts.registry import OF_ROBOTS, make_part
 from physim.simulation.decisions import answered, begun
 from physim.world import World
 from physim.world.group import Driver
 from physim.world.scene import Scene
+
+STANDARD = frozenset(column.name for column in STANDARD_COLUMNS)
+"""Columns whose meaning is fixed, however a controller words it."""
 
 
 class Member(NamedTuple):
@@ -50,9 +61,14 @@ class Team:
         for k, (controller, driver) in enumerate(drivers):
             own = Declared.of(controller)
             for mode in own.modes:
-                _same("mode", mode, modes.setdefault(mode.name, mode), driver)
+                if (other := modes.setdefault(mode.name, mode)) != mode:
+                    raise _two_senses("mode", mode, other, driver)
             for column in own.columns:
-                _same("column", column, columns.setdefault(column.name, column), driver)
+                known = columns.setdefault(column.name, column)
+                if column.unit != known.unit or (
+                    column.name not in STANDARD and column.words != known.words
+                ):
+                    raise _two_senses("column", column, known, driver)
             called = [one.name for one in own.rules]
             for m, rule in enumerate(own.rules):
                 if rules.get(rule.name, rule) != rule:
@@ -134,12 +150,13 @@ def merged(parts: Sequence[Decisions]) -> Decisions:
     return Decisions(robot=robot[order], considered=considered, considered_start=start, **joined)
 
 
-def _same(word: str, one: Mode | Column, other: Mode | Column, driver: Driver) -> None:
-    if one != other:
-        raise ControllerError(
-            f'controller {driver.type} declares the {word} "{one.name}" as {one!r}, another '
-            f"controller of this world as {other!r}; give it another name, or the same meaning"
-        )
+def _two_senses(
+    word: str, one: Mode | Column, other: Mode | Column, driver: Driver
+) -> ControllerError:
+    return ControllerError(
+        f'controller {driver.type} declares the {word} "{one.name}" as {one!r}, another '
+        f"controller of this world as {other!r}; give it another name, or the same meaning"
+    )
 
 
 def _numbers(names: Iterable[str], among: Iterable[str]) -> IntArray:
@@ -157,7 +174,7 @@ def driving(
     not registered, and WorldError for its settings.
     """
     return tuple(
-        (own, one) if one.entry is None
+        (own, one) if one.is_own
         else (make_part(OF_ROBOTS, one.type, one.settings, where=one.where), one)
         for one in world.drivers(name)
     )  # fmt: skip

@@ -146,13 +146,15 @@ class Driver(NamedTuple):
     type: str
     settings: Mapping[str, Any]
     robots: tuple[int, ...]
-    entry: int | None
-    """the first of ``robots`` of the world that names it; None for the world's own"""
+    entries: tuple[int, ...]
+    """those of ``robots`` of the world that stand for them"""
+    is_own: bool
+    """whether it is the world's own; else the first of the entries names it"""
 
     @property
     def where(self) -> Location:
         """Where the world names it."""
-        return ("controller",) if self.entry is None else ("robots", self.entry, "controller")
+        return ("controller",) if self.is_own else ("robots", self.entries[0], "controller")
 
 
 def drivers_of(own: Named, entries: Iterable[tuple[Named | None, int]]) -> tuple[Driver, ...]:
@@ -161,13 +163,18 @@ def drivers_of(own: Named, entries: Iterable[tuple[Named | None, int]]) -> tuple
     ``entries`` give the controller of each, None for the world's, and for how many robots it
     stands. The world's own is left out where every robot has another.
     """
-    found: list[tuple[Named, int | None, list[int]]] = [(own, None, [])]
+    found: list[tuple[Named, list[int], list[int]]] = [(own, [], [])]
     robots = 0
     for e, (named, count) in enumerate(entries):
         one = next((one for one in found if named is None or one[0] == named), None)
         if one is None:
             assert named is not None
-            found.append(one := (named, e, []))
+            found.append(one := (named, [], []))
+        one[1].append(e)
         one[2].extend(range(robots, robots + count))
         robots += count
-    return tuple(Driver(*named, tuple(some), e) for named, e, some in found if some)
+    return tuple(
+        Driver(*named, tuple(some), tuple(written), k == 0)
+        for k, (named, written, some) in enumerate(found)
+        if some
+    )

@@ -170,7 +170,7 @@ class World(Model):
             "robots": str(self.robot_count),
             "duration": f"{self.time.duration:g} s, in steps of {self.time.step:g} s",
             "formation": formation,
-            "controller": self.controller.type,
+            "controller": ", ".join(dict.fromkeys(one.type for one in self.drivers())),
         }
         return labelled((label, text) for label, text in rows.items() if text)
 

@@ -115,6 +115,14 @@ def test_controller_waits_and_tells_why(folder: Path) -> None:
         assert record.ended == "finished"
 
 
+def test_robots_of_two_controllers_go_as_each_would(folder: Path) -> None:
+    with Record.load(folder / "team" / "record.h5") as record:
+        assert [part.name for part, _ in record.setup.controllers] == ["mode_switching", "cautious"]
+        modes = np.array([mode.name for mode in record.modes])[record.updates["mode"]]
+        assert set(modes[record.updates["robot"] == 1]) == {"going"}
+        assert "going" not in modes[record.updates["robot"] == 0]
+
+
 def test_sense_stage_misleads_each_observer_differently(folder: Path, plain: Record) -> None:
     with Record.load(folder / "hazy" / "record.h5") as record:
         assert record.digest() != plain.digest()

@@ -170,7 +170,7 @@ def test_a_controller_that_would_drive_nobody_is_refused(tmp_path: Any) -> None:
     world = apart(a=CONSTANT, b=CONSTANT, g=CONSTANT)
     with simulate(world) as record:
         assert [part.name for part, _ in record.setup.controllers] == ["constant"]
-        assert record.setup.driven_by("constant") == {0, 1, 2, 3}
+        assert [robots for _, robots in record.setup.controllers] == [(0, 1, 2, 3)]
     with pytest.raises(ControllerError, match="would drive no robot"):
         simulate(world, controller=Slow())
     with pytest.raises(WorldError, match="would drive no robot"):
@@ -210,6 +210,18 @@ def test_a_validation_makes_the_run_again_and_its_decisions(mixed: Record) -> No
     other = validate(mixed, rerun=False)
     assert other.verdict == "contact-free"
     assert other.recomputed.replayed == len(mixed.updates)
+
+
+def test_pictures_tell_controllers_and_modes_apart(mixed: Record) -> None:
+    timeline = inside("physim.drawing", "Timeline")(mixed)
+    told = inside("physim.drawing.page", "explanations")(mixed)
+    assert timeline.partly_modeless  # b
+    assert told["controller"] == "mode_switching, constant and path_following"
+    assert [one["robots"] for one in told["drivers"]] == [(0,), (1,), (2, 3)]
+    assert [bool(one["thresholds"]) for one in told["drivers"]] == [True, False, False]
+    prose = {one["name"]: one["prose"] for one in told["rules"]}
+    assert "deaf" in prose["path_following_3"]
+    assert "deaf" not in prose["path_following"]
 
 
 ACROSS = """

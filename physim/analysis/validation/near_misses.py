@@ -24,7 +24,7 @@ from physim.analysis.validation.analytic_contacts import (
     walls_about,
 )
 from physim.analysis.validation.decisions import DecisionTable
-from physim.analysis.validation.responsibility import priority_robots
+from physim.analysis.validation.responsibility import has_priority
 from physim.compiled import compiled
 from physim.geometry.collision import collision_time_pair, collision_time_walls
 from physim.geometry.shapes import FloatArray, IntArray, Shapes, read_only
@@ -97,7 +97,7 @@ def _near_miss(table: DecisionTable, step: int, a: int, b: int, value: float) ->
     else:
         stations = [table.reference_station(i, step) for i in (a, b)]
         later = b if stations[0] >= stations[1] else a
-        behind = later if later in priority_robots(record) else None
+        behind = later if has_priority(record, later) else None
     return NearMiss(value, step, step * record.dt, a, b, behind, along)
 
 

@@ -68,7 +68,8 @@ def _head(validation: Validation, full: bool) -> list[str]:
     if len(others) > MOST_NAMED:
         walls = f"{len(others)} boundaries and obstacles"
     (kind, controller), *stages = run.setup.lines()
-    controller += ", given from Python" if kind in dict(run.given) else ""
+    if kind in dict(run.given) and len(run.setup.controllers) == 1:  # else the module tells
+        controller += ", given from Python"
     lines = [
         "COLLISION SAFETY REPORT",
         f"  run         {run.name}, seed {run.seed}: {plural(run.robots, 'robot')}, {walls}",

@@ -36,9 +36,13 @@ PRIORITY = "mode_switching"
 """Name of the controller that has the paper's rule of priority."""
 
 
-def priority_robots(record: Record) -> frozenset[int]:
-    """Robots whose controller has the paper's rule of priority."""
-    return record.setup.driven_by(PRIORITY)
+def has_priority(record: Record, robot: int) -> bool:
+    """Whether the controller of a robot has the paper's rule of priority."""
+    return any(
+        robot in robots or not robots  # of a world that does not say
+        for part, robots in record.setup.controllers
+        if part.name == PRIORITY
+    )
 
 
 def pushed_by(record: Record, table: DecisionTable, robot: int, touch: Touch) -> int | None:
@@ -170,7 +174,7 @@ def robots_in_contact(
     later = [i for i in robots if _has_to_consider(behind[i], i, a + b - i, len(robots))]
     if not later:  # they changed places between their last decisions
         later = [max(robots, key=lambda i: -table.reference_station(i, step))]
-    ruled = later if len(robots) == 1 else [i for i in later if i in priority_robots(record)]
+    ruled = later if len(robots) == 1 else [i for i in later if has_priority(record, i)]
     pushed = {i: pushed_by(record, table, i, touch) for i in ruled}
     if ruled:
         charged = {i if by is None else by for i, by in pushed.items()}

@@ -97,6 +97,7 @@ def _driver(part: Part, robots: Sequence[int]) -> dict[str, Any]:
     """What holds for the robots of one controller."""
     name, settings = part.name, _settings(part)
     return {
+        "controller": str(part),
         "robots": robots,
         "priority": PRIORITY.get(name, ""),
         "thresholds": _thresholds(settings) if name in NEXT else [],

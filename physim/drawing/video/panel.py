@@ -58,7 +58,8 @@ FIGURE, HEAD, SETTINGS = 22, 18, 15
 """[px] height of a line of figures, of the words above the modes, and of a line of settings"""
 BELOW = 134
 """[px] room below the legend for the scale bar and a small overview"""
-NO_MODES, DEEP = "robot; no modes are given", "too deep: not physical"
+NO_MODES, NO_MODE = "robot; no modes are given", "robot without a mode"
+DEEP = "too deep: not physical"
 GROUND = (
     "path", "reference path", "boundary", "obstacle", "safe area", "danger area", "accessible area"
 )  # fmt: skip
@@ -80,6 +81,7 @@ def signs(timeline: Timeline, ground: Ground, whole: bool = False) -> dict[str, 
     course = f"trail{plural} of the whole run" if whole else f"trail{plural}, {last}"
     moving: dict[str, tuple[object, Sign]] = {
         NO_MODES: (timeline.modeless, _robot(own)),
+        NO_MODE: (timeline.partly_modeless, _robot(palette.UNDECIDED)),
         "contact": (True, _contact()),
         "a contact begins": (
             contacts.began.size, lambda image, lens: draw_ring(image, lens.pixels(MIDDLE), 6.0, 2)

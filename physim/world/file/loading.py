@@ -119,7 +119,7 @@ def _world_of(
         elif controller is None:
             message = f"was the class {name}, {advice(CONTROLLER, name)}"
             faults.append(Fault(CONTROLLER.key, message))
-    if controller is not None and all(one.entry is not None for one in world.drivers()):
+    if controller is not None and not any(one.is_own for one in world.drivers()):
         faults.append(Fault(CONTROLLER.key, drives_none(controller)))
     if faults:
         raise document.error(faults)

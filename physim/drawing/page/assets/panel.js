@@ -75,6 +75,11 @@ export function legend(view, colours) {
   return { list, update };
 }
 
+const robot = (context, colour) => {
+  context.fillStyle = colour;
+  context.fillRect(-8, -5, 16, 10);
+};
+
 const across = (context, colour, width, dash = []) => {
   context.setLineDash(dash);
   line(context, [-12, 0], [12, 0], colour, width);
@@ -107,10 +112,8 @@ const SIGNS = [
   ["path", (context, colours, words) => across(context, colours.robots[0], 1.2, words.includes("dashed") ? [9, 3, 3, 3] : [])],
   ["reference", (context, colours) => across(context, colours.reference, 2)],
   ["boundary", (context, colours) => across(context, colours.wall, 3)],
-  ["", (context, colours) => { // a robot
-    context.fillStyle = colours.robots[0];
-    context.fillRect(-8, -5, 16, 10);
-  }],
+  ["robot without", (context, colours) => robot(context, colours.undecided)],
+  ["", (context, colours) => robot(context, colours.robots[0])],
 ];
 
 /** A small drawing of what some words of the legend stand for. */

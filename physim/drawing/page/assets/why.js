@@ -152,6 +152,7 @@ function factTable(run, robot, row, go, time) {
   const next = (run.step[row] + run.hold[row]) * run.dt;
   const { range } = run.header;
   const why = driverOf(run, robot);
+  if (why.robots) add("controller", why.controller);
   const others = run.considered(row);
   if (others) {
     const buttons = others.slice(0, MOST_OTHERS).map((other) =>

@@ -100,6 +100,7 @@ OF_THEIR_OWN = (
     ("physim.analysis.validation.origin", "physim.parts.registry"),
     ("physim.analysis.validation.origin", "physim.simulation.team"),
     ("physim.analysis.validation.recomputed", "physim.parts.registry"),
+    ("physim.analysis.validation.rerun", "physim.simulation.kept_states"),
     ("physim.analysis.validation.rerun", "physim.simulation.loop"),
     ("physim.analysis.validation.rerun", "physim.simulation.run"),
     ("physim.analysis.validation.rerun", "physim.simulation.recorder"),

@@ -124,16 +124,11 @@ class Record(layout.Layout):
         for name in ("shapes", "walls", "paths", "reference", "accessible", "safe", "considered"):
             getattr(self, name)
         first, last = self.steps[[0, -1]].tolist() if self.samples else (self.begun_at, -1)
-        ends = last == self.steps_run or self.ended == "running"
-        if first != self.begun_at:
+        whole = first == self.begun_at and (last == self.steps_run or self.ended == "running")
+        if not whole or last - first > self.samples * self.record_every:
             raise RecordError(
-                f"{self.where}: its first sample is of step {first}, not of begun_at "
-                f"{self.begun_at}; {AGAIN}"
-            )
-        if not ends or last - first > self.samples * self.record_every:
-            raise RecordError(
-                f"{self.where}: truncated: {self.samples} samples up to step {last}, one every "
-                f"{self.record_every} steps, for {self.steps_run} steps; {AGAIN}"
+                f"{self.where}: truncated: {self.samples} samples from step {first} to {last}, one "
+                f"every {self.record_every} steps, for {self.steps_made} steps; {AGAIN}"
             )
 
     # The open file

@@ -118,7 +118,7 @@ def test_the_command_line_takes_names_with_what_is_better() -> None:
         with pytest.raises(ValueError, match="NAME:less") as caught:
             measures(wrong)
         assert wrong in str(caught.value)
-    with pytest.raises(ValueError, match='"way" once'):
+    with pytest.raises(ValueError, match="each once; given: way:less"):
         measures("way:more,way:less")
 
 

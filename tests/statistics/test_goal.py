@@ -39,15 +39,14 @@ def test_goals(text: str, goal: Goal) -> None:
     "rate > ", "rate", "", "0", "1", "120%", "rate > 1.5", "rate > 101%", "rate >= 0.9",
     "rate = 0.9", "rats > 0.9", "RATE > 0.9", "0.9 < rate", "-0.02",
     "rate > 0.9 and finished > 0.9", "rate > -1", "1e-3", "__import__('os').system('true')",
-    "rate > nan", "rate > 0.9\x1b[31m",
+    "rate > nan",
 ])  # fmt: skip
 def test_what_is_no_goal_is_refused(text: str) -> None:
     with pytest.raises(ValueError, match="width") as refused:
         read_goal(text)
     told = str(refused.value)
     assert all(rate in told for rate in RATES)
-    assert f'"{text.partition(chr(27))[0]}' in told
-    assert "\x1b" not in told
+    assert f'"{text}"' in told
 
 
 def test_what_comes_after_the_decision_has_no_say() -> None:

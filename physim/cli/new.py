@@ -108,7 +108,7 @@ def new(
     worlds to begin with, among others:
       straight    two robots, the smallest     s_bend          a turn left and a turn right
       doorway     a door one robot wide        crossing        two roads cross
-      merging     two roads become one         roundabout      in, three quarters round, out
+      merging     two roads become one         roundabout      in, round it, out
       warehouse   aisles between shelves       hundred_robots  one group: --robots says how many
       random_road bends and obstacles that the seed draws, beside a clear passage
 

@@ -169,5 +169,9 @@ def sweep(
     for line in wrong:
         print(line, file=sys.stderr)
     if validate and not (wrong or json or quiet):
-        print("validated: physics and geometry agree in every run")
+        judged = sum(one is not None for one in found.table["verdict"].to_pylist())
+        which = (
+            "every run" if judged == len(found) else f"{judged:,} of {plural(len(found), 'run')}"
+        )
+        print(f"validated: physics and geometry agree in {which}")
     return INTERRUPTED if tally.interrupted else DISAGREE if wrong else 0

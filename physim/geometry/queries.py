@@ -110,7 +110,8 @@ def rows_of(values: Any, what: str, count: int) -> FloatArray:
         allowed = " or ".join(f"({count}, {width}) {names}" for width, names in widths.items())
         raise PhysimError(f"{what}: shape {rows.shape} given; {allowed} is needed")
     if not np.isfinite(rows).all():
-        raise PhysimError(f"{what}: row {int(np.argmin(np.isfinite(rows).all(axis=1)))} not finite")
+        k = int(np.argmin(np.isfinite(rows).all(axis=1)))
+        raise PhysimError(f"{what}: row {k} is {rows[k].tolist()}; finite numbers are needed")
     return cast(FloatArray, locked(np.ascontiguousarray(rows)))
 
 

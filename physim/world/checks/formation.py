@@ -103,7 +103,8 @@ def check_stops(laid: Layout) -> Iterator[Fault]:
         yield Fault(
             laid.path_key(i),
             f"{describe(laid.names[i])} stops where {describe(laid.names[j])} does, at "
-            f"{place_text(*ends[i][0])}; let one path end elsewhere, or give them a formation",
+            f"{place_text(*ends[i][0])}; let one path end elsewhere"
+            + (", or give them a formation" if laid.world.formation is None else ""),
             "warning",
         )
 
@@ -114,7 +115,10 @@ def check_spacing(laid: Layout) -> Iterator[Fault]:
     if plan is None:
         return
     lead, is_listed = leads(laid), plan.spacing != "initial"
-    remedy = "list the leads in formation.spacing, or start them farther apart along it"
+    remedy = (
+        "list the leads in formation.spacing (as [0, -3, …]), or start them where they are farther "
+        "apart along the reference path"
+    )
     if is_listed:
         remedy = "space them farther apart, or separate their paths"
     together: dict[int, list[int]] = {}
@@ -127,9 +131,9 @@ def check_spacing(laid: Layout) -> Iterator[Fault]:
         for i, j in islice(met, MOST_ALIKE):
             yield Fault(
                 ("formation", "spacing", j) if is_listed else ("formation",),
-                f"{figure(abs(lead[j] - lead[i]))} m between {describe(laid.names[i])} and "
-                f"{describe(laid.names[j])} along the path that they share is less than their "
-                f"footprints need: they would overlap in formation; {remedy}",
+                f"{describe(laid.names[i])} and {describe(laid.names[j])}, which share a path, are "
+                f"{figure(abs(lead[j] - lead[i]))} m apart in formation, along the reference path: "
+                f"their footprints overlap; {remedy}",
             )
 
 

@@ -123,7 +123,7 @@ def check_headings(laid: Layout) -> Iterator[Fault]:
                 (*laid.entry_key(i), "pose", 2),
                 f"{describe(laid.names[i])} starts facing {np.degrees(away):.0f} degrees away from "
                 f"its path, which goes {along:.4g} rad ({np.degrees(along):.0f} degrees) there; it "
-                "will have to turn round",
+                "turns round, or drives there backwards",
                 "warning",
             )
 

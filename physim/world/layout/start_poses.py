@@ -166,10 +166,13 @@ class _Group:
         free = self.free.difference(self.occupied.kept_clear(gap)).area
         need = sum(shapely.Polygon(shape).buffer(0.5 * gap).area for shape in shapes)
         fewer = "fewer robots" if self.start.abreast is None else "fewer robots or fewer abreast"
+        remedy = f"enlarge it, or use a smaller min_gap or {fewer}"
+        if not most:
+            remedy = "enlarge it or the road about it, or make the robots smaller"
         return (
-            f"{most} of {len(order)} robots could be placed in it with gaps of {gap:.6g} m, then "
-            f'none for "{names[stuck]}": {free:.3g} m² of it are free, and robots with half the '
-            f"gap around them take {need:.3g} m²; enlarge it, or use a smaller min_gap or {fewer}"
+            f"{most} of {len(order)} robots could be placed in it with gaps of {gap:.6g} m, and "
+            f'none for "{names[stuck]}": {free:.3g} m² of it are free, and robots with '
+            f"half the gap around them take {need:.3g} m²; {remedy}"
         )
 
     def _found(self, i: int, draw: np.random.Generator, is_tight: bool) -> FloatArray | None:

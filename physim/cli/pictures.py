@@ -175,6 +175,7 @@ def video(
             "the earlier one is shown"
             for one in records
             if (spacing := coarse_spacing(one.time))
+            and (at is None or abs(one.time - at).min() > 1e-6)
         )
         how: dict[str, Any] = {"beside": records[1] if other else None, "speed": speed}
         how["width"] = width

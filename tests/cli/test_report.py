@@ -50,7 +50,7 @@ def test_a_report_has_pictures_of_the_worst(made: Path, capsys) -> None:
 OVERWRITTEN = (
     *((option, part, "part of the campaign")
       for option in ("-o", "--json") for part in ("MADE/campaign.json", "MADE/rows/x.jsonl")),
-    ("-o", "record.h5", "ends in .html"),
+    ("-o", "record.h5", "must end in .html"),
 )  # fmt: skip
 
 

@@ -182,7 +182,6 @@ SEEDS = (*SHORT, "--seeds", "1:3", "--workers", "1")
         pytest.param(
             ("sweep", "small.yaml", *SEEDS, "-o", "out", "--json"), marks=pytest.mark.deep
         ),
-        pytest.param(("validate", "small.yaml", *SEEDS, "--json", "-"), marks=pytest.mark.deep),
     ],
     ids=lambda words: words[0],
 )  # fmt: skip

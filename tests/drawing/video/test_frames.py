@@ -174,7 +174,8 @@ def test_an_overlap_is_told_as_one_in_the_panel(
 def test_the_panel_tells_settings_and_contacts_of_now_and_so_far(
     made: Made, changed: Changed, written: list[str]
 ) -> None:
-    setup = dataclasses.replace(made(3).setup, controller=Part("mine:Own", {"look_ahead": 2.5}))
+    own = Part("mine:Own", {"look_ahead": 2.5})
+    setup = dataclasses.replace(made(3).setup, controllers=((own, (0, 1, 2)),))
     record = changed(made(3), setup=setup)
     for time, touching in ((1.1, "none"), (1.22, "r1 – r2")):
         written.clear()

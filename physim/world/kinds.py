@@ -96,6 +96,17 @@ def _points(value: Any) -> Any:
     return value
 
 
+def _lines(value: Any) -> Any:
+    value = _sequence(value)
+    points = [plain(one) for one in value]
+    if points and all(
+        isinstance(one, list | tuple) and one and all(isinstance(x, int | float) for x in one)
+        for one in points
+    ):
+        raise PydanticCustomError("lines", "must be a list of lists of points: [[[x, y], …], …]")
+    return value
+
+
 def _printable(text: str) -> str:
     if not text.isprintable():
         raise PydanticCustomError("label", "must not hold line breaks or control characters")
@@ -144,6 +155,8 @@ Heading = Annotated[
 ]
 Sequence = BeforeValidator(_sequence)
 """Put last on a tuple field: takes lists, tuples and arrays, and nothing else."""
+Lines = BeforeValidator(_lines)
+"""As `Sequence`, of lists of points: one list of points alone is told once, not at each point."""
 Point = tuple[float, float]
 Pose = Annotated[tuple[Coordinate, Coordinate, Heading], Sequence]
 Polyline = Annotated[

@@ -34,6 +34,7 @@ from physim.world.kinds import (
     MOST_WALLS,
     Label,
     Length,
+    Lines,
     Number,
     Polygon,
     Polyline,
@@ -108,7 +109,7 @@ class World(Model):
         "boundaries)",
     )
     boundaries: (
-        Annotated[tuple[Polyline, ...], Field(min_length=1, max_length=MOST_WALLS), Sequence] | None
+        Annotated[tuple[Polyline, ...], Field(min_length=1, max_length=MOST_WALLS), Lines] | None
     ) = Field(default=None, description="[m] polylines as drawn (or give a corridor)")
     reference_path: Polyline | None = Field(
         default=None, description="[m] path of the formation; the centreline when absent"
@@ -145,7 +146,7 @@ class World(Model):
         description="what makes robots depart from their commands, by name, in order",
     )
     arrival: Arrival = Field(default=Arrival(), description="when a robot counts as arrived")
-    obstacles: Annotated[tuple[Polygon, ...], Field(max_length=MOST_WALLS), Sequence] = Field(
+    obstacles: Annotated[tuple[Polygon, ...], Field(max_length=MOST_WALLS), Lines] = Field(
         default=(), description="[m] closed, solid polygons"
     )
     expect: Expectation | None = Field(default=None, description="what the run must satisfy")

@@ -171,3 +171,10 @@ def test_circles_are_said_to_be_polygons(key):
     found = faults(robots=[{**ROBOT, "footprint": {key: 0.5}}])
     assert list(found) == [("robots", 0, "footprint", key)]  # length and width are not missed
     assert re.search(facts("circle", "polygon", "corners"), *found.values())
+
+
+@pytest.mark.parametrize("key", ["obstacles", "boundaries"])
+def test_one_polygon_or_line_where_a_list_of_them_belongs_is_told_once(key):
+    found = faults(**{"corridor": None, key: [[5, 1], [6, 1], [6, 2]]})
+    assert re.search(facts("[[[x, y], …], …]"), found[(key,)])
+    assert not [place for place in found if place[:1] == (key,) and len(place) > 1]

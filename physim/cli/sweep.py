@@ -169,9 +169,10 @@ def sweep(
     for line in wrong:
         print(line, file=sys.stderr)
     if validate and not (wrong or json or quiet):
-        judged = sum(one is not None for one in found.table["verdict"].to_pylist())
+        judged = sum(bool(one) for one in found.table["verdict"].to_pylist())
         which = (
             "every run" if judged == len(found) else f"{judged:,} of {plural(len(found), 'run')}"
         )
-        print(f"validated: physics and geometry agree in {which}")
+        agree = f"physics and geometry agree in {which}" if judged else "no run came to its end"
+        print(f"validated: {agree}")
     return INTERRUPTED if tally.interrupted else DISAGREE if wrong else 0

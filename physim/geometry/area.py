@@ -42,8 +42,6 @@ SMALL = 0.05
 No point of a hull is farther than half of that from a point of the wall, at a right angle or more
 to the way out: the safe area loses at most SMALL^2 / 8 = 0.0003 of the distance."""
 
-MILLIMETRE = 1e-3
-
 NEAR_EDGE = 1e-6
 """[m] A line farther than this from the edge lies on one side of it, however its points are
 rounded."""
@@ -75,16 +73,6 @@ class Area:
         if self.inner.is_empty:
             return kept
         return kept.difference(grown(self.inner, distance, round_segments))
-
-    def largest_distance(self) -> float:
-        """Largest distance [m] that a place has from the boundaries, to the millimetre."""
-        low, high = 0.0, float(shapely.maximum_inscribed_circle(self.polygon, MILLIMETRE).length)
-        if self.inner.is_empty:
-            return high
-        while high - low > MILLIMETRE:
-            middle = (low + high) / 2.0
-            low, high = (low, middle) if self.shrunk(middle, 4).is_empty else (middle, high)
-        return low
 
     def outside_stretches(self, points: FloatArray) -> FloatArray:
         """(M, 2) [m] stretches of a path, from station to station, outside the area.

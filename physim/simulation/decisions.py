@@ -219,7 +219,7 @@ class PerRobotAdapter:
         rows, memories, views = [], [], Views(self.sight, sensed)
         name, ask = type(self.controller).__name__, self.controller.decide
         for i in due.tolist():
-            where = f"controller {name}, {self.scene.bodies[i].name} at {views.time:g} s"
+            where = f"controller {name}, {self.scene.names[i]} at {views.time:g} s"
             with naming(where, ask):
                 decision = ask(views.observation(i), memory[MEMORY][i])
                 rows.append(decision_row(decision, self.declared, self.scene.robots))

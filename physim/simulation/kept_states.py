@@ -63,7 +63,10 @@ def state_at(record: Record, time: float) -> SimulationState:
         with np.load(io.BytesIO(data), allow_pickle=False) as file:
             arrays = [read_only(file[f"array{k}"]) for k in range(len(file.files) - 1)]
             found = _value(json.loads(file["tree"].tobytes()), arrays)
-    except (ValueError, KeyError, IndexError, TypeError, OSError, zipfile.BadZipFile) as error:
+    except (
+        ValueError, LookupError, TypeError, AttributeError, RecursionError, OSError,
+        zipfile.BadZipFile,
+    ) as error:  # fmt: skip
         raise RecordError(
             f"{record.where}: /state_bytes: damaged; make the record again"
         ) from error

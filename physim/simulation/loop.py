@@ -358,6 +358,8 @@ class Simulation:
             raise PhysimError(f"the state is of a run in which {other}; give it the same")
         if state.scene != self._digest:
             raise PhysimError("the state is of another world or seed; restore it in its own")
+        if wrong := self.state.misfit(state):
+            raise PhysimError(f"the state is damaged: {wrong} is not as in a state of this world")
         self.physics.restore(state.physics)
         for array in (*state.now[1:], state.mode, state.next_decision):
             read_only(array)  # which unpickled arrays are not

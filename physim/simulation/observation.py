@@ -44,7 +44,7 @@ class Sight:
         scene = self.scene
         return {
             "index": i,
-            "name": scene.bodies[i].name,
+            "name": scene.names[i],
             "limits": (float(scene.limits[i, 0]), float(scene.limits[i, 1])),
             "stop_station": float(scene.stop_station[i]),
             "lead": float(scene.formation.lead[i]),

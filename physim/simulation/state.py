@@ -13,6 +13,11 @@ from physim.parts.controller import Snapshot
 from physim.parts.given import GivenSettings
 from physim.simulation.engine import PhysicsState
 
+VARYING = frozenset(
+    f"physics.{name}" for name in ("part", "feature", "impulse", "contacts", "false_contacts")
+)
+"""Arrays of a state with as many rows as there are contacts"""
+
 
 @dataclass(frozen=True)
 class SimulationState:
@@ -44,3 +49,37 @@ class SimulationState:
     """(N,)"""
     physics: PhysicsState
     """of the engine"""
+
+    def misfit(self, other: SimulationState) -> str:
+        """What has another form in ``other``, or is not finite there; empty where all fits.
+
+        A state may come from a stranger's record, and compiled code trusts the forms of arrays.
+        """
+        kinds = {"now": Snapshot, "physics": PhysicsState, "memory": dict, "stages": tuple}
+        for name, kind in kinds.items():
+            if not isinstance(getattr(other, name), kind):
+                return name
+        sizes = [len(one) if isinstance(one, tuple) else -1 for one in other.stages]
+        if sizes != [len(one) for one in self.stages]:
+            return "stages"
+        mine, theirs = self._arrays(), other._arrays()
+        if mine.keys() != theirs.keys():
+            return "memory"
+        for name, array in mine.items():
+            found, first = theirs[name], 1 if name in VARYING else 0
+            if (
+                not isinstance(found, np.ndarray)
+                or (found.dtype, found.ndim) != (array.dtype, array.ndim)
+                or found.shape[first:] != array.shape[first:]
+                or (name.endswith(".pose") and not np.isfinite(found).all())
+            ):
+                return name
+        points = other.physics
+        return "" if len(points.part) == len(points.feature) == len(points.impulse) else "physics"
+
+    def _arrays(self) -> dict[str, NDArray[Any]]:
+        found = {f"now.{name}": array for name, array in self.now._asdict().items()}
+        found["now.step"] = np.asarray(self.now.step)
+        found |= {n: getattr(self, n) for n in ("mode", "next_decision", "trail", "arrived")}
+        found |= {f"memory.{name}": array for name, array in self.memory.items()}
+        return found | {f"physics.{name}": one for name, one in self.physics.arrays().items()}

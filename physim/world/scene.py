@@ -220,7 +220,7 @@ class Scene:
         """Number of robots N."""
         return len(self.start)
 
-    @property
+    @cached_property
     def names(self) -> tuple[str, ...]:
         """Names of the N robots: labels only."""
         return tuple(body.name for body in self.bodies[: self.robots])

@@ -133,18 +133,6 @@ def test_a_wall_that_stands_in_the_area_has_a_danger_area() -> None:
     assert room.all()
 
 
-def test_the_largest_distance_counts_walls_that_stand_in_the_area() -> None:
-    rim = np.array([[0.0, 0.0], [20.0, 0.0], [20.0, 4.0], [0.0, 4.0], [0.0, 0.0]])
-    path = np.array([[1.0, 1.0], [19.0, 1.0]])
-    assert accessible_area([rim], [], path).largest_distance() == pytest.approx(2.0, abs=2e-3)
-    halved = accessible_area([rim, np.array([[0.0, 2.0], [20.0, 2.0]])], [], path)
-    assert halved.largest_distance() == pytest.approx(1.0, abs=2e-3)
-    wall = np.array([[0.0, 2.0], [18.5, 2.0]])
-    largest = accessible_area([rim, wall], [], path).largest_distance()
-    # of the circle r that touches the wall's end and two sides: (1.5 - r)^2 + (2 - r)^2 = r^2
-    assert largest == pytest.approx(3.5 - np.sqrt(6.0), abs=5e-3)
-
-
 @given(angle=st.floats(-3.2, 3.2), x=st.floats(-1e3, 1e3), y=st.floats(-1e3, 1e3))
 @settings(max_examples=25)
 def test_walls_that_end_on_slanted_walls_enclose_what_they_do_when_level(

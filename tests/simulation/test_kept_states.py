@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -75,3 +76,27 @@ def test_the_command_keeps_states(tmp_path: Path) -> None:
         assert record.states["step"].tolist() == [25, 50, 75, 100]
         state = state_at(record, 0.5)
         assert Simulation(record.world, state=state).time == 0.5
+
+
+@pytest.mark.parametrize(
+    ("name", "forge"),
+    [
+        ("now", lambda s: {"now": None}),
+        ("now.pose", lambda s: {"now": s.now._replace(pose=s.now.pose[:2])}),
+        ("now.pose", lambda s: {"now": s.now._replace(pose=np.nan * s.now.pose)}),
+        ("mode", lambda s: {"mode": s.mode.astype(float)}),
+        ("memory", lambda s: {"memory": {}}),
+        ("memory.plan", lambda s: {"memory": {**s.memory, "plan": s.memory["plan"][:1]}}),
+        ("stages", lambda s: {"stages": (1, 2, 3)}),
+        ("trail", lambda s: {"trail": s.trail[:1]}),
+        ("physics", lambda s: {"physics": 3}),
+    ],
+)
+def test_a_state_of_another_form_is_refused(name: str, forge: Any) -> None:
+    simulation = Simulation(WORLD)
+    simulation.step()
+    state = simulation.state
+    simulation.restore(replace(state))
+    with pytest.raises(physim.PhysimError, match=f"damaged: {name} "):
+        simulation.restore(replace(state, **forge(state)))
+    assert simulation.step_number == 1  # it stands where it stood

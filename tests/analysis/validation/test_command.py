@@ -123,3 +123,16 @@ def test_of_many_runs_each_has_its_verdict(folder, monkeypatch):
     rows = physim.campaigns.read(folder / "sweeps/any").to_pylist()
     verdict = "contact-free; not as expected: finished"
     assert [(one["verdict"], one["unexplained"]) for one in rows] == [(verdict, 0)] * 3
+
+
+def test_of_runs_that_break_off_none_is_said_to_agree(folder, monkeypatch):
+    monkeypatch.chdir(folder)
+    (folder / "fails.py").write_text(
+        "class Own:\n    def decide(self, observation, memory):\n        1 / 0\n"
+    )
+    for others, told in (((), "no run came to its end"), ((IDLE,), "agree in 3 of 6 runs")):
+        done = said(
+            "sweep", "any.yaml", "--seeds", "1:4", "--controller", ",".join(("fails:Own", *others)),
+            "--set", "time.duration=1.0", "--workers", "1", "--validate", "-o", f"of{len(others)}",
+        )  # fmt: skip
+        assert told in done.out, done.out + done.err

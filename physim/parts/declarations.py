@@ -161,6 +161,20 @@ def _declared(controller: object, key: str, kind: type) -> tuple:  # type: ignor
     return tuple(given)
 
 
+def agreement_of(controller: object) -> float:
+    """How far `decide` and `decide_all` may differ in commands, holds and reported numbers.
+
+    A controller declares it as ``agreement = 1e-9``; without that 0: bit for bit. Raises
+    ControllerError for what is no such number.
+    """
+    given = getattr(controller, "agreement", 0.0)
+    if isinstance(given, bool) or not isinstance(given, int | float) or not 0.0 <= given < 1.0:
+        raise ControllerError(
+            f"agreement of the controller is {given!r}; it must be a number from 0 to below 1"
+        )
+    return float(given)
+
+
 def kept_from_walls(controller: object) -> tuple[str, float]:
     """Setting by which a controller turns away from walls, and how near [m]; no name without one.
 

@@ -28,6 +28,9 @@ from physim.world.kinds import thawed
 if TYPE_CHECKING:
     from pydantic import BaseModel
 
+    from physim.parts.controller import Controller
+    from physim.world import World
+
 
 class Kind(NamedTuple):
     """A kind of part that is found by name."""
@@ -42,20 +45,28 @@ class Kind(NamedTuple):
     """where a world names it, one or a list; empty where no world does"""
     option: str
     """of the command line that takes a class too; empty where none does"""
+    one_is_enough: bool = False
+    """whether a class needs only one of the methods"""
 
     @property
     def methods(self) -> tuple[str, ...]:
         """Names of the methods that its classes must have."""
         return tuple(call.partition("(")[0] for call in self.calls)
 
-    def usage(self, method: str) -> str:
-        """How a method is called: ``sense(scene, truth, sensed, state)``."""
-        return self.calls[self.methods.index(method)]
+    def lacking(self, part: object) -> str:
+        """The call of a method that a class or an object lacks, in words; empty where none."""
+        has = [callable(getattr(part, method, None)) for method in self.methods]
+        if self.one_is_enough and not has[-1] and callable(getattr(part, "batch", None)):
+            return f"{self.calls[-1]}, which is asked in place of batch(scene); see start(scene)"
+        if all(has) or (self.one_is_enough and any(has)):
+            return ""
+        return " or ".join(self.calls) if self.one_is_enough else self.calls[has.index(False)]
 
 
 CONTROLLER = Kind(
-    "controller", "physim.controllers", ("decide(observation, memory)",), ("controller",),
-    "--controller",
+    "controller", "physim.controllers",
+    ("decide(observation, memory)", "decide_all(view, due, memory)"), ("controller",),
+    "--controller", one_is_enough=True,
 )  # fmt: skip
 OF_ROBOTS = CONTROLLER._replace(option="")
 """Controllers of single robots and groups: no option of the command line takes their place"""
@@ -153,20 +164,22 @@ def check_part(kind: Kind, part: object) -> None:
         raise ControllerError(
             f"{kind.word} is the class {part.__name__}; give an instance of it{place_of(part)}"
         )
+    lacking, at = kind.lacking(part), None
     for usage, name in zip(kind.calls, kind.methods, strict=True):
         method = getattr(part, name, None)
         try:
             if callable(method):
                 given = usage.partition("(")[2].rstrip(")").split(", ")
                 inspect.signature(method).bind(*given)
-                continue
         except TypeError:
-            pass
+            lacking, at = usage, method
+            break
         except ValueError:  # built in, without a signature
             continue
+    if lacking:
         raise ControllerError(
-            f"{kind.word} {type(part).__name__} has no method {usage}"
-            f"{place_of(method) or place_of(type(part))}"
+            f"{kind.word} {type(part).__name__} has no method {lacking}"
+            f"{place_of(at) or place_of(type(part))}"
         )
 
 
@@ -203,6 +216,13 @@ def make_part(
     if faults:
         raise WorldError(faults)
     return made_part(kind, part, made, name)
+
+
+def made_controller(world: World, trusted: bool = False) -> Controller:
+    """Make the world's own controller. Raises as `make_part`."""
+    choice = world.controller
+    made: Controller = make_part(CONTROLLER, choice.type, choice.settings, trusted)
+    return made
 
 
 def made_part(kind: Kind, part: type[Any], settings: BaseModel | None, name: str) -> Any:

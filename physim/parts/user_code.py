@@ -133,11 +133,8 @@ def load_class(kind: Kind, target: str, name: str) -> type[Any]:
             f"{of}: {module} has no class {describe(class_name)}{given}"
             f"{place_of(found) or place_of(written)}"
         )
-    for method in kind.methods:
-        if not callable(getattr(found, method, None)):
-            raise ControllerError(
-                f"{of}: class {class_name} has no method {kind.usage(method)}{place_of(found)}"
-            )
+    if lacking := kind.lacking(found):
+        raise ControllerError(f"{of}: class {class_name} has no method {lacking}{place_of(found)}")
     return found
 
 

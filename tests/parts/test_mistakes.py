@@ -320,25 +320,31 @@ class Text:
         return "forward"
 
 
-class NoBatch(Text):
-    def batch(self, scene: Any) -> Any:
-        return None
+class Together(Text):
+    """It answers no number for a command."""
 
-
-class HalfBatch(Text):
-    """Its batch form answers no number for a command."""
-
-    def batch(self, scene: Any) -> Any:
-        return self
-
-    def memory(self) -> Any:
-        return {}
-
-    def decide_due(self, sensed: Any, due: Any, memory: Any) -> Decisions:
+    def decide_all(self, view: Any, due: Any, memory: Any) -> Decisions:
         many = len(due)
         none, counts = np.full(many, -1), np.zeros(many + 1, dtype=np.int64)
         wrong, report = np.full((many, 2), np.nan), np.zeros((many, 0))
         return Decisions(due, wrong, np.full(many, 0.1), none, none, report, counts[:0], counts)
+
+
+class Few(Together):
+    """Its memory has a row too many."""
+
+    def start(self, scene: Any) -> Any:
+        return {"count": np.zeros(scene.robots + 1)}
+
+
+class NoMemories(Text):
+    def start(self, scene: Any) -> Any:
+        return {"r1": 0}
+
+
+class OldBatch(Text):
+    def batch(self, scene: Any) -> Any:
+        return None
 
 
 def a_function() -> None: ...
@@ -347,8 +353,10 @@ def a_function() -> None: ...
 @pytest.mark.parametrize(
     ("given", "named"),
     [
-        (NoBatch(), NoBatch.batch),
-        (HalfBatch(), HalfBatch.decide_due),
+        (Together(), Together.decide_all),
+        (Few(), Few.start),
+        (NoMemories(), NoMemories.start),
+        (OldBatch(), OldBatch),
         (f"{__name__}:a_function", a_function),
         (f"{__name__}:NoModel", NoModel),
         (f"{__name__}:Empty", Empty),

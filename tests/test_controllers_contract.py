@@ -151,7 +151,7 @@ OVERRIDES = {
     "short sight": ("sensing.range=3.0",),
     "listed neighbours": ("formation.neighbours=[[{0}, {1}]]", "sensing.range=5.0"),
     "plans of two": ("controller.dwell_times=[0.04, 0.06]", "controller.time_low=4.0",
-                     "controller.time_high=6.0"),
+                     "controller.time_high=6.0", "controller.horizon=10.0"),
 }  # fmt: skip
 """Worlds in which neighbours are beyond the range, or plans last"""
 CROWD = """\
@@ -191,7 +191,7 @@ def test_nobody_goes_by_what_it_may_not_know(name: str) -> None:
 def test_who_looks_farther_than_it_may_is_found() -> None:
     found = check_controller(broken.FarSighted, worlds=sighted(), seconds=0.5)
     assert {one.rule for one in found} == {Rule.SIGHT}
-    assert {"three_robots", "crowd"} <= {one.world for one in found}
+    assert {"three robots", "crowd"} <= {one.world for one in found}
     peeking = broken.Together(broken.all_behind_the_first)
     found = check_controller(peeking, worlds=sighted(), seconds=0.2)
     assert {one.rule for one in found} == {Rule.SIGHT}

@@ -91,7 +91,8 @@ def test_reset_is_the_same_as_built(kind):
 
 
 @pytest.mark.parametrize(
-    "again", [lambda one: one, copy.deepcopy, copy.copy, lambda one: pickle.loads(pickle.dumps(one))]
+    "again",
+    [lambda one: one, copy.deepcopy, copy.copy, lambda one: pickle.loads(pickle.dumps(one))],
 )
 def test_a_state_never_changes_nor_do_copies(again):
     scene = crowd("jam", 1)

@@ -241,7 +241,7 @@ class Simulation:
             return given, ()
         known: Any = self._sense()[0] if stage == FILTERED else self.now
         kind, states = STAGES[stage], []
-        method = kind.methods[1]
+        method = kind.calls[1].partition("(")[0]
         for part, state in zip(parts, self._states[stage], strict=True):
             call = getattr(part, method)
             with naming(f"{kind.word} {type(part).__name__} at {self.time:g} s", call):

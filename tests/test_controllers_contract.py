@@ -24,12 +24,12 @@ from physim.world.file import load_world, parse_world
 from tests.helpers import inside
 from tests.testing import broken
 
-CONTROLLER, controller_names = inside("physim.parts", "CONTROLLER", "controller_names")
-make_part = inside("physim.parts", "make_part")
+CONTROLLER, make_part = inside("physim.parts", "CONTROLLER", "make_part")
+part_names = inside("physim.parts", "part_names")
 find_world, shipped_worlds = inside("physim.world.file", "find_world", "shipped_worlds")
 
 WORLDS = tuple(shipped_worlds())
-CONTROLLERS = tuple(controller_names())
+CONTROLLERS = tuple(part_names(CONTROLLER))
 SECONDS = 3.0 if os.environ.get("PHYSIM_DEEP") else 1.0
 MANY = 100
 """Robots from above which one step is tried and a few robots looked at"""

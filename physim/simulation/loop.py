@@ -247,7 +247,7 @@ class Simulation:
             return given, ()
         known: Any = self._sense()[0] if stage == FILTERED else self.now
         kind, states = STAGES[stage], []
-        method = kind.methods[1]
+        method = kind.calls[1].partition("(")[0]
         for part, state in zip(parts, self._states[stage], strict=True):
             call = getattr(part, method)
             with naming(f"{kind.word} {type(part).__name__} at {self.time:g} s", call):
@@ -390,11 +390,12 @@ class Simulation:
     ) -> Simulation:
         """A simulation that goes on from the present sample with something changed.
 
-        ``controller`` as for `Simulation`, or settings of the world's: a controller that is changed
-        begins with its own memory, and all robots decide at once. ``changes`` are those of
-        `World.changed`, of keys that move and reshape no body (`physim.simulation.branching.FREE`).
-        A stage that is changed, too, begins anew; all else is kept, so that without changes what
-        follows is bit for bit what follows here. Observers stay behind; `physim.record_run` records
+        ``controller`` as for `Simulation`, or settings of the world's: robots whose controller is
+        changed begin with its memory, and decide at once. ``changes`` are those of `World.changed`,
+        of keys that move and reshape no body (`physim.simulation.branching.FREE`); stages may be
+        objects, which take the place of those that were given. A stage that is changed, too, begins
+        anew; all else is kept, so that without changes what follows is bit for bit what follows
+        here. Observers stay behind; `physim.record_run` records
         the branch. Raises PhysimError for a key that cannot change in mid-run, and what
         `Simulation` raises.
         """

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 import physim
-from physim import Column, Decision, Mode, Rule, Sensed, Simulation, simulate
+from physim import Column, Decision, Decisions, Mode, Rule, Sensed, Simulation, simulate
 from physim.errors import ControllerError, Fault, WorldError
 from physim.world import World
 from physim.world.file import load_world
@@ -285,12 +285,43 @@ class Text:
         return "forward"
 
 
+class Together(Text):
+    """It answers no number for a command."""
+
+    def decide_all(self, view: Any, due: Any, memory: Any) -> Decisions:
+        many = len(due)
+        none, counts = np.full(many, -1), np.zeros(many + 1, dtype=np.int64)
+        wrong, report = np.full((many, 2), np.nan), np.zeros((many, 0))
+        return Decisions(due, wrong, np.full(many, 0.1), none, none, report, counts[:0], counts)
+
+
+class Few(Together):
+    """Its memory has a row too many."""
+
+    def start(self, scene: Any) -> Any:
+        return {"count": np.zeros(scene.robots + 1)}
+
+
+class NoMemories(Text):
+    def start(self, scene: Any) -> Any:
+        return {"r1": 0}
+
+
+class OldBatch(Text):
+    def batch(self, scene: Any) -> Any:
+        return None
+
+
 def a_function() -> None: ...
 
 
 @pytest.mark.parametrize(
     ("given", "named"),
     [
+        (Together(), Together.decide_all),
+        (Few(), Few.start),
+        (NoMemories(), NoMemories.start),
+        (OldBatch(), OldBatch),
         (f"{__name__}:a_function", a_function),
         (f"{__name__}:NoModel", NoModel),
         (f"{__name__}:Empty", Empty),

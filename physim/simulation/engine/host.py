@@ -19,7 +19,6 @@ from physim.geometry.shapes import (
     joined_shapes,
     part_bodies,
 )
-from physim.geometry.solids import solids_of
 from physim.simulation.engine.cutting import cut_short
 from physim.simulation.engine.energy import OF_IMPACTS, OF_PUSHES, failures
 from physim.simulation.engine.guard import Guard, Touches
@@ -34,6 +33,7 @@ from physim.simulation.engine.pairs import (
 )
 from physim.simulation.engine.space import BodyArrays, build_space, parking, rounds, stepper
 from physim.simulation.engine.state import ContactMemory, PhysicsState
+from physim.world.ground.solids import solids_of
 
 
 class Physics:

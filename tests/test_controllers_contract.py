@@ -32,13 +32,13 @@ from tests.helpers import inside
 
 pack_parts, read_only = inside("physim.geometry", "pack_parts", "read_only")
 BatchCapable, Declared = inside("physim.parts", "BatchCapable", "Declared")
-CONTROLLER, controller_names = inside("physim.parts", "CONTROLLER", "controller_names")
+CONTROLLER, part_names = inside("physim.parts", "CONTROLLER", "part_names")
 make_part, everybody, shared = inside("physim.parts", "make_part", "everybody", "shared")
 PerRobotAdapter = inside("physim.simulation", "PerRobotAdapter")
 find_world, shipped_worlds = inside("physim.world.file", "find_world", "shipped_worlds")
 
 WORLDS = tuple(shipped_worlds())
-CONTROLLERS = tuple(controller_names())
+CONTROLLERS = tuple(part_names(CONTROLLER))
 SECONDS = 3.0 if os.environ.get("PHYSIM_DEEP") else 1.0
 MANY = 100
 """Robots from above which one step is tried, as shipped, and a few robots looked at: the plain form

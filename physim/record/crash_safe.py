@@ -58,7 +58,7 @@ class CrashSafeFile(io.RawIOBase):
         try:
             self._fd = os.open(self._draft, os.O_RDWR | os.O_CREAT | os.O_TRUNC, 0o666)
         except BaseException:
-            self._lock.release()
+            self._lock.close()
             raise
         self._position = 0
         self._length = 0
@@ -93,7 +93,7 @@ class CrashSafeFile(io.RawIOBase):
             os.close(self._fd)
             if self._draft is not None:
                 discard(self._draft)
-            self._lock.release()
+            self._lock.close()
         super().close()
 
     # What h5py asks of a file object:

@@ -284,12 +284,12 @@ def test_a_decision_of_no_use_names_robot_time_and_field(
 @pytest.mark.parametrize(
     ("declared", "told"),
     [
-        ({"modes": "safe"}, ("modes", "tuple", "Mode(...)")),
-        ({"modes": (Rule("safe"),)}, ("modes", "tuple", "Mode(...)")),
-        ({"modes": (Mode("Safe!", "#000000"),)}, ("modes", "'Safe!'", "letters", "digits", "_")),
-        ({"modes": (Mode("a", "red"),)}, ("modes", '"a"', "'red'", "#rrggbb")),
+        ({"modes": "safe"}, ("modes", "'safe'", "tuple")),
+        ({"modes": (Rule("safe"),)}, ("modes.0", "Rule(", "Mode")),
+        ({"modes": (Mode("Safe!", "#000000"),)}, ("modes.0.name", "'Safe!'", "a-z0-9_")),
+        ({"modes": (Mode("a", "red"),)}, ("modes.0.colour", "'red'", "0-9a-fA-F")),
         ({"rules": (Rule("a"), Rule("a"))}, ("rules", '"a"', "2 times")),
-        ({"rules": (Rule("a", "x\x1b[2J"),)}, ("rules", '"a"', "plain text")),
+        ({"rules": (Rule("a", "x\x1b[2J"),)}, ("rules.0.words", "plain text")),
         ({"columns": (Column("step"),)}, ("columns", '"step"')),
         ({"columns": (Column("distance", "cm"),)}, ("columns", '"distance"', "'cm'", "'m'")),
     ],

@@ -206,8 +206,8 @@ def test_record_survives_a_kill_and_may_be_written_anew(tmp_path: Path, seed: in
 
 def test_nothing_is_left_of_a_record_that_cannot_begin(tmp_path: Path) -> None:
     scene = make_scene()
-    scene.bodies = (None,)
-    with pytest.raises(TypeError):
+    scene.stop_station = "far"
+    with pytest.raises(ValueError, match="far"):
         RecordWriter(tmp_path / "r.h5", scene, "name: x", name="x")
     assert list(tmp_path.iterdir()) == []
 

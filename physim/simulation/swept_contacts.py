@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from physim.compiled import direct
 from physim.contacts import CONTACT_ROW, Kind, Phase
 from physim.geometry.clearance import ClearanceFinder
-from physim.geometry.shapes import FloatArray, read_only
-from physim.geometry.swept_contacts import FULL, find_swept_contacts, wear_off
+from physim.geometry.shapes import FloatArray, Shapes, joined_shapes, locked, read_only
+from physim.geometry.swept import FULL, find_swept_contacts, wear_off
 from physim.world.scene import Scene
 
 NO_ROWS = read_only(np.zeros(0, CONTACT_ROW))
@@ -25,6 +25,7 @@ class SweptContactFinder:
 
     def __init__(self, scene: Scene) -> None:
         self._scene = scene
+        self._bodies = locked(joined_shapes(scene.shapes, scene.walls))
         self._clearances = ClearanceFinder(scene.shapes, scene.wall_tree)
         self._wear_off = direct(wear_off)
         self._pose: FloatArray | None = None
@@ -48,7 +49,7 @@ class SweptContactFinder:
         near = self._room <= self._reach
         if not near.any():
             return NO_ROWS
-        who, values = _found(scene, old, now, self._reach, near)
+        who, values = _found(self._bodies, old, now, self._reach, near, scene.dt)
         rows = np.zeros(len(who), CONTACT_ROW)
         rows["step"] = step
         rows["a"], rows["b"] = who.T
@@ -59,15 +60,20 @@ class SweptContactFinder:
 
 
 def _found(
-    scene: Scene, old: FloatArray, now: FloatArray, reach: FloatArray, near: NDArray[np.bool_]
+    bodies: Shapes,
+    old: FloatArray,
+    now: FloatArray,
+    reach: FloatArray,
+    near: NDArray[np.bool_],
+    dt: float,
 ) -> tuple[NDArray[np.int64], FloatArray]:
-    """Output of the search, with as much room as it needs."""
+    """Output of the search, with as much room as it needs; walls stand at the origin."""
     room = ROOM
+    still = np.zeros((len(bodies.radius) - len(now), 3))
+    old, now = np.concatenate((old, still)), np.concatenate((now, still))
     while True:
         who, values = np.empty((room, 2), dtype=np.int64), np.empty((room, 5))
-        count = find_swept_contacts(
-            old, now, reach, near, scene.shapes, scene.walls, scene.dt, who, values
-        )
+        count = find_swept_contacts(old, now, reach, near, bodies, dt, who, values)
         if count != FULL:
             return who[:count], values[:count]
         room *= 4
@@ -76,5 +82,6 @@ def _found(
 def warm_up_swept_contacts(scene: Scene) -> None:
     """Compile or load the kernel: a search in a step in which nobody is near anything."""
     none = np.zeros((2, scene.robots), dtype=np.bool_)
-    start = read_only(scene.start.view())
-    _found(scene, start, start, np.zeros(none.shape), none)
+    start = scene.start
+    bodies = locked(joined_shapes(scene.shapes, scene.walls))
+    _found(bodies, start, start, np.zeros(none.shape), none, scene.dt)

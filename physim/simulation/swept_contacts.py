@@ -48,7 +48,14 @@ class SweptContactFinder:
         near = self._room <= self._reach
         if not near.any():
             return NO_ROWS
-        who, values = _found(scene, old, now, self._reach, near)
+        room, count = ROOM, FULL
+        while count == FULL:
+            who, values = np.empty((room, 2), dtype=np.int64), np.empty((room, 5))
+            count = find_swept_contacts(
+                old, now, self._reach, near, scene.shapes, scene.walls, scene.dt, who, values
+            )
+            room *= 4
+        who, values = who[:count], values[:count]
         rows = np.zeros(len(who), CONTACT_ROW)
         rows["step"] = step
         rows["a"], rows["b"] = who.T
@@ -56,25 +63,3 @@ class SweptContactFinder:
         rows["x"], rows["y"], rows["nx"], rows["ny"] = values[:, :4].T
         rows["depth"] = np.maximum(-values[:, 4], 0.0)
         return rows
-
-
-def _found(
-    scene: Scene, old: FloatArray, now: FloatArray, reach: FloatArray, near: NDArray[np.bool_]
-) -> tuple[NDArray[np.int64], FloatArray]:
-    """Output of the search, with as much room as it needs."""
-    room = ROOM
-    while True:
-        who, values = np.empty((room, 2), dtype=np.int64), np.empty((room, 5))
-        count = find_swept_contacts(
-            old, now, reach, near, scene.shapes, scene.walls, scene.dt, who, values
-        )
-        if count != FULL:
-            return who[:count], values[:count]
-        room *= 4
-
-
-def warm_up_swept_contacts(scene: Scene) -> None:
-    """Compile or load the kernel: a search in a step in which nobody is near anything."""
-    none = np.zeros((2, scene.robots), dtype=np.bool_)
-    start = read_only(scene.start.view())
-    _found(scene, start, start, np.zeros(none.shape), none)

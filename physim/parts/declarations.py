@@ -12,6 +12,7 @@ from typing import Annotated, Any, ClassVar
 
 from pydantic import AfterValidator, ConfigDict, Field, TypeAdapter
 
+from physim.errors import ControllerError
 from physim.parts.user_code import naming
 
 NO_NUMBER = -1
@@ -146,6 +147,20 @@ class Declared:
             keys = ("modes", "rules", "columns")
             given = {key: getattr(controller, key, ()) for key in keys}
             return TypeAdapter(cls).validate_python(given)
+
+
+def agreement_of(controller: object) -> float:
+    """How far `decide` and `decide_all` may differ in commands, holds and reported numbers.
+
+    A controller declares it as ``agreement = 1e-9``; without that 0: bit for bit. Raises
+    ControllerError for what is no such number.
+    """
+    given = getattr(controller, "agreement", 0.0)
+    if isinstance(given, bool) or not isinstance(given, int | float) or not 0.0 <= given < 1.0:
+        raise ControllerError(
+            f"agreement of the controller is {given!r}; it must be a number from 0 to below 1"
+        )
+    return float(given)
 
 
 def kept_from_walls(controller: object) -> tuple[str, float]:

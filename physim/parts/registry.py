@@ -11,7 +11,7 @@ import json
 from collections.abc import Mapping
 from dataclasses import replace
 from importlib.metadata import entry_points
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from pydantic import BaseModel, ValidationError
 
@@ -27,6 +27,10 @@ from physim.parts.user_code import (
 from physim.world.faults import describe, faults_of, unknown_key
 from physim.world.kinds import thawed
 
+if TYPE_CHECKING:
+    from physim.parts.controller import Controller
+    from physim.world import World
+
 
 class Kind(NamedTuple):
     """A kind of part that is found by name."""
@@ -41,11 +45,23 @@ class Kind(NamedTuple):
     """where a world names it, one or a list; empty where no world does"""
     option: str
     """of the command line that takes a class too; empty where none does"""
+    one_is_enough: bool = False
+    """whether a class needs only one of the methods"""
+
+    def lacking(self, part: object) -> str:
+        """The call of a method that a class or an object lacks, in words; empty where none."""
+        has = [callable(getattr(part, call.partition("(")[0], None)) for call in self.calls]
+        if self.one_is_enough and not has[-1] and callable(getattr(part, "batch", None)):
+            return f"{self.calls[-1]}, which is asked in place of batch(scene); see start(scene)"
+        if all(has) or (self.one_is_enough and any(has)):
+            return ""
+        return " or ".join(self.calls) if self.one_is_enough else self.calls[has.index(False)]
 
 
 CONTROLLER = Kind(
-    "controller", "physim.controllers", ("decide(observation, memory)",), ("controller",),
-    "--controller",
+    "controller", "physim.controllers",
+    ("decide(observation, memory)", "decide_all(view, due, memory)"), ("controller",),
+    "--controller", one_is_enough=True,
 )  # fmt: skip
 OF_ROBOTS = CONTROLLER._replace(option="")
 """Controllers of single robots and groups: no option of the command line takes their place"""
@@ -121,7 +137,7 @@ def find_part(kind: Kind, name: str, trusted: bool = False) -> type[Any]:
                 f"{known}; {advice(kind, name)}"
             )
         make_folder_importable()
-    return load_class(what, target, kind.calls)
+    return load_class(what, target, kind.lacking)
 
 
 def advice(kind: Kind, name: str) -> str:
@@ -137,20 +153,22 @@ def check_part(kind: Kind, part: object) -> None:
         raise ControllerError(
             f"{kind.word} is the class {part.__name__}; give an instance of it{place_of(part)}"
         )
+    lacking, at = kind.lacking(part), None
     for call in kind.calls:
         name, _, given = call.rstrip(")").partition("(")
         method = getattr(part, name, None)
         try:
             if callable(method):
                 inspect.signature(method).bind(*given.split(", "))
-                continue
         except TypeError:
-            pass
+            lacking, at = call, method
+            break
         except ValueError:  # built in, without a signature
             continue
+    if lacking:
         raise ControllerError(
-            f"{kind.word} {type(part).__name__} has no method {call}"
-            f"{place_of(method) or place_of(type(part))}"
+            f"{kind.word} {type(part).__name__} has no method {lacking}"
+            f"{place_of(at) or place_of(type(part))}"
         )
 
 
@@ -185,6 +203,13 @@ def make_part(
     if faults:
         raise WorldError(faults)
     return made_part(kind, part, made, name)
+
+
+def made_controller(world: World, trusted: bool = False) -> Controller:
+    """Make the world's own controller. Raises as `make_part`."""
+    choice = world.controller
+    made: Controller = make_part(CONTROLLER, choice.type, choice.settings, trusted)
+    return made
 
 
 def made_part(kind: Kind, part: type[Any], settings: BaseModel | None, name: str) -> Any:

@@ -10,7 +10,7 @@ import inspect
 import os
 import sys
 import traceback
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, chdir, contextmanager, nullcontext
 from typing import Any
 
@@ -100,8 +100,8 @@ def folder_kept() -> AbstractContextManager[None]:
     return chdir(os.curdir) if os.path.exists(os.curdir) else nullcontext()
 
 
-def load_class(what: str, target: str, calls: tuple[str, ...]) -> type[Any]:
-    """Import ``module:Class``, which has methods that are called so (``decide(observation, …)``).
+def load_class(what: str, target: str, lacking: Callable[[object], str]) -> type[Any]:
+    """Import ``module:Class``, of which ``lacking`` says the method that it lacks.
 
     Every failure is a `ControllerError` on one line, which begins with ``what``.
     """
@@ -134,11 +134,8 @@ def load_class(what: str, target: str, calls: tuple[str, ...]) -> type[Any]:
             f"{what}: {module} has no class {describe(class_name)}"
             f"{nearest(class_name[:100], classes)}{place}"
         )
-    for call in calls:
-        if not callable(getattr(found, call.partition("(")[0], None)):
-            raise ControllerError(
-                f"{what}: class {class_name} has no method {call}{place_of(found)}"
-            )
+    if lack := lacking(found):
+        raise ControllerError(f"{what}: class {class_name} has no method {lack}{place_of(found)}")
     return found
 
 

@@ -7,6 +7,7 @@ a file whose index was changed byte by byte.
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
@@ -28,21 +29,15 @@ MOST_PACKED, LITTLE = 30, 10_000_000
 """A dataset may claim so many times the bytes that it has in the file, and in any case so many."""
 BROKEN = (OSError, RuntimeError, KeyError, ValueError, TypeError, MemoryError)
 """What h5py raises for a damaged file."""
-_SIGNATURE = b"\x89HDF\r\n\x1a\n"
 
 
 def open_record(path: Path) -> h5py.File:
     """Open a record for reading. Raises RecordError that names the file and the fault."""
-    try:
-        if path.is_dir():
-            fault = "is a folder"
-        elif not path.is_file():
-            fault = "is not a regular file" if path.exists() else "no such file"
-        else:
-            with path.open("rb") as stream:
-                fault = "" if stream.read(len(_SIGNATURE)) == _SIGNATURE else "not an HDF5 file"
-    except OSError as error:
-        fault = f"cannot be read: {error.strerror}"
+    fault = ""
+    if not os.path.isfile(path):
+        fault = "is no file" if os.path.exists(path) else "no such file"
+    elif not h5py.is_hdf5(path):
+        fault = "not an HDF5 file" if os.access(path, os.R_OK) else "cannot be read"
     if fault:
         raise RecordError(f"{path}: {fault}; give the record.h5 of a run")
     try:

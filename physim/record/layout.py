@@ -213,6 +213,11 @@ class Dataset(Property[T]):
         self.__doc__ = f"({', '.join(self.shape)}) {f'[{unit}] ' if unit else ''}{words}"
 
     @property
+    def field(self) -> str:
+        """Last part of the path."""
+        return self.path.rpartition("/")[2]
+
+    @property
     def dtype(self) -> np.dtype[Any]:
         """Type of a value, or of a row of columns; of decisions without the declared columns."""
         if not self.fields[0].name:

@@ -425,7 +425,8 @@ class Record(layout.Layout):
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write a copy of the whole record to a file, in place of an earlier one.
 
-        Raises RecordError when that fails, and where a run is writing the file.
+        Raises RecordError when that fails, and where a run is writing the file; PhysimError where
+        there is something else than a file.
         """
         target = Path(path)
         try:
@@ -437,8 +438,6 @@ class Record(layout.Layout):
                     part.write_bytes(self._file.id.get_file_image())
         except OSError as error:
             raise RecordError(f"{target}: cannot be written: {error.strerror}") from error
-        except PhysimError as error:
-            raise RecordError(str(error)) from None
 
 
 __all__ = ["Record"]

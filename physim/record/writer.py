@@ -17,6 +17,7 @@ from dataclasses import asdict
 from importlib.metadata import PackageNotFoundError, version
 from itertools import accumulate
 from pathlib import Path
+from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
 from uuid import uuid4
 
@@ -24,7 +25,7 @@ import h5py
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from physim.errors import PhysimError, RecordError
+from physim.errors import RecordError
 from physim.geometry.shapes import IntArray
 from physim.parts.declarations import Declared
 from physim.parts.given import GivenSettings
@@ -112,9 +113,8 @@ class RecordWriter:
         ``tables`` those of `layout.OPTIONAL` that the run fills, ``given`` the parts that came from
         Python, with their ``given_settings`` where these are known. ``begun_at`` is the step of the
         first sample, ``begun_along`` (N, 3) [m] where robots are then, as `Layout.begun_along` has
-        it. Raises RecordError where the
-        file cannot be written, where another run is writing it, and, without ``overwrite``, where
-        it exists.
+        it. Raises RecordError where the file cannot be written, where another run is writing it,
+        and, without ``overwrite``, where it exists; PhysimError for what is no regular file.
         """
         world = getattr(scene, "world", None)
         every = record_every or (int(world.time.record_every) if world else 1)
@@ -150,16 +150,19 @@ class RecordWriter:
             "given_settings": list(given_settings),
             "versions": _versions(),
         }
+        packed = {
+            "shapes": scene.shapes,
+            "walls": scene.walls,
+            "paths": scene.paths,
+            "reference": scene.reference,
+            "accessible": _rings(accessible),
+            "safe": _rings(safe),
+        }
         unknown = np.full((self.robots, 3), np.nan)
         self._values = {
             "/robots/stop_station": scene.stop_station,
             "/robots/lead": scene.formation.lead,
-            **_packed("/footprints", scene.shapes),
-            **_packed("/walls", scene.walls),
-            **_packed("/paths", scene.paths),
-            **_packed("/reference", scene.reference),
-            **_rings("/areas/accessible", accessible),
-            **_rings("/areas/safe", safe),
+            **{one.path: getattr(packed[one.name], one.field) for one in layout.PACKED},
             layout.Layout.begun_along.path: unknown if begun_along is None else begun_along,
             layout.EXTREMES: self.extremes.rows,
             layout.EXTREMES_FARTHEST: self.extremes.farthest,
@@ -332,10 +335,6 @@ class RecordWriter:
             self._failure = RecordError(told)
             self._abandon()
             raise self._failure from error
-        except RecordError:
-            raise
-        except PhysimError as error:
-            raise RecordError(str(error)) from None
 
     def _abandon(self) -> None:
         """Close the file as the last flush left it; before the first flush nothing is left."""
@@ -347,17 +346,13 @@ class RecordWriter:
             self._disk.close()
 
 
-def _packed(group: str, values: Any) -> dict[str, Any]:
-    """Datasets of packed shapes or lines, those fields of theirs that a record keeps."""
-    mine = (path for path in layout.TABLE if path.startswith(f"{group}/"))
-    return {path: getattr(values, path.rpartition("/")[2]) for path in mine}
-
-
-def _rings(group: str, rings: Sequence[ArrayLike]) -> dict[str, Any]:
-    """Datasets of rings (n, 2), packed."""
+def _rings(rings: Sequence[ArrayLike]) -> SimpleNamespace:
+    """Rings (n, 2) as ``points`` and ``start`` of each."""
     arrays = [np.asarray(ring, dtype=np.float64).reshape(-1, 2) for ring in rings]
-    start = [*accumulate(map(len, arrays), initial=0)]
-    return {f"{group}/points": np.concatenate([np.zeros((0, 2)), *arrays]), f"{group}/start": start}
+    return SimpleNamespace(
+        points=np.concatenate([np.zeros((0, 2)), *arrays]),
+        start=[*accumulate(map(len, arrays), initial=0)],
+    )
 
 
 @functools.cache

@@ -240,7 +240,7 @@ def test_what_is_no_record_is_refused(made: Path, tmp_path: Path) -> None:
         file["x"] = 1
     for path, words in [
         (tmp_path / "none.h5", "no such file"),
-        (tmp_path, "is a folder"),
+        (tmp_path, "is no file"),
         (made.parent, "record.h5"),
         (tmp_path / "text.h5", "not an HDF5 file"),
         (tmp_path / "other.h5", "not a record of physim"),

@@ -19,7 +19,7 @@ from physim.errors import ControllerError, PhysimError, RecordError
 from physim.geometry.clearance import clearances
 from physim.geometry.path import Tracking
 from physim.geometry.shapes import read_only
-from physim.geometry.swept_contacts import find_swept_contacts
+from physim.geometry.swept import find_swept_contacts
 from physim.parts.controller import Controller
 from physim.parts.declarations import kept_distance
 from physim.parts.stages import Disturbance, Filter, Observer, SensingStage
@@ -31,6 +31,7 @@ from physim.simulation.loop import LOOK_ON, Simulation
 from physim.simulation.parts import listed
 from physim.simulation.recorder import Recorder, SaveAt, check_room
 from physim.simulation.state import SimulationState
+from physim.simulation.swept_contacts import SweptContactFinder
 from physim.world import World
 from physim.world.scene import Scene
 
@@ -243,9 +244,6 @@ def warm_up(
         Unmoved(scene, controller=controller)._decide()
         wait()
         warm_up_motion(scene, controller)
-        start, none = read_only(scene.start.view()), np.zeros((2, scene.robots))
-        find_swept_contacts(  # in a step in which nobody is near anything
-            start, start, none, none > 0.0, scene.shapes, scene.walls, scene.dt,
-            np.empty((1, 2), dtype=np.int64), np.empty((1, 5)),
-        )  # fmt: skip
+        none = np.zeros((2, scene.robots))  # nobody is near anything
+        SweptContactFinder(scene).search(scene.start, scene.start, none, none > 0.0)
     return time.perf_counter() - started

@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from physim.compiled import direct
 from physim.contacts import CONTACT_ROW, Kind, Phase
 from physim.geometry.clearance import ClearanceFinder
-from physim.geometry.shapes import FloatArray, read_only
-from physim.geometry.swept_contacts import FULL, find_swept_contacts, wear_off
+from physim.geometry.shapes import FloatArray, joined_shapes, locked, read_only
+from physim.geometry.swept import FULL, find_swept_contacts, wear_off
 from physim.world.scene import Scene
 
 NO_ROWS = read_only(np.zeros(0, CONTACT_ROW))
@@ -25,6 +25,7 @@ class SweptContactFinder:
 
     def __init__(self, scene: Scene) -> None:
         self._scene = scene
+        self._bodies = locked(joined_shapes(scene.shapes, scene.walls))
         self._clearances = ClearanceFinder(scene.shapes, scene.wall_tree)
         self._wear_off = direct(wear_off)
         self._pose: FloatArray | None = None
@@ -48,14 +49,7 @@ class SweptContactFinder:
         near = self._room <= self._reach
         if not near.any():
             return NO_ROWS
-        room, count = ROOM, FULL
-        while count == FULL:
-            who, values = np.empty((room, 2), dtype=np.int64), np.empty((room, 5))
-            count = find_swept_contacts(
-                old, now, self._reach, near, scene.shapes, scene.walls, scene.dt, who, values
-            )
-            room *= 4
-        who, values = who[:count], values[:count]
+        who, values = self.search(old, now, self._reach, near)
         rows = np.zeros(len(who), CONTACT_ROW)
         rows["step"] = step
         rows["a"], rows["b"] = who.T
@@ -63,3 +57,18 @@ class SweptContactFinder:
         rows["x"], rows["y"], rows["nx"], rows["ny"] = values[:, :4].T
         rows["depth"] = np.maximum(-values[:, 4], 0.0)
         return rows
+
+    def search(
+        self, old: FloatArray, now: FloatArray, reach: FloatArray, near: NDArray[np.bool_]
+    ) -> tuple[NDArray[np.int64], FloatArray]:
+        """Output of `find_swept_contacts`, with as much room as it needs; walls stand still."""
+        still, room = np.zeros((len(self._bodies.radius) - len(now), 3)), ROOM
+        old, now = np.concatenate((old, still)), np.concatenate((now, still))
+        while True:
+            who, values = np.empty((room, 2), dtype=np.int64), np.empty((room, 5))
+            count = find_swept_contacts(
+                old, now, reach, near, self._bodies, self._scene.dt, who, values
+            )
+            if count != FULL:
+                return who[:count], values[:count]
+            room *= 4

@@ -17,7 +17,7 @@ from physim.compiled import compiled, direct
 from physim.geometry.motion import facings
 from physim.geometry.neighbours import put_in_order
 from physim.geometry.shapes import FloatArray, IntArray, Polylines, Shapes
-from physim.geometry.walls import Sight, WallTree
+from physim.geometry.walls import NearestWalls, Sight, WallTree, nearest_walls
 from physim.parts.controller import Decisions, Sensed
 from physim.world.scene import Scene
 
@@ -127,7 +127,7 @@ def decide_row(
     cluster: Cluster,
     rules: Rules,
     ranking: Ranking,
-    nearest: IntArray,
+    nearest: NearestWalls,
     room: Room,
     memories: Memories,
     out: Decided,
@@ -164,7 +164,7 @@ def decide_row(
 @compiled
 def decide_all(
     due: IntArray,
-    unchanging: list[tuple[Cluster, Rules, Ranking, IntArray, Room]],
+    unchanging: list[tuple[Cluster, Rules, Ranking, NearestWalls, Room]],
     robot: IntArray,
     pose: FloatArray,
     command: FloatArray,
@@ -245,7 +245,7 @@ class ModeSwitchingBatch:
             formation_range=plan.range,
             reach=scene.sensing_range,
         )
-        nearest = np.full(scene.robots, -1)
+        nearest = nearest_walls(scene.robots)
         pairs = np.diff(self.cluster.speeds.start) * np.diff(self.cluster.omegas.start)
         room = room_for(int(pairs.max()), len(self.rules.dwell))
         ranking = ranking_of(scene.robots)

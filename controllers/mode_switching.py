@@ -32,7 +32,13 @@ from physim.errors import Fault, Location
 from physim.geometry.motion import Course, facings
 from physim.geometry.path import path_length, point_at
 from physim.geometry.shapes import FloatArray, IntArray, Polylines, pack_parts
-from physim.geometry.walls import Sight, build_wall_tree, seen_distance, seen_time
+from physim.geometry.walls import (
+    Sight,
+    build_wall_tree,
+    nearest_walls,
+    seen_distance,
+    seen_time,
+)
 from physim.parts.controller import BatchController, Decision, Observation
 from physim.parts.declarations import PAPER_MODES, STANDARD_COLUMNS, Rule
 from physim.world.scene import Scene
@@ -322,7 +328,7 @@ class ModeSwitching:
             forward_only=self.settings.forward_only(o.formation.active),
             speeds=np.array(self.settings.speeds if o.speeds is None else o.speeds),
             omegas=np.array(self.settings.omegas if o.omegas is None else o.omegas),
-            sight=Sight(build_wall_tree(walls), o.pose[0], o.pose[1], o.range, np.array([-1])),
+            sight=Sight(build_wall_tree(walls), o.pose[0], o.pose[1], o.range, nearest_walls(1)),
         )
         rows = considered(0, bodies.number, bodies.pose, bodies.station, o.range)
         report = np.empty(len(STANDARD_COLUMNS))

@@ -7,14 +7,32 @@ robots near enough to something to reach it within the step are looked at.
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from physim.compiled import compiled
-from physim.geometry.bodies import body_distance, describe_pair, point_gap, wall_distance
-from physim.geometry.shapes import FloatArray, IntArray, Part, Shapes
+from physim.geometry.bodies import body_distance, describe_pair, wall_distance
+from physim.geometry.convex import frame_at
+from physim.geometry.neighbours import (
+    BoundingDiscs,
+    bounding_discs,
+    least_gap,
+    pair_distance,
+    put_in_order,
+    set_frames,
+)
+from physim.geometry.shapes import FloatArray, IntArray, Shapes
 from physim.geometry.swept import least_gap_pair, least_gap_walls, swept_pair, swept_walls
+from physim.geometry.walls import (
+    NearestWalls,
+    Sight,
+    WallTree,
+    nearest_seen,
+    nearest_walls,
+    parts_near,
+)
 from physim.tolerances import CONTACT
 
 FULL = -1
@@ -24,121 +42,206 @@ MARGIN = 4.0 * CONTACT
 """[m] Bounds must win by this."""
 
 
+AHEAD = 8.0
+"""Steps for which robots are looked at ahead, so that most need not be looked at in each."""
+
+
+class Room(NamedTuple):
+    """Lower bounds of how far each of N robots is from others, and what a search knows of them."""
+
+    bound: FloatArray
+    """(2, N) [m] distance from other robots, and from walls; 0 or less: not known"""
+    reach: FloatArray
+    """(2, N) [m] how much a robot's own part in a step changes that distance, at most"""
+    discs: BoundingDiscs
+    order: IntArray
+    """(N,) robots by the x of the middles of their discs"""
+    walls: NearestWalls
+
+
+def no_room(shapes: Shapes) -> Room:
+    """Nothing is known of the robots of these shapes."""
+    robots = len(shapes.radius)
+    bound, reach = np.zeros((2, robots)), np.zeros((2, robots))
+    return Room(bound, reach, bounding_discs(shapes), np.arange(robots), nearest_walls(robots))
+
+
 @compiled
 def wear_off(
-    old: FloatArray, now: FloatArray, radius: FloatArray, reach: FloatArray, room: FloatArray
+    old: FloatArray,
+    now: FloatArray,
+    dt: float,
+    radius: FloatArray,
+    bound: FloatArray,
+    reach: FloatArray,
+    velocity: FloatArray,
 ) -> bool:
-    """Take from ``room`` what a step may have taken; whether somebody may touch something in it.
+    """Take from the bounds of a `Room` what a step may have taken; whether one is used up.
 
     Poses (N, 3) at both samples, headings unwrapped; ``radius`` (N,) [m] about the reference
-    points. ``room`` (2, N) [m] is a lower bound of each robot's distance from other robots, and
-    from walls. ``reach`` (2, N) [m] takes how much these distances change at most: what is farther
-    apart at either sample does not touch in between.
+    points. ``velocity`` (N, 3) takes that of the step [m/s, rad/s]. What is farther apart at either
+    sample than ``reach`` of the two does not touch in between. That of robots among themselves
+    counts from how they moved on average: who drives side by side does not meet.
     """
-    most = 0.0
-    for i in range(len(old)):
-        moved = math.hypot(now[i, 0] - old[i, 0], now[i, 1] - old[i, 1])
-        reach[1, i] = moved + radius[i] * abs(now[i, 2] - old[i, 2]) + MARGIN
-        most = max(most, reach[1, i])
-    is_near = False
-    for i in range(len(old)):
-        reach[0, i] = reach[1, i] + most
-        for k in range(2):
-            is_near |= room[k, i] <= reach[k, i]
-            room[k, i] -= reach[k, i]
-    return is_near
+    robots = len(old)
+    mean_x, mean_y, most = 0.0, 0.0, 0.0
+    for i in range(robots):
+        dx, dy, turn = now[i, 0] - old[i, 0], now[i, 1] - old[i, 1], now[i, 2] - old[i, 2]
+        velocity[i, 0], velocity[i, 1], velocity[i, 2] = dx / dt, dy / dt, turn / dt
+        mean_x += dx
+        mean_y += dy
+        reach[0, i] = radius[i] * abs(turn) + MARGIN
+        reach[1, i] = reach[0, i] + math.sqrt(dx * dx + dy * dy)
+    mean_x, mean_y = mean_x / robots, mean_y / robots
+    for i in range(robots):
+        dx, dy = now[i, 0] - old[i, 0] - mean_x, now[i, 1] - old[i, 1] - mean_y
+        reach[0, i] += math.sqrt(dx * dx + dy * dy)
+        most = max(most, reach[0, i])
+    is_used_up = False
+    for i in range(robots):
+        bound[0, i] -= reach[0, i] + most
+        bound[1, i] -= reach[1, i]
+        is_used_up |= bound[0, i] <= 0.0 or bound[1, i] <= 0.0
+    return is_used_up
 
 
 @compiled
 def find_swept_contacts(
     old: FloatArray,
     now: FloatArray,
-    reach: FloatArray,
-    near: NDArray[np.bool_],
     shapes: Shapes,
-    walls: Shapes,
+    wall_tree: WallTree,
+    room: Room,
     dt: float,
     who: IntArray,
     values: FloatArray,
 ) -> int:
     """Write a row for each pair that is apart at both samples of a step and touches in between.
 
-    Poses (N, 3); ``reach`` (2, N) of `wear_off`; ``near`` (2, N), who may touch another robot, and
-    a wall. ``who`` (C, 2) takes the bodies a < b (walls from N on), ``values`` (C, 5) what
-    `describe_pair` gives. Returns how many, or FULL.
+    Poses (N, 3); robots whose bound in ``room`` is used up are measured anew. ``who`` (C, 2) takes
+    the bodies a < b (walls from N on), ``values`` (C, 5) what `describe_pair` gives. Returns how
+    many, or FULL.
     """
-    count = 0
-    robots = len(old)
-    still = np.zeros(3)
+    robots, reach, still = len(old), room.reach, np.zeros(3)
+    walls, ends = wall_tree.walls, wall_tree.walls.body_start
+    pairs, count, m = pairs_in_reach(now, shapes, room), 0, 0
+    near = walls_in_reach(now, shapes, wall_tree, room)
     for a in range(robots):
-        if near[0, a]:
-            for b in range(a + 1, robots):
-                room = reach[1, a] + reach[1, b]
-                if not near[0, b] or discs_apart(shapes, a, now, b, room):
-                    continue
-                after = body_distance(shapes, a, now[a], shapes, b, now[b])
-                if after <= CONTACT or after > room:
-                    continue
-                before = body_distance(shapes, a, old[a], shapes, b, old[b])
-                if before <= CONTACT or before + after > room:
-                    continue
-                if swept_pair(shapes, a, old[a], now[a], b, old[b], now[b], dt) == np.inf:
-                    continue
-                if count == len(who):
-                    return FULL
-                least = least_gap_pair(shapes, a, old[a], now[a], b, old[b], now[b], dt)
-                who[count, 0], who[count, 1] = a, b
-                share = least[2] / dt
-                describe_pair(
-                    shapes, a, between(old[a], now[a], share),
-                    shapes, b, between(old[b], now[b], share), values[count],
-                )  # fmt: skip
-                count += 1
-        if near[1, a]:
-            room = reach[1, a]
-            for w in range(len(walls.body_start) - 1):
-                parts = parts_about(walls, w, now[a], shapes.radius[a] + room)
-                if not len(parts):
-                    continue
+        while m < len(pairs) and pairs[m] // robots == a:
+            b = pairs[m] % robots
+            m += 1
+            most = reach[0, a] + reach[0, b]
+            after = body_distance(shapes, a, now[a], shapes, b, now[b])
+            if after <= CONTACT or after > most:
+                continue
+            before = body_distance(shapes, a, old[a], shapes, b, old[b])
+            if before <= CONTACT or before + after > most:
+                continue
+            if swept_pair(shapes, a, old[a], now[a], b, old[b], now[b], dt) == np.inf:
+                continue
+            if count == len(who):
+                return FULL
+            least = least_gap_pair(shapes, a, old[a], now[a], b, old[b], now[b], dt)
+            who[count, 0], who[count, 1] = a, b
+            share = least[2] / dt
+            describe_pair(
+                shapes, a, between(old[a], now[a], share),
+                shapes, b, between(old[b], now[b], share), values[count],
+            )  # fmt: skip
+            count += 1
+        if near[a]:
+            most, w = reach[1, a], 0
+            found = parts_near(wall_tree, now[a, 0], now[a, 1], shapes.radius[a] + most)
+            first, last = 0, 0
+            while last < len(found):  # the parts of one wall after the other
+                first = last
+                while ends[w + 1] <= found[first]:
+                    w += 1
+                while last < len(found) and found[last] < ends[w + 1]:
+                    last += 1
+                parts = found[first:last]
                 after = wall_distance(shapes, a, now[a], walls, parts)
-                if after <= CONTACT or after > room:
+                if after <= CONTACT or after > most:
                     continue
                 before = wall_distance(shapes, a, old[a], walls, parts)
-                if before <= CONTACT or before + after > room:
+                if before <= CONTACT or before + after > most:
                     continue
                 if swept_walls(shapes, a, old[a], now[a], walls, parts, dt)[0] == np.inf:
                     continue
                 if count == len(who):
                     return FULL
-                found = least_gap_walls(shapes, a, old[a], now[a], walls, parts, dt)
+                time = least_gap_walls(shapes, a, old[a], now[a], walls, parts, dt)[2]
                 who[count, 0], who[count, 1] = a, robots + w
-                at = between(old[a], now[a], found[2] / dt)
+                at = between(old[a], now[a], time / dt)
                 describe_pair(shapes, a, at, walls, w, still, values[count])
                 count += 1
     return count
 
 
 @compiled
-def discs_apart(shapes: Shapes, a: int, pose: FloatArray, b: int, room: float) -> bool:
-    """Whether the discs around robots a and b are farther apart than ``room`` [m]."""
-    far = room + shapes.radius[a] + shapes.radius[b]
-    dx = pose[b, 0] - pose[a, 0]
-    dy = pose[b, 1] - pose[a, 1]
-    return bool(dx * dx + dy * dy > far * far)
+def pairs_in_reach(now: FloatArray, shapes: Shapes, room: Room) -> IntArray:
+    """Pairs that may touch within a step, apart at its end: a N + b with a < b, increasing.
+
+    Robots whose bounds are used up are measured against those about them.
+    """
+    robots, discs, order = len(now), room.discs, room.order
+    bound, reach = room.bound[0], room.reach[0]
+    is_due = bound <= 0.0
+    pairs, count = np.empty(16, dtype=np.int64), 0
+    if not is_due.any():
+        return pairs[:0]
+    frame, far = np.empty((robots, 6)), AHEAD * 2.0 * reach.max()
+    set_frames(now, discs, frame)
+    for p in range(1, robots):  # by insertion: little has changed
+        row, q = order[p], p
+        while q > 0 and frame[order[q - 1], 4] > frame[row, 4]:
+            order[q] = order[q - 1]
+            q -= 1
+        order[q] = row
+    for i in range(robots):
+        if is_due[i]:
+            bound[i] = far
+    largest = discs.outer.max()
+    for p in range(robots):
+        i = order[p]
+        for q in range(p + 1, robots):
+            j = order[q]
+            dx, dy = frame[j, 4] - frame[i, 4], frame[j, 5] - frame[i, 5]
+            if dx > far + discs.outer[i] + largest:
+                break
+            limit = far + discs.outer[i] + discs.outer[j]
+            if dx * dx + dy * dy > limit * limit or not (is_due[i] or is_due[j]):
+                continue
+            most = reach[i] + reach[j]
+            enough = max(most, bound[i] if is_due[i] else 0.0, bound[j] if is_due[j] else 0.0)
+            if least_gap(shapes, i, j, frame) >= enough:
+                continue
+            gap = pair_distance(shapes, i, j, frame)
+            for k in (i, j):
+                if is_due[k]:
+                    bound[k] = min(bound[k], gap)
+            if is_due[i] and is_due[j] and CONTACT < gap <= most:
+                if count == len(pairs):
+                    pairs = np.concatenate((pairs, pairs))
+                pairs[count] = min(i, j) * robots + max(i, j)
+                count += 1
+    put_in_order(pairs, count)
+    return pairs[:count]
 
 
 @compiled
-def parts_about(walls: Shapes, body: int, pose: FloatArray, room: float) -> IntArray:
-    """Parts of one wall that come within ``room`` [m] of the reference point of a pose (3,)."""
-    first, last = walls.body_start[body], walls.body_start[body + 1]
-    found = np.empty(last - first, dtype=np.int64)
-    count = 0
-    for p in range(first, last):
-        start, end = walls.part_start[p], walls.part_start[p + 1]
-        if point_gap(Part(walls.vertices, start, end), pose[0], pose[1]) <= room:
-            found[count] = p
-            count += 1
-    return found[:count]
+def walls_in_reach(
+    now: FloatArray, shapes: Shapes, wall_tree: WallTree, room: Room
+) -> NDArray[np.bool_]:
+    """(N,) who may touch a wall within a step; who has used up its bound is measured anew."""
+    bound, reach = room.bound[1], room.reach[1]
+    near, sight = bound <= 0.0, Sight(wall_tree, 0.0, 0.0, np.inf, room.walls)
+    for i in range(len(now)):
+        if near[i]:
+            f = frame_at(math.cos(now[i, 2]), math.sin(now[i, 2]), now[i, 0], now[i, 1])
+            bound[i] = nearest_seen(shapes, i, f, sight)[0]
+            near[i] = bound[i] <= reach[i]
+    return near
 
 
 @compiled

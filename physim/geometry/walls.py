@@ -50,6 +50,16 @@ class WallTree(NamedTuple):
     """a power of two"""
 
 
+class NearestWalls(NamedTuple):
+    """Nearest part of a wall to each of N robots, from the last search: it only saves time."""
+
+    part: IntArray
+    """(N,) -1: not known"""
+    at: FloatArray
+    """(N, 5) x, y [m], cosine and sine of the heading at that search, and by how much [m] every
+    other part was farther"""
+
+
 class Sight(NamedTuple):
     """Walls as a robot sees them: the parts that come within ``reach`` of (x, y)."""
 
@@ -58,8 +68,12 @@ class Sight(NamedTuple):
     y: float
     reach: float
     """[m]"""
-    nearest: IntArray
-    """(N,) part that was nearest to each robot when last asked, or -1: it only saves time"""
+    nearest: NearestWalls
+
+
+def nearest_walls(robots: int) -> NearestWalls:
+    """What is known before the first search."""
+    return NearestWalls(np.full(robots, -1), np.zeros((robots, 5)))
 
 
 def build_wall_tree(walls: Shapes) -> WallTree:
@@ -165,6 +179,13 @@ def parts_seen(sight: Sight, x: float, y: float, within: float) -> IntArray:
 
 
 @compiled
+def parts_near(tree: WallTree, x: float, y: float, within: float) -> IntArray:
+    """Parts that come within ``within`` [m] of (x, y), increasing; up to MARGIN farther, some."""
+    known = NearestWalls(np.empty(0, dtype=np.int64), np.empty((0, 5)))
+    return parts_seen(Sight(tree, x, y, np.inf, known), x, y, within)
+
+
+@compiled
 def all_seen(sight: Sight) -> IntArray:
     """All parts in sight, increasing."""
     return parts_seen(sight, sight.x, sight.y, sight.reach)
@@ -172,7 +193,7 @@ def all_seen(sight: Sight) -> IntArray:
 
 def parts_within(tree: WallTree, x: float, y: float, reach: float) -> IntArray:
     """Parts that come within ``reach`` [m] of a place, increasing."""
-    return all_seen(Sight(tree, x, y, reach, np.zeros(0, dtype=np.int64)))
+    return all_seen(Sight(tree, x, y, reach, nearest_walls(0)))
 
 
 @compiled
@@ -224,31 +245,45 @@ def segment_bound(wall: Part, shapes: Shapes, i: int, f: Frame) -> float:
 def nearest_seen(shapes: Shapes, i: int, f: Frame, sight: Sight) -> tuple[float, int]:
     """Signed distance [m] of robot i, whose frame is f, from the walls in sight, and the nearest.
 
-    Of equally near parts it is the lowest; (inf, -1) without any.
+    Of equally near parts it is the lowest; (inf, -1) without any. A part that was nearer than all
+    others by more than twice what the robot has moved since is still the nearest.
     """
     tree, W, start = sight.tree, sight.tree.walls.vertices, sight.tree.walls.part_start
-    radius, best, nearest, likely = shapes.radius[i], np.inf, -1, sight.nearest[i]
-    dx, dy = f.tx - sight.x, f.ty - sight.y
-    seen = sight.reach + math.sqrt(dx * dx + dy * dy)  # nothing that is farther is in sight
+    radius, best, nearest, likely = shapes.radius[i], np.inf, -1, sight.nearest.part[i]
     if likely >= 0:
         wall = Part(W, start[likely], start[likely + 1])
         if is_seen(sight, wall):
             best, nearest = wall_gap(wall, shapes, i, f, np.inf), likely
-    leaf = leaf_after(tree, 0, f.tx, f.ty, min(best + radius, seen))
+            at = sight.nearest.at[i]
+            dx, dy, dc, ds = f.tx - at[0], f.ty - at[1], f.c - at[2], f.s - at[3]
+            moved = math.sqrt(dx * dx + dy * dy) + radius * math.sqrt(dc * dc + ds * ds)
+            if at[4] > 2.0 * moved + MARGIN:
+                return best, likely
+    dx, dy = f.tx - sight.x, f.ty - sight.y
+    seen = sight.reach + math.sqrt(dx * dx + dy * dy)  # nothing that is farther is in sight
+    second, spare = np.inf, radius
+    leaf = leaf_after(tree, 0, f.tx, f.ty, min(best + spare + radius, seen))
     while leaf:
         first = (leaf - tree.leaves) * LEAF
         for k in range(first, min(first + LEAF, len(tree.part))):
             part = tree.part[k]
             wall = Part(W, start[part], start[part + 1])
-            if part == likely or segment_bound(wall, shapes, i, f) > best + MARGIN:
+            enough = best + spare
+            if part == nearest or segment_bound(wall, shapes, i, f) > enough + MARGIN:
                 continue
-            # A hair more than the best, so that a part just as near gives its exact distance.
-            gap = wall_gap(wall, shapes, i, f, np.nextafter(best, np.inf))
+            # A hair more, so that a part just as near as the best gives its exact distance.
+            gap = wall_gap(wall, shapes, i, f, np.nextafter(enough, np.inf))
             if (gap < best or (gap == best and part < nearest)) and is_seen(sight, wall):
-                best, nearest = gap, part
-        leaf = leaf_after(tree, leaf, f.tx, f.ty, min(best + radius, seen))
+                second, best, nearest = min(second, best), gap, part
+            else:
+                second = min(second, gap)
+            if best < np.inf:
+                spare = max(0.0, min(spare, second - best))
+        leaf = leaf_after(tree, leaf, f.tx, f.ty, min(best + spare + radius, seen))
     if nearest >= 0:
-        sight.nearest[i] = nearest
+        at = sight.nearest.at[i]
+        at[0], at[1], at[2], at[3] = f.tx, f.ty, f.c, f.s
+        sight.nearest.part[i], at[4] = nearest, min(second, best + spare, seen - radius) - best
     return best, nearest
 
 

@@ -276,14 +276,12 @@ class Simulation:
     def _arrive(self, step: int, nominal: FloatArray) -> None:
         """Take up the sample to which the physics brought the robots."""
         pose = read_only(self.physics.pose)
-        grazes = self._swept.rows(step, self.now.pose, pose)
+        velocity, grazes = self._swept.follow(step, self.now.pose, pose)
         if len(grazes):  # which the engine cannot see
             self.physics.contacts = np.concatenate(
                 (self.physics.contacts, grazes), dtype=CONTACT_ROW
             )
         self._arrivals.follow(self._tracking, step, pose)
-        velocity = pose - self.now.pose
-        velocity /= self.scene.dt
         self._take(step, pose, nominal, read_only(velocity))
 
     def _take(self, step: int, pose: FloatArray, nominal: FloatArray, velocity: FloatArray) -> None:

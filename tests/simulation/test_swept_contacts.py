@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 import math
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -42,8 +43,8 @@ def course(scene: Scene) -> FloatArray:
 
 def rows(scene: Scene, course: FloatArray) -> np.ndarray:
     """Rows of all steps of a course."""
-    finder, samples = SweptContactFinder(scene), list(locked(course))
-    return np.concatenate([finder.rows(k, *samples[k - 1 : k + 1]) for k in range(1, len(samples))])
+    finder, steps = SweptContactFinder(scene), pairwise(locked(course))
+    return np.concatenate([finder.follow(k, *pair)[1] for k, pair in enumerate(steps, 1)])
 
 
 def test_a_graze_is_told_at_the_sample_after_it(scene: Scene, course: FloatArray) -> None:
@@ -56,7 +57,7 @@ def test_a_graze_is_told_at_the_sample_after_it(scene: Scene, course: FloatArray
     assert 0.0 < row["depth"] < DEPTH
     assert (row["x"], row["y"]) == pytest.approx((20.9, 0.5), abs=2e-3)
     assert row["nx"] + row["ny"] > 0.0  # from the first to the second
-    alone = SweptContactFinder(scene).rows(nearest, course[nearest - 1], course[nearest])
+    alone = SweptContactFinder(scene).follow(nearest, course[nearest - 1], course[nearest])[1]
     assert alone.tobytes() == whole.tobytes()
     assert len(Simulation(scene).contacts) == 0
 

@@ -20,6 +20,7 @@ from physim.geometry.shapes import (
     part_bodies,
 )
 from physim.geometry.solids import solids_of
+from physim.geometry.walls import build_wall_tree
 from physim.simulation.engine.cutting import cut_short
 from physim.simulation.engine.energy import OF_IMPACTS, OF_PUSHES, failures
 from physim.simulation.engine.guard import Guard, Touches
@@ -86,6 +87,7 @@ class Physics:
         self._robots = len(start)
         self._solids = solids_of(walls)
         self._shapes = joined_shapes(shapes, walls)
+        self._wall_tree = build_wall_tree(walls)
         self._joined = joined_shapes(shapes, self._solids.shapes)
         self._body_of_part = part_bodies(self._joined)
         self._bodies = len(self._shapes.body_start) - 1
@@ -316,7 +318,13 @@ class Physics:
             return self._no_pairs
         self._placed[: self._robots] = self._arrays.pose
         found = pairs_of(
-            *touches, self._body_of_part, self._joined, self._solids, self._shapes, self._placed
+            *touches,
+            self._body_of_part,
+            self._joined,
+            self._solids,
+            self._shapes,
+            self._wall_tree,
+            self._placed,
         )
         return Pairs(*found)
 

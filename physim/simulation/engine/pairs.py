@@ -17,6 +17,7 @@ from physim.geometry.bodies import body_distance, point_gap, relative_frame
 from physim.geometry.convex import part_witness
 from physim.geometry.shapes import FloatArray, IntArray, Part, Shapes
 from physim.geometry.solids import Solids, describe_contact
+from physim.geometry.walls import WallTree, parts_near
 from physim.tolerances import CONTACT
 
 BEGAN, STAYS, ENDED, PHYSICAL = map(int, (*Phase, Kind.PHYSICAL))
@@ -62,14 +63,16 @@ def pairs_of(
     joined: Shapes,
     solids: Solids,
     shapes: Shapes,
+    wall_tree: WallTree,
     pose: FloatArray,
 ) -> tuple[IntArray, FloatArray]:
     """Pairs of bodies that touch, by contacts of their parts (K, 2): what `gather` returns.
 
     ``part`` and ``body_of_part`` number robots and solids, whose shapes are ``joined``; ``shapes``
-    are those of robots and walls, ``pose`` (B, 3) all robots first. What a robot exchanges with a
-    solid of several walls it does with the one of those it touches that the contact's point on the
-    solid lies on. The others that it touches have a contact without impulse.
+    are those of robots and walls, ``pose`` (B, 3) all robots first; ``wall_tree`` holds the walls.
+    What a robot exchanges with a solid of several walls it does with the one of those it touches
+    that the contact's point on the solid lies on. The others that it touches have a contact without
+    impulse.
     """
     robots = len(pose) - len(solids.of)
     room = 0
@@ -94,21 +97,37 @@ def pairs_of(
         if len(walls) == 1:
             continue
         x, y = _on_solid(joined, p, pose[a], q)
-        nearest, is_met = np.inf, False
-        for w in walls:
-            gap = np.inf
-            for k in range(shapes.body_start[robots + w], shapes.body_start[robots + w + 1]):
-                start, end = shapes.part_start[k], shapes.part_start[k + 1]
-                gap = min(gap, point_gap(Part(shapes.vertices, start, end), x, y))
+        nearest, last, w = np.inf, -1, 0
+        for k in parts_near(wall_tree, pose[a, 0], pose[a, 1], shapes.radius[a] + CONTACT):
+            while wall_tree.walls.body_start[w + 1] <= k:
+                w += 1
+            if w == last or solids.of[w] != s:
+                continue
+            last = w
             d = body_distance(shapes, a, pose[a], shapes, robots + w, pose[robots + w])
-            touches = d <= CONTACT
-            if touches > is_met or (touches == is_met and gap < nearest):
-                nearest, is_met = gap, touches
-                body[first, 1] = robots + w
-            if touches:
-                body[count, 0], body[count, 1] = a, robots + w
-                count += 1
+            if d > CONTACT:
+                continue
+            body[count, 0], body[count, 1] = a, robots + w
+            count += 1
+            gap = _wall_gap(shapes, robots + w, x, y)
+            if gap < nearest:
+                nearest, body[first, 1] = gap, robots + w
+        if nearest == np.inf:  # it touches the outline alone
+            for w in walls:
+                gap = _wall_gap(shapes, robots + w, x, y)
+                if gap < nearest:
+                    nearest, body[first, 1] = gap, robots + w
     return gather(body[:count], given[:count], len(pose))
+
+
+@compiled
+def _wall_gap(shapes: Shapes, body: int, x: float, y: float) -> float:
+    """Lower bound [m] of the distance of a point from a wall."""
+    gap = np.inf
+    for k in range(shapes.body_start[body], shapes.body_start[body + 1]):
+        wall = Part(shapes.vertices, shapes.part_start[k], shapes.part_start[k + 1])
+        gap = min(gap, point_gap(wall, x, y))
+    return gap
 
 
 @compiled

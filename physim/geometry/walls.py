@@ -19,7 +19,7 @@ from physim.compiled import compiled
 from physim.geometry.bodies import wall_gap
 from physim.geometry.collision import stays, swept_disc, until_all_repeats, wall_time
 from physim.geometry.convex import Frame, frame_at
-from physim.geometry.motion import Course
+from physim.geometry.motion import Course, chord_factor
 from physim.geometry.neighbours import put_in_order
 from physim.geometry.safe_point import outline_distance
 from physim.geometry.shapes import FloatArray, IntArray, Part, Shapes
@@ -297,14 +297,17 @@ def seen_distance(shapes: Shapes, i: int, pose: FloatArray, sight: Sight) -> flo
 @compiled
 def reached_disc(a: Course, time: float) -> tuple[float, float, float]:
     """Return (x, y, radius) of a disc that a body does not leave up to a time [s]."""
-    half = 0.5 * a.speed * time
-    if a.turn == 0.0 and half < np.inf:
-        return a.x + 0.5 * time * a.vx, a.y + 0.5 * time * a.vy, a.radius + half
+    if not time < np.inf:
+        return swept_disc(a) if stays(a) else (a.x, a.y, np.inf)
+    # No point of its way is farther from the middle of it than half its length.
+    half, h = 0.5 * a.speed * time, 0.25 * a.turn * time
+    c, s, way = math.cos(h), math.sin(h), 0.5 * time * chord_factor(h)
+    x, y = a.x + way * (c * a.vx - s * a.vy), a.y + way * (c * a.vy + s * a.vx)
     if stays(a):
-        x, y, radius = swept_disc(a)
-        if not radius > a.radius + 2.0 * half:
-            return x, y, radius
-    return a.x, a.y, a.radius + 2.0 * half
+        its_x, its_y, radius = swept_disc(a)
+        if not radius > a.radius + half:
+            return its_x, its_y, radius
+    return x, y, a.radius + half
 
 
 @compiled

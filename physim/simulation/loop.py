@@ -255,8 +255,12 @@ class Simulation:
 
     def _given(self, commands: FloatArray) -> Decided:
         """Nominal commands from outside."""
-        with naming(f"commands at {self.time:g} s"):
+        try:  # not by `naming`, which takes as long as a step of the engine
             return Decided(taken_commands(self.scene, commands, None, self.scene.limits))
+        except KeyboardInterrupt:
+            raise
+        except BaseException as error:
+            raise ControllerError(f"commands at {self.time:g} s: {broken_by(error)}") from error
 
     def _decide(self) -> Decided:
         """Nominal commands of all robots from now on; those that are due are asked."""

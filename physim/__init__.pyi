@@ -35,6 +35,7 @@ from .parts.stages import (
 from .record import Record
 from .simulation.kept_states import state_at
 from .simulation.loop import Simulation
+from .simulation.observation import View
 from .simulation.recorder import SaveAt
 from .simulation.run import record_run, simulate
 from .simulation.state import SimulationState
@@ -76,6 +77,7 @@ __all__ = [
     "SimulationState",
     "Snapshot",
     "Step",
+    "View",
     "World",
     "WorldError",
     "__version__",

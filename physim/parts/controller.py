@@ -12,7 +12,7 @@ is whatever the last decision returned, None at first.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, fields
 from typing import TYPE_CHECKING, Any, NamedTuple, Protocol, runtime_checkable
 
@@ -25,6 +25,7 @@ from physim.parts.declarations import Column, Mode, Rule
 if TYPE_CHECKING:
     from physim.errors import Fault
     from physim.geometry.path import Path
+    from physim.simulation.observation import View
     from physim.world import Robot
     from physim.world.scene import Scene
 
@@ -121,17 +122,18 @@ class Observation:
     """rotational speeds set for this robot in the world [rad/s]; None: the controller's"""
 
     @classmethod
-    def partly(cls, values: dict[str, Any], make: Callable[[str], Any]) -> Observation:
-        """Return one with these fields already; ``make`` makes each of the others by its name."""
+    def partly(cls, values: dict[str, Any], view: View, row: int) -> Observation:
+        """Return one with these fields already; ``view``, in which it has a ``row`` of its own,
+        makes each of the others, and is kept."""
         one = cls.__new__(cls)
-        one.__dict__.update(values, _make=make)
+        one.__dict__.update(values, _view=view, _row=row)
         return one
 
     def __getattr__(self, name: str) -> Any:
         """Make a field that is not there yet, and keep it."""
-        if name not in LATER or "_make" not in self.__dict__:
+        if name not in LATER or "_view" not in self.__dict__:
             raise AttributeError(f"Observation has no attribute {name!r}")
-        value = self.__dict__[name] = self.__dict__["_make"](name)
+        value = self.__dict__[name] = self._view.later(self.index, self._row, name)
         return value
 
     def __getstate__(self) -> dict[str, Any]:

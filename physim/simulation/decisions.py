@@ -27,7 +27,7 @@ from physim.parts.controller import (
 from physim.parts.declarations import NO_NUMBER, Declared, Mode, Rule
 from physim.parts.user_code import broken_by, is_shipped, kind_of, naming
 from physim.simulation.checks import next_steps, taken_decisions
-from physim.simulation.observation import Sight, Views
+from physim.simulation.observation import View
 from physim.world.scene import Scene
 
 
@@ -206,7 +206,7 @@ class PerRobotAdapter:
         self.controller = controller
         self.scene = scene
         self.declared = declared
-        self.sight = Sight(scene)
+        self.view: View | None = None
 
     def memory(self) -> dict[str, NDArray[Any]]:
         """What each robot's last decision returned: None at first."""
@@ -216,7 +216,8 @@ class PerRobotAdapter:
         self, sensed: Sensed, due: IntArray, memory: dict[str, NDArray[Any]]
     ) -> Decisions:
         """Decide for robots ``due``; every one sees the same snapshot, whatever their order."""
-        rows, memories, views = [], [], Views(self.sight, sensed)
+        rows, memories = [], []
+        views = self.view = View(self.scene, sensed, self.view)
         name, ask = type(self.controller).__name__, self.controller.decide
         for i in due.tolist():
             where = f"controller {name}, {self.scene.names[i]} at {views.time:g} s"

@@ -46,7 +46,7 @@ from physim.simulation.branching import branch_of
 from physim.simulation.checks import taken_commands, taken_sensed
 from physim.simulation.decisions import Decided, begun, decide
 from physim.simulation.engine import Physics
-from physim.simulation.observation import Sight, Views
+from physim.simulation.observation import View
 from physim.simulation.parts import driven_by, listed, parts_of
 from physim.simulation.state import SimulationState
 from physim.simulation.swept_contacts import SweptContactFinder
@@ -77,6 +77,7 @@ class Simulation:
     memory: dict[str, NDArray[Any]]
     _next_due: int
     _sensed: tuple[Sensed, tuple[Any, ...]] | None
+    _view: View | None = None
     _states: tuple[tuple[Any, ...], ...]
     _told: tuple[Snapshot, Any, Decided, FloatArray, FloatArray] | None
     _digested: tuple[Scene | None, str] = None, ""
@@ -184,11 +185,21 @@ class Simulation:
         """Whether every robot has arrived."""
         return self._arrivals.all
 
+    @property
+    def view(self) -> View:
+        """What robots know of this sample, each its own rows."""
+        sensed = self._sense()[0]
+        view = self._view
+        if view is None or view.sensed is not sensed:
+            is_same = view is not None and view.scene is self.scene
+            view = self._view = View(self.scene, sensed, view if is_same else None)
+        return view
+
     def observe(self, i: int) -> Observation:
         """What Robot i, 0 to N - 1, may know now. Raises PhysimError for another i."""
         if not isinstance(i, SupportsIndex) or i not in range(self.scene.robots):
             raise PhysimError(f"robot {describe(i)}; allowed: 0 to {self.scene.robots - 1}")
-        return Views(self._sight, self._sense()[0]).observation(int(i))
+        return self.view.observation(int(i))
 
     def look_on(self, observer: Observer) -> None:
         """Let an observer look on from now on; during a step, from the next on."""
@@ -413,7 +424,7 @@ class Simulation:
         """Everything but the engine, as it is at sample 0."""
         scene, robots, controller = self.scene, self.scene.robots, self.parts.controller
         self._batch, self.memory = begun(controller, scene, self.declared)
-        self._sight, self._shared = Sight(scene), shared(robots)
+        self._shared = shared(robots)
         self._parts = tuple(map(self.parts.of, STAGES))
         self._limits = {FILTERED: scene.limits, DISTURBED: np.full((robots, 2), FASTEST)}
         states = []

@@ -1,18 +1,15 @@
-"""What robots know when they decide: observations made from what is sensed.
+"""What is known at one step: a `View`, and the observations of single robots that it makes.
 
 An observation holds only what Robot i may know: itself, the robots and walls within range, and the
-stations of its formation neighbours, which are broadcast.
-
-`Sight` is made once for a scene, `Views` once for a step. Most of an observation is made when it is
-asked for. Nothing of it can change: arrays of a step and of a scene never do once they are handed
-out.
+stations of its formation neighbours, which are broadcast. Most of it is made when it is asked for.
+Nothing of it can change: arrays of a step and of a scene never do once they are handed out.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from functools import cache, partial
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -22,6 +19,8 @@ from physim.geometry.walls import parts_within
 from physim.parts.controller import FormationView, Neighbour, Observation, ObservedRobot, Sensed
 from physim.world.scene import Scene
 
+T = TypeVar("T")
+
 
 def formation_errors(scene: Scene, reference_station: FloatArray) -> FloatArray:
     """(…, N) [m] distance to the robots' mean place on s* less its desired value."""
@@ -29,11 +28,110 @@ def formation_errors(scene: Scene, reference_station: FloatArray) -> FloatArray:
     return np.asarray((station.mean(axis=-1, keepdims=True) - station) - (lead.mean() - lead))
 
 
-class Sight:
-    """What observations have in common at all steps of a scene, made when it is first needed."""
+class View:
+    """What is known at one step: the ``scene``, the ``sensed`` rows of it, and the ``time`` [s].
+
+    Observer i knows ``rows(i)`` of the sensed ones, of which it may use those within range, and of
+    its formation neighbours the stations; ``observation(i)`` is just that. Nothing may be written
+    to.
+    """
+
+    def __init__(self, scene: Scene, sensed: Sensed, like: View | None = None) -> None:
+        """View of a scene at a step; ``like``, one of the same scene, has what all steps share."""
+        self.scene, self.sensed = scene, sensed
+        self.time: float = sensed.step * scene.dt
+        self._shared: _SceneFacts = _SceneFacts(scene) if like is None else like._shared
+        self._robots: dict[int, ObservedRobot] = {}
+        self._neighbours: dict[int, Neighbour] = {}
+
+    def rows(self, i: int) -> slice:
+        """Rows of ``sensed`` that observer i has."""
+        return self.sensed.rows(i)
+
+    def prepared(self, make: Callable[[Scene], T]) -> T:
+        """What ``make(scene)`` gives, made once for all steps of a run and every robot.
+
+        ``make`` is a function or a method of the controller's. What it gives is not part of the
+        state of a simulation: a copy makes its own, so it must follow from scene and settings
+        alone, and nothing that a decision depends on may be written to it.
+        """
+        found = self._shared.prepared
+        if make not in found:
+            found[make] = make(self.scene)
+        value: T = found[make]
+        return value
+
+    def observation(self, i: int) -> Observation:
+        """What Robot i may know."""
+        sensed, rows = self.sensed, self.sensed.rows(i)
+        own = rows.start + int((sensed.robot[rows] == i).argmax())
+        values = self._shared.facts(i).copy()
+        values["time"] = self.time
+        values["pose"] = read_only(sensed.pose[own].copy())
+        values["v"], values["omega"] = sensed.command[own].tolist()
+        values["velocity"] = read_only(sensed.velocity[own].copy())
+        values["station"] = sensed.station.item(i)
+        values["reference_station"] = sensed.reference_station.item(own)
+        return Observation.partly(values, self, own)
+
+    def later(self, i: int, own: int, field: str) -> Any:
+        """A field of `physim.parts.controller.LATER`, of Robot i, which has the row ``own``."""
+        if field == "footprint":
+            return self._shared.footprint(i)
+        if field == "path":
+            return self._shared.path(i)
+        x, y, _ = self.sensed.pose[own]
+        if field == "walls":
+            return self._shared.walls_near(x, y)
+        sensed, rows, scene = self.sensed, self.sensed.rows(i), self.scene
+        if field == "others":
+            make: Callable[[int], Any] = self._robot
+            dx, dy = sensed.pose[rows, 0] - x, sensed.pose[rows, 1] - y
+            near = dx * dx + dy * dy <= scene.sensing_range * scene.sensing_range
+        else:
+            make, plan = self._neighbour, scene.formation
+            station = sensed.reference_station
+            if not plan.active:
+                return ()
+            if plan.adjacency.shape[0]:
+                near = plan.adjacency[i][sensed.robot[rows]] != 0
+            else:
+                near = np.abs(station[rows] - station[own]) <= plan.range
+        near[own - rows.start] = False
+        return tuple(map(make, (rows.start + near.nonzero()[0]).tolist()))
+
+    def _robot(self, row: int) -> ObservedRobot:
+        """Of a row; what several see of one is made once for all of them."""
+        if row not in self._robots:
+            sensed = self.sensed
+            j, (v, omega) = sensed.robot.item(row), sensed.command[row].tolist()
+            self._robots[row] = ObservedRobot(
+                j,
+                read_only(sensed.pose[row].copy()),
+                self._shared.footprint(j),
+                v,
+                omega,
+                read_only(sensed.velocity[row].copy()),
+                sensed.reference_station.item(row),
+                self.time - sensed.age.item(row),
+            )
+        return self._robots[row]
+
+    def _neighbour(self, row: int) -> Neighbour:
+        if row not in self._neighbours:
+            sensed = self.sensed
+            j, station = sensed.robot.item(row), sensed.reference_station.item(row)
+            lead, time = self.scene.formation.lead.item(j), self.time - sensed.age.item(row)
+            self._neighbours[row] = Neighbour(j, station, lead, time)
+        return self._neighbours[row]
+
+
+class _SceneFacts:
+    """What views of all steps of a scene share, made when it is first needed."""
 
     def __init__(self, scene: Scene) -> None:
         self.scene = scene
+        self.prepared: dict[Callable[[Scene], Any], Any] = {}
         plan = scene.formation
         self.formation = FormationView(plan.active, plan.gain, plan.speed, plan.v_min, plan.v_max)
         self.facts, self.footprint = cache(self._facts), cache(self._footprint)
@@ -72,75 +170,6 @@ class Sight:
         scene = self.scene
         parts = parts_within(scene.wall_tree, x, y, scene.sensing_range)
         return tuple(map(self.wall, parts.tolist()))
-
-
-class Views:
-    """Observations of robots at one step; what several see of one is made once for all of them."""
-
-    def __init__(self, sight: Sight, sensed: Sensed) -> None:
-        self.sight = sight
-        self.sensed = sensed
-        self.time = sensed.step * sight.scene.dt
-        self._robot, self._neighbour = cache(self._made_robot), cache(self._made_neighbour)
-
-    def observation(self, i: int) -> Observation:
-        """What Robot i may know."""
-        sensed, rows = self.sensed, self.sensed.rows(i)
-        own = rows.start + int((sensed.robot[rows] == i).argmax())
-        values = self.sight.facts(i).copy()
-        values["time"] = self.time
-        values["pose"] = read_only(sensed.pose[own].copy())
-        values["v"], values["omega"] = sensed.command[own].tolist()
-        values["velocity"] = read_only(sensed.velocity[own].copy())
-        values["station"] = sensed.station.item(i)
-        values["reference_station"] = sensed.reference_station.item(own)
-        return Observation.partly(values, partial(self._make, i, own))
-
-    def _make(self, i: int, own: int, field: str) -> Any:
-        """A field of `physim.parts.controller.LATER`, of Robot i, which has the row ``own``."""
-        if field == "footprint":
-            return self.sight.footprint(i)
-        if field == "path":
-            return self.sight.path(i)
-        x, y, _ = self.sensed.pose[own]
-        if field == "walls":
-            return self.sight.walls_near(x, y)
-        sensed, rows, scene = self.sensed, self.sensed.rows(i), self.sight.scene
-        if field == "others":
-            make: Callable[[int], Any] = self._robot
-            dx, dy = sensed.pose[rows, 0] - x, sensed.pose[rows, 1] - y
-            near = dx * dx + dy * dy <= scene.sensing_range * scene.sensing_range
-        else:
-            make, plan = self._neighbour, scene.formation
-            station = sensed.reference_station
-            if not plan.active:
-                return ()
-            if plan.adjacency.shape[0]:
-                near = plan.adjacency[i][sensed.robot[rows]] != 0
-            else:
-                near = np.abs(station[rows] - station[own]) <= plan.range
-        near[own - rows.start] = False
-        return tuple(map(make, (rows.start + near.nonzero()[0]).tolist()))
-
-    def _made_robot(self, row: int) -> ObservedRobot:
-        sensed = self.sensed
-        j, (v, omega) = sensed.robot.item(row), sensed.command[row].tolist()
-        return ObservedRobot(
-            j,
-            read_only(sensed.pose[row].copy()),
-            self.sight.footprint(j),
-            v,
-            omega,
-            read_only(sensed.velocity[row].copy()),
-            sensed.reference_station.item(row),
-            self.time - sensed.age.item(row),
-        )
-
-    def _made_neighbour(self, row: int) -> Neighbour:
-        sensed = self.sensed
-        j = sensed.robot.item(row)
-        station, lead = sensed.reference_station.item(row), self.sight.scene.formation.lead.item(j)
-        return Neighbour(j, station, lead, self.time - sensed.age.item(row))
 
 
 def _part(shapes: Shapes, part: int) -> FloatArray:

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from physim import Decisions, Observation, Scene, Sensed, build_scene
+from physim import Decisions, Observation, Scene, Sensed, View, build_scene
 from physim.world.file import parse_world
 from tests.helpers import STRAIGHT, inside
 from tests.oracles.paths import lengths, point_at
@@ -25,7 +25,6 @@ build_wall_tree, pack_parts = inside("physim.geometry", "build_wall_tree", "pack
 pack_polylines, read_only = inside("physim.geometry", "pack_polylines", "read_only")
 Declared, shared = inside("physim.parts", "Declared", "shared")
 PerRobotAdapter = inside("physim.simulation", "PerRobotAdapter")
-Sight, Views = inside("physim.simulation", "Sight", "Views")
 FormationPlan, SceneBody = inside("physim.world", "FormationPlan", "Body")
 
 
@@ -127,8 +126,8 @@ def decisions(history: History, settings: ModeSwitchingSettings) -> dict[str, li
 def observations(history: History, moment: int) -> list[Observation]:
     """What each robot may know at a moment."""
     scene, sensed = scene_of(history), sensed_at(history.moments[moment], 0)
-    views = Views(Sight(scene), sensed)
-    return [views.observation(i) for i in range(len(history.moments[moment]))]
+    view = View(scene, sensed)
+    return [view.observation(i) for i in range(len(history.moments[moment]))]
 
 
 def single_robot(path: np.ndarray, station: float) -> History:

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from physim import parse_world, simulate
+from physim import View, parse_world, simulate
 from tests.controllers.scenes import scene_of, sensed_at, single_robot
 from tests.helpers import STRAIGHT, examples, inside
 from tests.oracles import formation as oracle
@@ -20,8 +20,7 @@ formation_energy = inside("physim.controllers", "formation_energy")
 formation_energy_rate = inside("physim.controllers", "formation_energy_rate")
 formation_speed, formation_sum = inside("physim.controllers", "formation_speed", "formation_sum")
 is_neighbour = inside("physim.controllers", "is_neighbour")
-formation_errors, Sight = inside("physim.simulation", "formation_errors", "Sight")
-Views = inside("physim.simulation", "Views")
+formation_errors = inside("physim.simulation", "formation_errors")
 
 FAR = float("inf")
 EVERY_ONE = np.zeros((0, 0), dtype=np.int64)
@@ -76,14 +75,14 @@ def test_neighbours_are_those_listed_or_within_range_along_the_reference_path() 
         cluster = dataclasses.replace(history.cluster, range=reach, adjacency=listed)
         adjacency = EVERY_ONE if listed is None else listed
         scene = scene_of(dataclasses.replace(history, cluster=cluster, moments=[robots]))
-        views = Views(Sight(scene), sensed_at(robots, 0))
+        view = View(scene, sensed_at(robots, 0))
         for i in range(n):
             expected = neighbours(robots, cluster, i)
             found = [
                 j for j in range(n) if is_neighbour(i, j, station[i], station[j], adjacency, reach)
             ]
             assert found == expected
-            assert [one.index for one in views.observation(i).neighbours] == expected
+            assert [one.index for one in view.observation(i).neighbours] == expected
 
 
 stations = st.lists(st.floats(-100.0, 100.0), min_size=2, max_size=12)

@@ -152,7 +152,7 @@ def all_stop_with_the_first() -> None:
 
     def at_once(old: Any, a: Any) -> None:
         old()
-        a.share[:] = a.share.min(initial=1.0)
+        a.moves.share[:] = a.moves.share.min(initial=1.0)
 
     called(CUTTING + "cut_short", at_once)
 
@@ -163,7 +163,7 @@ def bodies_stop_short() -> None:
 
     def earlier(old: Any, a: Any) -> None:
         old()
-        a.share[a.share < 1.0] *= 0.9
+        a.moves.share[a.moves.share < 1.0] *= 0.9
 
     called(CUTTING + "cut_short", earlier)
 
@@ -178,17 +178,13 @@ def depth_allowed_is_that_of_a_short_step() -> None:
 def contacts_may_add_energy() -> None:
     """What the solver makes of contacts is believed, however fast robots leave them."""
 
-    def fine(old: Any, a: Any) -> bool:
-        a.failed[:] = False
-        return False
-
-    called(ENERGY + "failures", fine)
+    called(ENERGY + "failures", lambda old, a: np.zeros(len(a.given), dtype=np.bool_))
 
 
 @rule("engine")
 def each_robot_has_its_own_energy() -> None:
     """A robot may take none from another that pushes it."""
-    given(ENERGY + "failures", key=lambda a: a.key[:0])
+    given(ENERGY + "failures", pairs=lambda a: type(a.pairs)(a.pairs.key[:0], a.pairs.impulse))
 
 
 # Rows and states
@@ -204,7 +200,7 @@ def impulses_of_parts_do_not_add_up() -> None:
             key = min(p, q) * a.bodies + max(p, q)
             pairs[key] = max(pairs.get(key, 0.0), impulse)
         key = np.array(sorted(pairs), dtype=np.int64)
-        return key, np.array([pairs[k] for k in key.tolist()], dtype=np.float64)
+        return type(old())(key, np.array([pairs[k] for k in key.tolist()], dtype=np.float64))
 
     called(PAIRS + "gather", largest)
 
@@ -212,7 +208,9 @@ def impulses_of_parts_do_not_add_up() -> None:
 @rule("engine")
 def impulse_is_the_impact_alone() -> None:
     """The push of the step that led to a sample is not told."""
-    given(PAIRS + "contact_rows", push=lambda a: np.zeros_like(a.push))
+    given(
+        PAIRS + "contact_rows", pushes=lambda a: a.pushes._replace(impulse=0.0 * a.pushes.impulse)
+    )
 
 
 @rule("engine")

@@ -11,14 +11,13 @@ from typing import Any, cast
 import numpy as np
 import pytest
 
-from physim import Decision, Observation, Sensed, Simulation, for_each, simulate
+from physim import Decision, Observation, Sensed, Simulation, View, for_each, simulate
 from physim.errors import PhysimError
 from physim.world import World
 from tests.helpers import Says, facts, inside, road
 from tests.oracles.observation import observe as observed_at_once
 
 FloatArray = inside("physim.geometry", "FloatArray")
-Sight, Views = inside("physim.simulation", "Sight", "Views")
 contents, difference, own = inside("physim.testing", "contents", "difference", "own")
 describe = inside("physim.world", "describe")
 
@@ -86,10 +85,10 @@ def test_observations_are_those_of_the_oracle(robots: int, rows: Any, plan: dict
     simulation = crowd(robots, **plan)
     scene, sensed = simulation.scene, rows(simulation)
     due = np.arange(robots)[:: 2 if robots > 1 else 1]
-    views = Views(Sight(scene), sensed)
+    view = View(scene, sensed)
     seen = walls = 0
     for i in due.tolist():
-        made, wanted = views.observation(i), observed_at_once(scene, sensed, i)
+        made, wanted = view.observation(i), observed_at_once(scene, sensed, i)
         assert type(made) is Observation
         assert difference(contents(wanted, "o"), contents(made, "o")) is None
         seen, walls = seen + len(made.others), walls + len(made.walls)

@@ -12,11 +12,13 @@ others, for seconds on end up to 48 mm deep where only velocities were cut.
 Steps that end less deep are left as they are, to the last bit. Shorter steps of the engine would
 mend impacts, but nothing else (in a wedge of 2 degrees at 1 m/s robots sink in by 7.4 mm at 0.01 s
 and by 7.2 mm at 0.0005 s), and contacts could begin and end between two samples. More rounds of the
-solver (`space.rounds`) help there, with 20 of them it was 56 mm, but crowds cannot have them: jams
-of 60 robots at 1 m/s are 54 mm deep without what is done here.
+solver (`host.ALL_ROUNDS`) help there, with 20 of them it was 56 mm, but crowds cannot have them:
+jams of 60 robots at 1 m/s are 54 mm deep without what is done here.
 """
 
 from __future__ import annotations
+
+from typing import NamedTuple
 
 import numpy as np
 
@@ -33,32 +35,35 @@ MOST_STOPS = 3
 """of a robot within a step, after which it stays where it began"""
 
 
+class Moves(NamedTuple):
+    """How bodies move in a step."""
+
+    shapes: Shapes
+    """of robots and walls"""
+    end: FloatArray
+    """(B, 3) poses of all bodies at the end of the whole step, robots first"""
+    way: FloatArray
+    """(N, 3) how the robots come there from the sample before, easing included"""
+    share: FloatArray
+    """(N,) of which each goes so much: 1, or up to where it stops"""
+
+
 @compiled
-def cut_short(
-    key: IntArray,
-    shapes: Shapes,
-    end: FloatArray,
-    way: FloatArray,
-    deepest: float,
-    share: FloatArray,
-) -> None:
+def cut_short(key: IntArray, moves: Moves, deepest: float) -> None:
     """Stop robots of the pairs ``key`` (K,) that come deeper than ``deepest`` [m].
 
-    ``end`` (B, 3) are the poses of all bodies at the end of the whole step, robots first, and
-    ``way`` (N, 3) how the robots come there from the sample before, easing included. Of that each
-    goes ``share`` (N,), written here: 1, or up to where it touches another at the depth at which
-    contacts settle, or no deeper than before. A pair that does not come deeper is let go. Robots
-    stop one pair after the other, the earliest first, so that each of them is met by what moves on
-    where it then stands; two that others stop while they pass each other, too deep, stop where they
-    meet.
+    Writes their ``share``: up to where they touch others at the depth at which contacts settle, or
+    no deeper than before. A pair that does not come deeper is let go. Robots stop one pair after
+    the other, the earliest first, so that each of them is met by what moves on where it then
+    stands; two that others stop while they pass each other, too deep, stop where they meet.
     """
-    bodies, robots = len(end), len(way)
+    share, bodies, robots = moves.share, len(moves.end), len(moves.way)
     stops = np.zeros(bodies, np.int64)
     stops[robots:] = 1
     share[:] = 1.0
     due = np.empty(len(key))  # when each pair stops; above 1: never
     for k in range(len(key)):
-        due[k] = _time(key[k], 0.0, shapes, end, way, deepest, share, stops)
+        due[k] = stop_time(key[k], 0.0, moves, deepest, stops)
     now = 0.0
     while len(key):
         first = np.argmin(due)
@@ -73,38 +78,29 @@ def cut_short(
         for k in range(len(key)):
             c, d = key[k] // bodies, key[k] % bodies
             if c == a or d == a or (b < robots and (c == b or d == b)):
-                due[k] = _time(key[k], now, shapes, end, way, deepest, share, stops)
+                due[k] = stop_time(key[k], now, moves, deepest, stops)
 
 
 @compiled
-def _time(
-    key: int,
-    now: float,
-    shapes: Shapes,
-    end: FloatArray,
-    way: FloatArray,
-    deepest: float,
-    share: FloatArray,
-    stops: IntArray,
-) -> float:
+def stop_time(key: int, now: float, moves: Moves, deepest: float, stops: IntArray) -> float:
     """Share of the step, from ``now`` on, at which a pair stops; 2 where it goes on to the end."""
-    a, b = key // len(end), key % len(end)
-    after = _depth(a, b, 1.0, shapes, end, way, share)
+    a, b = key // len(moves.end), key % len(moves.end)
+    after = depth(a, b, 1.0, moves)
     if after <= deepest:
         return 2.0
-    before = _depth(a, b, 0.0, shapes, end, way, share)
+    before = depth(a, b, 0.0, moves)
     if after <= before:
         return 2.0
     least = max(before, SETTLED_DEPTH)
     low, high = 0.0 if stops[a] and stops[b] else now, 1.0
-    lower = _depth(a, b, low, shapes, end, way, share) - least
+    lower = depth(a, b, low, moves) - least
     if lower > 0.0:
         return low
     # Regula falsi in the form called Illinois: along a way the depth is nearly linear.
     upper, weight = after - least, 0
     for _ in range(NARROWINGS):
         middle = (low * upper - high * lower) / (upper - lower)
-        beyond = _depth(a, b, middle, shapes, end, way, share) - least
+        beyond = depth(a, b, middle, moves) - least
         if abs(beyond) <= EXACT:
             return middle
         if beyond > 0.0:
@@ -119,15 +115,13 @@ def _time(
 
 
 @compiled
-def _depth(
-    a: int, b: int, time: float, shapes: Shapes, end: FloatArray, way: FloatArray, share: FloatArray
-) -> float:
+def depth(a: int, b: int, time: float, moves: Moves) -> float:
     """Depth [m] of a pair after a share ``time`` of the step, each no farther than it goes."""
     at = np.empty((2, 3))
     for row, i in enumerate((a, b)):
-        gone = min(time, share[i]) if i < len(way) else 1.0
+        left = 1.0 - min(time, moves.share[i]) if i < len(moves.way) else 0.0
         for k in range(3):
-            at[row, k] = end[i, k]
-            if i < len(way):
-                at[row, k] -= (1.0 - gone) * way[i, k]
-    return -body_distance(shapes, a, at[0], shapes, b, at[1])
+            at[row, k] = moves.end[i, k]
+            if left > 0.0:
+                at[row, k] -= left * moves.way[i, k]
+    return -body_distance(moves.shapes, a, at[0], moves.shapes, b, at[1])

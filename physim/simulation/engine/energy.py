@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from physim.compiled import compiled
 from physim.geometry.shapes import FloatArray, IntArray
+from physim.simulation.engine.pairs import Pairs
 
 OF_PUSHES, OF_IMPACTS = 1.01, 4.0
 """[-] times the energy that robots in contact had, beyond which the solver failed. Pushes never
@@ -22,56 +23,48 @@ TINY = 1e-12
 
 @compiled
 def failures(
-    key: IntArray,
-    bodies: int,
+    pairs: Pairs,
     inertia: FloatArray,
     given: FloatArray,
     found: FloatArray,
+    bodies: int,
     gain: float,
-    failed: NDArray[np.bool_],
-    impulse: FloatArray,
-) -> bool:
-    """Find robots in contact to which the solver gave energy; whether there are any.
+) -> NDArray[np.bool_]:
+    """(N,) robots in contact to which the solver gave energy.
 
-    ``key`` are the pairs (K,) that touch, ``inertia`` (N, 3) mass [kg] twice and moment [kg m^2],
-    ``given`` and ``found`` (N, 3) velocities before and after. Robots that touch each other are one
-    group, in which energy may go from one to another: to ``gain`` times what it had. Sets
-    ``failed`` (N,), and ``impulse`` (K,) [N s] of their pairs to the momentum that the group had.
+    ``pairs`` of so many ``bodies`` touch, ``inertia`` (N, 3) is mass [kg] twice and moment
+    [kg m^2], ``given`` and ``found`` (N, 3) velocities before and after. Robots that touch each
+    other are one group, in which energy may go from one to another: to ``gain`` times what it had.
+    Sets the impulse of their pairs to the momentum that the group had.
     """
     robots = len(given)
     group = np.arange(robots)
-    for one in key:
-        a, b = one // bodies, one % bodies
+    for key in pairs.key:
+        a, b = key // bodies, key % bodies
         if b < robots:
-            _join(group, a, b)
+            group[root(group, a)] = root(group, b)
     before, after, momentum = np.zeros(robots), np.zeros(robots), np.zeros(robots)
     for i in range(robots):
-        root = _root(group, i)
+        of = root(group, i)
         for k in range(3):
-            before[root] += inertia[i, k] * (given[i, k] ** 2 + TINY)
-            after[root] += inertia[i, k] * found[i, k] ** 2
-        momentum[root] += inertia[i, 0] * np.hypot(given[i, 0], given[i, 1])
-    has_failed = False
+            before[of] += inertia[i, k] * (given[i, k] ** 2 + TINY)
+            after[of] += inertia[i, k] * found[i, k] ** 2
+        momentum[of] += inertia[i, 0] * np.hypot(given[i, 0], given[i, 1])
+    failed = np.empty(robots, np.bool_)
     for i in range(robots):
-        root = _root(group, i)
-        failed[i] = not after[root] <= gain * before[root]
-        has_failed |= failed[i]
-    if has_failed:
-        for m in range(len(key)):
-            a = key[m] // bodies
-            if failed[a]:
-                impulse[m] = momentum[_root(group, a)]
-    return has_failed
+        of = root(group, i)
+        failed[i] = not after[of] <= gain * before[of]
+    for m in range(len(pairs.key)):
+        a = pairs.key[m] // bodies
+        if failed[a]:
+            pairs.impulse[m] = momentum[root(group, a)]
+    return failed
 
 
 @compiled
-def _root(group: IntArray, i: int) -> int:
+def root(group: IntArray, i: int) -> int:
+    """Robot by which the group of robot i is known."""
     while group[i] != i:
         group[i] = group[group[i]]
         i = group[i]
     return i
-
-
-@compiled
-def _join(group: IntArray, a: int, b: int) -> None:
-    group[_root(group, a)] = _root(group, b)

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import functools
+
 import numpy as np
 from numpy.typing import NDArray
+from pymunk._chipmunk_cffi import lib
 
 from physim.compiled import direct
 from physim.contacts import CONTACT_ROW, FALSE_CONTACT_ROW, allowed_depth
@@ -21,20 +24,21 @@ from physim.geometry.shapes import (
 )
 from physim.geometry.solids import solids_of
 from physim.geometry.walls import build_wall_tree
-from physim.simulation.engine.cutting import cut_short
+from physim.simulation.engine.cutting import Moves, cut_short
 from physim.simulation.engine.energy import OF_IMPACTS, OF_PUSHES, failures
 from physim.simulation.engine.guard import Guard, Touches
-from physim.simulation.engine.pairs import (
-    Pairs,
-    contact_rows,
-    false_rows,
-    hold_back,
-    no_pairs,
-    pairs_of,
-    split,
-)
-from physim.simulation.engine.space import BodyArrays, build_space, parking, rounds, stepper
+from physim.simulation.engine.pairs import Bodies, Pairs, contact_rows, hold_back, pairs_of, split
+from physim.simulation.engine.space import BodyArrays, build_space
 from physim.simulation.engine.state import ContactMemory, PhysicsState
+from physim.tolerances import CONTACT
+
+LEAST_ROUNDS, MOST_ROUNDS = 20, 400
+"""Rounds of the contact solver per step. Each mends one contact after the other, so a push needs
+the more of them the more robots it goes through, and the lighter they are than who pushes."""
+
+ALL_ROUNDS = 2_500
+"""Rounds times the square of the pairs that touch, where not at one of these bounds. Rows of up to
+six robots go straight by it; more rounds in crowds would cost more than all else of a step."""
 
 
 class Physics:
@@ -49,18 +53,15 @@ class Physics:
     and b, at most one a pair; walls have the ids from N on. The impulse of a row is all that the
     pair exchanged in the step that led to the sample: the push while it touched (a robot held from
     v is pushed with m v a step) and the impact of new contacts (m v for a dead stop), magnitudes
-    added over the parts that touch.
-
-    ``false_contacts`` holds the rows (`physim.contacts.FALSE_CONTACT_ROW`) of the present sample:
-    pairs that the engine reported as touching, and which the exact check found apart and kept out.
+    added over the parts that touch. ``false_contacts`` holds the rows
+    (`physim.contacts.FALSE_CONTACT_ROW`) of pairs that the engine reported as touching, and which
+    the exact check found apart and kept out.
 
     The force of a command is m v / dt, what it takes to bring a robot from rest to its speed within
     a step, and has no other limit. Overlaps stay below (closing speed + sum of r|omega|) dt in the
     step of an impact, and below what is allowed (`physim.contacts.allowed_depth`), and settle below
-    SETTLED_DEPTH.
-
-    Every contact at a sample is found, to the tolerance CONTACT; a swept contact, which begins and
-    ends between two samples, is not.
+    SETTLED_DEPTH. Every contact at a sample is found, to the tolerance CONTACT; a swept contact,
+    which begins and ends between two samples, is not.
     """
 
     def __init__(
@@ -84,32 +85,34 @@ class Physics:
         """
         start = np.ascontiguousarray(start, dtype=np.float64)
         self.dt = dt
-        self._robots = len(start)
-        self._solids = solids_of(walls)
-        self._shapes = joined_shapes(shapes, walls)
-        self._wall_tree = build_wall_tree(walls)
-        self._joined = joined_shapes(shapes, self._solids.shapes)
-        self._body_of_part = part_bodies(self._joined)
-        self._bodies = len(self._shapes.body_start) - 1
-        self._solid = np.concatenate((np.arange(len(start)), len(start) + self._solids.of))
+        solids = solids_of(walls)
+        all_shapes, joined = joined_shapes(shapes, walls), joined_shapes(shapes, solids.shapes)
+        self._among = Bodies(
+            all_shapes, joined, part_bodies(joined), solids, build_wall_tree(walls)
+        )
+        self._robots, self._bodies = len(start), len(all_shapes.body_start) - 1
+        self._solid = np.concatenate((np.arange(len(start)), len(start) + solids.of))
+        self._solids = len(joined.body_start) - 1
         self._allowed_depth = allowed_depth(shapes, dt)
 
-        hosted = build_space(shapes, self._solids.shapes, start, mass, friction, elasticity)
+        hosted = build_space(shapes, solids.shapes, start, mass, friction, elasticity)
         self._space = hosted.space
-        self._advance = stepper(hosted.space, dt)
+        # Past pymunk's own bookkeeping, which serves callbacks that add and remove bodies.
+        self._advance = functools.partial(lib.cpSpaceStep, hosted.space._space, dt)
         self._arrays = BodyArrays(hosted.space, len(start))
-        self._guard = Guard(hosted, self._joined, checks=_guarded)
+        self._guard = Guard(hosted, joined, checks=_guarded)
         self._memory = ContactMemory(hosted)
-        self._parking = parking(shapes, walls)
+        room = 4.0 * float(shapes.radius.max())
+        self._parking = np.zeros((len(start), 3))  # above the walls, in a row
+        self._parking[:, 0] = room * np.arange(len(start))
+        self._parking[:, 1] = room + walls.vertices[:, 1].max(initial=0.0)
 
         inertia = [(m, m, moment(body_parts(shapes, i), m)) for i, m in enumerate(mass)]
         self._inertia = np.array(inertia, dtype=np.float64).reshape(-1, 3)
         self._drive_per_speed = self._inertia / dt
-        self._failed = np.zeros(self._robots, dtype=np.bool_)
         self._chord_velocities = direct(chord_velocities)
-        self._wanted = np.zeros((self._robots, 3))
         self._placed = np.zeros((self._bodies, 3))
-        self._no_pairs = no_pairs()
+        self._no_pairs = Pairs(np.zeros(0, dtype=np.int64), np.zeros(0))
         self._no_contacts = np.zeros(0, CONTACT_ROW)
         self._no_false = np.zeros(0, FALSE_CONTACT_ROW)
         self._begin(start)
@@ -131,11 +134,7 @@ class Physics:
         before, start = self._pairs, self._arrays.pose.copy()
         self._chord_velocities(self._arrays.pose, command, self.dt, self._arrays.velocity)
         self.step_number += 1
-        pushes = self._no_pairs
-        if len(before.key):
-            self._wanted[:] = self._arrays.velocity
-            pushes = self._hold_back(self._count(split(before.key, self._bodies)))
-            self._arrays.velocity[:] = self._wanted
+        pushes = self._hold_back(before) if len(before.key) else self._no_pairs
         self._move(before, pushes)
         if self._is_deep():
             self._cut_short(start, before, pushes)
@@ -157,10 +156,10 @@ class Physics:
         before going on then.
         """
         self._check(state.pose)
-        self._recall(state.pose, self._count(state.before), state)
+        before, touching = (pairs @ (self._bodies, 1) for pairs in (state.before, state.touching))
+        self._recall(state.pose, self._to_solve(before), state)
         if self._arrays.pose.tobytes() != state.pose.tobytes():
             raise PhysimError("the state is of another scene: its steps lead to other poses")
-        touching = state.touching @ (self._bodies, 1)
         self._pairs = Pairs(touching, np.zeros(len(touching)))
         self.step_number = int(state.step)
         self.contacts, self.false_contacts = state.contacts, state.false_contacts
@@ -197,99 +196,103 @@ class Physics:
         depth = self.contacts["depth"]
         return bool(len(depth) and np.maximum.reduce(depth) > self._allowed_depth)
 
-    def _hold_back(self, pairs: int) -> Pairs:
-        """Replace wanted velocities of robots in so many contacts by what these allow; the pushes.
+    def _hold_back(self, before: Pairs) -> Pairs:
+        """Make of the velocities of robots in contact what these allow; the pushes.
 
         Bodies stand still, but for the engine's easing of overlaps, and are driven by the forces
         that would give them the wanted velocities.
         """
-        drive = self._arrays.drive
-        drive[:, :3] = 0.0
-        np.multiply(self._wanted, self._drive_per_speed, out=drive[:, 3:])
-        self._arrays.write_drive()
-        pushes = self._gather(self._solve(pairs))
-        self._arrays.read_velocity()
+        arrays, wanted = self._arrays, self._arrays.velocity.copy()
+        arrays.drive[:, :3] = 0.0
+        np.multiply(wanted, self._drive_per_speed, out=arrays.drive[:, 3:])
+        arrays.write_drive()
+        to_solve = self._to_solve(before.key)
+        pushes = self._gather(self._solve(to_solve))
+        arrays.read_velocity()
         self._guard.take_rejected()  # the same as those met when the bodies came here
-        if self._has_failed(pushes, self._wanted, OF_PUSHES):
-            self._recall(self._arrays.pose.copy(), pairs)
-            self._arrays.velocity[:] = np.where(self._failed[:, None], 0.0, self._wanted)
-        hold_back(pushes.key, self._bodies, self._arrays.velocity, self._wanted)
+        failed = self._failures(pushes, wanted, OF_PUSHES)
+        if failed.any():
+            self._recall(arrays.pose.copy(), to_solve)
+            arrays.velocity[:] = np.where(failed[:, None], 0.0, wanted)
+        hold_back(pushes.key, self._bodies, arrays.velocity, wanted)
+        arrays.velocity[:] = wanted
         return pushes
 
     def _move(self, before: Pairs, pushes: Pairs) -> None:
         """Move all bodies by ``velocity`` and set ``contacts``, given the pairs ``before``."""
-        self._arrays.write_velocity()
-        solved = self._count(split(before.key, self._bodies)) if len(before.key) else 0
-        touches = self._solve(solved)
-        self._arrays.read_pose()
+        arrays = self._arrays
+        arrays.write_velocity()
+        to_solve = self._to_solve(before.key)
+        touches = self._solve(to_solve)
+        arrays.read_pose()
         now = self._gather(touches)
         self.false_contacts = self._no_false
         if self._guard.reported and len(parts := self._guard.take_rejected()):
             reported = self._gather(Touches(parts, np.zeros(len(parts))))
             pairs = split(reported.key, self._bodies)
-            apart = describe_pairs(self._shapes, self._placed, pairs)[:, 4]
-            self.false_contacts = false_rows(self.step_number, pairs, apart)
+            distance = describe_pairs(self._among.shapes, self._placed, pairs)[:, 4]
+            apart = distance > CONTACT  # of other pairs other parts do touch
+            self.false_contacts = np.zeros(int(apart.sum()), FALSE_CONTACT_ROW)
+            self.false_contacts["step"] = self.step_number
+            self.false_contacts["a"], self.false_contacts["b"] = pairs[apart].T
+            self.false_contacts["distance"] = distance[apart]
         self._pairs = now
         if not len(before.key) and not len(now.key):
             self.contacts = self._no_contacts
             return
-        given = self._arrays.velocity.copy()
-        self._arrays.read_velocity()
-        if self._has_failed(now, given, OF_IMPACTS):
-            self._recall(self._arrays.pose.copy(), solved)
-        self._arrays.velocity[:] = given
-        self._placed[: self._robots] = self._arrays.pose
-        rows = np.empty(len(before.key) + len(now.key), CONTACT_ROW)
-        count = contact_rows(
-            self.step_number, before.key, *now, *pushes, self._shapes, self._solids.faces,
-            self._placed, rows,
-        )  # fmt: skip
-        self.contacts = rows[:count].copy()
+        given = arrays.velocity.copy()
+        arrays.read_velocity()
+        if self._failures(now, given, OF_IMPACTS).any():
+            self._recall(arrays.pose.copy(), to_solve)
+        arrays.velocity[:] = given
+        self._placed[: self._robots] = arrays.pose
+        self.contacts = contact_rows(before.key, now, pushes, self._among, self._placed)
+        self.contacts["step"] = self.step_number
 
     def _cut_short(self, start: FloatArray, before: Pairs, pushes: Pairs) -> None:
         """Do the step from poses (N, 3) again; bodies that came too deep stop where they touch."""
-        arrays = self._arrays
-        velocity, bodies = arrays.velocity.copy(), len(self._joined.body_start) - 1
-        end = self._placed[:bodies].copy()
-        way, keys = end[: self._robots] - start, self._solid_keys(split(before.key, self._bodies))
-        last, share = np.ones((2, self._robots))
+        arrays, robots = self._arrays, self._robots
+        velocity, end = arrays.velocity.copy(), self._placed[: self._solids].copy()
+        last, share = np.ones((2, robots))
+        moves = Moves(self._among.joined, end, end[:robots] - start, share)
+        keys = self._solid_keys(before.key)
         while True:  # what stops may be met by what passed it before
-            keys = np.union1d(keys, self._solid_keys(split(self._pairs.key, self._bodies)))
-            cut_short(keys, self._joined, end, way, self._allowed_depth, share)
+            keys = np.union1d(keys, self._solid_keys(self._pairs.key))
+            cut_short(keys, moves, self._allowed_depth)
             if np.array_equal(share, last):
                 return
             last[:] = share
-            stop = end[: self._robots] - (1.0 - share)[:, None] * way
+            stop = end[:robots] - (1.0 - share)[:, None] * moves.way
             self._stand(stop - velocity * self.dt)
             arrays.velocity[:] = velocity
             self._move(before, pushes)
 
-    def _has_failed(self, pairs: Pairs, given: FloatArray, gain: float) -> bool:
-        """Whether the solver failed on some pairs; sets their impulses and ``_failed`` then."""
-        found = self._arrays.velocity
-        return failures(
-            pairs.key, self._bodies, self._inertia, given, found, gain, self._failed, pairs.impulse
-        )
-
     # The engine
 
-    def _solve(self, pairs: int = 0) -> Touches:
+    def _solve(self, pairs: int) -> Touches:
         """Move all bodies, find the contacts at their new poses and solve them; the true ones.
 
         ``pairs`` of bodies touched before: so much there is to solve.
         """
-        self._space.iterations = rounds(pairs)
+        rounds = ALL_ROUNDS // max(1, pairs * pairs)
+        self._space.iterations = max(LEAST_ROUNDS, min(MOST_ROUNDS, rounds))
         self._advance()
         return self._guard.take()
 
     def _stand(self, pose: FloatArray) -> None:
         """Put all robots at poses (N, 3), at rest; the engine forgets the contacts it had."""
+        self._arrays.velocity[:] = 0.0
         # Twice, if the easing of overlaps leads from parking into contact.
         while self._guard.reported:
             self._put(self._parking)
-            self._solve()
+            self._solve(0)
         self._put(pose)
         self._guard.take_rejected()
+
+    def _put(self, pose: FloatArray) -> None:
+        self._arrays.write_velocity()
+        self._arrays.pose[:] = pose
+        self._arrays.write_pose()
 
     def _recall(self, pose: FloatArray, pairs: int, state: PhysicsState | None = None) -> None:
         """Stand the robots at poses (N, 3) where contacts had accumulated the impulses of a state.
@@ -304,12 +307,6 @@ class Physics:
         if state is not None:
             self._memory.write(state)
 
-    def _put(self, pose: FloatArray) -> None:
-        self._arrays.velocity[:] = 0.0
-        self._arrays.write_velocity()
-        self._arrays.pose[:] = pose
-        self._arrays.write_pose()
-
     # Pairs of bodies
 
     def _gather(self, touches: Touches) -> Pairs:
@@ -317,21 +314,17 @@ class Physics:
         if not len(touches.part):
             return self._no_pairs
         self._placed[: self._robots] = self._arrays.pose
-        found = pairs_of(
-            *touches,
-            self._body_of_part,
-            self._joined,
-            self._solids,
-            self._shapes,
-            self._wall_tree,
-            self._placed,
-        )
-        return Pairs(*found)
+        return pairs_of(*touches, self._among, self._placed)
 
-    def _count(self, pairs: IntArray) -> int:
-        """How many contacts of bodies the engine has to solve where pairs (K, 2) touch."""
-        return len(self._solid_keys(pairs)) if len(pairs) else 0
+    def _failures(self, pairs: Pairs, given: FloatArray, gain: float) -> NDArray[np.bool_]:
+        """(N,) of which robots the solver failed; sets the impulses of their pairs."""
+        found = self._arrays.velocity
+        return failures(pairs, self._inertia, given, found, self._bodies, gain)
 
-    def _solid_keys(self, pairs: IntArray) -> IntArray:
-        """Keys of pairs (K, 2) in the numbering of robots and solids."""
-        return np.unique(self._solid[pairs] @ (len(self._joined.body_start) - 1, 1))
+    def _to_solve(self, key: IntArray) -> int:
+        """How many contacts of robots and solids the engine has to solve where pairs touch."""
+        return len(self._solid_keys(key)) if len(key) else 0
+
+    def _solid_keys(self, key: IntArray) -> IntArray:
+        """Keys of pairs in the numbering of robots and solids."""
+        return np.unique(self._solid[split(key, self._bodies)] @ (self._solids, 1))

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from physim.compiled import compiled
-from physim.contacts import FALSE_CONTACT_ROW, Kind, Phase
+from physim.contacts import CONTACT_ROW, Kind, Phase
 from physim.geometry.bodies import body_distance, point_gap, relative_frame
 from physim.geometry.convex import part_witness
 from physim.geometry.shapes import FloatArray, IntArray, Part, Shapes
@@ -32,22 +32,17 @@ class Pairs(NamedTuple):
     """(K,) [N s]"""
 
 
-def no_pairs() -> Pairs:
-    """Return the empty set of pairs."""
-    return Pairs(np.zeros(0, dtype=np.int64), np.zeros(0))
+class Bodies(NamedTuple):
+    """Robots among walls, and among the solids that these make up, in one numbering each."""
 
-
-def false_rows(step: int, pairs: IntArray, distance: FloatArray) -> NDArray[np.void]:
-    """Return the rows of pairs (K, 2) reported at a sample that are apart; ``distance`` (K,) [m].
-
-    A pair of which other parts do touch is no false contact.
-    """
-    apart = distance > CONTACT
-    rows = np.zeros(int(apart.sum()), FALSE_CONTACT_ROW)
-    rows["step"] = step
-    rows["a"], rows["b"] = pairs[apart].T
-    rows["distance"] = distance[apart]
-    return rows
+    shapes: Shapes
+    """of robots and walls"""
+    joined: Shapes
+    """of robots and solids"""
+    owner: IntArray
+    """(P,) robot or solid of each part of ``joined``"""
+    solids: Solids
+    wall_tree: WallTree
 
 
 def split(key: IntArray, bodies: int) -> IntArray:
@@ -56,36 +51,26 @@ def split(key: IntArray, bodies: int) -> IntArray:
 
 
 @compiled
-def pairs_of(
-    part: IntArray,
-    impulse: FloatArray,
-    body_of_part: IntArray,
-    joined: Shapes,
-    solids: Solids,
-    shapes: Shapes,
-    wall_tree: WallTree,
-    pose: FloatArray,
-) -> tuple[IntArray, FloatArray]:
-    """Pairs of bodies that touch, by contacts of their parts (K, 2): what `gather` returns.
+def pairs_of(part: IntArray, impulse: FloatArray, among: Bodies, pose: FloatArray) -> Pairs:
+    """Pairs of robots and walls that touch, by contacts of parts (M, 2) of robots and solids.
 
-    ``part`` and ``body_of_part`` number robots and solids, whose shapes are ``joined``; ``shapes``
-    are those of robots and walls, ``pose`` (B, 3) all robots first; ``wall_tree`` holds the walls.
-    What a robot exchanges with a solid of several walls it does with the one of those it touches
-    that the contact's point on the solid lies on. The others that it touches have a contact without
-    impulse.
+    ``pose`` (B, 3) has all robots first. What a robot exchanges with a solid of several walls it
+    does with the one of those it touches that the contact's point on the solid lies on. The others
+    that it touches have a contact without impulse.
     """
+    shapes, solids, owner = among.shapes, among.solids, among.owner
     robots = len(pose) - len(solids.of)
     room = 0
     for m in range(len(part)):
-        s = max(body_of_part[part[m, 0]], body_of_part[part[m, 1]]) - robots
+        s = max(owner[part[m, 0]], owner[part[m, 1]]) - robots
         room += 1 if s < 0 else 1 + solids.start[s + 1] - solids.start[s]
     body, given = np.empty((room, 2), np.int64), np.zeros(room)
     count = 0
     for m in range(len(part)):
         p, q = part[m, 0], part[m, 1]
-        if body_of_part[p] > body_of_part[q]:
+        if owner[p] > owner[q]:
             p, q = q, p
-        a, b = body_of_part[p], body_of_part[q]
+        a, b = owner[p], owner[q]
         s = b - robots
         first = count
         body[first, 0], body[first, 1], given[first] = a, b, impulse[m]
@@ -96,10 +81,10 @@ def pairs_of(
         body[first, 1] = robots + walls[0]
         if len(walls) == 1:
             continue
-        x, y = _on_solid(joined, p, pose[a], q)
-        nearest, last, w = np.inf, -1, 0
-        for k in parts_near(wall_tree, pose[a, 0], pose[a, 1], shapes.radius[a] + CONTACT):
-            while wall_tree.walls.body_start[w + 1] <= k:
+        x, y = on_solid(among.joined, p, pose[a], q)
+        nearest, last, w, tree = np.inf, -1, 0, among.wall_tree
+        for k in parts_near(tree, pose[a, 0], pose[a, 1], shapes.radius[a] + CONTACT):
+            while tree.walls.body_start[w + 1] <= k:
                 w += 1
             if w == last or solids.of[w] != s:
                 continue
@@ -109,19 +94,19 @@ def pairs_of(
                 continue
             body[count, 0], body[count, 1] = a, robots + w
             count += 1
-            gap = _wall_gap(shapes, robots + w, x, y)
+            gap = gap_to(shapes, robots + w, x, y)
             if gap < nearest:
                 nearest, body[first, 1] = gap, robots + w
         if nearest == np.inf:  # it touches the outline alone
             for w in walls:
-                gap = _wall_gap(shapes, robots + w, x, y)
+                gap = gap_to(shapes, robots + w, x, y)
                 if gap < nearest:
                     nearest, body[first, 1] = gap, robots + w
     return gather(body[:count], given[:count], len(pose))
 
 
 @compiled
-def _wall_gap(shapes: Shapes, body: int, x: float, y: float) -> float:
+def gap_to(shapes: Shapes, body: int, x: float, y: float) -> float:
     """Lower bound [m] of the distance of a point from a wall."""
     gap = np.inf
     for k in range(shapes.body_start[body], shapes.body_start[body + 1]):
@@ -131,7 +116,7 @@ def _wall_gap(shapes: Shapes, body: int, x: float, y: float) -> float:
 
 
 @compiled
-def _on_solid(joined: Shapes, p: int, pose: FloatArray, q: int) -> tuple[float, float]:
+def on_solid(joined: Shapes, p: int, pose: FloatArray, q: int) -> tuple[float, float]:
     """Point [m] of part q of a solid at which it touches part p of a robot."""
     v, start = joined.vertices, joined.part_start
     P, Q = Part(v, start[p], start[p + 1]), Part(v, start[q], start[q + 1])
@@ -142,7 +127,7 @@ def _on_solid(joined: Shapes, p: int, pose: FloatArray, q: int) -> tuple[float, 
 
 
 @compiled
-def gather(body: IntArray, impulse: FloatArray, bodies: int) -> tuple[IntArray, FloatArray]:
+def gather(body: IntArray, impulse: FloatArray, bodies: int) -> Pairs:
     """Gather contacts of bodies (M, 2), in any order, into `Pairs`: impulses (M,) are added."""
     count = len(body)
     # One number for pair and place: those of a pair stay in their order, in which they are added.
@@ -158,54 +143,44 @@ def gather(body: IntArray, impulse: FloatArray, bodies: int) -> tuple[IntArray, 
             key[pairs], total[pairs] = place // count, 0.0
             pairs += 1
         total[pairs - 1] += impulse[place % count]
-    return key[:pairs], total[:pairs]
+    return Pairs(key[:pairs], total[:pairs])
 
 
 @compiled
 def contact_rows(
-    step: int,
-    before: IntArray,
-    now: IntArray,
-    impact: FloatArray,
-    pushed: IntArray,
-    push: FloatArray,
-    shapes: Shapes,
-    faces: Shapes,
-    pose: FloatArray,
-    rows: NDArray[np.void],
-) -> int:
-    """Write the contact rows of a sample into ``rows``, sorted by pair; returns how many.
+    before: IntArray, now: Pairs, pushes: Pairs, among: Bodies, pose: FloatArray
+) -> NDArray[np.void]:
+    """Return the contact rows of a sample, sorted by pair, of which the step is not yet set.
 
-    The keys of the pairs that touched ``before`` and touch ``now`` are sorted, and so are those
-    that were ``pushed`` on the way; ``impact`` and ``push`` [N s] belong to the latter two.
-    ``shapes`` are those of all bodies, at ``pose`` (B, 3), ``faces`` those of `Solids`. Of a pair
-    that has ended the depth is minus the distance; a pair that touches, by its tolerance, has no
-    depth below 0.
+    ``before`` are the keys of the pairs that touched at the sample before, ``now`` those that
+    touch, with their impacts, ``pushes`` those that touched on the way; all bodies are at ``pose``
+    (B, 3). Of a pair that has ended the depth is minus the distance; a pair that touches, by its
+    tolerance, has no depth below 0.
     """
-    bodies = len(pose)
-    found = np.empty(5)
+    bodies, found = len(pose), np.empty(5)
+    rows = np.empty(len(before) + len(now.key), CONTACT_ROW)
     i, j, k, count = 0, 0, 0, 0
-    while i < len(before) or j < len(now):
-        if j == len(now) or (i < len(before) and before[i] < now[j]):
+    while i < len(before) or j < len(now.key):
+        if j == len(now.key) or (i < len(before) and before[i] < now.key[j]):
             key = before[i]
         else:
-            key = now[j]
-        touched, touches = i < len(before) and before[i] == key, j < len(now) and now[j] == key
-        while k < len(pushed) and pushed[k] < key:
+            key = now.key[j]
+        touched = i < len(before) and before[i] == key
+        touches = j < len(now.key) and now.key[j] == key
+        while k < len(pushes.key) and pushes.key[k] < key:
             k += 1
-        impulse = push[k] if k < len(pushed) and pushed[k] == key else 0.0
+        impulse = pushes.impulse[k] if k < len(pushes.key) and pushes.key[k] == key else 0.0
         if touches:
-            impulse += impact[j]
+            impulse += now.impulse[j]
         a, b = key // bodies, key % bodies
-        describe_contact(shapes, faces, a, pose[a], b, pose[b], found)
+        describe_contact(among.shapes, among.solids.faces, a, pose[a], b, pose[b], found)
         row = rows[count]
-        row["step"], row["a"], row["b"], row["kind"] = step, a, b, PHYSICAL
+        row["a"], row["b"], row["kind"], row["impulse"] = a, b, PHYSICAL, impulse
         row["x"], row["y"], row["nx"], row["ny"] = found[0], found[1], found[2], found[3]
         row["phase"] = (STAYS if touched else BEGAN) if touches else ENDED
         row["depth"] = -found[4] if found[4] < 0.0 or not touches else 0.0  # and not -0.0
-        row["impulse"] = impulse
         i, j, count = i + touched, j + touches, count + 1
-    return count
+    return rows[:count].copy()
 
 
 @compiled

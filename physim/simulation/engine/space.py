@@ -7,7 +7,6 @@ space's static body closes the list.
 
 from __future__ import annotations
 
-import functools
 from collections.abc import Callable
 from typing import NamedTuple
 
@@ -22,14 +21,6 @@ from physim.tolerances import CONTACT
 
 SLOP = 1e-3
 """[m] Overlap that the engine leaves in place (its default is 0.1 m)."""
-
-LEAST_ROUNDS, MOST_ROUNDS = 20, 400
-"""Rounds of the contact solver per step. Each mends one contact after the other, so a push needs
-the more of them the more robots it goes through, and the lighter they are than who pushes."""
-
-ALL_ROUNDS = 2_500
-"""Rounds times the square of the pairs that touch, where not at one of these bounds. Rows of up to
-six robots go straight by it; more rounds in crowds would cost more than all else of a step."""
 
 RADIUS = CONTACT
 """[m] Skin of every shape. Shapes touch at CONTACT; two skins are twice that, so that the engine
@@ -108,11 +99,6 @@ def _solid(body: pymunk.Body, part: FloatArray) -> pymunk.Shape:
     return pymunk.Poly(body, part.tolist(), radius=RADIUS)
 
 
-def rounds(pairs: int) -> int:
-    """Rounds of the contact solver where so many pairs touch."""
-    return max(LEAST_ROUNDS, min(MOST_ROUNDS, ALL_ROUNDS // max(1, pairs * pairs)))
-
-
 def cell_side(shapes: Shapes, walls: Shapes) -> float:
     """Side [m] of the cells of the spatial hash, for robots and walls."""
     side = CELL * 2.0 * float(shapes.radius.max())
@@ -123,15 +109,6 @@ def cell_side(shapes: Shapes, walls: Shapes) -> float:
     while np.prod(np.floor((high - low) / side) + 2.0, axis=1).sum() > MOST_WALL_CELLS:
         side *= 2.0
     return side
-
-
-def parking(shapes: Shapes, walls: Shapes) -> FloatArray:
-    """Poses (N, 3) for all robots far from the walls and from each other, above and in a row."""
-    room = 4.0 * float(shapes.radius.max())
-    pose = np.zeros((len(shapes.radius), 3))
-    pose[:, 0] = room * np.arange(len(pose))
-    pose[:, 1] = room + walls.vertices[:, 1].max(initial=0.0)
-    return pose
 
 
 _POSE = BodyFields.POSITION | BodyFields.ANGLE
@@ -186,11 +163,3 @@ def _shared(
 
     get, put = "pmSpaceBodyGetIteratorFuncBatched", "pmSpaceBodySetIteratorFuncBatched"
     return array[:robots], caller(get), caller(put)
-
-
-def stepper(space: pymunk.Space, dt: float) -> Callable[[], None]:
-    """Return what makes a step of the engine.
-
-    Past pymunk's own bookkeeping, which serves callbacks that add and remove bodies.
-    """
-    return functools.partial(lib.cpSpaceStep, space._space, dt)

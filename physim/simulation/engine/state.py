@@ -12,7 +12,7 @@ ease overlaps) and on its cached contacts. Of that, at a sample of `Physics`,
   rejected ones too, and stand in the same order if they are found again there;
 - the pseudo-velocities are worked out from nothing in every solve, from the contacts alone and
   apart from velocities and impulses: finding the contacts again, with as many rounds of the solver
-  (`space.rounds`), brings them back to the last bit.
+  (`host.ALL_ROUNDS`), brings them back to the last bit.
 
 So what is left are the pairs that touched at the sample before, by whose number those rounds go
 (`PhysicsState.before`), and the impulses that each point of contact has accumulated, from which the

@@ -27,6 +27,9 @@ from physim.geometry.shapes import FloatArray, IntArray, Part, Shapes
 LEAF = 4
 """Parts of a leaf."""
 
+LISTED = 8
+"""Parts that are remembered of a search."""
+
 MARGIN = 1e-6
 """[m] A box must be farther than needed by this: far above rounding within 1,000 km."""
 
@@ -51,13 +54,14 @@ class WallTree(NamedTuple):
 
 
 class NearestWalls(NamedTuple):
-    """Nearest part of a wall to each of N robots, from the last search: it only saves time."""
+    """Parts of walls about each of N robots, from the last search: they only save time."""
 
     part: IntArray
-    """(N,) -1: not known"""
+    """(N, LISTED) the nearest first; -1: no more"""
     at: FloatArray
-    """(N, 5) x, y [m], cosine and sine of the heading at that search, and by how much [m] every
-    other part was farther"""
+    """(N, 4) x, y [m], cosine and sine of the heading at that search"""
+    gap: FloatArray
+    """(N, LISTED + 1) [m] how far each of them was then, at least, and every other part"""
 
 
 class Sight(NamedTuple):
@@ -73,7 +77,9 @@ class Sight(NamedTuple):
 
 def nearest_walls(robots: int) -> NearestWalls:
     """What is known before the first search."""
-    return NearestWalls(np.full(robots, -1), np.zeros((robots, 5)))
+    return NearestWalls(
+        np.full((robots, LISTED), -1), np.zeros((robots, 4)), np.zeros((robots, LISTED + 1))
+    )
 
 
 def build_wall_tree(walls: Shapes) -> WallTree:
@@ -181,7 +187,8 @@ def parts_seen(sight: Sight, x: float, y: float, within: float) -> IntArray:
 @compiled
 def parts_near(tree: WallTree, x: float, y: float, within: float) -> IntArray:
     """Parts that come within ``within`` [m] of (x, y), increasing; up to MARGIN farther, some."""
-    known = NearestWalls(np.empty(0, dtype=np.int64), np.empty((0, 5)))
+    nothing = np.empty((0, 4))
+    known = NearestWalls(np.empty((0, LISTED), dtype=np.int64), nothing, nothing)
     return parts_seen(Sight(tree, x, y, np.inf, known), x, y, within)
 
 
@@ -245,45 +252,59 @@ def segment_bound(wall: Part, shapes: Shapes, i: int, f: Frame) -> float:
 def nearest_seen(shapes: Shapes, i: int, f: Frame, sight: Sight) -> tuple[float, int]:
     """Signed distance [m] of robot i, whose frame is f, from the walls in sight, and the nearest.
 
-    Of equally near parts it is the lowest; (inf, -1) without any. A part that was nearer than all
-    others by more than twice what the robot has moved since is still the nearest.
+    Of equally near parts it is the lowest; (inf, -1) without any. Those about it at the last search
+    are tried first: with how far the robot has moved since, they are often known to be all.
     """
     tree, W, start = sight.tree, sight.tree.walls.vertices, sight.tree.walls.part_start
-    radius, best, nearest, likely = shapes.radius[i], np.inf, -1, sight.nearest.part[i]
-    if likely >= 0:
-        wall = Part(W, start[likely], start[likely + 1])
-        if is_seen(sight, wall):
-            best, nearest = wall_gap(wall, shapes, i, f, np.inf), likely
-            at = sight.nearest.at[i]
-            dx, dy, dc, ds = f.tx - at[0], f.ty - at[1], f.c - at[2], f.s - at[3]
-            moved = math.sqrt(dx * dx + dy * dy) + radius * math.sqrt(dc * dc + ds * ds)
-            if at[4] > 2.0 * moved + MARGIN:
-                return best, likely
+    radius, best, nearest = shapes.radius[i], np.inf, -1
+    listed, at, gaps = sight.nearest.part[i], sight.nearest.at[i], sight.nearest.gap[i]
+    dx, dy, dc, ds = f.tx - at[0], f.ty - at[1], f.c - at[2], f.s - at[3]
+    moved = math.sqrt(dx * dx + dy * dy) + radius * math.sqrt(dc * dc + ds * ds) + MARGIN
+    for m in range(LISTED):
+        part = listed[m]
+        if part < 0:
+            break
+        wall = Part(W, start[part], start[part + 1])
+        if m and (gaps[m] - moved > best or segment_bound(wall, shapes, i, f) > best + MARGIN):
+            continue
+        # A hair more than the best, so that a part just as near gives its exact distance.
+        gap = wall_gap(wall, shapes, i, f, np.nextafter(best, np.inf))
+        if (gap < best or (gap == best and part < nearest)) and is_seen(sight, wall):
+            best, nearest = gap, part
+    if nearest >= 0 and best + moved < gaps[LISTED]:
+        return best, nearest
     dx, dy = f.tx - sight.x, f.ty - sight.y
     seen = sight.reach + math.sqrt(dx * dx + dy * dy)  # nothing that is farther is in sight
-    second, spare = np.inf, radius
+    tried, count, spare, others = nearest, 0, radius, np.inf
+    if nearest >= 0:
+        listed[0], gaps[0], count = nearest, best, 1
     leaf = leaf_after(tree, 0, f.tx, f.ty, min(best + spare + radius, seen))
     while leaf:
         first = (leaf - tree.leaves) * LEAF
         for k in range(first, min(first + LEAF, len(tree.part))):
-            part = tree.part[k]
+            part, enough = tree.part[k], best + spare
             wall = Part(W, start[part], start[part + 1])
-            enough = best + spare
-            if part == nearest or segment_bound(wall, shapes, i, f) > enough + MARGIN:
+            if part == tried or segment_bound(wall, shapes, i, f) > enough + MARGIN:
                 continue
-            # A hair more, so that a part just as near as the best gives its exact distance.
             gap = wall_gap(wall, shapes, i, f, np.nextafter(enough, np.inf))
             if (gap < best or (gap == best and part < nearest)) and is_seen(sight, wall):
-                second, best, nearest = min(second, best), gap, part
-            else:
-                second = min(second, gap)
+                best, nearest = gap, part
+            place = count
+            if count == LISTED:
+                place = int(gaps[:LISTED].argmax())
+                others = min(others, max(gap, gaps[place]))
+            if count < LISTED or gap < gaps[place]:
+                listed[place], gaps[place], count = part, gap, min(count + 1, LISTED)
             if best < np.inf:
-                spare = max(0.0, min(spare, second - best))
+                spare = max(0.0, min(spare, others - best))
         leaf = leaf_after(tree, leaf, f.tx, f.ty, min(best + spare + radius, seen))
-    if nearest >= 0:
-        at = sight.nearest.at[i]
-        at[0], at[1], at[2], at[3] = f.tx, f.ty, f.c, f.s
-        sight.nearest.part[i], at[4] = nearest, min(second, best + spare, seen - radius) - best
+    listed[count:] = -1
+    for m in range(count):
+        if listed[m] == nearest:
+            listed[0], listed[m] = listed[m], listed[0]
+            gaps[0], gaps[m] = gaps[m], gaps[0]
+    at[0], at[1], at[2], at[3] = f.tx, f.ty, f.c, f.s
+    gaps[LISTED] = min(others, best + spare, seen - radius)
     return best, nearest
 
 

@@ -16,9 +16,10 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
 
 from physim import Decision, Observation, World
-from physim.campaigns.falsify.evaluate import ROBOTS, Judged, Touched, controller_of
+from physim.campaigns.falsify.evaluate import ROBOTS, Judged, Touched
 from physim.geometry.clearance import clearances
 from physim.geometry.shapes import FloatArray, locked
+from physim.parts.registry import made_controller
 from physim.simulation.swept_contacts import SweptContactFinder
 from physim.tolerances import CONTACT
 from physim.world.layout.scene_builder import build_scene
@@ -105,7 +106,7 @@ class Twin:
 
     def __init__(self, world: World) -> None:
         self.scene = build_scene(world)
-        self.settings = controller_of(world).settings  # type: ignore[attr-defined]
+        self.settings = made_controller(world, trusted=True).settings  # type: ignore[attr-defined]
 
     def poses(self, world: World) -> FloatArray:
         """(K, 2, 3) poses of all samples."""

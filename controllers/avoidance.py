@@ -47,7 +47,7 @@ class NearField(NamedTuple):
 def course_under(bodies: Bodies, row: int, v: float, omega: float) -> Course:
     """Course of a row of ``bodies`` under the command (v, omega)."""
     pose, facing = bodies.pose, bodies.facing
-    radius = bodies.shapes.radius[bodies.shape[row]]
+    radius = bodies.shapes.radius[bodies.number[row]]
     return facing_course(
         pose[row, 0], pose[row, 1], facing[row, 0], facing[row, 1], v, omega, radius
     )
@@ -70,24 +70,24 @@ def distance_to(
     (c, s) are cosine and sine of the heading of ``pose``. Exact where it is below ``enough``;
     otherwise some number from ``enough`` up to it.
     """
-    shapes, shape = bodies.shapes, bodies.shape
-    return body_gap(shapes, shape[me], shapes, shape[j], frame_from(pose, c, s, there), enough)
+    shapes, number = bodies.shapes, bodies.number
+    return body_gap(shapes, number[me], shapes, number[j], frame_from(pose, c, s, there), enough)
 
 
 @compiled
 def smallest_distance(bodies: Bodies, near: NearField) -> float:
     """Smallest d_ij [m] by (11) to the considered robots, signed; inf without any."""
-    me, pose, radius, shape = near.me, bodies.pose, bodies.shapes.radius, bodies.shape
-    c, s, mine = bodies.facing[me, 0], bodies.facing[me, 1], radius[shape[me]]
+    me, pose, radius, number = near.me, bodies.pose, bodies.shapes.radius, bodies.number
+    c, s, mine = bodies.facing[me, 0], bodies.facing[me, 1], radius[number[me]]
     smallest, least, first = np.inf, np.inf, -1
     for j in near.rows:
-        apart = discs_apart(pose[me], pose[j], mine + radius[shape[j]])
+        apart = discs_apart(pose[me], pose[j], mine + radius[number[j]])
         if apart < least:
             least, first = apart, j
-    if first >= 0:  # most often the nearest: of the others few need be measured
-        smallest = distance_to(bodies, me, pose[me], c, s, first, pose[first], smallest)
+    if first >= 0:  # of the others few need be measured then
+        smallest = distance_to(bodies, me, pose[me], c, s, first, pose[first], smallest)  # (11)
     for j in near.rows:
-        if j != first and discs_apart(pose[me], pose[j], mine + radius[shape[j]]) < smallest:
+        if j != first and discs_apart(pose[me], pose[j], mine + radius[number[j]]) < smallest:
             d = distance_to(bodies, me, pose[me], c, s, j, pose[j], smallest)  # (11)
             smallest = min(smallest, d)
     return smallest
@@ -101,18 +101,18 @@ def first_robot(
 
     ``enough`` is that of `smallest_time`.
     """
-    shapes, shape, command = bodies.shapes, bodies.shape, bodies.command
+    shapes, number, command = bodies.shapes, bodies.number, bodies.command
     pose, facing, radius = bodies.pose, bodies.facing, shapes.radius
     smallest = np.inf
     for j in near.rows:
         theirs = facing_course(
             pose[j, 0], pose[j, 1], facing[j, 0], facing[j, 1],
-            command[j, 0], near.keep * command[j, 1], radius[shape[j]],
+            command[j, 0], near.keep * command[j, 1], radius[number[j]],
         )  # fmt: skip
         until = min(smallest, horizon)
         if never_meet(mine, theirs, until):
             continue
-        xi = bodies_time(shapes, shape[near.me], mine, shapes, shape[j], theirs, until)  # (11)
+        xi = bodies_time(shapes, number[near.me], mine, shapes, number[j], theirs, until)  # (11)
         smallest = min(smallest, xi)
         if smallest < enough:
             break
@@ -134,7 +134,7 @@ def smallest_time(
     if smallest < enough:
         return smallest
     until = min(smallest, horizon)
-    return min(smallest, seen_time(bodies.shapes, bodies.shape[near.me], mine, near.sight, until))
+    return min(smallest, seen_time(bodies.shapes, bodies.number[near.me], mine, near.sight, until))
 
 
 @compiled
@@ -154,21 +154,21 @@ def distance_after(
     left out.
     """
     me, pose, command, end = near.me, bodies.pose, bodies.command, poses[-1]
-    radius, shape = bodies.shapes.radius, bodies.shape
+    radius, number = bodies.shapes.radius, bodies.number
     move(pose[me], pair[0], pair[1], period, end)
-    c, s, mine = cos(end[2]), sin(end[2]), radius[shape[me]]
+    c, s, mine = cos(end[2]), sin(end[2]), radius[number[me]]
     smallest = np.inf
     for k in range(len(near.rows)):
         j = near.rows[k]
         if np.isnan(poses[k, 0]):
             move(pose[j], command[j, 0], command[j, 1], period, poses[k])
-        if discs_apart(end, poses[k], mine + radius[shape[j]]) < smallest:
+        if discs_apart(end, poses[k], mine + radius[number[j]]) < smallest:
             d = distance_to(bodies, me, end, c, s, j, poses[k], smallest)  # (11)
             smallest = min(smallest, d)
             if smallest < enough:
                 return smallest
     if walls_count:
-        gap = seen_distance(bodies.shapes, bodies.shape[me], end, near.sight)
+        gap = seen_distance(bodies.shapes, bodies.number[me], end, near.sight)
         smallest = min(smallest, gap)
     return smallest
 

@@ -22,10 +22,8 @@ class Bodies(NamedTuple):
     """Rows of robots as the deciding one senses them: all of them, or those within range."""
 
     shapes: Shapes
-    shape: IntArray
-    """(n,) which body of ``shapes`` each row has"""
     number: IntArray
-    """(n,) robot indices"""
+    """(n,) robot indices, by which ``shapes`` has their bodies"""
     pose: FloatArray
     """(n, 3)"""
     command: FloatArray
@@ -42,28 +40,6 @@ def has_priority(station_i: float, index_i: int, station_j: float, index_j: int)
     if station_j == station_i:
         return index_j < index_i
     return station_j > station_i
-
-
-@compiled
-def considered(
-    me: int, index: IntArray, pose: FloatArray, station: FloatArray, reach: float
-) -> IntArray:
-    """Rows j of the robots that row ``me`` must consider, in increasing order.
-
-    ``index`` (n,) robot indices, ``pose`` (n, 3), ``station`` (n,) along s*, ``reach`` [m].
-    """
-    rows = np.empty(len(index), dtype=np.int64)
-    count = 0
-    for j in range(len(index)):
-        if j == me or station[j] - station[me] > reach:
-            continue
-        dx, dy = pose[j, 0] - pose[me, 0], pose[j, 1] - pose[me, 1]
-        if dx * dx + dy * dy > reach * reach:
-            continue
-        if has_priority(station[me], index[me], station[j], index[j]):
-            rows[count] = j
-            count += 1
-    return rows[:count]
 
 
 class Ranking(NamedTuple):
@@ -134,7 +110,7 @@ def pick(ranking: Ranking, first: int, end: int) -> int:
 def considered_by_rank(
     me: int, ranking: Ranking, pose: FloatArray, station: FloatArray, reach: float
 ) -> int:
-    """Put `considered` into ``ranking.rows``, by looking only ahead and within range: how many.
+    """Put the rows that row ``me`` must consider into ``ranking.rows``: how many.
 
     Those of the smallest station first: most often the nearest.
     """

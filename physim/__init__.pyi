@@ -10,7 +10,6 @@ from .drawing.page import page
 from .drawing.video import render
 from .errors import ControllerError, Fault, PhysimError, RecordError, WorldError
 from .parts.controller import (
-    BatchController,
     Controller,
     Decision,
     Decisions,
@@ -33,6 +32,7 @@ from .parts.stages import (
     with_poses,
 )
 from .record import Record
+from .simulation.forms import per_robot
 from .simulation.kept_states import state_at
 from .simulation.loop import Simulation
 from .simulation.observation import View
@@ -48,7 +48,6 @@ from .world.scene import Scene
 
 __all__ = [
     "PAPER_MODES",
-    "BatchController",
     "Column",
     "Controller",
     "ControllerError",
@@ -91,6 +90,7 @@ __all__ = [
     "observer_of_row",
     "page",
     "parse_world",
+    "per_robot",
     "plots",
     "randomness",
     "record_run",

@@ -1,48 +1,38 @@
 """What every registered controller keeps to, on every shipped world.
 
-The rules of `check_controller`; sight no further than the range; and a batch form that decides
-exactly as the plain one, which sees no more than that, under all settings and in a crowd.
+The rules of `check_controller`; observations of what is within range and nothing else; and no
+decision, of all robots at once, by anything that a robot may not know.
 """
 
 from __future__ import annotations
 
+import copy
 import os
 from collections.abc import Iterator
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import pytest
 import shapely
 
-from physim import (
-    Controller,
-    Decision,
-    Decisions,
-    Observation,
-    Scene,
-    Sensed,
-    Simulation,
-    build_scene,
-)
+from physim import ControllerError, Decisions, Scene, Simulation, build_scene, per_robot
 from physim.geometry import Shapes
-from physim.testing import check_controller
-from physim.world import World, each_robot
+from physim.testing import Rule, check_controller
+from physim.world import World
 from physim.world.file import load_world, parse_world
 from tests.helpers import inside
+from tests.testing import broken
 
-pack_parts, read_only = inside("physim.geometry", "pack_parts", "read_only")
-BatchCapable, Declared = inside("physim.parts", "BatchCapable", "Declared")
-CONTROLLER, controller_names = inside("physim.parts", "CONTROLLER", "controller_names")
-make_part, everybody, shared = inside("physim.parts", "make_part", "everybody", "shared")
-PerRobotAdapter = inside("physim.simulation", "PerRobotAdapter")
+CONTROLLER, make_part = inside("physim.parts", "CONTROLLER", "make_part")
+part_names = inside("physim.parts", "part_names")
 find_world, shipped_worlds = inside("physim.world.file", "find_world", "shipped_worlds")
 
 WORLDS = tuple(shipped_worlds())
-CONTROLLERS = tuple(controller_names())
+CONTROLLERS = tuple(part_names(CONTROLLER))
 SECONDS = 3.0 if os.environ.get("PHYSIM_DEEP") else 1.0
 MANY = 100
-"""Robots from above which one step is tried, as shipped, and a few robots looked at: the plain form
-of a thousand takes half a second a step, and all of them see the like"""
+"""Robots from above which one step is tried and a few robots looked at"""
 LARGE = tuple(name for name in WORLDS if load_world(find_world(name)).robot_count > MANY)
 
 FAST = ("three_robots", "doorway", "nonconvex")
@@ -59,19 +49,6 @@ every_world = pytest.mark.parametrize(
 )
 
 
-class Plain:
-    """The plain form of a controller: `batch` is out of sight."""
-
-    def __init__(self, controller: Controller) -> None:
-        self.controller = controller
-        declared = Declared.of(controller)
-        self.modes, self.rules = declared.modes, declared.rules
-        self.columns = declared.columns
-
-    def decide(self, observation: Observation, memory: Any) -> Decision:
-        return self.controller.decide(observation, memory)
-
-
 def shipped(name: str, *overrides: str) -> World:
     text = find_world(name).read_text(encoding="utf-8")
     return parse_world(text, name, overrides=overrides)
@@ -83,12 +60,6 @@ def run(simulation: Simulation, seconds: float = SECONDS) -> Iterator[Decisions]
         simulation.step()
         if simulation.last is not None and simulation.last.decisions is not None:
             yield simulation.last.decisions
-
-
-def made(name: str, world: World) -> Controller:
-    settings = world.controller.settings if world.controller.type == name else {}
-    controller: Controller = make_part(CONTROLLER, name, settings)
-    return controller
 
 
 @pytest.mark.parametrize(
@@ -174,85 +145,15 @@ def wall_geometry(walls: Shapes) -> np.ndarray:
     )
 
 
-def later(scene: Scene, seconds: float = 12.0) -> Simulation:
-    simulation = Simulation(scene)
-    for _ in range(round(seconds / scene.dt)):
-        simulation.step()
-    return simulation
+# All at once
 
-
-# The batch form and the plain one
-
-VARIANTS = {
-    "as shipped": (),
-    "two dwell times": ("controller.dwell_times=[0.05, 0.05]",),
-    "three dwell times, not ahead": (
-        "controller.dwell_times=[0.02, 0.03, 0.05]", "controller.omegas=[-1.0, 0.0, 1.0]",
-        "controller.speeds=[0.0, 1.0]", "controller.judge_ahead=0.0",
-    ),
-    "reverse in safe mode": ("controller.reverse_in_safe_mode=true",),
-    "forward only": ("controller.reverse_in_safe_mode=false",),
-    "two dwell times, reverse": (
-        "controller.reverse_in_safe_mode=true", "controller.dwell_times=[0.04, 0.06]",
-    ),
-    "translation": ("controller.collision_motion=translation",),
-    "easily alarmed": (
-        "controller.horizon=10.0",
-        "controller.distance_low=3.0", "controller.distance_high=4.0",
-        "controller.time_low=4.0", "controller.time_high=6.0", "controller.beta=0.05",
-        "controller.safe_distance=2.0",
-    ),
-    "own speeds and omegas": (
-        "robots.0.speeds=[-0.5, 0.0, 0.5, 1.0]", "robots.0.omegas=[-0.3, 0.0, 0.3]",
-    ),
-    "slow robot": ("robots.0.limits.v=0.9",),
-    "large steps": ("time.step=0.025", "time.duration=8.0"),
-}  # fmt: skip
-OF_THE_FORMATION = {
-    "all are neighbours": ("formation.neighbours=all",),
-    "short range": ("formation.range=4.0",),
+OVERRIDES = {
     "short sight": ("sensing.range=3.0",),
-    "long sight": ("sensing.range=25.0",),
-    "listed neighbours": ("formation.neighbours=[[{0}, {1}]]",),
-    "wanted leads": ("formation.gain=0.3", "formation.limits=[0.0, 1.4]"),
-}
-
-
-def variants() -> Iterator[Any]:
-    for world_name in WORLDS:
-        with_formation = load_world(find_world(world_name)).formation is not None
-        every = VARIANTS | (OF_THE_FORMATION if with_formation else {})
-        for variant in ("as shipped",) if world_name in LARGE else every:
-            of_all = world_name in FAST and variant == "as shipped"
-            yield tiered(world_name, variant, fast=of_all or world_name == "three_robots")
-
-
-@pytest.mark.parametrize(("world_name", "variant"), list(variants()))
-def test_batch_decides_as_the_plain_form(world_name: str, variant: str) -> None:
-    plain = load_world(find_world(world_name))
-    names = [one.name for one in each_robot(plain.robots, plain.seed)[0][-2:]]
-    overrides = [text.format(*names) for text in (VARIANTS | OF_THE_FORMATION)[variant]]
-    seconds = 20.0 if (world_name, variant) == ("ten_robots", "as shipped") else SECONDS
-    scene = build_scene(shipped(world_name, *overrides))
-    check_alike(scene, scene.dt if world_name in LARGE else seconds)
-
-
-def check_alike(scene: Scene, seconds: float) -> set[int]:
-    """Run both forms side by side; every decision must be equal to the bit. The modes seen."""
-    settings = scene.world.controller.settings
-    batch = Simulation(scene, controller=make_part(CONTROLLER, "mode_switching", settings))
-    plain = Simulation(scene, controller=Plain(make_part(CONTROLLER, "mode_switching", settings)))
-    assert not isinstance(plain.parts.controller, BatchCapable)
-    modes: set[int] = set()
-    for a, b in zip(run(batch, seconds), run(plain, seconds), strict=True):
-        assert same(a, b), (batch.time, a, b)
-        assert np.array_equal(batch.pose, plain.pose)
-        assert np.array_equal(batch.next_decision, plain.next_decision)
-        modes |= set(a.mode.tolist())
-    assert modes
-    return modes
-
-
+    "listed neighbours": ("formation.neighbours=[[{0}, {1}]]", "sensing.range=5.0"),
+    "plans of two": ("controller.dwell_times=[0.04, 0.06]", "controller.time_low=4.0",
+                     "controller.time_high=6.0", "controller.horizon=10.0"),
+}  # fmt: skip
+"""Worlds in which neighbours are beyond the range, or plans last"""
 CROWD = """\
 name: crowd
 seed: 1
@@ -265,49 +166,47 @@ robots:
     paths: [{offset: -3.0}, {offset: -1.0}, {offset: 1.0}, {offset: 3.0}]
     limits: {v: 1.5, omega: 1.6}
 formation: {gain: 0.02, speed: 0.8, spacing: initial, range: 12.0}
+sensing: {range: 7.0}
 controller: {type: mode_switching, look_ahead: 1.0, safe_distance: 0.3, avoidance: time_first,
   time_low: 2.0, time_high: 3.0, distance_low: 0.3, distance_high: 0.5, boundary_low: 0.05}
 """
 
 
-def each_with_rows_of_its_own(sensed: Sensed, rng: np.random.Generator) -> Sensed:
-    """Everyone knows some of the others, in an order of its own and not quite where they are."""
-    robots = len(sensed.first)
-    rows = [
-        rng.permutation([i, *(j for j in range(robots) if j != i and rng.random() < 0.9)])
-        for i in range(robots)
+def sighted() -> list[World]:
+    """Worlds in which much lies out of sight."""
+    names = ("r1", "r3")
+    worlds = [
+        shipped("three_robots", *(text.format(*names) for text in own))
+        for own in OVERRIDES.values()
     ]
-    taken, ends = np.concatenate(rows), np.cumsum([len(one) for one in rows])
-    return sensed._replace(
-        robot=sensed.robot[taken],
-        pose=sensed.pose[taken] + rng.normal(0.0, 0.1, (len(taken), 3)),
-        command=sensed.command[taken],
-        velocity=sensed.velocity[taken],
-        reference_station=sensed.reference_station[taken] + rng.normal(0.0, 2.0, len(taken)),
-        age=sensed.age[taken],
-        first=ends - [len(one) for one in rows],
-        end=ends,
-    )
+    return [*worlds, parse_world(CROWD)]
 
 
-@pytest.mark.parametrize("own", [False, True], ids=["the same rows", "rows of their own"])
-def test_batch_decides_as_the_plain_form_in_a_crowd(own: bool) -> None:
-    """Whether all know the same of each other or not; each considers many."""
-    scene = build_scene(parse_world(CROWD))
-    simulation, rng = later(scene, 2.0), np.random.default_rng(6)
-    controller = made("mode_switching", scene.world)
-    assert isinstance(controller, BatchCapable)
-    forms = controller.batch(scene), PerRobotAdapter(controller, scene, Declared.of(controller))
-    memories = [form.memory() for form in forms]
-    modes: set[int] = set()
-    for _ in range(3):
-        sensed = everybody(simulation.now, shared(scene.robots))
-        if own:
-            sensed = each_with_rows_of_its_own(sensed, rng)
-        due = np.flatnonzero(rng.random(scene.robots) < 0.9)
-        both = [f.decide_due(sensed, due, m) for f, m in zip(forms, memories, strict=True)]
-        assert same(*both)
-        assert len(both[0].considered) > 9 * len(due)
-        modes |= set(both[0].mode.tolist())
-        simulation.step()
-    assert {0, 2} <= modes
+@pytest.mark.parametrize("name", CONTROLLERS)
+def test_nobody_goes_by_what_it_may_not_know(name: str) -> None:
+    """By rows of its own, and robot by robot, each decides as from the common table."""
+    assert check_controller(name, worlds=sighted(), seconds=0.5) == []
+
+
+def test_who_looks_farther_than_it_may_is_found() -> None:
+    found = check_controller(broken.FarSighted, worlds=sighted(), seconds=0.5)
+    assert {one.rule for one in found} == {Rule.SIGHT}
+    assert {"three robots", "crowd"} <= {one.world for one in found}
+    peeking = broken.Together(broken.all_behind_the_first)
+    found = check_controller(peeking, worlds=sighted(), seconds=0.2)
+    assert {one.rule for one in found} == {Rule.SIGHT}
+
+
+def test_robot_by_robot_the_papers_decides_as_for_all_at_once() -> None:
+    """A long run, to the bit, and from observations that a controller of one's own hands on."""
+    scene = build_scene(load_world(find_world("ten_robots")))
+    settings = scene.world.controller.settings
+    inner = make_part(CONTROLLER, "mode_switching", settings)
+    whole, alone = Simulation(scene), Simulation(scene, controller=per_robot(inner))
+    for a, b in zip(run(whole, 8.0), run(alone, 8.0), strict=True):
+        assert same(a, b), (whole.time, a, b)
+    assert np.array_equal(whole.pose, alone.pose)
+    seen = alone.observe(0)
+    for made in (replace(seen, v=0.0), copy.deepcopy(seen)):
+        with pytest.raises(ControllerError, match="by hand"):
+            per_robot(inner).decide(made, None)

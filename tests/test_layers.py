@@ -19,7 +19,7 @@ from pathlib import Path
 from physim.compiled import ROOMS_WITHOUT_KERNELS
 from tests.helpers import inside
 
-CONTROLLER, controller_names = inside("physim.parts", "CONTROLLER", "controller_names")
+CONTROLLER, part_names = inside("physim.parts", "CONTROLLER", "part_names")
 shipped_folder, shipped_worlds = inside("physim.world.file", "shipped_folder", "shipped_worlds")
 
 ROOT = Path(__file__).parents[1]
@@ -349,11 +349,11 @@ def test_every_controller_on_disk_is_under_contract() -> None:
             continue
         for node in tree_of(module).body:
             methods = {m.name for m in getattr(node, "body", []) if isinstance(m, ast.FunctionDef)}
-            if isinstance(node, ast.ClassDef) and "decide" in methods:
+            if isinstance(node, ast.ClassDef) and methods & {"decide", "decide_all"}:
                 deciding.add(f"{module}:{node.name}")
     registered = {entry.value for entry in entry_points(group=CONTROLLER.group)}
     assert deciding == {value for value in registered if value.startswith("physim.controllers.")}
-    assert set(controller_names()) >= {"mode_switching", "path_following"}
+    assert set(part_names(CONTROLLER)) >= {"mode_switching", "path_following"}
 
 
 def test_rooms_left_out_of_the_stamp_hold_nothing_that_kernels_need() -> None:

@@ -44,19 +44,13 @@ class Asks:
         pass
 
 
-class AsksInBatch(Asks):
-    def batch(self, scene: Any) -> Any:
-        return self
-
-    def memory(self) -> dict[str, Any]:
-        return {}
-
-    def decide_due(self, sensed: Any, due: Any, memory: Any) -> Any:
+class AsksTogether(Asks):
+    def decide_all(self, view: Any, due: Any, memory: Any) -> Any:
         return asks()
 
 
 class AsksAtFirst(Asks):
-    def batch(self, scene: Any) -> Any:
+    def start(self, scene: Any) -> Any:
         return asks()
 
 
@@ -64,8 +58,8 @@ class AsksAtFirst(Asks):
     ("controller", "where"),
     [
         (Asks, "controller Asks, r1 at 0 s: "),
-        (AsksInBatch, r"AsksInBatch\.decide_due at 0 s: "),
-        (AsksAtFirst, "controller AsksAtFirst, batch form: "),
+        (AsksTogether, "controller AsksTogether at 0 s: "),
+        (AsksAtFirst, "controller AsksAtFirst, start: "),
     ],
 )
 def test_a_controller_is_named_with_its_line(controller: Any, where: str) -> None:

@@ -190,7 +190,7 @@ def parts(asked: dict[str, Any]) -> dict[str, Any]:
     spent = {"build": time.process_time() - began}
     start = running.state
     timed: dict[str, tuple[Any, str]] = {
-        "decide": (running._batch, "decide_due"), "physics": (running.physics, "step"),
+        "decide": (running._asked.form, "decide_all"), "physics": (running.physics, "step"),
         "taken": (Recorder, "after_step"), "step": (running, "step"),
     }  # fmt: skip
     for name, (owner, method) in timed.items():

@@ -21,7 +21,7 @@ from physim.analysis.metrics.progress import LATELY, LITTLE
 from physim.errors import ControllerError, Fault, PhysimError, dotted, place_text, plural
 from physim.geometry.polygon import circumscribed_radius
 from physim.parts.declarations import kept_from_walls
-from physim.parts.registry import CONTROLLER, make_part
+from physim.parts.registry import made_controller
 from physim.record import Record
 from physim.simulation.arrival import still_distances, still_steps
 from physim.simulation.loop import Simulation
@@ -77,8 +77,7 @@ def try_world(
         why = "nothing is compiled yet; physim run does it, and shows if all arrive"
         return Trial(f"not tried: {why}")
     try:
-        choice = laid.world.controller
-        controller = make_part(CONTROLLER, choice.type, choice.settings, trusted=trusted)
+        controller = made_controller(laid.world, trusted)
         simulation = Simulation(scene_of(laid), controller=controller)
         ending = _Ending(simulation, stop)
         with record_run(simulation, stop=ending, progress=progress) as record:

@@ -18,8 +18,7 @@ from physim.campaigns.sources import changed_source
 from physim.campaigns.spec import RunSpec, engine
 from physim.errors import PhysimError, WorldError
 from physim.json_text import plain
-from physim.parts.controller import Controller
-from physim.parts.registry import CONTROLLER, make_part
+from physim.parts.registry import made_controller
 from physim.parts.user_code import broken_by
 from physim.record import Record
 from physim.simulation.loop import Simulation
@@ -103,8 +102,7 @@ def take(
 def ready() -> None:
     """Load the kernels into this process, or compile them, by a run that is thrown away."""
     world = load_world(READY_WORLD, overrides=[f"time.duration={READY_SECONDS}"])
-    choice = world.controller
-    warm_up(build_scene(world), make_part(CONTROLLER, choice.type, choice.settings))
+    warm_up(build_scene(world), made_controller(world))
     with simulate(world) as record:
         figures(record)
 
@@ -120,9 +118,7 @@ def simulation_of(spec: RunSpec) -> Simulation:
         scene = reseeded(_scene(spec.text, spec.controller), spec.seed)
     except WorldError:  # perhaps of the seed 0 alone
         scene = build_scene(_world(spec.text, spec.controller), spec.seed)
-    choice = scene.world.controller
-    made: Controller = make_part(CONTROLLER, choice.type, choice.settings, trusted=True)
-    return Simulation(scene, controller=made)
+    return Simulation(scene, controller=made_controller(scene.world, trusted=True))
 
 
 def _keep(record: Record, spec: RunSpec, folder: Path | None) -> bytes | None:

@@ -43,16 +43,18 @@ def check_controller(
           controller.look_ahead=3.0 (may be repeated)
 
     rules, each finding names the one that is broken:
-      raises       decide raises nothing
-      decision     it returns a Decision with commands within the limits
+      raises       it raises nothing when it decides
+      decision     it returns a decision with commands within the limits
       repeats      the same settings, observation and memory give the same decision
       state        nothing is kept on the object, its class or module: that is memory
       order        whoever else is asked, and in whatever order, changes nothing
       memory       the memory handed over is not written into
       copies       memory can be copied and pickled, and a copy does as well
       observation  nothing is written into what is seen
-      batch        the batch form, where there is one, decides as the plain form
-      batch_order  and does so robot by robot, too
+      forms        decide and decide_all, where there are both, decide alike, bit for bit or
+                   within the agreement that the class declares
+      portions     decide_all decides alike for some robots, or one, as for all that are due
+      sight        it goes by nothing that a robot may not know
 
     situations beside the worlds: nobody in sight, no wall in sight, at the end of the path, facing
     backwards, overlapping
@@ -68,6 +70,7 @@ def check_controller(
       physim check-controller my_module:MyController --world my_world.yaml --seconds 20
       physim check-controller mode_switching --set controller.look_ahead=3.0 --json
     """
+    from physim.parts.declarations import agreement_of
     from physim.testing.check import SECONDS, SITUATIONS, check_worlds, worlds_to_try
 
     chosen = _chosen(controller, set)
@@ -82,11 +85,14 @@ def check_controller(
         for part in check_worlds(chosen, worlds, seconds or SECONDS, begins):
             parts.append(part)  # one by one: `begins` counts them
     findings = [finding for part in parts for finding in part.findings]
+    agreement = agreement_of(chosen.kind)
+    within = f"; forms may differ by {agreement:g}, as it declares" if agreement else ""
     if json:
         values = {
             "format": "physim-check-controller",
             "version": 1,
             "controller": chosen.name,
+            "agreement": agreement,
             "findings": [finding.as_json() for finding in findings],
             "worlds": [part.as_json() for part in parts],
         }
@@ -99,7 +105,7 @@ def check_controller(
     print(
         f"{chosen.name}: {plural(len(findings), 'finding') if findings else 'no findings'} in "
         f"{plural(sum(part.decisions for part in tried), 'decision')} of "
-        f"{plural(len(tried) - odd, 'world')} and {plural(odd, 'situation')}"
+        f"{plural(len(tried) - odd, 'world')} and {plural(odd, 'situation')}{within}"
     )
     return FOUND if findings else 0
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import sys
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager, redirect_stdout
+from contextlib import closing, contextmanager, redirect_stdout
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TextIO
@@ -134,10 +134,8 @@ def alone(file: Path) -> Iterator[None]:
     with writing(file.parent):
         file.parent.mkdir(parents=True, exist_ok=True)
         lock = WriteLock(file)
-    try:
+    with closing(lock):
         yield
-    finally:
-        lock.release()
 
 
 @contextmanager

@@ -34,7 +34,7 @@ def ready(given: str, changes: Changes, quiet: bool, path: Path | None = None) -
     be said to have arrived.
     """
     from physim.parts.declarations import Declared
-    from physim.parts.registry import CONTROLLER, make_part
+    from physim.parts.registry import made_controller
     from physim.simulation.loop import Simulation
     from physim.simulation.recorder import check_room
     from physim.simulation.run import is_warm, warm_up
@@ -51,9 +51,7 @@ def ready(given: str, changes: Changes, quiet: bool, path: Path | None = None) -
     tell(document.lines(check_walled_off(scene.layout)))
 
     def controller() -> Controller:
-        choice, trusted = world.controller, changes.controller is not None
-        made: Controller = make_part(CONTROLLER, choice.type, choice.settings, trusted=trusted)
-        return made
+        return made_controller(world, trusted=changes.controller is not None)
 
     Declared.of(controller())  # refuses what cannot be
     check_room(scene, world.time.record_every, path)

@@ -133,7 +133,7 @@ def _run_again(record: Record, file: Path, changes: Changes, quiet: bool) -> Rec
     """
     from physim.analysis.validation.rerun import AgainError, run_again, simulation_again
     from physim.analysis.validation.validation import missing
-    from physim.parts.registry import CONTROLLER, make_part
+    from physim.parts.registry import made_controller
     from physim.simulation.run import is_warm
     from physim.world.file import read_world
 
@@ -141,8 +141,7 @@ def _run_again(record: Record, file: Path, changes: Changes, quiet: bool) -> Rec
     if changes.controller is not None:
         world, document = read_world(file, controller=changes.controller)
         tell(document.lines(document.warnings))
-        choice = world.controller
-        controller = make_part(CONTROLLER, choice.type, choice.settings, trusted=True)
+        controller = made_controller(world, trusted=True)
     try:
         simulation = simulation_again(record, controller=controller)
         if not is_warm():

@@ -1,13 +1,18 @@
-"""What a controller sees and says: `Observation` in, `Decision` out.
+"""What a controller sees and says: `Observation` in, `Decision` out; or all robots at once.
 
-A controller of one's own is a class with one method::
+A controller of one's own is a class with one of two methods, or with both::
 
     class Steady:
         def decide(self, observation, memory):
             return Decision(v=1.0, omega=0.0, hold=0.1)
 
+    class SteadyTogether:
+        def decide_all(self, view, due, memory):
+            ...  # `Decisions` of the robots that are due, in one call
+
 It is asked again ``hold`` seconds later (rounded down to physics steps, at least one). ``memory``
-is whatever the last decision returned, None at first.
+is whatever the last decision returned, at first what a method ``start(scene)`` gave, else None; of
+`decide_all` it is named arrays.
 """
 
 from __future__ import annotations
@@ -27,7 +32,6 @@ if TYPE_CHECKING:
     from physim.geometry.path import Path
     from physim.simulation.observation import View
     from physim.world import Robot
-    from physim.world.scene import Scene
 
 
 LATER = frozenset(("footprint", "path", "neighbours", "others", "walls"))
@@ -184,15 +188,40 @@ class Decision:
 
 
 @runtime_checkable
-class Controller(Protocol):
+class DecidesOne(Protocol):
     """Decides for one robot from what that robot sees.
 
-    It may declare ``modes``, ``rules`` and ``columns``, tuples of `Mode`, `Rule` and `Column`.
+    A method ``start(scene)`` may give the first memory of each robot, a sequence of N.
     """
 
     def decide(self, observation: Observation, memory: Any) -> Decision:
         """Choose the command to hold from now on."""
         ...
+
+
+@runtime_checkable
+class DecidesAll(Protocol):
+    """Decides for all robots that are due, in one call.
+
+    A method ``start(scene)`` may give the memory before the first decision: a mapping of named
+    arrays with a row for each robot.
+    """
+
+    def decide_all(self, view: View, due: IntArray, memory: dict[str, NDArray[Any]]) -> Decisions:
+        """Decide for robots ``due`` (increasing indices) from what each may know; write ``memory``.
+
+        Robot i may know ``view.rows(i)`` within ``view.scene.sensing_range``, and of its formation
+        neighbours the stations. Its rows of memory are its own.
+        """
+        ...
+
+
+Controller = DecidesOne | DecidesAll
+"""Either form, or both, which must decide alike: a run asks `decide_all`.
+
+It may declare ``modes``, ``rules`` and ``columns``, tuples of `Mode`, `Rule` and `Column`; and how
+near both forms agree, ``agreement``, see `physim.parts.declarations.Declared`.
+"""
 
 
 @runtime_checkable
@@ -282,39 +311,13 @@ class Decisions(NamedTuple):
     """(M + 1,)"""
 
 
-class BatchController(Protocol):
-    """Decides for all robots that are due, in one call.
-
-    Its memory is a mapping of named arrays, held by the simulation and written in place.
-    """
-
-    def memory(self) -> dict[str, NDArray[Any]]:
-        """Memory before the first decision."""
-        ...
-
-    def decide_due(
-        self, sensed: Sensed, due: IntArray, memory: dict[str, NDArray[Any]]
-    ) -> Decisions:
-        """Decide for robots ``due`` (increasing indices) from what each of them senses."""
-        ...
-
-
-@runtime_checkable
-class BatchCapable(Protocol):
-    """A controller that has a batch form too; both must decide alike."""
-
-    def batch(self, scene: Scene) -> BatchController:
-        """Set up the batch form for a scene."""
-        ...
-
-
 __all__ = [
     "LONGEST_HOLD",
-    "BatchCapable",
-    "BatchController",
     "ChecksRobots",
     "Column",
     "Controller",
+    "DecidesAll",
+    "DecidesOne",
     "Decision",
     "Decisions",
     "FormationView",

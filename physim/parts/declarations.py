@@ -7,8 +7,10 @@ arrival is judged from the motion alone.
 
 from __future__ import annotations
 
-import re
 from dataclasses import dataclass
+from typing import Annotated, Any, ClassVar
+
+from pydantic import AfterValidator, ConfigDict, Field, TypeAdapter
 
 from physim.errors import ControllerError
 from physim.parts.user_code import naming
@@ -17,15 +19,36 @@ NO_NUMBER = -1
 """In tables, the mode or rule of a decision that gave none."""
 MOST_MODES = 100
 """Modes, rules or columns of one controller."""
+RESERVED = frozenset(
+    (
+        "step", "robot", "mode", "rule", "nominal_v", "nominal_omega", "applied_v",
+        "applied_omega", "station", "reference_station", "formation_error", "deviation",
+        "considered", "next_step",
+    )
+)  # fmt: skip
+"""Columns that the record writes itself."""
+
+
+def _plain(words: str) -> str:
+    if words.isprintable():
+        return words
+    raise ValueError("it must be one line of plain text")
+
+
+Name = Annotated[str, Field(pattern=r"^[a-z][a-z0-9_]{0,39}$")]
+Line = Annotated[str, AfterValidator(_plain)]
+Words = Annotated[Line, Field(max_length=300)]
+CHECKED = ConfigDict(revalidate_instances="always")
 
 
 @dataclass(frozen=True)
 class Mode:
     """A mode of a controller. ``name`` is a word; ``colour`` is ``#rrggbb``."""
 
-    name: str
-    colour: str
-    words: str = ""
+    __pydantic_config__: ClassVar[ConfigDict] = CHECKED
+    name: Name
+    colour: Annotated[str, Field(pattern=r"^#[0-9a-fA-F]{6}$")]
+    words: Words = ""
     """as people read it; the name where it is empty"""
     danger: bool = False
     """whether the robot keeps clear of something: such decisions make the share of danger mode"""
@@ -39,8 +62,9 @@ class Mode:
 class Rule:
     """A rule by which decisions are made, e.g. an equation."""
 
-    name: str
-    words: str = ""
+    __pydantic_config__: ClassVar[ConfigDict] = CHECKED
+    name: Name
+    words: Words = ""
 
     def __str__(self) -> str:
         """Words that people read."""
@@ -51,9 +75,10 @@ class Rule:
 class Column:
     """A number that a controller reports with its decisions; NaN where a decision leaves it out."""
 
-    name: str
-    unit: str = "-"
-    words: str = ""
+    __pydantic_config__: ClassVar[ConfigDict] = CHECKED
+    name: Name
+    unit: Words = "-"
+    words: Words = ""
 
 
 SAFE = Mode("safe", "#0072b2", "safe")
@@ -78,17 +103,38 @@ STANDARD_COLUMNS = (
 )
 """Columns whose meaning is fixed: whoever declares one must mean this, and it is checked."""
 
-_NAME = re.compile(r"[a-z][a-z0-9_]{0,39}")
-_COLOUR = re.compile(r"#[0-9a-fA-F]{6}")
+
+def _each_once(given: tuple[Any, ...]) -> tuple[Any, ...]:
+    names = [one.name for one in given]
+    for name in names:
+        if names.count(name) > 1:
+            raise ValueError(f'"{name}" is declared {names.count(name)} times')
+    return given
+
+
+def _as_meant(columns: tuple[Column, ...]) -> tuple[Column, ...]:
+    standard = {column.name: column.unit for column in STANDARD_COLUMNS}
+    for column in columns:
+        if column.name in RESERVED:
+            raise ValueError(f'"{column.name}" is written for every decision anyway')
+        if column.unit != (unit := standard.get(column.name, column.unit)):
+            raise ValueError(
+                f'"{column.name}" has the unit {column.unit!r}; the standard column has {unit!r}: '
+                "use it, or another name"
+            )
+    return columns
+
+
+EachOnce = Field(max_length=MOST_MODES), AfterValidator(_each_once)
 
 
 @dataclass(frozen=True)
 class Declared:
     """All that a controller declares, checked; numbers in tables count in these tuples."""
 
-    modes: tuple[Mode, ...] = ()
-    rules: tuple[Rule, ...] = ()
-    columns: tuple[Column, ...] = ()
+    modes: Annotated[tuple[Mode, ...], *EachOnce] = ()
+    rules: Annotated[tuple[Rule, ...], *EachOnce] = ()
+    columns: Annotated[tuple[Column, ...], *EachOnce, AfterValidator(_as_meant)] = ()
 
     @classmethod
     def of(cls, controller: object) -> Declared:
@@ -97,68 +143,24 @@ class Declared:
         Raises ControllerError for what is no such thing, for names given twice, and for a standard
         column with another unit, with the line of the class; for what raises as it is read, too.
         """
-        name = type(controller).__name__
-        with naming(f"controller {name}", type(controller)):
-            return cls._of(controller)
+        with naming(f"controller {type(controller).__name__}", type(controller)):
+            keys = ("modes", "rules", "columns")
+            given = {key: getattr(controller, key, ()) for key in keys}
+            return TypeAdapter(cls).validate_python(given)
 
-    @classmethod
-    def _of(cls, controller: object) -> Declared:
-        declared = cls(
-            *(
-                _declared(controller, key, kind)
-                for key, kind in (("modes", Mode), ("rules", Rule), ("columns", Column))
-            )
+
+def agreement_of(controller: object) -> float:
+    """How far `decide` and `decide_all` may differ in commands, holds and reported numbers.
+
+    A controller declares it as ``agreement = 1e-9``; without that 0: bit for bit. Raises
+    ControllerError for what is no such number.
+    """
+    given = getattr(controller, "agreement", 0.0)
+    if isinstance(given, bool) or not isinstance(given, int | float) or not 0.0 <= given < 1.0:
+        raise ControllerError(
+            f"agreement of the controller is {given!r}; it must be a number from 0 to below 1"
         )
-        for mode in declared.modes:
-            if not _COLOUR.fullmatch(mode.colour):
-                raise ControllerError(
-                    f'modes: colour of "{mode.name}" is {mode.colour!r}; it must be #rrggbb'
-                )
-        standard = {column.name: column for column in STANDARD_COLUMNS}
-        for column in declared.columns:
-            if column.name in RESERVED:
-                raise ControllerError(
-                    f'columns: "{column.name}" is written for every decision anyway'
-                )
-            meant = standard.get(column.name)
-            if meant is not None and meant.unit != column.unit:
-                raise ControllerError(
-                    f'columns: "{column.name}" has the unit {column.unit!r}; the standard '
-                    f"column has {meant.unit!r}: use it, or another name"
-                )
-        return declared
-
-
-RESERVED = frozenset(
-    (
-        "step", "robot", "mode", "rule", "nominal_v", "nominal_omega", "applied_v",
-        "applied_omega", "station", "reference_station", "formation_error", "deviation",
-        "considered", "next_step",
-    )
-)  # fmt: skip
-"""Columns that the record writes itself."""
-
-
-def _declared(controller: object, key: str, kind: type) -> tuple:  # type: ignore[type-arg]
-    given = getattr(controller, key, ())
-    if not isinstance(given, tuple | list) or not all(isinstance(one, kind) for one in given):
-        raise ControllerError(f"{key} must be a tuple of {kind.__name__}(...)")
-    if len(given) > MOST_MODES:
-        raise ControllerError(f"{key} has {len(given)} entries; at most {MOST_MODES} are allowed")
-    names = [one.name for one in given]
-    for name in names:
-        if not isinstance(name, str) or not _NAME.fullmatch(name):
-            raise ControllerError(
-                f"{key}: name {name!r}; allowed: 1 to 40 lower-case letters, digits and _, a "
-                "letter first"
-            )
-        if names.count(name) > 1:
-            raise ControllerError(f'{key}: "{name}" is declared {names.count(name)} times')
-    for one in given:
-        words = getattr(one, "words", "") + getattr(one, "unit", "")
-        if not isinstance(words, str) or not words.isprintable() or len(words) > 300:
-            raise ControllerError(f'{key}: words of "{one.name}" must be one line of plain text')
-    return tuple(given)
+    return float(given)
 
 
 def kept_from_walls(controller: object) -> tuple[str, float]:

@@ -22,7 +22,6 @@ LONGEST = 300
 """Signs of a value as JSON; a longer one counts as not known."""
 APART = frozenset(("settings", "modes", "rules", "columns"))
 """Attributes that are looked at as such, or that a record holds as such."""
-UNKNOWN = object()
 
 
 @dataclass(frozen=True)
@@ -43,33 +42,29 @@ class GivenSettings:
 
 def given_settings(part: object) -> GivenSettings:
     """Settings of a part, those of a model or dataclass that differ from their defaults."""
-    given = getattr(part, "settings", None)
+    settings, kind = getattr(part, "settings", None), type(part)
     values: dict[str, Any] = {}
-    if isinstance(given, BaseModel):
-        values = {name: getattr(given, name) for name in given.model_dump(exclude_defaults=True)}
-    elif is_dataclass(given) and not isinstance(given, type):
-        values = {field.name: getattr(given, field.name) for field in fields(given)}
-    elif hasattr(type(part), "Settings"):  # kept under another name
-        values = {"settings": UNKNOWN}
-    for name, value in getattr(part, "__dict__", {}).items():
-        if not name.startswith("_") and name not in APART:
-            values[name] = value
-    if not hasattr(type(part), "Settings") and type(part).__init__ is not object.__init__:
-        for name in inspect.signature(type(part)).parameters:
+    if isinstance(settings, BaseModel):
+        values = settings.model_dump(exclude_defaults=True)
+    elif is_dataclass(settings) and not isinstance(settings, type):
+        values = _simpler(settings)
+    elif hasattr(kind, "Settings"):  # kept under another name
+        values = {"settings": object()}
+    kept = getattr(part, "__dict__", {}).items()
+    values |= {name: one for name, one in kept if name[0] != "_" and name not in APART}
+    if not hasattr(kind, "Settings") and kind.__init__ is not object.__init__:
+        for name in inspect.signature(kind).parameters:
             if name not in APART:
-                values.setdefault(name, UNKNOWN)
-    plain = {name: _plain(value) for name, value in values.items()}
-    known = {name: value for name, value in plain.items() if value is not UNKNOWN}
-    return GivenSettings(known, tuple(name for name in plain if name not in known))
-
-
-def _plain(value: Any) -> Any:
-    """A value as JSON has it; UNKNOWN for one that it does not have, or that is long."""
-    try:
-        text = json.dumps(value, default=_simpler)
-    except (TypeError, ValueError, RecursionError):
-        return UNKNOWN
-    return json.loads(text) if len(text) <= LONGEST else UNKNOWN
+                values.setdefault(name, object())
+    known: dict[str, Any] = {}
+    for name, value in values.items():
+        try:
+            text = json.dumps(value, default=_simpler)
+        except (TypeError, ValueError, RecursionError):
+            continue
+        if len(text) <= LONGEST:
+            known[name] = json.loads(text)
+    return GivenSettings(known, tuple(name for name in values if name not in known))
 
 
 def _simpler(value: Any) -> Any:

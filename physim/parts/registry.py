@@ -13,6 +13,8 @@ from dataclasses import replace
 from importlib.metadata import entry_points
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+from pydantic import BaseModel, ValidationError
+
 from physim.errors import ControllerError, Fault, Location, WorldError, dotted, nearest
 from physim.parts.user_code import (
     folder_kept,
@@ -26,7 +28,8 @@ from physim.world.faults import describe, faults_of, unknown_key
 from physim.world.kinds import thawed
 
 if TYPE_CHECKING:
-    from pydantic import BaseModel
+    from physim.parts.controller import Controller
+    from physim.world import World
 
 
 class Kind(NamedTuple):
@@ -42,20 +45,23 @@ class Kind(NamedTuple):
     """where a world names it, one or a list; empty where no world does"""
     option: str
     """of the command line that takes a class too; empty where none does"""
+    one_is_enough: bool = False
+    """whether a class needs only one of the methods"""
 
-    @property
-    def methods(self) -> tuple[str, ...]:
-        """Names of the methods that its classes must have."""
-        return tuple(call.partition("(")[0] for call in self.calls)
-
-    def usage(self, method: str) -> str:
-        """How a method is called: ``sense(scene, truth, sensed, state)``."""
-        return self.calls[self.methods.index(method)]
+    def lacking(self, part: object) -> str:
+        """The call of a method that a class or an object lacks, in words; empty where none."""
+        has = [callable(getattr(part, call.partition("(")[0], None)) for call in self.calls]
+        if self.one_is_enough and not has[-1] and callable(getattr(part, "batch", None)):
+            return f"{self.calls[-1]}, which is asked in place of batch(scene); see start(scene)"
+        if all(has) or (self.one_is_enough and any(has)):
+            return ""
+        return " or ".join(self.calls) if self.one_is_enough else self.calls[has.index(False)]
 
 
 CONTROLLER = Kind(
-    "controller", "physim.controllers", ("decide(observation, memory)",), ("controller",),
-    "--controller",
+    "controller", "physim.controllers",
+    ("decide(observation, memory)", "decide_all(view, due, memory)"), ("controller",),
+    "--controller", one_is_enough=True,
 )  # fmt: skip
 OF_ROBOTS = CONTROLLER._replace(option="")
 """Controllers of single robots and groups: no option of the command line takes their place"""
@@ -98,11 +104,6 @@ def part_names(kind: Kind) -> dict[str, str]:
     return found
 
 
-def controller_names() -> dict[str, str]:
-    """Name and one-line description of every registered controller, by name."""
-    return part_names(CONTROLLER)
-
-
 def shipped_parts(kind: Kind) -> list[str]:
     """Names of the parts of a kind that come with physim."""
     entries = _entries(kind).items()
@@ -114,30 +115,29 @@ def find_part(kind: Kind, name: str, trusted: bool = False) -> type[Any]:
 
     Raises `ControllerError` when it is unknown, may not be named here, or cannot be imported.
     """
-    entries = _entries(kind)
-    if name in entries:
-        target, *others = entries[name]
-        if others:
-            raise ControllerError(
-                f"{kind.word} {describe(name)} is registered by several packages, as "
-                f"{', '.join(entries[name])}; give all but one another name"
-            )
-        return load_class(kind, target, name)
-    known = sorted(entries)
-    if ":" not in name:
+    entries, what = _entries(kind), f"{kind.word} {describe(name)}"
+    target, *others = entries.get(name, (name,))
+    known = ", ".join(sorted(entries)) or "none"
+    if others:
+        raise ControllerError(
+            f"{what} is registered by several packages, as {', '.join(entries[name])}; give all "
+            "but one another name"
+        )
+    if ":" not in target:
         own = f"give one of your own as {kind.option} MODULE:CLASS, or " if kind.option else ""
         raise ControllerError(
-            f"no {kind.word} is called {describe(name)}; registered: {', '.join(known) or 'none'}"
-            f"{nearest(name[:100], known)}; {own}register it by an entry point in the group "
-            f"{describe(kind.group)}, then pip install again"
+            f"no {kind.word} is called {describe(name)}; registered: {known}"
+            f"{nearest(name[:100], sorted(entries))}; {own}register it by an entry point in the "
+            f"group {describe(kind.group)}, then pip install again"
         )
-    if not trusted:
-        raise ControllerError(
-            f"{describe(name)} names a class; a world may name registered {kind.word}s only: "
-            f"{', '.join(known) or 'none'}; {advice(kind, name)}"
-        )
-    make_folder_importable()
-    return load_class(kind, name, name)
+    if name not in entries:
+        if not trusted:
+            raise ControllerError(
+                f"{describe(name)} names a class; a world may name registered {kind.word}s only: "
+                f"{known}; {advice(kind, name)}"
+            )
+        make_folder_importable()
+    return load_class(what, target, kind.lacking)
 
 
 def advice(kind: Kind, name: str) -> str:
@@ -153,20 +153,22 @@ def check_part(kind: Kind, part: object) -> None:
         raise ControllerError(
             f"{kind.word} is the class {part.__name__}; give an instance of it{place_of(part)}"
         )
-    for usage, name in zip(kind.calls, kind.methods, strict=True):
+    lacking, at = kind.lacking(part), None
+    for call in kind.calls:
+        name, _, given = call.rstrip(")").partition("(")
         method = getattr(part, name, None)
         try:
             if callable(method):
-                given = usage.partition("(")[2].rstrip(")").split(", ")
-                inspect.signature(method).bind(*given)
-                continue
+                inspect.signature(method).bind(*given.split(", "))
         except TypeError:
-            pass
+            lacking, at = call, method
+            break
         except ValueError:  # built in, without a signature
             continue
+    if lacking:
         raise ControllerError(
-            f"{kind.word} {type(part).__name__} has no method {usage}"
-            f"{place_of(method) or place_of(type(part))}"
+            f"{kind.word} {type(part).__name__} has no method {lacking}"
+            f"{place_of(at) or place_of(type(part))}"
         )
 
 
@@ -175,8 +177,6 @@ def settings_model(part: type[Any]) -> type[BaseModel] | None:
 
     Raises `ControllerError` when its ``Settings`` is something else.
     """
-    from pydantic import BaseModel
-
     settings = getattr(part, "Settings", None)
     if settings is None or (isinstance(settings, type) and issubclass(settings, BaseModel)):
         return settings
@@ -205,6 +205,13 @@ def make_part(
     return made_part(kind, part, made, name)
 
 
+def made_controller(world: World, trusted: bool = False) -> Controller:
+    """Make the world's own controller. Raises as `make_part`."""
+    choice = world.controller
+    made: Controller = make_part(CONTROLLER, choice.type, choice.settings, trusted)
+    return made
+
+
 def made_part(kind: Kind, part: type[Any], settings: BaseModel | None, name: str) -> Any:
     """Make a part from its checked settings.
 
@@ -219,17 +226,16 @@ def made_part(kind: Kind, part: type[Any], settings: BaseModel | None, name: str
 def make_by_defaults(kind: Kind, name: str, trusted: bool = False) -> Any:
     """Make a part that no world names: its settings are their defaults.
 
-    Raises `ControllerError` as `find_part` and `made_part` do, and for a setting without default.
+    Raises `ControllerError` as `make_part` does, and for a setting without default.
     """
-    part = find_part(kind, name, trusted)
-    made, faults = checked_settings(part, {}, ())
-    if faults:
-        needed = ", ".join(dotted(fault.location) for fault in faults)
+    try:
+        return make_part(kind, name, {}, trusted, ())
+    except WorldError as error:
+        needed = ", ".join(dotted(fault.location) for fault in error.faults)
         raise ControllerError(
-            f"{kind.word} {describe(name)}: setting {needed}: needs a default, because worlds do "
-            f"not name {kind.word}s; from Python an object may be given{place_of(part)}"
-        )
-    return made_part(kind, part, made, name)
+            f"{kind.word} {describe(name)}: setting {needed} needs a default, because worlds do "
+            f"not name {kind.word}s; from Python an object may be given"
+        ) from error
 
 
 def checked_settings(
@@ -240,8 +246,6 @@ def checked_settings(
     They are checked strictly, as JSON would be: text is no number, a list may fill a tuple. A
     setting of None is left out, as in a world, which has no way to write it.
     """
-    from pydantic import ValidationError
-
     model = settings_model(part)
     allowed = [] if model is None else list(model.model_fields)
     faults: list[Fault] = []

@@ -139,18 +139,11 @@ def for_each(sensed: Sensed) -> Sensed:
     """Give every observer rows of its own, in the order of observers: copies to be changed."""
     rows = [np.arange(a, b) for a, b in zip(sensed.first, sensed.end, strict=True)]
     taken = np.concatenate(rows) if rows else np.zeros(0, np.int64)
-    ends = np.cumsum([len(one) for one in rows])
-    return sensed._replace(
-        robot=sensed.robot[taken],
-        pose=sensed.pose[taken],
-        command=sensed.command[taken],
-        velocity=sensed.velocity[taken],
-        reference_station=sensed.reference_station[taken],
-        age=sensed.age[taken],
-        first=np.concatenate(([0], ends[:-1])).astype(np.int64),
-        end=ends.astype(np.int64),
-        station=sensed.station.copy(),
-    )
+    counts = sensed.end - sensed.first
+    end = np.cumsum(counts)
+    names = ("robot", "pose", "command", "velocity", "reference_station", "age")
+    copies = {name: getattr(sensed, name)[taken] for name in names}
+    return sensed._replace(**copies, first=end - counts, end=end, station=sensed.station.copy())
 
 
 def observer_of_row(sensed: Sensed) -> IntArray:

@@ -8,23 +8,17 @@ from __future__ import annotations
 import importlib
 import inspect
 import os
-import site
 import sys
-import sysconfig
 import traceback
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, chdir, contextmanager, nullcontext
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import pydantic
 
 from physim.errors import ControllerError, PhysimError, nearest
 from physim.world.faults import describe
-
-if TYPE_CHECKING:
-    from physim.parts.registry import Kind
-
 
 OWN = os.path.join(os.path.dirname(os.path.dirname(os.path.abspath(__file__))), "")
 """Where the code of physim is, which no message about somebody else's code points into."""
@@ -50,9 +44,12 @@ def naming(what: str, written: object = None) -> Iterator[None]:
 def broken_by(error: BaseException, written: object = None) -> str:
     """Type, text and place of an error in somebody else's code, on one line; see `naming`."""
     if isinstance(error, PhysimError):
-        text = " ".join(str(error).split())
+        text = str(error)
+    elif isinstance(error, pydantic.ValidationError):
+        text = first_fault(error)
     else:
-        text = " ".join(" ".join(traceback.format_exception_only(error)).split())[:200]
+        text = "".join(traceback.format_exception_only(error))[:200]
+    text = " ".join(text.split())
     frames = traceback.extract_tb(error.__traceback__)
     theirs = [frame for frame in frames if not frame.filename.startswith(NOT_THEIRS)]
     if theirs:  # not what their code calls
@@ -61,16 +58,17 @@ def broken_by(error: BaseException, written: object = None) -> str:
     return f"{text}{place_of(written)}"
 
 
-def place_of(written: Any) -> str:
-    """`` (file:line)`` at which a function, method or class is written; empty if unknown.
+def first_fault(error: pydantic.ValidationError) -> str:
+    """The first of pydantic's faults: ``modes.0.colour is 'red': String should match …``."""
+    fault = error.errors(include_url=False)[0]
+    place = ".".join(map(str, fault["loc"]))
+    given = "missing" if fault["type"] == "missing" else f"{fault['input']!r:.100}"
+    return f"{place} is {given}: {fault['msg'].removeprefix('Value error, ')}"
 
-    Of a module its file alone.
-    """
+
+def place_of(written: Any) -> str:
+    """`` (file:line)`` at which a function, method or class is written; empty if unknown."""
     try:
-        if inspect.ismodule(written):
-            return f" ({inspect.getsourcefile(written) or written.__file__})"
-        if not inspect.isroutine(written) and not inspect.isclass(written):
-            return ""
         code = getattr(inspect.unwrap(written), "__code__", None)
         line = code.co_firstlineno if code else inspect.getsourcelines(written)[1]
         return f" ({inspect.getsourcefile(written)}:{line})"
@@ -102,58 +100,52 @@ def folder_kept() -> AbstractContextManager[None]:
     return chdir(os.curdir) if os.path.exists(os.curdir) else nullcontext()
 
 
-def load_class(kind: Kind, target: str, name: str) -> type[Any]:
-    """Import ``module:Class``; every failure is a `ControllerError` on one line."""
+def load_class(what: str, target: str, lacking: Callable[[object], str]) -> type[Any]:
+    """Import ``module:Class``, of which ``lacking`` says the method that it lacks.
+
+    Every failure is a `ControllerError` on one line, which begins with ``what``.
+    """
     module_name, _, class_name = target.partition(":")
-    of, module = f"{kind.word} {describe(name)}", f"module {describe(module_name)}"
+    module = f"module {describe(module_name)}"
     if "/" in module_name or module_name.endswith(".py"):
         stem = module_name.removesuffix(".py").rsplit("/", 1)[-1]
         raise ControllerError(
-            f"{of} names a file; write the module: {stem}:{class_name}, and run in its folder, or "
-            "put that on PYTHONPATH"
+            f"{what} names a file; write the module: {stem}:{class_name}, and run in its folder, "
+            "or put that on PYTHONPATH"
         )
     try:
-        with naming(f"{of}: {module} cannot be imported"), folder_kept():
+        with naming(f"{what}: {module} cannot be imported"), folder_kept():
             found: Any = importlib.import_module(module_name)
     except ControllerError as error:
         cause = error.__cause__
-        lost = f"{cause.name}." if isinstance(cause, ModuleNotFoundError) else "?"
-        if f"{module_name}.".startswith(lost):
-            raise ControllerError(
-                f"{of}: no {module} in the current folder or on the Python path"
-            ) from cause
-        raise
+        lost = cause.name if isinstance(cause, ModuleNotFoundError) else None
+        if lost is None or not f"{module_name}.".startswith(f"{lost}."):
+            raise
+        raise ControllerError(
+            f"{what}: no {module} in the current folder or on the Python path"
+        ) from cause
     written = found
     for part in class_name.split("."):
         found = getattr(found, part, None)
     if not isinstance(found, type):
         classes = sorted(key for key, value in vars(written).items() if isinstance(value, type))
-        given = nearest(class_name[:100], classes) if found is None else f": it is {kind_of(found)}"
+        place = place_of(found) or f" ({getattr(written, '__file__', module_name)})"
         raise ControllerError(
-            f"{of}: {module} has no class {describe(class_name)}{given}"
-            f"{place_of(found) or place_of(written)}"
+            f"{what}: {module} has no class {describe(class_name)}"
+            f"{nearest(class_name[:100], classes)}{place}"
         )
-    for method in kind.methods:
-        if not callable(getattr(found, method, None)):
-            raise ControllerError(
-                f"{of}: class {class_name} has no method {kind.usage(method)}{place_of(found)}"
-            )
+    if lack := lacking(found):
+        raise ControllerError(f"{what}: class {class_name} has no method {lack}{place_of(found)}")
     return found
 
 
 def make_folder_importable() -> None:
     """Let ``module:Class`` name a file of the current folder.
 
-    The folder comes after what is installed, other than with ``python -m``: what physim and its
-    libraries import later must not be a file of the user that has the same name, such as an
-    ``av.py`` for vehicles.
+    The folder comes last, other than with ``python -m``: what physim and its libraries import later
+    must not be a file of the user that has the same name, such as an ``av.py`` for vehicles.
     """
     folder = os.getcwd()
-    if folder in sys.path or "" in sys.path:
-        return
-    paths = sysconfig.get_paths()
-    library = (paths[key] for key in ("stdlib", "purelib", "platlib"))
-    installed = {*library, *site.getsitepackages(), site.getusersitepackages()}
-    last = max((k for k, one in enumerate(sys.path) if one in installed), default=-1)
-    sys.path.insert(last + 1, folder)
-    importlib.invalidate_caches()
+    if folder not in sys.path and "" not in sys.path:
+        sys.path.append(folder)
+        importlib.invalidate_caches()

@@ -1,10 +1,18 @@
-"""What parts say of a world before it runs, so that all commands refuse alike."""
+"""What parts say of a world before it runs, so that all commands refuse alike.
+
+A controller or stage may have two methods that are given the world and the part's place in it, such
+as ``("filters", 0)``, and return faults: ``world_faults(world, where)``, why a sound world cannot
+be run with it, and ``world_doubts(world, where)``, what `physim check` warns of. A controller may
+also have ``robot_faults(robots)``, see `physim.parts.controller.ChecksRobots`.
+``Fault((*where, key), message)`` points at a setting, ``Fault(("arrival", "tolerance"), message)``
+at a value of the world.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any, Protocol, runtime_checkable
+from typing import TYPE_CHECKING, Any
 
 from physim.errors import ControllerError, Fault, Location
 from physim.parts.user_code import kind_of, naming
@@ -20,27 +28,24 @@ HOOKS = ("robot_faults", "world_faults", "world_doubts")
 """Methods by which a part says it; one without any of them is not made before it is to run."""
 
 
-@runtime_checkable
-class ChecksWorld(Protocol):
-    """A controller or stage that can say with which worlds it does not go."""
+def faults_said(part: object, hook: str, *given: Any) -> list[Fault]:
+    """What one of `HOOKS` says; nothing where the part lacks it.
 
-    def world_faults(self, world: World, where: Location) -> Iterable[Fault]:
-        """Why a world that is sound otherwise cannot be run with this part; or nothing.
-
-        ``where`` is the part's place in the world, such as ``("filters", 0)``, so that
-        ``Fault((*where, key), message)`` points at a setting, and
-        ``Fault(("arrival", "tolerance"), message)`` at a value of the world.
-        """
-        ...
-
-
-@runtime_checkable
-class DoubtsWorld(Protocol):
-    """A controller or stage that knows what in a world is seldom meant."""
-
-    def world_doubts(self, world: World, where: Location) -> Iterable[Fault]:
-        """What `physim check` warns of; ``where`` as for `ChecksWorld`."""
-        ...
+    Raises `ControllerError` where it fails.
+    """
+    if (say := getattr(part, hook, None)) is None:
+        return []
+    with naming(f"{type(part).__name__}.{hook}", say):
+        answer = say(*given)
+        faults = (
+            answer if isinstance(answer, str) or not isinstance(answer, Iterable) else [*answer]
+        )
+        if isinstance(faults, list) and all(isinstance(fault, Fault) for fault in faults):
+            return faults
+        raise ControllerError(
+            f"returned {kind_of(answer)}; it must return a list of physim.Fault(location, message),"
+            " empty where there are none"
+        )
 
 
 def robot_faults(
@@ -56,7 +61,7 @@ def robot_faults(
     where its ``robot_faults`` fails.
     """
     own = range(len(robots)) if driver is None else driver.robots
-    found = _faults(controller, "robot_faults", {i: robots[i] for i in own})
+    found = faults_said(controller, "robot_faults", {i: robots[i] for i in own})
     return _placed(found, entries, ("controller",) if driver is None else driver.where)
 
 
@@ -64,22 +69,18 @@ def driver_faults(controller: object, world: World, driver: Driver) -> list[Faul
     """What a controller says against the robots that it drives, and then against the world."""
     robots, entries = each_robot(world.robots, world.seed)
     found = robot_faults(controller, robots, entries, driver)
-    return found or _of_driver(controller, "world_faults", world, driver)
+    return found or said_of_driven(controller, "world_faults", world, driver)
 
 
-def driver_doubts(controller: object, world: World, driver: Driver) -> list[Fault]:
-    """What a controller warns of in a world with the robots that it drives."""
-    return _of_driver(controller, "world_doubts", world, driver)
-
-
-def _of_driver(controller: object, hook: str, world: World, driver: Driver) -> list[Fault]:
-    """Asked as if its robots were alone in the world, and it the world's controller."""
+def said_of_driven(controller: object, hook: str, world: World, driver: Driver) -> list[Fault]:
+    """What a hook says of a world in which its robots are alone, and it is the world's own."""
     if not driver.is_own or len(driver.entries) < len(world.robots):
         own = (world.robots[e] for e in driver.entries)
         alone = tuple(entry.model_copy(update={"controller": None}) for entry in own)
         choice = ControllerChoice(type=driver.type, settings=FrozenMapping(driver.settings))
         world = world.model_copy(update={"robots": alone, "controller": choice})
-    return _placed(_faults(controller, hook, world, ("controller",)), driver.entries, driver.where)
+    found = faults_said(controller, hook, world, ("controller",))
+    return _placed(found, driver.entries, driver.where)
 
 
 def _placed(faults: Iterable[Fault], entries: Sequence[int], where: Location) -> list[Fault]:
@@ -93,33 +94,3 @@ def _placed(faults: Iterable[Fault], entries: Sequence[int], where: Location) ->
             fault = replace(fault, location=(*where, *at[1:]))
         found[fault] = None
     return list(found)
-
-
-def world_faults(part: object, world: World, where: Location) -> list[Fault]:
-    """What a controller or stage at ``where`` says against a world; empty where nothing.
-
-    Raises `ControllerError` where its ``world_faults`` fails.
-    """
-    return _faults(part, "world_faults", world, where)
-
-
-def world_doubts(part: object, world: World, where: Location) -> list[Fault]:
-    """What a controller or stage at ``where`` warns of; as `world_faults`."""
-    return _faults(part, "world_doubts", world, where)
-
-
-def _faults(part: object, hook: str, *given: Any) -> list[Fault]:
-    """What a method says, where the part has it."""
-    say = getattr(part, hook, None)
-    if say is None:
-        return []
-    with naming(f"{type(part).__name__}.{hook}", say):
-        answer = say(*given)
-        if not isinstance(answer, str) and isinstance(answer, Iterable):
-            faults = list(answer)
-            if all(isinstance(fault, Fault) for fault in faults):
-                return faults
-        raise ControllerError(
-            f"returned {kind_of(answer)}; it must return a list of physim.Fault(location, message),"
-            " empty where there are none"
-        )

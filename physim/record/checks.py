@@ -7,6 +7,7 @@ a file whose index was changed byte by byte.
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
@@ -19,31 +20,24 @@ from pydantic import ValidationError
 
 from physim.errors import RecordError, WorldError
 from physim.escaping import escaped
-from physim.parts.declarations import Declared
+from physim.parts.user_code import first_fault
 from physim.record import layout
 from physim.record.layout import Bound, Dataset
 
 AGAIN = "make the record again"
 MOST_PACKED, LITTLE = 30, 10_000_000
 """A dataset may claim so many times the bytes that it has in the file, and in any case so many."""
-LONGEST = 120
-"""Characters of a value that a message repeats."""
-_SIGNATURE = b"\x89HDF\r\n\x1a\n"
+BROKEN = (OSError, RuntimeError, KeyError, ValueError, TypeError, MemoryError)
+"""What h5py raises for a damaged file."""
 
 
 def open_record(path: Path) -> h5py.File:
     """Open a record for reading. Raises RecordError that names the file and the fault."""
-    if path.is_dir():
-        inside = path / "record.h5"
-        hint = f"; did you mean {inside}?" if inside.is_file() else ""
-        raise RecordError(f"{path}: is a folder; give the record.h5 of a run{hint}")
-    try:
-        fault = "is not a regular file" if path.exists() else "no such file"
-        if path.is_file():
-            with path.open("rb") as stream:
-                fault = "" if stream.read(len(_SIGNATURE)) == _SIGNATURE else "not an HDF5 file"
-    except OSError as error:
-        raise RecordError(f"{path}: cannot be read: {error.strerror}") from error
+    fault = ""
+    if not os.path.isfile(path):
+        fault = "is no file" if os.path.exists(path) else "no such file"
+    elif not h5py.is_hdf5(path):
+        fault = "not an HDF5 file" if os.access(path, os.R_OK) else "cannot be read"
     if fault:
         raise RecordError(f"{path}: {fault}; give the record.h5 of a run")
     try:
@@ -53,10 +47,14 @@ def open_record(path: Path) -> h5py.File:
         raise RecordError(f"{path}: {fault} HDF5 file; {AGAIN}") from error
 
 
-def damaged(where: str, part: str, error: Exception) -> RecordError:
-    """Error for a part of a record that cannot be read."""
-    told = " ".join(str(error).split()) or type(error).__name__
-    return RecordError(f"{where}: {part} cannot be read, the file is damaged: {told}")
+@contextmanager
+def reading(where: str, part: str) -> Iterator[None]:
+    """Turn what h5py raises for a part that cannot be read into RecordError."""
+    try:
+        yield
+    except BROKEN as error:
+        told = " ".join(str(error).split()) or type(error).__name__
+        raise RecordError(f"{where}: {part} cannot be read, the file is damaged: {told}") from error
 
 
 def check_record(given: object) -> None:
@@ -83,71 +81,54 @@ def attributes_of(file: h5py.File, where: str) -> dict[str, Any]:
 
     Raises RecordError that names the first that is missing or not as it should be.
     """
+    with reading(where, "its attributes"):
+        given = dict(file.attrs)
+    found = {key: one.item() if isinstance(one, np.generic) else one for key, one in given.items()}
+    if isinstance(ended := found.get("ended"), bytes):
+        found["ended"] = ended.decode("utf-8", "replace")
     try:
-        found = dict(file.attrs)
-    except (OSError, RuntimeError, KeyError, ValueError, TypeError) as error:
-        raise damaged(where, "its attributes", error) from error
-    if shown(found.get("format")) != repr(layout.FORMAT):
-        raise RecordError(f"{where}: not a record of physim (no attribute format)")
-    if shown(version := found.get("version")) != repr(layout.VERSION):
-        older = str(version)[:2] in ("1.", "2.", "3.", "4.")
-        reader = "physim before 29 November 2026" if older else "another physim"
-        raise RecordError(
-            f"{where}: record version {shown(version)}, which {reader} reads; this one reads "
-            f"version {layout.VERSION}: {AGAIN}"
-        )
-    if shown(found.get("units"), 999) != repr(layout.UNITS):
-        raise RecordError(
-            f"{where}: attribute units is {shown(found.get('units'))}; it must be {layout.UNITS!r}"
-        )
-    plain = {key: one.item() if isinstance(one, np.generic) else one for key, one in found.items()}
-    if isinstance(ended := plain.get("ended"), bytes):
-        plain["ended"] = ended.decode("utf-8", "replace")
-    try:
-        return {**vars(layout.AttributesModel.model_validate(plain))}
+        return {**vars(layout.AttributesModel.model_validate(found))}
     except ValidationError as error:
-        fault = error.errors()[0]
-        key = str(fault["loc"][0])
-        if fault["type"] == "missing":
-            raise RecordError(f"{where}: attribute {key} is missing") from error
-        raise RecordError(
-            f"{where}: attribute {key} is {shown(found[key])}: {fault['msg']}; {AGAIN}"
-        ) from error
+        key = error.errors()[0]["loc"][0]
+        told = str(escaped(" ".join(first_fault(error).split())))
+        if key == "format":
+            told = f"not a record of physim ({told})"
+        elif key == "version":
+            told = f"record {told}; physim before 29 November 2026 reads version 4.0 and older"
+        else:
+            told = f"attribute {told}"
+        raise RecordError(f"{where}: {told}; {AGAIN}") from error
 
 
 def check_datasets(
-    file: h5py.File, where: str, robots: int, bodies: int, declared: Declared
+    file: h5py.File, where: str, sizes: Mapping[str, int], types: Mapping[str, np.dtype[Any]]
 ) -> None:
     """Check that an open file has every dataset of the table, each of its type and shape.
 
-    Raises RecordError that names the first that is missing or not as it should be.
+    ``sizes`` are those of shapes that are known, ``types`` those of rows that grow. Raises
+    RecordError that names the first that is missing or not as it should be.
     """
     there: set[str] = set()
-    growing = layout.row_types(robots, [column.name for column in declared.columns])
-    sizes = {"N": robots, "N+1": robots + 1, "W+1": bodies - robots + 1}
-    try:
+    with reading(where, "a dataset"):
         file.visit(there.add)  # no links, which may lead to other files
         for path, one in layout.TABLE.items():
             found = file[path] if path[1:] in there else None
-            if fault := _fault(found, one, growing.get(path, one.dtype).base, sizes):
+            if fault := _fault(found, one, types.get(path, one.dtype).base, sizes):
                 raise RecordError(f"{where}: dataset {path} {fault}; {AGAIN}")
-    except (OSError, RuntimeError, KeyError, ValueError, TypeError) as error:
-        raise damaged(where, "a dataset", error) from error
 
 
 def _fault(found: object, of: Dataset[Any], dtype: np.dtype[Any], sizes: Mapping[str, int]) -> str:
     """What is wrong with a dataset; empty where nothing is."""
     if not isinstance(found, h5py.Dataset):
         return "is missing"
-    wanted = [int(size) if size.isdigit() else sizes.get(size) for size in of.shape]
     has = (-1,) if found.shape is None else found.shape
-    if len(has) != len(wanted) or any(
-        size not in (None, count) for size, count in zip(wanted, has, strict=True)
+    if [*has] != [sizes.get(size, count) for size, count in zip(of.shape, has, strict=False)] or (
+        len(has) != len(of.shape)
     ):
-        many = f"{sizes['N']} robots, {sizes['W+1'] - 1} walls"
-        return f"is of shape {found.shape}; it must be ({', '.join(of.shape)}), of {many}"
+        known = ", ".join(f"{name} = {size}" for name, size in sizes.items() if not name.isdigit())
+        return f"is of shape {found.shape}; it must be ({', '.join(of.shape)}), {known}"
     if found.dtype != dtype:
-        return f"holds {shown(found.dtype)}, not {shown(dtype)}"
+        return f"holds {found.dtype!s:.120}, not {dtype!s:.120}"
     most = max(LITTLE, MOST_PACKED * found.id.get_storage_size())
     if found.is_virtual or found.external or found.nbytes > most:
         return f"claims {found.nbytes} bytes that are not in the file"
@@ -157,13 +138,25 @@ def _fault(found: object, of: Dataset[Any], dtype: np.dtype[Any], sizes: Mapping
 def check_rows(
     where: str, of: Dataset[Any], rows: NDArray[Any], first: int, highest: Mapping[str, int]
 ) -> None:
-    """Hold rows of a dataset, from row ``first`` on, against the table; ``highest`` as in `Bound`.
+    """Hold rows of a dataset, from row ``first`` on, against the table.
 
-    Raises RecordError for the first row with a value out of its bounds, or out of order.
+    ``highest`` are the numbers of `Bound`, and of datasets in which others say where runs begin,
+    by their paths, their rows. Raises RecordError for the first row with a value out of its bounds,
+    or out of order.
     """
+
+    def bound(given: Bound) -> Any:
+        if isinstance(given, str):
+            return highest[given] if given in highest else rows[given] + 1
+        return given
+
+    def refuse(row: int | None, fault: str) -> None:
+        place = of.path if row is None else f"{of.path}, row {first + row}"
+        raise RecordError(f"{where}: {place}: {fault}; {AGAIN}")
+
     for field in of.fields:
         values = rows[field.name] if field.name else rows
-        least, most = (_bound(rows, bound, highest) for bound in (field.least, field.most))
+        least, most = bound(field.least), bound(field.most)
         wrong = np.zeros(values.shape, dtype=np.bool_)
         if least is not None:
             wrong |= ~(values >= least)  # so is NaN
@@ -176,50 +169,23 @@ def check_rows(
                 for one in (least, most)
             )
             place = f" {[*at[1:]]}" if at[1:] else ""
-            fault = f"{field.name or 'value'}{place} is {values[at]}; allowed: {low} to {high}"
-            refuse(where, of.path, first + at[0] if at else "", fault)
-    step = rows if of is layout.Layout.steps else None
-    if of.path in layout.TABLES:
-        step = rows["step"]
-    if step is not None:
-        late = np.flatnonzero(np.diff(step) < (step is rows))
-        if len(late):
-            k = int(late[0]) + 1
             refuse(
-                where, of.path, first + k,
-                f"step {step[k]} comes after step {step[k - 1]}; steps must be in order",
-            )  # fmt: skip
-
-
-def _bound(rows: NDArray[Any], bound: Bound, highest: Mapping[str, int]) -> Any:
-    if isinstance(bound, str):
-        return highest[bound] if bound in highest else rows[bound] + 1
-    return bound
-
-
-def check_starts(where: str, of: Dataset[Any], start: NDArray[Any], whole: int) -> None:
-    """Check the starts of packed runs: from 0 to ``whole``, each run of `Dataset.fewest` or more.
-
-    Raises RecordError for the first wrong one.
-    """
-    ends = start[:1].tolist() + start[-1:].tolist()
-    if ends != [0, whole]:
-        refuse(where, of.path, "", f"it goes from {ends} and not from 0 to {whole}")
-    short = np.flatnonzero(np.diff(start) < of.fewest)
-    if len(short):
-        k = int(short[0])
-        has = int(start[k + 1]) - int(start[k])
-        refuse(where, of.path, k, f"{has} rows of {of.starts}; at least {of.fewest} are needed")
-
-
-def refuse(where: str, path: str, row: Any, fault: str) -> None:
-    """Raise RecordError for a row of a dataset."""
-    place = path if row == "" else f"{path}, row {row}"
-    raise RecordError(f"{where}: {place}: {fault}; {AGAIN}")
-
-
-def shown(value: Any, most: int = LONGEST) -> str:
-    """A value briefly, on one line."""
-    plain = value.item() if isinstance(value, np.generic) else value  # np.float64(nan) is nan
-    told = str(escaped(" ".join(repr(plain).split())))
-    return told if len(told) <= most else f"{told[:most]}…"
+                at[0] if at else None,
+                f"{field.name or 'value'}{place} is {values[at]}; allowed: {low} to {high}",
+            )
+    if of.starts:
+        ends, whole = [*rows[:1].tolist(), *rows[-1:].tolist()], highest[of.starts]
+        if ends != [0, whole]:
+            refuse(None, f"it goes from {ends} and not from 0 to {whole}")
+    is_table = of.path in layout.TABLES
+    if of.starts or is_table or of is layout.Layout.steps:
+        order = rows["step"] if is_table else rows
+        apart = np.diff(order)
+        fewest = 0 if is_table else of.fewest
+        if (apart < fewest).any():
+            k = int(np.argmax(apart < fewest))
+            if of.starts:
+                refuse(k, f"{apart[k]} rows of {of.starts}; at least {fewest} are needed")
+            refuse(
+                k + 1, f"step {order[k + 1]} comes after step {order[k]}; steps must be in order"
+            )

@@ -58,7 +58,7 @@ class CrashSafeFile(io.RawIOBase):
         try:
             self._fd = os.open(self._draft, os.O_RDWR | os.O_CREAT | os.O_TRUNC, 0o666)
         except BaseException:
-            self._lock.release()
+            self._lock.close()
             raise
         self._position = 0
         self._length = 0
@@ -93,22 +93,10 @@ class CrashSafeFile(io.RawIOBase):
             os.close(self._fd)
             if self._draft is not None:
                 discard(self._draft)
-            self._lock.release()
+            self._lock.close()
         super().close()
 
     # What h5py asks of a file object:
-
-    def readable(self) -> bool:
-        """Reading back is possible."""
-        return True
-
-    def writable(self) -> bool:
-        """Writing is possible."""
-        return True
-
-    def seekable(self) -> bool:
-        """Seeking is possible."""
-        return True
 
     def seek(self, offset: int, whence: int = os.SEEK_SET) -> int:
         """Go to a place [bytes]."""
@@ -116,24 +104,18 @@ class CrashSafeFile(io.RawIOBase):
         self._position = base + offset
         return self._position
 
-    def tell(self) -> int:
-        """Place of the next read or write [bytes]."""
-        return self._position
-
     def write(self, data: Any) -> int:
         """Write at the present place, at once or with the next commit."""
         address, size = self._position, len(data)
-        if self._failure is None and not (self.holding and address < self._committed):
+        is_held = self.holding and address < self._committed
+        if self._failure is None and not is_held:
             with self._noting_failure():
                 _write_all(self._fd, memoryview(data), address)
-                if self.holding:
-                    self._index.add(address)
-                return self._moved(size)
-        self._hold(address, bytes(data))
-        return self._moved(size)
-
-    def _moved(self, size: int) -> int:
-        """Go on by ``size`` bytes that were written."""
+        if is_held or self._failure is not None:  # after a failure to be read back until the end
+            before = self._held.pop(address, b"")
+            self._held[address] = bytes(data) + before[size:]
+        elif self.holding:
+            self._index.add(address)
         self._position += size
         self._length = max(self._length, self._position)
         return size
@@ -159,11 +141,6 @@ class CrashSafeFile(io.RawIOBase):
             with self._noting_failure():
                 os.ftruncate(self._fd, self._length)
         return self._length
-
-    def _hold(self, address: int, block: bytes) -> None:
-        """Keep a block for the next commit, or, after a failure, to be read back until the end."""
-        before = self._held.pop(address, b"")
-        self._held[address] = block + before[len(block) :]
 
     @contextmanager
     def _noting_failure(self) -> Iterator[None]:
@@ -198,6 +175,3 @@ def _write_all(fd: int, data: memoryview, address: int) -> None:
     while len(data):
         written = os.pwrite(fd, data, address)
         data, address = data[written:], address + written
-
-
-__all__ = ["CrashSafeFile"]

@@ -7,14 +7,15 @@ angles radians, times seconds, in the world frame; steps count from 0, the start
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from types import SimpleNamespace
+from collections.abc import Callable, Sequence
+from itertools import pairwise
 from typing import (
     Annotated,
     Any,
     Generic,
     Literal,
     NamedTuple,
+    Self,
     TypeVar,
     get_args,
     get_type_hints,
@@ -26,9 +27,15 @@ from numpy.typing import NDArray
 from pydantic import AfterValidator, Field, Json, create_model
 
 from physim.contacts import Kind, Phase
-from physim.errors import ControllerError
-from physim.geometry.shapes import FloatArray, IntArray
-from physim.parts.declarations import NO_NUMBER, Declared
+from physim.geometry.shapes import (
+    FloatArray,
+    IntArray,
+    Polylines,
+    Shapes,
+    pack_polylines,
+    read_only,
+)
+from physim.parts.declarations import NO_NUMBER, Declared, Line
 from physim.parts.given import GivenSettings
 from physim.world.rules import MOST_STEPS
 from physim.world.scene import Body
@@ -40,10 +47,13 @@ Bound = float | str | None
 ``modes``, ``rules`` or ``steps`` that there are; as the least also another column, which it is
 above. None: any value, NaN too."""
 
-FORMAT = "physim-record"
-VERSION = "5"
+Format = Literal["physim-record"]
+Version = Literal["5"]
 """Raised with every change of the layout. 5: names and declarations are attributes of JSON."""
-UNITS = "m, rad, s, N s; world frame; headings counter-clockwise from the x axis, unwrapped"
+Units = Literal[
+    "m, rad, s, N s; world frame; headings counter-clockwise from the x axis, unwrapped"
+]
+FORMAT, VERSION, UNITS = (get_args(one)[0] for one in (Format, Version, Units))
 ENDED_BYTES = 16
 """Length of the attribute ``ended``: fixed, so that it changes in place (see `crash_safe`)."""
 WALL_CLOCK = "/wall_clock"
@@ -67,23 +77,8 @@ def numbered(bodies: tuple[Body, ...]) -> tuple[Body, ...]:
     return bodies
 
 
-def declarable(declared: Declared) -> Declared:
-    """Return declarations that a controller may make. Raises ValueError."""
-    try:
-        return Declared.of(SimpleNamespace(**vars(declared)))
-    except ControllerError as error:
-        raise ValueError(str(error).removeprefix("SimpleNamespace.")) from error
-
-
-def _printable(line: str) -> str:
-    if line.isprintable():
-        return line
-    raise ValueError("it must be one line of plain text")
-
-
 Whole = Annotated[int, Field(strict=True, ge=0, le=2**63 - 1)]
 Steps = Annotated[int, Field(strict=True, ge=0, le=MOST_STEPS)]
-Line = Annotated[str, AfterValidator(_printable)]
 Ended = Literal["running", "finished", "duration", "interrupted", "error"]
 TableName = Literal["updates", "considered", "contacts", "false_contacts"]
 ENDED: tuple[Ended, ...] = get_args(Ended)
@@ -97,6 +92,9 @@ class Attributes:
     ``alias`` is the name in the file where it is not the property's.
     """
 
+    format: Annotated[Format, "what the file is"]
+    version: Annotated[Version, "of the format"]
+    units: Annotated[Units, "of what names no other"]
     name: Annotated[Line, "name of the world"]
     world_text: Annotated[str, Field(alias="world"), "YAML text of the effective world"]
     seed: Annotated[Whole, "seed of the run"]
@@ -132,7 +130,6 @@ class Attributes:
     ]
     declared: Annotated[
         Json[Declared],
-        AfterValidator(declarable),
         "JSON object: modes, rules and columns of the controller, by their numbers",
     ]
     given_settings: Annotated[
@@ -163,16 +160,39 @@ class Column(NamedTuple):
     most: Bound = None
 
 
-class Dataset(Generic[T]):
-    """A dataset of the file, and the property of a `Record` that reads it.
+class Property(Generic[T]):
+    """A property of a `Record`, made when it is first asked for."""
+
+    name = ""
+
+    def __set_name__(self, owner: type, name: str) -> None:
+        """Take the name of the property."""
+        self.name = name
+
+    @overload
+    def __get__(self, record: None, owner: type) -> Self: ...
+    @overload
+    def __get__(self, record: object, owner: type) -> T: ...
+    def __get__(self, record: Any, owner: type) -> Self | T:
+        """What a record holds; of the class, the property itself."""
+        if record is None:
+            return self
+        made: T = vars(record).setdefault(self.name, self.of(record))
+        return made
+
+    def of(self, record: Any) -> Any:
+        """Make it from a record, which can ``read`` a dataset."""
+        raise NotImplementedError
+
+
+class Dataset(Property[T]):
+    """A dataset of the file, all of its rows.
 
     ``row`` are the columns of its rows, or their type; of a plain type ``least`` and ``most``
     bound the values. ``shape`` names its sizes: N robots, W boundaries and obstacles, K samples, M
     rows; others are free. ``starts`` is the path of packed items whose runs begin where it says,
     each of ``fewest`` items or more.
     """
-
-    name = ""
 
     def __init__(
         self,
@@ -193,26 +213,73 @@ class Dataset(Generic[T]):
         self.__doc__ = f"({', '.join(self.shape)}) {f'[{unit}] ' if unit else ''}{words}"
 
     @property
+    def field(self) -> str:
+        """Last part of the path."""
+        return self.path.rpartition("/")[2]
+
+    @property
     def dtype(self) -> np.dtype[Any]:
         """Type of a value, or of a row of columns; of decisions without the declared columns."""
         if not self.fields[0].name:
             return np.dtype(self.fields[0].kind)
         return np.dtype([(field.name, field.kind) for field in self.fields])
 
-    def __set_name__(self, owner: type, name: str) -> None:
-        """Take the name of the property."""
-        self.name = name
+    def of(self, record: Any) -> Any:
+        """All its rows."""
+        return record.read(self.path)
 
-    @overload
-    def __get__(self, record: None, owner: type) -> Dataset[T]: ...
-    @overload
-    def __get__(self, record: object, owner: type) -> T: ...
-    def __get__(self, record: Any, owner: type) -> Dataset[T] | T:
-        """All its rows, read when they are first asked for."""
-        if record is None:
-            return self
-        rows: T = vars(record).setdefault(self.name, record.read(self.path))
-        return rows
+
+class Packed(Property[T]):
+    """What is ``put`` together from several datasets."""
+
+    def __init__(self, put: Callable[..., T], words: str, *datasets: Dataset[Any]) -> None:
+        self.put, self.datasets, self.__doc__ = put, datasets, words
+
+    def __set_name__(self, owner: type, name: str) -> None:
+        """Take the name of the property, for its datasets too."""
+        super().__set_name__(owner, name)
+        for one in self.datasets:
+            one.name = name
+
+    def of(self, record: Any) -> Any:
+        """What its datasets make."""
+        return self.put(*(record.read(one.path) for one in self.datasets))
+
+
+def _points(path: str, words: str) -> Dataset[FloatArray]:
+    return Dataset(path, "V 2", "<f8", words, "m", -FAR, FAR)
+
+
+def _starts(path: str, shape: str, of: str, fewest: int = 1) -> Dataset[IntArray]:
+    words = f"where each run of {of} begins, and where the last ends"
+    return Dataset(path, shape, "<i8", words, starts=of, fewest=fewest)
+
+
+def _shapes(group: str, bodies: str, corners: int, words: str) -> Packed[Shapes]:
+    def put(vertices: FloatArray, part_start: IntArray, body_start: IntArray) -> Shapes:
+        lengths = np.hypot(vertices[:, 0], vertices[:, 1])
+        first = part_start[body_start[:-1]]
+        radius = np.maximum.reduceat(lengths, first) if len(first) else lengths
+        return Shapes(vertices, part_start, body_start, read_only(radius))
+
+    points = _points(f"{group}/vertices", words)
+    parts = _starts(f"{group}/part_start", "P+1", points.path, corners)
+    return Packed(put, words, points, parts, _starts(f"{group}/body_start", bodies, parts.path))
+
+
+def _lines(
+    group: str, lines: str, fewest: int, words: str, put: Callable[[FloatArray, IntArray], T]
+) -> Packed[T]:
+    points = _points(f"{group}/points", words)
+    return Packed(put, words, points, _starts(f"{group}/start", lines, points.path, fewest))
+
+
+def _runs(points: FloatArray, start: IntArray) -> tuple[FloatArray, ...]:
+    return tuple(points[first:last] for first, last in pairwise(start))
+
+
+def _polylines(points: FloatArray, start: IntArray) -> Polylines:
+    return pack_polylines(_runs(points, start))
 
 
 COMMAND_STAGES = ("nominal", "filtered", "applied")
@@ -260,6 +327,14 @@ class Layout(Attributes):
         "/robots/lead", "N", "<f8",
         "wanted lead over the first robot along the reference path", "m", -FAR, FAR,
     )  # fmt: skip
+    shapes = _shapes(
+        "/footprints", "N+1", 3, "corners of the convex parts of robots, in their frames"
+    )
+    walls = _shapes("/walls", "W+1", 2, "corners of the parts of boundaries and obstacles")
+    paths = _lines("/paths", "N+1", 2, "own path of each robot", _polylines)
+    reference = _lines("/reference", "2", 2, "the reference path s*", _polylines)
+    accessible = _lines("/areas/accessible", "R+1", 3, "rings of the accessible area", _runs)
+    safe = _lines("/areas/safe", "R+1", 3, "rings of the safe area", _runs)
     extremes = Dataset[Rows](
         "/extremes", "N",
         (
@@ -360,42 +435,15 @@ class Layout(Attributes):
     )  # fmt: skip
 
 
-def _points(path: str, words: str) -> Dataset[FloatArray]:
-    return Dataset(path, "V 2", "<f8", words, "m", -FAR, FAR)
-
-
-def _starts(path: str, shape: str, of: str, fewest: int = 1) -> Dataset[IntArray]:
-    words = f"where each run of {of} begins, and where the last ends"
-    return Dataset(path, shape, "<i8", words, starts=of, fewest=fewest)
-
-
-def _shapes(group: str, bodies: str, corners: int, words: str) -> tuple[Dataset[Any], ...]:
-    return (
-        _points(f"{group}/vertices", words),
-        _starts(f"{group}/part_start", "P+1", f"{group}/vertices", corners),
-        _starts(f"{group}/body_start", bodies, f"{group}/part_start"),
-    )
-
-
-def _lines(group: str, lines: str, points: int, words: str) -> tuple[Dataset[Any], ...]:
-    return (
-        _points(f"{group}/points", words),
-        _starts(f"{group}/start", lines, f"{group}/points", points),
-    )
-
-
-PACKED = (
-    *_shapes("/footprints", "N+1", 3, "corners of the convex parts of robots, in their frames"),
-    *_shapes("/walls", "W+1", 2, "corners of the parts of boundaries and obstacles"),
-    *_lines("/paths", "N+1", 2, "own path of each robot"),
-    *_lines("/reference", "2", 2, "the reference path s*"),
-    *_lines("/areas/accessible", "R+1", 3, "rings of the accessible area"),
-    *_lines("/areas/safe", "R+1", 3, "rings of the safe area"),
+PACKED: tuple[Dataset[Any], ...] = tuple(
+    one for made in vars(Layout).values() if isinstance(made, Packed) for one in made.datasets
 )
-"""Datasets that several properties of `Record` put together."""
-
-_OWN = [one for one in vars(Layout).values() if isinstance(one, Dataset)]
-TABLE = {one.path: one for one in (*_OWN[:2], *PACKED, *_OWN[2:])}
+TABLE: dict[str, Dataset[Any]] = {
+    one.path: one
+    for made in vars(Layout).values()
+    for one in (made.datasets if isinstance(made, Packed) else (made,))
+    if isinstance(one, Dataset)
+}
 """Every dataset that a record must have, by its path."""
 EXTREMES, EXTREMES_FARTHEST = Layout.extremes.path, Layout.farthest.path
 ARRIVED, OTHERS = Layout.arrived.path, Layout.others.path
@@ -406,8 +454,6 @@ STEPS = tuple(path for path, one in TABLE.items() if one.shape[:1] == ("K",))
 
 COMMAND, CONSIDERING = Layout.commands.dtype, Layout.considering.dtype
 EXTREME, FARTHEST = Layout.extremes.dtype, Layout.farthest.dtype
-NO_EXTREME = np.array((np.inf, -1, -1, np.inf, -1, -1), dtype=EXTREME)
-NO_FARTHEST = np.array((-np.inf, -1, -1, -1), dtype=FARTHEST)
 CONSIDERED = np.dtype([("step", "<i8"), ("robot", "<i4"), ("other", "<i4")])
 """A robot that was considered in the decision of another, as `Record.considered` gives it."""
 

@@ -14,11 +14,9 @@ from pathlib import Path
 
 from physim.errors import RecordError
 
-_HOW = os.O_RDWR | os.O_CLOEXEC | os.O_NOFOLLOW
-
 
 class WriteLock:
-    """Holds the right to write a file; `release` it in the end."""
+    """Holds the right to write a file; `close` it in the end."""
 
     def __init__(self, path: Path) -> None:
         """Take it. Raises RecordError where another writer has it; OSError as for any file.
@@ -26,48 +24,24 @@ class WriteLock:
         Where the file system knows no locks nothing is held, and nobody refused.
         """
         self._path = _beside(path).absolute()  # the run may go to another folder
-        self._fd = -1
+        self._fd = _taken(path, os.O_CREAT)
         while not is_at(self._fd, self._path):  # who had it before may just have removed the file
-            self._close()
-            self._fd = os.open(self._path, _HOW | os.O_CREAT, 0o666)
-            try:
-                _take(self._fd, path)
-            except BaseException:
-                self._close()
-                raise
+            os.close(self._fd)
+            self._fd = _taken(path, os.O_CREAT)
 
-    def __enter__(self) -> WriteLock:
-        """Hold it in a ``with`` block."""
-        return self
-
-    def __exit__(self, *exception: object) -> None:
-        """Release it."""
-        self.release()
-
-    def release(self) -> None:
-        """Let others write; once is enough."""
+    def close(self) -> None:
+        """Let others write."""
         with suppress(OSError):
             if is_at(self._fd, self._path):
                 self._path.unlink()
             fcntl.flock(self._fd, fcntl.LOCK_UN)  # a fork that goes on has it, too
-        self._close()
-
-    def _close(self) -> None:
-        if self._fd >= 0:
-            os.close(self._fd)
-            self._fd = -1
+        os.close(self._fd)
 
 
 def check_unwritten(path: Path) -> None:
     """Raise RecordError where somebody is writing a file now."""
-    try:
-        fd = os.open(_beside(path), _HOW)
-    except OSError:
-        return
-    try:
-        _take(fd, path)
-    finally:
-        os.close(fd)
+    with suppress(OSError):
+        os.close(_taken(path))
 
 
 def is_at(fd: int, path: Path) -> bool:
@@ -82,15 +56,16 @@ def _beside(path: Path) -> Path:
     return path.with_name(f".{path.name}.lock")
 
 
-def _take(fd: int, path: Path) -> None:
+def _taken(path: Path, create: int = 0) -> int:
+    """The file beside another, open and locked; see `WriteLock`."""
+    fd = os.open(_beside(path), os.O_RDWR | os.O_CLOEXEC | os.O_NOFOLLOW | create, 0o666)
     try:
         fcntl.flock(fd, fcntl.LOCK_EX | fcntl.LOCK_NB)
     except BlockingIOError:
+        os.close(fd)
         raise RecordError(
             f"{path}: another run is writing it; wait until that has ended, or write elsewhere"
         ) from None
     except OSError:
-        return  # this file system knows no locks
-
-
-__all__ = ["WriteLock", "check_unwritten", "is_at"]
+        pass  # this file system knows no locks
+    return fd

@@ -5,8 +5,8 @@ from __future__ import annotations
 import os
 import shutil
 from collections.abc import Callable, Mapping
+from contextlib import closing
 from functools import cached_property, lru_cache
-from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -18,15 +18,7 @@ from physim.contacts import Kind, Phase
 from physim.errors import PhysimError, RecordError, nearest
 from physim.escaping import escaped
 from physim.files import draft
-from physim.geometry.shapes import (
-    FloatArray,
-    IntArray,
-    Polylines,
-    Shapes,
-    body_parts,
-    pack_polylines,
-    read_only,
-)
+from physim.geometry.shapes import FloatArray, IntArray, body_parts, read_only
 from physim.html import labelled
 from physim.parts.declarations import Mode
 from physim.record import layout
@@ -35,16 +27,15 @@ from physim.record.checks import (
     attributes_of,
     check_datasets,
     check_rows,
-    check_starts,
-    damaged,
     open_record,
+    reading,
     reading_world,
-    refuse,
 )
 from physim.record.course import followed
 from physim.record.digest import digest_of, texts
 from physim.record.lock import WriteLock
 from physim.record.setup import Setup, setup_of
+from physim.world.rules import MOST_STEPS
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -54,8 +45,6 @@ if TYPE_CHECKING:
 
 POSE_BLOCK, POSE_BLOCKS = 1 << 14, 32
 """Poses read at once where single samples are asked for; how many such blocks are kept: 12 MB"""
-NO_END = int(np.iinfo(np.int64).max)
-"""Last step of a run that was killed: its tables are cut off instead."""
 
 
 class Record(layout.Layout):
@@ -84,22 +73,38 @@ class Record(layout.Layout):
         self._handle = file
         vars(self).update(attributes_of(file, self.where))
         self.robots = sum(body.kind == "robot" for body in self.bodies)
+        bodies, declared = len(self.bodies), self.declared
         if not _just_made:
-            check_datasets(file, self.where, self.robots, len(self.bodies), self.declared)
+            sizes = {"N": self.robots, "N+1": self.robots + 1, "W+1": bodies - self.robots + 1}
+            types = layout.row_types(self.robots, [column.name for column in declared.columns])
+            check_datasets(file, self.where, {**sizes, "2": 2, "3": 3}, types)
         self.samples = min(len(file[path]) for path in layout.STEPS)
         """how many samples were recorded"""
-        killed = self.ended == "running"
         self._highest = {
             "robots": self.robots - 1,
-            "bodies": len(self.bodies) - 1,
-            "modes": len(self.declared.modes) - 1,
-            "rules": len(self.declared.rules) - 1,
-            "steps": NO_END if killed else self.steps_run,
+            "bodies": bodies - 1,
+            "modes": len(declared.modes) - 1,
+            "rules": len(declared.rules) - 1,
+            "steps": MOST_STEPS if self.ended == "running" else self.steps_run,
+            **{of.path: len(file[of.path]) - bool(of.starts) for of in layout.PACKED},
         }
-        self._killed_at: int | None = None
-        if killed:
-            self._killed_at = int(self.steps[-1]) if self.samples else -1
-            self.steps_run = max(self.begun_at, self._killed_at)
+        self._rows = dict.fromkeys(layout.STEPS, self.samples)
+        """how many rows are read of a dataset; all, where nothing is said"""
+        if self.ended == "running":
+            self._cut_off()
+
+    def _cut_off(self) -> None:
+        """Leave out what was written after the last sample of a run that was killed."""
+        last = int(self.steps[-1]) if self.samples else -1
+        self.steps_run = max(self.begun_at, last)
+        for path in layout.TABLES:
+            with reading(self.where, path):
+                step = self._file[path].fields("step")[()]
+            self._rows[path] = int(np.count_nonzero(step <= last))
+        counted = np.cumsum(self.read("/considered", check=False)["count"], dtype=np.int64)
+        there = np.searchsorted(counted, self._file[layout.OTHERS].size, side="right")
+        self._rows["/considered"] = int(there)  # the last ones may not have been written
+        self._rows[layout.OTHERS] = int(counted[there - 1]) if there else 0
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> Record:
@@ -118,11 +123,11 @@ class Record(layout.Layout):
 
         Raises RecordError, one line: table, row, what was given, what is allowed.
         """
-        for one in vars(layout.Layout).values():
-            if isinstance(one, layout.Dataset) and one.shape[:2] not in (("K", "N"), ("S",)):
-                getattr(self, one.name)
-        for name in ("shapes", "walls", "paths", "reference", "accessible", "safe", "considered"):
-            getattr(self, name)
+        for name, one in vars(layout.Layout).items():
+            shape = one.shape[:2] if isinstance(one, layout.Dataset) else ()
+            if isinstance(one, layout.Property) and shape not in (("K", "N"), ("S",)):
+                getattr(self, name)
+        _ = self.considered
         first, last = self.steps[[0, -1]].tolist() if self.samples else (self.begun_at, -1)
         whole = first == self.begun_at and (last == self.steps_run or self.ended == "running")
         if not whole or last - first > self.samples * self.record_every:
@@ -154,31 +159,14 @@ class Record(layout.Layout):
         """
         if path not in layout.TABLE:
             return texts(self.bodies, self.declared)[path][first:last]
-        try:
+        end = self._rows.get(path, last)
+        last = end if last is None or end is None else min(last, end)
+        with reading(self.where, path):
             dataset = self._file[path]
-            if path in layout.STEPS:
-                last = self.samples if last is None else min(last, self.samples)
             rows = np.asarray(dataset[first:last] if dataset.ndim else dataset[()], dataset.dtype)
-            if self._killed_at is not None:
-                rows = self._cut(path, first, rows)
-        except (OSError, RuntimeError, KeyError, ValueError, MemoryError) as error:
-            raise damaged(self.where, path, error) from error
         if check:
             check_rows(self.where, layout.TABLE[path], rows, first, self._highest)
         return read_only(rows)
-
-    def _cut(self, path: str, first: int, rows: NDArray[Any]) -> NDArray[Any]:
-        """Rows, from row ``first`` on, up to the last sample of a run that was killed."""
-        if path in layout.TABLES:
-            rows = rows[rows["step"] <= self._killed_at]
-            if path == "/considered":  # what a decision counts may not have been written
-                before = int(self._file[path][:first]["count"].sum(dtype=np.int64)) if first else 0
-                counted = before + np.cumsum(rows["count"], dtype=np.int64)
-                rows = rows[counted <= self._file[layout.OTHERS].size]
-        elif path == layout.OTHERS:
-            counted = self.read("/considered", check=False)["count"].sum(dtype=np.int64)
-            rows = rows[: max(0, counted - first)]
-        return rows
 
     def close(self) -> None:
         """Close the file; what was read stays, nothing more can be read."""
@@ -286,58 +274,9 @@ class Record(layout.Layout):
         return tuple(body.name for body in self.bodies[: self.robots])
 
     @cached_property
-    def shapes(self) -> Shapes:
-        """Footprints of the N robots, packed, in their frames."""
-        return self._shapes("/footprints")
-
-    @cached_property
     def footprints(self) -> tuple[tuple[FloatArray, ...], ...]:
         """Convex parts (n, 2) [m] of each robot, in its frame."""
         return tuple(tuple(body_parts(self.shapes, body)) for body in range(self.robots))
-
-    @cached_property
-    def walls(self) -> Shapes:
-        """Boundaries and obstacles, world frame; body k of them has id N + k."""
-        return self._shapes("/walls")
-
-    @cached_property
-    def paths(self) -> Polylines:
-        """Own path of each robot."""
-        return pack_polylines(self._runs("/paths"))
-
-    @cached_property
-    def reference(self) -> Polylines:
-        """The one reference path s*."""
-        return pack_polylines(self._runs("/reference"))
-
-    @cached_property
-    def accessible(self) -> tuple[FloatArray, ...]:
-        """Rings (n, 2) [m] of the accessible area."""
-        return self._runs("/areas/accessible")
-
-    @cached_property
-    def safe(self) -> tuple[FloatArray, ...]:
-        """Rings (n, 2) [m] of the safe area."""
-        return self._runs("/areas/safe")
-
-    def _shapes(self, group: str) -> Shapes:
-        vertices = self.read(f"{group}/vertices")
-        part_start = self._starts(f"{group}/part_start", len(vertices))
-        body_start = self._starts(f"{group}/body_start", len(part_start) - 1)
-        lengths = np.hypot(vertices[:, 0], vertices[:, 1])
-        bodies = part_start[body_start[:-1]]
-        radius = np.maximum.reduceat(lengths, bodies) if len(bodies) else lengths
-        return Shapes(vertices, part_start, body_start, read_only(radius))
-
-    def _runs(self, group: str) -> tuple[FloatArray, ...]:
-        points = self.read(f"{group}/points")
-        starts = self._starts(f"{group}/start", len(points))
-        return tuple(points[first:last] for first, last in pairwise(starts))
-
-    def _starts(self, path: str, whole: int) -> IntArray:
-        start: IntArray = self.read(path)
-        check_starts(self.where, layout.TABLE[path], start, whole)
-        return start
 
     # What happened
 
@@ -432,15 +371,16 @@ class Record(layout.Layout):
     @cached_property
     def considered(self) -> NDArray[np.void]:
         """Robots considered in decisions, rows of `layout.CONSIDERED` in the order of steps."""
-        count, others = self.considering["count"], self.others
-        if len(others) != (counted := int(count.sum(dtype=np.int64))):
-            refuse(
-                self.where, layout.OTHERS, "", f"{len(others)} rows; /considered counts {counted}"
+        count = self.considering["count"]
+        if (counted := int(count.sum(dtype=np.int64))) != len(self.others):
+            raise RecordError(
+                f"{self.where}: {layout.OTHERS} has {len(self.others)} rows; /considered counts "
+                f"{counted}; {AGAIN}"
             )
-        rows = np.empty(counted, dtype=layout.CONSIDERED)
+        rows = np.empty(len(self.others), dtype=layout.CONSIDERED)
         for name in ("step", "robot"):
             rows[name] = np.repeat(self.considering[name], count)
-        rows["other"] = others
+        rows["other"] = self.others
         return read_only(rows)
 
     def contacts_over(self, first: int, last: int) -> NDArray[np.void]:
@@ -485,11 +425,12 @@ class Record(layout.Layout):
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write a copy of the whole record to a file, in place of an earlier one.
 
-        Raises RecordError when that fails, and where a run is writing the file.
+        Raises RecordError when that fails, and where a run is writing the file; PhysimError where
+        there is something else than a file.
         """
         target = Path(path)
         try:
-            with draft(target) as part, WriteLock(target):
+            with draft(target) as part, closing(WriteLock(target)):
                 if self.path is not None:
                     shutil.copyfile(self.path, part)
                 else:
@@ -497,8 +438,6 @@ class Record(layout.Layout):
                     part.write_bytes(self._file.id.get_file_image())
         except OSError as error:
             raise RecordError(f"{target}: cannot be written: {error.strerror}") from error
-        except PhysimError as error:
-            raise RecordError(str(error)) from None
 
 
 __all__ = ["Record"]

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 from physim.errors import plural
@@ -16,13 +15,8 @@ from physim.world.run import ControllerChoice
 if TYPE_CHECKING:
     from physim.record.reader import Record
 
-STAGES = MappingProxyType(
-    {
-        "sensing": ("sensing", "stages"),
-        "filters": ("filters",),
-        "disturbances": ("disturbances",),
-    }
-)
+STAGES = {"sensing": ("sensing", "stages"), "filters": ("filters",),
+          "disturbances": ("disturbances",)}  # fmt: skip
 """What the stages are called, and where the world names them."""
 
 
@@ -85,7 +79,7 @@ class Setup:
         if len(self.controllers) > 1:
             each = (f"{part} for {plural(len(some), 'robot')}" for part, some in self.controllers)
             controllers = "; ".join(each)
-        found = [("controller", controllers), *stages, ("from Python", self.from_python)]
+        found = [("controller", controllers), *stages, ("from Python", ", ".join(self.others))]
         return [(word, text) for word, text in found if text]
 
     def to_dict(self) -> dict[str, Any]:
@@ -99,56 +93,47 @@ class Setup:
         return found
 
     @property
-    def from_python(self) -> str:
-        """Other parts than the controller that came from Python, in words."""
-        return ", ".join(self.others)
-
-    @property
     def made_with(self) -> str:
         """Versions, in words."""
         return ", ".join(f"{name} {version}" for name, version in self.versions.items())
 
 
 def setup_of(record: Record) -> Setup:
-    """Setup by the world inside a record, and the parts from Python with what is known of them."""
+    """Setup by the world inside a record, and the parts from Python with what is known of them.
+
+    The world need not be valid: what it does not say as it should is told as far as it can be.
+    """
     parts = [
         (kind, Part(name, dict(one.settings), one.not_known))
         for (kind, name), one in zip(record.given, record.given_settings, strict=False)
     ]
-    own = dict(parts).get("controller")
-    own = own or _part(_at(record.world_settings, "controller"), ControllerChoice().type)
-    return Setup(
-        controllers=_controllers(own, _at(record.world_settings, "robots")),
-        stages={
-            word: tuple(_part(one, "?") for one in _at(record.world_settings, *keys) or ())
-            for word, keys in STAGES.items()
-        },
-        others=tuple(f"{kind} {part}" for kind, part in parts if kind != "controller"),
-        versions=record.versions,
-    )
-
-
-def _controllers(own: Part, entries: Any) -> tuple[tuple[Part, tuple[int, ...]], ...]:
-    """Who drives whom, as `World.drivers`, of a world that need not be valid."""
+    world = record.world_settings
+    own = dict(parts).get("controller") or _part(world.get("controller"), ControllerChoice().type)
+    entries = world.get("robots")
     named: list[tuple[tuple[str, Mapping[str, Any]] | None, int]] = []
     for entry in entries if isinstance(entries, list) else ():
         some = entry if isinstance(entry, Mapping) else {}
-        count, choice = some.get("count", 1), some.get("controller")
-        part = _part(choice, "?")
+        count, part = some.get("count", 1), _part(some.get("controller"), "?")
         many = min(count, MOST_ROBOTS) if type(count) is int else 1
-        named.append((None if choice is None else (part.name, part.settings), many))
-    found = drivers_of((own.name, own.settings), named)
-    parts = tuple(
-        (own if one.is_own else Part(one.type, dict(one.settings)), one.robots) for one in found
+        is_own = some.get("controller") is None
+        named.append((None if is_own else (part.name, part.settings), many))
+    drivers = drivers_of((own.name, own.settings), named)
+    stages: dict[str, tuple[Part, ...]] = {}
+    for word, keys in STAGES.items():
+        choices: Any = world
+        for key in keys:
+            choices = choices.get(key) if isinstance(choices, Mapping) else None
+        stages[word] = tuple(_part(one, "?") for one in choices or ())
+    return Setup(
+        controllers=tuple(
+            (own if one.is_own else Part(one.type, dict(one.settings)), one.robots)
+            for one in drivers
+        )
+        or ((own, ()),),
+        stages=stages,
+        others=tuple(f"{kind} {part}" for kind, part in parts if kind != "controller"),
+        versions=record.versions,
     )
-    return parts or ((own, ()),)
-
-
-def _at(world: Any, *keys: str) -> Any:
-    """What stands in a world that need not be valid; None where there is no such key."""
-    for key in keys:
-        world = world.get(key) if isinstance(world, Mapping) else None
-    return world
 
 
 def _part(choice: Any, usual: str) -> Part:

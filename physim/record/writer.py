@@ -17,6 +17,7 @@ from dataclasses import asdict
 from importlib.metadata import PackageNotFoundError, version
 from itertools import accumulate
 from pathlib import Path
+from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
 from uuid import uuid4
 
@@ -24,7 +25,7 @@ import h5py
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from physim.errors import PhysimError, RecordError
+from physim.errors import RecordError
 from physim.geometry.shapes import IntArray
 from physim.parts.declarations import Declared
 from physim.parts.given import GivenSettings
@@ -48,25 +49,26 @@ class Extremes:
 
     def __init__(self, robots: int) -> None:
         """Begin with nothing seen."""
-        self.rows: NDArray[np.void] = np.full(robots, layout.NO_EXTREME)
-        self.farthest: NDArray[np.void] = layout.NO_FARTHEST.copy()
+        self.rows: NDArray[np.void] = np.full(
+            robots, np.array((np.inf, -1, -1, np.inf, -1, -1), layout.EXTREME)
+        )
+        self.farthest: NDArray[np.void] = np.array((-np.inf, -1, -1, -1), layout.FARTHEST)
 
     def note(self, step: IntArray, found: Clearances) -> None:
         """Take the samples ``step`` (B,) into account; the earliest of equal values is kept."""
         if not len(step):
             return
         robots = np.arange(len(self.rows))
-        for key, when, who, values, others in (
-            ("clearance", "clearance_step", "clearance_other", found.clearance, found.other),
-            ("boundary_clearance", "boundary_step", "boundary_other",
-             found.boundary_clearance, found.boundary_other),
-        ):  # fmt: skip
+        columns = [field.name for field in layout.Layout.extremes.fields]
+        for names, values, others in (
+            (columns[:3], found.clearance, found.other),
+            (columns[3:], found.boundary_clearance, found.boundary_other),
+        ):
             at = np.argmin(values, axis=0)
             least = values[at, robots]
-            closer = least < self.rows[key]
-            self.rows[key][closer] = least[closer]
-            self.rows[when][closer] = step[at][closer]
-            self.rows[who][closer] = others[at, robots][closer]
+            closer = least < self.rows[names[0]]
+            for name, now in zip(names, (least, step[at], others[at, robots]), strict=True):
+                self.rows[name][closer] = now[closer]
         at = int(np.argmax(found.farthest))
         if found.farthest[at] > self.farthest["farthest"]:
             self.farthest[...] = (
@@ -111,9 +113,8 @@ class RecordWriter:
         ``tables`` those of `layout.OPTIONAL` that the run fills, ``given`` the parts that came from
         Python, with their ``given_settings`` where these are known. ``begun_at`` is the step of the
         first sample, ``begun_along`` (N, 3) [m] where robots are then, as `Layout.begun_along` has
-        it. Raises RecordError where the
-        file cannot be written, where another run is writing it, and, without ``overwrite``, where
-        it exists.
+        it. Raises RecordError where the file cannot be written, where another run is writing it,
+        and, without ``overwrite``, where it exists; PhysimError for what is no regular file.
         """
         world = getattr(scene, "world", None)
         every = record_every or (int(world.time.record_every) if world else 1)
@@ -123,75 +124,78 @@ class RecordWriter:
         self.arrived = np.full(self.robots, -1, dtype=np.int64)
         self.types = layout.row_types(self.robots, [column.name for column in declared.columns])
         """type of the rows of each dataset that grows, by its path"""
+        self._waiting: dict[str, list[NDArray[Any]]] = {path: [] for path in self.types}
         self._flush_every_s = flush_every_s
         self._disk: CrashSafeFile | None = None
         self._failure: RecordError | None = None
-        self._file = self._open(overwrite)
+        attributes = {
+            "format": layout.FORMAT,
+            "version": layout.VERSION,
+            "units": layout.UNITS,
+            "name": name if name is not None else str(world.name) if world else "",
+            "world": world_text,
+            "seed": scene.seed,
+            "dt": float(scene.dt),
+            "steps_planned": scene.steps,
+            "record_every": every,
+            "tables": list(tables),
+            "given": list(given),
+            "safe_distance": float(safe_distance),
+            "ended": np.array(b"running", dtype=f"S{layout.ENDED_BYTES}"),
+            "begun_at": begun_at,
+            "steps_run": begun_at,
+            "rejected_contacts": 0,
+            "bodies": list(scene.bodies),
+            "declared": declared,
+            "given_settings": list(given_settings),
+            "versions": _versions(),
+        }
+        packed = {
+            "shapes": scene.shapes,
+            "walls": scene.walls,
+            "paths": scene.paths,
+            "reference": scene.reference,
+            "accessible": _rings(accessible),
+            "safe": _rings(safe),
+        }
+        unknown = np.full((self.robots, 3), np.nan)
+        self._values = {
+            "/robots/stop_station": scene.stop_station,
+            "/robots/lead": scene.formation.lead,
+            **{one.path: getattr(packed[one.name], one.field) for one in layout.PACKED},
+            layout.Layout.begun_along.path: unknown if begun_along is None else begun_along,
+            layout.EXTREMES: self.extremes.rows,
+            layout.EXTREMES_FARTHEST: self.extremes.farthest,
+            layout.ARRIVED: self.arrived,
+        }
+        """what each other dataset holds; the last three change during the run"""
         try:
-            attributes = {
-                "format": layout.FORMAT,
-                "version": layout.VERSION,
-                "units": layout.UNITS,
-                "name": name if name is not None else str(world.name) if world else "",
-                "world": world_text,
-                "seed": np.int64(scene.seed),
-                "dt": float(scene.dt),
-                "steps_planned": np.int64(scene.steps),
-                "record_every": np.int64(every),
-                "tables": json.dumps(list(tables)),
-                "given": json.dumps([list(one) for one in given]),
-                "safe_distance": float(safe_distance),
-                "ended": np.array(b"running", dtype=f"S{layout.ENDED_BYTES}"),
-                "begun_at": np.int64(begun_at),
-                "steps_run": np.int64(begun_at),
-                "rejected_contacts": np.int64(0),
-                "bodies": json.dumps([asdict(body) for body in scene.bodies]),
-                "declared": json.dumps(asdict(declared)),
-                "given_settings": json.dumps([vars(one) for one in given_settings]),
-                "versions": json.dumps(_versions()),
-            }
-            for key, value in attributes.items():
-                self._file.attrs[key] = value
-            self._file.create_group(layout.WALL_CLOCK)
-            values = {
-                "/robots/stop_station": scene.stop_station,
-                "/robots/lead": scene.formation.lead,
-                **_packed("/footprints", scene.shapes),
-                **_packed("/walls", scene.walls),
-                **_packed("/paths", scene.paths),
-                **_packed("/reference", scene.reference),
-                **_rings("/areas/accessible", accessible),
-                **_rings("/areas/safe", safe),
-                layout.Layout.begun_along.path: np.full((self.robots, 3), np.nan)
-                if begun_along is None
-                else begun_along,
-                layout.EXTREMES: self.extremes.rows,
-                layout.EXTREMES_FARTHEST: self.extremes.farthest,
-                layout.ARRIVED: self.arrived,
-            }
-            samples = scene.steps // every + 2
-            self._datasets: dict[str, h5py.Dataset] = {}
-            self._waiting: dict[str, list[NDArray[Any]]] = {path: [] for path in self.types}
-            self._rewritten: list[tuple[h5py.Dataset, NDArray[Any]]] = []
-            for path, one in layout.TABLE.items():
-                if path in self.types:
-                    row = self.types[path]
-                    most = samples if path in layout.STEPS else samples * self.robots
-                    rows = max(1, min(CHUNK_BYTES // row.itemsize, most))
-                    self._datasets[path] = self._file.create_dataset(
-                        path, (0, *row.shape), row.base, maxshape=(None, *row.shape),
-                        chunks=(rows, *row.shape),
-                    )  # fmt: skip
-                    continue
-                made = self._file.create_dataset(path, data=values[path], dtype=one.dtype)
-                if path in (layout.EXTREMES, layout.EXTREMES_FARTHEST, layout.ARRIVED):
-                    self._rewritten.append((made, values[path]))
-            self.flush()
-        except BaseException as error:
+            with self._writing():
+                self._file = self._open(overwrite)
+                for key, value in attributes.items():
+                    is_json = isinstance(value, list | dict | Declared)
+                    self._file.attrs[key] = json.dumps(value, default=asdict) if is_json else value
+                self._file.create_group(layout.WALL_CLOCK)
+                self._datasets = {
+                    path: self._made(one, scene.steps // every + 2)
+                    for path, one in layout.TABLE.items()
+                }
+                self.flush()
+        except BaseException:
             self._abandon()
-            if isinstance(error, OSError):
-                raise self._failed(error) from error
             raise
+
+    def _made(self, one: layout.Dataset[Any], samples: int) -> h5py.Dataset:
+        """Make a dataset; one that grows, for a run of so many samples."""
+        path = one.path
+        if path not in self.types:
+            return self._file.create_dataset(path, data=self._values[path], dtype=one.dtype)
+        row = self.types[path]
+        most = samples if path in layout.STEPS else samples * self.robots
+        rows = max(1, min(CHUNK_BYTES // row.itemsize, most))
+        return self._file.create_dataset(
+            path, (0, *row.shape), row.base, maxshape=(None, *row.shape), chunks=(rows, *row.shape)
+        )
 
     def append_steps(
         self, step: ArrayLike, pose: ArrayLike, clearance: ArrayLike, boundary_clearance: ArrayLike
@@ -263,8 +267,8 @@ class RecordWriter:
         with self._writing():
             for path in self.types:
                 self._write(path)
-            for dataset, values in self._rewritten:  # before the index: never older than samples
-                dataset[...] = values
+            for path in (layout.EXTREMES, layout.EXTREMES_FARTHEST, layout.ARRIVED):
+                self._datasets[path][...] = self._values[path]  # never older than the samples
             if self._disk is not None:
                 self._disk.holding = True
             self._file.flush()
@@ -307,14 +311,8 @@ class RecordWriter:
         if self.path is None:
             settings |= {"driver": "core", "backing_store": False, "block_size": BUFFER_BYTES}
             return h5py.File(f"record {uuid4().hex}", "w", **settings)  # names must differ
-        try:
-            self._disk = CrashSafeFile(self.path)
-        except OSError as error:
-            raise self._failed(error) from error
-        except PhysimError as error:
-            raise RecordError(str(error)) from None
+        self._disk = CrashSafeFile(self.path)
         if not overwrite and os.path.lexists(self.path):
-            self._disk.close()
             raise RecordError(f"{self.path}: exists; give another path, or overwrite=True")
         self._disk.holding = True
         settings |= {"alignment_threshold": PAGE // 2, "alignment_interval": PAGE}
@@ -333,34 +331,28 @@ class RecordWriter:
         try:
             yield
         except OSError as error:
-            self._failure = self._failed(error)
+            told = f"{self.path}: cannot be written: {error.strerror or error}"
+            self._failure = RecordError(told)
             self._abandon()
             raise self._failure from error
-
-    def _failed(self, error: OSError) -> RecordError:
-        return RecordError(f"{self.path}: cannot be written: {error.strerror or error}")
 
     def _abandon(self) -> None:
         """Close the file as the last flush left it; before the first flush nothing is left."""
         if self._disk is not None:
             self._disk.holding = True
-        with suppress(OSError, RuntimeError):
+        with suppress(OSError, RuntimeError, AttributeError):  # or it was never opened
             self._file.close()
         if self._disk is not None:
             self._disk.close()
 
 
-def _packed(group: str, values: Any) -> dict[str, Any]:
-    """Datasets of packed shapes or lines, those fields of theirs that a record keeps."""
-    mine = (path for path in layout.TABLE if path.startswith(f"{group}/"))
-    return {path: getattr(values, path.rpartition("/")[2]) for path in mine}
-
-
-def _rings(group: str, rings: Sequence[ArrayLike]) -> dict[str, Any]:
-    """Datasets of rings (n, 2), packed."""
+def _rings(rings: Sequence[ArrayLike]) -> SimpleNamespace:
+    """Rings (n, 2) as ``points`` and ``start`` of each."""
     arrays = [np.asarray(ring, dtype=np.float64).reshape(-1, 2) for ring in rings]
-    start = [*accumulate(map(len, arrays), initial=0)]
-    return {f"{group}/points": np.concatenate([np.zeros((0, 2)), *arrays]), f"{group}/start": start}
+    return SimpleNamespace(
+        points=np.concatenate([np.zeros((0, 2)), *arrays]),
+        start=[*accumulate(map(len, arrays), initial=0)],
+    )
 
 
 @functools.cache

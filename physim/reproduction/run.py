@@ -18,7 +18,7 @@ from physim.drawing.plots.map import trajectories
 from physim.drawing.plots.pictures import PICTURES as PLOTS
 from physim.errors import PhysimError, nearest, plural
 from physim.geometry.queries import fill_times
-from physim.parts.registry import CONTROLLER, make_part
+from physim.parts.registry import made_controller
 from physim.record import Record
 from physim.reproduction.claims import parts
 from physim.reproduction.measures import Measures, measures
@@ -219,8 +219,7 @@ def is_warm() -> bool:
 def warm_up() -> None:
     """Take a run that is thrown away."""
     world = load_world("three_robots", overrides=["time.duration=0.2"])
-    choice = world.controller
-    warm_up_runs(build_scene(world), make_part(CONTROLLER, choice.type, choice.settings))
+    warm_up_runs(build_scene(world), made_controller(world))
     with simulate(world) as record:
         shortest_pair_collision_time(record)
 

@@ -44,8 +44,9 @@ from physim.parts.user_code import broken_by, is_shipped, kind_of, naming
 from physim.simulation.arrival import Arrivals
 from physim.simulation.branching import branch_of
 from physim.simulation.checks import taken_commands, taken_sensed
-from physim.simulation.decisions import Decided, begun, decide
+from physim.simulation.decisions import Asked, Decided, decide
 from physim.simulation.engine import Physics
+from physim.simulation.forms import first_memory
 from physim.simulation.observation import View
 from physim.simulation.parts import driven_by, listed, parts_of
 from physim.simulation.state import SimulationState
@@ -114,7 +115,7 @@ class Simulation:
         self.scene = world
         stages = {SENSING: sensing, FILTER: filters, DISTURBANCE: disturbances}
         self.parts = parts_of(world.world, controller, stages)
-        self.declared = Declared.of(self.parts.controller)
+        self._asked = Asked.of(self.parts.controller)
         if faults := self.parts.faults(world.world):
             raise WorldError(faults)
         self.observers: list[Observer] = []
@@ -186,6 +187,11 @@ class Simulation:
         return self._arrivals.all
 
     @property
+    def declared(self) -> Declared:
+        """Modes, rules and columns of the controller."""
+        return self._asked.declared
+
+    @property
     def view(self) -> View:
         """What robots know of this sample, each its own rows."""
         sensed = self._sense()[0]
@@ -241,7 +247,7 @@ class Simulation:
             return given, ()
         known: Any = self._sense()[0] if stage == FILTERED else self.now
         kind, states = STAGES[stage], []
-        method = kind.methods[1]
+        method = kind.calls[1].partition("(")[0]
         for part, state in zip(parts, self._states[stage], strict=True):
             call = getattr(part, method)
             with naming(f"{kind.word} {type(part).__name__} at {self.time:g} s", call):
@@ -277,11 +283,8 @@ class Simulation:
         """Nominal commands of all robots from now on; those that are due are asked."""
         if self.now.step < self._next_due:
             return Decided(self.now.command)
-        sensed = self._sense()[0]
-        due = read_only((self.next_decision <= sensed.step).nonzero()[0])
-        decided = decide(
-            self._batch, self.scene, self.declared, sensed, due, self.now.command, self.memory
-        )
+        due = read_only((self.next_decision <= self.now.step).nonzero()[0])
+        decided = decide(self._asked, self.view, due, self.now.command, self.memory)
         if decided.decisions is not None:
             self.mode = _replaced(self.mode, due, decided.decisions.mode)
         self.next_decision = _replaced(self.next_decision, due, decided.next_step)
@@ -389,11 +392,12 @@ class Simulation:
     ) -> Simulation:
         """A simulation that goes on from the present sample with something changed.
 
-        ``controller`` as for `Simulation`, or settings of the world's: a controller that is changed
-        begins with its own memory, and all robots decide at once. ``changes`` are those of
-        `World.changed`, of keys that move and reshape no body (`physim.simulation.branching.FREE`).
-        A stage that is changed, too, begins anew; all else is kept, so that without changes what
-        follows is bit for bit what follows here. Observers stay behind; `physim.record_run` records
+        ``controller`` as for `Simulation`, or settings of the world's: robots whose controller is
+        changed begin with its memory, and decide at once. ``changes`` are those of `World.changed`,
+        of keys that move and reshape no body (`physim.simulation.branching.FREE`); stages may be
+        objects, which take the place of those that were given. A stage that is changed, too, begins
+        anew; all else is kept, so that without changes what follows is bit for bit what follows
+        here. Observers stay behind; `physim.record_run` records
         the branch. Raises PhysimError for a key that cannot change in mid-run, and what
         `Simulation` raises.
         """
@@ -422,8 +426,8 @@ class Simulation:
 
     def _begin(self) -> None:
         """Everything but the engine, as it is at sample 0."""
-        scene, robots, controller = self.scene, self.scene.robots, self.parts.controller
-        self._batch, self.memory = begun(controller, scene, self.declared)
+        scene, robots = self.scene, self.scene.robots
+        self.memory = first_memory(self._asked.form, scene)
         self._shared = shared(robots)
         self._parts = tuple(map(self.parts.of, STAGES))
         self._limits = {FILTERED: scene.limits, DISTURBED: np.full((robots, 2), FASTEST)}
@@ -472,7 +476,7 @@ class Simulation:
     def __setstate__(self, values: dict[str, Any]) -> None:
         """Build the engine anew and go to the state."""
         self.scene, self.parts = values["scene"], values["parts"]
-        self.declared = Declared.of(self.parts.controller)
+        self._asked = Asked.of(self.parts.controller)
         self.observers = []
         self._host()
         self._begin()

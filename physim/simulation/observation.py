@@ -14,7 +14,7 @@ from typing import Any, TypeVar
 import numpy as np
 
 from physim.geometry.path import Path
-from physim.geometry.shapes import FloatArray, Shapes, read_only
+from physim.geometry.shapes import FloatArray, IntArray, Shapes, read_only
 from physim.geometry.walls import parts_within
 from physim.parts.controller import FormationView, Neighbour, Observation, ObservedRobot, Sensed
 from physim.world.scene import Scene
@@ -31,9 +31,9 @@ def formation_errors(scene: Scene, reference_station: FloatArray) -> FloatArray:
 class View:
     """What is known at one step: the ``scene``, the ``sensed`` rows of it, and the ``time`` [s].
 
-    Observer i knows ``rows(i)`` of the sensed ones, of which it may use those within range, and of
-    its formation neighbours the stations; ``observation(i)`` is just that. Nothing may be written
-    to.
+    Observer i has ``rows(i)`` of the sensed ones, one of itself among them. It may use those of
+    ``others(i)``, which are within range, and of ``neighbours(i)`` the stations along the reference
+    path; ``observation(i)`` is just that. Nothing may be written to.
     """
 
     def __init__(self, scene: Scene, sensed: Sensed, like: View | None = None) -> None:
@@ -47,6 +47,38 @@ class View:
     def rows(self, i: int) -> slice:
         """Rows of ``sensed`` that observer i has."""
         return self.sensed.rows(i)
+
+    def own_row(self, i: int) -> int:
+        """Its row of itself."""
+        rows = self.rows(i)
+        return int(rows.start + (self.sensed.robot[rows] == i).argmax())
+
+    def others(self, i: int) -> IntArray:
+        """Its rows of other robots within range, increasing."""
+        sensed, rows, own, reach = (
+            self.sensed,
+            self.rows(i),
+            self.own_row(i),
+            self.scene.sensing_range,
+        )
+        x, y, _ = sensed.pose[own]
+        dx, dy = sensed.pose[rows, 0] - x, sensed.pose[rows, 1] - y
+        near = dx * dx + dy * dy <= reach * reach
+        near[own - rows.start] = False
+        return np.asarray(rows.start + near.nonzero()[0])
+
+    def neighbours(self, i: int) -> IntArray:
+        """Its rows of formation neighbours, increasing; they may be beyond the range."""
+        sensed, rows, own, plan = self.sensed, self.rows(i), self.own_row(i), self.scene.formation
+        if not plan.active:
+            return np.zeros(0, dtype=np.int64)
+        if plan.adjacency.shape[0]:
+            near = plan.adjacency[i][sensed.robot[rows]] != 0
+        else:
+            station = sensed.reference_station
+            near = np.abs(station[rows] - station[own]) <= plan.range
+        near[own - rows.start] = False
+        return np.asarray(rows.start + near.nonzero()[0])
 
     def prepared(self, make: Callable[[Scene], T]) -> T:
         """What ``make(scene)`` gives, made once for all steps of a run and every robot.
@@ -63,8 +95,7 @@ class View:
 
     def observation(self, i: int) -> Observation:
         """What Robot i may know."""
-        sensed, rows = self.sensed, self.sensed.rows(i)
-        own = rows.start + int((sensed.robot[rows] == i).argmax())
+        sensed, own = self.sensed, self.own_row(i)
         values = self._shared.facts(i).copy()
         values["time"] = self.time
         values["pose"] = read_only(sensed.pose[own].copy())
@@ -80,25 +111,12 @@ class View:
             return self._shared.footprint(i)
         if field == "path":
             return self._shared.path(i)
-        x, y, _ = self.sensed.pose[own]
         if field == "walls":
+            x, y, _ = self.sensed.pose[own]
             return self._shared.walls_near(x, y)
-        sensed, rows, scene = self.sensed, self.sensed.rows(i), self.scene
         if field == "others":
-            make: Callable[[int], Any] = self._robot
-            dx, dy = sensed.pose[rows, 0] - x, sensed.pose[rows, 1] - y
-            near = dx * dx + dy * dy <= scene.sensing_range * scene.sensing_range
-        else:
-            make, plan = self._neighbour, scene.formation
-            station = sensed.reference_station
-            if not plan.active:
-                return ()
-            if plan.adjacency.shape[0]:
-                near = plan.adjacency[i][sensed.robot[rows]] != 0
-            else:
-                near = np.abs(station[rows] - station[own]) <= plan.range
-        near[own - rows.start] = False
-        return tuple(map(make, (rows.start + near.nonzero()[0]).tolist()))
+            return tuple(map(self._robot, self.others(i).tolist()))
+        return tuple(map(self._neighbour, self.neighbours(i).tolist()))
 
     def _robot(self, row: int) -> ObservedRobot:
         """Of a row; what several see of one is made once for all of them."""

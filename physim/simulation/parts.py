@@ -24,7 +24,7 @@ from physim.parts.registry import (
     make_part,
 )
 from physim.parts.user_code import kind_of
-from physim.parts.world_checks import driver_faults, world_faults
+from physim.parts.world_checks import driver_faults, faults_said
 from physim.simulation.team import driving, united
 from physim.world import World
 from physim.world.file.loading import drives_none, unused_settings
@@ -114,7 +114,7 @@ class Parts:
             found += driver_faults(controller, world, driver)
         for kind in STAGES:
             for k, part in enumerate(self.of(kind)):
-                found += world_faults(part, world, (*kind.key, k))
+                found += faults_said(part, "world_faults", world, (*kind.key, k))
         return found
 
 

@@ -9,25 +9,25 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from physim.errors import ControllerError
 from physim.geometry.shapes import IntArray
-from physim.parts.controller import Controller, Decision, Decisions, Observation, Sensed
+from physim.parts.controller import Controller, Decisions
 from physim.parts.declarations import (
     NO_NUMBER,
     STANDARD_COLUMNS,
     Column,
-    Declared,
     Mode,
     Rule,
     kept_distance,
 )
 from physim.parts.registry import OF_ROBOTS, make_part
-from physim.simulation.decisions import answered, begun
+from physim.simulation.decisions import Asked, answered
+from physim.simulation.forms import Memory, first_memory
+from physim.simulation.observation import View
 from physim.world import World
 from physim.world.group import Driver
 from physim.world.scene import Scene
@@ -39,9 +39,7 @@ STANDARD = frozenset(column.name for column in STANDARD_COLUMNS)
 class Member(NamedTuple):
     """A controller and the robots that it drives."""
 
-    controller: Controller
-    driver: Driver
-    declared: Declared
+    asked: Asked
     modes: IntArray
     """numbers of its modes in the team's; of `NO_NUMBER`, at the end, that"""
     rules: IntArray
@@ -58,8 +56,12 @@ class Team:
         rules: dict[str, Rule] = {}
         columns: dict[str, Column] = {}
         self.members: list[Member] = []
+        self.drives: dict[int, int] = {}
+        """the member that drives each robot"""
         for k, (controller, driver) in enumerate(drivers):
-            own = Declared.of(controller)
+            asked = Asked.of(controller)
+            own = asked.declared
+            self.drives |= dict.fromkeys(driver.robots, k)
             for mode in own.modes:
                 if (other := modes.setdefault(mode.name, mode)) != mode:
                     raise _two_senses("mode", mode, other, driver)
@@ -76,58 +78,34 @@ class Team:
                 rules[called[m]] = replace(rule, name=called[m])
             self.members.append(
                 Member(
-                    controller, driver, own, _numbers((one.name for one in own.modes), modes),
+                    asked, _numbers((one.name for one in own.modes), modes),
                     _numbers(called, rules), _numbers((one.name for one in own.columns), columns),
                 )
             )  # fmt: skip
         self.modes, self.rules = tuple(modes.values()), tuple(rules.values())
         self.columns = tuple(columns.values())
-        farthest = max(self.members, key=lambda one: kept_distance(one.controller))
-        self.settings = getattr(farthest.controller, "settings", None)
+        farthest = max((one for one, _ in drivers), key=kept_distance)
+        self.settings = getattr(farthest, "settings", None)
         """of who keeps farthest from walls: pictures show the safe area by them"""
 
-    def decide(self, observation: Observation, memory: Any) -> Decision:
-        """Let the controller of the robot decide; its rules are not renamed."""
-        for one in self.members:
-            if observation.index in one.driver.robots:
-                return one.controller.decide(observation, memory)
-        raise ControllerError(f"{observation.name} has no controller")
-
-    def batch(self, scene: Scene) -> TeamBatch:
-        """Set up the batch form of every member."""
-        return TeamBatch(self, scene)
-
-
-class TeamBatch:
-    """Batch form of a `Team` for one run: each member's is asked for its robots that are due."""
-
-    def __init__(self, team: Team, scene: Scene) -> None:
-        self.scene, self.members, self.columns = scene, team.members, len(team.columns)
-        self.begun = [begun(one.controller, scene, one.declared) for one in team.members]
-        self.member = np.zeros(scene.robots, dtype=np.int64)
-        for k, one in enumerate(team.members):
-            self.member[list(one.driver.robots)] = k
-
-    def memory(self) -> dict[str, NDArray[Any]]:
+    def start(self, scene: Scene) -> Memory:
         """Memories of all members, each under the number of the member and its own name."""
-        found = enumerate(memory for _, memory in self.begun)
-        return {f"{k}/{name}": one.copy() for k, own in found for name, one in own.items()}
+        found = ((k, first_memory(one.asked.form, scene)) for k, one in enumerate(self.members))
+        return {f"{k}/{name}": array for k, own in found for name, array in own.items()}
 
-    def decide_due(
-        self, sensed: Sensed, due: IntArray, memory: dict[str, NDArray[Any]]
-    ) -> Decisions:
+    def decide_all(self, view: View, due: IntArray, memory: Memory) -> Decisions:
         """Decide for robots ``due``; what a member answers is checked under its own name."""
         parts = []
-        whose = self.member[due]
+        whose = np.array([self.drives[i] for i in due.tolist()])
         for k, one in enumerate(self.members):
             mine = due[whose == k]
             if not len(mine):
                 continue
             begin = f"{k}/"
             own = {key.removeprefix(begin): memory[key] for key in memory if key.startswith(begin)}
-            found, _ = answered(self.begun[k][0], self.scene, one.declared, sensed, mine, own)
+            found, _ = answered(one.asked, view, mine, own)
             memory |= {f"{begin}{name}": array for name, array in own.items()}
-            report = np.full((len(mine), self.columns), np.nan)
+            report = np.full((len(mine), len(self.columns)), np.nan)
             report[:, one.columns[:-1]] = found.report
             mode, rule = one.modes[found.mode], one.rules[found.rule]
             parts.append(found._replace(mode=mode, rule=rule, report=report))

@@ -16,12 +16,13 @@ from typing import Any
 import numpy as np
 
 from physim.errors import ControllerError, PhysimError, WorldError, plural
-from physim.parts.controller import BatchCapable, Controller
+from physim.parts.controller import Controller, DecidesAll
 from physim.parts.registry import CONTROLLER, checked_settings, find_part, made_part
 from physim.parts.user_code import place_of
 from physim.parts.world_checks import robot_faults
-from physim.testing.rules import Finding, FindingLog, check_batch, check_plain
-from physim.testing.trial import Make, run_trial
+from physim.simulation.forms import per_robot
+from physim.testing.rules import Finding, FindingLog, check_all, check_one_by_one
+from physim.testing.trial import Make, method_of, run_trial
 from physim.world import World
 from physim.world.file import load_world, parse_world, read_world
 from physim.world.file.files import shipped_worlds
@@ -84,10 +85,8 @@ def candidate(
             controller, find_part(CONTROLLER, controller, trusted=True), settings, None
         )
     kind = controller if isinstance(controller, type) else type(controller)
-    if not callable(getattr(controller, "decide", None)):
-        raise ControllerError(
-            f"{kind.__name__} has no method decide(observation, memory){place_of(kind)}"
-        )
+    if lacking := CONTROLLER.lacking(controller):
+        raise ControllerError(f"{kind.__name__} has no method {lacking}{place_of(kind)}")
     if isinstance(controller, type):
         return Candidate(kind.__name__, kind, settings, None)
     if settings is not None:
@@ -224,7 +223,8 @@ def check_controller(
     It decides for the first ``seconds`` of every world, and in the `situations` of this package:
     nobody or no wall in sight, at the end of the path, facing backwards, overlapping others. Then
     it is asked for the same decisions again: by new instances, in other orders, from copies of its
-    memory, about seven times in all. Its batch form, where it has one, has to agree.
+    memory, about seven times in all. `decide_all` is asked for all at once, and with what each may
+    know alone; where there is `decide` too they have to agree, bit for bit or within ``agreement``.
 
     ``controller`` is a class, an object (it is copied, never asked itself), a registered name or
     ``module:Class``. ``worlds`` are worlds, files or names, without it all shipped ones
@@ -298,10 +298,11 @@ def _check_scene(name: str, scene: Scene, make: Make, seconds: float) -> WorldRe
     if faults := robot_faults(controller, scene.layout.robots, scene.layout.entries):
         more = f" (and {len(faults) - 1} more)" if len(faults) > 1 else ""
         return WorldResult(name, False, 0, (), f"{faults[0]}{more}")
-    found = FindingLog(name, place_of(type(controller).decide).strip(" ()"))
-    trial = run_trial(scene, controller, seconds)
-    check_plain(trial, controller, make, found)
-    batched = make()
-    if isinstance(batched, BatchCapable):
-        check_batch(trial, batched, found)
+    plain = per_robot(controller)
+    found = FindingLog(name, place_of(method_of(plain)).strip(" ()"))
+    trial = run_trial(scene, plain, seconds)
+    check_one_by_one(trial, plain, lambda: per_robot(make()), found)
+    another = make()
+    if isinstance(another, DecidesAll):
+        check_all(trial, another, found)
     return WorldResult(name, False, len(trial.asked), found.findings())

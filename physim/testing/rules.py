@@ -1,23 +1,28 @@
 """What every controller keeps to, and what breaks it: rule, world, robot, time and what is wrong.
 
-The plain form is tried on the decisions of a trial by asking for them again, the batch form on
-what was sensed in that trial.
+A controller is tried on the decisions of a trial by asking for them again, robot by robot;
+`decide_all` besides on what was sensed in that trial.
 """
 
 from __future__ import annotations
 
 import copy
 import pickle
+from collections.abc import Callable
 from dataclasses import asdict, dataclass, replace
 from enum import StrEnum
 from typing import Any
 
+import numpy as np
+
 from physim.errors import ControllerError
 from physim.geometry.shapes import IntArray
-from physim.parts.controller import BatchCapable, BatchController, Controller
-from physim.parts.declarations import Declared
-from physim.parts.user_code import broken_by, is_shipped, place_of
+from physim.parts.controller import DecidesAll, DecidesOne, Sensed
+from physim.parts.declarations import Declared, agreement_of
+from physim.parts.user_code import broken_by, place_of
 from physim.simulation.checks import next_steps, taken_decisions
+from physim.simulation.forms import AskedAlone, first_memory
+from physim.simulation.observation import View
 from physim.testing.contents import (
     Contents,
     Difference,
@@ -28,25 +33,25 @@ from physim.testing.contents import (
 )
 from physim.testing.trial import (
     Answer,
-    Make,
     Query,
     Trial,
     TrialStep,
     ask,
     other_answer,
-    own,
+    own_arrays,
     rows_of,
     values_of,
 )
+from physim.world.scene import Scene
 
 
 class Rule(StrEnum):
     """What every controller keeps to."""
 
     RAISES = "raises"
-    """`decide` raises nothing"""
+    """it raises nothing when it decides"""
     DECISION = "decision"
-    """it returns a `Decision` that a run can take: numbers, within limits, fit for the record"""
+    """it returns a decision that a run can take: numbers, within limits, fit for the record"""
     REPEATS = "repeats"
     """the same settings, observation and memory give the same decision"""
     STATE = "state"
@@ -60,10 +65,14 @@ class Rule(StrEnum):
     """memory can be deep-copied and pickled, and a copy gives the same decision"""
     OBSERVATION = "observation"
     """nothing is written into what is seen"""
-    BATCH = "batch"
-    """the batch form, where there is one, decides as the plain form"""
-    BATCH_ORDER = "batch_order"
-    """and in whatever portions and order it is asked for the robots that are due"""
+    FORMS = "forms"
+    """`decide` and `decide_all`, where there are both, decide alike: bit for bit, or within the
+    ``agreement`` that the controller declares"""
+    PORTIONS = "portions"
+    """`decide_all` decides alike in whatever portions and order it is asked for the robots due"""
+    SIGHT = "sight"
+    """it goes by nothing that a robot may not know: what is out of range, but for the stations of
+    formation neighbours"""
 
 
 @dataclass(frozen=True)
@@ -125,7 +134,13 @@ class FindingLog:
 BELONGS = "what a decision leaves for the next belongs in its memory"
 
 
-def check_plain(trial: Trial, asked_all_along: Controller, make: Make, found: FindingLog) -> None:
+MakePlain = Callable[[], DecidesOne]
+"""Makes one more instance, with the same settings, as it decides for one robot."""
+
+
+def check_one_by_one(
+    trial: Trial, asked_all_along: DecidesOne, make: MakePlain, found: FindingLog
+) -> None:
     """Report what a trial shows, then ask for its decisions again under other conditions.
 
     ``asked_all_along`` is the controller that made them; ``make`` makes others.
@@ -163,17 +178,18 @@ class _Repeated:
     """Asks for the decisions of a run again; what comes out differently is a finding."""
 
     trial: Trial
-    make: Make
+    make: MakePlain
     found: FindingLog
     shares_state: bool = False
     """whether something was seen to change that all instances share"""
 
-    def watching_state(self, controller: Controller) -> None:
+    def watching_state(self, controller: DecidesOne) -> None:
         """The same one again, looking after each decision at what it keeps.
 
         It has been asked all this before: what it only had to work out once is there by now.
         """
-        watch = StateWatch(controller)
+        alone = controller if isinstance(controller, AskedAlone) else None
+        watch = StateWatch(controller if alone is None else alone.controller)
         before = watch.look()
         for one in self._copyable(self.trial.asked):
             answer = self._ask(controller, one)
@@ -187,7 +203,7 @@ class _Repeated:
             before = after
 
     def all(
-        self, rule: Rule, queries: list[Query], text: str, controller: Controller | None
+        self, rule: Rule, queries: list[Query], text: str, controller: DecidesOne | None
     ) -> None:
         """Ask one controller for all decisions again, or, without one, a new one for each."""
         for one in self._copyable(queries):
@@ -211,7 +227,7 @@ class _Repeated:
         """Those whose memory is there to be handed over again."""
         return [one for one in queries if not one.copy_error]
 
-    def _ask(self, controller: Controller, one: Query, memory: Any = None) -> Answer:
+    def _ask(self, controller: DecidesOne, one: Query, memory: Any = None) -> Answer:
         """Ask for a decision again, from a copy of its memory unless another one is given.
 
         A controller that modifies its observation gets a copy of that, too.
@@ -250,40 +266,90 @@ def _changed(change: Difference) -> str:
     return f"{change.place} from {change.before} to {change.after}"
 
 
-def check_batch(trial: Trial, controller: BatchCapable, found: FindingLog) -> None:
-    """Hold the batch form against the plain one, then against itself asked robot by robot."""
-    whole = _BatchDriver(trial, controller, found, Rule.BATCH)
-    alone = _BatchDriver(trial, controller, found, Rule.BATCH_ORDER)
+def check_all(trial: Trial, controller: DecidesAll, found: FindingLog) -> None:
+    """Hold `decide_all` against the decisions of a trial, then against itself.
+
+    Asked robot by robot, and from a table in which each has only the rows that it may know.
+    """
+    has_both, agreement = isinstance(controller, DecidesOne), agreement_of(controller)
+    if not has_both and (Rule.RAISES in found or Rule.DECISION in found):
+        return
+    by_more = f" by more than {agreement:g}, its agreement," if agreement else ""
+    forms = _Asking(trial, controller, found, Rule.FORMS if has_both else Rule.PORTIONS)
+    portions = _Asking(trial, controller, found, Rule.PORTIONS)
+    sight = _Asking(trial, controller, found, Rule.SIGHT)
+    rng = np.random.default_rng(0)
     for step in trial.steps:
-        rows = whole.decide(step, [step.due])
+        rows = forms.decide(step, [step.due])
         if rows is None:
             return
-        others = alone.decide(step, [step.due[k : k + 1] for k in reversed(range(len(step.due)))])
+        one_by_one = [step.due[k : k + 1] for k in reversed(range(len(step.due)))]
+        alone = portions.decide(step, one_by_one)
+        little = replace(step, sensed=what_each_may_know(trial.scene, step.sensed, rng))
+        seen = sight.decide(little, [step.due])
         for one in step.asked:
-            row = rows[one.robot]
-            change = other_answer({name: one.answer.values.get(name) for name in row}, row)
+            row, i = rows[one.robot], one.robot
+            plain = {name: one.answer.values.get(name) for name in row}
+            change = other_answer(plain, row, agreement)
             if change and not one.answer.fault:
-                text = "the batch form decides differently from the plain one"
-                whole.report(f"{text}: {change}", one.robot)
-            if others is not None and (change := other_answer(row, others[one.robot])):
-                text = "asked robot by robot, last first, the batch form decides differently"
-                alone.report(f"{text}: {change}", one.robot)
+                whom = "decide" if has_both else "it does for this robot alone"
+                forms.report(f"decide_all decides differently{by_more} from {whom}: {change}", i)
+            if alone and (change := other_answer(row, alone[i], agreement)):
+                text = f"asked robot by robot, last first, decide_all decides differently{by_more}"
+                portions.report(f"{text}: {change}", i)
+            if seen and (change := other_answer(row, seen[i], agreement)):
+                text = (
+                    "without what the robot may not know (view.others(i) are within range, of "
+                    "view.neighbours(i) it knows the stations) decide_all decides differently"
+                )
+                sight.report(f"{text}{by_more}: {change}", i)
 
 
-class _BatchDriver:
-    """A batch form that is given what was sensed in a run, step by step, until it fails."""
+def what_each_may_know(scene: Scene, sensed: Sensed, rng: np.random.Generator) -> Sensed:
+    """The same with rows of its own for each observer, in any order of observers.
 
-    def __init__(
-        self, trial: Trial, controller: BatchCapable, found: FindingLog, rule: Rule
-    ) -> None:
-        self.trial = trial
-        self.controller = controller
-        self.found = found
-        self.rule = rule
+    Those out of range are left out, or, of formation neighbours, moved elsewhere out of range.
+    """
+    view, robots = View(scene, sensed), len(sensed.first)
+    rows, first, end, count = [], np.zeros(robots, np.int64), np.zeros(robots, np.int64), 0
+    pose, command, velocity = [], [], []
+    for i in rng.permutation(robots).tolist():
+        own, others = view.own_row(i), view.others(i)
+        known = np.union1d(np.append(others, own), view.neighbours(i))
+        here, there = sensed.pose[own, :2], sensed.pose[known].copy()
+        far = ~np.isin(known, np.append(others, own))
+        angle = rng.uniform(-np.pi, np.pi, len(known))
+        away = (scene.sensing_range + rng.uniform(1.0, 9.0, len(known)))[:, None]
+        moved = here + away * np.column_stack((np.cos(angle), np.sin(angle)))
+        there[far] = np.column_stack((moved, angle))[far]
+        rows.append(known)
+        pose.append(there)
+        command.append(np.where(far[:, None], 0.0, sensed.command[known]))
+        velocity.append(np.where(far[:, None], 0.0, sensed.velocity[known]))
+        first[i], count = count, count + len(known)
+        end[i] = count
+    taken = np.concatenate(rows)
+    return own_arrays(
+        sensed._replace(
+            robot=sensed.robot[taken], pose=np.concatenate(pose), command=np.concatenate(command),
+            velocity=np.concatenate(velocity), age=sensed.age[taken], first=first, end=end,
+            reference_station=sensed.reference_station[taken],
+        )
+    )  # fmt: skip
+
+
+class _Asking:
+    """`decide_all` given what was sensed in a run, step by step, until it fails."""
+
+    def __init__(self, trial: Trial, controller: DecidesAll, found: FindingLog, rule: Rule) -> None:
+        self.trial, self.controller, self.found, self.rule = trial, controller, found, rule
         self.time, self.failed = 0.0, False
-        self.batch: BatchController | None = None
-        self.memory: dict[str, Any] = {}
+        self.view: View | None = None
+        self.memory = first_memory(controller, trial.scene)
         self.declared = Declared.of(controller)
+        written = type(controller).decide_all
+        if not written.__module__.startswith("physim."):  # an inherited one is not the author's
+            self.found.place = place_of(written).strip(" ()")
 
     def report(self, text: str, robot: int, rule: Rule | None = None) -> None:
         """Take down a finding."""
@@ -304,28 +370,24 @@ class _BatchDriver:
 
     def _decide(self, step: TrialStep, due: IntArray, rows: dict[int, Contents]) -> bool:
         """Put the values of robots ``due`` into ``rows``; whether there are any."""
-        sensed, asked = own(step.sensed), due.copy()
+        sensed, asked, scene = own_arrays(step.sensed), due.copy(), self.trial.scene
+        self.view = View(scene, sensed, self.view)
         try:
-            if self.batch is None:
-                self.batch = self.controller.batch(self.trial.scene)
-                self.memory = self.batch.memory()
-                if not is_shipped(self.batch):  # an inherited one is not the author's
-                    self.found.place = place_of(type(self.batch).decide_due).strip(" ()")
-            decisions = self.batch.decide_due(sensed, asked, self.memory)
+            decisions = self.controller.decide_all(self.view, asked, self.memory)
         except KeyboardInterrupt:
             raise
         except BaseException as error:
-            self.report(f"the batch form fails: {broken_by(error)}", due[0])
+            self.report(f"decide_all fails: {broken_by(error)}", due[0])
             return False
         given, after = (contents(pair, "") for pair in ((step.sensed, due), (sensed, asked)))
         if change := difference(given, after):
-            text = "the batch form modifies what is sensed, or the list of robots it is asked for"
+            text = "decide_all modifies what is sensed, or the list of robots it is asked for"
             self.report(f"{text}, at {change.place}", due[0], Rule.OBSERVATION)
         try:
             decisions = taken_decisions(decisions, due, len(self.declared.columns))
-            next_steps(self.trial.scene, step.sensed.step, decisions, self.declared)
+            next_steps(scene, step.sensed.step, decisions, self.declared)
         except ControllerError as error:
-            self.report(f"decide_due: {error}", due[0])
+            self.report(f"decide_all: {error}", due[0])
             return False
         rows |= {robot: values_of(row, self.declared) for robot, row in rows_of(decisions).items()}
         return True

@@ -1,7 +1,7 @@
 """A trial: a world's first seconds, with every decision and what it was made from.
 
-Here alone a simulation is run, and a controller asked. It decides in its plain form, whether it
-has a batch form or not; what it answers are values to compare.
+Here alone a simulation is run, and a controller asked. It decides for one robot at a time, by
+`decide` or, where it has none, by `decide_all`; what it answers are values to compare.
 """
 
 from __future__ import annotations
@@ -16,12 +16,21 @@ import numpy as np
 
 from physim.errors import ControllerError
 from physim.geometry.shapes import IntArray, read_only
-from physim.parts.controller import Controller, Decision, Decisions, Observation, Sensed
+from physim.parts.controller import (
+    Controller,
+    DecidesAll,
+    DecidesOne,
+    Decision,
+    Decisions,
+    Observation,
+    Sensed,
+)
 from physim.parts.declarations import Declared
 from physim.parts.user_code import broken_by
 from physim.simulation.checks import next_steps
-from physim.simulation.decisions import Row, decision_row, decisions_of
+from physim.simulation.forms import AskedAlone, Row, decision_row, decisions_of
 from physim.simulation.loop import Simulation
+from physim.simulation.observation import View
 from physim.testing.contents import NAN, Contents, Difference, Label, contents, difference
 from physim.world.scene import Scene
 
@@ -49,7 +58,7 @@ class Answer:
         return RAISES in self.values
 
 
-def ask(controller: Controller, scene: Scene, observation: Observation, memory: Any) -> Answer:
+def ask(controller: DecidesOne, scene: Scene, observation: Observation, memory: Any) -> Answer:
     """Ask a controller; what it is given is handed over as it is."""
     where = f"{observation.name} at {observation.time:g} s"
     try:
@@ -57,7 +66,10 @@ def ask(controller: Controller, scene: Scene, observation: Observation, memory: 
     except KeyboardInterrupt:
         raise
     except BaseException as error:
-        fault = broken_by(error, controller.decide)
+        fault = broken_by(error, method_of(controller))
+        if isinstance(controller, AskedAlone) and isinstance(error, ControllerError):
+            fault = fault.removeprefix(f"{where}: ")  # what it gave was refused
+            return Answer({REFUSED: fault}, None, fault)
         return Answer({RAISES: type(error).__name__}, None, fault)
     try:
         declared = Declared.of(controller)
@@ -68,6 +80,12 @@ def ask(controller: Controller, scene: Scene, observation: Observation, memory: 
         fault = str(error).removeprefix(f"{where}: ")
         return Answer({REFUSED: fault}, None, fault)
     return Answer({**values_of(row, declared), **contents(decision.memory, "memory")}, decision)
+
+
+def method_of(controller: Controller) -> Callable[..., Any]:
+    """The method that decides for one robot, as its author wrote it."""
+    own = controller.controller if isinstance(controller, AskedAlone) else controller
+    return own.decide if isinstance(own, DecidesOne) else own.decide_all
 
 
 def rows_of(decisions: Decisions) -> dict[int, Row]:
@@ -101,9 +119,15 @@ def values_of(row: Row, declared: Declared) -> Contents:
     return values
 
 
-def other_answer(one: Contents, other: Contents) -> str:
-    """What is other in the second of two answers; empty where nothing is."""
-    found = difference(one, other)
+def other_answer(one: Contents, other: Contents, agreement: float = 0.0) -> str:
+    """What is other in the second of two answers, numbers by more than so; empty where nothing."""
+    pairs = ((name, one.get(name), value) for name, value in other.items() if agreement)
+    near = {
+        name: old
+        for name, old, new in pairs
+        if type(old) is type(new) is float and abs(old - new) <= agreement
+    }
+    found = difference(one, other | near)
     if found is None:
         return ""
     for values, word in ((other, "it "), (one, "no more ")):
@@ -174,22 +198,22 @@ class Trial:
         return [asked for step in self.steps for asked in step.asked]
 
 
-def run_trial(scene: Scene, controller: Controller, seconds: float) -> Trial:
-    """Run a scene for some seconds, no longer than it lasts, with the controller's plain form."""
+def run_trial(scene: Scene, controller: DecidesOne, seconds: float) -> Trial:
+    """Run a scene for some seconds, no longer than it lasts, asked for one robot at a time."""
     recorder = _QueryRecorder(controller, scene)
     simulation = Simulation(scene, controller=recorder)
-    recorder.look = simulation.observe
+    recorder.simulation = simulation
     steps = []
     for _ in range(min(max(round(seconds / scene.dt), 1), scene.steps)):
         recorder.asked.clear()
         simulation.step()
         if recorder.asked and simulation.last is not None:
             due = np.array([asked.robot for asked in recorder.asked])
-            steps.append(TrialStep(own(simulation.last.sensed), due, tuple(recorder.asked)))
+            steps.append(TrialStep(own_arrays(simulation.last.sensed), due, tuple(recorder.asked)))
     return Trial(scene, tuple(steps))
 
 
-def own(sensed: Sensed) -> Sensed:
+def own_arrays(sensed: Sensed) -> Sensed:
     """Copy of what is sensed that shares no array with it, read-only as in a run."""
     return Sensed(sensed.step, *(read_only(np.array(values)) for values in sensed[1:]))
 
@@ -197,9 +221,11 @@ def own(sensed: Sensed) -> Sensed:
 class _QueryRecorder:
     """Takes the place of the controller in a trial, and keeps every query with its answer."""
 
-    look: Callable[[int], Observation]
+    simulation: Simulation
+    spare: View | None = None
+    """of the present step, in arrays of its own"""
 
-    def __init__(self, controller: Controller, scene: Scene) -> None:
+    def __init__(self, controller: DecidesOne, scene: Scene) -> None:
         self.controller = controller
         declared = Declared.of(controller)
         self.modes, self.rules = declared.modes, declared.rules
@@ -207,9 +233,19 @@ class _QueryRecorder:
         self.scene = scene
         self.asked: list[Query] = []
 
+    def start(self, scene: Scene) -> Any:
+        """The first memories of a plain controller."""
+        start = getattr(self.controller, "start", None)
+        if start is None or isinstance(self.controller, DecidesAll):
+            return None
+        return start(scene)
+
     def decide(self, observation: Observation, memory: Any) -> Decision:
         """Ask the controller and hand its decision on."""
-        spare = self.look(observation.index)
+        sensed = self.simulation.view.sensed
+        if self.spare is None or self.spare.sensed.step != sensed.step:
+            self.spare = View(self.scene, own_arrays(sensed), self.spare)
+        spare = self.spare.observation(observation.index)
         before = contents(memory, "memory")
         kept, copy_error = _copy_of(memory)
         answer = ask(self.controller, self.scene, observation, memory)

@@ -170,19 +170,12 @@ from physim.randomness import stream
 class Drawing:
     """Decides for all at once, by what the seed draws, as a controller that samples plans does."""
 
-    def decide(self, observation, memory):
-        raise NotImplementedError
+    def start(self, scene):
+        return {"speed": stream(scene.seed, "drawing", 0).uniform(0.1, 0.2, scene.robots)}
 
-    def batch(self, scene):
-        self.speed = stream(scene.seed, "drawing", 0).uniform(0.1, 0.2)
-        return self
-
-    def memory(self):
-        return {}
-
-    def decide_due(self, sensed, due, memory):
+    def decide_all(self, view, due, memory):
         count = len(due)
-        none, command = np.full(count, -1), np.tile([self.speed, 0.0], (count, 1))
+        none, command = np.full(count, -1), np.column_stack((memory["speed"][due], np.zeros(count)))
         return Decisions(
             due, command, np.full(count, 0.1), none, none, np.zeros((count, 0)),
             np.zeros(0, dtype=np.int64), np.zeros(count + 1, dtype=np.int64),

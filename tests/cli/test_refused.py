@@ -17,7 +17,7 @@ from tests.helpers import check_error, inside
 from tests.helpers.records import make_record
 
 COMMANDS = inside("physim.cli", "COMMANDS")
-REGISTERED = ", ".join(inside("physim.parts", "controller_names")())
+REGISTERED = ", ".join(inside("physim.parts", "part_names")(inside("physim.parts", "CONTROLLER")))
 
 DRAWN = """\
 name: drawn

@@ -19,7 +19,7 @@ from physim.world.file import load_world
 from tests.cli.commands import SMALL, frames, physim, tree
 from tests.helpers import check_error, facts, inside
 
-controller_names = inside("physim.parts", "controller_names")
+CONTROLLER, part_names = inside("physim.parts", "CONTROLLER", "part_names")
 shipped_worlds = inside("physim.world.file", "shipped_worlds")
 
 FILES = {"record.h5", "video.mp4", "summary.json"}
@@ -327,9 +327,9 @@ def test_list_names_every_world_and_controller(
     assert done.code == 0
     listed = json.loads(done.out)
     assert listed.pop("worlds") == shipped_worlds()
-    assert listed.pop("controllers") == controller_names()
+    assert listed.pop("controllers") == part_names(CONTROLLER)
     assert listed
     assert not any(listed.values())  # physim ships no parts of the other kinds
     shown = physim("list", capture=capsys).out
-    for name, line in {**shipped_worlds(), **controller_names()}.items():
+    for name, line in {**shipped_worlds(), **part_names(CONTROLLER)}.items():
         assert any(name in row and line in row for row in shown.splitlines())

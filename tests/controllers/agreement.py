@@ -1,4 +1,4 @@
-"""Whole decisions of both forms, held against the oracle's; what was met on the way is counted."""
+"""Whole decisions, held against the oracle's; what was met on the way is counted."""
 
 from __future__ import annotations
 
@@ -21,12 +21,11 @@ ModeSwitching = inside("physim.controllers", "ModeSwitching")
 ModeSwitchingSettings = inside("physim.controllers", "ModeSwitchingSettings")
 
 Case = tuple[History, ModeSwitchingSettings]
-FORMS = ("batch", "plain")
 
 
 @dataclass
 class Tally:
-    """Where a form and the oracle differ, and how often each branch was met."""
+    """Where the controller and the oracle differ, and how often each branch was met."""
 
     faults: list[str] = field(default_factory=list)
     met: Counter[str] = field(default_factory=Counter)
@@ -47,7 +46,7 @@ class Asked:
 
 
 def hold_against_oracle(cases: list[Case]) -> Tally:
-    """Ask both forms and the oracle in every case, moment after moment."""
+    """Ask the controller and the oracle in every case, moment after moment."""
     made = [decisions(history, settings) for history, settings in cases]
     tally, memory = Tally(), {}
     for moment in range(max(len(history.moments) for history, _ in cases)):
@@ -59,55 +58,42 @@ def hold_against_oracle(cases: list[Case]) -> Tally:
                 known = memory.get((k, i), Memory())
                 if known is not None:  # None: what it remembers is not known for sure
                     asked.append(Asked(k, moment, seen, settings, known))
-        rows = [[made[a.case][form][moment] for form in FORMS] for a in asked]
+        rows = [made[a.case][moment] for a in asked]
         memory |= _compare(asked, rows, tally)
     return tally
 
 
 def _compare(
-    asked: list[Asked], rows: list[list[Decisions]], tally: Tally
+    asked: list[Asked], rows: list[Decisions], tally: Tally
 ) -> dict[tuple[int, int], Memory | None]:
     """Compare the decisions of one moment; what the robots remember of them."""
     kept: dict[tuple[int, int], Memory | None] = {}
     under_way = []
-    for a, forms in zip(asked, rows, strict=True):
+    for a, made in zip(asked, rows, strict=True):
         i, key = a.view.index, (a.case, a.view.index)
         if oracle.arrived(a.view, a.settings):
             tally.met["arrived"] += 1
-            for name, made in zip(FORMS, forms, strict=True):
-                tally.faults += [f"{a}, {name}: {f}" for f in _faults_of_arrived(a, made, i)]
+            tally.faults += [f"{a}: {f}" for f in _faults_of_arrived(a, made, i)]
             kept[key] = Memory(switching.ARRIVED)
             continue
-        target = forms[0].report[i, :2]
-        kind = _judge_targets(a, [made.report[i, :2] for made in forms], tally)
+        target = made.report[i, :2]
+        kind = safe_area.judge(oracle.target_place(a.view, a.settings), target)
+        if kind not in safe_area.KINDS:
+            tally.faults.append(f"{a}: target {kind}")
         tally.met[f"target {kind}"] += 1
-        under_way.append((a, forms, key, oracle.decide(a.view, a.settings, a.memory, target)))
+        under_way.append((a, made, key, oracle.decide(a.view, a.settings, a.memory, target)))
     outcomes = oracle.decide_all([deciding for *_, deciding in under_way])
-    for (a, forms, key, _), expected in zip(under_way, outcomes, strict=True):
+    for (a, made, key, _), expected in zip(under_way, outcomes, strict=True):
         kept[key] = None
         if isinstance(expected, UnsureError):
             tally.met["unsure"] += 1
             continue
         tally.met["decided"] += 1
         tally.met.update(met_by(a, expected))
-        for name, made in zip(FORMS, forms, strict=True):
-            found = faults_of(a.settings, expected, made, a.view)
-            found += faults_of_names(a, expected, made)
-            tally.faults += [f"{a}, {name}: {fault}" for fault in found]
-        kept[key] = _remembered(a, expected, forms[0], tally)
+        found = faults_of(a.settings, expected, made, a.view) + faults_of_names(a, expected, made)
+        tally.faults += [f"{a}: {fault}" for fault in found]
+        kept[key] = _remembered(a, expected, made, tally)
     return kept
-
-
-def _judge_targets(a: Asked, targets: list[np.ndarray], tally: Tally) -> str:
-    """Kind of the target; those of later forms are judged only where they differ."""
-    place = oracle.target_place(a.view, a.settings)
-    kinds = []
-    for name, target in zip(FORMS, targets, strict=True):
-        if not kinds or not np.allclose(target, targets[0], rtol=0.0, atol=ROUNDING):
-            kinds.append(safe_area.judge(place, target))
-            if kinds[-1] not in safe_area.KINDS:
-                tally.faults.append(f"{a}, {name}: target {kinds[-1]}")
-    return kinds[0]
 
 
 def _faults_of_arrived(a: Asked, made: Decisions, i: int) -> list[str]:

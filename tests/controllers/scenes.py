@@ -1,4 +1,4 @@
-"""Scenes for the tests of controllers, and the one place that asks plain and batch form.
+"""Scenes for the tests of controllers, and the one place that asks the paper's.
 
 A `History` is one layout with several moments: the robots decide at each, with the memory of the
 moment before. What the oracles need is in `tests.oracles.view`; here it becomes what the
@@ -23,8 +23,7 @@ ModeSwitching = inside("physim.controllers", "ModeSwitching")
 ModeSwitchingSettings = inside("physim.controllers", "ModeSwitchingSettings")
 build_wall_tree, pack_parts = inside("physim.geometry", "build_wall_tree", "pack_parts")
 pack_polylines, read_only = inside("physim.geometry", "pack_polylines", "read_only")
-Declared, shared = inside("physim.parts", "Declared", "shared")
-PerRobotAdapter = inside("physim.simulation", "PerRobotAdapter")
+shared = inside("physim.parts", "shared")
 FormationPlan, SceneBody = inside("physim.world", "FormationPlan", "Body")
 
 
@@ -106,21 +105,12 @@ def sensed_at(robots: list[Body], step: int) -> Sensed:
     return Sensed(step, *map(read_only, rows[1:]))
 
 
-def decisions(history: History, settings: ModeSwitchingSettings) -> dict[str, list[Decisions]]:
-    """What all robots decide at each moment, by either form."""
+def decisions(history: History, settings: ModeSwitchingSettings) -> list[Decisions]:
+    """What all robots decide at each moment."""
     scene, controller = scene_of(history), ModeSwitching(settings)
-    forms = {
-        "batch": controller.batch(scene),
-        "plain": PerRobotAdapter(controller, scene, Declared.of(controller)),
-    }
-    memories = {name: form.memory() for name, form in forms.items()}
-    everyone = np.arange(scene.robots)
-    made: dict[str, list[Decisions]] = {name: [] for name in forms}
-    for k, robots in enumerate(history.moments):
-        sensed = sensed_at(robots, 10 * k)
-        for name, form in forms.items():
-            made[name].append(form.decide_due(sensed, everyone, memories[name]))
-    return made
+    memory, everyone = controller.start(scene), np.arange(scene.robots)
+    views = [View(scene, sensed_at(robots, 10 * k)) for k, robots in enumerate(history.moments)]
+    return [controller.decide_all(view, everyone, memory) for view in views]
 
 
 def observations(history: History, moment: int) -> list[Observation]:

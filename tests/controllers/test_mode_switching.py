@@ -1,4 +1,4 @@
-"""Whole decisions, of the plain and of the batch form, against the oracle's."""
+"""Whole decisions against the oracle's."""
 
 from __future__ import annotations
 
@@ -79,8 +79,8 @@ def test_a_last_waypoint_beyond_a_wall_is_moved_inside() -> None:
     tally = hold_against_oracle([(history, settings)])
     assert tally.faults == []
     assert tally.met["target moved"] == tally.met["target past a wall"] == 1
-    for (made,) in decisions(history, settings).values():
-        assert made.report[0, :2] == pytest.approx([9.0, 0.0])
+    (made,) = decisions(history, settings)
+    assert made.report[0, :2] == pytest.approx([9.0, 0.0])
 
 
 def test_arrival_is_judged_along_the_path_within_the_tolerance() -> None:

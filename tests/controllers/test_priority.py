@@ -8,12 +8,15 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
+from physim import View
 from tests.controllers.agreement import considered_by
 from tests.controllers.scenes import scene_of, sensed_at, single_robot
 from tests.helpers import examples, inside
 from tests.oracles import priority as oracle
 
-considered, has_priority = inside("physim.controllers", "considered", "has_priority")
+considered_by_rank = inside("physim.controllers", "considered_by_rank")
+has_priority, rank = inside("physim.controllers", "has_priority", "rank")
+ranking_of = inside("physim.controllers", "ranking_of")
 ModeSwitching = inside("physim.controllers", "ModeSwitching")
 ModeSwitchingSettings = inside("physim.controllers", "ModeSwitchingSettings")
 
@@ -45,8 +48,10 @@ def test_considered_agree_with_the_oracle() -> None:
         me = int(rng.integers(n))
         others = [(int(index[j]), pose[j], along[j]) for j in range(n) if j != me]
         expected = oracle.considered(int(index[me]), pose[me], along[me], others, 9.0)
-        found = considered(me, index, pose, along, 9.0)
-        assert index[found].tolist() == expected
+        ranking = ranking_of(n)
+        rank(ranking, along, index)
+        found = ranking.rows[: considered_by_rank(me, ranking, pose, along, 9.0)]
+        assert sorted(index[found].tolist()) == expected
         gap = np.hypot(*(pose - pose[me])[:, :2].T)
         lead = along - along[me]
         ties += ((lead == 0.0) & (gap <= 9.0)).sum() - 1
@@ -63,14 +68,15 @@ def test_considered_in_a_large_cluster_agree_with_the_oracle() -> None:
     pose, station = rng.uniform(-12.0, 12.0, (n, 3)), rng.uniform(0.0, 60.0, n).round(1)
     cluster = dataclasses.replace(history.cluster, range=9.0)
     scene = scene_of(dataclasses.replace(history, cluster=cluster, moments=[[robot] * n]))
-    form = ModeSwitching(ModeSwitchingSettings()).batch(scene)
-    memory = form.memory()
+    controller = ModeSwitching(ModeSwitchingSettings())
+    memory = controller.start(scene)
     for step in range(3):
         rows = [
             dataclasses.replace(robot, pose=at, reference_station=s)
             for at, s in zip(pose, station.tolist(), strict=True)
         ]
-        made = form.decide_due(sensed_at(rows, step), np.arange(n), memory)
+        view = View(scene, sensed_at(rows, step))
+        made = controller.decide_all(view, np.arange(n), memory)
         seen = [(j, pose[j], station[j]) for j in range(n)]
         for i in range(n):
             others = seen[:i] + seen[i + 1 :]

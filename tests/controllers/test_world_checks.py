@@ -38,26 +38,13 @@ def said(findings: Findings) -> dict[str, str]:
 # Speed
 
 
-class Plain:
-    """A controller without its batch form."""
-
-    def __init__(self, inner) -> None:
-        self.inner, self.settings = inner, inner.settings
-        self.modes, self.rules, self.columns = inner.modes, inner.rules, inner.columns
-
-    def decide(self, observation, memory):
-        return self.inner.decide(observation, memory)
-
-
-@pytest.mark.parametrize("form", ["mode_switching", "plain", "path_following"])
+@pytest.mark.parametrize("name", ["mode_switching", "path_following"])
 @pytest.mark.parametrize(("speed", "driven"), [(None, 1.0), (0.4, 0.4), (9.0, 1.5)])
-def test_robots_go_at_the_speed_that_is_set_where_there_is_no_formation(form, speed, driven):
+def test_robots_go_at_the_speed_that_is_set_where_there_is_no_formation(name, speed, driven):
     """At most at their limits, 1.5 m/s."""
-    name = "path_following" if form == "path_following" else "mode_switching"
     settings = {} if speed is None else {"speed": speed}
     world = parse_world(ALONE).changed(controller={"type": name, **settings})
-    made = make_part(CONTROLLER, name, settings)
-    simulation = Simulation(world, controller=Plain(made) if form == "plain" else made)
+    simulation = Simulation(world, controller=make_part(CONTROLLER, name, settings))
     for _ in range(20):
         simulation.step()
     assert simulation.command[:, 0] == pytest.approx([driven, driven])

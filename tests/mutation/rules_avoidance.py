@@ -161,10 +161,10 @@ def everybody_drives_to_its_paths_end() -> None:
     """Stops are not staggered by the formation: they crowd at the ends of the paths."""
 
     def at_the_end(a: Any) -> Any:
-        last = a.paths.start[a.own.path + 1] - 1
-        return a.own._replace(stop_station=a.paths.station[last])
+        last = a.cluster.paths.start[1:] - 1
+        return a.cluster._replace(stop_station=a.cluster.paths.station[last])
 
-    given(MODES + "decide_one", own=at_the_end)
+    given(MODES + "decide_one", cluster=at_the_end)
 
 
 @rule("controllers")
@@ -173,9 +173,9 @@ def arrival_by_the_way_left_straight() -> None:
     point_at = inside("physim.geometry", "point_at")
 
     def near(a: Any) -> Any:
-        x, y = point_at(a.paths, a.own.path, a.own.stop_station)[:2]
-        at = a.bodies.pose[a.own.row]
-        left = math.hypot(x - at[0], y - at[1])
-        return a.own._replace(station=a.own.stop_station) if left < 1.0 else a.own
+        stop = a.cluster.stop_station[a.i]
+        x, y = point_at(a.cluster.paths, a.i, stop)[:2]
+        at = a.bodies.pose[list(a.bodies.number).index(a.i)]
+        return stop if math.hypot(x - at[0], y - at[1]) < 1.0 else a.station
 
-    given(MODES + "decide_one", own=near)
+    given(MODES + "decide_one", station=near)

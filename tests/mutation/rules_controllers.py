@@ -7,12 +7,17 @@ from typing import Any
 
 import numpy as np
 
+from physim import View
 from tests.mutation.rules import called, found, given, instead, replaced, rule
 
-BATCH = "physim.controllers.batch:"
+MODES = "physim.controllers.mode_switching:"
 FOLLOWING = "physim.controllers.path_following:"
 FORMATION = "physim.controllers.formation:"
 PRIORITY = "physim.controllers.priority:"
+
+
+def seen(view: View, **arrays: Any) -> View:
+    return View(view.scene, view.sensed._replace(**arrays), view)
 
 
 # Priority
@@ -31,21 +36,21 @@ def who_is_behind_has_priority() -> None:
 @rule("controllers")
 def range_along_the_path_alone() -> None:
     """The range of priority holds along s* only, however far a robot is straight away."""
-    given(PRIORITY + "considered", pose=lambda a: np.zeros_like(a.pose))
+    given(PRIORITY + "considered_by_rank", pose=lambda a: np.zeros_like(a.pose))
 
 
 @rule("controllers")
 def range_straight_alone() -> None:
     """The range of priority holds straight only, however far a robot is ahead along s*."""
-    given(PRIORITY + "considered", station=lambda a: 1e-6 * a.station)
+    given(PRIORITY + "considered_by_rank", station=lambda a: 1e-6 * a.station)
 
 
 @rule("controllers")
 def stations_of_own_paths_decide() -> None:
     """Formation and priority go by stations along the own paths, not along s*."""
     given(
-        BATCH + "ModeSwitchingBatch.decide_due",
-        sensed=lambda a: a.sensed._replace(reference_station=a.sensed.station),
+        MODES + "ModeSwitching.decide_all",
+        view=lambda a: seen(a.view, reference_station=a.view.sensed.station),
     )
 
 
@@ -59,10 +64,10 @@ def robots_decide_one_after_the_other() -> None:
         return looked_at
 
     given(
-        BATCH + "ModeSwitchingBatch.decide_due",
-        sensed=lambda a: a.sensed._replace(command=a.sensed.command.copy()),
+        MODES + "ModeSwitching.decide_all",
+        view=lambda a: seen(a.view, command=a.view.sensed.command.copy()),
     )
-    called(BATCH + "decide_row", tell)
+    called(MODES + "decide_one", tell)
 
 
 # Target and path following, (2) to (6)

@@ -24,21 +24,21 @@ CONTROLLER, find_part = inside("physim.parts", "CONTROLLER", "find_part")
 STANDARD_COLUMNS, Declared = inside("physim.parts", "STANDARD_COLUMNS", "Declared")
 
 KINDS = {"sensing": "sensing stage", "filters": "filter", "disturbances": "disturbance"}
-METHODS = {
+CALLS = {
     "sensing": "sense(scene, truth, sensed, state)",
     "filters": "filter(scene, sensed, nominal, state)",
     "disturbances": "disturb(scene, truth, filtered, state)",
 }
 
 
-def world() -> World:
-    return load_world("three_robots", overrides=["time.duration=3.0", "expect=null"])
+def world(name: str = "three_robots") -> World:
+    return load_world(name, overrides=["time.duration=3.0", "expect=null"])
 
 
-class Fails:
-    """Answers in every wrong way."""
+class Answers:
+    """A part of any stage; by default it changes nothing."""
 
-    def __init__(self, answer: Callable[[Any], Any]) -> None:
+    def __init__(self, answer: Callable[[Any], Any] = lambda given: (given, None)) -> None:
         self.answer = answer
 
     def start(self, scene: Any) -> Any:
@@ -54,21 +54,12 @@ class Fails:
         return self.answer(filtered)
 
 
-class Passes(Fails):
-    def __init__(self) -> None:
-        super().__init__(lambda given: (given, None))
-
-
 def at_start(given: Any) -> Any:
     raise KeyError("lost")
 
 
 def in_a_step(given: Any) -> Any:
     return {}["lost"]
-
-
-def adds(given: Any) -> Any:
-    return 1 + "x"  # type: ignore[operator]
 
 
 def leaves(given: Any) -> Any:
@@ -90,12 +81,17 @@ def writes(given: Any) -> Any:
     return given, None
 
 
-def failure(**parts: Any) -> str:
-    """What is said of a run with some parts: one line."""
+def failure(name: str = "three_robots", **parts: Any) -> str:
+    """What is said of a run of a world with some parts: one line."""
     with pytest.raises(ControllerError) as caught:
-        Simulation(world(), **parts).step()
+        Simulation(world(name), **parts).step()
     assert "\n" not in str(caught.value)
     return str(caught.value)
+
+
+def line_of(written: Any) -> str:
+    """How a message ends that tells where something is written."""
+    return f"({__file__}:{inspect.getsourcelines(written)[1]})"
 
 
 @pytest.mark.parametrize(
@@ -103,13 +99,11 @@ def failure(**parts: Any) -> str:
     [
         (at_start, 1, "KeyError: 'lost'"),
         (in_a_step, 1, "KeyError: 'lost'"),
-        (adds, 1, "TypeError: "),
         (leaves, 1, "SystemExit: 3"),
         (mute, 1, "MuteError"),
         (writes, 2, "ValueError: .*read-only"),
         (lambda given: given, None, r"(Sensed|array).*\(.*, state"),
         (lambda given: None, None, r"\w+ .*None.*\(.*, state\)"),
-        (lambda given: (given, 1, 2), None, r"tuple of 3.*\(.*, state\)"),
         (lambda given: ("x", None), None, r" str\b.*(Sensed|\(3, 2)"),
         (lambda given: ([[1.0], [1.0, 2.0]], None), None, r" list .*(Sensed|\(3, 2)"),
     ],
@@ -119,9 +113,9 @@ def test_a_stage_that_fails_is_named_with_time_and_line(
     kind: str, answer: Any, line: int | None, told: str
 ) -> None:
     """The line of the mistake; of what is returned wrongly, that of the method."""
-    message = failure(**{kind: [Fails(answer)]})
-    assert re.match(f"{KINDS[kind]} Fails at 0 s: .*{told}", message), message
-    method = getattr(Fails, METHODS[kind].partition("(")[0])
+    message = failure(**{kind: [Answers(answer)]})
+    assert re.match(f"{KINDS[kind]} Answers at 0 s: .*{told}", message), message
+    method = getattr(Answers, CALLS[kind].partition("(")[0])
     code = method.__code__ if line is None else answer.__code__
     assert message.endswith(f"({__file__}:{code.co_firstlineno + (line or 0)})")
 
@@ -141,64 +135,41 @@ class Short:
         return None
 
 
-class NoStart(Short):
-    def start(self) -> None:  # type: ignore[override]
-        return None
-
-
-@pytest.mark.parametrize(
-    ("parts", "called", "method"),
-    [
-        *(({kind: [Short()]}, METHODS[kind], Short.sense) for kind in KINDS),
-        ({"filters": [NoStart()]}, "start(scene)", NoStart.start),
-        ({"controller": Short()}, "decide(observation, memory)", Short.decide),
-    ],
-)
-def test_a_method_with_other_arguments_is_told_what_it_is_given(
-    parts: Any, called: str, method: Any
-) -> None:
-    message = failure(**parts)
-    assert called in message
-    assert message.endswith(f"({__file__}:{method.__code__.co_firstlineno})")
+def test_a_method_with_other_arguments_is_told_what_it_is_given() -> None:
+    for kind, call in CALLS.items():
+        message = failure(**{kind: [Short()]})
+        assert call in message
+        assert message.endswith(line_of(Short.sense))
+    message = failure(controller=Short())
+    assert "decide(observation, memory)" in message
+    assert message.endswith(line_of(Short.decide))
 
 
 def test_one_part_without_a_list_is_told() -> None:
-    one: Any = Passes()
     for kind in (*KINDS, "observers"):
-        with pytest.raises(ControllerError, match=rf"^{kind} must be a list.*Passes.*{kind}=\["):
-            simulate(world(), **{kind: one})  # type: ignore[arg-type]
-    assert Simulation(world(), filters=(f for f in [one])).parts.filters == (one,)  # type: ignore[arg-type]
+        with pytest.raises(ControllerError, match=rf"^{kind} must be a list.*Answers.*{kind}=\["):
+            simulate(world(), **{kind: Answers()})  # type: ignore[arg-type]
 
 
 # Values that cannot be used
 
 
-def frozen(array: Any) -> Any:
-    """Read-only, as arrays of other libraries and files are."""
-    array.flags.writeable = False
-    return array
-
-
-INFINITE = np.array([[0.0, 0.0], [0.0, np.inf], [0.0, 0.0]])
-
-
 @pytest.mark.parametrize(
-    ("nonsense", "facts_told"),
+    ("nonsense", "told"),
     [
         ([[1.0, 2.0]], ("(3, 2)",)),
-        (INFINITE, ("r2", "omega", "inf rad/s")),
+        (np.array([[0.0, 0.0], [0.0, np.inf], [0.0, 0.0]]), ("r2", "omega", "inf rad/s")),
         (np.full((3, 2), np.nan), ("r1", "v", "nan m/s")),
-        (frozen(np.zeros((3, 2), complex)), ()),
-        (frozen(np.full((3, 2), "0.5")), ()),
-        (frozen(np.zeros((3, 2), "datetime64[s]")), ()),
-        (frozen(np.full((3, 2), None)), ()),
+        (np.zeros((3, 2), complex), ()),
+        (np.full((3, 2), "0.5"), ()),
+        (np.full((3, 2), None), ()),
         (np.ma.zeros((3, 2)), ()),
     ],
 )
 @pytest.mark.parametrize("kind", ["filters", "disturbances"])
-def test_commands_of_no_use_are_refused(kind: str, nonsense: Any, facts_told: Any) -> None:
-    message = failure(**{kind: [Fails(lambda given: (nonsense, None))]})
-    assert re.search(facts(f"{KINDS[kind]} Fails", "0 s", *facts_told), message), message
+def test_commands_of_no_use_are_refused(kind: str, nonsense: Any, told: Any) -> None:
+    message = failure(**{kind: [Answers(lambda given: (nonsense, None))]})
+    assert re.search(facts(f"{KINDS[kind]} Answers", "0 s", *told), message), message
 
 
 TWICE = {
@@ -217,21 +188,18 @@ TWICE = {
         ({"robot": np.array([0, 1, 1])}, ("r1", "several rows", "r2")),
         ({"end": np.array([3, 1, 3])}, ("r2", "exactly one row of its own")),
         ({"robot": np.array([0.0, 1.0, 2.0])}, ("robot", "float64", "whole numbers")),
-        ({"pose": np.zeros((3, 3), complex)}, ("pose", "complex128", "numbers")),
         ({"command": [[0.0, 0.0]] * 3}, ("command", "list", "numbers")),
         ({"age": np.ma.zeros(3)}, ("age", "MaskedArray", "numbers")),
         ({"robot": np.zeros((), np.int64)}, ("robot", "shape")),
         ({"step": 7}, ("step", "7", "0", "age")),
-        ({"step": None}, ("step", "None", "0")),
         (TWICE, ("r1", "several rows", "r3")),
         ({"robot": np.array([0, 1, 7])}, ("robot", "0 to 2")),
-        ({"first": [0, 0, 0]}, ("first", "list", "array")),
         ({"end": np.array([3, 3, 9])}, ("r3", "9", "3")),
     ],
 )
 def test_rows_of_no_use_are_refused(change: dict[str, Any], told: tuple[str, ...]) -> None:
-    message = failure(sensing=[Fails(lambda sensed: (sensed._replace(**change), None))])
-    assert re.search(facts("sensing stage Fails", "0 s", *told), message), message
+    message = failure(sensing=[Answers(lambda sensed: (sensed._replace(**change), None))])
+    assert re.search(facts("sensing stage Answers", "0 s", *told), message), message
 
 
 # Controllers
@@ -258,10 +226,8 @@ class Telling:
         ({"hold": -1.0}, ("hold", "-1 s")),
         ({"hold": 10**400}, ("hold", "number")),
         ({"mode": "waitng"}, ("mode", "'waitng'", "going", "waiting")),
-        ({"mode": 1}, ("mode", "1", "going", "waiting")),
         ({"mode": Mode("going", "#000000")}, ("mode", "Mode", "going", "waiting")),
         ({"rule": "ahaed"}, ("rule", "'ahaed'", "ahead")),
-        ({"considered": 1}, ("considered", "1", "list", "index")),
         ({"considered": [1.5]}, ("considered", "[1.5]", "list", "index")),
         ({"considered": [0, 9]}, ("considered", "[0, 9]", "0 to 1")),
         ({"considered": [1, 1]}, ("considered", "[1, 1]", "once")),
@@ -269,7 +235,6 @@ class Telling:
         ({"report": None}, ("report", "None", "mapping")),
         ({"report": {"efort": 1.0}}, ("report", "'efort'", "effort")),
         ({"report": {"effort": "near"}}, ("report", "effort", "'near'", "number")),
-        ({"report": {"effort": np.arange(9.0)}}, ("report", "effort", "array(", "number")),
     ],
 )
 def test_a_decision_of_no_use_names_robot_time_and_field(
@@ -284,12 +249,12 @@ def test_a_decision_of_no_use_names_robot_time_and_field(
 @pytest.mark.parametrize(
     ("declared", "told"),
     [
-        ({"modes": "safe"}, ("modes", "tuple", "Mode(...)")),
-        ({"modes": (Rule("safe"),)}, ("modes", "tuple", "Mode(...)")),
-        ({"modes": (Mode("Safe!", "#000000"),)}, ("modes", "'Safe!'", "letters", "digits", "_")),
-        ({"modes": (Mode("a", "red"),)}, ("modes", '"a"', "'red'", "#rrggbb")),
+        ({"modes": "safe"}, ("modes", "'safe'", "tuple")),
+        ({"modes": (Rule("safe"),)}, ("modes.0", "Rule(", "Mode")),
+        ({"modes": (Mode("Safe!", "#000000"),)}, ("modes.0.name", "'Safe!'", "a-z0-9_")),
+        ({"modes": (Mode("a", "red"),)}, ("modes.0.colour", "'red'", "0-9a-fA-F")),
         ({"rules": (Rule("a"), Rule("a"))}, ("rules", '"a"', "2 times")),
-        ({"rules": (Rule("a", "x\x1b[2J"),)}, ("rules", '"a"', "plain text")),
+        ({"rules": (Rule("a", "x\x1b[2J"),)}, ("rules.0.words", "plain text")),
         ({"columns": (Column("step"),)}, ("columns", '"step"')),
         ({"columns": (Column("distance", "cm"),)}, ("columns", '"distance"', "'cm'", "'m'")),
     ],
@@ -320,25 +285,31 @@ class Text:
         return "forward"
 
 
-class NoBatch(Text):
-    def batch(self, scene: Any) -> Any:
-        return None
+class Together(Text):
+    """It answers no number for a command."""
 
-
-class HalfBatch(Text):
-    """Its batch form answers no number for a command."""
-
-    def batch(self, scene: Any) -> Any:
-        return self
-
-    def memory(self) -> Any:
-        return {}
-
-    def decide_due(self, sensed: Any, due: Any, memory: Any) -> Decisions:
+    def decide_all(self, view: Any, due: Any, memory: Any) -> Decisions:
         many = len(due)
         none, counts = np.full(many, -1), np.zeros(many + 1, dtype=np.int64)
         wrong, report = np.full((many, 2), np.nan), np.zeros((many, 0))
         return Decisions(due, wrong, np.full(many, 0.1), none, none, report, counts[:0], counts)
+
+
+class Few(Together):
+    """Its memory has a row too many."""
+
+    def start(self, scene: Any) -> Any:
+        return {"count": np.zeros(scene.robots + 1)}
+
+
+class NoMemories(Text):
+    def start(self, scene: Any) -> Any:
+        return {"r1": 0}
+
+
+class OldBatch(Text):
+    def batch(self, scene: Any) -> Any:
+        return None
 
 
 def a_function() -> None: ...
@@ -347,8 +318,10 @@ def a_function() -> None: ...
 @pytest.mark.parametrize(
     ("given", "named"),
     [
-        (NoBatch(), NoBatch.batch),
-        (HalfBatch(), HalfBatch.decide_due),
+        (Together(), Together.decide_all),
+        (Few(), Few.start),
+        (NoMemories(), NoMemories.start),
+        (OldBatch(), OldBatch),
         (f"{__name__}:a_function", a_function),
         (f"{__name__}:NoModel", NoModel),
         (f"{__name__}:Empty", Empty),
@@ -358,13 +331,8 @@ def a_function() -> None: ...
         (Text(), Text.decide),
     ],
 )
-def test_a_fault_of_a_class_names_the_line_at_which_its_author_wrote_it(
-    given: Any, named: Any
-) -> None:
-    line = inspect.getsourcelines(named)[1]
-    with pytest.raises(ControllerError) as caught:
-        Simulation(load_world("straight"), controller=given).step()
-    assert str(caught.value).endswith(f" ({__file__}:{line})")
+def test_a_fault_of_a_class_names_its_line(given: Any, named: Any) -> None:
+    assert failure("straight", controller=given).endswith(line_of(named))
 
 
 def test_a_class_that_is_not_in_its_module_names_the_file() -> None:
@@ -375,10 +343,10 @@ def test_a_class_that_is_not_in_its_module_names_the_file() -> None:
 # Faults that a part finds in a world
 
 
-class Picky(Passes):
-    def __init__(self, answer: Any) -> None:
+class Picky(Answers):
+    def __init__(self, faults: Any) -> None:
         super().__init__()
-        self.faults = answer
+        self.faults = faults
 
     def world_faults(self, world: World, where: Any) -> Any:
         return self.faults(where) if callable(self.faults) else self.faults
@@ -389,13 +357,13 @@ def test_what_is_no_list_of_faults_is_told() -> None:
         message = failure(sensing=[Picky(answer)])
         assert f"Picky.world_faults: returned {given}" in message
         assert "Fault(location, message)" in message
-        assert message.endswith(f"({__file__}:{Picky.world_faults.__code__.co_firstlineno})")
+        assert message.endswith(line_of(Picky.world_faults))
 
 
 def test_a_part_may_object_to_a_world_that_was_made_in_python() -> None:
     picky = Picky(lambda where: [Fault((*where, "x"), "not with 3 robots")])
     with pytest.raises(WorldError, match=facts("sensing.stages[1].x", "not with 3 robots")):
-        Simulation(world(), sensing=[Passes(), picky])
+        Simulation(world(), sensing=[Answers(), picky])
 
 
 AWAY = """\

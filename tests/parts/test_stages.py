@@ -13,7 +13,16 @@ from typing import Any
 import numpy as np
 import pytest
 
-from physim import Sensed, Simulation, build_scene, for_each, observer_of_row, simulate, with_poses
+from physim import (
+    Sensed,
+    Simulation,
+    build_scene,
+    for_each,
+    observer_of_row,
+    per_robot,
+    simulate,
+    with_poses,
+)
 from physim.errors import ControllerError
 from physim.world import World
 from physim.world.file import load_world
@@ -21,7 +30,7 @@ from tests.helpers import facts, inside
 from tests.helpers.extending import entry_points, install
 from tests.helpers.stages import Changes
 
-BatchCapable, CONTROLLER = inside("physim.parts", "BatchCapable", "CONTROLLER")
+CONTROLLER = inside("physim.parts", "CONTROLLER")
 make_part = inside("physim.parts", "make_part")
 
 HAZE = "sensing.stages=[{type: haze, sd: 0.2}]"
@@ -87,65 +96,26 @@ def test_truth_is_what_it_is_whatever_is_sensed() -> None:
     assert np.array_equal(clear.now.reference_station, hazy.now.reference_station)
 
 
-def offsets(simulation: Simulation, steps: int) -> dict[tuple[int, int], tuple[float, ...]]:
-    """How far observers see others from where they are, by observer and observed, at a step."""
-    for _ in range(steps + 1):
-        simulation.step(np.zeros((simulation.scene.robots, 2)))
-    assert simulation.last is not None
-    sensed, truth = simulation.last.sensed, simulation.last.truth
-    off = sensed.pose - truth.pose[sensed.robot]
-    pairs = zip(observer_of_row(sensed).tolist(), sensed.robot.tolist(), strict=True)
-    return {pair: tuple(row) for pair, row in zip(pairs, off.round(9).tolist(), strict=True)}
-
-
-def test_noise_depends_on_seed_step_observer_and_observed_alone() -> None:
-    hazy = world(HAZE)
-    fewer = hazy.changed(robots=hazy.robots[:2])
-    here = offsets(Simulation(hazy, seed=3), 7)
-    assert offsets(Simulation(hazy, seed=3), 7) == here
-    for other in (offsets(Simulation(hazy, seed=4), 7), offsets(Simulation(hazy, seed=3), 8)):
-        assert all((other[pair] == here[pair]) == (pair[0] == pair[1]) for pair in here)
-    without = offsets(Simulation(fewer, seed=3), 7)
-    assert without == {pair: here[pair] for pair in without}
-    assert len(without) == 4
-
-
-class Plain:
-    """The paper's controller without its batch form."""
-
-    def __init__(self, inner: Any) -> None:
-        self.inner, self.settings = inner, inner.settings
-        self.modes, self.rules, self.columns = inner.modes, inner.rules, inner.columns
-
-    def decide(self, observation: Any, memory: Any) -> Any:
-        return self.inner.decide(observation, memory)
-
-
-@pytest.mark.parametrize(
-    "name", ["three_robots", pytest.param("nonconvex", marks=pytest.mark.deep)]
-)
-def test_batch_and_plain_form_decide_alike_on_the_same_sensed_rows(name: str) -> None:
-    hazy = world("sensing.stages=[{type: haze, sd: 0.5}, {type: haze, sd: 0.1}]", name=name)
+def test_robot_by_robot_the_same_is_decided_from_the_same_sensed_rows() -> None:
+    hazy = world("sensing.stages=[{type: haze, sd: 0.5}, {type: haze, sd: 0.1}]")
     inner = make_part(CONTROLLER, "mode_switching", hazy.controller.settings)
-    batch, plain = Simulation(hazy), Simulation(hazy, controller=Plain(inner))
-    assert isinstance(batch.parts.controller, BatchCapable)
-    assert not isinstance(plain.parts.controller, BatchCapable)
+    whole, plain = Simulation(hazy), Simulation(hazy, controller=per_robot(inner))
     decided = 0
     for _ in range(250):
-        batch.step()
+        whole.step()
         plain.step()
-        assert batch.last is not None
+        assert whole.last is not None
         assert plain.last is not None
-        one, two = batch.last.decisions, plain.last.decisions
+        one, two = whole.last.decisions, plain.last.decisions
         assert (one is None) == (two is None)
         if one is not None and two is not None:
             for a, b in zip(one, two, strict=True):
                 assert np.array_equal(a, b, equal_nan=True)
             decided += len(one.robot)
     assert decided > 40
-    assert np.array_equal(batch.pose, plain.pose)
-    clear = simulate(world(name=name))
-    assert not np.array_equal(clear.pose[250], batch.pose)
+    assert np.array_equal(whole.pose, plain.pose)
+    clear = simulate(world())
+    assert not np.array_equal(clear.pose[250], whole.pose)
 
 
 def alone(sensed: Sensed) -> Sensed:

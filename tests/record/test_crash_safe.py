@@ -53,64 +53,60 @@ def check(record: Record, least: int) -> int:
     assert k >= least
     assert record.ended in ("running", "duration")
     step = np.arange(k)
-    np.testing.assert_array_equal(record.steps, step)
-    np.testing.assert_array_equal(
-        record.pose, np.broadcast_to(step[:, None, None] + 1.0, (k, 3, 3))
-    )
-    np.testing.assert_array_equal(record.clearance[:, 0], step + 1.0)
-    np.testing.assert_array_equal(record.boundary_clearance[:, 2], step + 1.0)
-    np.testing.assert_array_equal(record.updates["step"], step)
-    np.testing.assert_array_equal(record.updates["station"], 0.5 * step)
-    np.testing.assert_array_equal(record.contacts["x"], 0.25 * step)
-    np.testing.assert_array_equal(record.considered["step"], np.repeat(step, 2))
-    np.testing.assert_array_equal(record.considered["other"], np.tile([2, 1], k))
-    np.testing.assert_array_equal(record.read(OTHERS, 1, 4), np.tile([2, 1], k)[1:4])
+    for found, wanted in (
+        (record.steps, step),
+        (record.pose, np.broadcast_to(step[:, None, None] + 1.0, (k, 3, 3))),
+        (record.clearance[:, 0], step + 1.0),
+        (record.boundary_clearance[:, 2], step + 1.0),
+        (record.updates["step"], step),
+        (record.updates["station"], 0.5 * step),
+        (record.contacts["x"], 0.25 * step),
+        (record.considered["step"], np.repeat(step, 2)),
+        (record.considered["other"], np.tile([2, 1], k)),
+        (record.read(OTHERS, 1, 4), np.tile([2, 1], k)[1:4]),
+    ):
+        np.testing.assert_array_equal(found, wanted)
     return k
 
 
-class Journal:
-    """Notes what goes to the disk, in order, and where the file appears under its name."""
+Change = tuple[int, bytes | None]
+"""(place, bytes) of a write, (length, None) of a change of length"""
 
-    def __init__(self, monkeypatch: pytest.MonkeyPatch) -> None:
-        self.changes: list[tuple[int, bytes | None]] = []
-        """(place, bytes) of a write, (length, None) of a change of length"""
-        self.visible = 0
-        pwrite, ftruncate, replace = os.pwrite, os.ftruncate, os.replace
 
-        def note_write(fd: int, data: Any, address: int) -> int:
-            self.changes.append((address, bytes(data)))
-            return pwrite(fd, data, address)
+def noted(monkeypatch: pytest.MonkeyPatch) -> list[Change]:
+    """What goes to the disk from now on, in order."""
+    changes: list[Change] = []
+    pwrite, ftruncate = os.pwrite, os.ftruncate
 
-        def note_length(fd: int, length: int) -> None:
-            self.changes.append((length, None))
-            ftruncate(fd, length)
+    def note_write(fd: int, data: Any, address: int) -> int:
+        changes.append((address, bytes(data)))
+        return pwrite(fd, data, address)
 
-        def note_name(old: Path, new: Path) -> None:
-            self.visible = len(self.changes)
-            replace(old, new)
+    def note_length(fd: int, length: int) -> None:
+        changes.append((length, None))
+        ftruncate(fd, length)
 
-        monkeypatch.setattr(os, "pwrite", note_write)
-        monkeypatch.setattr(os, "ftruncate", note_length)
-        monkeypatch.setattr(os, "replace", note_name)
+    monkeypatch.setattr(os, "pwrite", note_write)
+    monkeypatch.setattr(os, "ftruncate", note_length)
+    return changes
 
-    def images(self) -> Iterator[tuple[int, bytes]]:
-        """File after each change, and between the pages of each; with the number of changes."""
-        image = bytearray()
-        for number, (place, data) in enumerate(self.changes):
-            if data is None:
-                del image[place:]
-                image.extend(bytes(place - len(image)))
-                yield number, bytes(image)
-                continue
-            end = place + len(data)
-            image.extend(bytes(max(0, end - len(image))))
-            at = place
-            while at < end:
-                stop = min(end, (at // PAGE + 1) * PAGE)
-                image[at:stop] = data[at - place : stop - place]
-                at = stop
-                if number >= self.visible:
-                    yield number, bytes(image)
+
+def images(changes: list[Change]) -> Iterator[tuple[int, bytes]]:
+    """File after each change, and between the pages of each; with the number of changes."""
+    image = bytearray()
+    for number, (place, data) in enumerate(changes):
+        if data is None:
+            del image[place:]
+            image.extend(bytes(place - len(image)))
+            yield number, bytes(image)
+            continue
+        end = place + len(data)
+        image.extend(bytes(max(0, end - len(image))))
+        while place < end:
+            stop = min(end, (place // PAGE + 1) * PAGE)
+            image[place:stop], data = data[: stop - place], data[stop - place :]
+            place = stop
+            yield number, bytes(image)
 
 
 @pytest.mark.parametrize("every", [29, pytest.param(1, marks=pytest.mark.deep)])
@@ -119,22 +115,22 @@ def test_file_is_complete_after_every_single_write(
 ) -> None:
     """Chunks of few rows, so that the chunk trees split: the root at 64 chunks, then a leaf."""
     monkeypatch.setattr(sys.modules[RecordWriter.__module__], "CHUNK_BYTES", 128)
-    journal = Journal(monkeypatch)
+    changes = noted(monkeypatch)
     out = writer_of(tmp_path / "r.h5")
-    marks = [(len(journal.changes), 0)]
+    marks = [(len(changes), 0)]  # from here on the file has its name
     total = 0
     for rows in (1, 61, 1, 1, 1, 1, 48, *[1] * 14):
         append(out, total, total + rows)
         total += rows
         out.flush()
-        marks.append((len(journal.changes), total))
+        marks.append((len(changes), total))
     out.close("duration", steps_run=total - 1, rejected=0, wall_clock={"seconds": 1.0})
 
     checked = 0
-    for number, image in itertools.islice(journal.images(), 0, None, every):
-        if number < journal.visible:
+    for number, image in itertools.islice(images(changes), 0, None, every):
+        if number < marks[0][0]:
             continue
-        least = max((rows for done, rows in marks if done <= number + 1), default=0)
+        least = max(rows for done, rows in marks if done <= number + 1)
         with h5py.File(io.BytesIO(image), "r") as file:
             assert check(Record(file), least) <= total
         checked += 1
@@ -204,21 +200,7 @@ def test_record_survives_a_kill_and_may_be_written_anew(tmp_path: Path, seed: in
     assert [file.name for file in tmp_path.iterdir()] == ["r.h5"]
 
 
-def test_nothing_is_left_of_a_record_that_cannot_begin(tmp_path: Path) -> None:
-    scene = make_scene()
-    scene.bodies = (None,)
-    with pytest.raises(TypeError):
-        RecordWriter(tmp_path / "r.h5", scene, "name: x", name="x")
-    assert list(tmp_path.iterdir()) == []
-
-
-ROOMS = [0, 3_000, 60_000, 128_000, 300_000]
-MORE_ROOMS = [50_000, *range(77_000, 400_000, 17_000)]
-
-
-@pytest.mark.parametrize(
-    "room", [*ROOMS, *(pytest.param(one, marks=pytest.mark.deep) for one in MORE_ROOMS)]
-)
+@pytest.mark.parametrize("room", [0, 3_000, 60_000, 77_000, 128_000, 179_000, 300_000])
 def test_on_a_full_disk_a_record_stays_as_the_last_flush_left_it(
     room: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -300,19 +282,13 @@ def test_a_record_that_is_gone_is_not_said_to_be_written(tmp_path: Path, gone: s
     assert not list(tmp_path.glob(".*"))
 
 
-def test_what_came_into_being_meanwhile_is_not_overwritten(tmp_path: Path) -> None:
+def test_what_is_there_stays_where_a_record_cannot_begin(tmp_path: Path) -> None:
     path = tmp_path / "r.h5"
     path.write_text("mine")
     with pytest.raises(RecordError, match=facts("r.h5: ", "exists")):
         writer_of(path, overwrite=False)
+    scene = make_scene()
+    scene.stop_station = "far"
+    with pytest.raises(ValueError, match="far"):
+        RecordWriter(path, scene, "name: x", name="x")
     assert {file.name: file.read_text() for file in tmp_path.iterdir()} == {"r.h5": "mine"}
-
-
-def test_a_link_in_the_place_of_the_lock_is_not_followed(tmp_path: Path) -> None:
-    outside, path = tmp_path / "outside", tmp_path / "out/r.h5"
-    path.parent.mkdir()
-    (path.parent / ".r.h5.lock").symlink_to(outside)
-    with pytest.raises(RecordError, match=r"^[^\n]*/r\.h5: cannot be written: [^\n]*links$"):
-        writer_of(path)
-    assert not outside.exists()
-    assert [file.name for file in path.parent.iterdir()] == [".r.h5.lock"]

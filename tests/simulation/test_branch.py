@@ -1,4 +1,4 @@
-"""Branches: a run goes on from any sample, with a record that begins there.
+"""Branches and kept states: a run goes on from any sample, with a record that begins there.
 
 Where nothing was changed, the record of the branch is the end of the original's, bit for bit.
 """
@@ -6,6 +6,7 @@ Where nothing was changed, the record of the branch is the end of the original's
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -13,12 +14,23 @@ import numpy as np
 import pytest
 
 import physim
-from physim import Decision, Observation, PhysimError, Record, SaveAt, Simulation, record_run
+from physim import (
+    Decision,
+    Observation,
+    PhysimError,
+    Record,
+    RecordError,
+    SaveAt,
+    Simulation,
+    record_run,
+    state_at,
+)
 from tests.analysis.forgeries.parts import Ramp, Slip
 from tests.helpers import facts, inside, said
 from tests.helpers.extending import of
 
 judge, rerun = inside("physim.analysis", "judge", "rerun")
+DISTURBANCE = inside("physim.parts", "DISTURBANCE")
 
 AGAINST = {"type": "path_following"}
 WORLD = physim.load_world("three_robots", overrides=["time.duration=3"])
@@ -28,14 +40,13 @@ K = 100
 
 
 class Counts:
-    """Decides at a step of its own, by what it remembers."""
+    """Remembers how often it decided, and where it was; decides at a step of its own by it."""
 
     def decide(self, observation: Observation, memory: Any) -> Decision:
-        count = (memory or 0) + 1
-        hold = 0.07 * (1 + observation.index)
-        return Decision(
-            v=0.5 + 0.01 * (count % 7), omega=0.01 * (count % 3), hold=hold, memory=count
-        )
+        count, places = (memory["count"], memory["places"]) if memory else (0, ())
+        told = {"count": count + 1, "places": (*places[-3:], np.array(observation.pose))}
+        v, hold = 0.5 + 0.01 * (count % 7), 0.07 * (1 + observation.index)
+        return Decision(v=v, omega=0.01 * (count % 3), hold=hold, memory=told)
 
 
 class Hides:
@@ -46,6 +57,15 @@ class Hides:
 
 
 PARTS = {"controller": Counts(), "filters": [Ramp()], "disturbances": [Slip()]}
+
+
+def robots_with(*controllers: dict[str, Any] | None) -> list[dict[str, Any]]:
+    """Robots of `WORLD`, each with a controller of its own, or the world's."""
+    robots = [one.model_dump(exclude_unset=True) for one in WORLD.robots]
+    return [
+        robot if own is None else {**robot, "controller": own}
+        for robot, own in zip(robots, controllers, strict=True)
+    ]
 
 
 def at(step: int, world: physim.World = WORLD, **parts: Any) -> Simulation:
@@ -62,8 +82,11 @@ def test_without_changes_its_record_is_the_end_of_the_original_s(
     with (
         physim.simulate(world, save=SaveAt(states=K * 0.01), **parts) as whole,
         record_run(at(K, world, **parts).branch()) as branch,
-        physim.simulate(world, state=physim.state_at(whole, K * 0.01), **parts) as again,
+        physim.simulate(world, state=state_at(whole, K * 0.01), **parts) as again,
+        physim.simulate(world, **parts) as plain,
     ):
+        assert plain.digest() == whole.digest()
+        assert whole.states["step"].tolist() == list(range(K, whole.steps_run + 1, K))
         assert branch.digest() == again.digest()
         assert (branch.begun_at, branch.begun, branch.steps_run) == (K, K * 0.01, whole.steps_run)
         assert branch.time[0] == whole.time[K]
@@ -96,7 +119,9 @@ def test_its_record_is_simulated_again_from_the_state_that_it_keeps(
     assert ("CONTACTS: none" in done.out) == (world is WORLD)
 
 
-def test_what_no_record_can_keep_is_not_simulated_again() -> None:
+def test_what_no_record_can_keep_is_named_and_not_simulated_again() -> None:
+    with pytest.raises(PhysimError, match=facts("state.memory", "object", "arrays")):
+        physim.simulate(WORLD, controller=Hides(), save=SaveAt(states=1.0))
     with record_run(at(K, controller=Hides())) as record:
         assert not len(record.states)
         with pytest.raises(PhysimError, match=facts("cannot be simulated again", "no states")):
@@ -125,12 +150,83 @@ def test_another_controller_takes_over_and_the_rest_is_kept() -> None:
 
 
 @pytest.mark.parametrize(
+    ("before", "after", "anew"),
+    [
+        ((None, None, None), (None, None, AGAINST), [2]),
+        ((None, None, AGAINST), (None, None, None), [2]),
+        ((None, AGAINST, AGAINST), (AGAINST, None, AGAINST), [0, 1]),
+        ((None, AGAINST, {"type": "constant", "v": 0.2}), (None, AGAINST, AGAINST), [2]),
+        (
+            ({"type": "constant", "v": 0.2}, AGAINST, None),
+            ({"type": "constant"}, AGAINST, None),
+            [0],
+        ),
+    ],
+)
+def test_robots_whose_controller_is_changed_begin_anew_alone(
+    before: Any, after: Any, anew: list[int]
+) -> None:
+    """Others remember; with the old controllers again they go on as if nothing had been."""
+    step = 103  # where not everybody is due
+    simulation = at(step, WORLD.changed(robots=robots_with(*before)))
+    branch = simulation.branch(robots=robots_with(*after))
+    due, modes = simulation.next_decision.copy(), [one.name for one in branch.declared.modes]
+    due[anew] = step
+    assert branch.next_decision.tolist() == due.tolist()
+    for i in range(3):
+        if i in anew:
+            assert branch.mode[i] == -1
+        elif simulation.mode[i] >= 0:
+            assert modes[branch.mode[i]] == simulation.declared.modes[simulation.mode[i]].name
+    record_run(branch).close()
+    twin = simulation.branch()
+    for _ in range(40):
+        simulation.step()
+        twin.step()
+        assert np.array_equal(simulation.pose, twin.pose)
+
+
+def test_a_member_goes_on_bit_for_bit_beside_one_that_is_changed() -> None:
+    """Far apart, and each for itself: what one robot does hangs on its own controller alone."""
+    robots = robots_with(AGAINST, AGAINST, {"type": "constant", "v": 0.2})
+    simulation = at(K, WORLD.changed(robots=robots))
+    robots[2]["controller"] = {"type": "constant", "v": 0.1}
+    branch = simulation.branch(robots=robots)
+    for _ in range(60):
+        simulation.step()
+        branch.step()
+    assert np.array_equal(simulation.command[:2], branch.command[:2])
+    assert simulation.command[2, 0] == 2.0 * branch.command[2, 0]
+
+
+def test_stages_of_a_branch_may_be_objects() -> None:
+    ramp, slip = Ramp(), Slip()
+    simulation = at(K, filters=[ramp], disturbances=[slip])
+    other = Ramp(0.03)
+    branch = simulation.branch(filters=[other, ramp])
+    assert branch.parts.filters == (other, ramp)
+    known = simulation.state.stages[1][0]
+    new, kept = branch.state.stages[1]
+    assert np.array_equal(kept, known)
+    assert not np.array_equal(new, known)
+    assert branch.parts.of(DISTURBANCE) == (slip,)
+    assert simulation.branch(filters=[]).parts.filters == ()
+    assert branch.branch(sensing={"range": 9.0}).parts.filters == (other, ramp)
+    with pytest.raises(PhysimError, match=facts("filter", "int", "method")):
+        simulation.branch(filters=[3])
+
+
+@pytest.mark.parametrize(
     ("changes", "key"),
     [
         ({"seed": 4}, "seed"),
         ({"physics": {"friction": 0.3}}, "physics.friction"),
         ({"time": {"step": 0.02}}, "time.step"),
         ({"robots": WORLD.robots[:2]}, "robots.2"),
+        (
+            {"robots": [{**robot, "mass": 99.0} for robot in robots_with(*[AGAINST] * 3)]},
+            "robots.0",
+        ),
     ],
 )
 def test_what_moves_or_reshapes_bodies_is_refused(changes: dict[str, Any], key: str) -> None:
@@ -160,18 +256,14 @@ def test_films_and_plots_begin_where_the_record_does(tmp_path: Path) -> None:
 def test_the_command_goes_on_from_a_kept_state(tmp_path: Path) -> None:
     kept, out = tmp_path / "kept", tmp_path / "out"
     few = ("--no-video", "--quiet")
-    said(
-        "run",
-        "three_robots",
-        "--set",
-        "time.duration=2",
-        "--keep-states",
-        "1",
-        "-o",
-        str(kept),
-        *few,
-    )
+    begun = "run", "three_robots", "--set", "time.duration=2", "--keep-states", "1"
+    assert said(*begun, "-o", str(kept), *few).code in (0, 1)
+    with Record.load(kept / "record.h5") as record:
+        assert record.states["step"].tolist() == [100, 200]
+        with pytest.raises(RecordError, match=facts("no state at 1.2 s", "nearest: 1 s")):
+            state_at(record, 1.2)
     begin = "run", str(kept / "record.h5"), "-o", str(out), *few, "--force", "--from"
+    assert said(*begin, "1", "--set", "robots.1.controller.type=path_following").code in (0, 1)
     assert said(*begin, "1", "--controller", "path_following").code in (0, 1)
     with Record.load(out / "record.h5") as record:
         assert (record.begun, record.setup.controller.name) == (1.0, "path_following")
@@ -184,8 +276,19 @@ def test_the_command_goes_on_from_a_kept_state(tmp_path: Path) -> None:
     assert "three_robots: no such file" in said("run", "three_robots", "--from", "1").err
 
 
+def test_states_are_kept_only_where_asked_for() -> None:
+    with (
+        physim.simulate(WORLD.changed(time={"duration": 0.1})) as record,
+        pytest.raises(RecordError, match=facts("no states were kept", "--keep-states")),
+    ):
+        state_at(record, 0.05)
+    for wrong in (0.0, -1.0, float("inf")):
+        with pytest.raises(ValueError, match="states = "):
+            SaveAt(states=wrong)
+
+
 def test_the_page_s_branch_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    (code,) = [one.text for one in of("py") if one.section == "A branch"]
+    code = "".join(one.text for one in of("py") if one.section == "A branch")
     monkeypatch.chdir(tmp_path)
     code = code.replace('"ten_robots"', '"ten_robots", overrides=["time.duration=1"]')
     with pytest.warns(UserWarning, match="not used by"):
@@ -197,3 +300,27 @@ def test_the_page_s_branch_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch)
     for name in ("as_it_was", "path_following"):
         with Record.load(f"{name}.h5") as record:
             assert record.begun == 0.5
+
+
+@pytest.mark.parametrize(
+    ("name", "forge"),
+    [
+        ("now", lambda s: {"now": None}),
+        ("now.pose", lambda s: {"now": s.now._replace(pose=s.now.pose[:2])}),
+        ("now.pose", lambda s: {"now": s.now._replace(pose=np.nan * s.now.pose)}),
+        ("mode", lambda s: {"mode": s.mode.astype(float)}),
+        ("memory", lambda s: {"memory": {}}),
+        ("memory.plan", lambda s: {"memory": {**s.memory, "plan": s.memory["plan"][:1]}}),
+        ("stages", lambda s: {"stages": (1, 2, 3)}),
+        ("trail", lambda s: {"trail": s.trail[:1]}),
+        ("physics", lambda s: {"physics": 3}),
+    ],
+)
+def test_a_state_of_another_form_is_refused(name: str, forge: Any) -> None:
+    simulation = Simulation(WORLD)
+    simulation.step()
+    state = simulation.state
+    simulation.restore(replace(state))
+    with pytest.raises(PhysimError, match=f"damaged: {name} "):
+        simulation.restore(replace(state, **forge(state)))
+    assert simulation.step_number == 1  # it stands where it stood

@@ -18,7 +18,8 @@ from tests.helpers import Says, facts, inside, road
 from tests.oracles.observation import observe as observed_at_once
 
 FloatArray = inside("physim.geometry", "FloatArray")
-contents, difference, own = inside("physim.testing", "contents", "difference", "own")
+contents, difference = inside("physim.testing", "contents", "difference")
+own = inside("physim.testing", "own_arrays")
 describe = inside("physim.world", "describe")
 
 REACH = 10.0

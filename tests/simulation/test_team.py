@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import physim
-from physim import Decision, Mode, Observation, Rule, Simulation, World, simulate
+from physim import Decision, Decisions, Mode, Observation, Rule, Simulation, View, World, simulate
 from physim.errors import ControllerError, WorldError
 from physim.record import Record
 from physim.world.file import load_world, parse_world
@@ -131,6 +131,38 @@ def test_errors_name_the_controller_that_made_them() -> None:
 
     with pytest.raises(ControllerError, match=r"Fast, a at 0 s: command v = 9"):
         simulate(apart(b=CONSTANT), controller=Fast())
+
+
+class Together:
+    """One of a user's for all its robots at once; ``first`` is what it begins with."""
+
+    def __init__(self, first: Any) -> None:
+        self.first = first
+
+    def start(self, scene: Any) -> Any:
+        return self.first
+
+    def decide_all(self, view: View, due: Any, memory: Any) -> Decisions:
+        many = len(due)
+        command = np.zeros((many, 2))
+        command[:, 0] = memory["v"][due] = memory["v"][due] + 0.01
+        none, nobody = np.full(many, -1), np.zeros(0, dtype=np.int64)
+        start, report = np.zeros(many + 1, dtype=np.int64), np.zeros((many, 0))
+        return Decisions(due, command, np.full(many, 0.1), none, none, report, nobody, start)
+
+
+@pytest.mark.parametrize("own", [{}, {"b": CONSTANT}], ids=["alone", "in a team"])
+def test_one_for_all_begins_with_named_arrays_of_rows(own: dict[str, str]) -> None:
+    world = apart(**own)
+    simulation = Simulation(world, controller=Together({"v": np.full(4, 0.1)}))
+    for _ in range(11):
+        simulation.step()
+    assert simulation.command[0, 0] == pytest.approx(0.13)
+    for first in ([0.1] * 4, {"v": np.zeros(3)}, {"v": 0.1}):
+        with pytest.raises(ControllerError, match=r"Together, start: .*4 robots.*\.py:\d+\)$"):
+            Simulation(world, controller=Together(first))
+    with pytest.raises(ControllerError, match=r"Together at 0 s: KeyError: 'v' \(.*\.py:\d+\)$"):
+        simulate(world, controller=Together(None))
 
 
 @pytest.mark.parametrize(

@@ -7,13 +7,14 @@ import logging
 import random
 import threading
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 import numba
 import numpy as np
 from pydantic import BaseModel
 
-from physim import Column, Decision, Decisions, Mode, Observation, Scene, Sensed
+from physim import Column, Decision, Decisions, Mode, Observation, Scene, View
 from tests.helpers import inside
 
 ModeSwitching = inside("physim.controllers", "ModeSwitching")
@@ -271,14 +272,14 @@ class OverridesTheFreeze:
         return steady(observation)
 
 
-# batch
+# decide_all
 
-Decide = Callable[[Sensed, IntArray, Scene], Decisions]
+Decide = Callable[[View, IntArray], Decisions]
 
 
-def steadily(sensed: Sensed, due: IntArray, scene: Scene) -> Decisions:
-    """The batch form of `steady`."""
-    many = len(due)
+def steadily(view: View, due: IntArray) -> Decisions:
+    """`steady` for all."""
+    many, scene = len(due), view.scene
     command = np.column_stack([0.5 * scene.limits[due, 0], np.zeros(many)])
     nothing = np.full(many, NO_NUMBER)
     nobody, start = np.zeros(0, dtype=np.int64), np.zeros(many + 1, dtype=np.int64)
@@ -286,57 +287,73 @@ def steadily(sensed: Sensed, due: IntArray, scene: Scene) -> Decisions:
     return Decisions(due, command, np.full(many, HOLD), nothing, nothing, report, nobody, start)
 
 
-class Batch:
-    def __init__(self, scene: Scene, decide: Decide) -> None:
-        self.scene, self.decide = scene, decide
-
-    def memory(self) -> dict[str, Any]:
-        return {}
-
-    def decide_due(self, sensed: Sensed, due: IntArray, memory: dict[str, Any]) -> Decisions:
-        return self.decide(sensed, due, self.scene)
-
-
-class Twofold:
-    """Steady, in both forms; the batch form is made of a function."""
+class Together:
+    """Steady, all at once; made of a function."""
 
     modes = (Mode("steady", "#0072b2"),)
     columns = (Column("effort", "J"),)
 
-    def __init__(self, decide_due: Decide = steadily) -> None:
-        self.decide_due = decide_due
+    def __init__(self, decides: Decide = steadily) -> None:
+        self.decides = decides
+
+    def decide_all(self, view: View, due: IntArray, memory: Any) -> Decisions:
+        return self.decides(view, due)
+
+
+class Twofold(Together):
+    """Steady, in both forms."""
 
     def decide(self, observation: Observation, memory: Any) -> Decision:
         return steady(observation)
 
-    def batch(self, scene: Scene) -> Batch:
-        return Batch(scene, self.decide_due)
+
+class Nearly(Twofold):
+    """Both forms differ in the last bits of a command, by no more than it declares."""
+
+    agreement = 1e-8
+
+    def __init__(self) -> None:
+        super().__init__(turns_later)
 
 
-def turns_later(sensed: Sensed, due: IntArray, scene: Scene) -> Decisions:
-    found = steadily(sensed, due, scene)
-    if sensed.step * scene.dt > 0.25:
+class CountsTogether:
+    """`Sound` for all at once, with a memory of two arrays."""
+
+    def start(self, scene: Scene) -> dict[str, Any]:
+        return {"count": np.zeros(scene.robots, dtype=np.int64), "pose": scene.start.copy()}
+
+    def decide_all(self, view: View, due: IntArray, memory: Any) -> Decisions:
+        found = steadily(view, due)
+        command = found.command * (2.0 / (memory["count"][due] + 2.0))[:, None]
+        memory["count"][due] += 1
+        memory["pose"][due] = view.sensed.pose[[view.own_row(i) for i in due]]
+        return found._replace(command=command, report=np.zeros((len(due), 0)))
+
+
+def turns_later(view: View, due: IntArray) -> Decisions:
+    found = steadily(view, due)
+    if view.time > 0.25:
         found.command[due == 1, 1] = 1e-9
     return found
 
 
-def tells_a_mode(sensed: Sensed, due: IntArray, scene: Scene) -> Decisions:
-    return steadily(sensed, due, scene)._replace(mode=np.zeros(len(due), dtype=np.int64))
+def tells_a_mode(view: View, due: IntArray) -> Decisions:
+    return steadily(view, due)._replace(mode=np.zeros(len(due), dtype=np.int64))
 
 
-def decides_for_others(sensed: Sensed, due: IntArray, scene: Scene) -> Decisions:
-    return steadily(sensed, due, scene)._replace(robot=due[::-1])
+def decides_for_others(view: View, due: IntArray) -> Decisions:
+    return steadily(view, due)._replace(robot=due[::-1])
 
 
-def says_nothing(sensed: Sensed, due: IntArray, scene: Scene) -> Decisions:
+def says_nothing(view: View, due: IntArray) -> Decisions:
     return None  # type: ignore[return-value]
 
 
-def fails(sensed: Sensed, due: IntArray, scene: Scene) -> Decisions:
+def fails(view: View, due: IntArray) -> Decisions:
     raise ZeroDivisionError("no way on")
 
 
-BATCH = {
+FORMS = {
     turns_later: ("r2", 0.3, ["omega", "1e-09", "0.0"]),
     tells_a_mode: ("r1", 0.0, ["mode", "steady", "no mode"]),
     decides_for_others: ("r1", 0.0, ["robots", "[1, 0]", "[0, 1]"]),
@@ -346,9 +363,9 @@ BATCH = {
 """Robot, time [s] and the facts of the finding."""
 
 
-def first_row_goes(sensed: Sensed, due: IntArray, scene: Scene) -> Decisions:
+def first_row_goes(view: View, due: IntArray) -> Decisions:
     """As `FirstRobotGoes`, as long as all are due at once."""
-    found = steadily(sensed, due, scene)
+    found = steadily(view, due)
     found.command[1:, 0] = 0.0
     return found
 
@@ -361,17 +378,35 @@ class FirstRobotGoes(Twofold):
         return steady(observation, share=0.0 if observation.index else 0.5)
 
 
+def all_behind_the_first(view: View, due: IntArray) -> Decisions:
+    """The slower the farther the first robot is away, however far."""
+    found, sensed = steadily(view, due), view.sensed
+    for k, i in enumerate(due.tolist()):
+        rows = view.rows(i)
+        here = sensed.pose[view.own_row(i), :2]
+        gap = np.hypot(*(sensed.pose[rows, :2] - here).T).max()
+        found.command[k, 0] /= 1.0 + gap
+    return found
+
+
+class FarSighted(ModeSwitching):
+    """The paper's, with eyes twice as good as the world says."""
+
+    def _prepared(self, scene: Scene) -> Any:
+        return super()._prepared(replace(scene, sensing_range=2.0 * scene.sensing_range))
+
+
 class Slower(ModeSwitching):
-    """Inherits a batch form that is not its own."""
+    """Inherits a decide_all that is not its own."""
 
     def decide(self, observation: Observation, memory: Any) -> Decision:
         return Decision(0.0, 0.0, HOLD)
 
 
-def moves_the_robots(sensed: Sensed, due: IntArray, scene: Scene) -> Decisions:
-    sensed.pose.flags.writeable = True
-    sensed.pose[0, 0] += 1.0
-    return steadily(sensed, due, scene)
+def moves_the_robots(view: View, due: IntArray) -> Decisions:
+    view.sensed.pose.flags.writeable = True
+    view.sensed.pose[0, 0] += 1.0
+    return steadily(view, due)
 
 
 # settings and robots

@@ -52,7 +52,16 @@ def check_difference(text: str, field: str, *values: str) -> None:
 
 
 @pytest.mark.parametrize(
-    "controller", [broken.Sound, broken.WorksOutOnce, broken.Twofold, broken.Choosy]
+    "controller",
+    [
+        broken.Sound,
+        broken.WorksOutOnce,
+        broken.Twofold,
+        broken.Choosy,
+        broken.Together,
+        broken.Nearly,
+        broken.CountsTogether,
+    ],
 )
 def test_sound_controllers_have_no_finding(controller: type) -> None:
     assert check_controller(controller, worlds=["straight", "merging"], seconds=SHORT) == []
@@ -100,12 +109,15 @@ ONE_RULE = [
     (broken.BendsThePath, Rule.OBSERVATION, "r1", 0.0, (),
      ("observation.path.lines.row[1, 0]", "30.0", "31.0")),
     (broken.OverridesTheFreeze, Rule.OBSERVATION, "r1", 0.0, (), ("observation.v", "0.0", "0.3")),
-    *((broken.Twofold(one), Rule.BATCH, robot, time, (), values)
-      for one, (robot, time, values) in broken.BATCH.items()),
-    (broken.Slower, Rule.BATCH, "r1", 0.0, ("batch form", "v", "0.0"), ()),
-    (broken.FirstRobotGoes, Rule.BATCH_ORDER, "r2", 0.0, ("robot by robot",), ("v", "0.75", "0.0")),
+    *((broken.Twofold(one), Rule.FORMS, robot, time, (), values)
+      for one, (robot, time, values) in broken.FORMS.items()),
+    *((broken.Together(one), Rule.RAISES if one is broken.fails else Rule.DECISION, "r1", 0.0, (),
+       ()) for one in (broken.says_nothing, broken.fails)),
+    (broken.Slower, Rule.FORMS, "r1", 0.0, ("decide_all", "v", "0.0"), ()),
+    (broken.FirstRobotGoes, Rule.PORTIONS, "r2", 0.0, ("robot by robot",), ("v", "0.75", "0.0")),
+    (broken.Together(broken.first_row_goes), Rule.PORTIONS, "r2", 0.0, ("alone",), ()),
     (broken.Twofold(broken.moves_the_robots), Rule.OBSERVATION, "r1", 0.0,
-     ("batch form", "sensed"), ()),
+     ("decide_all", "sensed"), ()),
 ]  # fmt: skip
 
 

@@ -79,23 +79,17 @@ def test_ctrl_c_within_it_is_no_error_of_its_own() -> None:
         Declared.of(part)
 
 
-class Batched:
-    """A batch form that fails where it is told to."""
+class Together:
+    """Decides for all at once, and fails where it is told to."""
 
     def __init__(self, fails: str, answer: Any = None) -> None:
         self.fails, self.answer = fails, answer
 
-    def decide(self, observation: Any, memory: Any) -> Decision:
-        return decided()
+    def start(self, scene: Any) -> Any:
+        return self._at("start", {})
 
-    def batch(self, scene: Any) -> Batched:
-        return self._at("batch", self)
-
-    def memory(self) -> Any:
-        return self._at("memory", {})
-
-    def decide_due(self, sensed: Any, due: Any, memory: Any) -> Any:
-        return self._at("decide_due", self.answer)
+    def decide_all(self, view: Any, due: Any, memory: Any) -> Any:
+        return self._at("decide_all", self.answer)
 
     def _at(self, place: str, answer: Any) -> Any:
         if self.fails == place:
@@ -103,10 +97,10 @@ class Batched:
         return answer
 
 
-@pytest.mark.parametrize("place", ["batch", "memory", "decide_due"])
-def test_a_batch_form_that_fails_is_one_line(place: str) -> None:
-    with pytest.raises(ControllerError, match=facts("Batched", "OddError", place)) as caught:
-        Simulation(road(THREE), controller=Batched(place)).step()
+@pytest.mark.parametrize("place", ["start", "decide_all"])
+def test_one_for_all_that_fails_is_one_line(place: str) -> None:
+    with pytest.raises(ControllerError, match=facts("Together", "OddError", place)) as caught:
+        Simulation(road(THREE), controller=Together(place)).step()
     assert "test_evil_controllers.py:" in str(caught.value)
     assert "\n" not in str(caught.value)
 
@@ -131,24 +125,24 @@ WRONG = {
 
 
 @pytest.mark.parametrize("how", WRONG)
-def test_a_batch_form_that_answers_for_others_or_by_halves_is_refused(how: str) -> None:
+def test_one_for_all_that_answers_for_others_or_by_halves_is_refused(how: str) -> None:
     """Rows of `/updates` would be of other robots, and modes others than were given."""
     changed, said = WRONG[how]
     given = answer(**changed) if changed else 5
-    with pytest.raises(ControllerError, match=facts("Batched", *said)) as caught:
-        Simulation(road(THREE), controller=Batched("", given)).step()
+    with pytest.raises(ControllerError, match=facts("Together", *said)) as caught:
+        Simulation(road(THREE), controller=Together("", given)).step()
     assert "test_evil_controllers.py:" in str(caught.value)
 
 
-class Reusing(Batched):
+class Reusing(Together):
     """Decides into arrays of its own, the same each time."""
 
-    def decide_due(self, sensed: Any, due: Any, memory: Any) -> Any:
-        self.answer.command[:, 0] = 0.01 * sensed.step
+    def decide_all(self, view: Any, due: Any, memory: Any) -> Any:
+        self.answer.command[:, 0] = 0.01 * view.sensed.step
         return self.answer
 
 
-def test_what_a_batch_form_writes_into_its_answer_later_changes_no_record() -> None:
+def test_what_is_written_into_an_answer_later_changes_no_record() -> None:
     """`validate` alone found it: `/updates` had the last command in every row."""
     record = simulate(road(THREE).changed(time={"duration": 0.5}), controller=Reusing("", answer()))
     updates = record.updates
@@ -162,7 +156,7 @@ def test_a_fault_of_a_shipped_controller_is_not_told_as_the_users(monkeypatch: A
     def broken(*_: object) -> None:
         raise ZeroDivisionError
 
-    monkeypatch.setattr(type(simulation._batch), "decide_due", broken)
+    monkeypatch.setattr(type(simulation.parts.controller), "decide_all", broken)
     with pytest.raises(ZeroDivisionError):
         simulation.step()
 

@@ -22,7 +22,7 @@ from physim.analysis.validation.finding import (
 )
 from physim.errors import ControllerError, RecordError, plural
 from physim.parts.declarations import Declared, kept_distance
-from physim.parts.registry import CONTROLLER, DISTURBANCE, FILTER, SENSING, make_part
+from physim.parts.registry import DISTURBANCE, FILTER, SENSING, made_controller
 from physim.record import Record, RecordWriter
 from physim.record.checks import reading_world
 from physim.record.digest import KNOWN
@@ -74,20 +74,19 @@ def world_inside(record: Record) -> Inside:
     controller, why_not = None, ""
     try:
         scene = record.scene
-        world, choice = scene.world, scene.world.controller
+        world, named = scene.world, scene.world.controller.type
         if record.controller:
             why_not = f"{record.controller} was given from Python"
-        elif ":" in choice.type:
-            why_not = f"no code is run because a record names it ({choice.type})"
+        elif ":" in named:
+            why_not = f"no code is run because a record names it ({named})"
         else:
             with reading_world(record.where):
-                own = make_part(CONTROLLER, choice.type, choice.settings)
-                controller = united(driving(world, own))
+                controller = united(driving(world, made_controller(world)))
     except ControllerError as error:
         why_not = str(error).splitlines()[0]
-    named = ((SENSING, world.sensing.stages), (FILTER, world.filters),
+    listed = ((SENSING, world.sensing.stages), (FILTER, world.filters),
              (DISTURBANCE, world.disturbances))  # fmt: skip
-    stages = [kind.word for kind, choices in named if choices]
+    stages = [kind.word for kind, choices in listed if choices]
     if (scene.robots, len(scene.bodies)) != (record.robots, len(record.bodies)):
         ours, theirs = (
             f"{plural(one.robots, 'robot')} of {plural(len(one.bodies), 'body', 'bodies')}"

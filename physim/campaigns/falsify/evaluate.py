@@ -30,9 +30,8 @@ from physim.campaigns.one_run import one_line, ready
 from physim.campaigns.pool import POLL_SECONDS, Job, LostError, OverdueError, Stop, Workers, never
 from physim.campaigns.spec import usual_limit
 from physim.errors import WorldError
-from physim.parts.controller import Controller
 from physim.parts.declarations import NO_NUMBER
-from physim.parts.registry import CONTROLLER, make_part
+from physim.parts.registry import made_controller
 from physim.record import Record
 from physim.simulation.loop import Simulation
 from physim.simulation.recorder import SaveAt
@@ -154,17 +153,10 @@ def _mode(record: Record, body: int, step: int) -> str:
     return "" if not len(mine) or mine[-1] == NO_NUMBER else record.modes[mine[-1]].name
 
 
-def controller_of(world: World) -> Controller:
-    """The controller that a world names: whoever read the world trusted it."""
-    choice = world.controller
-    made: Controller = make_part(CONTROLLER, choice.type, choice.settings, trusted=True)
-    return made
-
-
 def judge_world(world: World, stop: Stop = never) -> Judged:
     """Run a world in this process and judge the run; raises StoppedError when ``stop`` says so."""
     try:
-        simulation = Simulation(world, controller=controller_of(world))
+        simulation = Simulation(world, controller=made_controller(world, trusted=True))
         with record_run(simulation, save=NEEDED, stop=stop) as record:
             if record.ended == "interrupted":
                 raise StoppedError

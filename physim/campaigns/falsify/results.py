@@ -12,7 +12,7 @@ from typing import Any
 
 from physim.analysis.validation import Validation
 from physim.analysis.validation.told import sentences, wrapped
-from physim.campaigns.falsify.evaluate import Judged, StoppedError, controller_of, judged
+from physim.campaigns.falsify.evaluate import Judged, StoppedError, judged
 from physim.campaigns.falsify.search import Hunt
 from physim.campaigns.falsify.shrink import Shrunk, size_of
 from physim.campaigns.falsify.space import Space
@@ -21,6 +21,7 @@ from physim.errors import PhysimError, plural
 from physim.escaping import escaped
 from physim.files import write_text
 from physim.json_text import json_text
+from physim.parts.registry import made_controller
 from physim.record import Record
 from physim.simulation.loop import Simulation
 from physim.simulation.recorder import SaveAt
@@ -93,7 +94,7 @@ def _run_written(
     controller of one's own, is not decided by world and seed. Raises StoppedError as told.
     """
     world, _ = read_world(path, controller=controller)
-    simulation = Simulation(world, controller=controller_of(world))
+    simulation = Simulation(world, controller=made_controller(world, trusted=True))
     record = record_run(
         simulation, save=SaveAt(every=1), path=path.with_name(RECORD), overwrite=True, stop=stop
     )

@@ -13,7 +13,7 @@ import shapely
 from physim.errors import PhysimError, plural
 from physim.geometry.shapes import FloatArray
 from physim.parts.controller import Controller
-from physim.parts.registry import CONTROLLER, make_part
+from physim.parts.registry import made_controller
 from physim.parts.world_checks import robot_faults
 from physim.simulation.team import driving
 from physim.world import Robot, World, each_robot
@@ -195,8 +195,7 @@ class Space:
         found: list[Dimension] = []
         controllers: dict[int, Controller] = {}
         if SPEED in self.vary:  # one of one's own is asked only where that is needed
-            choice = self.world.controller
-            own = make_part(CONTROLLER, choice.type, choice.settings, trusted=True)
+            own = made_controller(self.world, trusted=True)
             controllers = {i: one for one, who in driving(self.world, own) for i in who.robots}
         for i, robot in enumerate(self.robots):
             x, y, heading = self.starts.base[i].tolist()

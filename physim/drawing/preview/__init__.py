@@ -26,7 +26,7 @@ from physim.geometry.corridor import SIDES, Widths, sampled_widths, width_spacin
 from physim.geometry.polygon import least_width
 from physim.geometry.shapes import FloatArray
 from physim.parts.declarations import Declared, kept_distance
-from physim.parts.registry import CONTROLLER, make_part
+from physim.parts.registry import made_controller
 from physim.simulation.team import driving, united
 from physim.world.layout.scene_builder import is_random
 from physim.world.layout.shape_checks import corners_of_line
@@ -65,9 +65,8 @@ class Contents:
 
 def preview_of(layout: Layout, trusted: bool = False) -> Contents:
     """What a preview shows of a world, with the modes of its controller and the L that it keeps."""
-    world, choice = layout.world, layout.world.controller
-    own = make_part(CONTROLLER, choice.type, choice.settings, trusted=trusted)
-    controller = united(driving(world, own))
+    world = layout.world
+    controller = united(driving(world, made_controller(world, trusted)))
     safe_distance = kept_distance(controller)
     scene = SceneModel.of_layout(layout, Declared.of(controller).modes, safe_distance)
     # the two walls of a corridor without its caps; of another world all boundaries

@@ -22,13 +22,7 @@ from physim.parts.registry import (
     find_part,
     made_part,
 )
-from physim.parts.world_checks import (
-    HOOKS,
-    driver_doubts,
-    driver_faults,
-    world_doubts,
-    world_faults,
-)
+from physim.parts.world_checks import HOOKS, driver_faults, faults_said, said_of_driven
 from physim.world import World
 from physim.world.faults import describe
 from physim.world.file.document import Document, apply_overrides, put, read_document
@@ -153,10 +147,10 @@ def _of_parts(world: World, document: Document, trusted: bool) -> tuple[list[Fau
                 made = made_part(kind, part, settings, name)
                 if driver is not None:
                     found = driver_faults(made, world, driver)
-                    doubts += [] if found else driver_doubts(made, world, driver)
+                    doubts += [] if found else said_of_driven(made, "world_doubts", world, driver)
                 else:
-                    found = world_faults(made, world, where)
-                    doubts += [] if found else world_doubts(made, world, where)
+                    found = faults_said(made, "world_faults", world, where)
+                    doubts += [] if found else faults_said(made, "world_doubts", world, where)
             faults += found
         except ControllerError as error:
             faults.append(Fault((*where, "type"), str(error)))

@@ -177,7 +177,8 @@ def _drawing(world: World) -> tuple[str, ...]:
     stages = (*world.sensing.stages, *world.filters, *world.disturbances)
     shipped = shipped_parts(CONTROLLER)
     own = (one.type for one in world.drivers() if one.type not in shipped)
-    drawing = (one for one in own if hasattr(find_part(CONTROLLER, one, trusted=True), "batch"))
+    kinds = ((one, find_part(CONTROLLER, one, trusted=True)) for one in own)
+    drawing = (one for one, kind in kinds if hasattr(kind, "decide_all") or hasattr(kind, "start"))
     return (*dict.fromkeys(drawing), *(stage.type for stage in stages))
 
 

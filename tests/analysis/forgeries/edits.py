@@ -357,7 +357,7 @@ WORLD = [
 
 REFUSED = [
     Forgery("another major version", "free", attribute("version", "99"),
-            ("record version '99', which another physim reads; this one reads version",), (), 2),
+            ("record version is '99': Input should be '5'",), (), 2),
     Forgery("a robot that is not there", "free", column(UP, "robot", 9, 5),
             ("robot is 9; allowed: 0 to 2",), (), 2),
     Forgery("a decision twice", "free", column(UP, "robot", 0, 1),

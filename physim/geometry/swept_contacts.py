@@ -235,9 +235,10 @@ def walls_in_reach(
 ) -> NDArray[np.bool_]:
     """(N,) who may touch a wall within a step; who has used up its bound is measured anew."""
     bound, reach = room.bound[1], room.reach[1]
-    near, sight = bound <= 4.0 * reach, Sight(wall_tree, 0.0, 0.0, np.inf, room.walls)
+    near = np.zeros(len(now), dtype=np.bool_)
+    sight = Sight(wall_tree, 0.0, 0.0, np.inf, room.walls)
     for i in range(len(now)):
-        if near[i]:
+        if bound[i] <= 4.0 * reach[i]:
             f = frame_at(math.cos(now[i, 2]), math.sin(now[i, 2]), now[i, 0], now[i, 1])
             bound[i] = nearest_seen(shapes, i, f, sight)[0]
             near[i] = bound[i] <= reach[i]

@@ -17,10 +17,10 @@ import numpy as np
 import shapely
 
 from physim.drawing.palette import UNDECIDED, Colour, rgb, robot_colour
-from physim.geometry.area import united
 from physim.geometry.polygon import convex_parts
 from physim.geometry.shapes import FloatArray, Polylines, Shapes
 from physim.parts.declarations import NO_NUMBER, Mode
+from physim.world.ground.area import united
 from physim.world.scene import Body
 
 if TYPE_CHECKING:

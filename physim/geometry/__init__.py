@@ -1,4 +1,4 @@
-"""Geometry: exact distances and collision times of polygon shapes, motion on arcs, areas.
+"""Geometry: exact distances and collision times of polygon shapes, motion on arcs, paths.
 
 The public functions are named here and loaded on first use, so that importing the package stays
 quick. The compiled kernels are in the modules of this package.

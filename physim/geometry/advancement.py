@@ -36,6 +36,7 @@ from physim.geometry.convex import (
     Frame,
     before,
     by_outline,
+    edge_normal,
     frame_at,
     outline_witness,
     part_faces,
@@ -102,25 +103,16 @@ class Look(NamedTuple):
 
 
 @compiled
-def edge_normal(P: Part, m: int) -> tuple[float, float]:
-    """Unit normal of edge m, outward, in P's frame."""
-    k = before(P, m)
-    ex = P.vertices[m, 0] - P.vertices[k, 0]
-    ey = P.vertices[m, 1] - P.vertices[k, 1]
-    size = math.sqrt(ex * ex + ey * ey)
-    return ey / size, -ex / size
-
-
-@compiled
 def face_normal(P: Part, Q: Part, f: Frame, faces: Faces) -> tuple[float, float]:
     """Return the unit normal of the edge that `part_faces` found, from P to Q, in P's frame."""
     if faces.edge < 0:
         return 1.0, 0.0
     if faces.of_q:
-        nx, ny = edge_normal(Q, faces.edge)
+        nx, ny, _ = edge_normal(Q, before(Q, faces.edge), faces.edge)
         nx, ny = -nx, -ny
         return f.c * nx - f.s * ny, f.s * nx + f.c * ny
-    return edge_normal(P, faces.edge)
+    nx, ny, _ = edge_normal(P, before(P, faces.edge), faces.edge)
+    return nx, ny
 
 
 @compiled
@@ -264,7 +256,7 @@ def face_step(P: Part, m: int, Q: Part, r: Relative, spare: float) -> float:
     The gap stays above what it is now less ``spare`` [m]. Half a turn of P is the most it looks
     ahead.
     """
-    nx, ny = edge_normal(P, m)
+    nx, ny, _ = edge_normal(P, before(P, m), m)
     low = np.inf
     for j in range(Q.first, Q.end):
         low = min(low, above(P, m, nx, ny, Q, j, r).height)

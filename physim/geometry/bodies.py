@@ -42,32 +42,6 @@ def frame_from(pose_a: FloatArray, ca: float, sa: float, pose_b: FloatArray) -> 
 
 
 @compiled
-def body_gap(
-    shapes_a: Shapes, i: int, shapes_b: Shapes, j: int, f: Frame, enough: float = np.inf
-) -> float:
-    """Signed distance [m] of body i of ``shapes_a`` and body j of ``shapes_b``, in frame f.
-
-    Exact where it is below ``enough``; otherwise some number from ``enough`` up to it.
-    """
-    best = np.inf
-    V, start = shapes_a.vertices, shapes_a.part_start
-    W, w_start = shapes_b.vertices, shapes_b.part_start
-    for p in range(shapes_a.body_start[i], shapes_a.body_start[i + 1]):
-        for q in range(shapes_b.body_start[j], shapes_b.body_start[j + 1]):
-            P, Q = Part(V, start[p], start[p + 1]), Part(W, w_start[q], w_start[q + 1])
-            best = min(best, part_gap(P, Q, f, min(best, enough)))
-    return best
-
-
-@compiled
-def body_distance(
-    shapes_a: Shapes, i: int, pose_a: FloatArray, shapes_b: Shapes, j: int, pose_b: FloatArray
-) -> float:
-    """Signed distance [m] of body i of ``shapes_a`` at ``pose_a`` and body j of ``shapes_b``."""
-    return body_gap(shapes_a, i, shapes_b, j, relative_frame(pose_a, pose_b))
-
-
-@compiled
 def point_gap(P: Part, x: float, y: float) -> float:
     """Lower bound of the signed distance of a point from a part, exact for a segment."""
     V, best = P.vertices, -np.inf
@@ -96,34 +70,75 @@ def point_gap(P: Part, x: float, y: float) -> float:
 
 
 @compiled
-def wall_gap(wall: Part, shapes: Shapes, i: int, f: Frame, enough: float) -> float:
-    """Signed distance [m] of a wall part and body i, whose frame in the world is f.
+def point_segment(x: float, y: float, ax: float, ay: float, bx: float, by: float) -> float:
+    """Distance [m] of a point from a segment."""
+    dx, dy = bx - ax, by - ay
+    square = dx * dx + dy * dy
+    along = 0.0
+    if square > 0.0:
+        along = min(max(((x - ax) * dx + (y - ay) * dy) / square, 0.0), 1.0)
+    return math.hypot(x - ax - along * dx, y - ay - along * dy)
+
+
+@compiled
+def outline_distance(P: Part, x: float, y: float) -> float:
+    """Distance [m] of a point from a part; 0 inside a solid one."""
+    V, first, end = P.vertices, P.first, P.end
+    if end - first == 2:
+        m = first + 1
+        return point_segment(x, y, V[first, 0], V[first, 1], V[m, 0], V[m, 1])
+    best = np.inf
+    inside = end - first > 2
+    for k in range(first, end):
+        m = k + 1 if k + 1 < end else first
+        ax, ay = V[k, 0], V[k, 1]
+        bx, by = V[m, 0], V[m, 1]
+        best = min(best, point_segment(x, y, ax, ay, bx, by))
+        inside = inside and (bx - ax) * (y - ay) - (by - ay) * (x - ax) >= 0.0
+    return 0.0 if inside else best
+
+
+@compiled
+def wall_gap(P: Part, shapes: Shapes, j: int, f: Frame, enough: float) -> float:
+    """Signed distance [m] of one part and body j of ``shapes``, whose frame for the part is f.
 
     Exact where it is below ``enough``; otherwise some number from ``enough`` up to it.
     """
-    bound: float = point_gap(wall, f.tx, f.ty) - shapes.radius[i] - BOUND_MARGIN
-    if bound >= enough:
-        return bound
+    if P.end - P.first == 2 and enough < np.inf:
+        bound: float = point_gap(P, f.tx, f.ty) - shapes.radius[j] - BOUND_MARGIN
+        if bound >= enough:
+            return bound
     V, start = shapes.vertices, shapes.part_start
     best = np.inf
-    for q in range(shapes.body_start[i], shapes.body_start[i + 1]):
+    for q in range(shapes.body_start[j], shapes.body_start[j + 1]):
         Q = Part(V, start[q], start[q + 1])
-        best = min(best, part_gap(wall, Q, f, min(best, enough)))
+        best = min(best, part_gap(P, Q, f, min(best, enough)))
     return best
 
 
 @compiled
-def wall_distance(
-    shapes: Shapes, i: int, pose: FloatArray, walls: Shapes, part_ids: IntArray
+def body_gap(
+    shapes_a: Shapes, i: int, shapes_b: Shapes, j: int, f: Frame, enough: float = np.inf
 ) -> float:
-    """Signed distance [m] of robot i at ``pose`` from the given wall parts; inf without any."""
-    V, start = walls.vertices, walls.part_start
-    f = frame_at(math.cos(pose[2]), math.sin(pose[2]), pose[0], pose[1])
+    """Signed distance [m] of body i of ``shapes_a`` and body j of ``shapes_b``, in frame f.
+
+    Exact where it is below ``enough``; otherwise some number from ``enough`` up to it. What has
+    many parts comes first: it costs less so.
+    """
     best = np.inf
-    for part in part_ids:
-        gap = wall_gap(Part(V, start[part], start[part + 1]), shapes, i, f, best)
-        best = min(best, gap)
+    V, start = shapes_a.vertices, shapes_a.part_start
+    for p in range(shapes_a.body_start[i], shapes_a.body_start[i + 1]):
+        P = Part(V, start[p], start[p + 1])
+        best = min(best, wall_gap(P, shapes_b, j, f, min(best, enough)))
     return best
+
+
+@compiled
+def body_distance(
+    shapes_a: Shapes, i: int, pose_a: FloatArray, shapes_b: Shapes, j: int, pose_b: FloatArray
+) -> float:
+    """Signed distance [m] of body i of ``shapes_a`` at ``pose_a`` and body j of ``shapes_b``."""
+    return body_gap(shapes_a, i, shapes_b, j, relative_frame(pose_a, pose_b))
 
 
 @compiled
@@ -207,4 +222,39 @@ def describe_pairs(shapes: Shapes, pose: FloatArray, pairs: IntArray) -> FloatAr
     for k in range(len(pairs)):
         a, b = pairs[k, 0], pairs[k, 1]
         describe_pair(shapes, a, pose[a], shapes, b, pose[b], out[k])
+    return out
+
+
+@compiled
+def describe_contact(
+    shapes: Shapes,
+    faces: Shapes,
+    a: int,
+    pose_a: FloatArray,
+    b: int,
+    pose_b: FloatArray,
+    out: FloatArray,
+) -> None:
+    """`describe_pair` for a contact, whose normal is across the faces that wall b is part of.
+
+    ``shapes`` are those of robots and walls; ``faces`` has for each wall what of the solid that it
+    is part of goes along it, nothing for a wall on its own.
+    """
+    describe_pair(shapes, a, pose_a, shapes, b, pose_b, out)
+    w = b - (len(shapes.body_start) - len(faces.body_start))
+    if w >= 0 and faces.body_start[w + 1] > faces.body_start[w]:
+        own = np.empty(5)
+        describe_pair(shapes, a, pose_a, faces, w, pose_b, own)
+        out[2], out[3] = own[2], own[3]
+
+
+@compiled
+def describe_contacts(
+    shapes: Shapes, faces: Shapes, pose: FloatArray, pairs: IntArray
+) -> FloatArray:
+    """Return (M, 5) for pairs (M, 2) of bodies at ``pose`` (B, 3): rows of `describe_contact`."""
+    out = np.empty((len(pairs), 5))
+    for k in range(len(pairs)):
+        a, b = pairs[k, 0], pairs[k, 1]
+        describe_contact(shapes, faces, a, pose[a], b, pose[b], out[k])
     return out

@@ -26,15 +26,16 @@ import numpy as np
 from physim.compiled import compiled
 from physim.geometry.advancement import advancement_time
 from physim.geometry.bodies import point_gap
-from physim.geometry.convex import Frame, frame_at, part_gap, support_gap
+from physim.geometry.convex import Frame, edge_normal, frame_at, part_gap, support_gap
 from physim.geometry.motion import (
     Course,
+    Pose,
     arc_course,
+    is_still,
     moves_straight,
     relative_motion,
-    still_course,
 )
-from physim.geometry.shapes import FloatArray, IntArray, Part, Shapes
+from physim.geometry.shapes import Part, Shapes
 from physim.tolerances import CONTACT
 
 BOUND_MARGIN = 1e-8
@@ -96,12 +97,8 @@ def clip_normals(times: Times, P: Part, Q: Part, motion: Straight, least: float)
     V, W, f = P.vertices, Q.vertices, motion.f
     k = P.end - 1
     for m in range(P.first, P.end):
-        ex = V[m, 0] - V[k, 0]
-        ey = V[m, 1] - V[k, 1]
-        length = math.sqrt(ex * ex + ey * ey)
+        nx, ny, length = edge_normal(P, k, m)
         if length > 0.0:
-            nx = ey / length
-            ny = -ex / length
             ux = f.c * nx + f.s * ny
             uy = f.c * ny - f.s * nx
             low = np.inf
@@ -287,33 +284,34 @@ def part_time(P: Part, a: Course, Q: Part, b: Course, horizon: float) -> float:
 
 
 @compiled
-def bodies_time(
-    shapes_a: Shapes, i: int, a: Course, shapes_b: Shapes, j: int, b: Course, horizon: float
-) -> float:
-    """Collision time [s] of body i on course a and body j on course b; inf when there is none."""
+def wall_time(P: Part, a: Course, shapes: Shapes, j: int, b: Course, horizon: float) -> float:
+    """Collision time [s] of one part on course a and body j on course b; inf if none."""
     xi = np.inf
-    if never_meet(a, b, horizon):
+    if is_still(a) and clear_of_part(b, P, horizon):
         return xi
-    V, start = shapes_a.vertices, shapes_a.part_start
-    W, w_start = shapes_b.vertices, shapes_b.part_start
-    for p in range(shapes_a.body_start[i], shapes_a.body_start[i + 1]):
-        P = Part(V, start[p], start[p + 1])
-        for q in range(shapes_b.body_start[j], shapes_b.body_start[j + 1]):
-            Q = Part(W, w_start[q], w_start[q + 1])
-            xi = min(xi, part_time(P, a, Q, b, min(xi, horizon)))
+    V, start = shapes.vertices, shapes.part_start
+    for q in range(shapes.body_start[j], shapes.body_start[j + 1]):
+        Q = Part(V, start[q], start[q + 1])
+        xi = min(xi, part_time(P, a, Q, b, min(xi, horizon)))
     return xi
 
 
 @compiled
-def wall_time(wall: Part, shapes: Shapes, i: int, a: Course, horizon: float) -> float:
-    """Collision time [s] of body i on course a and a part that stands still; inf if none."""
+def bodies_time(
+    shapes_a: Shapes, i: int, a: Course, shapes_b: Shapes, j: int, b: Course, horizon: float
+) -> float:
+    """Collision time [s] of body i on course a and body j on course b; inf when there is none.
+
+    What is a wall or has many parts comes first: it costs less so.
+    """
     xi = np.inf
-    if clear_of_part(a, wall, horizon):
+    if never_meet(a, b, horizon):
         return xi
-    V, start = shapes.vertices, shapes.part_start
-    for q in range(shapes.body_start[i], shapes.body_start[i + 1]):
-        Q = Part(V, start[q], start[q + 1])
-        xi = min(xi, part_time(wall, still_course(), Q, a, min(xi, horizon)))
+    until = until_all_repeats(b, horizon) if is_still(a) else horizon
+    V, start = shapes_a.vertices, shapes_a.part_start
+    for p in range(shapes_a.body_start[i], shapes_a.body_start[i + 1]):
+        P = Part(V, start[p], start[p + 1])
+        xi = min(xi, wall_time(P, a, shapes_b, j, b, min(xi, until)))
     return xi
 
 
@@ -327,37 +325,20 @@ def until_all_repeats(a: Course, horizon: float) -> float:
 
 @compiled
 def collision_time_pair(
-    shapes: Shapes,
+    shapes_a: Shapes,
     i: int,
-    pose_i: FloatArray,
+    pose_i: Pose,
     twist_i: Twist,
+    shapes_b: Shapes,
     j: int,
-    pose_j: FloatArray,
+    pose_j: Pose,
     twist_j: Twist,
     horizon: float,
 ) -> float:
-    """Collision time (11) [s] of robots i and j of ``shapes``, each on its arc; inf if none."""
-    a = arc_course(pose_i, twist_i[0], twist_i[1], shapes.radius[i])
-    b = arc_course(pose_j, twist_j[0], twist_j[1], shapes.radius[j])
-    return bodies_time(shapes, i, a, shapes, j, b, horizon)
+    """Collision time (11) [s] of bodies i and j, each on its arc; inf if none.
 
-
-@compiled
-def collision_time_walls(
-    shapes: Shapes,
-    i: int,
-    pose: FloatArray,
-    twist: Twist,
-    walls: Shapes,
-    part_ids: IntArray,
-    horizon: float,
-) -> float:
-    """Collision time (11) [s] of robot i on its arc and the given parts of ``walls``."""
-    a = arc_course(pose, twist[0], twist[1], shapes.radius[i])
-    until = until_all_repeats(a, horizon)
-    V, start = walls.vertices, walls.part_start
-    xi = np.inf
-    for part in part_ids:
-        wall = Part(V, start[part], start[part + 1])
-        xi = min(xi, wall_time(wall, shapes, i, a, min(xi, until)))
-    return xi
+    A wall is a body that stands at the origin; it comes first.
+    """
+    a = arc_course(pose_i, twist_i[0], twist_i[1], shapes_a.radius[i])
+    b = arc_course(pose_j, twist_j[0], twist_j[1], shapes_b.radius[j])
+    return bodies_time(shapes_a, i, a, shapes_b, j, b, horizon)

@@ -63,6 +63,17 @@ def before(P: Part, m: int) -> int:
     return m - 1 if m > P.first else P.end - 1
 
 
+@compiled
+def edge_normal(P: Part, k: int, m: int) -> tuple[float, float, float]:
+    """Return (nx, ny, length [m]): outward unit normal of the edge from vertex k to m, or zeros."""
+    ex = P.vertices[m, 0] - P.vertices[k, 0]
+    ey = P.vertices[m, 1] - P.vertices[k, 1]
+    length = math.sqrt(ex * ex + ey * ey)
+    if length > 0.0:
+        return ey / length, -ex / length, length
+    return 0.0, 0.0, 0.0
+
+
 class FaceGap(NamedTuple):
     """Largest gap over the edge normals of a part."""
 
@@ -80,12 +91,8 @@ def face_gap(P: Part, Q: Part, f: Frame, enough: float) -> FaceGap:
     best, edge, vertex = -np.inf, -1, -1
     k = P.end - 1
     for m in range(P.first, P.end):
-        ex = V[m, 0] - V[k, 0]
-        ey = V[m, 1] - V[k, 1]
-        length = math.sqrt(ex * ex + ey * ey)
+        nx, ny, length = edge_normal(P, k, m)
         if length > 0.0:
-            nx = ey / length
-            ny = -ex / length
             ux = f.c * nx + f.s * ny
             uy = f.c * ny - f.s * nx
             height = nx * (f.tx - V[k, 0]) + ny * (f.ty - V[k, 1])
@@ -271,11 +278,8 @@ def face_witness(
     it; the middle of what falls on the edge is the point. If nothing does, the nearest end.
     """
     V, k = P.vertices, before(P, m)
-    ex = V[m, 0] - V[k, 0]
-    ey = V[m, 1] - V[k, 1]
-    length = math.sqrt(ex * ex + ey * ey)
-    ex /= length
-    ey /= length
+    nx, ny, length = edge_normal(P, k, m)
+    ex, ey = -ny, nx
     low, high = np.inf, -np.inf
     for j in range(Q.first, Q.end):
         dx, dy = from_vertex(P, k, Q, j, f)
@@ -285,7 +289,7 @@ def face_witness(
             high = max(high, along)
     hit = low <= length and high >= 0.0
     middle = 0.5 * (min(max(low, 0.0), length) + max(min(high, length), 0.0))
-    return hit, V[k, 0] + middle * ex, V[k, 1] + middle * ey, ey, -ex
+    return hit, V[k, 0] + middle * ex, V[k, 1] + middle * ey, nx, ny
 
 
 @compiled

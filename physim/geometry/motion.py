@@ -149,6 +149,12 @@ def still_course() -> Course:
 
 
 @compiled
+def is_still(a: Course) -> bool:
+    """Whether a body never moves and has its vertices in the world frame, as walls have."""
+    return a.speed == 0.0 and a.spin == 0.0 and a.x == 0.0 and a.y == 0.0 and a.c == 1.0
+
+
+@compiled
 def along_course(course: Course, t: float) -> tuple[float, float, float, float, float, float]:
     """Return (x, y, c, s, vx, vy) after time t [s]: place, cos and sin of the heading, velocity."""
     x, y, c, s, vx, vy = course.x, course.y, course.c, course.s, course.vx, course.vy

@@ -2,16 +2,12 @@
 
 A polygon is an array (n, 2) [m] of its corners in either direction, not closed by a repeated
 corner (a repeated last corner is dropped). Parts are convex and counter-clockwise.
-
-The cut goes along diagonals. Ears are clipped to triangles, then diagonals that are not needed
-are taken out again (Hertel and Mehlhorn 1983: at most four times as many parts as the fewest).
-The result depends on the order, so several orders are tried and the best is chosen.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -21,133 +17,12 @@ from physim.errors import PhysimError
 from physim.geometry.shapes import FloatArray
 from physim.tolerances import FLAT, LENGTH
 
-Corner = tuple[float, float]
-Ring = list[int]
-
 MOST_TRIALS = 8
-"""Orders tried for a small polygon; a large one gets one."""
+"""Ways to cut a small polygon that are tried; of a large one it is one."""
 LARGE = 40
 """Corners of a large polygon."""
-
-
-def cut(points: FloatArray) -> Iterator[list[Ring]]:
-    """Yield ways to cut a simple counter-clockwise polygon (n, 2): parts as lists of indices."""
-    corners: list[Corner] = [(x, y) for x, y in (points - points[0]).tolist()]
-    trials = 1 if len(corners) > LARGE else min(len(corners), MOST_TRIALS)
-    for trial in range(trials):
-        start = None if trial == 0 else trial * len(corners) // trials
-        triangles = _triangles(corners, start)
-        for longest_first in (True, False):
-            yield _merged(corners, triangles, longest_first)
-
-
-def _turn(a: Corner, b: Corner, c: Corner) -> float:
-    """Twice the signed area of a triangle, positive when counter-clockwise."""
-    return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
-
-
-def _is_flat_or_left(a: Corner, b: Corner, c: Corner) -> bool:
-    return _turn(a, b, c) >= -FLAT * math.dist(a, b) * math.dist(b, c)
-
-
-def _is_left(a: Corner, b: Corner, c: Corner) -> bool:
-    return _turn(a, b, c) > FLAT * math.dist(a, b) * math.dist(b, c)
-
-
-def _triangles(corners: list[Corner], start: int | None) -> list[Ring]:
-    """Clip ears: the best-shaped one each time, or the next one from ``start`` on."""
-    ring = list(range(len(corners)))
-    if start is not None:
-        ring = ring[start:] + ring[:start]
-    after = dict(zip(ring, ring[1:] + ring[:1], strict=True))
-    before = {j: i for i, j in after.items()}
-    reflex = {i for i in ring if not _is_left(corners[before[i]], corners[i], corners[after[i]])}
-    quality = {i: q for i in ring if (q := _ear(corners, before[i], i, after[i], reflex)) > 0.0}
-    triangles: list[Ring] = []
-    while len(after) > 3:
-        if not quality:
-            quality = _all_ears(corners, before, after, reflex)
-        i = max(quality, key=quality.__getitem__) if start is None else next(iter(quality))
-        a, c = before.pop(i), after.pop(i)
-        triangles.append([a, i, c])
-        after[a], before[c] = c, a
-        quality.pop(i)
-        reflex.discard(i)
-        for k in (a, c):
-            quality.pop(k, None)
-            if _is_left(corners[before[k]], corners[k], corners[after[k]]):
-                reflex.discard(k)
-            if (q := _ear(corners, before[k], k, after[k], reflex)) > 0.0:
-                quality[k] = q
-    i = next(iter(after))
-    triangles.append([before[i], i, after[i]])
-    return triangles
-
-
-def _all_ears(
-    corners: list[Corner], before: dict[int, int], after: dict[int, int], reflex: set[int]
-) -> dict[int, float]:
-    """Look for ears anew; where rounding hides them all, take the flattest corner off."""
-    ears = {i: q for i in after if (q := _ear(corners, before[i], i, after[i], reflex)) > 0.0}
-    if ears:
-        return ears
-    flat = min(after, key=lambda i: abs(_turn(*(corners[k] for k in (before[i], i, after[i])))))
-    a, b, c = (corners[k] for k in (before[flat], flat, after[flat]))
-    if abs(_turn(a, b, c)) > 1e3 * FLAT * math.dist(a, b) * math.dist(b, c):
-        raise PhysimError("a polygon could not be cut into convex parts: its edges nearly touch")
-    return {flat: 1.0}
-
-
-def _ear(corners: list[Corner], i: int, j: int, k: int, reflex: set[int]) -> float:
-    """Return the smallest height over the longest side of ear (i, j, k), 0 where it is none."""
-    a, b, c = corners[i], corners[j], corners[k]
-    if not _is_left(a, b, c):
-        return 0.0
-    for r in reflex:
-        if r in (i, j, k):
-            continue
-        p = corners[r]
-        if _turn(c, a, p) >= 0.0 and _turn(a, b, p) >= 0.0 and _turn(b, c, p) >= 0.0:
-            return 0.0
-    longest = max(math.dist(a, b), math.dist(b, c), math.dist(c, a))
-    return _turn(a, b, c) / longest**2
-
-
-def _merged(corners: list[Corner], triangles: list[Ring], longest_first: bool) -> list[Ring]:
-    """Take out every diagonal whose two parts together are convex."""
-    parts = dict(enumerate(triangles))
-    owner = {edge: k for k, part in parts.items() for edge in _edges(part)}
-    diagonals = [(i, j) for i, j in owner if i < j and (j, i) in owner]
-    diagonals.sort(key=lambda e: math.dist(corners[e[0]], corners[e[1]]), reverse=longest_first)
-    for i, j in diagonals:
-        keep, drop = owner[i, j], owner[j, i]
-        joined = _joined(parts[keep], parts[drop], i, j)
-        if joined is None or not _convex_at(corners, joined, (i, j)):
-            continue
-        parts[keep] = joined
-        for edge in _edges(parts.pop(drop)):
-            owner[edge] = keep
-    return list(parts.values())
-
-
-def _edges(part: Ring) -> list[tuple[int, int]]:
-    return list(zip(part, part[1:] + part[:1], strict=True))
-
-
-def _joined(first: Ring, second: Ring, i: int, j: int) -> Ring | None:
-    """Ring of two parts without the edge i-j they share; None if they share more of it."""
-    at, to = first.index(j), second.index(i)
-    ring = first[at:] + first[:at] + (second[to:] + second[:to])[1:-1]
-    return ring if len(set(ring)) == len(ring) else None
-
-
-def _convex_at(corners: list[Corner], ring: Ring, ends: tuple[int, int]) -> bool:
-    for end in ends:
-        k = ring.index(end)
-        a, b, c = (corners[ring[m % len(ring)]] for m in (k - 1, k, k + 1))
-        if not _is_flat_or_left(a, b, c):
-            return False
-    return True
+MOST_LINES = 10_000
+"""Diagonals of a polygon that are thought of at once."""
 
 
 def corners(polygon: ArrayLike) -> FloatArray:
@@ -200,13 +75,44 @@ def convex_parts(polygon: ArrayLike) -> tuple[FloatArray, ...]:
         raise PhysimError("a polygon that crosses or touches itself, or has no area, has no parts")
     points = counter_clockwise(polygon)
     points = points[_turning(points)]
-    if _is_convex(points):
-        return (points,)
-    ways = list(cut(points))
-    fewest = min(len(parts) for parts in ways)
-    candidates = [[points[part] for part in parts] for parts in ways if len(parts) == fewest]
-    widest = max(candidates, key=smallest_width) if len(candidates) > 1 else candidates[0]
-    return tuple(_trimmed(part) for part in widest)
+    trials = MOST_TRIALS if len(points) <= LARGE else 1
+    ways = [_cut(points, first) for first in range(trials)]
+    ways = [way for way in ways if len(way) == min(map(len, ways))]
+    widest = max(ways, key=smallest_width) if len(ways) > 1 else ways[0]
+    return tuple(np.ascontiguousarray(part[_turning(part)]) for part in widest)
+
+
+def _cut(points: FloatArray, first: int = 0) -> list[FloatArray]:
+    """Cut a simple counter-clockwise polygon along diagonals from its reflex corners.
+
+    Each time along the one that leaves the fewest corners reflex, the shortest of these; to begin
+    with along the ``first`` of them, counted from 0.
+    """
+    import shapely
+
+    count, reflex = len(points), np.flatnonzero(_turns(points) < -FLAT)
+    if not len(reflex):
+        return [points]
+    i, j = map(np.ravel, np.meshgrid(reflex[: max(1, MOST_LINES // count)], np.arange(count)))
+    beside = np.isin((j - i) % count, (0, 1, count - 1))
+    i, j = i[~beside], j[~beside]
+    left = -1.0 * np.isin(j, reflex)
+    for a, b in ((i, j), (j, i)):
+        for corner in ((b, a, (a + 1) % count), (a - 1, a, b)):
+            left += _sine(*points[list(corner)]) < -FLAT
+    length = np.hypot(*(points[j] - points[i]).T)
+    corners, whole = shapely.points(points), shapely.Polygon(points)
+    best = None
+    for k in np.lexsort((length, left)):
+        line = shapely.linestrings(points[[i[k], j[k]]])
+        if whole.covers(line) and np.count_nonzero(shapely.dwithin(corners, line, LENGTH)) == 2:
+            best, first = sorted((i[k], j[k])), first - 1
+            if first < 0:
+                break
+    if best is None:
+        raise PhysimError("a polygon could not be cut into convex parts: its edges nearly touch")
+    a, b = best
+    return _cut(points[a : b + 1]) + _cut(np.concatenate((points[b:], points[: a + 1])))
 
 
 @compiled
@@ -229,13 +135,15 @@ def is_convex_part(points: FloatArray) -> bool:
     return turned < 3.0 * math.pi
 
 
+def _sine(a: FloatArray, b: FloatArray, c: FloatArray) -> FloatArray:
+    """Sine of the turn at b of the way from a over b to c, positive to the left; each (n, 2)."""
+    (ux, uy), (wx, wy) = (b - a).T, (c - b).T
+    return np.asarray((ux * wy - uy * wx) / (np.hypot(ux, uy) * np.hypot(wx, wy)))
+
+
 def _turns(points: FloatArray) -> FloatArray:
     """Sine of the turn at each corner, positive to the left."""
-    before = points - np.roll(points, 1, axis=0)
-    after = np.roll(points, -1, axis=0) - points
-    cross = before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0]
-    lengths = np.hypot(*before.T) * np.hypot(*after.T)
-    return np.asarray(cross / lengths, dtype=np.float64)
+    return _sine(np.roll(points, 1, axis=0), points, np.roll(points, -1, axis=0))
 
 
 def _turning(points: FloatArray) -> list[int]:
@@ -252,14 +160,6 @@ def _turning(points: FloatArray) -> list[int]:
     return keep
 
 
-def _trimmed(part: FloatArray) -> FloatArray:
-    return np.ascontiguousarray(part[_turning(part)])
-
-
-def _is_convex(points: FloatArray) -> bool:
-    return bool((_turns(points) > -FLAT).all())
-
-
 def circumscribed_radius(polygon: ArrayLike) -> float:
     """Largest distance [m] of a corner from the origin of the polygon's frame."""
     return float(np.hypot(*np.asarray(polygon, dtype=np.float64).T).max())
@@ -267,7 +167,9 @@ def circumscribed_radius(polygon: ArrayLike) -> float:
 
 def least_width(polygon: ArrayLike) -> float:
     """Least width [m] of the convex hull over all directions."""
-    hull = convex_hull(polygon)
+    import shapely
+
+    hull = shapely.get_coordinates(shapely.convex_hull(shapely.multipoints(polygon)))[:0:-1]
     if len(hull) < 3:
         return 0.0
     edges = np.roll(hull, -1, axis=0) - hull
@@ -294,24 +196,3 @@ def moment(parts: list[FloatArray], mass: float) -> float:
         area += cross.sum() / 2.0
         inertia += (cross * square).sum() / 12.0
     return float(mass * inertia / area)
-
-
-def convex_hull(polygon: ArrayLike) -> FloatArray:
-    """Corners (m, 2) of the convex hull, counter-clockwise, without flat ones (monotone chain)."""
-    points = np.unique(np.asarray(polygon, dtype=np.float64).reshape(-1, 2), axis=0)
-    if len(points) < 3:
-        return points
-    lower, upper = _chain(points), _chain(points[::-1])
-    return np.array(lower[:-1] + upper[:-1])
-
-
-def _chain(points: FloatArray) -> list[tuple[float, float]]:
-    chain: list[tuple[float, float]] = []
-    for x, y in points.tolist():
-        while len(chain) > 1:
-            (ax, ay), (bx, by) = chain[-2:]
-            if (bx - ax) * (y - ay) - (by - ay) * (x - ax) > 0.0:
-                break
-            chain.pop()
-        chain.append((x, y))
-    return chain

@@ -2,7 +2,8 @@
 
 From one sample to the next, position and angle go linearly, as the physics moves its bodies. The
 angle turns by end - start as given: headings must be unwrapped. Poses are (3,) x, y [m],
-heading [rad], world frame; ``dt`` > 0 is the time between the samples [s].
+heading [rad], world frame; ``dt`` > 0 is the time between the samples [s]. A wall is a body that
+stands at the origin; it is the first of two, as what has many parts is.
 
 - Earliest contact: the first time at which the signed distance is at most CONTACT (1e-9 m), so
   that a graze within CONTACT counts, as does touching at either sample. Never late: at every
@@ -16,31 +17,22 @@ The exact arc of a robot lies within `tolerances.chord` of this motion.
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from physim.compiled import compiled
 from physim.geometry.advancement import MOST_STEPS, fall_time, look_at
-from physim.geometry.bodies import point_gap
 from physim.geometry.collision import clear_of_part, never_meet
-from physim.geometry.motion import Course, still_course, straight_course
-from physim.geometry.shapes import FloatArray, IntArray, Part, Shapes
+from physim.geometry.motion import Course, is_still, straight_course
+from physim.geometry.shapes import FloatArray, Part, Shapes
 from physim.tolerances import CONTACT
 
 SLACK = 0.25 * CONTACT
 """[m] An earliest contact may be by so much farther apart than CONTACT, so that the search ends."""
 
-GOLDEN = 0.6180339887498949
-CUTS = 40
-"""Of the search for a least value: 0.618^40 = 4e-9 of the last stride remains."""
-
-FIRST_STRIDE = 1e-4
-"""[-] First stride of the same search, as a share of the time left."""
-
 MOST_LOOKS = 20 * MOST_STEPS
 """Advances after which a least signed distance gets a lower bound instead of going on."""
-
-Least = tuple[float, float, float]
-"""least signed distance found [m], bound below all values [m], time of the former [s]"""
 
 
 @compiled
@@ -62,13 +54,7 @@ def top_speed(a: Course, b: Course) -> float:
 
 
 @compiled
-def touch_time(
-    P: Part,
-    a: Course,
-    Q: Part,
-    b: Course,
-    horizon: float,
-) -> float:
+def touch_time(P: Part, a: Course, Q: Part, b: Course, horizon: float) -> float:
     """Earliest time [s] at which two parts are within CONTACT, without a cap on the advances.
 
     Bodies so fast that rounding of the time hides the rest of the gap (some 10^9 m/s) are taken to
@@ -88,207 +74,94 @@ def touch_time(
 
 
 @compiled
-def swept_pair(
-    shapes: Shapes,
+def swept_time(
+    shapes_a: Shapes,
     i: int,
     start_i: FloatArray,
     end_i: FloatArray,
+    shapes_b: Shapes,
     j: int,
     start_j: FloatArray,
     end_j: FloatArray,
     dt: float,
 ) -> float:
-    """Earliest contact [s] of robots i and j within [0, dt]; inf when there is none."""
-    a = step_course(start_i, end_i, dt, shapes.radius[i])
-    b = step_course(start_j, end_j, dt, shapes.radius[j])
+    """Earliest contact [s] of bodies i and j within [0, dt]; inf when there is none."""
+    a = step_course(start_i, end_i, dt, shapes_a.radius[i])
+    b = step_course(start_j, end_j, dt, shapes_b.radius[j])
     t = np.inf
     if never_meet(a, b, dt):
         return t
-    V, start = shapes.vertices, shapes.part_start
-    for p in range(shapes.body_start[i], shapes.body_start[i + 1]):
+    V, start = shapes_a.vertices, shapes_a.part_start
+    W, w_start = shapes_b.vertices, shapes_b.part_start
+    for p in range(shapes_a.body_start[i], shapes_a.body_start[i + 1]):
         P = Part(V, start[p], start[p + 1])
-        for q in range(shapes.body_start[j], shapes.body_start[j + 1]):
-            Q = Part(V, start[q], start[q + 1])
+        if is_still(a) and clear_of_part(b, P, dt):
+            continue
+        for q in range(shapes_b.body_start[j], shapes_b.body_start[j + 1]):
+            Q = Part(W, w_start[q], w_start[q + 1])
             t = min(t, touch_time(P, a, Q, b, min(t, dt)))
     return t
 
 
-@compiled
-def swept_walls(
-    shapes: Shapes,
-    i: int,
-    start: FloatArray,
-    end: FloatArray,
-    walls: Shapes,
-    part_ids: IntArray,
-    dt: float,
-) -> tuple[float, int]:
-    """Earliest contact [s] of robot i with the given parts of ``walls`` in [0, dt], and that part.
+class Least(NamedTuple):
+    """The smallest signed distance of a step, as far as it is known."""
 
-    (inf, -1) when there is none. Of parts touched at the same time the first given wins.
+    distance: float
+    """[m] attained"""
+    bound: float
+    """[m] no value is below this"""
+    time: float
+    """[s] when it is attained"""
+
+
+@compiled
+def least_of_parts(P: Part, a: Course, Q: Part, b: Course, dt: float, best: Least) -> Least:
+    """Lower ``best`` to the least signed distance of two parts in [0, dt], where it is less.
+
+    Of a level between the least value that was found and a bound below all it is asked whether and
+    when the distance falls to it, and so on by halves.
     """
-    a = step_course(start, end, dt, shapes.radius[i])
-    still = still_course()
-    t = np.inf
-    touched = -1
-    W, w_start = walls.vertices, walls.part_start
-    V, v_start = shapes.vertices, shapes.part_start
-    for part in part_ids:
-        wall = Part(W, w_start[part], w_start[part + 1])
-        if clear_of_part(a, wall, dt):
-            continue
-        for q in range(shapes.body_start[i], shapes.body_start[i + 1]):
-            Q = Part(V, v_start[q], v_start[q + 1])
-            found = touch_time(wall, still, Q, a, min(t, dt))
-            if found < t:
-                t = found
-                touched = part
-    return t, touched
-
-
-@compiled
-def valley(
-    P: Part,
-    a: Course,
-    Q: Part,
-    b: Course,
-    start: float,
-    end: float,
-) -> tuple[float, float]:
-    """Return (signed distance, time) of a local minimum of two parts after ``start``.
-
-    Strides double as long as the distance falls; then the golden section narrows it down.
-    """
-    low = start
-    t = start
-    at_t = look_at(P, a, Q, b, start).distance
-    stride = FIRST_STRIDE * (end - start)
-    high = end
-    while t < end:
-        u = min(t + stride, end)
-        at_u = look_at(P, a, Q, b, u).distance
-        if at_u >= at_t:
-            high = u
-            break
-        low = t
-        t = u
-        at_t = at_u
-        stride *= 2.0
-    best = at_t
-    best_at = t
-    t = high - GOLDEN * (high - low)
-    u = low + GOLDEN * (high - low)
-    at_t = look_at(P, a, Q, b, t).distance
-    at_u = look_at(P, a, Q, b, u).distance
-    for _ in range(CUTS):
-        if at_t <= at_u:
-            high, u, at_u = u, t, at_t
-            t = high - GOLDEN * (high - low)
-            at_t = look_at(P, a, Q, b, t).distance
-        else:
-            low, t, at_t = t, u, at_u
-            u = low + GOLDEN * (high - low)
-            at_u = look_at(P, a, Q, b, u).distance
-    if at_u < at_t:
-        t, at_t = u, at_u
-    if at_t < best:
-        return at_t, t
-    return best, best_at
-
-
-@compiled
-def least_part(
-    P: Part,
-    a: Course,
-    Q: Part,
-    b: Course,
-    dt: float,
-    best: Least,
-) -> Least:
-    """Lower ``best`` to the least signed distance of two parts in [0, dt], where it is less."""
-    least, bound, at = best
-    for end in (0.0, dt):
-        d = look_at(P, a, Q, b, end).distance
-        if d < least:
-            least = d
-            at = end
-    t = 0.0
-    steps = 0
-    while True:
-        # Either nothing comes below the level any more, or a lower value is found.
-        level = least - CONTACT
-        t, d, used = fall_time(P, a, Q, b, level, SLACK, t, dt)
+    high, bound, at = best
+    middle = look_at(P, a, Q, b, 0.5 * dt).distance
+    low = middle - 0.5 * dt * top_speed(a, b) - CONTACT
+    if low > high:
+        return best
+    for t in (0.0, dt):
+        d = look_at(P, a, Q, b, t).distance
+        if d < high:
+            high, at = d, t
+    begun, t, looks = 0.0, 0.0, 0  # before `begun` nothing is below what was found there
+    while high - low > CONTACT and looks < MOST_LOOKS:
+        level = 0.5 * (low + high)
+        t, d, steps = fall_time(P, a, Q, b, level, SLACK, t, dt)
+        looks += steps + 1
         if t == np.inf:
-            return least, min(bound, level), at
-        steps += used
-        if steps >= MOST_LOOKS:
-            return least, min(bound, level, d - top_speed(a, b) * (dt - t)), at
-        if d < least:
-            least = d
-            at = t
-        d, u = valley(P, a, Q, b, t, dt)
-        if d < least:
-            least = d
-            at = u
+            low, t = level, begun
+        elif d <= level + SLACK:
+            high, at, begun = d, t, t
+    return Least(high, min(bound, low, high - CONTACT), at)
 
 
 @compiled
-def least_gap_pair(
-    shapes: Shapes,
+def least_gap(
+    shapes_a: Shapes,
     i: int,
     start_i: FloatArray,
     end_i: FloatArray,
+    shapes_b: Shapes,
     j: int,
     start_j: FloatArray,
     end_j: FloatArray,
     dt: float,
 ) -> Least:
-    """Return (least, bound, t): the smallest signed distance [m] of robots i and j in [0, dt].
-
-    ``least`` is attained at t [s]; no value of the step is below ``bound``, which is least - 1e-9,
-    or lower should the search reach its cap.
-    """
-    a = step_course(start_i, end_i, dt, shapes.radius[i])
-    b = step_course(start_j, end_j, dt, shapes.radius[j])
-    best = (np.inf, np.inf, 0.0)
-    V, start = shapes.vertices, shapes.part_start
-    for p in range(shapes.body_start[i], shapes.body_start[i + 1]):
+    """Smallest signed distance [m] of bodies i and j within [0, dt]."""
+    a = step_course(start_i, end_i, dt, shapes_a.radius[i])
+    b = step_course(start_j, end_j, dt, shapes_b.radius[j])
+    best = Least(np.inf, np.inf, 0.0)
+    V, start = shapes_a.vertices, shapes_a.part_start
+    W, w_start = shapes_b.vertices, shapes_b.part_start
+    for p in range(shapes_a.body_start[i], shapes_a.body_start[i + 1]):
         P = Part(V, start[p], start[p + 1])
-        for q in range(shapes.body_start[j], shapes.body_start[j + 1]):
-            best = least_part(P, a, Part(V, start[q], start[q + 1]), b, dt, best)
-    return best[0], min(best[1], best[0] - CONTACT), best[2]
-
-
-@compiled
-def least_gap_walls(
-    shapes: Shapes,
-    i: int,
-    start: FloatArray,
-    end: FloatArray,
-    walls: Shapes,
-    part_ids: IntArray,
-    dt: float,
-) -> tuple[float, float, float, int]:
-    """Return (least, bound, t, part): `least_gap_pair` of robot i and the given parts of ``walls``.
-
-    (inf, inf, 0, -1) when no part is given.
-    """
-    a = step_course(start, end, dt, shapes.radius[i])
-    still = still_course()
-    best = (np.inf, np.inf, 0.0)
-    nearest = -1
-    middle_x = a.x + 0.5 * dt * a.vx
-    middle_y = a.y + 0.5 * dt * a.vy
-    reach = a.radius + 0.5 * dt * a.speed + CONTACT
-    W, w_start = walls.vertices, walls.part_start
-    V, v_start = shapes.vertices, shapes.part_start
-    for part in part_ids:
-        wall = Part(W, w_start[part], w_start[part + 1])
-        if point_gap(wall, middle_x, middle_y) - reach > best[0]:
-            continue
-        for q in range(shapes.body_start[i], shapes.body_start[i + 1]):
-            before = best[0]
-            best = least_part(wall, still, Part(V, v_start[q], v_start[q + 1]), a, dt, best)
-            if best[0] < before:
-                nearest = part
-    return best[0], min(best[1], best[0] - CONTACT), best[2], nearest
+        for q in range(shapes_b.body_start[j], shapes_b.body_start[j + 1]):
+            best = least_of_parts(P, a, Part(W, w_start[q], w_start[q + 1]), b, dt, best)
+    return best

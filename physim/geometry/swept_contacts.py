@@ -13,18 +13,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from physim.compiled import compiled
-from physim.geometry.bodies import body_distance, describe_pair, wall_distance
+from physim.geometry.bodies import body_gap, describe_pair, relative_frame
 from physim.geometry.convex import frame_at
 from physim.geometry.neighbours import (
     BoundingDiscs,
     bounding_discs,
-    least_gap,
+    line_gap,
     pair_distance,
     put_in_order,
     set_frames,
 )
 from physim.geometry.shapes import FloatArray, IntArray, Shapes
-from physim.geometry.swept import least_gap_pair, least_gap_walls, swept_pair, swept_walls
+from physim.geometry.swept import least_gap, swept_time
 from physim.geometry.walls import (
     NearestWalls,
     Sight,
@@ -122,60 +122,66 @@ def find_swept_contacts(
     the bodies a < b (walls from N on), ``values`` (C, 5) what `describe_pair` gives. Returns how
     many, or FULL.
     """
-    robots, reach, still = len(old), room.reach, np.zeros(3)
+    robots, reach, still, count, m = len(old), room.reach, np.zeros(3), 0, 0
     walls, ends = wall_tree.walls, wall_tree.walls.body_start
-    pairs, count, m = pairs_in_reach(now, shapes, room), 0, 0
-    near = walls_in_reach(now, shapes, wall_tree, room)
+    pairs, near = pairs_in_reach(now, shapes, room), walls_in_reach(now, shapes, wall_tree, room)
     for a in range(robots):
         while m < len(pairs) and pairs[m] // robots == a:
-            b = pairs[m] % robots
+            b, most = pairs[m] % robots, reach[0, a] + reach[0, pairs[m] % robots]
             m += 1
-            most = reach[0, a] + reach[0, b]
-            after = body_distance(shapes, a, now[a], shapes, b, now[b])
-            if after <= CONTACT or after > most:
-                continue
-            before = body_distance(shapes, a, old[a], shapes, b, old[b])
-            if before <= CONTACT or before + after > most:
-                continue
-            if swept_pair(shapes, a, old[a], now[a], b, old[b], now[b], dt) == np.inf:
+            if not grazes(shapes, a, old[a], now[a], shapes, b, old[b], now[b], most, dt):
                 continue
             if count == len(who):
                 return FULL
-            least = least_gap_pair(shapes, a, old[a], now[a], b, old[b], now[b], dt)
+            time = least_gap(shapes, a, old[a], now[a], shapes, b, old[b], now[b], dt).time
             who[count, 0], who[count, 1] = a, b
-            share = least[2] / dt
             describe_pair(
-                shapes, a, between(old[a], now[a], share),
-                shapes, b, between(old[b], now[b], share), values[count],
+                shapes, a, between(old[a], now[a], time / dt),
+                shapes, b, between(old[b], now[b], time / dt), values[count],
             )  # fmt: skip
             count += 1
         if near[a]:
-            most, w = reach[1, a], 0
-            found = parts_near(wall_tree, now[a, 0], now[a, 1], shapes.radius[a] + most)
-            first, last = 0, 0
-            while last < len(found):  # the parts of one wall after the other
-                first = last
-                while ends[w + 1] <= found[first]:
+            last, w, most = -1, 0, reach[1, a]
+            for part in parts_near(wall_tree, now[a, 0], now[a, 1], shapes.radius[a] + most):
+                while ends[w + 1] <= part:
                     w += 1
-                while last < len(found) and found[last] < ends[w + 1]:
-                    last += 1
-                parts = found[first:last]
-                after = wall_distance(shapes, a, now[a], walls, parts)
-                if after <= CONTACT or after > most:
+                if w == last:
                     continue
-                before = wall_distance(shapes, a, old[a], walls, parts)
-                if before <= CONTACT or before + after > most:
-                    continue
-                if swept_walls(shapes, a, old[a], now[a], walls, parts, dt)[0] == np.inf:
+                last = w
+                if not grazes(walls, w, still, still, shapes, a, old[a], now[a], most, dt):
                     continue
                 if count == len(who):
                     return FULL
-                time = least_gap_walls(shapes, a, old[a], now[a], walls, parts, dt)[2]
+                time = least_gap(walls, w, still, still, shapes, a, old[a], now[a], dt).time
                 who[count, 0], who[count, 1] = a, robots + w
                 at = between(old[a], now[a], time / dt)
                 describe_pair(shapes, a, at, walls, w, still, values[count])
                 count += 1
     return count
+
+
+@compiled
+def grazes(
+    shapes_a: Shapes,
+    i: int,
+    start_i: FloatArray,
+    end_i: FloatArray,
+    shapes_b: Shapes,
+    j: int,
+    start_j: FloatArray,
+    end_j: FloatArray,
+    most: float,
+    dt: float,
+) -> bool:
+    """Whether bodies apart at both ends of a step, which moves them by ``most``, touch in it."""
+    f = relative_frame(end_i, end_j)
+    after = body_gap(shapes_a, i, shapes_b, j, f, most + MARGIN)
+    if after <= CONTACT or after > most:
+        return False
+    before = body_gap(shapes_a, i, shapes_b, j, relative_frame(start_i, start_j), most + MARGIN)
+    if before <= CONTACT or before + after > most:
+        return False
+    return swept_time(shapes_a, i, start_i, end_i, shapes_b, j, start_j, end_j, dt) < np.inf
 
 
 @compiled
@@ -214,7 +220,7 @@ def pairs_in_reach(now: FloatArray, shapes: Shapes, room: Room) -> IntArray:
                 continue
             most = reach[i] + reach[j]
             enough = max(most, bound[i] if is_due[i] else 0.0, bound[j] if is_due[j] else 0.0)
-            if least_gap(shapes, i, j, frame) >= enough:
+            if line_gap(shapes, i, j, frame) >= enough:
                 continue
             gap = pair_distance(shapes, i, j, frame)
             for k in (i, j):

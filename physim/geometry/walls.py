@@ -16,12 +16,11 @@ from typing import NamedTuple
 import numpy as np
 
 from physim.compiled import compiled
-from physim.geometry.bodies import wall_gap
+from physim.geometry.bodies import outline_distance, wall_gap
 from physim.geometry.collision import stays, swept_disc, until_all_repeats, wall_time
 from physim.geometry.convex import Frame, frame_at
-from physim.geometry.motion import Course, chord_factor
+from physim.geometry.motion import Course, chord_factor, still_course
 from physim.geometry.neighbours import put_in_order
-from physim.geometry.safe_point import outline_distance
 from physim.geometry.shapes import FloatArray, IntArray, Part, Shapes
 
 LEAF = 4
@@ -343,7 +342,7 @@ def seen_time(shapes: Shapes, i: int, a: Course, sight: Sight, horizon: float) -
         for k in range(first, min(first + LEAF, len(tree.part))):
             wall = Part(W, start[tree.part[k]], start[tree.part[k] + 1])
             if is_seen(sight, wall):
-                time = wall_time(wall, shapes, i, a, min(xi, until))
+                time = wall_time(wall, still_course(), shapes, i, a, min(xi, until))
                 if time < xi:
                     xi = time
                     x, y, radius = reached_disc(a, min(xi, until))

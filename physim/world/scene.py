@@ -21,9 +21,9 @@ from physim.world.group import RobotGroup
 from physim.world.robot import Offset, Robot
 
 if TYPE_CHECKING:
-    from physim.geometry.area import Area
     from physim.geometry.walls import WallTree
     from physim.world import World
+    from physim.world.ground.area import Area
 
 Named = tuple[str, Any]
 """A shapely line or polygon, and before it what messages call it"""

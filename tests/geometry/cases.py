@@ -11,7 +11,7 @@ import shapely
 
 from tests.helpers import inside
 
-pack_parts, width_feet = inside("physim.geometry", "pack_parts", "width_feet")
+pack_parts = inside("physim.geometry", "pack_parts")
 
 CASES = Path(__file__).parents[3] / "shared" / "cases"
 
@@ -84,9 +84,3 @@ def corridor_walls(length=40.0, step=1.3, obstacle=True):
     if obstacle:
         bodies.append([BOX + [length / 2, 5.0]])
     return pack_parts(bodies)
-
-
-def side_distances(points, directions, segments):
-    """Shortest distances (K,) [m] to the left and to the right of a path; inf where it is open."""
-    left, right = width_feet(points, directions, segments)
-    return np.hypot(*(left - points).T), np.hypot(*(right - points).T)

@@ -8,10 +8,11 @@ import pytest
 from tests.geometry.cases import BOX, corridor_walls, random_body
 from tests.helpers import inside
 from tests.oracles.clearances import clearances as plain_clearances
+from tests.oracles.clearances import wall_distances
 
 body_distance, build_wall_tree = inside("physim.geometry", "body_distance", "build_wall_tree")
 ClearanceFinder, clearances = inside("physim.geometry", "ClearanceFinder", "clearances")
-pack_parts, wall_distance = inside("physim.geometry", "pack_parts", "wall_distance")
+pack_parts = inside("physim.geometry", "pack_parts")
 
 
 def random_run(rng, robots, samples):
@@ -33,11 +34,7 @@ def plain(pose, shapes, walls):
         for j in range(i + 1, robots):
             d = body_distance(shapes, i, pose[i], shapes, j, pose[j])
             pairs[i, j] = pairs[j, i] = d
-    parts = len(walls.part_start) - 1
-    gaps = np.array([
-        [wall_distance(shapes, i, pose[i], walls, np.array([k])) for k in range(parts)]
-        for i in range(robots)
-    ])  # fmt: skip
+    gaps = np.array([wall_distances(shapes, i, pose[i], walls) for i in range(robots)])
     return pairs, gaps
 
 

@@ -21,8 +21,8 @@ from tests.helpers import examples, inside
 from tests.oracles.collision_time import distance_at, marched_time
 
 advancement_time, arc_course = inside("physim.geometry", "advancement_time", "arc_course")
-collision_time_walls, Part = inside("physim.geometry", "collision_time_walls", "Part")
-part_time = inside("physim.geometry", "part_time")
+collision_time_pair, Part = inside("physim.geometry", "collision_time_pair", "Part")
+pack_parts, part_time = inside("physim.geometry", "pack_parts", "part_time")
 
 HORIZON = 10.0
 OMEGAS = (0.0, 0.0, -1.57, -0.785, 0.785, 1.57, 0.3, -1e-3)
@@ -93,15 +93,19 @@ def test_walls_against_marching(seed):
     parts = [walls.vertices[starts[k] : starts[k + 1]] for k in range(len(starts) - 1)]
     pose = np.array([rng.uniform(5, 35), rng.uniform(-2, 2), rng.uniform(-4, 4)])
     twist = (float(rng.uniform(-1.5, 1.5)), float(rng.choice(OMEGAS)))
-    ids = np.arange(len(parts))
-    xi = collision_time_walls(shapes, 0, pose, twist, walls, ids, HORIZON)
+
+    def time(some):
+        still = np.zeros(3), (0.0, 0.0)
+        return min(
+            collision_time_pair(some, w, *still, shapes, 0, pose, twist, HORIZON)
+            for w in range(len(some.body_start) - 1)
+        )
+
+    xi = time(walls)
     check_time(xi, (bodies[0], pose, twist), (parts, np.zeros(3), (0.0, 0.0)))
     # The order of the parts, and what was found before, change nothing.
-    single = [
-        collision_time_walls(shapes, 0, pose, twist, walls, ids[k : k + 1], HORIZON) for k in ids
-    ]
-    assert xi == min(single)
-    assert xi == collision_time_walls(shapes, 0, pose, twist, walls, ids[::-1].copy(), 10.0)
+    assert xi == time(pack_parts([[part] for part in parts]))
+    assert xi == time(pack_parts([parts[::-1]]))
 
 
 def test_discs_whose_present_relative_speed_misleads():

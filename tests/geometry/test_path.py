@@ -10,7 +10,8 @@ from hypothesis import strategies as st
 
 from tests.helpers import examples, inside
 
-offset_polyline, Path, track = inside("physim.geometry", "offset_polyline", "Path", "track")
+Path, track = inside("physim.geometry", "Path", "track")
+offset_polyline = inside("physim.world.ground", "offset_polyline")
 Tracking = inside("physim.geometry", "Tracking")
 
 coordinate = st.floats(-50.0, 50.0).map(lambda value: round(value, 3))

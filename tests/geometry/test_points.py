@@ -11,7 +11,7 @@ import shapely
 from tests.helpers import inside
 
 pack_parts, Part = inside("physim.geometry", "pack_parts", "Part")
-point_gap, point_part = inside("physim.geometry", "point_gap", "point_part")
+point_gap, outline_distance = inside("physim.geometry", "point_gap", "outline_distance")
 collision_time_pair, describe_pairs = inside(
     "physim.geometry", "collision_time_pair", "describe_pairs"
 )
@@ -23,10 +23,10 @@ def test_distance_of_a_point_from_a_convex_part(seed: int) -> None:
     rng = np.random.default_rng(seed)
     angles = np.sort(rng.uniform(0.0, 2.0 * np.pi, 5))
     part = np.column_stack((np.cos(angles), np.sin(angles))) + rng.uniform(-1.0, 1.0, 2)
-    solid, walls = shapely.Polygon(part), pack_parts([[part]])
+    solid = shapely.Polygon(part)
     for x, y in rng.uniform(-2.0, 2.0, (20, 2)):
         point = shapely.Point(x, y)
-        assert point_part(walls, 0, x, y) == pytest.approx(solid.distance(point))
+        assert outline_distance(Part(part, 0, 5), x, y) == pytest.approx(solid.distance(point))
         bound = point_gap(Part(part, 0, 5), x, y)
         if solid.contains(point):
             assert bound == pytest.approx(-solid.exterior.distance(point))
@@ -50,6 +50,7 @@ def test_a_bar_that_turns_in_place_meets_the_corner_of_a_box() -> None:
     box = [(-0.1, -0.1), (0.1, -0.1), (0.1, 0.1), (-0.1, 0.1)]
     shapes = pack_parts([[bar], [box]])
     here, there = np.zeros(3), np.array([0.0, 1.0, 0.0])
-    time = collision_time_pair(shapes, 0, here, (0.0, 1.0), 1, there, (0.0, 0.0), 5.0)
+    other = shapes, 1, there, (0.0, 0.0)
+    time = collision_time_pair(shapes, 0, here, (0.0, 1.0), *other, 5.0)
     touch = math.atan2(0.9, 0.1) - math.asin(0.1 / math.hypot(0.9, 0.1))
     assert time == pytest.approx(touch, abs=1e-4)

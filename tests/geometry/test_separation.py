@@ -26,11 +26,11 @@ from tests.geometry.cases import (
     whole,
 )
 from tests.helpers import examples, inside
+from tests.oracles.clearances import wall_distances
 
 body_distance, body_separation = inside("physim.geometry", "body_distance", "body_separation")
 Frame, pack_parts, Part = inside("physim.geometry", "Frame", "pack_parts", "Part")
 part_gap, part_witness = inside("physim.geometry", "part_gap", "part_witness")
-wall_distance = inside("physim.geometry", "wall_distance")
 
 ROUNDING = 1e-14  # shapes of metres at the origin
 
@@ -170,17 +170,17 @@ def test_walls_agree_with_shapely(seed):
     walls = corridor_walls()
     starts = walls.part_start
     lines = [walls.vertices[starts[k] : starts[k + 1]] for k in range(len(starts) - 1)]
-    ids = np.arange(len(lines))
     for _ in range(5):
         pose = np.array([rng.uniform(0, 40), rng.uniform(-8, 8), rng.uniform(-4, 4)])
-        d = wall_distance(shapes, 0, pose, walls, ids)
+        d = min(
+            body_distance(walls, w, np.zeros(3), shapes, 0, pose)
+            for w in range(len(walls.body_start) - 1)
+        )
         body = whole(bodies[0], pose)
         exact = min(body.distance(geometry(line)) for line in lines)
         assert max(d, 0.0) == pytest.approx(exact, abs=2e-14)
         # The disc bound skips parts; without it the value is the same.
-        single = [wall_distance(shapes, 0, pose, walls, ids[k : k + 1]) for k in ids]
-        assert d == min(single)
-        assert d == wall_distance(shapes, 0, pose, walls, ids[::-1].copy())
+        assert d == min(wall_distances(shapes, 0, pose, walls))
 
 
 def test_public_forms():

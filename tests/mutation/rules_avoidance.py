@@ -48,7 +48,7 @@ def others_stand_in_12() -> None:
 @rule("controllers")
 def reference_point_decides_at_the_boundary() -> None:
     """The boundary distance is that of the reference point, not of the footprint."""
-    point_clearance = inside("physim.geometry", "point_clearance")
+    point_clearance = inside("physim.controllers", "point_clearance")
     all_seen = inside("physim.geometry", "all_seen")
 
     instead(
@@ -153,7 +153,25 @@ def no_target_is_moved() -> None:
 @rule("controllers")
 def safe_point_from_the_robot() -> None:
     """The safe point is that next to the robot, not that next to the target."""
-    given(SAFE_AREA + "moved_target", target=lambda a: a.position)
+    given(SAFE_AREA + "safe_target", target=lambda a: a.position)
+
+
+@rule("controllers")
+def way_to_a_safe_point_may_cross_walls() -> None:
+    """A target is moved to the nearest safe point, behind a wall if that is nearest."""
+    instead(SAFE_AREA + "crosses", lambda a: False)
+
+
+@rule("controllers")
+def safe_points_behind_serve() -> None:
+    """A safe point may lie any way behind the target."""
+    given(SAFE_AREA + "nearest_safe_point", place=lambda a: a.place._replace(back=math.inf))
+
+
+@rule("controllers")
+def roomiest_point_is_the_target() -> None:
+    """In a narrow place the target stays, wherever in the cross-section it is."""
+    instead(SAFE_AREA + "roomiest_point", lambda a: a.target)
 
 
 @rule("controllers")

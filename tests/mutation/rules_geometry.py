@@ -13,7 +13,6 @@ from tests.mutation.rules import called, found, given, instead, rule
 COLLISION = "physim.geometry.collision:"
 MOTION = "physim.geometry.motion:"
 PATH = "physim.geometry.path:"
-SAFE_POINT = "physim.geometry.safe_point:"
 
 
 @rule("geometry")
@@ -88,9 +87,12 @@ def only_the_first_part_counts() -> None:
 @rule("geometry")
 def footprint_is_its_hull() -> None:
     """A nonconvex outline is filled in."""
-    convex_hull = inside("physim.geometry", "convex_hull")
+    from shapely import MultiPoint
 
-    instead("physim.geometry.polygon:convex_parts", lambda a: [convex_hull(a.polygon)])
+    def hull(a: Any) -> Any:
+        return [np.array(MultiPoint(a.polygon).convex_hull.exterior.coords)[:0:-1]]
+
+    instead("physim.geometry.polygon:convex_parts", hull)
 
 
 @rule("geometry")
@@ -152,10 +154,10 @@ def swept_check_looks_at_the_middle() -> None:
 
     def middle(a: Any) -> float:
         one, other = 0.5 * (a.start_i + a.end_i), 0.5 * (a.start_j + a.end_j)
-        gap = body_distance(a.shapes, a.i, one, a.shapes, a.j, other)
+        gap = body_distance(a.shapes_a, a.i, one, a.shapes_b, a.j, other)
         return 0.5 * a.dt if gap <= 1e-9 else math.inf
 
-    instead("physim.geometry.swept:swept_pair", middle)
+    instead("physim.geometry.swept:swept_time", middle)
 
 
 # Paths and areas
@@ -167,37 +169,19 @@ def projection_jumps() -> None:
     given(PATH + "follow", window=lambda a: 1e9)
 
 
-@rule("geometry")
-def way_to_a_safe_point_may_cross_walls() -> None:
-    """A target is moved to the nearest safe point, behind a wall if that is nearest."""
-    instead(SAFE_POINT + "_crosses", lambda a: False)
-
-
-@rule("geometry")
-def safe_points_behind_serve() -> None:
-    """A safe point may lie any way behind the target."""
-    given(SAFE_POINT + "nearest_safe_point", back=lambda a: math.inf)
-
-
-@rule("geometry")
-def roomiest_point_is_the_target() -> None:
-    """In a narrow place the target stays, wherever in the cross-section it is."""
-    instead(SAFE_POINT + "roomiest_point", lambda a: a.target)
-
-
-@rule("geometry")
+@rule("world")
 def walls_within_the_area_have_no_danger_area() -> None:
     """Only the edge of the accessible area has one, not a wall that stands in it."""
     from shapely import MultiLineString
 
-    instead("physim.geometry.area:inner_lines", lambda a: MultiLineString())
+    instead("physim.world.ground.area:inner_lines", lambda a: MultiLineString())
 
 
-@rule("geometry")
+@rule("world")
 def corridor_corners_are_not_mitred() -> None:
     """A wall is the middle line's points moved square to one leg: it is narrower in bends."""
     instead(
-        "physim.geometry.corridor:offset_polyline",
+        "physim.world.ground.corridor:offset_polyline",
         lambda a: (
             a.points
             + np.asarray(a.offset)[:, None]

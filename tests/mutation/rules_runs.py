@@ -179,7 +179,7 @@ def leads_are_those_over_the_first() -> None:
 def width_is_twice_the_nearer_side() -> None:
     """The width of a corridor is that about its path, as if that ran in the middle (Fig. 4)."""
     replaced(
-        "physim.geometry.corridor:Widths.width",
+        "physim.world.ground.corridor:Widths.width",
         lambda old: property(lambda self: 2.0 * np.minimum(self.left, self.right)),
     )
 

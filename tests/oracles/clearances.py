@@ -9,7 +9,7 @@ from tests.helpers import inside
 
 Clearances, bounding_discs = inside("physim.geometry", "Clearances", "bounding_discs")
 pair_distance, set_frames = inside("physim.geometry", "pair_distance", "set_frames")
-wall_distance, FloatArray = inside("physim.geometry", "wall_distance", "FloatArray")
+body_distance, FloatArray = inside("physim.geometry", "body_distance", "FloatArray")
 
 
 def clearances(poses: FloatArray, shapes: Shapes, walls: Shapes) -> Clearances:
@@ -17,8 +17,15 @@ def clearances(poses: FloatArray, shapes: Shapes, walls: Shapes) -> Clearances:
     return Clearances(*map(np.array, zip(*(_sample(p, shapes, walls) for p in poses), strict=True)))
 
 
+def wall_distances(shapes: Shapes, i: int, pose: FloatArray, walls: Shapes) -> list[float]:
+    """Signed distances [m] of robot i at ``pose`` (3,) from each part of the walls, on its own."""
+    parts, still = len(walls.part_start) - 1, np.zeros(3)
+    single = walls._replace(body_start=np.arange(parts + 1), radius=np.full(parts, np.nan))
+    return [body_distance(single, k, still, shapes, i, pose) for k in range(parts)]
+
+
 def _sample(pose: FloatArray, shapes: Shapes, walls: Shapes) -> tuple[object, ...]:
-    robots, parts = len(pose), len(walls.part_start) - 1
+    robots = len(pose)
     frame = np.empty((robots, 6))
     set_frames(np.ascontiguousarray(pose), bounding_discs(shapes), frame)
     apart = np.full((robots, robots), np.nan)
@@ -27,10 +34,7 @@ def _sample(pose: FloatArray, shapes: Shapes, walls: Shapes) -> tuple[object, ..
             apart[i, j] = apart[j, i] = pair_distance(shapes, i, j, frame)
     nearest = np.where(np.isnan(apart), np.inf, apart)
     farthest = np.where(np.isnan(apart), -np.inf, apart)
-    gaps = np.array([
-        [wall_distance(shapes, i, pose[i], walls, np.array([k])) for k in range(parts)]
-        for i in range(robots)
-    ])  # fmt: skip
+    gaps = np.array([wall_distances(shapes, i, pose[i], walls) for i in range(robots)])
     body = np.repeat(np.arange(len(walls.body_start) - 1), np.diff(walls.body_start))
     pair = divmod(int(farthest.argmax()), robots) if robots > 1 else (-1, -1)
     return (

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import itertools
+
 import numpy as np
 
 from physim import FormationView, Neighbour, Observation, ObservedRobot, Scene, Sensed
 from physim.geometry import Shapes
 from tests.helpers import inside
 
-Path, point_part, FloatArray = inside("physim.geometry", "Path", "point_part", "FloatArray")
-IntArray = inside("physim.geometry", "IntArray")
+Path, outline_distance = inside("physim.geometry", "Path", "outline_distance")
+FloatArray, IntArray, Part = inside("physim.geometry", "FloatArray", "IntArray", "Part")
 
 
 def observe(scene: Scene, sensed: Sensed, i: int) -> Observation:
@@ -25,8 +27,9 @@ def observe(scene: Scene, sensed: Sensed, i: int) -> Observation:
     x, y = pose[me, 0], pose[me, 1]
     in_range = np.square(pose[:, :2] - pose[me, :2]).sum(axis=1) <= reach * reach
     in_range[me] = False
-    every = range(len(scene.walls.part_start) - 1)
-    walls = [p for p in every if point_part(scene.walls, p, x, y) <= reach]
+    parts = itertools.pairwise(scene.walls.part_start)
+    near = [outline_distance(Part(scene.walls.vertices, *part), x, y) <= reach for part in parts]
+    walls = np.flatnonzero(near).tolist()
     first, end = scene.paths.start[i], scene.paths.start[i + 1]
     return Observation(
         time=time,

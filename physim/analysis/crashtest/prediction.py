@@ -13,11 +13,11 @@ import numpy as np
 from physim.analysis.crashtest.drafts import STEPS, Case
 from physim.compiled import compiled, is_cached
 from physim.geometry.bodies import body_separation
-from physim.geometry.collision import collision_time_pair, collision_time_walls
+from physim.geometry.collision import collision_time_pair
 from physim.geometry.convex import Witness
 from physim.geometry.motion import arc
 from physim.geometry.shapes import FloatArray, IntArray, Shapes, pack_parts
-from physim.geometry.swept import swept_pair, swept_walls
+from physim.geometry.swept import swept_time
 from physim.tolerances import CONTACT, ROUNDING
 
 MOST_RENEWED = 2000
@@ -98,13 +98,6 @@ def poses_at(batch: Packed, k: int, t: float) -> FloatArray:
 
 
 @compiled
-def wall_parts(batch: Packed, k: int) -> IntArray:
-    """Parts of the walls of case k."""
-    first, last = batch.first_wall[k], batch.first_wall[k + 1]
-    return np.arange(batch.walls.body_start[first], batch.walls.body_start[last])
-
-
-@compiled
 def point_speed(
     pose: FloatArray, command: FloatArray, x: float, y: float, nx: float, ny: float
 ) -> float:
@@ -141,10 +134,16 @@ def time_from(batch: Packed, k: int, since: float, horizon: float) -> float:
     pose = poses_at(batch, k, since)
     twist = (command[i, 0], command[i, 1])
     if len(pose) == 1:
-        parts = wall_parts(batch, k)
-        return collision_time_walls(shapes, i, pose[0], twist, batch.walls, parts, horizon)
+        xi, still, none = np.inf, np.zeros(3), (0.0, 0.0)
+        for w in range(batch.first_wall[k], batch.first_wall[k + 1]):
+            until = min(xi, horizon)
+            time = collision_time_pair(
+                batch.walls, w, still, none, shapes, i, pose[0], twist, until
+            )
+            xi = min(xi, time)
+        return xi
     other = (command[i + 1, 0], command[i + 1, 1])
-    return collision_time_pair(shapes, i, pose[0], twist, i + 1, pose[1], other, horizon)
+    return collision_time_pair(shapes, i, pose[0], twist, shapes, i + 1, pose[1], other, horizon)
 
 
 @compiled
@@ -168,9 +167,11 @@ def swept_step(batch: Packed, k: int, step: int) -> float:
     a = poses_at(batch, k, step * batch.dt)
     b = poses_at(batch, k, (step + 1) * batch.dt)
     if len(a) == 1:
-        parts = wall_parts(batch, k)
-        return swept_walls(shapes, i, a[0], b[0], batch.walls, parts, batch.dt)[0]
-    return swept_pair(shapes, i, a[0], b[0], i + 1, a[1], b[1], batch.dt)
+        t, still = np.inf, np.zeros(3)
+        for w in range(batch.first_wall[k], batch.first_wall[k + 1]):
+            t = min(t, swept_time(batch.walls, w, still, still, shapes, i, a[0], b[0], batch.dt))
+        return t
+    return swept_time(shapes, i, a[0], b[0], shapes, i + 1, a[1], b[1], batch.dt)
 
 
 @compiled

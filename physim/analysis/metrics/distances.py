@@ -18,10 +18,10 @@ import shapely
 from physim.analysis.metrics.metric import Moment, Series
 from physim.analysis.metrics.progress import blocks
 from physim.errors import PhysimError
-from physim.geometry.corridor import SIDES, width_spacing, widths_at
 from physim.geometry.queries import collision_times as times_of_pairs
 from physim.geometry.shapes import FloatArray, IntArray, body_parts
 from physim.record import Record
+from physim.world.ground.corridor import SIDES, width_spacing, widths_at
 from physim.world.walls import stretch_text
 
 MOST_DISTANCES = 100_000
@@ -130,7 +130,7 @@ class Width(NamedTuple):
     """(K, 2) [m] the same on the right"""
     width: FloatArray
     """(K,) [m]; inf where a side is open, NaN where the two nearest points are not on opposite
-    sides (`physim.geometry.corridor.side_feet`): there is no width there"""
+    sides (`physim.world.ground.corridor.side_feet`): there is no width there"""
 
 
 def corridor_width(record: Record, robot: int = 0) -> Width:

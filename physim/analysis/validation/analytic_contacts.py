@@ -19,9 +19,9 @@ from numpy.typing import NDArray
 
 from physim.compiled import compiled
 from physim.errors import RecordError
-from physim.geometry.bodies import body_distance, point_gap, wall_distance
+from physim.geometry.bodies import body_distance, point_gap
 from physim.geometry.shapes import FloatArray, IntArray, Part, Shapes, read_only
-from physim.geometry.swept import swept_pair, swept_walls
+from physim.geometry.swept import swept_time
 from physim.record import Record
 from physim.tolerances import CONTACT
 
@@ -99,7 +99,7 @@ def scan_robots(
                 if k > 0 and (d <= CONTACT or d <= moved):
                     before = body_distance(shapes, a, old[a], shapes, b, old[b])
                     if touch_in_step(before, d, moved):
-                        entry = swept_pair(shapes, a, old[a], now[a], b, old[b], now[b], dt)
+                        entry = swept_time(shapes, a, old[a], now[a], shapes, b, old[b], now[b], dt)
                 if d > reach and not np.isfinite(entry):
                     continue
                 if count == len(who):
@@ -111,20 +111,17 @@ def scan_robots(
 
 
 @compiled
-def walls_about(poses: FloatArray, i: int, radius: float, walls: Shapes, reach: float) -> IntArray:
-    """Wall parts that robot i may come nearer than ``reach`` [m] to in a block of poses."""
-    low_x, high_x = poses[:, i, 0].min(), poses[:, i, 0].max()
-    low_y, high_y = poses[:, i, 1].min(), poses[:, i, 1].max()
-    x, y = 0.5 * (low_x + high_x), 0.5 * (low_y + high_y)
-    room = math.hypot(high_x - x, high_y - y) + radius + reach + 1e-6
-    start, parts = walls.part_start, len(walls.part_start) - 1
-    found = np.empty(parts, dtype=np.int64)
-    count = 0
-    for p in range(parts):
-        if point_gap(Part(walls.vertices, start[p], start[p + 1]), x, y) <= room:
-            found[count] = p
-            count += 1
-    return found[:count]
+def stretch_of_wall(walls: Shapes, w: int, x: float, y: float, reach: float) -> tuple[bool, Shapes]:
+    """Wall w as a body of its own, without what lies at its ends beyond ``reach`` [m] of a place.
+
+    Whether anything of it is left comes first.
+    """
+    start, low, high = walls.part_start, walls.body_start[w + 1], walls.body_start[w]
+    for p in range(walls.body_start[w], walls.body_start[w + 1]):
+        if point_gap(Part(walls.vertices, start[p], start[p + 1]), x, y) <= reach:
+            low, high = min(low, p), p + 1
+    some = Shapes(walls.vertices, start, np.array([low, high]), walls.radius[w : w + 1])
+    return low < high, some
 
 
 @compiled
@@ -141,12 +138,16 @@ def scan_walls(
     """`scan_robots` for each robot and each boundary or obstacle, whose id is N + its index."""
     count = 0
     robots = poses.shape[1]
+    still = np.zeros(3)
     for i in range(robots):
         radius = shapes.radius[i]
-        about = walls_about(poses, i, radius, walls, reach)
+        low_x, high_x = poses[:, i, 0].min(), poses[:, i, 0].max()
+        low_y, high_y = poses[:, i, 1].min(), poses[:, i, 1].max()
+        x, y = 0.5 * (low_x + high_x), 0.5 * (low_y + high_y)
+        near = math.hypot(high_x - x, high_y - y) + radius + reach + 1e-6
         for w in range(len(walls.body_start) - 1):
-            parts = about[(about >= walls.body_start[w]) & (about < walls.body_start[w + 1])]
-            if not len(parts):
+            is_near, wall = stretch_of_wall(walls, w, x, y, near)
+            if not is_near:
                 continue
             spare = 0.0  # the wall is farther than `reach` by that: no contact before it is used up
             for k in range(first, len(poses)):
@@ -154,15 +155,15 @@ def scan_walls(
                     spare -= travel_bound(poses[k - 1, i], poses[k, i], radius)
                     if spare > 0.0:
                         continue
-                d = wall_distance(shapes, i, poses[k, i], walls, parts)
+                d = body_distance(wall, 0, still, shapes, i, poses[k, i])
                 entry = np.nan
                 if k > 0:
                     start, end = poses[k - 1, i], poses[k, i]
                     moved = travel_bound(start, end, radius)
                     if d <= CONTACT or d <= moved:
-                        before = wall_distance(shapes, i, start, walls, parts)
+                        before = body_distance(wall, 0, still, shapes, i, start)
                         if touch_in_step(before, d, moved):
-                            entry = swept_walls(shapes, i, start, end, walls, parts, dt)[0]
+                            entry = swept_time(wall, 0, still, still, shapes, i, start, end, dt)
                 if d > reach:
                     spare = d - reach - CONTACT
                     if not np.isfinite(entry):

@@ -34,14 +34,15 @@ from physim.analysis.validation.analytic_contacts import (
 from physim.analysis.validation.finding import UNEXPLAINED, Finding, differs, stretches
 from physim.contacts import Kind, Phase, touching
 from physim.errors import RecordError
+from physim.geometry.bodies import describe_contacts
 from physim.geometry.clearance import clearances
-from physim.geometry.shapes import FloatArray, IntArray, joined_shapes
-from physim.geometry.solids import describe_contacts, solids_of
-from physim.geometry.swept import least_gap_pair, least_gap_walls
+from physim.geometry.shapes import FloatArray, IntArray, joined_shapes, read_only
+from physim.geometry.swept import least_gap
 from physim.geometry.walls import build_wall_tree
 from physim.record import Record
 from physim.record.writer import Extremes
 from physim.tolerances import CONTACT
+from physim.world.ground.solids import solids_of
 
 TOLERANCE = "within tolerance"
 GRAZE = "graze between samples"
@@ -264,11 +265,11 @@ def _least(record: Record, a: int, b: int, step: int) -> float:
     shapes = record.shapes
     old, new = record.pose_at(step - 1), record.pose_at(step)
     if b < record.robots:
-        return float(least_gap_pair(shapes, a, old[a], new[a], b, old[b], new[b], record.dt)[0])
-    walls = record.walls
-    first, last = walls.body_start[b - record.robots : b - record.robots + 2]
-    parts: IntArray = np.arange(first, last)
-    return float(least_gap_walls(shapes, a, old[a], new[a], walls, parts, record.dt)[0])
+        found = least_gap(shapes, a, old[a], new[a], shapes, b, old[b], new[b], record.dt)
+    else:
+        still, w = read_only(np.zeros(3)), b - record.robots
+        found = least_gap(record.walls, w, still, still, shapes, a, old[a], new[a], record.dt)
+    return float(found.distance)
 
 
 def _false_contacts(record: Record) -> Iterator[Finding]:

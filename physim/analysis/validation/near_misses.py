@@ -21,12 +21,11 @@ from physim.analysis.validation.analytic_contacts import (
     Room,
     least_of_pairs,
     pose_blocks,
-    walls_about,
 )
 from physim.analysis.validation.decisions import DecisionTable
 from physim.analysis.validation.responsibility import has_priority
 from physim.compiled import compiled
-from physim.geometry.collision import collision_time_pair, collision_time_walls
+from physim.geometry.collision import collision_time_pair
 from physim.geometry.shapes import FloatArray, IntArray, Shapes, read_only
 from physim.record import Record
 
@@ -120,23 +119,24 @@ def decision_times(
     FULL.
     """
     robots = poses.shape[1]
+    still = np.zeros(3)
     count = 0
     for k in range(len(rows)):
         at, i = rows[k]["step"] - start, rows[k]["robot"]
         pose, held = poses[at], command[at]
         mine = (held[i, 0], held[i, 1])
-        span = abs(mine[0]) * horizon + 1e-6
-        about = walls_about(poses[at : at + 1], i, shapes.radius[i], walls, span)
         for j in range(robots + len(walls.body_start) - 1):
             if j == i:
                 continue
             if j < robots:
                 theirs = (held[j, 0], held[j, 1])
-                xi = collision_time_pair(shapes, i, pose[i], mine, j, pose[j], theirs, horizon)
+                xi = collision_time_pair(
+                    shapes, i, pose[i], mine, shapes, j, pose[j], theirs, horizon
+                )
             else:
-                w = j - robots
-                parts = about[(about >= walls.body_start[w]) & (about < walls.body_start[w + 1])]
-                xi = collision_time_walls(shapes, i, pose[i], mine, walls, parts, horizon)
+                xi = collision_time_pair(
+                    walls, j - robots, still, (0.0, 0.0), shapes, i, pose[i], mine, horizon
+                )
             if xi <= horizon:
                 if count == len(who):
                     return FULL

@@ -21,7 +21,7 @@ from physim import tolerances
 from physim.analysis.validation.analytic_contacts import pair_distance
 from physim.analysis.validation.decisions import DecisionTable
 from physim.contacts import Kind, Phase
-from physim.geometry.collision import collision_time_pair, collision_time_walls
+from physim.geometry.collision import collision_time_pair
 from physim.geometry.motion import arc
 from physim.geometry.shapes import FloatArray
 from physim.record import Record
@@ -89,10 +89,10 @@ def pair_time(
     """Collision time (11) [s] of bodies a < b at ``pose`` (N, 3) under constant commands."""
     shapes = record.shapes
     if b < record.robots:
-        return float(collision_time_pair(shapes, a, pose[a], twist_a, b, pose[b], twist_b, HORIZON))
-    walls, w = record.walls, b - record.robots
-    parts = np.arange(walls.body_start[w], walls.body_start[w + 1])
-    return float(collision_time_walls(shapes, a, pose[a], twist_a, walls, parts, HORIZON))
+        one = shapes, b, pose[b], twist_b
+        return float(collision_time_pair(shapes, a, pose[a], twist_a, *one, HORIZON))
+    wall = record.walls, b - record.robots, np.zeros(3), (0.0, 0.0)
+    return float(collision_time_pair(*wall, shapes, a, pose[a], twist_a, HORIZON))
 
 
 class Predictor:

@@ -27,9 +27,9 @@ from physim.authoring.importing.drawing import (
     rounded,
 )
 from physim.authoring.importing.options import Options
-from physim.geometry.area import inner_lines
 from physim.geometry.shapes import FloatArray, IntArray
-from physim.geometry.tangles import segments_of
+from physim.world.ground.area import inner_lines
+from physim.world.ground.lines import segments_of
 
 GRID = 10.0**-DIGITS
 """[m] Worlds are written to the millimetre."""

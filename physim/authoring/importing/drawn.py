@@ -18,10 +18,10 @@ import shapely
 from physim.authoring.importing.area import Place
 from physim.authoring.importing.drawing import DIGITS, Drawing, Shape, place, rounded
 from physim.escaping import escaped
-from physim.geometry.arc_length import Polyline
-from physim.geometry.corridor import offset_polyline
 from physim.geometry.polygon import counter_clockwise
 from physim.geometry.shapes import FloatArray
+from physim.world.ground.corridor import offset_polyline
+from physim.world.ground.polyline import Polyline
 
 MOST_DRAWN = 500
 """Robots of a drawing"""

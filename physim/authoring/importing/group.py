@@ -13,10 +13,10 @@ from physim.authoring.importing.drawing import Drawing, ImportSourceError
 from physim.authoring.importing.drawn import Placed, lane, lap
 from physim.authoring.importing.options import Options
 from physim.authoring.importing.size import SMALLEST, Size, check_way, fitting, two_digits
-from physim.geometry.arc_length import Polyline
-from physim.geometry.area import shrunk
-from physim.geometry.outline import placed_outline
 from physim.geometry.shapes import FloatArray
+from physim.world.ground.area import shrunk
+from physim.world.ground.lines import placed_outline
+from physim.world.ground.polyline import Polyline
 
 LANE, ROW, COLUMN = 2.0, 4.0, 3.2
 """[m] at size 1 from lane to lane, from row to row of several lanes, and from robot to robot of

@@ -24,10 +24,10 @@ from physim.authoring.importing.size import Size, check_way, size_as_drawn, size
 from physim.authoring.importing.source import FORMATS, format_of
 from physim.errors import WorldError, plural
 from physim.escaping import escaped
-from physim.geometry.arc_length import Polyline
 from physim.geometry.shapes import FloatArray
 from physim.world import World
 from physim.world.file.schema import FILE
+from physim.world.ground.polyline import Polyline
 from physim.world.layout.scene_builder import build_scene
 from physim.world.yaml_text import yaml_text
 

@@ -26,8 +26,8 @@ from physim.authoring.importing.drawing import (
 )
 from physim.authoring.importing.options import Options
 from physim.authoring.importing.size import LENGTH, ROOM, room_of
-from physim.geometry.arc_length import Polyline
 from physim.geometry.shapes import FloatArray
+from physim.world.ground.polyline import Polyline
 
 KEPT = 0.9
 """[-] A straight cut keeps this share of the clearance of the stretch it replaces."""

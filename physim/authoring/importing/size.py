@@ -19,8 +19,8 @@ from physim.authoring.importing.area import Place
 from physim.authoring.importing.drawing import Drawing, Shape, place
 from physim.authoring.importing.drawn import Placed
 from physim.authoring.importing.options import Options
-from physim.geometry.arc_length import Polyline
 from physim.geometry.shapes import FloatArray
+from physim.world.ground.polyline import Polyline
 
 LENGTH, WIDTH = 1.8, 1.0
 """[m] the box at size 1"""

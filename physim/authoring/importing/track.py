@@ -28,8 +28,8 @@ from physim.authoring.importing.options import Options
 from physim.authoring.importing.source import read_text
 from physim.authoring.importing.work import check_work
 from physim.errors import nearest
-from physim.geometry.arc_length import Polyline
 from physim.geometry.shapes import FloatArray
+from physim.world.ground.polyline import Polyline
 
 COLUMNS = ("x_m", "y_m", "w_tr_right_m", "w_tr_left_m")
 MEANT = (

@@ -12,7 +12,7 @@ import numpy as np
 
 from physim.authoring.importing.drawing import refused
 from physim.geometry.shapes import FloatArray
-from physim.geometry.tangles import meet_more_often, segments_of
+from physim.world.ground.lines import meet_more_often, segments_of
 
 MOST_POINTS = 50_000
 """Points of all lines together."""

@@ -33,8 +33,8 @@ from physim.drawing.plots.frame import (
 )
 from physim.drawing.plots.style import CONTACT, INK, QUIET, WIDTH, WIDTHS, robot_colour
 from physim.drawing.scene_model import SceneModel, closed, pieces_of, placed, region, rings_of
-from physim.geometry.corridor import Widths
 from physim.geometry.shapes import FloatArray, IntArray
+from physim.world.ground.corridor import Widths
 
 if TYPE_CHECKING:
     from physim.drawing.timeline import Timeline

@@ -22,12 +22,12 @@ from physim.drawing.plots.map import draw_start, draw_widths
 from physim.drawing.plots.style import INK, QUIET, families, save_figure
 from physim.drawing.scene_model import SceneModel, closed, pieces_of
 from physim.errors import PhysimError, plural
-from physim.geometry.corridor import SIDES, Widths, sampled_widths, width_spacing
 from physim.geometry.polygon import least_width
 from physim.geometry.shapes import FloatArray
 from physim.parts.declarations import Declared, kept_distance
 from physim.parts.registry import made_controller
 from physim.simulation.team import driving, united
+from physim.world.ground.corridor import SIDES, Widths, sampled_widths, width_spacing
 from physim.world.layout.scene_builder import is_random
 from physim.world.layout.shape_checks import corners_of_line
 from physim.world.scene import Layout

@@ -22,7 +22,6 @@ from physim.geometry.shapes import (
     joined_shapes,
     part_bodies,
 )
-from physim.geometry.solids import solids_of
 from physim.geometry.walls import build_wall_tree
 from physim.simulation.engine.cutting import Moves, cut_short
 from physim.simulation.engine.energy import OF_IMPACTS, OF_PUSHES, failures
@@ -31,6 +30,7 @@ from physim.simulation.engine.pairs import Bodies, Pairs, contact_rows, hold_bac
 from physim.simulation.engine.space import BodyArrays, build_space
 from physim.simulation.engine.state import ContactMemory, PhysicsState
 from physim.tolerances import CONTACT
+from physim.world.ground.solids import solids_of
 
 LEAST_ROUNDS, MOST_ROUNDS = 20, 400
 """Rounds of the contact solver per step. Each mends one contact after the other, so a push needs

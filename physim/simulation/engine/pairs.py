@@ -13,12 +13,12 @@ from numpy.typing import NDArray
 
 from physim.compiled import compiled
 from physim.contacts import CONTACT_ROW, Kind, Phase
-from physim.geometry.bodies import body_distance, point_gap, relative_frame
+from physim.geometry.bodies import body_distance, describe_contact, point_gap, relative_frame
 from physim.geometry.convex import part_witness
 from physim.geometry.shapes import FloatArray, IntArray, Part, Shapes
-from physim.geometry.solids import Solids, describe_contact
 from physim.geometry.walls import WallTree, parts_near
 from physim.tolerances import CONTACT
+from physim.world.ground.solids import Solids
 
 BEGAN, STAYS, ENDED, PHYSICAL = map(int, (*Phase, Kind.PHYSICAL))
 

@@ -14,7 +14,7 @@ In a corner that closes round the robot each segment holds it along its own norm
 way out that is the shortest from the segment alone: left to the neighbour, or pushed past the
 segment's end into the neighbour, the robot would get through the wall.
 
-Segments here are those of solids (`physim.geometry.solids`), of which walls that join are one.
+Segments here are those of solids (`physim.world.ground.solids`), of which walls that join are one.
 """
 
 from __future__ import annotations

@@ -15,8 +15,6 @@ from numpy.typing import ArrayLike
 from shapely.affinity import translate
 
 from physim.errors import Fault, place_text
-from physim.geometry.arc_length import Polyline
-from physim.geometry.outline import placed_outline
 from physim.geometry.polygon import circumscribed_radius
 from physim.geometry.shapes import FloatArray
 from physim.tolerances import CONTACT
@@ -24,6 +22,8 @@ from physim.units import figure
 from physim.world.checks.findings import MOST_ALIKE
 from physim.world.checks.stations import leads, lines_of, spans, stations_on
 from physim.world.faults import describe
+from physim.world.ground.lines import placed_outline
+from physim.world.ground.polyline import Polyline
 from physim.world.layout.robots import shared
 from physim.world.scene import Layout
 

@@ -13,10 +13,10 @@ import numpy as np
 import shapely
 
 from physim.errors import Fault, Location, place_text, plural
-from physim.geometry.arc_length import Polyline
 from physim.geometry.shapes import FloatArray
 from physim.tolerances import LENGTH
 from physim.world import World
+from physim.world.ground.polyline import Polyline
 from physim.world.layout.wall_crossing import wall_crossing
 from physim.world.scene import Layout
 

@@ -10,8 +10,6 @@ import shapely
 from shapely.ops import substring
 
 from physim.errors import Fault, Location, place_text, plural
-from physim.geometry.area import NEAR_EDGE, united
-from physim.geometry.corridor import offset_polyline
 from physim.geometry.path import SHARPEST_TURN
 from physim.geometry.shapes import FloatArray
 from physim.tolerances import CONTACT, LENGTH
@@ -20,6 +18,8 @@ from physim.world import Offset
 from physim.world.checks.room import NOT, ClearanceProfile
 from physim.world.checks.stations import lines_of
 from physim.world.faults import describe
+from physim.world.ground.area import NEAR_EDGE, united
+from physim.world.ground.corridor import offset_polyline
 from physim.world.scene import Layout
 from physim.world.walls import stretch_text
 

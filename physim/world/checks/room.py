@@ -16,12 +16,12 @@ import numpy as np
 import shapely
 from shapely.ops import substring
 
-from physim.geometry.arc_length import Polyline
-from physim.geometry.area import united
 from physim.geometry.polygon import circumscribed_radius
 from physim.geometry.shapes import FloatArray
 from physim.tolerances import CONTACT
 from physim.world.checks.stations import lines_of, spans
+from physim.world.ground.area import united
+from physim.world.ground.polyline import Polyline
 from physim.world.layout.robots import shared
 from physim.world.scene import Layout
 

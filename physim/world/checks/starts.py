@@ -10,14 +10,14 @@ import numpy as np
 import shapely
 
 from physim.errors import Fault, place_text, plural
-from physim.geometry.arc_length import Polyline
-from physim.geometry.outline import placed_outline
 from physim.geometry.polygon import circumscribed_radius
 from physim.geometry.shapes import FloatArray
 from physim.tolerances import LENGTH
 from physim.units import figure
 from physim.world.checks.stations import lines_of
 from physim.world.faults import describe
+from physim.world.ground.lines import placed_outline
+from physim.world.ground.polyline import Polyline
 from physim.world.layout.robots import shared
 from physim.world.scene import Layout
 

@@ -12,9 +12,9 @@ from math import pi
 import numpy as np
 import shapely
 
-from physim.geometry.corridor import SIDES
 from physim.geometry.shapes import FloatArray
 from physim.randomness import stream
+from physim.world.ground.corridor import SIDES
 from physim.world.layout.road_line import DECIMALS, Course
 
 GAP = 0.3

@@ -15,13 +15,12 @@ import numpy as np
 import shapely
 
 from physim.errors import Fault, Location, WorldError, place_text
-from physim.geometry.area import accessible_area, united
-from physim.geometry.corridor import corridor_boundaries
 from physim.geometry.shapes import FloatArray
-from physim.geometry.tangles import meet_more_often, segments_of
-from physim.geometry.thinning import thinned
 from physim.tolerances import LENGTH
 from physim.world import RandomCorridor, World, each_robot
+from physim.world.ground.area import accessible_area, united
+from physim.world.ground.corridor import corridor_boundaries
+from physim.world.ground.lines import meet_more_often, segments_of, thinned
 from physim.world.layout.road import drawn_road
 from physim.world.layout.robots import footprints_of, paths_of
 from physim.world.layout.shape_checks import (

@@ -7,9 +7,9 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 import shapely
 
-from physim.geometry.outline import placed_outline, placed_outlines
 from physim.geometry.polygon import circumscribed_radius
 from physim.geometry.shapes import FloatArray
+from physim.world.ground.lines import placed_outline, placed_outlines
 from physim.world.layout.robots import shared
 
 ROUNDING = 1e-6

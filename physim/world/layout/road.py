@@ -19,11 +19,11 @@ import numpy as np
 import shapely
 
 from physim.errors import Fault, Location, WorldError
-from physim.geometry.corridor import corridor_boundaries
 from physim.geometry.polygon import circumscribed_radius, least_width
 from physim.geometry.shapes import FloatArray
 from physim.tolerances import LENGTH
 from physim.world import Offset, RandomCorridor, RandomRoad, RobotGroup, World
+from physim.world.ground.corridor import corridor_boundaries
 from physim.world.layout.clutter import draw_clutter
 from physim.world.layout.road_line import (
     ASTRAY,

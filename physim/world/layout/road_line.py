@@ -13,10 +13,10 @@ from math import ceil, pi
 import numpy as np
 import shapely
 
-from physim.geometry.arc_length import Polyline
-from physim.geometry.corridor import SIDES, corridor_boundaries, offset_polyline
 from physim.geometry.shapes import FloatArray
 from physim.randomness import stream
+from physim.world.ground.corridor import SIDES, corridor_boundaries, offset_polyline
+from physim.world.ground.polyline import Polyline
 from physim.world.road import RandomRoad
 
 DECIMALS = 3

@@ -11,10 +11,10 @@ from typing import Any, TypeVar
 import numpy as np
 
 from physim.errors import Fault
-from physim.geometry.corridor import offset_polyline
 from physim.geometry.polygon import counter_clockwise
 from physim.geometry.shapes import FloatArray, read_only
 from physim.world import Offset, Robot, RobotGroup, World
+from physim.world.ground.corridor import offset_polyline
 from physim.world.layout.shape_checks import corners_of_line, outline_fault
 from physim.world.robot import outline_of
 from physim.world.scene import path_location

@@ -14,12 +14,12 @@ import shapely
 from numpy.typing import ArrayLike
 
 from physim.errors import Fault, place_text
-from physim.geometry.outline import placed_outline
 from physim.geometry.polygon import corners, is_simple, least_width
 from physim.geometry.shapes import FloatArray
 from physim.tolerances import CONTACT, LENGTH
 from physim.units import figure
 from physim.world.faults import describe
+from physim.world.ground.lines import placed_outline
 from physim.world.scene import Layout
 from physim.world.walls import stretch_text
 

@@ -17,13 +17,13 @@ import numpy as np
 import shapely
 
 from physim.errors import Fault, WorldError
-from physim.geometry.arc_length import Polyline
-from physim.geometry.outline import placed_outline
 from physim.geometry.shapes import FloatArray
 from physim.randomness import stream
 from physim.tolerances import CONTACT
 from physim.units import figure
 from physim.world import Start
+from physim.world.ground.lines import placed_outline
+from physim.world.ground.polyline import Polyline
 from physim.world.layout.occupancy import Occupancy
 from physim.world.layout.robots import shared
 from physim.world.scene import Layout

@@ -12,10 +12,10 @@ import numpy as np
 import shapely
 
 from physim.errors import Fault, place_text
-from physim.geometry.arc_length import Polyline
-from physim.geometry.corridor import SIDES, corridor_boundaries
 from physim.geometry.path import SHARPEST_TURN
 from physim.geometry.shapes import FloatArray
+from physim.world.ground.corridor import SIDES, corridor_boundaries
+from physim.world.ground.polyline import Polyline
 
 SHORT = 0.01
 """Share of the least width up to which legs are taken together, which bounds the work"""

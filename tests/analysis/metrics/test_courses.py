@@ -19,7 +19,8 @@ from tests.helpers.records import CENTRELINE, WIDTH, make_record, make_scene
 sides_of = inside("physim.analysis.metrics", "sides_of")
 pair_collision_times = inside("physim.analysis.metrics", "pair_collision_times")
 shortest_pair_collision_time = inside("physim.analysis.metrics", "shortest_pair_collision_time")
-FloatArray, offset_polyline = inside("physim.geometry", "FloatArray", "offset_polyline")
+FloatArray = inside("physim.geometry", "FloatArray")
+offset_polyline = inside("physim.world.ground", "offset_polyline")
 pack_parts, pack_polylines = inside("physim.geometry", "pack_parts", "pack_polylines")
 Body = inside("physim.world", "Body")
 

@@ -79,10 +79,9 @@ def test_guard_switched_off():
 
 
 def test_collision_time_that_ignores_rotation(monkeypatch, rear_end):
-    def straight(shapes, i, pose_i, twist_i, j, pose_j, twist_j, horizon):
-        return collision_time_pair(
-            shapes, i, pose_i, (twist_i[0], 0.0), j, pose_j, (twist_j[0], 0.0), horizon
-        )
+    def straight(a, i, pose_i, twist_i, b, j, pose_j, twist_j, horizon):
+        one, other = (a, i, pose_i, (twist_i[0], 0.0)), (b, j, pose_j, (twist_j[0], 0.0))
+        return collision_time_pair(*one, *other, horizon)
 
     monkeypatch.setattr(prediction, "collision_time_pair", straight)
     found = validate(rear_end)

@@ -15,7 +15,9 @@ from physim.authoring.importing import Imported, ImportSourceError, Options, imp
 from physim.world.checks import check_world
 from tests.helpers import inside
 
-accessible_area, offset_polyline = inside("physim.geometry", "accessible_area", "offset_polyline")
+accessible_area, offset_polyline = inside(
+    "physim.world.ground", "accessible_area", "offset_polyline"
+)
 
 SAMPLES = Path(__file__).parent / "samples"
 CELL = 0.1

@@ -81,7 +81,7 @@ def test_shipped_corridor_comes_back_from_csv(tmp_path: Path) -> None:
     path = tmp_path / "t.csv"
     path.write_text("x_m,y_m,w_tr_right_m,w_tr_left_m\n" + "\n".join(rows))
     world = import_world(path, Options(robots=6, lanes=2, robot="fit")).world
-    offset_polyline = inside("physim.geometry", "offset_polyline")
+    offset_polyline = inside("physim.world.ground", "offset_polyline")
 
     for side in (0.5, -0.5):
         true = shapely.LineString(offset_polyline(points, side * width))

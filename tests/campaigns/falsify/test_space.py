@@ -19,7 +19,7 @@ from tests.helpers import inside
 KINDS, REACH, GAP = inside("physim.campaigns.falsify", "KINDS", "REACH", "GAP")
 Space, pinned = inside("physim.campaigns.falsify", "Space", "pinned")
 lay_out = inside("physim.world.layout", "lay_out")
-placed_outline = inside("physim.geometry", "placed_outline")
+placed_outline = inside("physim.world.ground", "placed_outline")
 
 
 def in_region(**changes: Any) -> World:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from typing import Any
 
 import numpy as np
@@ -12,7 +13,8 @@ from physim.world import World
 from tests.helpers import BOX, inside, road
 
 formation_neighbours = inside("physim.controllers", "formation_neighbours")
-point_part, parts_within = inside("physim.geometry", "point_part", "parts_within")
+outline_distance, Part = inside("physim.geometry", "outline_distance", "Part")
+parts_within = inside("physim.geometry", "parts_within")
 DENSITY = inside("physim.world", "DENSITY")
 
 PLACES = [[20.0, -10.0, 0.3], [30.0, 0.0, -2.0], [40.0, 10.0, 0.0]]
@@ -80,7 +82,8 @@ def test_every_wall_within_range_is_looked_up() -> None:
     for reach in (3.0, 12.0):
         world = in_formation(range=reach).changed(obstacles=posts)
         scene = build_scene(world)
-        every = range(len(scene.walls.part_start) - 1)
+        corners, start = scene.walls.vertices, scene.walls.part_start
+        every = [Part(corners, *part) for part in itertools.pairwise(start)]
         for x, y in rng.uniform((0.0, -19.0), (200.0, 19.0), (200, 2)):
-            near = [k for k in every if point_part(scene.walls, k, x, y) <= reach]
+            near = [k for k, part in enumerate(every) if outline_distance(part, x, y) <= reach]
             assert parts_within(scene.wall_tree, x, y, reach).tolist() == near

@@ -1,4 +1,4 @@
-"""The accessible area and its safe part (shapely; not for the hot path).
+"""The accessible area and its safe part.
 
 The accessible area is the bounded face between the boundaries that contains the reference path,
 less the obstacles. A point of it is *safe* when it is at least L from every boundary.
@@ -16,10 +16,9 @@ import shapely
 from shapely.geometry import LineString, MultiPolygon, Polygon
 from shapely.ops import unary_union
 
-from physim.geometry.joints import joined
 from physim.geometry.shapes import FloatArray
-from physim.geometry.thinning import simplified
 from physim.tolerances import LENGTH
+from physim.world.ground.lines import joined, simplified
 
 ROUND_SEGMENTS = 16
 """Segments a quarter circle of the drawn safe area. Its edge errs either way: 0.0012 L by these
@@ -80,27 +79,10 @@ class Area:
         A path that keeps away from the edge, as most do, costs one look at a tree of the edge;
         any other a time quadratic in its points.
         """
-        line = LineString(points)
-        if self._keeps_inside(line):
-            return np.zeros((0, 2))
-        return self._stretches(line)
-
-    def _keeps_inside(self, line: LineString) -> bool:
-        """Whether a line begins inside and comes nowhere near the edge; prepares the shapes."""
-        for shape in (self.polygon, self._edge):
-            shapely.prepare(shape)
+        line, edge = LineString(points), self._edge
         begins_inside = self.polygon.covers(shapely.get_point(line, 0))
-        return bool(begins_inside and not self._comes_near(line))
-
-    def _comes_near(self, line: LineString) -> bool:
-        return bool(shapely.dwithin(self._edge, line, NEAR_EDGE))
-
-    @cached_property
-    def _edge(self) -> shapely.Geometry:
-        return self.polygon.boundary
-
-    def _stretches(self, line: LineString) -> FloatArray:
-        """As `outside_stretches`, of any line."""
+        if begins_inside and not shapely.dwithin(edge, line, NEAR_EDGE):
+            return np.zeros((0, 2))
         ends = {0.0, line.length}
         if line.is_simple:
             for piece in shapely.get_parts(self.polygon.intersection(line)):
@@ -109,7 +91,7 @@ class Area:
             points = shapely.get_coordinates(line)
             begin = np.cumsum([0.0, *np.hypot(*np.diff(points, axis=0).T)])
             for start, leg in zip(begin, map(LineString, pairwise(points)), strict=False):
-                if self._comes_near(leg):
+                if shapely.dwithin(edge, leg, NEAR_EDGE):
                     cut = shapely.get_coordinates(self.polygon.intersection(leg))
                     found = shapely.line_locate_point(leg, shapely.points(cut))
                     ends.update((start + found).tolist())
@@ -117,6 +99,13 @@ class Area:
         middle = line.interpolate((stations[:-1] + stations[1:]) / 2.0)
         outside = ~shapely.covers(self.polygon, middle) & (np.diff(stations) > LENGTH)
         return np.stack([stations[:-1][outside], stations[1:][outside]], axis=1)
+
+    @cached_property
+    def _edge(self) -> shapely.Geometry:
+        """The edge; it and the polygon are prepared for many questions."""
+        edge = self.polygon.boundary
+        shapely.prepare([self.polygon, edge])
+        return edge
 
 
 def accessible_area(
@@ -195,19 +184,17 @@ def grown(lines: shapely.Geometry, distance: float, round_segments: int) -> shap
 def _grown_in_stretches(
     lines: shapely.Geometry, distance: float, round_segments: int
 ) -> shapely.Geometry:
-    every = shapely.get_parts(lines)
-    stretches = np.array([one for line in every for one in _stretches(line)])
+    stretches = np.array(
+        [
+            LineString(points[k : k + STRETCH + 1])
+            for points in map(shapely.get_coordinates, shapely.get_parts(lines))
+            for k in range(0, len(points) - 1, STRETCH)
+        ]
+    )
     low_x, low_y, high_x, high_y = shapely.bounds(stretches).T
     small = np.hypot(high_x - low_x, high_y - low_y) <= SMALL * distance
     stretches[small] = shapely.convex_hull(stretches[small])
     return shapely.union_all(shapely.buffer(stretches, distance, quad_segs=round_segments))
-
-
-def _stretches(line: LineString) -> list[LineString]:
-    """A line in pieces of `STRETCH` edges."""
-    points = shapely.get_coordinates(line)
-    starts = range(0, len(points) - 1, STRETCH)
-    return [LineString(points[k : k + STRETCH + 1]) for k in starts]
 
 
 def _rings(shape: Polygon | MultiPolygon) -> list[FloatArray]:

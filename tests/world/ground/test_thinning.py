@@ -9,8 +9,11 @@ import shapely
 from physim.tolerances import LENGTH
 from tests.helpers import inside
 
-accessible_area, FloatArray = inside("physim.geometry", "accessible_area", "FloatArray")
-shrunk, SIMPLER, SMALL, thinned = inside("physim.geometry", "shrunk", "SIMPLER", "SMALL", "thinned")
+FloatArray = inside("physim.geometry", "FloatArray")
+accessible_area = inside("physim.world.ground", "accessible_area")
+shrunk, SIMPLER, SMALL, thinned = inside(
+    "physim.world.ground", "shrunk", "SIMPLER", "SMALL", "thinned"
+)
 
 ROOM = np.array([[-3.0, -3.0], [33.0, -3.0], [33.0, 3.0], [-3.0, 3.0], [-3.0, -3.0]])
 MIDDLE = np.array([[0.0, 0.0], [30.0, 0.0]])

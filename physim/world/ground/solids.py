@@ -14,9 +14,6 @@ from typing import NamedTuple
 import numpy as np
 import shapely
 
-from physim.compiled import compiled
-from physim.geometry.area import united
-from physim.geometry.bodies import describe_pair
 from physim.geometry.shapes import (
     FloatArray,
     IntArray,
@@ -25,8 +22,9 @@ from physim.geometry.shapes import (
     pack_parts,
     part_bodies,
 )
-from physim.geometry.thinning import simplified
 from physim.tolerances import CONTACT, LENGTH
+from physim.world.ground.area import united
+from physim.world.ground.lines import simplified
 
 FLUSH = 2.0 * LENGTH
 """[m] How far an outline may be from the walls it goes along: rounding to the grid of `LENGTH`, on
@@ -139,37 +137,3 @@ def _along(
     for body, k in sorted({(owner[n], k) for n, k in zip(near[goes], which[goes], strict=True)}):
         found[body].append(outline[k])
     return found
-
-
-@compiled
-def describe_contact(
-    shapes: Shapes,
-    faces: Shapes,
-    a: int,
-    pose_a: FloatArray,
-    b: int,
-    pose_b: FloatArray,
-    out: FloatArray,
-) -> None:
-    """`describe_pair` for a contact, whose normal is across the faces that wall b is part of.
-
-    ``shapes`` are those of robots and walls, ``faces`` those of `Solids`.
-    """
-    describe_pair(shapes, a, pose_a, shapes, b, pose_b, out)
-    w = b - (len(shapes.body_start) - len(faces.body_start))
-    if w >= 0 and faces.body_start[w + 1] > faces.body_start[w]:
-        own = np.empty(5)
-        describe_pair(shapes, a, pose_a, faces, w, pose_b, own)
-        out[2], out[3] = own[2], own[3]
-
-
-@compiled
-def describe_contacts(
-    shapes: Shapes, faces: Shapes, pose: FloatArray, pairs: IntArray
-) -> FloatArray:
-    """Return (M, 5) for pairs (M, 2) of bodies at ``pose`` (B, 3): rows of `describe_contact`."""
-    out = np.empty((len(pairs), 5))
-    for k in range(len(pairs)):
-        a, b = pairs[k, 0], pairs[k, 1]
-        describe_contact(shapes, faces, a, pose[a], b, pose[b], out[k])
-    return out

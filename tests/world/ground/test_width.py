@@ -8,13 +8,13 @@ import shapely
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tests.geometry.cases import side_distances
 from tests.helpers import examples, inside
 
-corridor_boundaries = inside("physim.geometry", "corridor_boundaries")
-offset_polyline, width_feet = inside("physim.geometry", "offset_polyline", "width_feet")
-widths_at = inside("physim.geometry", "widths_at")
+corridor_boundaries, feet = inside("physim.world.ground", "corridor_boundaries", "feet")
+offset_polyline, widths_at = inside("physim.world.ground", "offset_polyline", "widths_at")
 
+SIDES = (1.0, -1.0)
+"""left and right of a path"""
 place = st.tuples(*[st.integers(-20, 20)] * 2)
 
 
@@ -29,10 +29,10 @@ def test_sides_are_half_planes(
     x, y = origin
     c, s = np.cos(0.1 * turn), np.sin(0.1 * turn)
     points, directions = np.array([[x, y]], dtype=float), np.array([[c, s]])
-    found = side_distances(points, directions, segments)
+    found = [np.hypot(*(foot - points).T) for foot in feet(points, directions, segments, SIDES)]
     ends = segments.reshape(-1, 2) - points
     border = (abs(c * ends[:, 1] - s * ends[:, 0]) < 1e-9).any()  # there rounding decides
-    for gap, side in zip(found, (1.0, -1.0), strict=True):
+    for gap, side in zip(found, SIDES, strict=True):
         corners = [(-200, 0), (200, 0), (200, 200 * side), (-200, 200 * side)]
         half = shapely.Polygon([(x + a * c - b * s, y + a * s + b * c) for a, b in corners])
         part = shapely.MultiLineString(lines).intersection(half)
@@ -40,18 +40,18 @@ def test_sides_are_half_planes(
         assert np.isclose(expected, gap[0], rtol=0, atol=1e-6) or border
 
 
-def test_feet_are_the_places_of_the_distances() -> None:
+def test_feet_lie_on_their_side_and_the_nearer_is_the_nearest_of_all() -> None:
     rng = np.random.default_rng(5)
     segments = rng.uniform(-10, 10, (3000, 4))
     points, angle = rng.uniform(-5, 5, (200, 2)), rng.uniform(0, 7, 200)
     directions = np.stack([np.cos(angle), np.sin(angle)], axis=1)
-    left, right = width_feet(points, directions, segments)
-    gaps = side_distances(points, directions, segments)
-    for feet, gap, sign in ((left, gaps[0], 1), (right, gaps[1], -1)):
-        assert np.allclose(np.hypot(*(feet - points).T), gap)
-        side = directions[:, 0] * (feet - points)[:, 1] - directions[:, 1] * (feet - points)[:, 0]
+    *sides, nearest = feet(points, directions, segments, (*SIDES, 0.0))
+    for foot, sign in zip(sides, SIDES, strict=True):
+        side = directions[:, 0] * (foot - points)[:, 1] - directions[:, 1] * (foot - points)[:, 0]
         assert (sign * side > -1e-9).all()
-    assert not np.isfinite(side_distances(points, directions, np.zeros((0, 4)))[0]).any()
+    gaps = [np.hypot(*(foot - points).T) for foot in (*sides, nearest)]
+    assert np.allclose(np.minimum(*gaps[:2]), gaps[2])
+    assert not np.isfinite(feet(points, directions, np.zeros((0, 4)), SIDES)).any()
 
 
 def test_the_narrowest_place_is_the_middle_of_the_longest_narrow_stretch() -> None:

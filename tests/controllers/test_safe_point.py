@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 import shapely
@@ -11,12 +13,25 @@ from physim.geometry import Shapes
 from tests.helpers import inside
 
 FloatArray, IntArray = inside("physim.geometry", "FloatArray", "IntArray")
-nearest_safe_point, pack_parts = inside("physim.geometry", "nearest_safe_point", "pack_parts")
-point_clearance, roomiest_point = inside("physim.geometry", "point_clearance", "roomiest_point")
+pack_parts = inside("physim.geometry", "pack_parts")
+nearest_safe_point, SafePlace = inside("physim.controllers", "nearest_safe_point", "Place")
+point_clearance, roomiest_point = inside("physim.controllers", "point_clearance", "roomiest_point")
 
 L = 1.0
 CHORD = L * (1.0 - np.cos(np.pi / 4 / 256))
 """[m] how far shapely's rounded corners (256 segments a quarter) lie off the circle"""
+
+
+def nearest_safe(
+    walls: Shapes,
+    parts: IntArray,
+    target: tuple[float, float],
+    eye: tuple[float, float],
+    reach: float,
+    back: float,
+) -> Any:
+    place = SafePlace(walls, parts, target, (1.0, 0.0), eye, L, back)
+    return nearest_safe_point(place, reach)
 
 
 def room(corners: FloatArray) -> tuple[Shapes, IntArray]:
@@ -43,7 +58,7 @@ def test_nearest_safe_point_agrees_with_shapely(seed: int) -> None:
         way = shapely.LineString([(x, y), (nearest.x, nearest.y)])
         if not polygon.contains(point) or safe.contains(point) or not polygon.covers(way):
             continue
-        found, sx, sy = nearest_safe_point(walls, parts, (x, y), (1.0, 0.0), (x, y), L, 50.0, 50.0)
+        found, sx, sy = nearest_safe(walls, parts, (x, y), (x, y), 50.0, 50.0)
         assert found
         assert point_clearance(walls, parts, sx, sy) >= L - 1e-9
         assert abs(np.hypot(sx - x, sy - y) - safe.distance(point)) <= 20.0 * CHORD
@@ -53,12 +68,10 @@ def test_point_beyond_a_thin_wall_is_not_taken() -> None:
     """A wall between two lanes, 1.2 m from the outer wall: safe points lie beyond it only."""
     walls = pack_parts([[np.array([[0.0, 0.0], [20.0, 0.0]]), np.array([[0.0, 1.2], [20.0, 1.2]])]])
     target = (10.0, 1.0)
-    found, _, y = nearest_safe_point(
-        walls, np.arange(2), target, (1.0, 0.0), (10.0, 3.0), L, 4.0, 4.0
-    )
+    found, _, y = nearest_safe(walls, np.arange(2), target, (10.0, 3.0), 4.0, 4.0)
     assert found
     assert y == pytest.approx(2.2)
-    found, _, _ = nearest_safe_point(walls, np.arange(2), target, (1.0, 0.0), target, L, 4.0, 4.0)
+    found, _, _ = nearest_safe(walls, np.arange(2), target, target, 4.0, 4.0)
     assert not found
 
 
@@ -70,10 +83,10 @@ def test_safe_point_behind_the_target_is_not_taken() -> None:
     )  # fmt: skip
     parts = np.arange(4)
     target = (2.5, 0.2)
-    far, x, _ = nearest_safe_point(walls, parts, target, (1.0, 0.0), target, L, 6.0, 6.0)
+    far, x, _ = nearest_safe(walls, parts, target, target, 6.0, 6.0)
     assert far
     assert x < 0.0
-    near, _, _ = nearest_safe_point(walls, parts, target, (1.0, 0.0), target, L, 6.0, 1.0)
+    near, _, _ = nearest_safe(walls, parts, target, target, 6.0, 1.0)
     assert not near
     assert roomiest_point(walls, parts, target, (1.0, 0.0), target, 4.0) == pytest.approx(
         (2.5, 0.0), abs=1e-6

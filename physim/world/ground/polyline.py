@@ -1,7 +1,7 @@
 """Polylines by arc length: places at stations, stations of places, stretches, crossings.
 
-A station is the arc length [m] from the first point. For worlds that are read, checked or imported:
-numpy and shapely, no kernel. What a run looks up at every step is in `physim.geometry.path`.
+A station is the arc length [m] from the first point. For worlds that are read, checked or imported;
+what a run looks up at every step is in `physim.geometry.path`.
 """
 
 from __future__ import annotations

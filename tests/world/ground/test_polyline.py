@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from tests.helpers import inside
 
 Polyline, placed_outline, placed_outlines = inside(
-    "physim.geometry", "Polyline", "placed_outline", "placed_outlines"
+    "physim.world.ground", "Polyline", "placed_outline", "placed_outlines"
 )
 
 CORNER = Polyline([(0, 0), (4, 0), (4, 3)])

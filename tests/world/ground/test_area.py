@@ -10,9 +10,10 @@ from hypothesis import strategies as st
 
 from tests.helpers import inside
 
-accessible_area = inside("physim.geometry", "accessible_area")
-corridor_boundaries, FloatArray = inside("physim.geometry", "corridor_boundaries", "FloatArray")
-offset_polyline = inside("physim.geometry", "offset_polyline")
+accessible_area = inside("physim.world.ground", "accessible_area")
+FloatArray = inside("physim.geometry", "FloatArray")
+corridor_boundaries = inside("physim.world.ground", "corridor_boundaries")
+offset_polyline = inside("physim.world.ground", "offset_polyline")
 
 STRAIGHT = np.array([[0.0, 0.0], [20.0, 0.0]])
 

@@ -12,9 +12,12 @@ from numpy.typing import NDArray
 
 from physim.geometry.path import SHARPEST_TURN
 from physim.geometry.shapes import FloatArray
+from physim.world.ground.polyline import Polyline
 
 EVERY, LEAST_PLACES, MOST_PLACES = 0.1, 60, 100_000
 """[m] between places at which the width is taken; less on paths of fewer, more on paths of more"""
+LEFT, RIGHT, EITHER = 1.0, -1.0, 0.0
+"""Sides of a path"""
 SIDES = ("left wall", "right wall")
 """Boundaries of a corridor; the caps that close its ends lie on neither side of a path."""
 
@@ -78,41 +81,39 @@ APART = -0.5
 """Cosine of the angle [120 degrees] by which the two sides of a path are apart at least."""
 
 
-def width_feet(
-    points: FloatArray, directions: FloatArray, segments: FloatArray
-) -> tuple[FloatArray, FloatArray]:
-    """Nearest boundary points (K, 2) [m] on the left and on the right of a path (Fig. 4).
+def feet(
+    points: FloatArray, directions: FloatArray, segments: FloatArray, sides: tuple[float, ...]
+) -> list[FloatArray]:
+    """Nearest boundary points (K, 2) [m] to points of a path, for each of the ``sides`` (Fig. 4).
 
     ``points``, ``directions`` (K, 2) along the path, ``segments`` (S, 4) boundary segments
-    ax, ay, bx, by. *Left* is what lies in the half-plane left of the path's direction, so a
-    boundary on both sides of the path counts on each. Not finite where a side is open.
+    ax, ay, bx, by. A side is 1, the half-plane left of the path's direction, -1, that to the right,
+    or 0, everywhere; so a boundary on both sides of the path counts on each. Not finite where a
+    side is open.
     """
-    left, right = np.full((len(points), 2), np.inf), np.full((len(points), 2), np.inf)
-    if not len(segments):
-        return left, right
-    block = max(1, BLOCK // len(segments))
-    for first in range(0, len(points), block):
-        part = slice(first, first + block)
-        _feet(points[part], directions[part], segments, left[part], right[part])
-    return left, right
-
-
-def nearest_feet(points: FloatArray, segments: FloatArray) -> FloatArray:
-    """Nearest points (K, 2) [m] of segments (S, 4) to points (K, 2); not finite without any."""
-    feet = np.full((len(points), 2), np.inf)
+    found = [np.full((len(points), 2), np.inf) for _ in sides]
+    dx, dy = segments[:, 2] - segments[:, 0], segments[:, 3] - segments[:, 1]  # (S,)
+    square = dx * dx + dy * dy
     block = max(1, BLOCK // max(1, len(segments)))
     for first in range(0, len(points) if len(segments) else 0, block):
-        part = points[first : first + block]
-        ax, ay = segments[:, 0] - part[:, :1], segments[:, 1] - part[:, 1:]
-        dx, dy = segments[:, 2] - segments[:, 0], segments[:, 3] - segments[:, 1]
-        square = dx * dx + dy * dy
-        along = -(ax * dx + ay * dy) / np.where(square > 0.0, square, 1.0)
-        at = np.minimum(np.maximum(along, 0.0), 1.0)
-        x, y = ax + at * dx, ay + at * dy
-        best = (x * x + y * y).argmin(axis=1)
-        row = np.arange(len(part))
-        feet[first : first + block] = part + np.stack([x[row, best], y[row, best]], axis=1)
-    return feet
+        at, ahead = points[first : first + block], directions[first : first + block]
+        ax, ay = segments[:, 0] - at[:, :1], segments[:, 1] - at[:, 1:]  # (K, S)
+        tx, ty = ahead[:, :1], ahead[:, 1:]
+        across, span = tx * ay - ty * ax, tx * dy - ty * dx  # of a; from a to b
+        foot = -(ax * dx + ay * dy) / np.where(square > 0.0, square, 1.0)
+        crossing = np.divide(-across, span, out=np.zeros_like(span), where=span != 0.0)
+        row = np.arange(len(at))
+        for side, out in zip(sides, found, strict=True):
+            starts, ends = side * across >= 0.0, side * (across + span) >= 0.0
+            low, high = np.where(starts, 0.0, crossing), np.where(ends, 1.0, crossing)
+            share = np.minimum(np.maximum(foot, low), high)
+            x, y = ax + share * dx, ay + share * dy
+            gap = np.where(starts | ends, x * x + y * y, np.inf)
+            best = gap.argmin(axis=1)
+            nearest = at + np.stack([x[row, best], y[row, best]], axis=1)
+            is_there = np.isfinite(gap[row, best])
+            out[first : first + block][is_there] = nearest[is_there]
+    return found
 
 
 def side_feet(
@@ -123,24 +124,35 @@ def side_feet(
 ) -> tuple[FloatArray, FloatArray, NDArray[np.bool_]]:
     """Nearest points (K, 2) [m] on the left and on the right, and whether a width is between them.
 
-    ``segments`` (S, 4) lie on the side of the path on which they are found, as in `width_feet`;
+    ``segments`` (S, 4) lie on the side of the path on which they are found, as in `feet`;
     ``walls`` are those of a corridor, of which it is known which is left and which is right: their
     points need only be 90 degrees or more apart, all others must be `opposite`. Where the road
     passes itself, so that both nearest points lie on one side, the farther one is of another
     stretch, behind the wall that the nearer one is on: that of its own side is taken instead.
     """
-    left, right = width_feet(points, directions, segments)
+    left, right = feet(points, directions, segments, (LEFT, RIGHT))
     if walls is None:
         return left, right, opposite(points, directions, left, right)
+
+    def gaps(at: FloatArray, some: FloatArray) -> FloatArray:
+        return np.asarray(np.hypot(*(some - at).T))
+
+    def nearer(at: FloatArray, first: FloatArray, second: FloatArray) -> FloatArray:
+        return np.where((gaps(at, first) < gaps(at, second))[:, None], first, second)
+
     own = left, right
-    left = _nearer(points, left, nearest_feet(points, walls[0]))
-    right = _nearer(points, right, nearest_feet(points, walls[1]))
+    left, right = (
+        nearer(points, side, feet(points, directions, wall, (EITHER,))[0])
+        for side, wall in zip(own, walls, strict=True)
+    )
     between = _apart(points, left, right, 0.0)
     rows = np.flatnonzero(~between)
     at, along = points[rows], directions[rows]
-    halves = (width_feet(at, along, wall)[k] for k, wall in enumerate(walls))
-    sides = [_nearer(at, side[rows], half) for side, half in zip(own, halves, strict=True)]
-    farther = _gaps(at, left[rows]) > _gaps(at, right[rows])
+    sides = [
+        nearer(at, seen[rows], feet(at, along, wall, (side,))[0])
+        for seen, wall, side in zip(own, walls, (LEFT, RIGHT), strict=True)
+    ]
+    farther = gaps(at, left[rows]) > gaps(at, right[rows])
     seen_left = np.where(farther[:, None], sides[0], left[rows])
     seen_right = np.where(farther[:, None], right[rows], sides[1])
     found = opposite(at, along, seen_left, seen_right)
@@ -176,42 +188,6 @@ def _apart(
     return np.asarray(known & ((one * other).sum(axis=1) <= bound))
 
 
-def _nearer(points: FloatArray, first: FloatArray, second: FloatArray) -> FloatArray:
-    return np.where((_gaps(points, first) < _gaps(points, second))[:, None], first, second)
-
-
-def _gaps(points: FloatArray, feet: FloatArray) -> FloatArray:
-    return np.asarray(np.hypot(*(feet - points).T))
-
-
-def _feet(
-    points: FloatArray,
-    directions: FloatArray,
-    segments: FloatArray,
-    left: FloatArray,
-    right: FloatArray,
-) -> None:
-    """Write the nearest points of some points, in place."""
-    ax, ay = segments[:, 0] - points[:, :1], segments[:, 1] - points[:, 1:]  # (K, S)
-    dx, dy = segments[:, 2] - segments[:, 0], segments[:, 3] - segments[:, 1]  # (S,)
-    tx, ty = directions[:, :1], directions[:, 1:]
-    side, span = tx * ay - ty * ax, tx * dy - ty * dx  # of a; from a to b
-    square = dx * dx + dy * dy
-    foot = -(ax * dx + ay * dy) / np.where(square > 0.0, square, 1.0)
-    crossing = np.divide(-side, span, out=np.zeros_like(span), where=span != 0.0)
-    for sign, out in ((1.0, left), (-1.0, right)):
-        starts, ends = sign * side >= 0.0, sign * (side + span) >= 0.0
-        low, high = np.where(starts, 0.0, crossing), np.where(ends, 1.0, crossing)
-        at = np.minimum(np.maximum(foot, low), high)
-        x, y = ax + at * dx, ay + at * dy
-        gap = np.where(starts | ends, x * x + y * y, np.inf)
-        best = gap.argmin(axis=1)
-        row = np.arange(len(points))
-        found = np.isfinite(gap[row, best])
-        nearest = points + np.stack([x[row, best], y[row, best]], axis=1)
-        out[found] = nearest[found]
-
-
 EVEN = 1.0e-9
 """Share by which widths may differ and still count as equal."""
 DIPS = 6
@@ -237,7 +213,7 @@ class Widths:
     right_foot: FloatArray
     """(K, 2) [m] likewise on the right"""
     between: NDArray[np.bool_]
-    """(K,) whether there is a width between the two: `physim.geometry.corridor.side_feet`"""
+    """(K,) whether there is a width between the two: `side_feet`"""
 
     @property
     def width(self) -> FloatArray:
@@ -274,15 +250,16 @@ def widths_at(
     *Left* is what lies in the half-plane left of the path's direction, which at a waypoint is the
     direction after it, so a wall on both sides of the path counts on each.
     """
-    path, length, along = _legs(path)
-    leg = np.clip(np.searchsorted(along, stations, side="right") - 1, 0, len(length) - 1)
-    direction = np.diff(path, axis=0) / length[:, None]
-    tangent = direction[leg]
-    point = path[leg] + (stations - along[leg])[:, None] * tangent
+    point, tangent = _line(path).at(stations)
     *found, between = side_feet(point, tangent, segments, walls)
-    feet = [np.where(np.isfinite(foot), foot, np.nan) for foot in found]
-    gaps = [np.nan_to_num(np.hypot(*(foot - point).T), nan=np.inf) for foot in feet]
-    return Widths(stations, point, gaps[0], gaps[1], feet[0], feet[1], between)
+    foot = [np.where(np.isfinite(one), one, np.nan) for one in found]
+    gaps = [np.nan_to_num(np.hypot(*(one - point).T), nan=np.inf) for one in foot]
+    return Widths(stations, point, gaps[0], gaps[1], foot[0], foot[1], between)
+
+
+def _line(path: FloatArray) -> Polyline:
+    """A path (n, 2) without points that are the ones before."""
+    return Polyline(path[np.concatenate(([True], (np.diff(path, axis=0) != 0.0).any(axis=1)))])
 
 
 def width_spacing(length: float) -> float:
@@ -301,38 +278,21 @@ def sampled_widths(
     Round each of the narrowest dips more are taken between its neighbours, 1/400 of their
     distance apart at last.
     """
-    along = _legs(path)[2]
-    even = np.linspace(0.0, along[-1], places)
-    widths = widths_at(path, np.unique(np.concatenate((even, along))), segments, walls)
+    line = _line(path)
+    even = np.linspace(0.0, line.length, places)
+    widths = widths_at(path, np.unique(np.concatenate((even, line.station))), segments, walls)
     for _ in range(2):
-        near = [widths.station[max(k - 1, 0) : k + 2] for k in _dips(widths.width)]
+        width = widths.width
+        before, after = np.append(np.inf, width[:-1]), np.append(width[1:], np.inf)
+        low = (width <= before) & (width <= after) & ((width < before) | (width < after))
+        dips = np.flatnonzero(low & np.isfinite(width))
+        dips = dips[np.argsort(width[dips], kind="stable")][:DIPS]
+        near = [widths.station[max(k - 1, 0) : k + 2] for k in dips]
         closer = [np.linspace(part[0], part[-1], NEARER + 1)[1:-1] for part in near]
         if closer:
             more = widths_at(path, np.unique(np.concatenate(closer)), segments, walls)
-            widths = _joined(widths, more)
+            pairs = zip(vars(widths).values(), vars(more).values(), strict=True)
+            columns = [np.concatenate(pair) for pair in pairs]
+            order = np.unique(columns[0], return_index=True)[1]
+            widths = Widths(*(column[order] for column in columns))
     return widths
-
-
-def _dips(width: FloatArray) -> list[int]:
-    """Indices of the lowest local minima, DIPS at most; stretches that are even have none."""
-    before, after = np.append(np.inf, width[:-1]), np.append(width[1:], np.inf)
-    low = (width <= before) & (width <= after) & ((width < before) | (width < after))
-    places = np.flatnonzero(low & np.isfinite(width))
-    return [int(k) for k in places[np.argsort(width[places], kind="stable")][:DIPS]]
-
-
-def _joined(one: Widths, other: Widths) -> Widths:
-    """The places of both, by station."""
-    pairs = [
-        np.concatenate(pair) for pair in zip(vars(one).values(), vars(other).values(), strict=True)
-    ]
-    order = np.unique(pairs[0], return_index=True)[1]
-    return Widths(*(column[order] for column in pairs))
-
-
-def _legs(path: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Path without repeated points, the lengths of its legs, and the stations of its points."""
-    steps = np.hypot(*np.diff(path, axis=0).T)
-    path = path[np.concatenate(([True], steps > 0.0))]
-    length = np.hypot(*np.diff(path, axis=0).T)
-    return path, length, np.concatenate(([0.0], np.cumsum(length)))

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from tests.helpers import examples, inside
 
-meet_more_often, segments_of = inside("physim.geometry", "meet_more_often", "segments_of")
+meet_more_often, segments_of = inside("physim.world.ground", "meet_more_often", "segments_of")
 
 corners = st.tuples(st.integers(0, 4), st.integers(0, 4)).map(lambda xy: np.array(xy, float))
 lines = st.lists(

@@ -16,10 +16,9 @@ from numpy.typing import DTypeLike, NDArray
 
 from physim.compiled import compiled, direct
 from physim.errors import PhysimError
-from physim.geometry.bodies import body_gap, frame_from, wall_gap
+from physim.geometry.bodies import body_gap, frame_from, outline_distance, wall_gap
 from physim.geometry.convex import frame_at
 from physim.geometry.path import point_at
-from physim.geometry.safe_point import outline_distance
 from physim.geometry.shapes import FloatArray, IntArray, Part, Polylines, Shapes
 from physim.geometry.walls import LEAF, WallTree, leaf_after
 from physim.parts.controller import Sensed

@@ -13,7 +13,6 @@ from physim.contacts import CONTACT_ROW, Kind, Phase
 from physim.geometry.shapes import FloatArray, read_only
 from physim.geometry.swept_contacts import (
     FULL,
-    Room,
     find_swept_contacts,
     no_room,
     wear_off,
@@ -50,7 +49,7 @@ class SweptContactFinder:
         self._pose = now
         if not self._wear_off(old, now, scene.dt, scene.shapes.radius, bound, reach, velocity):
             return velocity, NO_ROWS
-        who, values = _found(scene, old, now, self._room)
+        who, values = self.search(old, now)
         if not len(who):
             return velocity, NO_ROWS
         rows = np.zeros(len(who), CONTACT_ROW)
@@ -61,24 +60,15 @@ class SweptContactFinder:
         rows["depth"] = np.maximum(-values[:, 4], 0.0)
         return velocity, rows
 
-
-def _found(
-    scene: Scene, old: FloatArray, now: FloatArray, known: Room
-) -> tuple[NDArray[np.int64], FloatArray]:
-    """Output of the search, with as much room as it needs."""
-    room = ROOM
-    while True:
-        who, values = np.empty((room, 2), dtype=np.int64), np.empty((room, 5))
-        count = find_swept_contacts(
-            old, now, scene.shapes, scene.wall_tree, known, scene.dt, who, values
-        )
-        if count != FULL:
-            return who[:count], values[:count]
-        known.bound[:] = 0.0
-        room *= 4
-
-
-def warm_up_swept_contacts(scene: Scene) -> None:
-    """Compile or load the kernel: a search in a step in which nobody moves."""
-    start = read_only(scene.start.view())
-    _found(scene, start, start, no_room(scene.shapes))
+    def search(self, old: FloatArray, now: FloatArray) -> tuple[NDArray[np.int64], FloatArray]:
+        """Output of `find_swept_contacts`, with as much room as it needs."""
+        scene, known, room = self._scene, self._room, ROOM
+        while True:
+            who, values = np.empty((room, 2), dtype=np.int64), np.empty((room, 5))
+            count = find_swept_contacts(
+                old, now, scene.shapes, scene.wall_tree, known, scene.dt, who, values
+            )
+            if count != FULL:
+                return who[:count], values[:count]
+            known.bound[:] = 0.0
+            room *= 4

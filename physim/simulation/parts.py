@@ -78,11 +78,6 @@ class Parts:
         return tuple(part.made for part in self.all if part.kind == kind)
 
     @property
-    def filters(self) -> tuple[Any, ...]:
-        """Filters, those of the world first."""
-        return self.of(FILTER)
-
-    @property
     def names(self) -> tuple[str, ...]:
         """What each is called, stages with their kind."""
         return tuple(

@@ -31,7 +31,7 @@ from physim.simulation.loop import LOOK_ON, Simulation
 from physim.simulation.parts import listed
 from physim.simulation.recorder import Recorder, SaveAt, check_room
 from physim.simulation.state import SimulationState
-from physim.simulation.swept_contacts import warm_up_swept_contacts
+from physim.simulation.swept_contacts import SweptContactFinder
 from physim.world import World
 from physim.world.scene import Scene
 
@@ -97,9 +97,18 @@ def record_run(
     if path is not None and os.path.lexists(path) and not overwrite:
         raise RecordError(f"{path}: exists; give another path, or overwrite=True")
     others = listed("observers", observers)
-    every = save.every or simulation.scene.world.time.record_every
-    check_room(simulation.scene, every, path)
-    writer = _writer(simulation, path, every, save.tables, overwrite)
+    scene, every = simulation.scene, save.every or simulation.scene.world.time.record_every
+    check_room(scene, every, path)
+    area, distance = scene.area, kept_distance(simulation.parts.controller)
+    given = simulation.parts.given
+    writer = RecordWriter(
+        path, scene, scene.world.to_yaml(), accessible=area.accessible_rings,
+        safe=area.safe_rings(distance), safe_distance=distance, record_every=every,
+        declared=simulation.declared, tables=save.tables,
+        given=tuple((part.kind.word, part.name) for part in given),
+        given_settings=tuple(part.settings for part in given), begun_at=begun,
+        begun_along=np.stack(simulation.now[4:], axis=1) if begun else None, overwrite=overwrite,
+    )  # fmt: skip
     if begun:
         with suppress(PhysimError):
             writer.keep_state(begun, packed(simulation.state))
@@ -118,13 +127,14 @@ def record_run(
             recorder.close(ended)
         simulation.observers = []
         elapsed = time.perf_counter() - started
-        simulated = recorder.taken * simulation.scene.dt
         writer.close(
             ended,
             steps_run=begun + recorder.taken,
             rejected=recorder.rejected,
-            wall_clock={"seconds": elapsed, "factor": simulated / max(elapsed, 1e-9)},
-        )
+            wall_clock={
+                "seconds": elapsed, "factor": recorder.taken * scene.dt / max(elapsed, 1e-9)
+            },
+        )  # fmt: skip
     if late is not None:
         raise LateError(str(late), writer.record()) from late
     return writer.record()
@@ -189,27 +199,6 @@ def _loop(
     return "duration"
 
 
-def _writer(
-    simulation: Simulation,
-    path: str | os.PathLike[str] | None,
-    every: int,
-    tables: Sequence[str],
-    overwrite: bool,
-) -> RecordWriter:
-    scene = simulation.scene
-    area, distance = scene.area, kept_distance(simulation.parts.controller)
-    return RecordWriter(
-        path, scene, scene.world.to_yaml(), accessible=area.accessible_rings,
-        safe=area.safe_rings(distance), safe_distance=distance, record_every=every,
-        declared=simulation.declared, tables=tables,
-        given=tuple((part.kind.word, part.name) for part in simulation.parts.given),
-        given_settings=tuple(part.settings for part in simulation.parts.given),
-        begun_at=simulation.step_number,
-        begun_along=np.stack(simulation.now[4:], axis=1) if simulation.step_number else None,
-        overwrite=overwrite,
-    )  # fmt: skip
-
-
 def is_warm() -> bool:
     """Whether the kernels of a run lie compiled on disk.
 
@@ -223,11 +212,6 @@ class Unmoved(Simulation):
 
     def _host(self) -> None:
         self.physics = cast(Physics, SimpleNamespace(pose=self.scene.start.copy()))
-
-
-def warm_up_decisions(scene: Scene, controller: Controller | None = None) -> None:
-    """Compile or load what a decision needs; the controller is asked once."""
-    Unmoved(scene, controller=controller)._decide()
 
 
 def warm_up_motion(scene: Scene, controller: Controller | None = None) -> None:
@@ -257,8 +241,9 @@ def warm_up(
 
     started = time.perf_counter()
     with folder_kept(), without_collector():
-        warm_up_decisions(scene, controller)
+        Unmoved(scene, controller=controller)._decide()
         wait()
         warm_up_motion(scene, controller)
-        warm_up_swept_contacts(scene)
+        none = np.zeros((2, scene.robots))  # nobody is near anything
+        SweptContactFinder(scene).search(scene.start, scene.start, none, none > 0.0)
     return time.perf_counter() - started

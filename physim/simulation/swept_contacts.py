@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from physim.compiled import direct
 from physim.contacts import CONTACT_ROW, Kind, Phase
 from physim.geometry.clearance import ClearanceFinder
-from physim.geometry.shapes import FloatArray, Shapes, joined_shapes, locked, read_only
+from physim.geometry.shapes import FloatArray, joined_shapes, locked, read_only
 from physim.geometry.swept import FULL, find_swept_contacts, wear_off
 from physim.world.scene import Scene
 
@@ -49,7 +49,7 @@ class SweptContactFinder:
         near = self._room <= self._reach
         if not near.any():
             return NO_ROWS
-        who, values = _found(self._bodies, old, now, self._reach, near, scene.dt)
+        who, values = self.search(old, now, self._reach, near)
         rows = np.zeros(len(who), CONTACT_ROW)
         rows["step"] = step
         rows["a"], rows["b"] = who.T
@@ -58,30 +58,17 @@ class SweptContactFinder:
         rows["depth"] = np.maximum(-values[:, 4], 0.0)
         return rows
 
-
-def _found(
-    bodies: Shapes,
-    old: FloatArray,
-    now: FloatArray,
-    reach: FloatArray,
-    near: NDArray[np.bool_],
-    dt: float,
-) -> tuple[NDArray[np.int64], FloatArray]:
-    """Output of the search, with as much room as it needs; walls stand at the origin."""
-    room = ROOM
-    still = np.zeros((len(bodies.radius) - len(now), 3))
-    old, now = np.concatenate((old, still)), np.concatenate((now, still))
-    while True:
-        who, values = np.empty((room, 2), dtype=np.int64), np.empty((room, 5))
-        count = find_swept_contacts(old, now, reach, near, bodies, dt, who, values)
-        if count != FULL:
-            return who[:count], values[:count]
-        room *= 4
-
-
-def warm_up_swept_contacts(scene: Scene) -> None:
-    """Compile or load the kernel: a search in a step in which nobody is near anything."""
-    none = np.zeros((2, scene.robots), dtype=np.bool_)
-    start = scene.start
-    bodies = locked(joined_shapes(scene.shapes, scene.walls))
-    _found(bodies, start, start, np.zeros(none.shape), none, scene.dt)
+    def search(
+        self, old: FloatArray, now: FloatArray, reach: FloatArray, near: NDArray[np.bool_]
+    ) -> tuple[NDArray[np.int64], FloatArray]:
+        """Output of `find_swept_contacts`, with as much room as it needs; walls stand still."""
+        still, room = np.zeros((len(self._bodies.radius) - len(now), 3)), ROOM
+        old, now = np.concatenate((old, still)), np.concatenate((now, still))
+        while True:
+            who, values = np.empty((room, 2), dtype=np.int64), np.empty((room, 5))
+            count = find_swept_contacts(
+                old, now, reach, near, self._bodies, self._scene.dt, who, values
+            )
+            if count != FULL:
+                return who[:count], values[:count]
+            room *= 4

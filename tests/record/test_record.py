@@ -248,6 +248,7 @@ def test_data_frames_hold_the_values_of_the_record(monkeypatch: pytest.MonkeyPat
         assert np.array_equal(one["time"].to_numpy(), record.time)
         assert np.array_equal(one["clearance"].to_numpy(), record.clearance[:, 1])
         assert np.array_equal(updates["station"].to_numpy(), record.updates["station"])
+        assert np.array_equal(updates["time"].to_numpy(), 0.01 * record.updates["step"])
         assert set(updates["robot"]) == {"r1", "r2", "r3"}
         assert {"safe", "danger_time"} < set(updates["mode"])
         contacts = record.to_pandas("contacts")

@@ -30,7 +30,7 @@ from tests.helpers import facts, inside, said
 from tests.helpers.extending import of
 
 judge, rerun = inside("physim.analysis", "judge", "rerun")
-DISTURBANCE = inside("physim.parts", "DISTURBANCE")
+DISTURBANCE, FILTER = inside("physim.parts", "DISTURBANCE", "FILTER")
 
 AGAINST = {"type": "path_following"}
 WORLD = physim.load_world("three_robots", overrides=["time.duration=3"])
@@ -204,14 +204,14 @@ def test_stages_of_a_branch_may_be_objects() -> None:
     simulation = at(K, filters=[ramp], disturbances=[slip])
     other = Ramp(0.03)
     branch = simulation.branch(filters=[other, ramp])
-    assert branch.parts.filters == (other, ramp)
+    assert branch.parts.of(FILTER) == (other, ramp)
     known = simulation.state.stages[1][0]
     new, kept = branch.state.stages[1]
     assert np.array_equal(kept, known)
     assert not np.array_equal(new, known)
     assert branch.parts.of(DISTURBANCE) == (slip,)
-    assert simulation.branch(filters=[]).parts.filters == ()
-    assert branch.branch(sensing={"range": 9.0}).parts.filters == (other, ramp)
+    assert simulation.branch(filters=[]).parts.of(FILTER) == ()
+    assert branch.branch(sensing={"range": 9.0}).parts.of(FILTER) == (other, ramp)
     with pytest.raises(PhysimError, match=facts("filter", "int", "method")):
         simulation.branch(filters=[3])
 

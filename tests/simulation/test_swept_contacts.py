@@ -8,70 +8,52 @@ import math
 import numpy as np
 import pytest
 
-from physim import Scene, Simulation, Step, build_scene, simulate
+from physim import Simulation, Step, simulate
 from physim.contacts import Kind, Phase
+from physim.world import World
 from physim.world.file import parse_world
-from tests.helpers import inside, road
 
-FloatArray, locked = inside("physim.geometry", "FloatArray", "locked")
-ROOM, SweptContactFinder = inside("physim.simulation", "ROOM", "SweptContactFinder")
-
-DEPTH = 4e-4
-SPEED = 1.4
+DEPTH, SPEED = 4e-4, 1.4
+BOX = {"length": 1.8, "width": 1.0}
+DIAMOND = [[0.5, 0.0], [0.0, 0.5], [-0.5, 0.0], [0.0, -0.5]]
 
 
-@pytest.fixture(scope="module")
-def scene() -> Scene:
-    """The second robot, on its corner, passes the front left corner of the first, a hair inside."""
-    turn = 0.25 * math.pi - math.atan2(0.5, 0.9)
-    out = math.hypot(0.9, 0.5) - DEPTH
-    x, y = 20.9 + out * math.sqrt(0.5), 0.5 + out * math.sqrt(0.5)
-    back = 0.5 + 0.5 * SPEED * 0.01  # so that it is nearest in the middle of a step
-    poses = [[20.0, 0.0, 0.0], [x - back * math.sqrt(0.5), y + back * math.sqrt(0.5), turn]]
-    return build_scene(road(poses, duration=1.0))
+def grazing(pairs: int) -> World:
+    """Of each pair one stands, and the corner of the other passes its front left corner, a hair
+    inside, nearest in the middle of the eleventh step."""
+    robots = []
+    for k in range(pairs):
+        x, y = 5.0 * (k % 30), 8.0 * (k // 30)
+        out, back = (0.5 - DEPTH) * math.sqrt(0.5), 10.5 * SPEED * 0.01 * math.sqrt(0.5)
+        pose = [x + 0.9 + out - back, y + 0.5 + out + back, -0.25 * math.pi]
+        path = [[x - 2.0, y], [x + 2.5, y]]
+        robots += [
+            {"name": f"a{k}", "footprint": BOX, "pose": [x, y, 0.0], "path": path},
+            {"name": f"b{k}", "footprint": DIAMOND, "pose": pose, "path": path,
+             "limits": {"v": 2.0}},
+        ]  # fmt: skip
+    walls = [[[-9.0, -9.0], [160.0, -9.0], [160.0, 40.0], [-9.0, 40.0], [-9.0, -9.0]]]
+    return World(
+        name="grazing", time={"step": 0.01, "duration": 0.2}, boundaries=walls, robots=robots,
+        reference_path=[[-5.0, 0.0], [150.0, 0.0]],
+        controller={"type": "constant", "commands": [[0.0, 0.0], [SPEED, 0.0]] * pairs},
+    )  # fmt: skip
 
 
-@pytest.fixture(scope="module")
-def course(scene: Scene) -> FloatArray:
-    """Poses (B, 2, 3): the second robot goes down to the right, without turning."""
-    poses = np.repeat(scene.start[None], 101, axis=0)
-    way = SPEED * 0.01 * np.arange(101)
-    poses[:, 1, :2] += way[:, None] * np.array([math.sqrt(0.5), -math.sqrt(0.5)])
-    return poses
-
-
-def rows(scene: Scene, course: FloatArray) -> np.ndarray:
-    """Rows of all steps of a course."""
-    finder, samples = SweptContactFinder(scene), list(locked(course))
-    return np.concatenate([finder.rows(k, *samples[k - 1 : k + 1]) for k in range(1, len(samples))])
-
-
-def test_a_graze_is_told_at_the_sample_after_it(scene: Scene, course: FloatArray) -> None:
-    """The engine sees none of it, and a step looked at alone tells the same."""
-    (row,) = whole = rows(scene, course)
-    gap = np.hypot(*(course[:, 1, :2] - course[:, 0, :2] - [0.9, 0.5]).T)
-    nearest = int(np.argmin(gap[:-1] + gap[1:])) + 1
-    assert (row["step"], row["a"], row["b"]) == (nearest, 0, 1)
-    assert (row["kind"], row["phase"], row["impulse"]) == (Kind.SWEPT, Phase.BEGAN, 0.0)
-    assert 0.0 < row["depth"] < DEPTH
-    assert (row["x"], row["y"]) == pytest.approx((20.9, 0.5), abs=2e-3)
-    assert row["nx"] + row["ny"] > 0.0  # from the first to the second
-    alone = SweptContactFinder(scene).rows(nearest, course[nearest - 1], course[nearest])
-    assert alone.tobytes() == whole.tobytes()
-    assert len(Simulation(scene).contacts) == 0
-
-
-def test_more_grazes_in_a_step_than_there_is_room_for_at_first(
-    scene: Scene, course: FloatArray
-) -> None:
-    """As many pairs, five metres apart, each as the first."""
-    pairs = ROOM + 1
-    apart = [[5.0 * (k % 30), 8.0 * (k // 30 - 1), 0.0] for k in range(pairs)]
-    many = (course[:, None] + np.array(apart)[:, None]).reshape(len(course), 2 * pairs, 3)
-    found = rows(build_scene(road(many[0].tolist(), duration=1.0)), many)
-    (alone,) = rows(scene, course)
-    assert found["step"].tolist() == [alone["step"]] * pairs
-    assert found["a"].tolist() == list(range(0, 2 * pairs, 2))
+@pytest.mark.parametrize("pairs", [1, 65])
+def test_a_graze_is_told_at_the_sample_after_it(pairs: int) -> None:
+    """The engine sees none of it; and 65 are more than the search has room for at first."""
+    with simulate(grazing(pairs)) as record:
+        rows = record.contacts
+    assert rows["a"].tolist() == list(range(0, 2 * pairs, 2))
+    assert rows["b"].tolist() == list(range(1, 2 * pairs, 2))
+    assert set(rows["step"]) == {11}
+    assert set(rows["kind"]) == {Kind.SWEPT}
+    assert set(rows["phase"]) == {Phase.BEGAN}
+    assert set(rows["impulse"]) == {0.0}
+    assert ((rows["depth"] > 0.0) & (rows["depth"] < 1.01 * DEPTH)).all()
+    assert (rows["x"][0], rows["y"][0]) == pytest.approx((0.9, 0.5), abs=2e-3)
+    assert (rows["nx"] + rows["ny"] > 0.0).all()  # from the first to the second
 
 
 SPINNING = """

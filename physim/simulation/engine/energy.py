@@ -30,7 +30,7 @@ def failures(
     bodies: int,
     gain: float,
 ) -> NDArray[np.bool_]:
-    """(N,) robots in contact to which the solver gave energy.
+    """(N,) the robots in contact to which the solver gave energy; (0,) where there are none.
 
     ``pairs`` of so many ``bodies`` touch, ``inertia`` (N, 3) is mass [kg] twice and moment
     [kg m^2], ``given`` and ``found`` (N, 3) velocities before and after. Robots that touch each
@@ -50,10 +50,13 @@ def failures(
             before[of] += inertia[i, k] * (given[i, k] ** 2 + TINY)
             after[of] += inertia[i, k] * found[i, k] ** 2
         momentum[of] += inertia[i, 0] * np.hypot(given[i, 0], given[i, 1])
-    failed = np.empty(robots, np.bool_)
+    failed, has_failed = np.empty(robots, np.bool_), False
     for i in range(robots):
         of = root(group, i)
         failed[i] = not after[of] <= gain * before[of]
+        has_failed |= failed[i]
+    if not has_failed:
+        return failed[:0]
     for m in range(len(pairs.key)):
         a = pairs.key[m] // bodies
         if failed[a]:

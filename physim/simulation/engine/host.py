@@ -131,10 +131,12 @@ class Physics:
         before, start = self._pairs, self._arrays.pose.copy()
         self._chord_velocities(self._arrays.pose, command, self.dt, self._arrays.velocity)
         self.step_number += 1
-        pushes = self._hold_back(before) if len(before.key) else self._no_pairs
-        self._move(before, pushes)
+        pushes, to_solve = self._no_pairs, self._to_solve(before.key)
+        if to_solve:
+            pushes = self._hold_back(to_solve)
+        self._move(before, pushes, to_solve)
         if self._is_deep():
-            self._cut_short(start, before, pushes)
+            self._cut_short(start, before, pushes, to_solve)
 
     @property
     def state(self) -> PhysicsState:
@@ -182,9 +184,9 @@ class Physics:
         self.step_number = 0
         self._pairs = self._no_pairs
         self.contacts, self.false_contacts = self._no_contacts, self._no_false
-        self._move(self._no_pairs, self._no_pairs)
+        self._move(self._no_pairs, self._no_pairs, 0)
         if self._is_deep():  # none is stopped: compiles what a run may need
-            self._cut_short(pose, self._no_pairs, self._no_pairs)
+            self._cut_short(pose, self._no_pairs, self._no_pairs, 0)
 
     # A step
 
@@ -193,7 +195,7 @@ class Physics:
         depth = self.contacts["depth"]
         return bool(len(depth) and np.maximum.reduce(depth) > self._allowed_depth)
 
-    def _hold_back(self, before: Pairs) -> Pairs:
+    def _hold_back(self, to_solve: int) -> Pairs:
         """Make of the velocities of robots in contact what these allow; the pushes.
 
         Bodies stand still, but for the engine's easing of overlaps, and are driven by the forces
@@ -203,23 +205,21 @@ class Physics:
         arrays.drive[:, :3] = 0.0
         np.multiply(wanted, self._drive_per_speed, out=arrays.drive[:, 3:])
         arrays.write_drive()
-        to_solve = self._to_solve(before.key)
         pushes = self._gather(self._solve(to_solve))
         arrays.read_velocity()
         self._guard.take_rejected()  # the same as those met when the bodies came here
         failed = self._failures(pushes, wanted, OF_PUSHES)
-        if failed.any():
+        if len(failed):
             self._recall(arrays.pose.copy(), to_solve)
             arrays.velocity[:] = np.where(failed[:, None], 0.0, wanted)
         hold_back(pushes.key, self._bodies, arrays.velocity, wanted)
         arrays.velocity[:] = wanted
         return pushes
 
-    def _move(self, before: Pairs, pushes: Pairs) -> None:
+    def _move(self, before: Pairs, pushes: Pairs, to_solve: int) -> None:
         """Move all bodies by ``velocity`` and set ``contacts``, given the pairs ``before``."""
         arrays = self._arrays
         arrays.write_velocity()
-        to_solve = self._to_solve(before.key)
         touches = self._solve(to_solve)
         arrays.read_pose()
         now = self._gather(touches)
@@ -239,14 +239,16 @@ class Physics:
             return
         given = arrays.velocity.copy()
         arrays.read_velocity()
-        if self._failures(now, given, OF_IMPACTS).any():
+        if len(self._failures(now, given, OF_IMPACTS)):
             self._recall(arrays.pose.copy(), to_solve)
         arrays.velocity[:] = given
         self._placed[: self._robots] = arrays.pose
-        self.contacts = contact_rows(before.key, now, pushes, self._among, self._placed)
-        self.contacts["step"] = self.step_number
+        self.contacts = contact_rows(
+            self.step_number, before.key, now, pushes, self._among.shapes,
+            self._among.solids.faces, self._placed,
+        )  # fmt: skip
 
-    def _cut_short(self, start: FloatArray, before: Pairs, pushes: Pairs) -> None:
+    def _cut_short(self, start: FloatArray, before: Pairs, pushes: Pairs, to_solve: int) -> None:
         """Do the step from poses (N, 3) again; bodies that came too deep stop where they touch."""
         arrays, robots = self._arrays, self._robots
         velocity, end = arrays.velocity.copy(), self._placed[: self._solids].copy()
@@ -262,7 +264,7 @@ class Physics:
             stop = end[:robots] - (1.0 - share)[:, None] * moves.way
             self._stand(stop - velocity * self.dt)
             arrays.velocity[:] = velocity
-            self._move(before, pushes)
+            self._move(before, pushes, to_solve)
 
     # The engine
 
@@ -314,7 +316,7 @@ class Physics:
         return pairs_of(*touches, self._among, self._placed)
 
     def _failures(self, pairs: Pairs, given: FloatArray, gain: float) -> NDArray[np.bool_]:
-        """(N,) of which robots the solver failed; sets the impulses of their pairs."""
+        """On which robots (N,) the solver failed, (0,) for none; sets the impulses of pairs."""
         found = self._arrays.velocity
         return failures(pairs, self._inertia, given, found, self._bodies, gain)
 

@@ -63,7 +63,10 @@ def ruling(m: Meeting, points: int, spot: Spot) -> Ruling:
         return Ruling(verdict, True, nx, ny, deepest if is_beyond else spot)
     if verdict == ACTS and is_misled(m, points, spot):
         _, nx, ny = touch(m)
-        return Ruling(verdict, True, nx, ny, middle(m, nx, ny))
+        along, _, height_p, height_q = in_common(m, nx, ny)
+        px, py = -along * ny - height_p * nx, along * nx - height_p * ny
+        qx, qy = -along * ny + height_q * nx, along * nx + height_q * ny
+        return Ruling(verdict, True, nx, ny, Spot(px, py, qx, qy))
     return Ruling(verdict, False, nx, ny, spot)
 
 
@@ -82,16 +85,6 @@ def is_misled(m: Meeting, points: int, spot: Spot) -> bool:
     if abs(dx * ny - dy * nx) > ASKEW * reported:
         return True
     return points == 1 and in_common(m, nx, ny)[1] > 0.0
-
-
-@compiled
-def middle(m: Meeting, nx: float, ny: float) -> Spot:
-    """Spot in the middle of what the faces of the parts have in common, their points on one line
-    along the normal."""
-    along, _, height_p, height_q = in_common(m, nx, ny)
-    tx, ty = -ny, nx
-    px, py = along * tx - height_p * nx, along * ty - height_p * ny
-    return Spot(px, py, along * tx + height_q * nx, along * ty + height_q * ny)
 
 
 @compiled

@@ -130,14 +130,20 @@ def gather(body: IntArray, impulse: FloatArray, bodies: int) -> Pairs:
 
 @compiled
 def contact_rows(
-    before: IntArray, now: Pairs, pushes: Pairs, among: Bodies, pose: FloatArray
+    step: int,
+    before: IntArray,
+    now: Pairs,
+    pushes: Pairs,
+    shapes: Shapes,
+    faces: Shapes,
+    pose: FloatArray,
 ) -> NDArray[np.void]:
-    """Return the contact rows of a sample, sorted by pair, of which the step is not yet set.
+    """Return the contact rows of a sample, sorted by pair.
 
     ``before`` are the keys of the pairs that touched at the sample before, ``now`` those that
-    touch, with their impacts, ``pushes`` those that touched on the way; all bodies are at ``pose``
-    (B, 3). Of a pair that has ended the depth is minus the distance; a pair that touches, by its
-    tolerance, has no depth below 0.
+    touch, with their impacts, ``pushes`` those that touched on the way. ``shapes`` are those of
+    all bodies, at ``pose`` (B, 3), ``faces`` those of `Solids`. Of a pair that has ended the depth
+    is minus the distance; a pair that touches, by its tolerance, has no depth below 0.
     """
     bodies, found = len(pose), np.empty(5)
     rows = np.empty(len(before) + len(now.key), CONTACT_ROW)
@@ -155,12 +161,13 @@ def contact_rows(
         if touches:
             impulse += now.impulse[j]
         a, b = key // bodies, key % bodies
-        describe_contact(among.shapes, among.solids.faces, a, pose[a], b, pose[b], found)
+        describe_contact(shapes, faces, a, pose[a], b, pose[b], found)
         row = rows[count]
-        row["a"], row["b"], row["kind"], row["impulse"] = a, b, PHYSICAL, impulse
+        row["step"], row["a"], row["b"], row["kind"] = step, a, b, PHYSICAL
         row["x"], row["y"], row["nx"], row["ny"] = found[0], found[1], found[2], found[3]
         row["phase"] = (STAYS if touched else BEGAN) if touches else ENDED
         row["depth"] = -found[4] if found[4] < 0.0 or not touches else 0.0  # and not -0.0
+        row["impulse"] = impulse
         i, j, count = i + touched, j + touches, count + 1
     return rows[:count].copy()
 

@@ -110,34 +110,31 @@ class ContactMemory:
 
     def read(self) -> tuple[IntArray, NDArray[np.uint64], FloatArray]:
         """Return ``part``, ``feature`` and ``impulse`` of a state after the last solve."""
-        points = self._points()
-        impulse = [(point.jnAcc, point.jtAcc) for *_, point in points]
-        return (*_identity(points), np.array(impulse, dtype=np.float64).reshape(-1, 2))
+        part, feature, points = self._points()
+        impulse = [(point.jnAcc, point.jtAcc) for point in points]
+        return part, feature, np.array(impulse, dtype=np.float64).reshape(-1, 2)
 
     def write(self, state: PhysicsState) -> None:
         """Put impulses back after a solve that found the same contacts.
 
         Raises PhysimError where it found others.
         """
-        points = self._points()
-        part, feature = _identity(points)
+        part, feature, points = self._points()
         if not (np.array_equal(part, state.part) and np.array_equal(feature, state.feature)):
             raise PhysimError(
                 "the state is of another scene: at its poses the engine finds other contacts "
                 f"({len(part)} points) than those in it ({len(state.part)})"
             )
-        for (*_, point), (normal, tangent) in zip(points, state.impulse.tolist(), strict=True):
+        for point, (normal, tangent) in zip(points, state.impulse.tolist(), strict=True):
             point.jnAcc, point.jtAcc = normal, tangent
 
-    def _points(self) -> list[tuple[int, int, int, Any]]:
-        """Part, other part, number and structure of every point of contact, sorted."""
-        found = []
+    def _points(self) -> tuple[IntArray, NDArray[np.uint64], list[Any]]:
+        """Parts, number and structure of every point of contact, sorted."""
+        found: list[tuple[int, int, int, Any]] = []
         for arbiter in self._space._get_arbiters():  # in the order of addresses
             parts = self._number[arbiter.a], self._number[arbiter.b]
             found += [(*parts, k, arbiter.contacts[k]) for k in range(arbiter.count)]
-        return sorted(found, key=lambda point: point[:3])
-
-
-def _identity(points: list[tuple[int, int, int, Any]]) -> tuple[IntArray, NDArray[np.uint64]]:
-    part = np.array([point[:2] for point in points], dtype=np.int64).reshape(-1, 2)
-    return part, np.array([point.hash for *_, point in points], dtype=np.uint64)
+        found.sort(key=lambda point: point[:3])
+        part = np.array([point[:2] for point in found], dtype=np.int64).reshape(-1, 2)
+        points = [point[3] for point in found]
+        return part, np.array([point.hash for point in points], dtype=np.uint64), points

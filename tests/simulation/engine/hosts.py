@@ -78,3 +78,8 @@ def distances(robots: Shapes, walls: Shapes, pose):
 def pairs_in(rows):
     """Pairs of bodies that touch according to the rows of one sample."""
     return {(int(r["a"]), int(r["b"])) for r in rows if r["phase"] != 2}
+
+
+def deepest(rows):
+    """Greatest depth [m] in the rows of some samples."""
+    return max((float(r["depth"].max()) for r in rows if len(r)), default=0.0)

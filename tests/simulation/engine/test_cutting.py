@@ -7,15 +7,11 @@ import pytest
 
 from physim.contacts import Phase
 from physim.tolerances import DEEP, SETTLED_DEPTH
-from tests.simulation.engine.hosts import box, drive, host, segments
+from tests.simulation.engine.hosts import box, deepest, drive, host, segments
 
 BOX = [box(1.8, 1.0)]
 FAST = 24.9
 """[m/s] as fast as a box of 1 m may be at 0.01 s"""
-
-
-def deepest(rows):
-    return max((float(r["depth"].max()) for r in rows if len(r)), default=0.0)
 
 
 def head_on(v, w, offset, mass=180.0, dt=0.01):

@@ -47,13 +47,6 @@ def test_within_1e_12_m_of_the_exact_arcs_after_100_s(dt):
     assert np.abs(physics.pose - exact).max() < 1e-12
 
 
-def test_heading_is_not_wrapped():
-    physics = host([[0.0, 0.0, 0.0]])
-    for _ in range(400):
-        physics.step(np.array([[0.0, 1.0]]))
-    assert physics.pose[0, 2] == pytest.approx(20.0, abs=1e-12)
-
-
 def test_neighbours_in_contact_do_not_disturb_a_free_robot():
     start = [[0.0, 0.0, 0.0], [1.0, 0.0, np.pi], [0.0, 5.0, 0.3]]
     command = np.array([[1.0, 0.0], [1.0, 0.0], [1.0, 0.2]])

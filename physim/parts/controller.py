@@ -21,11 +21,12 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, fields
 from typing import TYPE_CHECKING, Any, NamedTuple, Protocol, runtime_checkable
 
+import numpy as np
 from numpy.typing import NDArray
 
 from physim.escaping import escaped
 from physim.geometry.shapes import FloatArray, IntArray
-from physim.parts.declarations import Column, Mode, Rule
+from physim.parts.declarations import NO_NUMBER, Column, Mode, Rule
 
 if TYPE_CHECKING:
     from physim.errors import Fault
@@ -309,6 +310,35 @@ class Decisions(NamedTuple):
     """(E,) robots considered, those of row k from ``considered_start[k]`` on"""
     considered_start: IntArray
     """(M + 1,)"""
+
+    @classmethod
+    def of(
+        cls,
+        robot: IntArray,
+        command: FloatArray,
+        hold: FloatArray | float,
+        *,
+        mode: IntArray | int = NO_NUMBER,
+        rule: IntArray | int = NO_NUMBER,
+        report: FloatArray | None = None,
+        considered: Sequence[Sequence[int]] = (),
+    ) -> Decisions:
+        """Decisions of the robots ``robot`` (M,), one number for all of them where it is one.
+
+        ``considered`` lists the robots that each took into account; without it, nobody.
+        """
+        many = len(robot)
+        listed = [np.asarray(one, dtype=np.int64) for one in considered or [()] * many]
+        return cls(
+            robot,
+            command,
+            np.full(many, hold, dtype=np.float64),
+            np.full(many, mode),
+            np.full(many, rule),
+            np.zeros((many, 0)) if report is None else report,
+            np.concatenate([np.zeros(0, dtype=np.int64), *listed]),
+            np.cumsum([0, *map(len, listed)]),
+        )
 
 
 __all__ = [

@@ -252,14 +252,12 @@ def _quoted(value: object) -> str:
 
 def decisions_of(due: IntArray, rows: Sequence[Row], columns: int) -> Decisions:
     """Rows of the robots ``due`` as arrays; each reports so many columns."""
-    considered = [row.considered for row in rows]
-    return Decisions(
+    return Decisions.of(
         due,
         np.array([row.command for row in rows], dtype=np.float64),
         np.array([row.hold for row in rows], dtype=np.float64),
-        np.array([row.mode for row in rows], dtype=np.int64),
-        np.array([row.rule for row in rows], dtype=np.int64),
-        np.array([row.report for row in rows], dtype=np.float64).reshape(len(due), columns),
-        np.array([j for robots in considered for j in robots], dtype=np.int64),
-        np.cumsum([0, *(len(robots) for robots in considered)]).astype(np.int64),
+        mode=np.array([row.mode for row in rows], dtype=np.int64),
+        rule=np.array([row.rule for row in rows], dtype=np.int64),
+        report=np.array([row.report for row in rows], dtype=np.float64).reshape(len(due), columns),
+        considered=[row.considered for row in rows],
     )

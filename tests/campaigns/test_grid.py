@@ -174,12 +174,8 @@ class Drawing:
         return {"speed": stream(scene.seed, "drawing", 0).uniform(0.1, 0.2, scene.robots)}
 
     def decide_all(self, view, due, memory):
-        count = len(due)
-        none, command = np.full(count, -1), np.column_stack((memory["speed"][due], np.zeros(count)))
-        return Decisions(
-            due, command, np.full(count, 0.1), none, none, np.zeros((count, 0)),
-            np.zeros(0, dtype=np.int64), np.zeros(count + 1, dtype=np.int64),
-        )
+        command = np.column_stack((memory["speed"][due], np.zeros(len(due))))
+        return Decisions.of(due, command, 0.1)
 '''
 
 

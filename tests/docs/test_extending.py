@@ -115,6 +115,24 @@ def test_controller_waits_and_tells_why(folder: Path) -> None:
         assert record.ended == "finished"
 
 
+def test_one_for_all_waits_as_its_columns_tell(folder: Path) -> None:
+    with Record.load(folder / "convoy" / "record.h5") as record:
+        rows = record.updates
+        waiting = rows["mode"] == 1
+        assert 20 < waiting.sum() < len(rows)
+        assert ((rows["waited"] > 0.0) == waiting).all()
+        assert (rows["nominal_v"][waiting] == 0.0).all()
+        assert (rows["considered"][waiting] == 1).all()
+
+
+def test_the_papers_controller_inside_another_stands_where_it_would_back(folder: Path) -> None:
+    with Record.load(folder / "patient" / "record.h5") as record:
+        rules = np.array([one.name for one in record.declared.rules])[record.updates["rule"]]
+        assert set(rules) > {"patience", "path_following"}
+        assert record.updates["nominal_v"].min() == 0.0
+        assert record.updates["nominal_v"][rules == "patience"].max() == 0.0
+
+
 def test_robots_of_two_controllers_go_as_each_would(folder: Path) -> None:
     with Record.load(folder / "team" / "record.h5") as record:
         assert [part.name for part, _ in record.setup.controllers] == ["mode_switching", "cautious"]

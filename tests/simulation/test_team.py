@@ -143,12 +143,9 @@ class Together:
         return self.first
 
     def decide_all(self, view: View, due: Any, memory: Any) -> Decisions:
-        many = len(due)
-        command = np.zeros((many, 2))
+        command = np.zeros((len(due), 2))
         command[:, 0] = memory["v"][due] = memory["v"][due] + 0.01
-        none, nobody = np.full(many, -1), np.zeros(0, dtype=np.int64)
-        start, report = np.zeros(many + 1, dtype=np.int64), np.zeros((many, 0))
-        return Decisions(due, command, np.full(many, 0.1), none, none, report, nobody, start)
+        return Decisions.of(due, command, 0.1)
 
 
 @pytest.mark.parametrize("own", [{}, {"b": CONSTANT}], ids=["alone", "in a team"])

@@ -19,7 +19,6 @@ from tests.helpers import inside
 
 ModeSwitching = inside("physim.controllers", "ModeSwitching")
 IntArray = inside("physim.geometry", "IntArray")
-NO_NUMBER = inside("physim.parts", "NO_NUMBER")
 
 HOLD = 0.1
 """[s]"""
@@ -279,12 +278,8 @@ Decide = Callable[[View, IntArray], Decisions]
 
 def steadily(view: View, due: IntArray) -> Decisions:
     """`steady` for all."""
-    many, scene = len(due), view.scene
-    command = np.column_stack([0.5 * scene.limits[due, 0], np.zeros(many)])
-    nothing = np.full(many, NO_NUMBER)
-    nobody, start = np.zeros(0, dtype=np.int64), np.zeros(many + 1, dtype=np.int64)
-    report = np.full((many, 1), np.nan)
-    return Decisions(due, command, np.full(many, HOLD), nothing, nothing, report, nobody, start)
+    command = np.column_stack([0.5 * view.scene.limits[due, 0], np.zeros(len(due))])
+    return Decisions.of(due, command, HOLD, report=np.full((len(due), 1), np.nan))
 
 
 class Together:

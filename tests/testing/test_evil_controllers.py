@@ -107,12 +107,7 @@ def test_one_for_all_that_fails_is_one_line(place: str) -> None:
 
 def answer(**changed: Any) -> Decisions:
     """What robots 0, 1 and 2, who stand, may be told."""
-    many, numbers = 3, np.zeros(3, dtype=np.int64)
-    right = Decisions(
-        np.arange(many), np.zeros((many, 2)), np.full(many, 0.1), numbers - 1, numbers - 1,
-        np.zeros((many, 0)), np.zeros(0, dtype=np.int64), np.zeros(many + 1, dtype=np.int64),
-    )  # fmt: skip
-    return right._replace(**changed)
+    return Decisions.of(np.arange(3), np.zeros((3, 2)), 0.1)._replace(**changed)
 
 
 WRONG = {

@@ -39,29 +39,13 @@ __all__ = [
     "signed_distance",
 ]
 
-HOMES = {
-    "CertifiedTime": "physim.geometry.queries",
-    "Separation": "physim.geometry.queries",
-    "Shapes": "physim.geometry.shapes",
-    "closest_points": "physim.geometry.queries",
-    "collision_time": "physim.geometry.queries",
-    "collision_time_certified": "physim.geometry.queries",
-    "collision_times": "physim.geometry.queries",
-    "pack_shapes": "physim.geometry.queries",
-    "polyline": "physim.geometry.queries",
-    "shortest_distance": "physim.geometry.queries",
-    "shortest_distances": "physim.geometry.queries",
-    "signed_distance": "physim.geometry.queries",
-}
-"""Module of each public name."""
-
 
 def __getattr__(name: str) -> Any:
     """Load a public function on first use."""
-    if name in HOMES:
-        from importlib import import_module
+    if name in __all__:
+        from physim.geometry import queries
 
-        return getattr(import_module(HOMES[name]), name)
+        return getattr(queries, name)
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
 
 

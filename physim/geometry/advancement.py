@@ -218,7 +218,7 @@ class Height(NamedTuple):
     rate: float
     """[m/s] how fast it grows"""
     reach: float
-    """[m] goes into `bend`"""
+    """[m] of it from P's reference point; of its body's reference point, if that turns"""
 
 
 @compiled
@@ -240,16 +240,6 @@ def above(P: Part, m: int, nx: float, ny: float, Q: Part, j: int, r: Relative) -
 
 
 @compiled
-def bend(r: Relative, reach: float, most: float) -> float:
-    """Bound on |h''| [m/s^2] over a time ``most`` [s] of a vertex of that reach."""
-    turning = r.spin * r.spin * (reach + r.speed * most) + 2.0 * abs(r.spin) * r.speed
-    if r.other_spin == 0.0:
-        return r.pull + turning
-    twist = r.other_spin - r.spin
-    return r.pull + turning + twist * twist * r.radius
-
-
-@compiled
 def face_step(P: Part, m: int, Q: Part, r: Relative, spare: float) -> float:
     """Return a time [s] for which the gap along the normal of edge m of P, which turns, lasts.
 
@@ -261,15 +251,18 @@ def face_step(P: Part, m: int, Q: Part, r: Relative, spare: float) -> float:
     for j in range(Q.first, Q.end):
         low = min(low, above(P, m, nx, ny, Q, j, r).height)
     # First for the longest time, then for that of the time found.
+    twist = r.other_spin - r.spin
     best = 0.0
     most = math.pi / abs(r.spin)
     for _ in range(2):
         found = most
         for j in range(Q.first, Q.end):
             at = above(P, m, nx, ny, Q, j, r)
-            found = min(
-                found, lasting(at.height - low + spare, at.rate, bend(r, at.reach, most))
-            )  # fmt: skip
+            reach = at.reach + r.speed * most
+            bend = r.pull + (r.spin * r.spin * reach + 2.0 * abs(r.spin) * r.speed)
+            if r.other_spin != 0.0:
+                bend += twist * twist * r.radius
+            found = min(found, lasting(at.height - low + spare, at.rate, bend))
         best = max(best, found)
         most = min(most, 3.0 * best)
     return best

@@ -33,7 +33,6 @@ from physim.geometry.motion import (
     arc_course,
     is_still,
     moves_straight,
-    relative_motion,
 )
 from physim.geometry.shapes import Part, Shapes
 from physim.tolerances import CONTACT
@@ -61,6 +60,15 @@ class Straight(NamedTuple):
     vx: float
     """[m/s] in P's frame"""
     vy: float
+
+
+@compiled
+def straight_motion(a: Course, b: Course) -> Straight:
+    """Body b as body a sees it."""
+    x, y, vx, vy = b.x - a.x, b.y - a.y, b.vx - a.vx, b.vy - a.vy
+    c, s = a.c * b.c + a.s * b.s, a.c * b.s - a.s * b.c
+    f = frame_at(c, s, a.c * x + a.s * y, a.c * y - a.s * x)
+    return Straight(f, a.c * vx + a.s * vy, a.c * vy - a.s * vx)
 
 
 class Times(NamedTuple):
@@ -138,16 +146,16 @@ def translation_times(P: Part, a: Course, Q: Part, b: Course, horizon: float) ->
 
     Of times that do not come within [0, horizon] only that is sure: they do not.
     """
-    c, s, x, y, vx, vy = relative_motion(a, b)
+    motion = straight_motion(a, b)
+    f, vx, vy = motion
     least = PARALLEL * math.sqrt(vx * vx + vy * vy)
     times = Times(-np.inf, np.inf, -np.inf, np.inf)
-    motion = Straight(frame_at(c, s, x, y), vx, vy)
     times = clip_normals(times, P, Q, motion, least)
     if times.near_last < 0.0 or times.near_first > min(times.near_last, horizon):
         return times
-    back = frame_at(c, -s, -(c * x + s * y), -(c * y - s * x))
-    back_motion = Straight(back, -(c * vx + s * vy), -(c * vy - s * vx))
-    times = clip_normals(times, Q, P, back_motion, least)
+    back = frame_at(f.c, -f.s, -(f.c * f.tx + f.s * f.ty), -(f.c * f.ty - f.s * f.tx))
+    seen = Straight(back, -(f.c * vx + f.s * vy), -(f.c * vy - f.s * vx))
+    times = clip_normals(times, Q, P, seen, least)
     if P.end - P.first <= 2 and Q.end - Q.first <= 2:
         times = clip_directions(times, P, Q, motion, least)
     return times
@@ -162,8 +170,8 @@ def translation_time(P: Part, a: Course, Q: Part, b: Course, horizon: float) -> 
     times = translation_times(P, a, Q, b, horizon)
     if times.near_last < 0.0 or times.near_first > min(times.near_last, horizon):
         return np.inf
-    c, s, x, y, vx, vy = relative_motion(a, b)
-    if times.near_first <= 0.0 and part_gap(P, Q, frame_at(c, s, x, y), np.inf) <= CONTACT:
+    f, vx, vy = straight_motion(a, b)
+    if times.near_first <= 0.0 and part_gap(P, Q, f, np.inf) <= CONTACT:
         return 0.0
     xi = max(times.first, 0.0)
     if xi > horizon:
@@ -171,9 +179,8 @@ def translation_time(P: Part, a: Course, Q: Part, b: Course, horizon: float) -> 
     if xi <= times.last:
         return xi
     # A graze: the overlap is shorter than rounding, or a gap within CONTACT.
-    if part_gap(P, Q, frame_at(c, s, x + xi * vx, y + xi * vy), np.inf) <= CONTACT:
-        return xi
-    return np.inf
+    there = frame_at(f.c, f.s, f.tx + xi * vx, f.ty + xi * vy)
+    return xi if part_gap(P, Q, there, np.inf) <= CONTACT else np.inf
 
 
 # Early outs
@@ -191,12 +198,6 @@ def swept_disc(a: Course) -> tuple[float, float, float]:
 def stays(a: Course) -> bool:
     """Whether a body is confined to its `swept_disc`: it goes round, or stands still."""
     return a.speed == 0.0 or (a.turn != 0.0 and a.speed <= LARGEST_CIRCLE * abs(a.turn))
-
-
-@compiled
-def nearly_straight(a: Course) -> bool:
-    """Whether a body turns so slowly that neither a disc nor a straight line bounds its way."""
-    return a.turn != 0.0 and not stays(a)
 
 
 @compiled
@@ -219,19 +220,10 @@ def never_meet(a: Course, b: Course, horizon: float) -> bool:
     room = a.radius + b.radius + BOUND_MARGIN
     if math.sqrt(x * x + y * y) > room + (a.speed + b.speed) * horizon:
         return True
-    return never_near(a, b, horizon)
-
-
-@compiled
-def never_near(a: Course, b: Course, horizon: float) -> bool:
-    """`never_meet` from where the bodies go, not from how far they can go at all."""
-    x = b.x - a.x
-    y = b.y - a.y
-    room = a.radius + b.radius + BOUND_MARGIN
     if a.turn == 0.0 and b.turn == 0.0:
         return nearest_pass(x, y, b.vx - a.vx, b.vy - a.vy, horizon) > room
-    if nearly_straight(a) or nearly_straight(b):
-        return False
+    if (a.turn != 0.0 and not stays(a)) or (b.turn != 0.0 and not stays(b)):
+        return False  # it turns so slowly that neither a disc nor a straight line bounds its way
     ax, ay, ra = swept_disc(a)
     bx, by, rb = swept_disc(b)
     room = ra + rb + BOUND_MARGIN

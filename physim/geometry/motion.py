@@ -179,30 +179,7 @@ def along_course(course: Course, t: float) -> tuple[float, float, float, float, 
     return x, y, turned_c * c - turned_s * s, turned_s * c + turned_c * s, vx, vy
 
 
-def pose_along(course: Course, t: float) -> FloatArray:
-    """Pose (3,) of a course after time t [s]."""
-    x, y, c, s, _, _ = along_course(course, t)
-    return np.array([x, y, math.atan2(s, c)])
-
-
 @compiled
 def moves_straight(a: Course, b: Course) -> bool:
     """Whether both bodies keep their headings and directions."""
     return a.turn == 0.0 and b.turn == 0.0 and a.spin == 0.0 and b.spin == 0.0
-
-
-@compiled
-def relative_motion(a: Course, b: Course) -> tuple[float, float, float, float, float, float]:
-    """Return (c, s, x, y, vx, vy) of b seen from a: cos and sin of its heading, place, velocity."""
-    x = b.x - a.x
-    y = b.y - a.y
-    vx = b.vx - a.vx
-    vy = b.vy - a.vy
-    return (
-        a.c * b.c + a.s * b.s,
-        a.c * b.s - a.s * b.c,
-        a.c * x + a.s * y,
-        a.c * y - a.s * x,
-        a.c * vx + a.s * vy,
-        a.c * vy - a.s * vx,
-    )

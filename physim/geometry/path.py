@@ -22,7 +22,6 @@ from physim.geometry.shapes import (
     FloatArray,
     IntArray,
     Polylines,
-    joined_polylines,
     locked,
     pack_polylines,
     read_only,
@@ -81,10 +80,16 @@ def point_at(lines: Polylines, k: int, station: float) -> tuple[float, float, fl
 
 
 @compiled
-def foot(
-    lines: Polylines, k: int, x: float, y: float, low: float, high: float, near: int
+def project(
+    lines: Polylines, k: int, x: float, y: float, low: float, high: float, near: int = 0
 ) -> tuple[float, float, int]:
-    """`project`, and the segment that holds ``low``, sought from row ``near`` on."""
+    """Station of the point of polyline k nearest to (x, y) with low <= station <= high.
+
+    Returns the station, the signed deviation [m], positive when (x, y) is left of the path, and the
+    row of the segment that holds ``low``, sought from row ``near`` on. Of equally near points the
+    one with the smaller station is taken. Next to a waypoint both its legs say where left is:
+    outside of a turn of more than 90 degrees one of them alone may not.
+    """
     row, first, end = lines.row, lines.start[k], lines.start[k + 1] - 1
     low, high = min(max(low, 0.0), row[end, 4]), min(max(high, 0.0), row[end, 4])
     best, station, bx, by, is_left = np.inf, low, np.inf, 0.0, True
@@ -113,52 +118,30 @@ def foot(
 
 
 @compiled
-def project(
-    lines: Polylines, k: int, x: float, y: float, low: float, high: float
-) -> tuple[float, float]:
-    """Station of the point of polyline k nearest to (x, y) with low <= station <= high.
-
-    Returns the station and the signed deviation [m], positive when (x, y) is left of the path.
-    Of equally near points the one with the smaller station is taken. Next to a waypoint both its
-    legs say where left is: outside of a turn of more than 90 degrees one of them alone may not.
-    """
-    station, deviation, _ = foot(lines, k, x, y, low, high, 0)
-    return station, deviation
-
-
-@compiled
-def follow(
-    lines: Polylines, k: int, x: float, y: float, previous: float, window: float, near: int
+def track(
+    lines: Polylines, k: int, x: float, y: float, previous: float, window: float, near: int = 0
 ) -> tuple[float, float, int]:
-    """`track`, and the segment at which the next search begins; this one begins at ``near``."""
+    """Projection (3) that follows the robot: nearest point within ``window`` of the last station.
+
+    What `project` returns; the search begins at row ``near``. ``window`` [m] counts along the path
+    and must exceed what the robot can move between two calls. A path that passes near itself does
+    not attract the projection to the other branch as long as the way there along the path is longer
+    than the window.
+
+    On the inside of a turn, ``d`` from both legs, the nearest point is 2 d tan(turn / 2) further on
+    all at once: within what the robot moves the projection would stay on the first leg for good. So
+    as much as that is looked at where it is more, for the sharpest turn of a road.
+    """
     low, high = previous - window, previous + window
-    station, deviation, near = foot(lines, k, x, y, low, high, near)
+    station, deviation, near = project(lines, k, x, y, low, high, near)
     wide = CORNER * abs(deviation)
     if wide > window:
         row, first, last = lines.row, lines.start[k], lines.start[k + 1] - 2
         goes_on = near > first and previous - wide < row[near, 4]
         goes_on = goes_on or (near < last and previous + wide > row[near + 1, 4])
         if goes_on or not low < station < high:  # else all of it is one segment, and known
-            return foot(lines, k, x, y, previous - wide, previous + wide, near)
+            return project(lines, k, x, y, previous - wide, previous + wide, near)
     return station, deviation, near
-
-
-@compiled
-def track(
-    lines: Polylines, k: int, x: float, y: float, previous: float, window: float
-) -> tuple[float, float]:
-    """Projection (3) that follows the robot: nearest point within ``window`` of the last station.
-
-    ``window`` [m] counts along the path and must exceed what the robot can move between two
-    calls. A path that passes near itself does not attract the projection to the other branch as
-    long as the way there along the path is longer than the window.
-
-    On the inside of a turn, ``d`` from both legs, the nearest point is 2 d tan(turn / 2) further on
-    all at once: within what the robot moves the projection would stay on the first leg for good. So
-    as much as that is looked at where it is more, for the sharpest turn of a road.
-    """
-    station, deviation, _ = follow(lines, k, x, y, previous, window, 0)
-    return station, deviation
 
 
 def project_near(lines: Polylines, k: int, x: float, y: float, near: float) -> float:
@@ -209,8 +192,8 @@ class Path:
         With ``near``, only stations about it are looked at, as `track` does within ``window``.
         """
         if near is None:
-            return project(self.lines, 0, x, y, 0.0, self.length)
-        return track(self.lines, 0, x, y, near, window)
+            return project(self.lines, 0, x, y, 0.0, self.length)[:2]
+        return track(self.lines, 0, x, y, near, window)[:2]
 
     def target(self, station: float, look_ahead: float) -> FloatArray:
         """(2,) [m] the point ``look_ahead`` further along, the last waypoint at most (3)."""
@@ -227,7 +210,8 @@ class Tracking:
     def __init__(
         self, paths: Polylines, reference: Polylines, radius: FloatArray, start: FloatArray
     ) -> None:
-        self.lines = joined_polylines(paths, reference)
+        starts: IntArray = np.concatenate((paths.start, reference.start[1:] + paths.start[-1]))
+        self.lines = Polylines(starts, np.concatenate((paths.row, reference.row)))
         """the N own paths, s* behind them"""
         self.windows = np.maximum(SHORTEST_WINDOW, 2.0 * radius)
         robots = len(start)
@@ -300,10 +284,10 @@ def track_all(
     robots, lines = len(pose), Polylines(start, row)
     for i in range(robots):
         x, y, window = pose[i, 0], pose[i, 1], windows[i]
-        after[0, i], after[1, i], last[0, i] = follow(
+        after[0, i], after[1, i], last[0, i] = track(
             lines, i, x, y, before[0, i], window, last[0, i]
         )
-        after[2, i], _, last[1, i] = follow(
+        after[2, i], _, last[1, i] = track(
             lines, robots, x, y, before[2, i], window, last[1, i]
         )  # fmt: skip
 

@@ -28,9 +28,9 @@ from physim.geometry.bodies import body_distance, body_separation
 from physim.geometry.collision import bodies_time, never_meet, part_time, translation_times
 from physim.geometry.motion import (
     Course,
+    along_course,
     arc_course,
     moves_straight,
-    pose_along,
     straight_course,
 )
 from physim.geometry.polygon import convex_parts, is_convex_part
@@ -329,7 +329,9 @@ def _overlap_after(shapes: Shapes, a: Course, b: Course, start: float, horizon: 
     """
 
     def overlaps(t: float) -> bool:
-        return body_distance(shapes, 0, pose_along(a, t), shapes, 1, pose_along(b, t)) < -DEPTH
+        at = (along_course(course, t) for course in (a, b))
+        one, other = (np.array([x, y, math.atan2(s, c)]) for x, y, c, s, _, _ in at)
+        return body_distance(shapes, 0, one, shapes, 1, other) < -DEPTH
 
     if overlaps(start):
         return start

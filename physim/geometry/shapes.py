@@ -134,13 +134,5 @@ def pack_polylines(lines: Sequence[ArrayLike]) -> Polylines:
     return Polylines(_offsets([len(row) for row in rows]), np.concatenate(rows))
 
 
-def joined_polylines(lines: Polylines, more: Polylines) -> Polylines:
-    """Those of ``more`` behind those of ``lines``."""
-    return Polylines(
-        np.concatenate((lines.start, more.start[1:] + lines.start[-1])),
-        np.concatenate((lines.row, more.row)),
-    )
-
-
 def _offsets(lengths: Sequence[int]) -> IntArray:
     return np.array([0, *accumulate(lengths)], dtype=np.int64)

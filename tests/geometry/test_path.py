@@ -85,7 +85,7 @@ def test_projection_does_not_jump_to_a_branch_nearby() -> None:
     path = Path([(0.0, 0.0), (30.0, 0.0), (30.0, 0.8), (0.0, 0.8)])
     station, jumped = 0.0, False
     for x in np.arange(0.0, 25.0, 0.02):
-        new, _ = track(path.lines, 0, x, 0.5, station, 1.0)
+        new, *_ = track(path.lines, 0, x, 0.5, station, 1.0)
         assert abs(new - station) < 0.05
         station = new
         jumped = jumped or abs(path.project(x, 0.5)[0] - station) > 5.0

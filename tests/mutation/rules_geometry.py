@@ -166,7 +166,7 @@ def swept_check_looks_at_the_middle() -> None:
 @rule("geometry")
 def projection_jumps() -> None:
     """The projection is the nearest point of all the path, also where it passes near itself."""
-    given(PATH + "follow", window=lambda a: 1e9)
+    given(PATH + "track", window=lambda a: 1e9)
 
 
 @rule("world")

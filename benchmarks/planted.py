@@ -132,7 +132,7 @@ class Twin:
         gap = np.minimum(found.clearance[:, 0], found.boundary_clearance[:, 0])
         finder, steps = SweptContactFinder(scene), list(locked(poses))
         between = np.concatenate(
-            [finder.rows(k + 1, *pair) for k, pair in enumerate(pairwise(steps))]
+            [finder.follow(k + 1, *pair)[1] for k, pair in enumerate(pairwise(steps))]
         )
         touching = np.flatnonzero(gap <= CONTACT)
         steps = [*touching[:1].tolist(), *between["step"][:1].tolist()]

@@ -79,9 +79,15 @@ def smallest_distance(bodies: Bodies, near: NearField) -> float:
     """Smallest d_ij [m] by (11) to the considered robots, signed; inf without any."""
     me, pose, radius, number = near.me, bodies.pose, bodies.shapes.radius, bodies.number
     c, s, mine = bodies.facing[me, 0], bodies.facing[me, 1], radius[number[me]]
-    smallest = np.inf
+    smallest, least, first = np.inf, np.inf, -1
     for j in near.rows:
-        if discs_apart(pose[me], pose[j], mine + radius[number[j]]) < smallest:
+        apart = discs_apart(pose[me], pose[j], mine + radius[number[j]])
+        if apart < least:
+            least, first = apart, j
+    if first >= 0:  # of the others few need be measured then
+        smallest = distance_to(bodies, me, pose[me], c, s, first, pose[first], smallest)  # (11)
+    for j in near.rows:
+        if j != first and discs_apart(pose[me], pose[j], mine + radius[number[j]]) < smallest:
             d = distance_to(bodies, me, pose[me], c, s, j, pose[j], smallest)  # (11)
             smallest = min(smallest, d)
     return smallest

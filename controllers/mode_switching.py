@@ -33,7 +33,14 @@ from physim.geometry.motion import Course, facings
 from physim.geometry.neighbours import put_in_order
 from physim.geometry.path import path_length, point_at
 from physim.geometry.shapes import FloatArray, IntArray, Polylines, Shapes
-from physim.geometry.walls import Sight, WallTree, seen_distance, seen_time
+from physim.geometry.walls import (
+    NearestWalls,
+    Sight,
+    WallTree,
+    nearest_walls,
+    seen_distance,
+    seen_time,
+)
 from physim.parts.controller import Decisions
 from physim.parts.declarations import PAPER_MODES, STANDARD_COLUMNS, Rule
 from physim.world.scene import Scene
@@ -129,7 +136,7 @@ class Room(NamedTuple):
     plan: FloatArray
     """(m, 2)"""
     ranking: Ranking
-    nearest: IntArray
+    nearest: NearestWalls
     """(N,) see `physim.geometry.walls.Sight`"""
 
 
@@ -446,7 +453,7 @@ class ModeSwitching:
         pairs = int((np.diff(cluster.speeds.start) * np.diff(cluster.omegas.start)).max())
         room = Room(
             np.empty((pairs, 2)), np.ones(1), np.empty((len(rules.dwell), 2)),
-            ranking_of(scene.robots), np.full(scene.robots, -1),
+            ranking_of(scene.robots), nearest_walls(scene.robots),
         )  # fmt: skip
         return direct(decide_due), kept((cluster, rules, room))
 

@@ -20,7 +20,7 @@ from physim.geometry.neighbours import (
     set_frames,
 )
 from physim.geometry.shapes import FloatArray, IntArray, Shapes, locked, part_bodies
-from physim.geometry.walls import Sight, WallTree, nearest_seen
+from physim.geometry.walls import NearestWalls, Sight, WallTree, nearest_seen, nearest_walls
 
 
 class Clearances(NamedTuple):
@@ -49,7 +49,7 @@ class ClearanceFinder:
         robots = len(shapes.body_start) - 1
         # Read-only, whoever asks: for arrays that may be written to, kernels are compiled anew.
         self._world = (locked(shapes), locked(wall_tree), locked(part_bodies(wall_tree.walls)))
-        self._known = neighbours(robots), np.full(robots, -1)
+        self._known = neighbours(robots), nearest_walls(robots)
         self.measured = 0
         """distances of two robots that were worked out for ``clearance``, over all blocks"""
 
@@ -82,19 +82,19 @@ def fill(
     wall_tree: WallTree,
     part_body: IntArray,
     known: Neighbours,
-    nearest_wall: IntArray,
+    nearest: NearestWalls,
     out: Clearances,
 ) -> int:
     """Write `clearances` into ``out``; ``part_body`` (P,) names the body of each wall part.
 
-    ``known`` and ``nearest_wall`` (N,) go from block to block. Returns how many distances of two
+    ``known`` and ``nearest`` go from block to block. Returns how many distances of two
     robots were worked out for ``clearance``.
     """
     robots = poses.shape[1]
     discs = bounding_discs(shapes)
     frame = np.empty((robots, 6))
     spread, rim = np.empty(robots), np.empty(robots, dtype=np.int64)
-    sight = Sight(wall_tree, 0.0, 0.0, np.inf, nearest_wall)
+    sight = Sight(wall_tree, 0.0, 0.0, np.inf, nearest)
     measured = 0
     for b in range(len(poses)):
         set_frames(poses[b], discs, frame)

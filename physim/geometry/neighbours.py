@@ -166,7 +166,7 @@ def nearest_others(
                 limit = gap[i] + outer[i] + outer[j] + MARGIN
                 if dx * dx + dy * dy > limit * limit or last[i] == j or last[j] == i:
                     continue
-                if least_gap(shapes, i, j, frame) <= gap[i]:
+                if line_gap(shapes, i, j, frame) <= gap[i]:
                     note_distance(shapes, i, j, frame, gap, other)
                     measured += 1
     for i in range(robots):
@@ -187,7 +187,7 @@ def note_distance(
 
 
 @compiled
-def least_gap(shapes: Shapes, i: int, j: int, frame: FloatArray) -> float:
+def line_gap(shapes: Shapes, i: int, j: int, frame: FloatArray) -> float:
     """Lower bound [m] of `pair_distance`: the gap along the line of the discs' middles."""
     ux = frame[j, 4] - frame[i, 4]
     uy = frame[j, 5] - frame[i, 5]

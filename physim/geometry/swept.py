@@ -17,18 +17,15 @@ The exact arc of a robot lies within `tolerances.chord` of this motion.
 
 from __future__ import annotations
 
-import math
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from physim.compiled import compiled
 from physim.geometry.advancement import MOST_STEPS, fall_time, look_at
-from physim.geometry.bodies import body_gap, describe_pair, relative_frame
 from physim.geometry.collision import clear_of_part, never_meet
 from physim.geometry.motion import Course, is_still, straight_course
-from physim.geometry.shapes import FloatArray, IntArray, Part, Shapes
+from physim.geometry.shapes import FloatArray, Part, Shapes
 from physim.tolerances import CONTACT
 
 SLACK = 0.25 * CONTACT
@@ -36,12 +33,6 @@ SLACK = 0.25 * CONTACT
 
 MOST_LOOKS = 20 * MOST_STEPS
 """Advances after which a least signed distance gets a lower bound instead of going on."""
-
-FULL = -1
-"""Count returned when the output has no room for another row."""
-
-MARGIN = 4.0 * CONTACT
-"""[m] Bounds must win by this."""
 
 
 @compiled
@@ -174,80 +165,3 @@ def least_gap(
         for q in range(shapes_b.body_start[j], shapes_b.body_start[j + 1]):
             best = least_of_parts(P, a, Part(W, w_start[q], w_start[q + 1]), b, dt, best)
     return best
-
-
-# All bodies of a step
-
-
-@compiled
-def wear_off(
-    old: FloatArray, now: FloatArray, radius: FloatArray, reach: FloatArray, room: FloatArray
-) -> bool:
-    """Take from ``room`` what a step may have taken; whether somebody may touch something in it.
-
-    Poses (N, 3) at both samples, headings unwrapped; ``radius`` (N,) [m] about the reference
-    points. ``room`` (2, N) [m] is a lower bound of each robot's distance from other robots, and
-    from walls. ``reach`` (2, N) [m] takes how much these distances change at most: what is farther
-    apart at either sample does not touch in between.
-    """
-    most = 0.0
-    for i in range(len(old)):
-        moved = math.hypot(now[i, 0] - old[i, 0], now[i, 1] - old[i, 1])
-        reach[1, i] = moved + radius[i] * abs(now[i, 2] - old[i, 2]) + MARGIN
-        most = max(most, reach[1, i])
-    is_near = False
-    for i in range(len(old)):
-        reach[0, i] = reach[1, i] + most
-        for k in range(2):
-            is_near |= room[k, i] <= reach[k, i]
-            room[k, i] -= reach[k, i]
-    return is_near
-
-
-@compiled
-def find_swept_contacts(
-    old: FloatArray,
-    now: FloatArray,
-    reach: FloatArray,
-    near: NDArray[np.bool_],
-    shapes: Shapes,
-    dt: float,
-    who: IntArray,
-    values: FloatArray,
-) -> int:
-    """Write a row for each pair that is apart at both samples of a step and touches in between.
-
-    Poses (B, 3) of all bodies, N robots first; ``reach`` (2, N) of `wear_off`; ``near`` (2, N), who
-    may touch another robot, and a wall. ``who`` (C, 2) takes the bodies a < b, ``values`` (C, 5)
-    what `describe_pair` gives when they are closest. Returns how many, or FULL.
-    """
-    count = 0
-    robots = reach.shape[1]
-    for a in range(robots):
-        for b in range(a + 1 if near[0, a] else robots, len(now) if near[1, a] else robots):
-            i, j, room = (b, a, reach[1, a]) if b >= robots else (a, b, reach[1, a] + reach[1, b])
-            if b < robots:
-                far = room + shapes.radius[a] + shapes.radius[b]
-                dx, dy = now[b, 0] - now[a, 0], now[b, 1] - now[a, 1]
-                if not near[0, b] or dx * dx + dy * dy > far * far:
-                    continue
-            f = relative_frame(now[i], now[j])
-            after = body_gap(shapes, i, shapes, j, f, room + MARGIN)
-            if after <= CONTACT or after > room:
-                continue
-            f = relative_frame(old[i], old[j])
-            before = body_gap(shapes, i, shapes, j, f, room + MARGIN)
-            if before <= CONTACT or before + after > room:
-                continue
-            if swept_time(shapes, i, old[i], now[i], shapes, j, old[j], now[j], dt) == np.inf:
-                continue
-            if count == len(who):
-                return FULL
-            share = least_gap(shapes, i, old[i], now[i], shapes, j, old[j], now[j], dt).time / dt
-            who[count, 0], who[count, 1] = a, b
-            describe_pair(
-                shapes, a, old[a] + share * (now[a] - old[a]),
-                shapes, b, old[b] + share * (now[b] - old[b]), values[count],
-            )  # fmt: skip
-            count += 1
-    return count

@@ -19,12 +19,15 @@ from physim.compiled import compiled
 from physim.geometry.bodies import outline_distance, wall_gap
 from physim.geometry.collision import stays, swept_disc, until_all_repeats, wall_time
 from physim.geometry.convex import Frame, frame_at
-from physim.geometry.motion import Course, still_course
+from physim.geometry.motion import Course, chord_factor, still_course
 from physim.geometry.neighbours import put_in_order
 from physim.geometry.shapes import FloatArray, IntArray, Part, Shapes
 
 LEAF = 4
 """Parts of a leaf."""
+
+LISTED = 8
+"""Parts that are remembered of a search."""
 
 MARGIN = 1e-6
 """[m] A box must be farther than needed by this: far above rounding within 1,000 km."""
@@ -49,6 +52,17 @@ class WallTree(NamedTuple):
     """a power of two"""
 
 
+class NearestWalls(NamedTuple):
+    """Parts of walls about each of N robots, from the last search: they only save time."""
+
+    part: IntArray
+    """(N, LISTED) the nearest first; -1: no more"""
+    at: FloatArray
+    """(N, 4) x, y [m], cosine and sine of the heading at that search"""
+    gap: FloatArray
+    """(N, LISTED + 1) [m] how far each of them was then, at least, and every other part"""
+
+
 class Sight(NamedTuple):
     """Walls as a robot sees them: the parts that come within ``reach`` of (x, y)."""
 
@@ -57,8 +71,14 @@ class Sight(NamedTuple):
     y: float
     reach: float
     """[m]"""
-    nearest: IntArray
-    """(N,) part that was nearest to each robot when last asked, or -1: it only saves time"""
+    nearest: NearestWalls
+
+
+def nearest_walls(robots: int) -> NearestWalls:
+    """What is known before the first search."""
+    return NearestWalls(
+        np.full((robots, LISTED), -1), np.zeros((robots, 4)), np.zeros((robots, LISTED + 1))
+    )
 
 
 def build_wall_tree(walls: Shapes) -> WallTree:
@@ -164,6 +184,14 @@ def parts_seen(sight: Sight, x: float, y: float, within: float) -> IntArray:
 
 
 @compiled
+def parts_near(tree: WallTree, x: float, y: float, within: float) -> IntArray:
+    """Parts that come within ``within`` [m] of (x, y), increasing; up to MARGIN farther, some."""
+    nothing = np.empty((0, 4))
+    known = NearestWalls(np.empty((0, LISTED), dtype=np.int64), nothing, nothing)
+    return parts_seen(Sight(tree, x, y, np.inf, known), x, y, within)
+
+
+@compiled
 def all_seen(sight: Sight) -> IntArray:
     """All parts in sight, increasing."""
     return parts_seen(sight, sight.x, sight.y, sight.reach)
@@ -171,7 +199,7 @@ def all_seen(sight: Sight) -> IntArray:
 
 def parts_within(tree: WallTree, x: float, y: float, reach: float) -> IntArray:
     """Parts that come within ``reach`` [m] of a place, increasing."""
-    return all_seen(Sight(tree, x, y, reach, np.zeros(0, dtype=np.int64)))
+    return all_seen(Sight(tree, x, y, reach, nearest_walls(0)))
 
 
 @compiled
@@ -223,31 +251,59 @@ def segment_bound(wall: Part, shapes: Shapes, i: int, f: Frame) -> float:
 def nearest_seen(shapes: Shapes, i: int, f: Frame, sight: Sight) -> tuple[float, int]:
     """Signed distance [m] of robot i, whose frame is f, from the walls in sight, and the nearest.
 
-    Of equally near parts it is the lowest; (inf, -1) without any.
+    Of equally near parts it is the lowest; (inf, -1) without any. Those about it at the last search
+    are tried first: with how far the robot has moved since, they are often known to be all.
     """
     tree, W, start = sight.tree, sight.tree.walls.vertices, sight.tree.walls.part_start
-    radius, best, nearest, likely = shapes.radius[i], np.inf, -1, sight.nearest[i]
+    radius, best, nearest = shapes.radius[i], np.inf, -1
+    listed, at, gaps = sight.nearest.part[i], sight.nearest.at[i], sight.nearest.gap[i]
+    dx, dy, dc, ds = f.tx - at[0], f.ty - at[1], f.c - at[2], f.s - at[3]
+    moved = math.sqrt(dx * dx + dy * dy) + radius * math.sqrt(dc * dc + ds * ds) + MARGIN
+    for m in range(LISTED):
+        part = listed[m]
+        if part < 0:
+            break
+        wall = Part(W, start[part], start[part + 1])
+        if m and (gaps[m] - moved > best or segment_bound(wall, shapes, i, f) > best + MARGIN):
+            continue
+        # A hair more than the best, so that a part just as near gives its exact distance.
+        gap = wall_gap(wall, shapes, i, f, np.nextafter(best, np.inf))
+        if (gap < best or (gap == best and part < nearest)) and is_seen(sight, wall):
+            best, nearest = gap, part
+    if nearest >= 0 and best + moved < gaps[LISTED]:
+        return best, nearest
     dx, dy = f.tx - sight.x, f.ty - sight.y
     seen = sight.reach + math.sqrt(dx * dx + dy * dy)  # nothing that is farther is in sight
-    if likely >= 0:
-        wall = Part(W, start[likely], start[likely + 1])
-        if is_seen(sight, wall):
-            best, nearest = wall_gap(wall, shapes, i, f, np.inf), likely
-    leaf = leaf_after(tree, 0, f.tx, f.ty, min(best + radius, seen))
+    tried, count, spare, others = nearest, 0, radius, np.inf
+    if nearest >= 0:
+        listed[0], gaps[0], count = nearest, best, 1
+    leaf = leaf_after(tree, 0, f.tx, f.ty, min(best + spare + radius, seen))
     while leaf:
         first = (leaf - tree.leaves) * LEAF
         for k in range(first, min(first + LEAF, len(tree.part))):
-            part = tree.part[k]
+            part, enough = tree.part[k], best + spare
             wall = Part(W, start[part], start[part + 1])
-            if part == likely or segment_bound(wall, shapes, i, f) > best + MARGIN:
+            if part == tried or segment_bound(wall, shapes, i, f) > enough + MARGIN:
                 continue
-            # A hair more than the best, so that a part just as near gives its exact distance.
-            gap = wall_gap(wall, shapes, i, f, np.nextafter(best, np.inf))
+            gap = wall_gap(wall, shapes, i, f, np.nextafter(enough, np.inf))
             if (gap < best or (gap == best and part < nearest)) and is_seen(sight, wall):
                 best, nearest = gap, part
-        leaf = leaf_after(tree, leaf, f.tx, f.ty, min(best + radius, seen))
-    if nearest >= 0:
-        sight.nearest[i] = nearest
+            place = count
+            if count == LISTED:
+                place = int(gaps[:LISTED].argmax())
+                others = min(others, max(gap, gaps[place]))
+            if count < LISTED or gap < gaps[place]:
+                listed[place], gaps[place], count = part, gap, min(count + 1, LISTED)
+            if best < np.inf:
+                spare = max(0.0, min(spare, others - best))
+        leaf = leaf_after(tree, leaf, f.tx, f.ty, min(best + spare + radius, seen))
+    listed[count:] = -1
+    for m in range(count):
+        if listed[m] == nearest:
+            listed[0], listed[m] = listed[m], listed[0]
+            gaps[0], gaps[m] = gaps[m], gaps[0]
+    at[0], at[1], at[2], at[3] = f.tx, f.ty, f.c, f.s
+    gaps[LISTED] = min(others, best + spare, seen - radius)
     return best, nearest
 
 
@@ -261,14 +317,17 @@ def seen_distance(shapes: Shapes, i: int, pose: FloatArray, sight: Sight) -> flo
 @compiled
 def reached_disc(a: Course, time: float) -> tuple[float, float, float]:
     """Return (x, y, radius) of a disc that a body does not leave up to a time [s]."""
-    half = 0.5 * a.speed * time
-    if a.turn == 0.0 and half < np.inf:
-        return a.x + 0.5 * time * a.vx, a.y + 0.5 * time * a.vy, a.radius + half
+    if not time < np.inf:
+        return swept_disc(a) if stays(a) else (a.x, a.y, np.inf)
+    # No point of its way is farther from the middle of it than half its length.
+    half, h = 0.5 * a.speed * time, 0.25 * a.turn * time
+    c, s, way = math.cos(h), math.sin(h), 0.5 * time * chord_factor(h)
+    x, y = a.x + way * (c * a.vx - s * a.vy), a.y + way * (c * a.vy + s * a.vx)
     if stays(a):
-        x, y, radius = swept_disc(a)
-        if not radius > a.radius + 2.0 * half:
-            return x, y, radius
-    return a.x, a.y, a.radius + 2.0 * half
+        its_x, its_y, radius = swept_disc(a)
+        if not radius > a.radius + half:
+            return its_x, its_y, radius
+    return x, y, a.radius + half
 
 
 @compiled

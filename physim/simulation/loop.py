@@ -14,7 +14,7 @@ from contextlib import nullcontext
 from typing import Any, SupportsIndex
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import DTypeLike, NDArray
 
 from physim.contacts import CONTACT_ROW
 from physim.errors import ControllerError, PhysimError, WorldError, plural
@@ -41,6 +41,7 @@ from physim.parts.stages import (
     shared,
 )
 from physim.parts.user_code import broken_by, is_shipped, kind_of, naming
+from physim.simulation.arrays import Arrays
 from physim.simulation.arrival import Arrivals
 from physim.simulation.branching import branch_of
 from physim.simulation.checks import taken_commands, taken_sensed
@@ -207,6 +208,16 @@ class Simulation:
             raise PhysimError(f"robot {describe(i)}; allowed: 0 to {self.scene.robots - 1}")
         return self.view.observation(int(i))
 
+    def arrays(
+        self,
+        others: int = 4,
+        walls: int = 4,
+        ahead: Sequence[float] = (1.0, 2.0),
+        dtype: DTypeLike = np.float32,
+    ) -> Arrays:
+        """What all robots may know now, as arrays of fixed sizes for learners: `View.arrays`."""
+        return self.view.arrays(others, walls, ahead, dtype)
+
     def look_on(self, observer: Observer) -> None:
         """Let an observer look on from now on; during a step, from the next on."""
         check_part(OBSERVER, observer)
@@ -217,15 +228,27 @@ class Simulation:
 
     # A step
 
-    def step(self, commands: FloatArray | None = None) -> None:
-        """Go from this sample to the next.
+    def step(self, commands: FloatArray | None = None, steps: int = 1) -> None:
+        """Go from this sample to the next, or that many ``steps`` on.
 
-        With ``commands`` (N, 2) every robot holds those and no controller is asked. Raises
-        ControllerError for a command that is not finite or beyond a robot's limits.
+        With ``commands`` (N, 2) every robot holds those and no controller is asked. Several steps
+        are the same, bit for bit, as that many calls with these commands; they are checked once.
+        Raises ControllerError for a command that is not finite or beyond a robot's limits,
+        PhysimError for ``steps`` that are no whole number from 1 on.
         """
+        if steps != 1 or type(steps) is not int:
+            if not isinstance(steps, int | np.integer) or isinstance(steps, bool) or steps < 1:
+                raise PhysimError(f"steps = {steps!r}; it must be a whole number from 1 on")
+            given = None if commands is None else self._given(commands)
+            for _ in range(steps):
+                self._step(self._decide() if given is None else given)
+            return
+        self._step(self._decide() if commands is None else self._given(commands))
+
+    def _step(self, decided: Decided) -> None:
+        """Make a step with what was decided."""
         truth = self.now
         sensing = self._sense()[1] if self._parts[SENSE] else ()
-        decided = self._decide() if commands is None else self._given(commands)
         nominal = decided.nominal
         filtered, filters = self._run_stage(FILTERED, nominal)
         applied, disturbances = self._run_stage(DISTURBED, filtered)
@@ -272,8 +295,12 @@ class Simulation:
 
     def _given(self, commands: FloatArray) -> Decided:
         """Nominal commands from outside."""
-        with naming(f"commands at {self.time:g} s"):
+        try:  # not by `naming`, which takes as long as a step of the engine
             return Decided(taken_commands(self.scene, commands, None, self.scene.limits))
+        except KeyboardInterrupt:
+            raise
+        except BaseException as error:
+            raise ControllerError(f"commands at {self.time:g} s: {broken_by(error)}") from error
 
     def _decide(self) -> Decided:
         """Nominal commands of all robots from now on; those that are due are asked."""
@@ -290,14 +317,12 @@ class Simulation:
     def _arrive(self, step: int, nominal: FloatArray) -> None:
         """Take up the sample to which the physics brought the robots."""
         pose = read_only(self.physics.pose)
-        grazes = self._swept.rows(step, self.now.pose, pose)
+        velocity, grazes = self._swept.follow(step, self.now.pose, pose)
         if len(grazes):  # which the engine cannot see
             self.physics.contacts = np.concatenate(
                 (self.physics.contacts, grazes), dtype=CONTACT_ROW
             )
         self._arrivals.follow(self._tracking, step, pose)
-        velocity = pose - self.now.pose
-        velocity /= self.scene.dt
         self._take(step, pose, nominal, read_only(velocity))
 
     def _take(self, step: int, pose: FloatArray, nominal: FloatArray, velocity: FloatArray) -> None:

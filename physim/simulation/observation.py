@@ -7,16 +7,18 @@ Nothing of it can change: arrays of a step and of a scene never do once they are
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import cache, partial
 from typing import Any, TypeVar
 
 import numpy as np
+from numpy.typing import DTypeLike
 
 from physim.geometry.path import Path
 from physim.geometry.shapes import FloatArray, IntArray, Shapes, read_only
 from physim.geometry.walls import parts_within
 from physim.parts.controller import FormationView, Neighbour, Observation, ObservedRobot, Sensed
+from physim.simulation.arrays import Arrays, Layout, arrays_of, layout_of, unchanging
 from physim.world.scene import Scene
 
 T = TypeVar("T")
@@ -93,6 +95,28 @@ class View:
         value: T = found[make]
         return value
 
+    def arrays(
+        self,
+        others: int = 4,
+        walls: int = 4,
+        ahead: Sequence[float] = (1.0, 2.0),
+        dtype: DTypeLike = np.float32,
+    ) -> Arrays:
+        """What all robots may know, as `physim.simulation.arrays.Arrays` of fixed sizes.
+
+        Of each robot the ``others`` nearest robots and ``walls`` nearest parts of walls within
+        range, and points ``ahead`` [m] on its path. ``dtype`` is float32 or float64; what is
+        computed is float64. Raises PhysimError for sizes that are no whole numbers from 0 to 1000,
+        and for points that are not ahead.
+        """
+        points = ahead if type(ahead) is tuple else repr(ahead)
+        asked = others, walls, points, dtype
+        known, layout = self._shared.layout
+        if known != asked or layout is None:
+            layout = layout_of(others, walls, ahead, dtype)
+            self._shared.layout = asked, layout
+        return arrays_of(self.prepared(unchanging), self.sensed, layout)
+
     def observation(self, i: int) -> Observation:
         """What Robot i may know."""
         sensed, own = self.sensed, self.own_row(i)
@@ -150,6 +174,8 @@ class _SceneFacts:
     def __init__(self, scene: Scene) -> None:
         self.scene = scene
         self.prepared: dict[Callable[[Scene], Any], Any] = {}
+        self.layout: tuple[Any, Layout | None] = None, None
+        """of the arrays that were asked for last"""
         plan = scene.formation
         self.formation = FormationView(plan.active, plan.gain, plan.speed, plan.v_min, plan.v_max)
         self.facts, self.footprint = cache(self._facts), cache(self._footprint)

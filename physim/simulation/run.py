@@ -19,7 +19,7 @@ from physim.errors import ControllerError, PhysimError, RecordError
 from physim.geometry.clearance import clearances
 from physim.geometry.path import Tracking
 from physim.geometry.shapes import read_only
-from physim.geometry.swept import find_swept_contacts
+from physim.geometry.swept_contacts import find_swept_contacts
 from physim.parts.controller import Controller
 from physim.parts.declarations import kept_distance
 from physim.parts.stages import Disturbance, Filter, Observer, SensingStage
@@ -244,6 +244,5 @@ def warm_up(
         Unmoved(scene, controller=controller)._decide()
         wait()
         warm_up_motion(scene, controller)
-        none = np.zeros((2, scene.robots))  # nobody is near anything
-        SweptContactFinder(scene).search(scene.start, scene.start, none, none > 0.0)
+        SweptContactFinder(scene).search(scene.start, scene.start)  # nobody moves
     return time.perf_counter() - started

@@ -15,7 +15,9 @@ from tests.oracles.tolerances import ROUNDING
 from tests.oracles.view import shape
 
 safe_target = inside("physim.controllers", "safe_target")
-build_wall_tree, pack_parts = inside("physim.geometry", "build_wall_tree", "pack_parts")
+build_wall_tree, nearest_walls, pack_parts = inside(
+    "physim.geometry", "build_wall_tree", "nearest_walls", "pack_parts"
+)
 Sight = inside("physim.geometry", "Sight")
 
 QUARTER = 32
@@ -41,7 +43,7 @@ def random_place(rng: np.random.Generator) -> tuple[Place, np.ndarray]:
 
 def moved(where: Place, robot: np.ndarray) -> np.ndarray:
     tree = build_wall_tree(pack_parts([[part] for part in where.walls]))
-    sight = Sight(tree, robot[0], robot[1], np.inf, np.array([-1]))
+    sight = Sight(tree, robot[0], robot[1], np.inf, nearest_walls(1))
     found = safe_target(
         sight, tuple(where.target), tuple(where.ahead), where.outside, tuple(robot),
         where.look_ahead, where.safe_distance,

@@ -22,6 +22,7 @@ from physim.geometry.shapes import (
     joined_shapes,
     part_bodies,
 )
+from physim.geometry.walls import build_wall_tree
 from physim.simulation.engine.cutting import Moves, cut_short
 from physim.simulation.engine.energy import OF_IMPACTS, OF_PUSHES, failures
 from physim.simulation.engine.guard import Guard, Touches
@@ -86,7 +87,9 @@ class Physics:
         self.dt = dt
         solids = solids_of(walls)
         all_shapes, joined = joined_shapes(shapes, walls), joined_shapes(shapes, solids.shapes)
-        self._among = Bodies(all_shapes, joined, part_bodies(joined), solids)
+        self._among = Bodies(
+            all_shapes, joined, part_bodies(joined), solids, build_wall_tree(walls)
+        )
         self._robots, self._bodies = len(start), len(all_shapes.body_start) - 1
         self._solid = np.concatenate((np.arange(len(start)), len(start) + solids.of))
         self._solids = len(joined.body_start) - 1

@@ -16,6 +16,7 @@ from physim.contacts import CONTACT_ROW, Kind, Phase
 from physim.geometry.bodies import body_distance, describe_contact, point_gap, relative_frame
 from physim.geometry.convex import part_witness
 from physim.geometry.shapes import FloatArray, IntArray, Part, Shapes
+from physim.geometry.walls import WallTree, parts_near
 from physim.tolerances import CONTACT
 from physim.world.ground.solids import Solids
 
@@ -41,6 +42,7 @@ class Bodies(NamedTuple):
     owner: IntArray
     """(P,) robot or solid of each part of ``joined``"""
     solids: Solids
+    wall_tree: WallTree
 
 
 def split(key: IntArray, bodies: int) -> IntArray:
@@ -80,21 +82,37 @@ def pairs_of(part: IntArray, impulse: FloatArray, among: Bodies, pose: FloatArra
         if len(walls) == 1:
             continue
         x, y = on_solid(among.joined, p, pose[a], q)
-        nearest, is_met = np.inf, False
-        for w in walls:
-            gap = np.inf
-            for k in range(shapes.body_start[robots + w], shapes.body_start[robots + w + 1]):
-                start, end = shapes.part_start[k], shapes.part_start[k + 1]
-                gap = min(gap, point_gap(Part(shapes.vertices, start, end), x, y))
+        nearest, last, w, tree = np.inf, -1, 0, among.wall_tree
+        for k in parts_near(tree, pose[a, 0], pose[a, 1], shapes.radius[a] + CONTACT):
+            while tree.walls.body_start[w + 1] <= k:
+                w += 1
+            if w == last or solids.of[w] != s:
+                continue
+            last = w
             d = body_distance(shapes, a, pose[a], shapes, robots + w, pose[robots + w])
-            touches = d <= CONTACT
-            if touches > is_met or (touches == is_met and gap < nearest):
-                nearest, is_met = gap, touches
-                body[first, 1] = robots + w
-            if touches:
-                body[count, 0], body[count, 1] = a, robots + w
-                count += 1
+            if d > CONTACT:
+                continue
+            body[count, 0], body[count, 1] = a, robots + w
+            count += 1
+            gap = gap_to(shapes, robots + w, x, y)
+            if gap < nearest:
+                nearest, body[first, 1] = gap, robots + w
+        if nearest == np.inf:  # it touches the outline alone
+            for w in walls:
+                gap = gap_to(shapes, robots + w, x, y)
+                if gap < nearest:
+                    nearest, body[first, 1] = gap, robots + w
     return gather(body[:count], given[:count], len(pose))
+
+
+@compiled
+def gap_to(shapes: Shapes, body: int, x: float, y: float) -> float:
+    """Lower bound [m] of the distance of a point from a wall."""
+    gap = np.inf
+    for k in range(shapes.body_start[body], shapes.body_start[body + 1]):
+        wall = Part(shapes.vertices, shapes.part_start[k], shapes.part_start[k + 1])
+        gap = min(gap, point_gap(wall, x, y))
+    return gap
 
 
 @compiled

@@ -8,12 +8,12 @@ say what is wrong; who raises them adds the part and the time (`physim.parts.use
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from physim.compiled import compiled
+from physim.compiled import compiled, direct
 from physim.errors import ControllerError, plural
 from physim.geometry.shapes import FloatArray, IntArray, read_only
 from physim.parts.controller import LONGEST_HOLD, Decisions, Sensed
@@ -118,7 +118,7 @@ def taken_decisions(found: Any, due: IntArray, columns: int) -> Decisions:
     Raises ControllerError for what is not a row for each of them.
     """
     if not isinstance(found, Decisions):
-        raise ControllerError(f"returned {kind_of(found)}; it must return Decisions")
+        raise ControllerError(f"decide_all returned {kind_of(found)}; it must return Decisions")
     many = len(due)
     taken = Decisions(
         array_of("robot", found.robot, np.int64, (None,)),
@@ -144,10 +144,8 @@ def next_steps(scene: Scene, step: int, d: Decisions, declared: Declared) -> Int
     """
     steps = np.empty(len(d.robot), np.int64)
     modes, rules = len(declared.modes), len(declared.rules)
-    what, k, column = decision_fault(
-        scene.limits, d.robot, d.command, d.hold, d.mode, d.rule, d.considered,
-        d.considered_start, modes, rules, step, scene.dt, steps,
-    )  # fmt: skip
+    allowed = Allowed(scene.limits, modes, rules, scene.dt)
+    what, k, column = direct(decision_fault)(allowed, d, step, steps)
     if not what:
         return steps
     robot = d.robot[k]
@@ -172,40 +170,42 @@ def next_steps(scene: Scene, step: int, d: Decisions, declared: Declared) -> Int
     raise ControllerError(f"{scene.names[robot]} at {step * scene.dt:g} s: {text}")
 
 
+class Allowed(NamedTuple):
+    """What decisions are held against."""
+
+    limits: FloatArray
+    """(N, 2)"""
+    modes: int
+    """how many are declared"""
+    rules: int
+    dt: float
+
+
 @compiled
 def decision_fault(
-    limits: FloatArray,
-    due: IntArray,
-    command: FloatArray,
-    hold: FloatArray,
-    mode: IntArray,
-    rule: IntArray,
-    considered: IntArray,
-    considered_start: IntArray,
-    modes: int,
-    rules: int,
-    step: int,
-    dt: float,
-    next_step: IntArray,
+    allowed: Allowed, d: Decisions, step: int, next_step: IntArray
 ) -> tuple[int, int, int]:
     """What is wrong first, 0 where nothing is, in which row, and column of the command.
 
     Writes ``next_step`` (M,).
     """
+    limits, due, considered, considered_start = (
+        allowed.limits, d.robot, d.considered, d.considered_start
+    )  # fmt: skip
     if considered_start[0] != 0 or considered_start[-1] != len(considered):
         return PARTED, 0, 0
     seen = np.full(len(limits), -1)  # the row that considered each robot last
     for k in range(len(due)):
         for column in range(2):
-            if not abs(command[k, column]) <= limits[due[k], column] * (1.0 + SHARE):
+            if not abs(d.command[k, column]) <= limits[due[k], column] * (1.0 + SHARE):
                 return COMMANDED, k, column
-        if not hold[k] >= 0.0:
+        if not d.hold[k] >= 0.0:
             return HELD, k, 0
-        if not NO_NUMBER <= mode[k] < modes:
+        if not NO_NUMBER <= d.mode[k] < allowed.modes:
             return MODE, k, 0
-        if not NO_NUMBER <= rule[k] < rules:
+        if not NO_NUMBER <= d.rule[k] < allowed.rules:
             return RULE, k, 0
-        held = min(max(np.floor(hold[k] / dt + SHARE), 1.0), LONGEST_HOLD)
+        held = min(max(np.floor(d.hold[k] / allowed.dt + SHARE), 1.0), LONGEST_HOLD)
         next_step[k] = step + np.int64(held)
         first, end = considered_start[k], considered_start[k + 1]
         if not 0 <= first <= end <= len(considered):

@@ -19,7 +19,12 @@ PROGRESS = "physim.analysis.metrics.progress:"
 @rule("simulation")
 def holds_are_rounded_up() -> None:
     """A command is held for the steps that its time begins, not for those it fills."""
-    given(CHECKS + "decision_fault", hold=lambda a: np.ceil(a.hold / a.dt - 1e-9) * a.dt)
+
+    def longer(a: Any) -> Any:
+        dt = a.allowed.dt
+        return a.d._replace(hold=np.ceil(a.d.hold / dt - 1e-9) * dt)
+
+    given(CHECKS + "decision_fault", d=longer)
 
 
 @rule("simulation")
@@ -27,7 +32,7 @@ def limits_bind_speeds_forward_alone() -> None:
     """A robot may turn as fast as its controller likes."""
     half = np.array((1.0, 0.0))
     given(CHECKS + "beyond", command=lambda a: a.command * half)
-    given(CHECKS + "decision_fault", command=lambda a: a.command * half)
+    given(CHECKS + "decision_fault", d=lambda a: a.d._replace(command=a.d.command * half))
 
 
 @rule("simulation")

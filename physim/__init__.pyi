@@ -19,6 +19,7 @@ from .parts.controller import (
     ObservedRobot,
     Sensed,
     Snapshot,
+    Wall,
 )
 from .parts.declarations import PAPER_MODES, Column, Mode, Rule
 from .parts.stages import (
@@ -32,6 +33,7 @@ from .parts.stages import (
     with_poses,
 )
 from .record import Record
+from .simulation.arrays import Arrays
 from .simulation.forms import per_robot
 from .simulation.kept_states import state_at
 from .simulation.loop import Simulation
@@ -48,6 +50,7 @@ from .world.scene import Scene
 
 __all__ = [
     "PAPER_MODES",
+    "Arrays",
     "Column",
     "Controller",
     "ControllerError",
@@ -77,6 +80,7 @@ __all__ = [
     "Snapshot",
     "Step",
     "View",
+    "Wall",
     "World",
     "WorldError",
     "__version__",

@@ -108,15 +108,17 @@ def test_an_observation_holds_what_is_in_range_and_nothing_else(world_name: str)
             parts = [p for p in range(len(walls)) if distance[p] <= scene.sensing_range]
             if clear.all():
                 assert len(seen.walls) == len(parts)
-                for corners, p in zip(seen.walls, parts, strict=True):
-                    assert np.array_equal(corners, part_of(scene.walls, p))
+                for wall, p in zip(seen.walls, parts, strict=True):
+                    assert wall.index == p
+                    assert np.array_equal(wall.points, part_of(scene.walls, p))
             hidden += len(walls) - len(parts) + scene.robots - 1 - len(near)
             stations = simulation.now.reference_station
             mates = {n.index for n in seen.neighbours}
             assert mates == (neighbours(scene, stations, i) if plan.active else set())
             assert all(n.station == stations[n.index] for n in seen.neighbours)
             assert seen.dt == scene.dt
-            for array in (seen.pose, *seen.footprint, *seen.walls, *(o.pose for o in seen.others)):
+            walls_seen = (wall.points for wall in seen.walls)
+            for array in (seen.pose, *seen.footprint, *walls_seen, *(o.pose for o in seen.others)):
                 assert not array.flags.writeable
     assert hidden > 0
 

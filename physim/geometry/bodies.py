@@ -127,9 +127,18 @@ def body_gap(
     """
     best = np.inf
     V, start = shapes_a.vertices, shapes_a.part_start
+    W, w_start = shapes_b.vertices, shapes_b.part_start
     for p in range(shapes_a.body_start[i], shapes_a.body_start[i + 1]):
-        P = Part(V, start[p], start[p + 1])
-        best = min(best, wall_gap(P, shapes_b, j, f, min(best, enough)))
+        P, limit = Part(V, start[p], start[p + 1]), min(best, enough)
+        if P.end - P.first == 2 and limit < np.inf:
+            bound = point_gap(P, f.tx, f.ty) - shapes_b.radius[j] - BOUND_MARGIN
+            if bound >= limit:
+                best = min(best, bound)
+                continue
+        # The loop of `wall_gap`, which clearances would take 4 % longer to call.
+        for q in range(shapes_b.body_start[j], shapes_b.body_start[j + 1]):
+            Q = Part(W, w_start[q], w_start[q + 1])
+            best = min(best, part_gap(P, Q, f, min(best, enough)))
     return best
 
 

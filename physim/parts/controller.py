@@ -19,7 +19,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, fields
-from typing import TYPE_CHECKING, Any, NamedTuple, Protocol, runtime_checkable
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -78,6 +78,23 @@ class Neighbour:
 
 
 @dataclass(frozen=True)
+class Wall:
+    """A piece of a wall: a segment of a boundary, or a convex part of an obstacle."""
+
+    index: int
+    """among all pieces of the world"""
+    points: FloatArray
+    """(n, 2) [m] corners, world frame: two of a segment, else counter-clockwise"""
+    before: int | None
+    """index of the piece that joins at the first point of a segment, None: no other"""
+    after: int | None
+    """the same at its last point"""
+    free: Literal["left", "right", "outside"] | None
+    """where robots may be: left or right of a segment on the way from its first point to its last,
+    outside a part of an obstacle; None: on both sides"""
+
+
+@dataclass(frozen=True)
 class Observation:
     """All that Robot i may know when it decides. World frame, SI units.
 
@@ -114,8 +131,8 @@ class Observation:
     neighbours: tuple[Neighbour, ...]
     others: tuple[ObservedRobot, ...]
     """robots within ``range``, by index"""
-    walls: tuple[FloatArray, ...]
-    """parts of boundaries (2, 2) and obstacles (n, 2) within ``range``, in the world's order"""
+    walls: tuple[Wall, ...]
+    """pieces of boundaries and obstacles within ``range``, in the world's order"""
     range: float
     """[m]"""
     dt: float
@@ -358,4 +375,5 @@ __all__ = [
     "Rule",
     "Sensed",
     "Snapshot",
+    "Wall",
 ]

@@ -8,8 +8,8 @@ Nothing of it can change: arrays of a step and of a scene never do once they are
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from functools import cache, partial
-from typing import Any, TypeVar
+from functools import cache
+from typing import Any, Literal, TypeVar
 
 import numpy as np
 from numpy.typing import DTypeLike
@@ -17,11 +17,21 @@ from numpy.typing import DTypeLike
 from physim.geometry.path import Path
 from physim.geometry.shapes import FloatArray, IntArray, Shapes, read_only
 from physim.geometry.walls import parts_within
-from physim.parts.controller import FormationView, Neighbour, Observation, ObservedRobot, Sensed
+from physim.parts.controller import (
+    FormationView,
+    Neighbour,
+    Observation,
+    ObservedRobot,
+    Sensed,
+    Wall,
+)
 from physim.simulation.arrays import Arrays, Layout, arrays_of, layout_of, unchanging
 from physim.world.scene import Scene
 
 T = TypeVar("T")
+
+SIDES: tuple[Literal["left", "right", "outside"] | None, ...] = (None, "left", "right", "outside")
+"""by `physim.world.ground.pieces`"""
 
 
 def formation_errors(scene: Scene, reference_station: FloatArray) -> FloatArray:
@@ -179,7 +189,7 @@ class _SceneFacts:
         plan = scene.formation
         self.formation = FormationView(plan.active, plan.gain, plan.speed, plan.v_min, plan.v_max)
         self.facts, self.footprint = cache(self._facts), cache(self._footprint)
-        self.path, self.wall = cache(self._path), cache(partial(_part, scene.walls))
+        self.path, self.wall = cache(self._path), cache(self._wall)
 
     def _facts(self, i: int) -> dict[str, Any]:
         """Fields of observations of Robot i that stay as they are."""
@@ -209,8 +219,14 @@ class _SceneFacts:
         paths = self.scene.paths
         return Path(paths.points[paths.start[i] : paths.start[i + 1]], self.scene.outside[i])
 
-    def walls_near(self, x: float, y: float) -> tuple[FloatArray, ...]:
-        """Parts of walls (n, 2) within range of a place, read-only."""
+    def _wall(self, part: int) -> Wall:
+        """A part of a wall."""
+        before, after = (None if one < 0 else one for one in self.scene.pieces.joins[part].tolist())
+        free = SIDES[self.scene.pieces.free[part]]
+        return Wall(part, _part(self.scene.walls, part), before, after, free)
+
+    def walls_near(self, x: float, y: float) -> tuple[Wall, ...]:
+        """Pieces of walls within range of a place."""
         scene = self.scene
         parts = parts_within(scene.wall_tree, x, y, scene.sensing_range)
         return tuple(map(self.wall, parts.tolist()))

@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from physim.geometry.walls import WallTree
     from physim.world import World
     from physim.world.ground.area import Area
+    from physim.world.ground.pieces import Pieces
 
 Named = tuple[str, Any]
 """A shapely line or polygon, and before it what messages call it"""
@@ -219,6 +220,13 @@ class Scene:
     def robots(self) -> int:
         """Number of robots N."""
         return len(self.start)
+
+    @cached_property
+    def pieces(self) -> Pieces:
+        """Which parts of ``walls`` join, and where robots may be beside them."""
+        from physim.world.ground.pieces import pieces_of
+
+        return pieces_of(self.walls, self.area)
 
     @cached_property
     def names(self) -> tuple[str, ...]:

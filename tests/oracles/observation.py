@@ -6,7 +6,7 @@ import itertools
 
 import numpy as np
 
-from physim import FormationView, Neighbour, Observation, ObservedRobot, Scene, Sensed
+from physim import FormationView, Neighbour, Observation, ObservedRobot, Scene, Sensed, Wall
 from physim.geometry import Shapes
 from tests.helpers import inside
 
@@ -68,13 +68,20 @@ def observe(scene: Scene, sensed: Sensed, i: int) -> Observation:
             )
             for row in np.flatnonzero(in_range)
         ),
-        walls=tuple(_part(scene.walls, p) for p in walls),
+        walls=tuple(_wall(scene, p) for p in walls),
         range=reach,
         dt=scene.dt,
         formation=FormationView(plan.active, plan.gain, plan.speed, plan.v_min, plan.v_max),
         speeds=scene.speeds[i],
         omegas=scene.omegas[i],
     )
+
+
+def _wall(scene: Scene, part: int) -> Wall:
+    """A piece of a wall."""
+    points, free = _part(scene.walls, part), scene.pieces.free[part]
+    joins = [None if one < 0 else int(one) for one in scene.pieces.joins[part]]
+    return Wall(part, points, *joins, (None, "left", "right", "outside")[free])
 
 
 def _neighbours(scene: Scene, i: int, me: int, known: IntArray, station: FloatArray) -> IntArray:

@@ -56,7 +56,7 @@ def test_arrays_hold_what_observations_do(name: str) -> None:
             expected = [x, y, np.cos(turn), np.sin(turn), vx, vy, gap]
             assert row == pytest.approx(expected, abs=1e-9)
 
-        gaps = sorted(signed_distance(mine, [part]) for part in o.walls)
+        gaps = sorted(signed_distance(mine, [wall.points]) for wall in o.walls)
         rows = found.walls[i][found.walls_mask[i]]
         assert len(rows) == min(M, len(gaps))
         if len(rows):

@@ -14,6 +14,7 @@ import pytest
 from physim import Decision, Observation, Sensed, Simulation, View, for_each, simulate
 from physim.errors import PhysimError
 from physim.world import World
+from physim.world.file import parse_world
 from tests.helpers import Says, facts, inside, road
 from tests.oracles.observation import observe as observed_at_once
 
@@ -228,3 +229,31 @@ def test_stations_go_with_the_robots() -> None:
     now = simulation.now
     assert now.station == pytest.approx([20.5, 23.0, 28.75])
     assert now.reference_station == pytest.approx([15.5, 18.0, 23.75])
+
+
+WALLED = """
+name: walled
+time: {step: 0.02, duration: 1.0}
+boundaries:
+  - [[0, 0], [10, 0], [10, 6], [0, 6], [0, 0]]
+  - [[4, 6], [4, 4], [5, 4]]
+obstacles: [[[7, 1], [8, 1], [8, 2], [7, 2]]]
+robots: [{name: a, footprint: {length: 0.6, width: 0.4}, pose: [2, 3, 0], path: [[2, 3], [9, 3]]}]
+reference_path: [[2, 3], [9, 3]]
+controller: {type: constant}
+"""
+
+
+@pytest.mark.parametrize("turned", [False, True])
+def test_walls_know_what_joins_them_and_where_robots_may_be(turned: bool) -> None:
+    text = WALLED
+    if turned:  # the other way round
+        text = text.replace("[10, 0], [10, 6], [0, 6]", "[0, 6], [10, 6], [10, 0]")
+    walls = Simulation(parse_world(text)).observe(0).walls
+    ring, inner, solid = walls[:4], walls[4:6], walls[6]
+    assert [wall.index for wall in walls] == list(range(7))
+    assert [(wall.before, wall.after) for wall in ring] == [(3, 1), (0, 2), (1, 3), (2, 0)]
+    assert {wall.free for wall in ring} == {"right" if turned else "left"}
+    assert [(wall.before, wall.after) for wall in inner] == [(None, 5), (4, None)]
+    assert {wall.free for wall in inner} == {None}
+    assert (solid.before, solid.after, solid.free) == (None, None, "outside")

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from physim.analysis.metrics import Episode, Figures, Graze
 from physim.contacts import Phase
 from physim.drawing.crowd import NAMED
+from physim.drawing.drivers import MOST_MODES, drivers_of, marks_of
 from physim.drawing.palette import BAND, INK, Colour
 from physim.drawing.scene_model import SceneModel
 from physim.errors import RecordError
@@ -25,8 +26,6 @@ from physim.record import check_record
 if TYPE_CHECKING:
     from physim.record import Record
 
-MOST_MODES = 8
-"""Modes that are explained; of more, those that the run has."""
 NO_ROW = -1
 """Row of a robot that has not decided yet."""
 COARSE = 0.1
@@ -102,6 +101,10 @@ class Timeline:
         self.record = record
         self.scene = SceneModel.of_record(record)
         self.robots = len(record.names)
+        self.drivers = drivers_of(record)
+        """those of `drivers_of`"""
+        self.marks = marks_of(self.drivers, self.robots)
+        """those of `marks_of`"""
         self.begin, self.duration = float(self.time[0]), float(self.time[-1])
         """[s] of the first sample and of the last"""
         self.spacing = coarse_spacing(self.time)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from physim.drawing.page.data import is_warm
 from physim.drawing.page.document import MOST_RUNS, Page, drawn_between, page, write_page
 
-__all__ = ["MOST_RUNS", "Page", "drawn_between", "is_warm", "page", "write_page"]
+__all__ = ["MOST_RUNS", "Page", "drawn_between", "page", "write_page"]

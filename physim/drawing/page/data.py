@@ -14,7 +14,6 @@ import numpy as np
 from physim.analysis.metrics import Metric
 from physim.analysis.summary import Summary
 from physim.analysis.validation import Validation
-from physim.compiled import is_cached
 from physim.drawing.crowd import MOST_LINES, NAMED
 from physim.drawing.items import Level, items
 from physim.drawing.labels import clean
@@ -99,6 +98,8 @@ def run_data(record: Record, summary: Summary, validation: Validation | None = N
         "modeless": timeline.modeless,
         "columns": [vars(column) for column in record.declared.columns],
         "signs": list(signs(timeline, ground(timeline))),
+        "drivers": [one._asdict() for one in timeline.drivers],
+        "marks": timeline.marks,
         "range": _range(record),
         "why": why,
         "decisions": pack_decisions(
@@ -217,13 +218,6 @@ def _contact(timeline: Timeline, metric: Metric) -> int | None:
     same &= (contacts.began <= time + 1e-6) & (time < contacts.ended - 1e-6)
     rows = np.flatnonzero(same)
     return int(rows[0]) if len(rows) else None
-
-
-def is_warm() -> bool:
-    """Whether the kernels for the paragraphs lie compiled on disk; one stands for all."""
-    from physim.analysis.validation.analytic_contacts import scan_walls
-
-    return is_cached(scan_walls)
 
 
 def _pack_contacts(timeline: Timeline, pack: Pack, validation: Validation | None) -> dict[str, Any]:

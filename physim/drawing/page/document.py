@@ -14,6 +14,7 @@ from typing import Any
 from physim._version import __version__
 from physim.analysis.summary import summarise, table_rows
 from physim.analysis.validation import Validation
+from physim.drawing.drivers import drivers_of, key_of
 from physim.drawing.labels import clean
 from physim.drawing.page.colours import asset, schemes, script, styles
 from physim.drawing.page.data import run_data
@@ -134,7 +135,8 @@ def _labels(records: Sequence[Record]) -> list[str]:
 def _about(records: Sequence[Record]) -> str:
     """How many robots or runs, and in what two runs differ where that is known."""
     first, told = records[0], []
-    words = [f"{plural(first.robots, 'robot')}, seed {first.seed}, {first.setup.controller_names}"]
+    controllers = key_of(drivers_of(first)) or first.setup.controller_names
+    words = [f"{plural(first.robots, 'robot')}, seed {first.seed}, {controllers}"]
     if len(records) > 1:
         words = [plural(len(records), "run")]
     if len(records) == 2:

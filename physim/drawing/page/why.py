@@ -11,9 +11,7 @@ from collections.abc import Mapping, Sequence
 from types import MappingProxyType
 from typing import Any
 
-from pydantic import ValidationError
-
-from physim.errors import PhysimError
+from physim.drawing.drivers import settings_of
 from physim.parts.declarations import Rule
 from physim.record import Record
 from physim.record.setup import Part
@@ -88,14 +86,14 @@ def _prose(record: Record, part: Part) -> dict[str, str]:
     prose = dict(PROSE.get(part.name, {}))
     if part.name == "mode_switching":
         prose["path_following"] += IN_FORMATION if record.world_settings.get("formation") else ALONE
-    if _settings(part).get("avoidance") == "none" and "path_following" in prose:
+    if settings_of(part).get("avoidance") == "none" and "path_following" in prose:
         prose["path_following"] = f"It keeps clear of nothing: avoidance is off. {STEERS}."
     return prose
 
 
 def _driver(part: Part, robots: Sequence[int]) -> dict[str, Any]:
     """What holds for the robots of one controller."""
-    name, settings = part.name, _settings(part)
+    name, settings = part.name, settings_of(part)
     return {
         "controller": str(part),
         "robots": robots,
@@ -120,24 +118,6 @@ def _rule(rule: Rule, prose: Sequence[Mapping[str, str]]) -> dict[str, str]:
         "equation": found[0] if found else "",
         "prose": told,
     }
-
-
-def _settings(part: Part) -> dict[str, Any]:
-    """Settings of a controller, those that the world does not give as they are by default.
-
-    Only those that the world gives, where nobody has registered the controller; none where it
-    refuses them, as in a record of another version: they may be anything.
-    """
-    from physim.parts.registry import CONTROLLER, find_part
-
-    try:
-        model = getattr(find_part(CONTROLLER, part.name), "Settings", None)
-        made = None if model is None else model.model_validate(part.settings)
-    except PhysimError:
-        made = None
-    except ValidationError:
-        return {}
-    return dict(part.settings) if made is None else dict(made.model_dump())
 
 
 def _thresholds(settings: dict[str, Any]) -> list[dict[str, Any]]:

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from physim.drawing.drivers import Driver, drivers_of, marks_of
 from physim.drawing.labels import (
     DISC,
     TURNS,
@@ -29,6 +30,8 @@ if TYPE_CHECKING:
 
 LONGEST_NAME = 18
 """Characters of a name in a legend."""
+LONGEST_DRIVER = 44
+"""Characters of a controller with its robots"""
 SHORTEST_RUN = 12
 """Characters of the name of a run that are shown rather than what to compare it with."""
 HEAD = 0.36
@@ -145,6 +148,14 @@ def short(name: str, most: int = LONGEST_NAME) -> str:
     return "\u00a0" + line if line.startswith("_") else line  # labels in _ are left out
 
 
+def driver_handle(driver: Driver) -> Any:
+    """A line of a legend: a controller by its letter, and its robots."""
+    from matplotlib.patches import Patch
+
+    label = short(driver.words, LONGEST_DRIVER)
+    return Patch(facecolor="none", edgecolor="none", label=label)
+
+
 def names_of(record: Record, bodies: Sequence[int | None]) -> str:
     """Names of bodies, "r1 and r2"."""
     return " and ".join(short(record.bodies[i].name) for i in bodies if i is not None)
@@ -183,7 +194,8 @@ def zero_line(axis: Any) -> None:
 def name_rows(axis: Any, record: Record, named: int, size: float, most: int = LONGEST_NAME) -> None:
     """Names beside the rows of robots, of about ``named`` of many."""
     robots = range(0, record.robots, -(-record.robots // named))
-    axis.set_yticks(list(robots), [short(record.names[i], most) for i in robots])
+    marks = marks_of(drivers_of(record), record.robots)
+    axis.set_yticks(list(robots), [short(record.names[i], most) + marks[i] for i in robots])
     axis.tick_params(axis="y", length=0, labelsize=size)
     axis.set_ylabel("robot")
 

@@ -15,6 +15,7 @@ import shapely
 from physim.contacts import Kind, Phase
 from physim.drawing import palette
 from physim.drawing.crowd import MOST_LINES, NAMED
+from physim.drawing.drivers import MOST_DRIVERS, drivers_of, marks_of, owner_of
 from physim.drawing.items import Item, Level, items
 from physim.drawing.labels import round_step, significant
 from physim.drawing.palette import Colour, hexed
@@ -22,6 +23,7 @@ from physim.drawing.plots.frame import (
     USUAL,
     Note,
     Paper,
+    driver_handle,
     finished,
     framed,
     mark,
@@ -151,6 +153,10 @@ def trajectories(record: Record, every: float | None = None, paper: Paper = USUA
     scene = SceneModel.of_record(record)
     _framed_run(axis, scene, record)
     handles = draw_items(axis, [item for item in items(scene) if item.level <= Level.WALL])
+    drivers = drivers_of(record)
+    for handle in handles:
+        if handle.get_label() in ("danger area", "safe area"):
+            handle.set_label(handle.get_label() + owner_of(drivers))
     if not record.samples:
         nothing(axis, "no sample was recorded")
         return finished(figure, handles)
@@ -159,6 +165,7 @@ def trajectories(record: Record, every: float | None = None, paper: Paper = USUA
     count = min(int((timeline.duration - timeline.begin) / every + 1e-9) + 1, MOST_SNAPSHOTS)
     at = np.unique(timeline.sample(timeline.begin + every * np.arange(count)))
     handles += _courses(axis, record) + _snapshots(axis, timeline, at) + _contacts(axis, record)
+    handles += map(driver_handle, drivers[:MOST_DRIVERS])
     axis.set_title(f"robots every {every:g} s", loc="right", fontsize=8.5)
     finished(figure, handles)
     _write_times(axis, scene, record, at)
@@ -192,9 +199,10 @@ def _courses(axis: Any, record: Record) -> list[Any]:
         draw_lines(axis, courses, color=INK, linewidth=0.5, zorder=2.0, alpha=alpha)
         label = f"trajectories of {record.robots} robots"
         return [*axis.plot([], [], color=INK, linewidth=0.5, alpha=0.35, label=label)]
+    marks = marks_of(drivers_of(record), record.robots)
     return [
         axis.plot(*course.T, color=robot_colour(i), linewidth=1.2, zorder=2.0,
-                  label=short(record.names[i]))[0]
+                  label=short(record.names[i]) + marks[i])[0]
         for i, course in enumerate(courses)
     ]  # fmt: skip
 

@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from physim.analysis.metrics import Figures, mode_spans
+from physim.analysis.metrics.modes import danger_of
+from physim.drawing.drivers import MOST_DRIVERS, MOST_LETTERS, Driver, drivers_of
 from physim.drawing.plots.frame import (
     USUAL,
     Paper,
+    driver_handle,
     finished,
     framed,
     name_rows,
@@ -64,8 +68,13 @@ def modes(record: Record, paper: Paper = USUAL) -> Any:
     axis.set_ylim(record.robots - 0.4, -0.6)
     name_rows(axis, record, MOST_ROWS, 8.0 if few else 6.5)
     safe = Figures(record).metric("safe_share")
+    drivers = drivers_of(record)
+    careful = [one for one in drivers if any(record.modes[k].danger for k in one.modes)]
     if few and safe is not None and safe.robots is not None:
         words = [None if share is None else percent(share, 0) for share in safe.robots]
+        if drivers:  # who knows no danger is not safe either
+            theirs = {robot for one in careful for robot in one.robots}
+            words = [text if robot in theirs else None for robot, text in enumerate(words)]
         bold = [share is not None and share < 0.5 for share in safe.robots]
         row_ends(axis, "safe", words, bold, "share")
     if not few:
@@ -76,8 +85,13 @@ def modes(record: Record, paper: Paper = USUAL) -> Any:
         above.set(ylim=(0.0, record.robots), ylabel="robots in\neach mode")
     if safe is not None:
         title = f"out of danger: {percent(safe.value)} of all robots' time under way"
+        if drivers:
+            shares = {one.letter: danger_of(record, one.robots) for one in careful}
+            told = [f"{k} {percent(1.0 - one, 0)}" for k, one in shares.items() if one is not None]
+            more = ["…"] if len(told) > MOST_LETTERS else []
+            title = f"out of danger: {', '.join(told[:MOST_LETTERS] + more)}"
         above.set_title(title, loc="right", fontsize=8.0, color=QUIET)
-    return finished(figure, _handles(record, spans), 4)
+    return finished(figure, _handles(record, spans, drivers), 1 if drivers else 4)
 
 
 def _rows(axis: Any, record: Record, spans: NDArray[np.void], height: float) -> None:
@@ -107,16 +121,21 @@ def mode_counts(record: Record, spans: NDArray[np.void]) -> tuple[FloatArray, In
     return times, np.array(found)
 
 
-def _handles(record: Record, spans: NDArray[np.void]) -> list[Any]:
-    """Of the modes that last, and of blank stretches."""
+def _handles(record: Record, spans: NDArray[np.void], drivers: Sequence[Driver]) -> list[Any]:
+    """Of the modes that last, below each of several controllers its own, and of blank stretches."""
     from matplotlib.patches import Patch
 
-    lasting = spans["mode"][spans["end"] > spans["begin"]]
-    handles = [
-        Patch(facecolor=mode.colour, label=short(str(mode), LONGEST_MODE))
-        for k, mode in enumerate(record.modes)
-        if (lasting == k).any()
-    ]
+    lasting = spans[spans["end"] > spans["begin"]]
+    handles = []
+    for one in drivers[:MOST_DRIVERS] or (None,):
+        given = lasting["mode"]
+        if one is not None:
+            given = given[np.isin(lasting["robot"], one.robots)]
+            handles.append(driver_handle(one))
+        handles += [
+            Patch(facecolor=record.modes[k].colour, label=short(str(record.modes[k]), LONGEST_MODE))
+            for k in np.unique(given[given != NO_NUMBER]).tolist()
+        ]
     coloured = spans[spans["mode"] != NO_NUMBER]
     filled = np.bincount(
         coloured["robot"], coloured["end"] - coloured["begin"], minlength=record.robots

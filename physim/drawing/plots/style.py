@@ -17,7 +17,6 @@ from typing import Any
 from physim.drawing import palette
 from physim.drawing.palette import hexed
 from physim.files import draft
-from physim.stray_settings import MATPLOTLIB, unseen
 
 INK = hexed(palette.INK)
 QUIET = hexed(palette.QUIET)
@@ -55,6 +54,8 @@ and `import matplotlib` ends in a ValueError where that backend is not installed
 DATE = "SOURCE_DATE_EPOCH"
 """Variable by which builds date their files; one that is no whole number is an error in matplotlib
 """
+SETTINGS = "matplotlibrc"
+"""File by which matplotlib would draw; one in the working folder may have come from a stranger"""
 OF_THE_PROCESS = ("backend", "backend_fallback", "interactive", "toolbar", "timezone", "date.epoch")
 """Settings that are no matter of one picture"""
 
@@ -66,7 +67,7 @@ def load_matplotlib() -> Any:
     """
     if "matplotlib" in sys.modules:
         return sys.modules["matplotlib"]
-    with _without(BACKEND) as wanted, unseen(MATPLOTLIB):
+    with _without(BACKEND) as wanted, _settings_unseen():
         import matplotlib
     if wanted:
         with suppress(ValueError):  # no such backend: the one that matplotlib finds
@@ -83,6 +84,20 @@ def _without(variable: str) -> Iterator[str | None]:
     finally:
         if value is not None:
             os.environ[variable] = value
+
+
+@contextmanager
+def _settings_unseen() -> Iterator[None]:
+    """Be in the root folder meanwhile, where the working folder has settings of matplotlib."""
+    if not os.path.lexists(SETTINGS):
+        yield
+        return
+    here = os.getcwd()
+    os.chdir(os.sep)
+    try:
+        yield
+    finally:
+        os.chdir(here)
 
 
 @contextmanager

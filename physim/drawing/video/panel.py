@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
+from typing import NamedTuple
 
 import cv2
 import numpy as np
 
 from physim.drawing import palette
 from physim.drawing.crowd import NAMED
+from physim.drawing.drivers import MOST_DRIVERS, owner_of
 from physim.drawing.items import Item
 from physim.drawing.palette import Colour, rgb
 from physim.drawing.scene_model import shape
@@ -39,6 +41,7 @@ from physim.drawing.video.canvas import (
 )
 from physim.drawing.video.ground import Ground
 from physim.drawing.video.view import Pair
+from physim.errors import plural
 from physim.geometry.shapes import FloatArray
 from physim.parts.declarations import Mode
 from physim.units import amount, true_minus
@@ -56,6 +59,10 @@ CLOCK, FIGURES = 70, 142
 """[px] tops of the clock and the figures"""
 FIGURE, HEAD, SETTINGS = 22, 18, 15
 """[px] height of a line of figures, of the words above the modes, and of a line of settings"""
+GAP = 6
+"""[px] above the second and further groups of modes"""
+SCALE = 74
+"""[px] room below it for the scale bar"""
 BELOW = 134
 """[px] room below the legend for the scale bar and a small overview"""
 NO_MODES, NO_MODE = "robot; no modes are given", "robot without a mode"
@@ -64,6 +71,8 @@ GROUND = (
     "path", "reference path", "boundary", "obstacle", "safe area", "danger area", "accessible area"
 )  # fmt: skip
 """What of the ground the legend explains, in its order"""
+KEPT = ("safe area", "danger area")
+"""What is so by the distance that a controller keeps"""
 START, MIDDLE, END = np.array([[0.0, 0.0], [WIDE / 2.0, 0.0], [WIDE, 0.0]])
 _BOX = shape([np.array([[-9.0, -5.5], [9.0, -5.5], [9.0, 5.5], [-9.0, 5.5]])])
 
@@ -102,7 +111,7 @@ def signs(timeline: Timeline, ground: Ground, whole: bool = False) -> dict[str, 
     for what in GROUND:
         if drawn := [item for item in ground.items if item.what == what]:
             words, sign = _of_items(drawn, plural)
-            found[words] = sign
+            found[words + owner_of(timeline.drivers) * (what in KEPT)] = sign
     return found
 
 
@@ -128,6 +137,45 @@ def draw_signs(
         sign(image, Lens(1.0, left, y))
         words = shorten(words, TEXT, room - SIGN) if room else words
         write(image, words, (left + SIGN, y + 5), TEXT)
+
+
+class Group(NamedTuple):
+    """A part of the legend: words, and below them modes and of whom they are counted."""
+
+    words: list[str]
+    modes: Sequence[int] = ()
+    robots: Sequence[int] | None = None
+    """all where it is None"""
+
+
+def heads(groups: Sequence[Group]) -> int:
+    """Height [px] of the words of groups."""
+    return sum(GAP + HEAD + SETTINGS * (len(group.words) - 1) for group in groups) - GAP
+
+
+def groupings(timeline: Timeline, room: int) -> Iterator[list[Group]]:
+    """Groups for lines of ``room`` [px], the most telling first.
+
+    Modes stand below their controller, each with its robots; where that is too much, all at once
+    below few controllers.
+    """
+    setup, explained = timeline.record.setup, timeline.explained_modes
+    drivers = timeline.drivers
+    if not drivers:
+        head = f"{'modes of' if explained else 'controller'} {setup.controller.name}"
+        beside = wrapped(setup.controller.set_to, SMALL, room, most=3)
+        yield [Group([shorten(head, SMALL, room), *beside], explained)]
+        return
+    for most in (2, 1) if len(drivers) <= MOST_DRIVERS else ():
+        yield [
+            Group(wrapped(one.words, SMALL, room, most), one.modes, one.robots) for one in drivers
+        ]
+    together = [Group(["modes of all controllers"], explained)] if explained else []
+    for count in range(min(len(drivers), MOST_DRIVERS), 0, -1):
+        shown = [Group([shorten(one.words, SMALL, room)]) for one in drivers[:count]]
+        if more := len(drivers) - count:
+            shown.append(Group([f"and {plural(more, 'controller')} more"]))
+        yield [*shown, *together]
 
 
 def mode_signs(modes: Iterable[Mode]) -> list[tuple[str, Sign]]:
@@ -195,21 +243,19 @@ class Panel:
         self._wide, self._right = wide, wide - PAD
         contacts = timeline.contacts
         lines = 3 + bool(len(contacts.began)) + bool(np.isfinite(contacts.deep).any())
-        setup = timeline.record.setup
-        self._controller, beside = setup.controller.name, setup.controller.set_to
-        if len(setup.controllers) > 1:
-            self._controller = f"{len(setup.controllers)} controllers"
-            beside = setup.controller_names
-        self._settings = wrapped(beside, SMALL, self._right - PAD, most=3)
         self._rule = FIGURES + 12 + lines * FIGURE
-        self._top = self._rule + 8 + HEAD + SETTINGS * len(self._settings)
-        self._modes = [timeline.scene.modes[k] for k in timeline.explained_modes]
         legends = [
             signs(timeline, ground, over and scales[0] != scales[1]) for over in (False, True)
         ]
-        rows = len(self._modes) + len(legends[0])
-        self._row = max(LEAST_ROW, min(ROW, (high - self._top - BELOW) // max(rows, 1)))
-        self._bar = self._top + rows * self._row + 12 * (1 + bool(self._modes))
+        for groups in groupings(timeline, self._right - PAD):
+            modes = sum(len(group.modes) for group in groups)
+            top, rows = self._rule + 8 + heads(groups), modes + len(legends[0])
+            self._groups = groups
+            if top + rows * LEAST_ROW + SCALE <= high:
+                break
+        self._row = max(LEAST_ROW, min(ROW, (high - top - BELOW) // max(rows, 1)))
+        self._legend = top + modes * self._row + 12 * bool(modes)
+        self._bar = top + rows * self._row + 12 * (1 + bool(modes))
         self.free = Box(PAD, self._bar + 36, self._right - PAD, high - self._bar - 50)
         """the part of the panel, in its own pixels, that is left for the whole map"""
         self._speed, self._scales, self._legends = speed, scales, legends
@@ -226,22 +272,30 @@ class Panel:
               weight=BOLD, anchor="right")  # fmt: skip
         count = self._timeline.robots
         robots = "1 robot" if count == 1 else f"{count} robots"
-        head = f"{'modes of' if self._modes else 'controller'} {self._controller}"
-        top, legend_top = self._rule + 18, self._top + len(self._modes) * self._row
-        quiet = {53: f"{robots}, seed {record.seed}", top: shorten(head, SMALL, room)}
-        quiet |= {top + k * SETTINGS: line for k, line in enumerate(self._settings, 1)}
-        for y, line in quiet.items():
-            write(image, line, (PAD, y), SMALL, colour=palette.QUIET)
-        draw_signs(image, PAD, self._top, self._row, mode_signs(self._modes), room - 30)
+        write(image, f"{robots}, seed {record.seed}", (PAD, 53), SMALL, colour=palette.QUIET)
+        colour = palette.INK if self._timeline.drivers else palette.QUIET
+        for group, top in self._placed():
+            for k, line in enumerate(group.words, 1):
+                y = top - HEAD + 10 - SETTINGS * (len(group.words) - k)
+                write(image, line, (PAD, y), SMALL, colour=colour)
+            modes = [self._timeline.scene.modes[mode] for mode in group.modes]
+            draw_signs(image, PAD, top, self._row, mode_signs(modes), room - 30)
         rules = [self._rule, self._bar - 6]
-        if self._modes:
-            rules.append(legend_top + 6)
-            legend_top += 12
+        if any(group.modes for group in self._groups):
+            rules.append(self._legend - 6)
         for y in rules:
             cv2.line(image, (PAD, y), (self._right, y), palette.RULE, 1)
-        draw_signs(image, PAD, legend_top, self._row, self._legends[over].items())
+        draw_signs(image, PAD, self._legend, self._row, self._legends[over].items())
         draw_scale(image, PAD, self._bar + 14, self._scales[over])
         return image
+
+    def _placed(self) -> Iterator[tuple[Group, int]]:
+        """Every group, and the top [px] of its modes."""
+        top = self._rule + 8 - GAP
+        for group in self._groups:
+            top += GAP + HEAD + SETTINGS * (len(group.words) - 1)
+            yield group, top
+            top += self._row * len(group.modes)
 
     def paint(self, now: Moment, pair: Pair | None) -> None:
         """Show one moment, with the closest pair of robots."""
@@ -263,11 +317,13 @@ class Panel:
         self._show_line(53, "", words, palette.INK, size=SMALL, left=self._wide // 2)
         for row, (words, value, colour) in enumerate(self._figures(now, pair)):
             self._show_line(FIGURES + 12 + row * FIGURE, words, value, colour)
-        for k, mode in enumerate(self._timeline.explained_modes):
-            count = int((now.modes == mode).sum())
-            y = self._top + k * self._row + self._row // 2 + 5
-            colour = palette.INK if count else palette.QUIET
-            self._show_line(y, "", str(count), colour, left=self._right - 50)
+        for group, top in self._placed():
+            theirs = now.modes if group.robots is None else now.modes[list(group.robots)]
+            for k, mode in enumerate(group.modes):
+                count = int((theirs == mode).sum())
+                y = top + k * self._row + self._row // 2 + 5
+                colour = palette.INK if count else palette.QUIET
+                self._show_line(y, "", str(count), colour, left=self._right - 50)
 
     def _show_line(
         self, y: int, words: str, value: str, colour: Colour, size: int = TEXT, left: int = PAD

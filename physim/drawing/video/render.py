@@ -15,6 +15,7 @@ import cv2
 import numpy as np
 
 from physim.drawing import palette
+from physim.drawing.drivers import key_of, owner_of
 from physim.drawing.palette import rgb
 from physim.drawing.timeline import Timeline
 from physim.drawing.video.canvas import (
@@ -47,7 +48,7 @@ from physim.drawing.video.film import (
     size_at,
 )
 from physim.drawing.video.ground import Whole, ground
-from physim.drawing.video.panel import GROUND, ROW, SIGN, Panel, draw_signs, mode_signs, signs
+from physim.drawing.video.panel import GROUND, KEPT, ROW, SIGN, Panel, draw_signs, mode_signs, signs
 from physim.drawing.video.strip import Strip
 from physim.drawing.video.view import SHORT, Camera, View, smallest_length
 from physim.errors import PhysimError
@@ -199,6 +200,8 @@ class Beside:
             record, left = view.timeline.record, view.box.left + PAD
             room = view.box.width - 2 * PAD
             words = f"{record.name}, seed {record.seed}"
+            if drivers := view.timeline.drivers:
+                words += f": {key_of(drivers)}"
             if title and name:
                 words = f"{name}: {words}"
             head = shorten(title or name, TITLE, room - OUTCOME, BOLD)
@@ -218,7 +221,9 @@ class Beside:
             contact = [("contact", entries["contact"])]
             draw_signs(image, BAR_END + 2 * PAD, HEIGHT - FOOTER + 14, ROW, contact)
             left = view.box.left + BESIDE
-            for words in (word for word in reversed(GROUND) if word in entries):
+            owner = owner_of(timeline.drivers)
+            still = {word + owner if word in KEPT else word for word in GROUND}
+            for words in (word for word in reversed(entries) if word in still):
                 wide = SIGN + width(words, TEXT)
                 if left + wide <= right:  # of what stands still as many as have the room
                     entry = [(words, entries[words])]
@@ -250,11 +255,19 @@ def titles(left: World, right: World) -> tuple[str, str]:
     found = differences(left, right)
     if len(found) > MOST_NAMED and left.name != right.name:
         return left.name, right.name
+    stages = {
+        f"{key}.{k}.": stage.type
+        for world in (left, right)
+        for key, listed in (("sensing.stages", world.sensing.stages), ("filters", world.filters),
+                            ("disturbances", world.disturbances))
+        for k, stage in enumerate(listed)
+    }  # fmt: skip
     words = []
     for key in found:  # of filters.0 not 0 alone
         parts = key.removesuffix(".type").split(".")
         last = max((k for k, part in enumerate(parts) if not part.isdigit()), default=0)
-        words.append(".".join(parts[last:]))
+        whose = [name for at, name in stages.items() if key.startswith(at) and key != f"{at}type"]
+        words.append(" ".join([*whose, ".".join(parts[last:])]))
     if len(set(words)) < len(words):
         words = list(found)
     named = list(zip(words, found.values(), strict=True))[:MOST_NAMED]

@@ -211,7 +211,10 @@ class View:
         self._walls = pieces_of(
             line for item in world.items if item.level == Level.WALL for line in item.lines
         )
-        self._names = [shorten(name, TEXT, 110) for name in timeline.record.names]
+        self._names = [
+            shorten(name, TEXT, 110) + mark
+            for name, mark in zip(timeline.record.names, timeline.marks, strict=True)
+        ]
         self._crowd = timeline.robots > NAMED
         self._trail = SHORT_TRAIL if self._crowd else TRAIL
         steps = SHORT_STEPS if self._crowd else TRAIL_STEPS

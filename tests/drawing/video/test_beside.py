@@ -122,6 +122,13 @@ def test_titles_say_in_what_worlds_differ(one: str, other: str, expected: tuple[
     assert titles(parse_world(one), parse_world(other)) == expected
 
 
+def test_a_title_names_the_stage_of_which_a_setting_differs() -> None:
+    slow, fast = (
+        parse_world(SMALL).changed(filters=[{"type": "ramp", "gap": gap}]) for gap in (0.0, 2.0)
+    )
+    assert titles(slow, fast) == ("ramp gap: 0.0", "ramp gap: 2.0")
+
+
 def test_the_command_writes_beside_the_first_record(
     free: Record, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -184,6 +184,15 @@ def test_the_panel_tells_settings_and_contacts_of_now_and_so_far(
         values = dict(pairwise(written))
         assert values["contacts so far"] == str(int(touching != "none"))
         assert values["touching now"] == touching
+    parts = (Part("mode_switching", {}), (0, 2)), (Part("path_following", {}), (1,))
+    mixed = dataclasses.replace(setup, controllers=parts)
+    written.clear()
+    frame_at(changed(made(3), setup=mixed), 1.1, speed=1.0)
+    heads = "A mode_switching: r1, r3", "B path_following: r2"
+    first, second = map(written.index, heads)
+    assert "safe" in written[first:second]  # that of A
+    assert "safe" in written[second:]
+    assert {"r1·A", "r2·B", "r3·A", "safe area of A"} <= set(written)
 
 
 @pytest.mark.parametrize("share", [0.9, 10.0])

@@ -46,31 +46,37 @@ function momentOf(view, time) {
   ];
 }
 
-/** Legend: modes with how many robots have each now, and one line for every sign. */
+/** Legend: modes with how many robots have each now, by controller where there are several, and one
+ * line for every sign. */
 export function legend(view, colours) {
   const { run } = view;
-  const counts = new Map();
-  const modes = run.header.explained.map((number) => {
-    const mode = run.modes[number];
-    const swatch = el("span", { class: "swatch" });
-    swatch.style.setProperty("--mode", mode.colour);
-    const count = el("span", { class: "count" });
-    counts.set(number, count);
-    return el("li", {}, swatch, el("span", {}, mode.words), count);
-  });
+  const counts = [];
+  const modesOf = (numbers, robots) =>
+    el("ul", { class: "legend" }, numbers.map((number) => {
+      const mode = run.modes[number];
+      const swatch = el("span", { class: "swatch" });
+      swatch.style.setProperty("--mode", mode.colour);
+      const count = el("span", { class: "count" });
+      counts.push({ number, robots, count });
+      return el("li", {}, swatch, el("span", {}, mode.words), count);
+    }));
+  const { drivers, explained, why } = run.header;
+  const groups = drivers.flatMap(({ words, modes, robots }) =>
+    [el("h2", {}, words), modesOf(modes, robots)]);
+  if (!drivers.length) {
+    groups.push(el("h2", {}, explained.length ? `modes of ${why.controller}` : why.controller));
+    groups.push(modesOf(explained, null));
+  }
   const signs = run.header.signs.map((words) =>
     el("li", {}, sign(words, colours), el("span", {}, words)),
   );
-  const list = [
-    el("h2", {}, modes.length ? `modes of ${run.header.why.controller}` : run.header.why.controller),
-    el("ul", { class: "legend" }, modes),
-    el("h2", {}, "signs"),
-    el("ul", { class: "legend" }, signs),
-  ];
+  const list = [...groups, el("h2", {}, "signs"), el("ul", { class: "legend" }, signs)];
   const update = (time) => {
-    const now = new Map();
-    for (const mode of run.modesAt(time)) now.set(mode, (now.get(mode) ?? 0) + 1);
-    for (const [number, count] of counts) say(count, String(now.get(number) ?? 0));
+    const now = run.modesAt(time);
+    for (const { number, robots, count } of counts) {
+      const theirs = robots ? robots.map((robot) => now[robot]) : [...now];
+      say(count, String(theirs.filter((mode) => mode === number).length));
+    }
   };
   return { list, update };
 }

@@ -99,7 +99,7 @@ export class Plots {
     const whole = [title, row.note].filter(Boolean).join("; ");
     const fits = context.measureText(whole).width <= box.width;
     context.fillText(fits ? whole : title, LEFT, top + 11, box.width);
-    const names = run.names.slice(0, run.robots);
+    const names = run.marks.map((mark, robot) => run.names[robot] + mark);
     if (row.named) this.nameLines(context, names, LEFT + context.measureText(`${title}  `).width, top + 11, colours);
     if (box.height < 6) return;
     context.fillStyle = colours.faint;
@@ -117,7 +117,7 @@ export class Plots {
     context.clip();
     row.draw(context, frame, { colours, active, chosen });
     context.restore();
-    if (row.ofOne && !row.limits) this.nameRows(context, names, frame, colours);
+    if (row.ofOne && !row.limits) this.nameRows(context, run, frame, colours);
   }
 
   /** Names of the robots in the colours of their lines, after the title. */
@@ -143,13 +143,14 @@ export class Plots {
   }
 
   /** Names of the robots before their rows, where there is room. */
-  nameRows(context, names, frame, colours) {
-    const high = frame.height / names.length;
+  nameRows(context, { names, marks }, frame, colours) {
+    const high = frame.height / marks.length;
     if (high < TICK - 2) return;
     Object.assign(context, { textAlign: "right", textBaseline: "middle", fillStyle: colours.quiet });
-    names.forEach((name, k) => {
-      const words = name.length > 8 ? `${name.slice(0, 7)}…` : name;
-      context.fillText(words, LEFT - 5, frame.top + (k + 0.5) * high, LEFT - 8);
+    marks.forEach((mark, k) => {
+      const room = 8 - mark.length;
+      const name = names[k].length > room ? `${names[k].slice(0, room - 1)}…` : names[k];
+      context.fillText(name + mark, LEFT - 5, frame.top + (k + 0.5) * high, LEFT - 8);
     });
   }
 

@@ -11,6 +11,7 @@ export class Run {
     this.begin = header.begin;
     this.duration = header.duration;
     this.names = header.scene.bodies.map((body) => body.name);
+    this.marks = header.marks; // of who drives each robot, behind its name
     this.modes = header.modes;
     this.knots = starts(array.whole("knots"));
     this.knotStep = array.whole("knot_step");

@@ -14,7 +14,7 @@ from pathlib import Path
 
 from benchmarks import first, headon, report, scaling, speed, targets, trial
 from benchmarks.environments import PEERS, Environment, environment
-from benchmarks.measuring import FAILED, HERE, ROOT, Job, Progress, Store, in_turn, run
+from benchmarks.measuring import FAILED, HERE, ROOT, Job, Progress, Store, in_turn
 
 SUBJECTS = ("speed", "headon", "first", "scaling", "trial", "targets")
 
@@ -90,7 +90,7 @@ def _measure(
     wanted: set[str],
 ) -> None:  # fmt: skip
     quick, groups = options.quick, []
-    rounds, commands = options.rounds or (1 if quick else 3), []
+    rounds = options.rounds or (1 if quick else 3)
     if "speed" in wanted:
         groups += [(group, rounds) for group in speed.groups(peers, quick)]
     if "headon" in wanted:
@@ -111,11 +111,6 @@ def _measure(
         groups += [(group, rounds) for group in theirs]
     progress = Progress(sum(len(group) * times for group, times in groups))
     try:
-        progress.tell("kernels")
-        for job in speed.warm_up():
-            run(job)
-        for job in commands:
-            run(job)
         if "first" in wanted and not quick:
             progress.tell("first: installation of physim")
             if not (options.resume and store.results("first", "physim", "install")):

@@ -22,7 +22,6 @@ BOX = np.array([[-0.9, -0.5], [0.9, -0.5], [0.9, 0.5], [-0.9, 0.5]])
 
 
 def best_time(work: Callable[..., Any], *args: Any) -> float:
-    work(*args)  # compile
     times = []
     for _ in range(ROUNDS):
         start = time.process_time()

@@ -41,8 +41,6 @@ def sampled(samples: Samples) -> Iterator[None]:
     """Count (file, function) at every `EVERY` of processor time in the block."""
 
     def note(_signal: int, frame: FrameType | None) -> None:
-        while frame and frame.f_back and "/numba/" in frame.f_code.co_filename:
-            frame = frame.f_back  # compiled code calls it where it boxes what it returns
         if frame is not None:
             samples[place(frame.f_code)] += 1
 

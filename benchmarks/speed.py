@@ -54,18 +54,6 @@ def groups(peers: Mapping[str, Environment], quick: bool) -> list[list[Job]]:
     return found
 
 
-def warm_up() -> list[Job]:
-    """Runs that compile the kernels; they are no measurements."""
-    kinds = ("drive", "free", "danger", "default", "plain", "jam", "dead_end")
-    tasks = [{"what": "speed", "kind": kind, "robots": 10, "seconds": 0.1, "most": 200}
-             for kind in kinds]  # fmt: skip
-    tasks.append({"what": "record", "robots": 10, "steps": 40})
-    return [
-        runner(SUBJECT, "physim", "warm", sys.executable, "run_physim.py", 600.0, **task)
-        for task in tasks
-    ]
-
-
 def sizes(contest: str, quick: bool) -> Sequence[int]:
     """Numbers of robots."""
     if quick:

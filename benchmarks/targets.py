@@ -154,7 +154,7 @@ def _seconds(store: Store) -> Iterator[Row]:
         (FIRST, "command-1", "cpu", "the same, whole command", 10, 2.0),
         (FIRST, "validate", "cpu", "`validate` of it, whole command", 10, 1.55),
         (FIRST, "install", "first", "first run after an installation, to its MP4", 3, 25.0),
-        (FIRST, "install", "wait", "`validate` after it, the first time over the second", 3, 1.0),
+        (FIRST, "install", "wait", "the same, longer than the second run", 3, 1.0),
     )
     for subject, what, key, words, robots, limit in limits:
         if store.results(subject, "physim", what):

@@ -22,11 +22,11 @@ from physim.compiled import compiled
 from physim.geometry.bodies import BOUND_MARGIN, body_gap, frame_from
 from physim.geometry.collision import bodies_time, never_meet
 from physim.geometry.motion import Course, facing_course, move
-from physim.geometry.shapes import FloatArray, IntArray
+from physim.geometry.shapes import FloatArray, IntArray, Rows3
 from physim.geometry.walls import Sight, seen_distance, seen_time
 from physim.tolerances import TIE
 
-from .path_following import Aim, comes_first, judge, single
+from .path_following import Aim, Judgement, SpeedPairs, comes_first, judged_pair
 from .priority import Bodies
 
 
@@ -37,6 +37,8 @@ class NearField(NamedTuple):
     """its row of `Bodies`"""
     rows: IntArray
     """(n,) rows of `Bodies` that it considers"""
+    size: int
+    """n"""
     sight: Sight
     """the walls"""
     keep: float
@@ -79,15 +81,18 @@ def smallest_distance(bodies: Bodies, near: NearField) -> float:
     """Smallest d_ij [m] by (11) to the considered robots, signed; inf without any."""
     me, pose, radius, number = near.me, bodies.pose, bodies.shapes.radius, bodies.number
     c, s, mine = bodies.facing[me, 0], bodies.facing[me, 1], radius[number[me]]
-    smallest, least, first = np.inf, np.inf, -1
-    for j in near.rows:
-        apart = discs_apart(pose[me], pose[j], mine + radius[number[j]])
-        if apart < least:
-            least, first = apart, j
+    x, y, smallest, least, first = pose[me, 0], pose[me, 1], np.inf, np.inf, -1
+    for k in range(near.size):
+        dx, dy = pose[near.rows[k], 0] - x, pose[near.rows[k], 1] - y
+        if dx * dx + dy * dy < least:
+            least, first = dx * dx + dy * dy, near.rows[k]
     if first >= 0:  # of the others few need be measured then
         smallest = distance_to(bodies, me, pose[me], c, s, first, pose[first], smallest)  # (11)
-    for j in near.rows:
-        if j != first and discs_apart(pose[me], pose[j], mine + radius[number[j]]) < smallest:
+    for k in range(near.size):
+        j = near.rows[k]
+        dx, dy = pose[j, 0] - x, pose[j, 1] - y
+        room = smallest + mine + radius[number[j]] + BOUND_MARGIN
+        if j != first and room > 0.0 and dx * dx + dy * dy < room * room:
             d = distance_to(bodies, me, pose[me], c, s, j, pose[j], smallest)  # (11)
             smallest = min(smallest, d)
     return smallest
@@ -104,7 +109,8 @@ def first_robot(
     shapes, number, command = bodies.shapes, bodies.number, bodies.command
     pose, facing, radius = bodies.pose, bodies.facing, shapes.radius
     smallest = np.inf
-    for j in near.rows:
+    for k in range(near.size):
+        j = near.rows[k]
         theirs = facing_course(
             pose[j, 0], pose[j, 1], facing[j, 0], facing[j, 1],
             command[j, 0], near.keep * command[j, 1], radius[number[j]],
@@ -144,7 +150,7 @@ def distance_after(
     walls_count: bool,
     pair: FloatArray,
     period: float,
-    poses: FloatArray,
+    poses: Rows3,
     enough: float,
 ) -> float:
     """Smallest distance [m] after ``period`` under the speed pair ``pair``.
@@ -153,12 +159,12 @@ def distance_after(
     in. The last row is for the robot's own. As soon as the value is below ``enough`` the rest is
     left out.
     """
-    me, pose, command, end = near.me, bodies.pose, bodies.command, poses[-1]
+    me, pose, command, end = near.me, bodies.pose, bodies.command, poses[near.size]
     radius, number = bodies.shapes.radius, bodies.number
     move(pose[me], pair[0], pair[1], period, end)
     c, s, mine = cos(end[2]), sin(end[2]), radius[number[me]]
     smallest = np.inf
-    for k in range(len(near.rows)):
+    for k in range(near.size):
         j = near.rows[k]
         if np.isnan(poses[k, 0]):
             move(pose[j], command[j, 0], command[j, 1], period, poses[k])
@@ -177,7 +183,7 @@ def distance_after(
 def widest_pair(
     bodies: Bodies,
     near: NearField,
-    pairs: FloatArray,
+    pairs: SpeedPairs,
     walls_count: bool,
     period: float,
     aim: Aim,
@@ -186,15 +192,15 @@ def widest_pair(
 
     Other robots move on under their held commands. ``walls_count``: whether the boundaries do.
     """
-    poses = np.full((len(near.rows) + 1, 3), np.nan)
-    dwell, pose = single(period), bodies.pose[near.me]
-    best, widest, best_value = 0, -np.inf, (np.inf, np.inf, np.inf)
-    for c in range(len(pairs)):
+    poses = np.full((near.size + 1, 3), np.nan)
+    pose, best, widest = bodies.pose[near.me], 0, -np.inf
+    best_value = Judgement(np.inf, np.inf, np.inf)
+    for c in range(pairs.size):
         enough = widest - TIE
-        width = distance_after(bodies, near, walls_count, pairs[c], period, poses, enough)
+        width = distance_after(bodies, near, walls_count, pairs.each[c], period, poses, enough)
         if width < enough:
             continue
-        value = judge(pose, pairs[c : c + 1], dwell, aim)
+        value = judged_pair(pose, pairs.each[c:], period, aim)
         if width > widest + TIE or comes_first(value, best_value):  # (12)
             best, widest, best_value = c, width, value
     return best
@@ -204,7 +210,7 @@ def widest_pair(
 def longest_pair(
     bodies: Bodies,
     near: NearField,
-    pairs: FloatArray,
+    pairs: SpeedPairs,
     known: FloatArray,
     known_time: float,
     horizon: float,
@@ -215,16 +221,16 @@ def longest_pair(
 
     ``known_time`` is that of the speed pair ``known``, which may be one of ``pairs``.
     """
-    dwell, pose = single(period), bodies.pose[near.me]
-    best, longest, best_value = 0, -np.inf, (np.inf, np.inf, np.inf)
-    for c in range(len(pairs)):
+    pose, best, longest = bodies.pose[near.me], 0, -np.inf
+    best_value = Judgement(np.inf, np.inf, np.inf)
+    for c in range(pairs.size):
         enough = longest - TIE
         xi = known_time
-        if pairs[c, 0] != known[0] or pairs[c, 1] != known[1]:
-            xi = smallest_time(bodies, near, pairs[c], horizon, enough)
+        if pairs.each[c, 0] != known[0] or pairs.each[c, 1] != known[1]:
+            xi = smallest_time(bodies, near, pairs.each[c], horizon, enough)
         if xi < enough:
             continue
-        value = judge(pose, pairs[c : c + 1], dwell, aim)
+        value = judged_pair(pose, pairs.each[c:], period, aim)
         if xi > longest + TIE or comes_first(value, best_value):  # (13)
             best, longest, best_value = c, xi, value
     return best, longest

@@ -28,27 +28,37 @@ def is_neighbour(
     station_i: float,
     station_j: float,
     adjacency: IntArray,
+    robots: int,
     neighbour_range: float,
 ) -> bool:
-    """Whether j is in N_i: listed in ``adjacency``, or within range along s* when it is (0, 0)."""
+    """Whether j is in N_i: listed in ``adjacency``, or within range along s* where nobody is.
+
+    ``adjacency`` (N N,) is that of so many ``robots``, 0 where it is empty.
+    """
     if i == j:
         return False
-    if adjacency.shape[0] > 0:
-        return bool(adjacency[i, j] != 0)
-    return bool(abs(station_j - station_i) <= neighbour_range)
+    if robots > 0:
+        return bool(adjacency[robots * i + j] != 0)
+    return abs(station_j - station_i) <= neighbour_range
 
 
 @compiled
 def formation_sum(
-    me: int, number: IntArray, neighbours: IntArray, station: FloatArray, lead: FloatArray
+    me: int,
+    number: IntArray,
+    neighbours: IntArray,
+    many: int,
+    station: FloatArray,
+    lead: FloatArray,
 ) -> float:
     """Sum over N_i of l_ij - l*_ij [m]: positive when Robot i lags behind its neighbours.
 
-    ``me`` and ``neighbours`` are rows, of robots ``number`` (n,) at ``station`` (n,); ``lead`` is
-    that of all robots.
+    ``me`` and ``neighbours``, so many, are rows, of robots ``number`` (n,) at ``station`` (n,);
+    ``lead`` is that of all robots.
     """
     total, own_lead = 0.0, lead[number[me]]
-    for j in neighbours:
+    for k in range(many):
+        j = neighbours[k]
         total += (station[j] - station[me]) - (lead[number[j]] - own_lead)
     return total
 
@@ -81,19 +91,28 @@ class SpeedRule(NamedTuple):
 
 
 @compiled
-def formation_neighbours(
-    me: int, number: IntArray, station: FloatArray, adjacency: IntArray, neighbour_range: float
-) -> IntArray:
-    """Rows of N_i, increasing, for row ``me`` of robots ``number`` (n,) at ``station`` (n,)."""
-    rows = np.empty(len(station), dtype=np.int64)
-    count = 0
-    for j in range(len(station)):
+def put_neighbours(
+    me: int,
+    number: IntArray,
+    station: FloatArray,
+    rows: int,
+    adjacency: IntArray,
+    robots: int,
+    neighbour_range: float,
+    out: IntArray,
+) -> int:
+    """Write the rows of N_i of row ``me``, increasing, into ``out``; how many.
+
+    Of so many ``rows`` of robots ``number`` (n,) at ``station`` (n,); the rest as `is_neighbour`.
+    """
+    count, here = 0, station[me]
+    for j in range(rows):
         if is_neighbour(
-            number[me], number[j], station[me], station[j], adjacency, neighbour_range
-        ):  # fmt: skip
-            rows[count] = j
+            number[me], number[j], here, station[j], adjacency, robots, neighbour_range
+        ):
+            out[count] = j
             count += 1
-    return rows[:count]
+    return count
 
 
 @compiled
@@ -103,13 +122,14 @@ def forward_speed(
     me: int,
     number: IntArray,
     neighbours: IntArray,
+    many: int,
     station: FloatArray,
     lead: FloatArray,
 ) -> float:
     """Forward speed of row ``me`` [m/s]: by (7) in a formation, within its robot's limit."""
     nu = rule.nu_0
     if rule.active:
-        error = formation_sum(me, number, neighbours, station, lead)
+        error = formation_sum(me, number, neighbours, many, station, lead)
         nu = formation_speed(rule.nu_0, rule.alpha, rule.v_min, rule.v_max, error)
     return min(nu, top_speed)
 

@@ -20,19 +20,19 @@ as `evaluations`, by command looked at: one for every considered robot, and one 
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping, Sequence, Sized
 from math import asin, copysign, cos, pi, sin
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from physim.compiled import compiled, direct
+from physim.compiled import compiled
 from physim.errors import Fault, Location
 from physim.geometry.motion import Course, facings
 from physim.geometry.neighbours import put_in_order
 from physim.geometry.path import path_length, point_at
-from physim.geometry.shapes import FloatArray, IntArray, Polylines, Shapes
+from physim.geometry.shapes import FloatArray, IntArray, Polylines, Rows2, Rows6, Shapes
 from physim.geometry.walls import (
     NearestWalls,
     Sight,
@@ -54,10 +54,17 @@ from .avoidance import (
     smallest_time,
     widest_pair,
 )
-from .formation import SpeedRule, formation_neighbours, forward_speed
-from .path_following import Aim, judging_time, put_best_plan, put_pairs, target_on_path
+from .formation import SpeedRule, forward_speed, put_neighbours
+from .path_following import (
+    Aim,
+    SpeedPairs,
+    judging_time,
+    put_best_plan,
+    put_pairs,
+    target_on_path,
+)
 from .priority import Bodies, Ranking, considered_by_rank, rank, ranking_of, within_by_rank
-from .safe_area import is_outside, safe_target
+from .safe_area import Point, Target, is_outside, safe_target
 from .settings import ModeSwitchingSettings, Rules
 from .switching import DISTANCE, SAFE, next_mode, update_interval
 from .world_checks import (
@@ -88,8 +95,8 @@ FOLLOW, PLAN, WIDEST, LONGEST, STOP = range(5)
 """Numbers of the rules"""
 
 
-class Rows(NamedTuple):
-    """Rows of an array for each robot: Robot i has ``values[start[i]:start[i + 1]]``."""
+class Sets(NamedTuple):
+    """Numbers of each robot: Robot i has ``values[start[i]:start[i + 1]]``."""
 
     values: FloatArray
     start: IntArray
@@ -102,13 +109,18 @@ class Cluster(NamedTuple):
     walls: WallTree
     paths: Polylines
     stop_station: FloatArray
-    outside: Rows
+    outside: Rows2
     """(M, 2) stretches of the paths outside the accessible area"""
+    outside_start: IntArray
+    """Robot i has those from ``outside_start[i]`` on"""
     top_speed: FloatArray
-    speeds: Rows
-    omegas: Rows
+    speeds: Sets
+    omegas: Sets
     lead: FloatArray
     adjacency: IntArray
+    """(N N,)"""
+    listed: int
+    """N, or 0 where it is empty"""
     speed_rule: SpeedRule
     forward_only: bool
     """whether safe mode leaves the speed to (7)"""
@@ -120,7 +132,7 @@ class Memory(NamedTuple):
     """What decisions leave for the next ones, a row for each of the N robots."""
 
     mode: IntArray
-    plan: FloatArray
+    plan: Rows2
     """(N, m, 2)"""
     dwell: IntArray
     """number of the dwell time of the plan that comes next; 0: a new plan"""
@@ -129,44 +141,64 @@ class Memory(NamedTuple):
 class Room(NamedTuple):
     """Arrays that decisions write to, made once: they only save time."""
 
-    pairs: FloatArray
+    pairs: Rows2
     """(C, 2) at least as many as the largest sets give"""
     forward: FloatArray
     """(1,) the speed, as a multiple of nu, of a robot that leaves it to (7): 1"""
-    plan: FloatArray
-    """(m, 2)"""
     ranking: Ranking
+    ranked: IntArray
+    """(1,) how many rows it last ranked"""
     nearest: NearestWalls
     """(N,) see `physim.geometry.walls.Sight`"""
 
 
+class Observers(NamedTuple):
+    """What each of the N robots has of what is sensed, see `physim.parts.controller.Sensed`."""
+
+    first: IntArray
+    end: IntArray
+    station: FloatArray
+
+
+class Answers(NamedTuple):
+    """The fields of `Decisions` that are written, a row for each robot that is due."""
+
+    command: Rows2
+    hold: FloatArray
+    mode: IntArray
+    rule: IntArray
+    report: Rows6
+    considered: IntArray
+    """(room,)"""
+    considered_start: IntArray
+    room: int
+
+
 @compiled
-def row_of(number: IntArray, i: int) -> int:
+def row_of(bodies: Bodies, i: int) -> int:
     """Row of Robot i; -1 where it has none."""
-    if i < len(number) and number[i] == i:
+    if i < bodies.size and bodies.number[i] == i:
         return i  # everybody, in their order
-    for row in range(len(number)):
-        if number[row] == i:
+    for row in range(bodies.size):
+        if bodies.number[row] == i:
             return row
     return -1
-
-
-@compiled
-def rows_of(rows: Rows, i: int) -> FloatArray:
-    """Those of Robot i."""
-    return rows.values[rows.start[i] : rows.start[i + 1]]
 
 
 @compiled
 def own_speed(cluster: Cluster, ranking: Ranking, bodies: Bodies, me: int) -> float:
     """Forward speed of row ``me`` [m/s] by (7)."""
     number, station, reach = bodies.number, bodies.station, cluster.formation_range
-    if cluster.adjacency.shape[0] > 0:
-        rows = formation_neighbours(me, number, station, cluster.adjacency, reach)
+    if cluster.listed > 0:
+        many = put_neighbours(
+            me, number, station, bodies.size, cluster.adjacency, cluster.listed, reach,
+            ranking.rows,
+        )  # fmt: skip
     else:
-        rows = ranking.rows[: within_by_rank(me, ranking, station, reach)]
+        many = within_by_rank(me, ranking, station, reach)
     top_speed = cluster.top_speed[number[me]]
-    return forward_speed(cluster.speed_rule, top_speed, me, number, rows, station, cluster.lead)
+    rule, rows = cluster.speed_rule, ranking.rows
+    return forward_speed(rule, top_speed, me, number, rows, many, station, cluster.lead)
 
 
 @compiled
@@ -180,7 +212,7 @@ def decide_one(
     ranking: Ranking,
     room: Room,
     memory: Memory,
-    out: Decisions,
+    out: Answers,
 ) -> int:
     """Decide for Robot i, at a ``station`` [m] of its path, into row k of ``out``.
 
@@ -196,31 +228,37 @@ def decide_one(
         out.command[k, 0], out.command[k, 1] = 0.0, 0.0
         out.hold[k], out.mode[k], out.rule[k] = rules.longest_interval, ARRIVED, STOP
         return 0
-    me, pose = row_of(bodies.number, i), bodies.pose
+    me, pose = row_of(bodies, i), bodies.pose
     nu = own_speed(cluster, ranking, bodies, me)
     sight = Sight(cluster.walls, pose[me, 0], pose[me, 1], cluster.reach, room.nearest)
-    length = path_length(paths, i)
-    outside = is_outside(rows_of(cluster.outside, i), min(station + rules.look_ahead, length))
-    position = (pose[me, 0], pose[me, 1])
-    tx, ty = safe_target(
-        sight, (x, y), (ax, ay), outside, position, rules.look_ahead, rules.safe_distance
+    length, begin = path_length(paths, i), cluster.outside_start
+    beyond = min(station + rules.look_ahead, length)
+    outside = is_outside(cluster.outside, begin[i], begin[i + 1], beyond)
+    target = safe_target(
+        sight, Target(Point(x, y), Point(ax, ay), outside), Point(pose[me, 0], pose[me, 1]),
+        rules.look_ahead, rules.safe_distance,
     )  # fmt: skip
 
-    aim = Aim(tx, ty, judging_time(rules.judge_ahead, length - station, nu))
+    aim = Aim(target.x, target.y, judging_time(rules.judge_ahead, length - station, nu))
     keep = 0.0 if rules.translation_only else 1.0
-    rows = ranking.rows[: considered_by_rank(me, ranking, pose, bodies.station, cluster.reach)]
-    near = NearField(me, rows, sight, keep)
+    others = considered_by_rank(me, ranking, pose, bodies.station, cluster.reach)
+    near = NearField(me, ranking.rows, others, sight, keep)
     distance = smallest_distance(bodies, near)
     boundary = seen_distance(bodies.shapes, i, pose[me], sight)
-    speeds, omegas = rows_of(cluster.speeds, i), rows_of(cluster.omegas, i)
-    dwell, plan = memory.dwell[i], memory.plan[i]
+    first, turns = cluster.speeds.start[i], cluster.omegas.start[i + 1] - cluster.omegas.start[i]
+    speeds, many = cluster.speeds.values[first:], cluster.speeds.start[i + 1] - first
+    omegas = cluster.omegas.values[cluster.omegas.start[i] :]
+    dwell, plan = memory.dwell[i], memory.plan[rules.dwells * i :]
     if dwell == 0:
-        some = room.forward if cluster.forward_only else speeds
-        choice = room.pairs[: put_pairs(some, nu, omegas, room.pairs)]
-        put_best_plan(pose[me], choice, rules.dwell, aim, room.plan, plan)  # (5)
+        if cluster.forward_only:
+            count = put_pairs(room.forward, 1, nu, omegas, turns, room.pairs)
+        else:
+            count = put_pairs(speeds, many, nu, omegas, turns, room.pairs)
+        choice = SpeedPairs(room.pairs, count)
+        put_best_plan(pose[me], choice, rules.dwell, rules.dwells, aim, plan)  # (5)
     pair = plan[dwell]
     xi = smallest_time(bodies, near, pair, rules.horizon, -1.0)
-    evaluations = len(rows) + 1
+    evaluations = others + 1
     mode = next_mode(memory.mode[i], distance, xi, boundary, rules)  # Fig. 5
     if mode != SAFE:
         mine = course_under(bodies, me, pair[0], keep * pair[1])
@@ -234,7 +272,8 @@ def decide_one(
     if mode == SAFE:
         interval *= rules.dwell[dwell] / rules.update_period
     else:
-        pairs = room.pairs[: put_pairs(speeds, nu, omegas, room.pairs)]
+        count = put_pairs(speeds, many, nu, omegas, turns, room.pairs)
+        pairs = SpeedPairs(room.pairs, count)
         if mode == DISTANCE:
             walls_count = boundary < rules.safe_distance
             rule = WIDEST
@@ -244,24 +283,24 @@ def decide_one(
             best, xi = longest_pair(
                 bodies, near, pairs, pair, xi, rules.horizon, rules.update_period, aim
             )
-            evaluations += len(pairs) * (len(rows) + 1)
-        pair = pairs[best]
+            evaluations += count * (others + 1)
+        pair = room.pairs[best]
         if mode == DISTANCE:
             xi = smallest_time(bodies, near, pair, rules.horizon, -1.0)
-        evaluations += len(rows) + 1
+        evaluations += others + 1
     hold = interval
     if rules.event_triggered:
         hold = update_interval(interval, rules.beta, xi)  # (14)
     if pair[0] > 0.0:
         hold = min(hold, (stop_station - station) / pair[0])
-    goes_on = mode == SAFE and hold == interval and dwell + 1 < len(rules.dwell)
-    report[0], report[1] = tx, ty
+    goes_on = mode == SAFE and hold == interval and dwell + 1 < rules.dwells
+    report[0], report[1] = target.x, target.y
     report[2], report[3], report[4] = distance, boundary, xi
     report[5] = evaluations
     memory.mode[i], memory.dwell[i] = mode, dwell + 1 if goes_on else 0
     out.command[k, 0], out.command[k, 1] = pair[0], pair[1]
     out.hold[k], out.mode[k], out.rule[k] = hold, mode, rule
-    return len(rows)
+    return others
 
 
 @compiled
@@ -294,85 +333,67 @@ def stops_within(
     One that turns, so may turn otherwise, must stand ``clear`` [m] of its way before the wall:
     where it came nearer than that to a wall beside its stop, it backed and came back for ever.
     """
-    v, omega = float(pair[0]), float(pair[1])
-    dx, dy = point_at(cluster.paths, i, station)[2:]
+    v, omega = pair[0], pair[1]
+    _, _, dx, dy = point_at(cluster.paths, i, station)
     c, s = cos(heading), sin(heading)
-    missing = float(cluster.stop_station[i]) - station
+    missing = cluster.stop_station[i] - station
     advance = v * (c * dx + s * dy)
     if advance <= 0.0:
         return False
     if omega == 0.0:
-        return missing <= advance * time
+        return bool(missing <= advance * time)
     astray = asin(max(-1.0, min(1.0, (s * dx - c * dy) * copysign(1.0, v))))
     across = (0.5 * pi - astray * copysign(1.0, omega)) / abs(omega)  # farther it does not come
     turned = sin(astray + omega * min(time - clear / abs(v), across)) - sin(astray)
-    return missing <= abs(v) * turned / omega
+    return bool(missing <= abs(v) * turned / omega)
 
 
 @compiled
 def decide_due(
     due: IntArray,
-    unchanging: list[tuple[Cluster, Rules, Room]],
-    robot: IntArray,
-    pose: FloatArray,
-    command: FloatArray,
-    reference_station: FloatArray,
-    first: IntArray,
-    end: IntArray,
-    own_station: FloatArray,
-    mode: IntArray,
-    plan: FloatArray,
-    dwell: IntArray,
-) -> Decisions:
-    """Decide for every robot of ``due`` from what is sensed, the fields of `Sensed`.
+    done: int,
+    many: int,
+    bodies: Bodies,
+    seen: Observers,
+    cluster: Cluster,
+    rules: Rules,
+    room: Room,
+    memory: Memory,
+    out: Answers,
+) -> int:
+    """Decide for the robots of ``due`` from number ``done`` to ``many`` from what is sensed.
 
-    ``unchanging`` is kept (`physim.kept`). Writes the robots' memory, the fields of `Memory`. All
-    decide from the same state, so their order does not matter.
+    ``bodies`` are all rows, and each has those that ``seen`` says. Writes their rows of ``memory``
+    and ``out``; returns how many have decided by then: fewer where ``out`` has no room to list all
+    that are considered. All decide from the same state, so their order does not matter.
     """
-    cluster, rules, room = unchanging[0]
-    ranking, memory = room.ranking, Memory(mode, plan, dwell)
-    ranked_from, ranked_to = -1, -1
-    many = len(due)
-    out = Decisions(
-        due, np.empty((many, 2)), np.empty(many), np.empty(many, np.int64),
-        np.empty(many, np.int64), np.empty((many, 6)), np.empty(8 * many + 8, np.int64),
-        np.zeros(many + 1, np.int64),
-    )  # fmt: skip
-    start, listed = out.considered_start, out.considered
-    facing = facings(pose)
-    for k in range(many):
+    ranked_from, ranked_to, start = -1, -1, out.considered_start
+    for k in range(done, many):
         i = due[k]
-        a, b = first[i], end[i]
-        bodies = Bodies(
-            cluster.shapes, robot[a:b], pose[a:b], command[a:b], reference_station[a:b],
-            facing[a:b],
+        a, b = seen.first[i], seen.end[i]
+        if start[k] + b - a > out.room:
+            return k
+        mine = Bodies(
+            bodies.shapes, bodies.number[a:], bodies.pose[a:], bodies.command[a:],
+            bodies.station[a:], bodies.facing[a:], b - a,
         )  # fmt: skip
+        order = room.ranking.order
+        ranking = Ranking(order, room.ranking.place, room.ranking.rows, b - a)
         if a != ranked_from or b != ranked_to:  # once, where all share their rows
-            if b - a != len(ranking.order):
-                ranking = ranking_of(b - a)
-            rank(ranking, bodies.station, bodies.number)
+            if room.ranked[0] != b - a:
+                for row in range(b - a):
+                    order[row] = row
+                room.ranked[0] = b - a
+            rank(ranking, mine.station, mine.number)
             ranked_from, ranked_to = a, b
         looked_at = decide_one(
-            k, i, own_station[i], bodies, cluster, rules, ranking, room, memory, out
+            k, i, seen.station[i], mine, cluster, rules, ranking, room, memory, out
         )  # fmt: skip
         start[k + 1] = start[k] + looked_at
-        if start[k + 1] > len(listed):
-            listed = longer(listed, start[k + 1])
         put_in_order(ranking.rows, looked_at)
         for m in range(looked_at):
-            listed[start[k] + m] = bodies.number[ranking.rows[m]]
-    return Decisions(
-        due, out.command, out.hold, out.mode, out.rule, out.report, listed[: start[-1]], start
-    )
-
-
-@compiled
-def longer(values: IntArray, length: int) -> IntArray:
-    """Array of at least twice the length that begins with ``values``."""
-    out = np.empty(max(2 * len(values), length), dtype=np.int64)
-    for k in range(len(values)):  # to assign a slice would take long to compile
-        out[k] = values[k]
-    return out
+            out.considered[start[k] + m] = mine.number[ranking.rows[m]]
+    return many
 
 
 class ModeSwitching:
@@ -420,31 +441,44 @@ class ModeSwitching:
 
     def decide_all(self, view: View, due: IntArray, memory: dict[str, NDArray[Any]]) -> Decisions:
         """Decide for robots ``due`` from what each of them may know."""
-        kernel, unchanging = view.prepared(self._prepared)
-        s = view.sensed
-        made: Decisions = kernel(
-            due, unchanging, s.robot, s.pose, s.command, s.reference_station, s.first, s.end,
-            s.station, memory["mode"], memory["plan"], memory["dwell"],
+        cluster, rules, room = view.prepared(self._prepared)
+        s, many, rows = view.sensed, len(due), len(view.sensed.robot)
+        bodies = Bodies(
+            cluster.shapes, s.robot, s.pose, s.command, s.reference_station,
+            facings(s.pose), rows,
         )  # fmt: skip
-        return made
+        known = Memory(memory["mode"], memory["plan"].reshape(-1, 2), memory["dwell"])
+        out = Answers(
+            np.empty((many, 2)), np.empty(many), np.empty(many, np.int64),
+            np.empty(many, np.int64), np.empty((many, 6)), np.empty(8 * many + rows, np.int64),
+            np.zeros(many + 1, np.int64), 8 * many + rows,
+        )  # fmt: skip
+        done, seen = 0, Observers(s.first, s.end, s.station)
+        while True:
+            done = decide_due(due, done, many, bodies, seen, cluster, rules, room, known, out)
+            listed = out.considered[: out.considered_start[done]]
+            if done == many:
+                return Decisions(due, *out[:5], listed, out.considered_start)
+            more = np.concatenate((listed, np.empty(out.room, np.int64)))
+            out = out._replace(considered=more, room=len(more))
 
-    def _prepared(self, scene: Scene) -> tuple[Any, Any]:
-        """The kernel, and what it is handed at every step of a scene."""
-        from physim.kept import kept  # which imports numba: not before a run
-
+    def _prepared(self, scene: Scene) -> tuple[Cluster, Rules, Room]:
+        """What the kernel is handed at every step of a scene."""
         settings, plan = self.settings, scene.formation
-        rules = settings.rules()
+        rules, stretches = settings.rules(), [np.reshape(one, (-1, 2)) for one in scene.outside]
         cluster = Cluster(
             shapes=scene.shapes,
             walls=scene.wall_tree,
             paths=scene.paths,
             stop_station=scene.stop_station,
-            outside=_rows([np.reshape(one, (-1, 2)) for one in scene.outside]),
+            outside=np.concatenate(stretches),
+            outside_start=_starts(stretches),
             top_speed=np.ascontiguousarray(scene.limits[:, 0]),
-            speeds=_rows([settings.speeds if one is None else one for one in scene.speeds]),
-            omegas=_rows([settings.omegas if one is None else one for one in scene.omegas]),
+            speeds=_sets([settings.speeds if one is None else one for one in scene.speeds]),
+            omegas=_sets([settings.omegas if one is None else one for one in scene.omegas]),
             lead=plan.lead,
-            adjacency=plan.adjacency,
+            adjacency=plan.adjacency.reshape(-1),
+            listed=len(plan.adjacency),
             speed_rule=SpeedRule.of(plan, settings.speed),
             forward_only=settings.forward_only(plan.active),
             formation_range=plan.range,
@@ -452,14 +486,16 @@ class ModeSwitching:
         )
         pairs = int((np.diff(cluster.speeds.start) * np.diff(cluster.omegas.start)).max())
         room = Room(
-            np.empty((pairs, 2)), np.ones(1), np.empty((len(rules.dwell), 2)),
-            ranking_of(scene.robots), nearest_walls(scene.robots),
+            np.empty((pairs, 2)), np.ones(1), ranking_of(scene.robots), np.array([scene.robots]),
+            nearest_walls(scene.robots),
         )  # fmt: skip
-        return direct(decide_due), kept((cluster, rules, room))
+        return cluster, rules, room
 
 
-def _rows(each: Sequence[Sequence[float] | FloatArray]) -> Rows:
-    """Rows of each robot, one behind the other."""
-    values = [np.array(one, dtype=np.float64) for one in each]
-    start = np.cumsum([0, *map(len, values)]).astype(np.int64)
-    return Rows(np.concatenate(values), start)
+def _starts(each: Sequence[Sized]) -> IntArray:
+    return np.cumsum([0, *map(len, each)]).astype(np.int64)
+
+
+def _sets(each: Sequence[Sequence[float]]) -> Sets:
+    """Numbers of each robot, one behind the other."""
+    return Sets(np.concatenate([np.array(one, dtype=np.float64) for one in each]), _starts(each))

@@ -13,7 +13,7 @@ then by the order of the sets.
 
 from __future__ import annotations
 
-from math import atan2, cos, hypot, sin
+from math import atan2, cos, sin
 from typing import NamedTuple
 
 import numpy as np
@@ -21,7 +21,7 @@ import numpy as np
 from physim.compiled import compiled
 from physim.geometry.motion import arc
 from physim.geometry.path import path_length, point_at
-from physim.geometry.shapes import FloatArray, Polylines
+from physim.geometry.shapes import FloatArray, Polylines, Rows2
 from physim.tolerances import TIE
 
 
@@ -48,38 +48,29 @@ def target_energy(position: FloatArray, target: FloatArray) -> float:
     return float(0.5 * np.square(position - target).sum())  # (4)
 
 
-@compiled
-def speed_pairs(speeds: FloatArray, nu: float, omegas: FloatArray) -> FloatArray:
-    """All pairs (v, omega), (C, 2) [m/s, rad/s], from multiples of nu and the set (6)."""
-    pairs = np.empty((len(speeds) * len(omegas), 2))
-    put_pairs(speeds, nu, omegas, pairs)
-    return pairs
+class SpeedPairs(NamedTuple):
+    """Speed pairs to choose from."""
+
+    each: Rows2
+    """(C, 2) v [m/s], omega [rad/s]"""
+    size: int
+
+
+def speed_pairs(speeds: FloatArray, nu: float, omegas: FloatArray) -> SpeedPairs:
+    """All pairs (v, omega) from multiples of nu and the set (6)."""
+    each = np.empty((len(speeds) * len(omegas), 2))
+    return SpeedPairs(each, put_pairs(speeds, len(speeds), nu, omegas, len(omegas), each))
 
 
 @compiled
-def put_pairs(speeds: FloatArray, nu: float, omegas: FloatArray, out: FloatArray) -> int:
-    """Write `speed_pairs` into the first rows of ``out``; return how many."""
-    count = 0
-    for speed in speeds:
-        for omega in omegas:
-            out[count, 0], out[count, 1] = speed * nu, omega
-            count += 1
-    return count
-
-
-@compiled
-def single(value: float) -> FloatArray:
-    """Array (1,) of one value."""
-    array = np.empty(1)
-    array[0] = value
-    return array
-
-
-@compiled
-def copy_plan(plan: FloatArray, out: FloatArray) -> None:
-    """Copy a plan (m, 2) into another."""
-    for k in range(len(plan)):
-        out[k, 0], out[k, 1] = plan[k, 0], plan[k, 1]
+def put_pairs(
+    speeds: FloatArray, many: int, nu: float, omegas: FloatArray, turns: int, out: Rows2
+) -> int:
+    """Write `speed_pairs` of so many speeds and rotational speeds into ``out``; return how many."""
+    for k in range(many):
+        for m in range(turns):
+            out[turns * k + m, 0], out[turns * k + m, 1] = speeds[k] * nu, omegas[m]
+    return many * turns
 
 
 @compiled
@@ -103,7 +94,7 @@ def judging_time(judge_ahead: float, left: float, nu: float) -> float:
 
 @compiled
 def plan_end(
-    pose: FloatArray, plan: FloatArray, dwell: FloatArray, judge_ahead: float
+    pose: FloatArray, plan: Rows2, dwell: FloatArray, dwells: int, judge_ahead: float
 ) -> tuple[float, float, float]:
     """Where a plan leads: x, y, heading.
 
@@ -112,71 +103,82 @@ def plan_end(
     """
     x, y, heading = pose[0], pose[1], pose[2]
     rest = judge_ahead
-    for k in range(len(dwell)):
-        last = k == len(dwell) - 1
-        duration = max(dwell[k], rest) if last else dwell[k]
-        x, y, heading = arc((x, y, heading), plan[k, 0], plan[k, 1], duration)
+    for k in range(dwells):
+        duration = max(dwell[k], rest) if k == dwells - 1 else dwell[k]
+        x, y, heading = arc(x, y, heading, plan[k, 0], plan[k, 1], duration)
         rest -= dwell[k]
     return x, y, heading
 
 
+class Judgement(NamedTuple):
+    """What (5) and its tie-breaks look at, smaller is better."""
+
+    gap: float
+    """[m] from the end to the target"""
+    error: float
+    """[rad] of the heading there"""
+    turning: float
+    """[rad/s] |omega| of the first pair"""
+
+
 @compiled
-def judge(
-    pose: FloatArray, plan: FloatArray, dwell: FloatArray, aim: Aim
-) -> tuple[float, float, float]:
-    """What (5) and its tie-breaks look at, smaller is better: distance, heading error, |omega|."""
-    x, y, heading = plan_end(pose, plan, dwell, aim.ahead)
+def judged(end: tuple[float, float, float], omega: float, aim: Aim) -> Judgement:
+    """Judge a plan by its end; ``omega`` is that of its first pair."""
+    x, y, heading = end
     error = heading_error(x, y, heading, aim.x, aim.y)
-    return hypot(aim.x - x, aim.y - y), error, abs(plan[0, 1])
+    return Judgement(np.hypot(aim.x - x, aim.y - y), error, abs(omega))
 
 
 @compiled
-def comes_first(a: tuple[float, float, float], b: tuple[float, float, float]) -> bool:
-    """Whether judgement a is better than b, in the order of `judge`; equal within TIE is equal."""
-    for k in range(3):
-        if a[k] < b[k] - TIE:
-            return True
-        if a[k] > b[k] + TIE:
-            return False
-    return False
+def judged_pair(pose: FloatArray, pair: Rows2, period: float, aim: Aim) -> Judgement:
+    """Judge a plan of one speed pair (1, 2), held for a period."""
+    dwell = np.empty(1)
+    dwell[0] = period
+    return judged(plan_end(pose, pair, dwell, 1, aim.ahead), pair[0, 1], aim)
 
 
 @compiled
-def best_plan(pose: FloatArray, pairs: FloatArray, dwell: FloatArray, aim: Aim) -> FloatArray:
+def comes_first(a: Judgement, b: Judgement) -> bool:
+    """Whether a judgement is better than b; what is equal within TIE is equal."""
+    if a.gap < b.gap - TIE or a.gap > b.gap + TIE:
+        return a.gap < b.gap
+    if a.error < b.error - TIE or a.error > b.error + TIE:
+        return a.error < b.error
+    return a.turning < b.turning - TIE
+
+
+def best_plan(pose: FloatArray, pairs: SpeedPairs, dwell: FloatArray, aim: Aim) -> FloatArray:
     """Plan (m, 2) that ends nearest to the target (5), out of every sequence of ``pairs``."""
     best = np.empty((len(dwell), 2))
-    put_best_plan(pose, pairs, dwell, aim, np.empty((len(dwell), 2)), best)
+    put_best_plan(pose, pairs, dwell, len(dwell), aim, best)
     return best
 
 
 @compiled
 def put_best_plan(
-    pose: FloatArray,
-    pairs: FloatArray,
-    dwell: FloatArray,
-    aim: Aim,
-    plan: FloatArray,
-    best: FloatArray,
+    pose: FloatArray, pairs: SpeedPairs, dwell: FloatArray, dwells: int, aim: Aim, best: Rows2
 ) -> None:
-    """Write `best_plan` into ``best`` (m, 2); ``plan`` (m, 2) is room for the others."""
-    tx, ty = aim.x, aim.y
-    count, length = len(pairs), len(dwell)
-    best_end, best_gap = (0.0, 0.0, 0.0), np.inf
-    for code in range(count**length):
+    """Write `best_plan` of so many dwell times into ``best`` (m, 2)."""
+    sequences, plan = 1, np.empty((dwells, 2))
+    for _ in range(dwells):
+        sequences *= pairs.size
+    best_gap = np.inf
+    bx, by, heading = 0.0, 0.0, 0.0  # where the best plan ends
+    for code in range(sequences):
         digits = code
-        for k in range(length - 1, -1, -1):
-            pair = digits % count
-            plan[k, 0], plan[k, 1] = pairs[pair, 0], pairs[pair, 1]
-            digits //= count
-        end = plan_end(pose, plan, dwell, aim.ahead)
-        gap = hypot(tx - end[0], ty - end[1])
+        for k in range(dwells - 1, -1, -1):
+            pair = digits % pairs.size
+            plan[k, 0], plan[k, 1] = pairs.each[pair, 0], pairs.each[pair, 1]
+            digits //= pairs.size
+        end = plan_end(pose, plan, dwell, dwells, aim.ahead)
+        gap = np.hypot(aim.x - end[0], aim.y - end[1])
         if gap > best_gap + TIE:
             continue
-        if gap >= best_gap - TIE:  # a tie, the only case that needs the rest of `judge`
-            error = heading_error(end[0], end[1], end[2], tx, ty)
-            its = heading_error(best_end[0], best_end[1], best_end[2], tx, ty)
-            value = (gap, error, abs(plan[0, 1]))
-            if not comes_first(value, (best_gap, its, abs(best[0, 1]))):
+        if gap >= best_gap - TIE:  # a tie, the only case that needs the rest of a judgement
+            first = judged((bx, by, heading), best[0, 1], aim)
+            if not comes_first(judged(end, plan[0, 1], aim), first):
                 continue
-        best_end, best_gap = end, gap  # argmin of (5)
-        copy_plan(plan, best)
+        best_gap = gap  # argmin of (5)
+        bx, by, heading = end
+        for k in range(dwells):
+            best[k, 0], best[k, 1] = plan[k, 0], plan[k, 1]

@@ -15,7 +15,7 @@ import numpy as np
 
 from physim.compiled import compiled
 from physim.geometry.neighbours import put_in_order
-from physim.geometry.shapes import FloatArray, IntArray, Shapes
+from physim.geometry.shapes import FloatArray, IntArray, Rows2, Rows3, Shapes
 
 
 class Bodies(NamedTuple):
@@ -24,14 +24,16 @@ class Bodies(NamedTuple):
     shapes: Shapes
     number: IntArray
     """(n,) robot indices, by which ``shapes`` has their bodies"""
-    pose: FloatArray
+    pose: Rows3
     """(n, 3)"""
-    command: FloatArray
+    command: Rows2
     """(n, 2) held"""
     station: FloatArray
     """(n,) [m] along the reference path"""
-    facing: FloatArray
+    facing: Rows2
     """(n, 2) cosine and sine of the headings, `physim.geometry.motion.facings`"""
+    size: int
+    """n"""
 
 
 @compiled
@@ -54,13 +56,13 @@ class Ranking(NamedTuple):
     """(n,) where each row stands in ``order``"""
     rows: IntArray
     """(n,) the last answer"""
+    size: int
+    """n"""
 
 
-@compiled
 def ranking_of(rows: int) -> Ranking:
     """Ranking of ``rows`` rows, not ranked yet."""
-    order = np.arange(rows)
-    return Ranking(order, order.copy(), order.copy())
+    return Ranking(np.arange(rows), np.arange(rows), np.arange(rows), rows)
 
 
 @compiled
@@ -70,7 +72,7 @@ def rank(ranking: Ranking, station: FloatArray, index: IntArray) -> None:
     By insertion: little has changed since the moment before.
     """
     order = ranking.order
-    for p in range(1, len(order)):
+    for p in range(1, ranking.size):
         row, q = order[p], p
         while q > 0 and has_priority(
             station[row], index[row], station[order[q - 1]], index[order[q - 1]]
@@ -78,7 +80,7 @@ def rank(ranking: Ranking, station: FloatArray, index: IntArray) -> None:
             order[q] = order[q - 1]
             q -= 1
         order[q] = row
-    for p in range(len(order)):
+    for p in range(ranking.size):
         ranking.place[order[p]] = p
 
 
@@ -90,32 +92,30 @@ def pick(ranking: Ranking, first: int, end: int) -> int:
     and the highest are looked at.
     """
     order, place, rows, count = ranking.order, ranking.place, ranking.rows, 0
-    low, high = len(order), -1
-    for row in order[first:end]:
-        low, high = min(low, row), max(high, row)
+    low, high = ranking.size, -1
+    for p in range(first, end):
+        low, high = min(low, order[p]), max(high, order[p])
     if high - low > 8 * (end - first):
         for p in range(first, end):
             rows[p - first] = order[p]
         put_in_order(rows, end - first)
         return end - first
-    row = low
-    for p in place[low : high + 1]:
+    for row in range(low, high + 1):
         rows[count] = row  # no branch, which would often be guessed wrongly
-        count += first <= p < end
-        row += 1
+        count += first <= place[row] < end
     return count
 
 
 @compiled
 def considered_by_rank(
-    me: int, ranking: Ranking, pose: FloatArray, station: FloatArray, reach: float
+    me: int, ranking: Ranking, pose: Rows3, station: FloatArray, reach: float
 ) -> int:
     """Put the rows that row ``me`` must consider into ``ranking.rows``: how many.
 
     Those of the smallest station first: most often the nearest.
     """
     order, rows, p, count = ranking.order, ranking.rows, ranking.place[me] + 1, 0
-    while p < len(order) and station[order[p]] - station[me] <= reach:
+    while p < ranking.size and station[order[p]] - station[me] <= reach:
         j = order[p]
         dx, dy = pose[j, 0] - pose[me, 0], pose[j, 1] - pose[me, 1]
         rows[count] = j
@@ -134,7 +134,7 @@ def within_by_rank(me: int, ranking: Ranking, station: FloatArray, reach: float)
     end = first + 1
     while first > 0 and station[me] - station[order[first - 1]] <= reach:
         first -= 1
-    while end < len(order) and station[order[end]] - station[me] <= reach:
+    while end < ranking.size and station[order[end]] - station[me] <= reach:
         end += 1
     for k in range(pick(ranking, first, end)):
         rows[count] = rows[k]

@@ -17,15 +17,15 @@ nothing stays where it is.
 
 from __future__ import annotations
 
-from math import hypot, sqrt
+from math import sqrt
 from typing import NamedTuple
 
 import numpy as np
 
 from physim.compiled import compiled
 from physim.geometry.bodies import outline_distance, point_segment
-from physim.geometry.shapes import FloatArray, IntArray, Part, Shapes
-from physim.geometry.walls import Sight, all_seen, comes_near, parts_seen
+from physim.geometry.shapes import Part, Rows2, Rows4, Shapes
+from physim.geometry.walls import Parts, Sight, all_seen, comes_near, parts_seen
 from physim.tolerances import CONTACT, LENGTH
 
 NEAR = 1.5
@@ -37,64 +37,73 @@ CURVE_MARGIN = 1e-6
 SECTION_SAMPLES = 64
 """Samples a side of the cross-section that is searched for its greatest clearance."""
 
-Point = tuple[float, float]
+
+class Point(NamedTuple):
+    """[m], world frame; or a direction."""
+
+    x: float
+    y: float
 
 
 @compiled
-def is_outside(stretches: FloatArray, station: float) -> bool:
-    """Whether a station lies in one of the stretches (M, 2) outside the area.
+def is_outside(stretches: Rows2, first: int, end: int, station: float) -> bool:
+    """Whether a station lies in one of the stretches ``first`` to ``end`` outside the area.
 
     Their ends count, too: a path may end outside.
     """
-    for k in range(len(stretches)):
+    for k in range(first, end):
         if stretches[k, 0] < station <= stretches[k, 1] + LENGTH:
             return True
     return False
 
 
+class Target(NamedTuple):
+    """Where a path leads."""
+
+    at: Point
+    ahead: Point
+    """unit direction of the path there"""
+    outside: bool
+    """whether it lies outside the area"""
+
+
 @compiled
 def safe_target(
-    sight: Sight,
-    target: Point,
-    ahead: Point,
-    outside: bool,
-    position: Point,
-    look_ahead: float,
-    safe_distance: float,
+    sight: Sight, target: Target, position: Point, look_ahead: float, safe_distance: float
 ) -> Point:
     """Target, or the safe point that replaces it [m].
 
-    ``sight`` are the walls the robot sees, ``ahead`` is the unit direction of the path at the
-    target, ``position`` the robot's.
+    ``sight`` are the walls the robot sees, ``position`` is the robot's.
     """
-    (tx, ty), walls = target, sight.tree.walls
-    if not outside and not comes_near(sight, tx, ty, safe_distance):
-        return target
-    eye = position if outside else target
+    at, walls = target.at, sight.tree.walls
+    if not target.outside and not comes_near(sight, at.x, at.y, safe_distance):
+        return at
+    eye = position if target.outside else at
     reach, back = 2.0 * look_ahead, look_ahead / 2.0
-    if not outside:
+    if not target.outside:
         # Seldom more than the nearest walls count: what lies nearer than these is exact.
         near = NEAR * safe_distance
-        parts = parts_seen(sight, tx, ty, near)
-        place = Place(walls, parts, target, ahead, eye, safe_distance, back)
-        found, x, y = nearest_safe_point(place, reach)
-        if found and hypot(x - tx, y - ty) + safe_distance < near:
-            return x, y
-    wide = max(reach + 2.0 * safe_distance, hypot(eye[0] - tx, eye[1] - ty))
-    parts = parts_seen(sight, tx, ty, wide)
-    place = Place(walls, parts, target, ahead, eye, safe_distance, back)
-    found, x, y = nearest_safe_point(place, reach)
-    if found:
-        return x, y
-    return roomiest_point(walls, all_seen(sight), target, ahead, eye, reach)
+        parts = parts_seen(sight, at.x, at.y, near)
+        found = nearest_safe_point(
+            Place(walls, parts, at, target.ahead, eye, safe_distance, back), reach
+        )
+        if found.is_found and np.hypot(found.at.x - at.x, found.at.y - at.y) + safe_distance < near:
+            return found.at
+    wide = max(reach + 2.0 * safe_distance, np.hypot(eye.x - at.x, eye.y - at.y))
+    parts = parts_seen(sight, at.x, at.y, wide)
+    place = Place(walls, parts, at, target.ahead, eye, safe_distance, back)
+    found = nearest_safe_point(place, reach)
+    if found.is_found:
+        return found.at
+    return roomiest_point(place, all_seen(sight), reach)
 
 
 class Place(NamedTuple):
     """What decides whether a point may take the place of a target."""
 
     walls: Shapes
-    parts: IntArray
-    """(P,) those of the walls that count"""
+    parts: Parts
+    """those of the walls that count"""
     target: Point
     ahead: Point
     """unit vector"""
@@ -106,70 +115,97 @@ class Place(NamedTuple):
     """[m] behind the target along ``ahead`` at most"""
 
 
+class SafePoint(NamedTuple):
+    """A safe point, where one is found."""
+
+    is_found: bool
+    at: Point
+
+
 @compiled
-def nearest_safe_point(place: Place, reach: float) -> tuple[bool, float, float]:
-    """Safe point within ``reach`` [m] that is nearest to a target: found or not, x, y."""
-    (tx, ty), eye, distance = place.target, place.eye, place.safe_distance
-    edges = edges_near(place.walls, place.parts, tx, ty, reach + 2.0 * distance)
-    way = max(reach, hypot(eye[0] - tx, eye[1] - ty))
-    between = edges_near(place.walls, place.parts, tx, ty, way)
-    gaps = np.empty(4 * len(edges))
-    for c in range(len(gaps)):
-        x, y = nearest_on(curve(edges, c, distance), distance, tx, ty)
-        gaps[c] = hypot(x - tx, y - ty)
+def nearest_safe_point(place: Place, reach: float) -> SafePoint:
+    """Safe point within ``reach`` [m] that is nearest to a target."""
+    at, eye, distance = place.target, place.eye, place.safe_distance
+    edges = edges_near(place.walls, place.parts, at.x, at.y, reach + 2.0 * distance)
+    way = max(reach, np.hypot(eye.x - at.x, eye.y - at.y))
+    between = edges_near(place.walls, place.parts, at.x, at.y, way)
+    curves = 4 * edges.size
+    gaps, untried, near = np.empty(curves), np.empty(curves), np.empty(curves, np.int64)
+    for c in range(curves):
+        one = nearest_on(curve(edges, c, distance), distance, at)
+        gaps[c] = np.hypot(one.x - at.x, one.y - at.y)
+        untried[c] = gaps[c]
     # The nearest points of single curves, nearest first, until one serves. A crossing lies on both
     # its curves, so it is no nearer than either.
-    best, bx, by, found = reach, tx, ty, False
-    untried = gaps.copy()
-    while len(gaps) and not found:
-        c = int(untried.argmin())
+    best, point, found = reach, at, False
+    while curves > 0 and not found:
+        c = 0
+        for k in range(1, curves):
+            if untried[k] < untried[c]:
+                c = k
         if untried[c] >= reach:
             break
         untried[c] = np.inf
-        x, y = nearest_on(curve(edges, c, distance), distance, tx, ty)
-        if serves(place, between, x, y):
-            best, bx, by, found = gaps[c], x, y, True
-    near = np.flatnonzero(gaps <= best + CURVE_MARGIN)
-    for m in range(len(near)):
-        one = curve(edges, near[m], distance)
-        for n in range(m + 1, len(near)):
-            for x, y in crossings(one, curve(edges, near[n], distance), distance):
-                gap = hypot(x - tx, y - ty)
-                if gap < best and serves(place, between, x, y):
-                    best, bx, by, found = gap, x, y, True
-    return found, bx, by
+        one = nearest_on(curve(edges, c, distance), distance, at)
+        if serves(place, between, one):
+            best, point, found = gaps[c], one, True
+    count = 0
+    for c in range(curves):
+        if gaps[c] <= best + CURVE_MARGIN:
+            near[count] = c
+            count += 1
+    for m in range(count):
+        for n in range(m + 1, count):
+            met = crossings(
+                curve(edges, near[m], distance), curve(edges, near[n], distance), distance
+            )
+            for k in range(2):
+                one = met.second if k else met.first
+                gap = np.hypot(one.x - at.x, one.y - at.y)
+                if gap < best and serves(place, between, one):
+                    best, point, found = gap, one, True
+    return SafePoint(found, point)
 
 
 @compiled
-def serves(place: Place, between: FloatArray, x: float, y: float) -> bool:
+def serves(place: Place, between: Edges, p: Point) -> bool:
     """Whether a point is safe, in sight of the eye and not too far behind the target."""
-    (tx, ty), (ux, uy), eye = place.target, place.ahead, place.eye
-    if (x - tx) * ux + (y - ty) * uy < -place.back:
+    at, ahead = place.target, place.ahead
+    if (p.x - at.x) * ahead.x + (p.y - at.y) * ahead.y < -place.back:
         return False
-    if point_clearance(place.walls, place.parts, x, y) < place.safe_distance - CONTACT:
+    if point_clearance(place.walls, place.parts, p.x, p.y) < place.safe_distance - CONTACT:
         return False
-    return not crosses(between, eye[0], eye[1], x, y)
+    return not crosses(between, place.eye.x, place.eye.y, p.x, p.y)
 
 
 @compiled
-def point_clearance(walls: Shapes, parts: IntArray, x: float, y: float) -> float:
+def point_clearance(walls: Shapes, parts: Parts, x: float, y: float) -> float:
     """Distance [m] of a point from the nearest of some wall parts; inf when there are none."""
     V, start = walls.vertices, walls.part_start
     best = np.inf
-    for part in parts:
+    for k in range(parts.size):
+        part = parts.number[k]
         best = min(best, outline_distance(Part(V, start[part], start[part + 1]), x, y))
     return best
 
 
+class Edges(NamedTuple):
+    """Edges of walls."""
+
+    ends: Rows4
+    """(E, 4) x, y [m] of either end"""
+    size: int
+
+
 @compiled
-def edges_near(walls: Shapes, parts: IntArray, x: float, y: float, reach: float) -> FloatArray:
-    """Edges (E, 4) of the parts that come within ``reach`` [m] of a point."""
+def edges_near(walls: Shapes, parts: Parts, x: float, y: float, reach: float) -> Edges:
+    """Edges of the parts that come within ``reach`` [m] of a point."""
     V, start, count, found = walls.vertices, walls.part_start, 0, 0
-    for part in parts:
-        count += start[part + 1] - start[part]
+    for n in range(parts.size):
+        count += start[parts.number[n] + 1] - start[parts.number[n]]
     edges = np.empty((count, 4))
-    for part in parts:
-        first, end = start[part], start[part + 1]
+    for n in range(parts.size):
+        first, end = start[parts.number[n]], start[parts.number[n] + 1]
         for k in range(first, end - 1 if end - first == 2 else end):
             m = k + 1 if k + 1 < end else first
             ax, ay, bx, by = V[k, 0], V[k, 1], V[m, 0], V[m, 1]
@@ -177,14 +213,14 @@ def edges_near(walls: Shapes, parts: IntArray, x: float, y: float, reach: float)
                 edges[found, 0], edges[found, 1] = ax, ay
                 edges[found, 2], edges[found, 3] = bx, by
                 found += 1
-    return edges[:found]
+    return Edges(edges, found)
 
 
 @compiled
-def crosses(edges: FloatArray, px: float, py: float, qx: float, qy: float) -> bool:
+def crosses(edges: Edges, px: float, py: float, qx: float, qy: float) -> bool:
     """Whether the straight way from p to q properly crosses an edge."""
-    for e in range(len(edges)):
-        ax, ay, bx, by = edges[e, 0], edges[e, 1], edges[e, 2], edges[e, 3]
+    for e in range(edges.size):
+        ax, ay, bx, by = edges.ends[e, 0], edges.ends[e, 1], edges.ends[e, 2], edges.ends[e, 3]
         side_a = (qx - px) * (ay - py) - (qy - py) * (ax - px)
         side_b = (qx - px) * (by - py) - (qy - py) * (bx - px)
         side_p = (bx - ax) * (py - ay) - (by - ay) * (px - ax)
@@ -205,14 +241,14 @@ class Curve(NamedTuple):
 
 
 @compiled
-def curve(edges: FloatArray, c: int, distance: float) -> Curve:
+def curve(edges: Edges, c: int, distance: float) -> Curve:
     """Border of the safe area: of each edge the lines to its left and right, a circle at each end.
 
     Curve c is of edge c // 4; a point has circles only.
     """
     e, kind = c // 4, c % 4
-    ax, ay, bx, by = edges[e, 0], edges[e, 1], edges[e, 2], edges[e, 3]
-    length = hypot(bx - ax, by - ay)
+    ax, ay, bx, by = edges.ends[e, 0], edges.ends[e, 1], edges.ends[e, 2], edges.ends[e, 3]
+    length = np.hypot(bx - ax, by - ay)
     if kind < 2 and length > 0.0:
         ux, uy = (bx - ax) / length, (by - ay) / length
         if kind == 0:
@@ -222,72 +258,83 @@ def curve(edges: FloatArray, c: int, distance: float) -> Curve:
 
 
 @compiled
-def nearest_on(c: Curve, distance: float, x: float, y: float) -> Point:
-    """Point of a curve nearest to (x, y)."""
+def nearest_on(c: Curve, distance: float, p: Point) -> Point:
+    """Point of a curve nearest to another."""
     if c.is_line:
-        along = (x - c.x) * c.ux + (y - c.y) * c.uy
-        return c.x + along * c.ux, c.y + along * c.uy
-    dx, dy = x - c.x, y - c.y
-    gap = hypot(dx, dy)
+        along = (p.x - c.x) * c.ux + (p.y - c.y) * c.uy
+        return Point(c.x + along * c.ux, c.y + along * c.uy)
+    dx, dy = p.x - c.x, p.y - c.y
+    gap = np.hypot(dx, dy)
     if gap == 0.0:
-        return c.x + distance, c.y
-    return c.x + distance * dx / gap, c.y + distance * dy / gap
+        return Point(c.x + distance, c.y)
+    return Point(c.x + distance * dx / gap, c.y + distance * dy / gap)
+
+
+class Crossings(NamedTuple):
+    """Points in which two curves meet; nan where there is none."""
+
+    first: Point
+    second: Point
 
 
 @compiled
-def crossings(c: Curve, d: Curve, distance: float) -> tuple[Point, Point]:
-    """Points in which two curves meet; nan where there is none."""
-    none = (np.nan, np.nan)
+def crossings(c: Curve, d: Curve, distance: float) -> Crossings:
+    """Points in which two curves meet."""
+    none = Point(np.nan, np.nan)
     if c.is_line and d.is_line:
         cross = c.ux * d.uy - c.uy * d.ux
         if abs(cross) < 1e-12:
-            return none, none
+            return Crossings(none, none)
         along = ((d.x - c.x) * d.uy - (d.y - c.y) * d.ux) / cross
-        return (c.x + along * c.ux, c.y + along * c.uy), none
+        return Crossings(Point(c.x + along * c.ux, c.y + along * c.uy), none)
     if not c.is_line and not d.is_line:
         mx, my = (d.x - c.x) / 2.0, (d.y - c.y) / 2.0
-        half = hypot(mx, my)
+        half = np.hypot(mx, my)
         if half == 0.0 or half > distance:
-            return none, none
+            return Crossings(none, none)
         height = sqrt(distance * distance - half * half) / half
         x, y = c.x + mx, c.y + my
-        return (x - height * my, y + height * mx), (x + height * my, y - height * mx)
-    line, circle = (c, d) if c.is_line else (d, c)
+        first = Point(x - height * my, y + height * mx)
+        return Crossings(first, Point(x + height * my, y - height * mx))
+    line, circle = d, c
+    if c.is_line:
+        line, circle = c, d
     along = (circle.x - line.x) * line.ux + (circle.y - line.y) * line.uy
     x, y = line.x + along * line.ux, line.y + along * line.uy
-    gap = hypot(circle.x - x, circle.y - y)
+    gap = np.hypot(circle.x - x, circle.y - y)
     if gap > distance:
-        return none, none
+        return Crossings(none, none)
     half = sqrt(distance * distance - gap * gap)
-    return (x + half * line.ux, y + half * line.uy), (x - half * line.ux, y - half * line.uy)
+    first = Point(x + half * line.ux, y + half * line.uy)
+    return Crossings(first, Point(x - half * line.ux, y - half * line.uy))
 
 
 @compiled
-def roomiest_point(
-    walls: Shapes, parts: IntArray, target: Point, ahead: Point, eye: Point, reach: float
-) -> Point:
-    """Point of greatest clearance on the cross-section through a target, seen from ``eye``.
+def roomiest_point(place: Place, parts: Parts, reach: float) -> Point:
+    """Point of greatest clearance on the cross-section through a target, seen from the eye.
 
     The cross-section is the line square to ``ahead``, ``reach`` to both sides, searched at
     2 x 64 + 1 points and then refined: within reach/64 of the best one for a smooth clearance, and
-    at most that much beyond ``reach``. The target itself where none of it is seen.
+    at most that much beyond ``reach``. The target itself where none of it is seen. ``parts`` are
+    those that count.
     """
-    away = hypot(eye[0] - target[0], eye[1] - target[1])
+    walls, target, ahead, eye = place.walls, place.target, place.ahead, place.eye
+    away = np.hypot(eye.x - target.x, eye.y - target.y)
     step = reach / SECTION_SAMPLES
-    edges = edges_near(walls, parts, target[0], target[1], max(reach + step, away))
+    edges = edges_near(walls, parts, target.x, target.y, max(reach + step, away))
     best, offset = -1.0, 0.0
     for k in range(-SECTION_SAMPLES, SECTION_SAMPLES + 1):
-        x, y = target[0] - k * step * ahead[1], target[1] + k * step * ahead[0]
+        x, y = target.x - k * step * ahead.y, target.y + k * step * ahead.x
         clearance = point_clearance(walls, parts, x, y)
-        if clearance > best + CONTACT and not crosses(edges, eye[0], eye[1], x, y):
+        if clearance > best + CONTACT and not crosses(edges, eye.x, eye.y, x, y):
             best, offset = clearance, k * step
     while step > CONTACT:
         step /= 2.0
         for side in (-1.0, 1.0):
             shift = offset + side * step
-            x, y = target[0] - shift * ahead[1], target[1] + shift * ahead[0]
+            x, y = target.x - shift * ahead.y, target.y + shift * ahead.x
             clearance = point_clearance(walls, parts, x, y)
-            if clearance > best and not crosses(edges, eye[0], eye[1], x, y):
+            if clearance > best and not crosses(edges, eye.x, eye.y, x, y):
                 best, offset = clearance, shift
                 break
-    return target[0] - offset * ahead[1], target[1] + offset * ahead[0]
+    return Point(target.x - offset * ahead.y, target.y + offset * ahead.x)

@@ -49,6 +49,7 @@ class Rules(NamedTuple):
     avoidance: int
     horizon: float
     dwell: FloatArray
+    dwells: int
     translation_only: bool
 
 
@@ -205,6 +206,7 @@ class ModeSwitchingSettings(BaseModel):
             avoidance=AVOIDANCE.index(self.avoidance),
             horizon=self.horizon,
             dwell=np.array(self.dwell_times),
+            dwells=len(self.dwell_times),
             translation_only=self.collision_motion == "translation",
         )
 

@@ -61,7 +61,9 @@ def speed_faults(settings: ModeSwitchingSettings, world: World, where: Location)
     """Refuse ``speed`` beside a formation, which has a speed of its own."""
     if world.formation is None or "speed" not in settings.model_fields_set:
         return []
-    message = "has no effect beside formation, which sets the speed; set formation.speed instead"
+    message = (
+        "has no effect beside formation, whose robots share one speed; set formation.speed instead"
+    )
     return [Fault((*where, "speed"), message)]
 
 

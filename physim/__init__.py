@@ -14,12 +14,6 @@ The public names are listed in ``__init__.pyi`` and imported when first used, so
 is quick.
 """
 
-import os
-
 import lazy_loader
 
-from physim.stray_settings import NUMBA, load_numba
-
-if os.path.lexists(NUMBA):  # it lies in wait for numba: before anything else loads that
-    load_numba()
 __getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from physim.compiled import compiled
-from physim.geometry.shapes import FloatArray
+from physim.geometry.shapes import FloatArray, Rows4
 
 Word = np.uint64
 Words = NDArray[np.uint64]
@@ -68,7 +68,7 @@ def _drawn(
         raise ValueError("seed, step, i and j must be at least 0")
     out = np.empty((first.size, 4), dtype=np.float64)
     key = np.array([seed, purpose_key(purpose)], dtype=np.uint64)
-    draw(key, np.uint64(step), words(first), words(second), is_normal, out)
+    draw(key, np.uint64(step), words(first), words(second), first.size, is_normal, out)
     return out[:, :width].reshape(*first.shape, width)
 
 
@@ -90,10 +90,8 @@ def high_product(a: Word, b: Word) -> Word:
 
 
 @compiled
-def philox(
-    key0: Word, key1: Word, c0: Word, c1: Word, c2: Word, c3: Word
-) -> tuple[Word, Word, Word, Word]:
-    """Four 64-bit words of the counter (c0 … c3) under the key."""
+def philox(key0: Word, key1: Word, c0: Word, c1: Word, c2: Word, c3: Word, out: Words) -> None:
+    """Write four 64-bit words of the counter (c0 … c3) under the key into ``out`` (4,)."""
     m0, m1 = np.uint64(MULTIPLIERS[0]), np.uint64(MULTIPLIERS[1])
     for _ in range(ROUNDS):
         high0, low0 = high_product(m0, c0), m0 * c0
@@ -101,7 +99,7 @@ def philox(
         c0, c1, c2, c3 = high1 ^ c1 ^ key0, low1, high0 ^ c3 ^ key1, low0
         key0 += np.uint64(WEYL[0])
         key1 += np.uint64(WEYL[1])
-    return c0, c1, c2, c3
+    out[0], out[1], out[2], out[3] = c0, c1, c2, c3
 
 
 @compiled
@@ -116,12 +114,14 @@ def draw(
     step: Word,
     first: Words,
     second: Words,
+    many: int,
     is_normal: bool,
-    out: FloatArray,
+    out: Rows4,
 ) -> None:
     """Four numbers for each pair of indices into ``out`` (M, 4); normal ones by Box and Muller."""
-    for k in range(len(first)):
-        found = philox(key[0], key[1], step, first[k], second[k], np.uint64(0))
+    found = np.empty(4, np.uint64)
+    for k in range(many):
+        philox(key[0], key[1], step, first[k], second[k], np.uint64(0), found)
         for m in range(2):
             a, b = share(found[2 * m]), share(found[2 * m + 1])
             if is_normal:

@@ -24,8 +24,8 @@ from physim.errors import Notice
 from physim.escaping import escaped_lines
 
 OWN = (
-    "physim|numpy|scipy|shapely|numba|llvmlite|pymunk|h5py|cv2|matplotlib|PIL|av|yaml|"
-    "pydantic|svgelements|cyclopts"
+    "physim|numpy|scipy|shapely|pymunk|h5py|cv2|matplotlib|PIL|av|yaml|pydantic|svgelements|"
+    "cyclopts"
 )
 """Modules whose warnings are for those who work on physim."""
 INTERRUPTED = 130

@@ -31,10 +31,8 @@ def copy_checkout(root: Path, target: Path) -> None:
     for name in tracked_files(root):
         (target / name).parent.mkdir(parents=True, exist_ok=True)
         shutil.copy2(root / name, target / name)
-    for cache in root.glob("[a-z]*/**/__pycache__/*.nb[ic]"):  # compiled already, for these sources
-        if (target / cache.relative_to(root)).parents[1].is_dir():
-            (target / cache.relative_to(root)).parent.mkdir(exist_ok=True)
-            shutil.copy2(cache, target / cache.relative_to(root))
+    for kernels in (root / "physim").glob("_kernels*.so"):  # built already, from these sources
+        shutil.copy2(kernels, target / "physim")
     for link, to in LINKS.items():
         (target / link).symlink_to(to, target_is_directory=True)
 
@@ -42,8 +40,7 @@ def copy_checkout(root: Path, target: Path) -> None:
 def environment(copy: Path, temporary: Path) -> dict[str, str]:
     """Environment of processes that are to use a copy, and a folder for what they leave."""
     temporary.mkdir(exist_ok=True)
-    others = ("NUMBA_CACHE_DIR", "PYTHONSAFEPATH")
-    kept = {name: value for name, value in os.environ.items() if name not in others}
+    kept = {name: value for name, value in os.environ.items() if name != "PYTHONSAFEPATH"}
     return {**kept, "PYTHONPATH": str(copy), "TMPDIR": str(temporary)}
 
 

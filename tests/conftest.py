@@ -1,4 +1,4 @@
-"""Settings of every test: two tiers, one compilation, the same examples in every run.
+"""Settings of every test: two tiers, the same examples in every run.
 
 *Fast* is what ``python -m pytest`` runs. What is marked ``deep`` runs with ``--deep``, or a tenth
 of it with ``--tenth N``: CI takes the tenth that the hash of the commit chooses.
@@ -9,8 +9,6 @@ from __future__ import annotations
 import hashlib
 import os
 import signal
-import subprocess
-import sys
 from collections import defaultdict
 from pathlib import Path
 
@@ -23,7 +21,7 @@ SCREENS = {"browser"}
 
 settings.register_profile(
     "physim",
-    deadline=None,  # the first call of a kernel compiles it
+    deadline=None,  # tests share the machine, and mutation runs them plain
     derandomize=True,
     suppress_health_check=[HealthCheck.too_slow],
 )
@@ -47,15 +45,6 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 def pytest_configure(config: pytest.Config) -> None:
     config.addinivalue_line("markers", "deep: slow or seldom needed; runs with --deep or --tenth")
     os.environ["PHYSIM_DEEP"] = "1" if config.getoption("--deep") else ""
-    if not hasattr(config, "workerinput") and not config.option.collectonly:
-        compile_once()
-
-
-def compile_once() -> None:
-    """Compile what most tests need before the workers start, or each of them would."""
-    done = subprocess.run([sys.executable, "-m", "tests.warm"], cwd=ROOT)
-    if done.returncode:
-        pytest.exit("kernels cannot be compiled: python -m tests.warm", 2)
 
 
 def tenth_of(item: pytest.Item) -> int:

@@ -139,7 +139,7 @@ def test_uneven_spans_are_measured_again_and_said(tmp_path: Path) -> None:
 
 
 def test_a_rate_leaves_out_what_comes_once(monkeypatch: Any) -> None:
-    """Compilation, and the way back to the start, are in no span."""
+    """The first step, and the way back to the start, are in no span."""
     now, first = [0.0], [True]
     monkeypatch.setattr(common.time, "process_time", lambda: now[0])
 

@@ -194,9 +194,9 @@ def test_who_looks_farther_than_it_may_is_found() -> None:
     found = check_controller(broken.FarSighted, worlds=sighted(), seconds=0.5)
     assert {one.rule for one in found} == {Rule.SIGHT}
     assert {"three robots", "crowd"} <= {one.world for one in found}
-    peeking = broken.Together(broken.all_behind_the_first)
-    found = check_controller(peeking, worlds=sighted(), seconds=0.2)
-    assert {one.rule for one in found} == {Rule.SIGHT}
+    for peeks in (broken.all_behind_the_first, broken.mind_every_wall):
+        found = check_controller(broken.Together(peeks), worlds=sighted(), seconds=0.2)
+        assert {one.rule for one in found} == {Rule.SIGHT}
 
 
 def test_robot_by_robot_the_papers_decides_as_for_all_at_once() -> None:

@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 
 import physim
 from physim.drawing.page import Page
-from physim.errors import PhysimError, RecordError
+from physim.errors import PhysimError
 from tests.helpers import inside
 from tests.helpers.records import make_record
 
@@ -45,15 +45,14 @@ def test_what_is_no_regular_file_stays(tmp_path: Path, what: str, kind: str) -> 
     other.write_text("mine")
     os.mkfifo(path) if kind == "pipe" else path.symlink_to(other)
     before = path.lstat()
-    with pytest.raises(PhysimError, match=f"not a regular file but a (named )?{kind}") as caught:
+    with pytest.raises(PhysimError, match=f"not a regular file but a (named )?{kind}"):
         WRITERS[what](path)
     assert path.lstat() == before
     assert other.read_text() == "mine"
     assert sorted(one.name for one in tmp_path.iterdir()) == sorted(["other", path.name])
-    assert isinstance(caught.value, RecordError) == ("record" in what)
 
 
 @pytest.mark.parametrize(("path", "told"), [(".", "is a folder"), ("a\0b", "no file can have")])
 def test_a_record_has_a_name_that_a_file_can_have(path: str, told: str) -> None:
-    with pytest.raises(RecordError, match=told):
+    with pytest.raises(PhysimError, match=told):
         _simulated(path)

@@ -12,11 +12,9 @@ import functools
 import subprocess
 import sys
 from collections.abc import Iterator
-from importlib import import_module
 from importlib.metadata import entry_points
 from pathlib import Path
 
-from physim.compiled import ROOMS_WITHOUT_KERNELS
 from tests.helpers import inside
 
 CONTROLLER, part_names = inside("physim.parts", "CONTROLLER", "part_names")
@@ -31,17 +29,14 @@ LAYERS = {
     "physim.units": (0, 0),
     "physim.tolerances": (0, 0),
     "physim.terminal": (0, 2),
-    "physim.stray_settings": (0, 0),
     "physim.files": (0, 2),
     "physim.json_text": (0, 0),
-    "physim.frontend": (0, 0),
-    "physim.linking": (0, 1),
-    "physim.c_calls": (0, 3),
+    "physim.joining": (0, 0),
     "physim.compiled": (0, 2),
-    "physim.kept": (0, 3),
     "physim._version": (0, 0),
     "physim.worlds": (0, 0),
     "physim.geometry": (0, 4),
+    "physim.natives": (0, 5),
     "physim.contacts": (0, 5),
     "physim.randomness": (0, 5),
     "physim.statistics": (0, 5),
@@ -68,6 +63,7 @@ LAYERS = {
     "physim.drawing.crowd": (0, 5),
     "physim.drawing.printed": (0, 0),
     "physim.drawing.scene_model": (5, 0),
+    "physim.drawing.drivers": (5, 0),
     "physim.drawing.items": (5, 1),
     "physim.drawing.timeline": (5, 1),
     "physim.drawing.video": (5, 2),
@@ -106,7 +102,7 @@ OF_THEIR_OWN = (
     ("physim.analysis.validation.rerun", "physim.simulation.recorder"),
     ("physim.analysis.metrics.registered", "physim.parts.registry"),
     ("physim.drawing.plots.pictures", "physim.parts.registry"),
-    ("physim.drawing.page.why", "physim.parts.registry"),
+    ("physim.drawing.drivers", "physim.parts.registry"),
 )
 """Modules of these that may, and what they take: those of the validation hold a record against its
 own world, make its decisions again and run it again; others find the metrics and plots that
@@ -205,12 +201,12 @@ def test_imports_go_downward() -> None:
         room = room_of(module)
         wrong = []
         for line, name in imports(module):
-            if not name.startswith("physim"):
+            if not name.startswith("physim") or name == "physim._kernels":  # built from all rooms
                 continue
             other = room_of(name)
             assert other, f"{module}:{line} imports {name}, which has no layer"
             if (room, other) == ("physim.compiled", "physim.controllers"):
-                continue  # where their sources lie, for the stamp of the cache; nothing is imported
+                continue  # asks where their sources lie; nothing is imported
             if other != room and LAYERS[other] >= LAYERS[room]:
                 wrong.append(f"{module}:{line} imports {name}")
         assert wrong == []
@@ -227,14 +223,6 @@ def test_third_parties_stay_where_they_belong() -> None:
         "matplotlib": ("physim.drawing.plots", "physim.drawing.preview", "physim.reproduction"),
         "PIL": ("physim.drawing.video", "physim.reproduction", "physim.authoring"),
         "rich": ("physim.cli", "physim.campaigns"),
-        "numba": (
-            "physim.compiled",
-            "physim.frontend",
-            "physim.linking",
-            "physim.stray_settings",
-            "physim.kept",
-            "physim.c_calls",
-        ),
         "cyclopts": ("physim.cli",),
         "cma": ("physim.campaigns",),
         "pyarrow": ("physim.campaigns",),
@@ -267,7 +255,7 @@ def test_controllers_see_layers_0_and_1_and_each_other() -> None:
 def test_physim_reaches_controllers_through_the_registry_alone() -> None:
     for module in [m for m in MODULES if not m.startswith("physim.controllers")]:
         named = [name for _, name in imports(module) if name.startswith("physim.controllers")]
-        if module == "physim.compiled":  # its stamp covers their sources, found without import
+        if module == "physim.compiled":  # finds their sources, without import
             named.remove("physim.controllers")
         assert named == []
 
@@ -354,31 +342,6 @@ def test_every_controller_on_disk_is_under_contract() -> None:
     registered = {entry.value for entry in entry_points(group=CONTROLLER.group)}
     assert deciding == {value for value in registered if value.startswith("physim.controllers.")}
     assert set(part_names(CONTROLLER)) >= {"mode_switching", "path_following"}
-
-
-def test_rooms_left_out_of_the_stamp_hold_nothing_that_kernels_need() -> None:
-    """Kernels are not compiled anew for edits there: see `physim.compiled.source_stamp`."""
-    left_out = tuple(f"physim.{room}" for room in ROOMS_WITHOUT_KERNELS)
-    for module in MODULES:
-        is_left_out = (
-            module.startswith(tuple(f"{room}." for room in left_out)) or module in left_out
-        )
-        decorators = {
-            ast.unparse(one).split("(")[0]
-            for node in ast.walk(tree_of(module))
-            if isinstance(node, ast.FunctionDef)
-            for one in node.decorator_list
-        }
-        if is_left_out:
-            assert not decorators & {"compiled", "callback"}
-        elif decorators & {"compiled", "callback"}:
-            taken = [
-                (node.module, one.name)
-                for node in ast.walk(tree_of(module))
-                if isinstance(node, ast.ImportFrom) and f"{node.module}".startswith(left_out)
-                for one in node.names
-            ]  # classes are no part of a kernel, which takes arrays
-            assert [n for m, n in taken if not isinstance(getattr(import_module(m), n), type)] == []
 
 
 def test_tests_import_packages() -> None:

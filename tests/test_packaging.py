@@ -6,6 +6,7 @@ import json
 import os
 import subprocess
 import sys
+import tarfile
 import zipfile
 from pathlib import Path
 
@@ -15,35 +16,44 @@ ROOT = Path(__file__).parents[1]
 
 
 @pytest.fixture(scope="module")
-def wheel(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Built from a copy of the tracked kinds of files, so that nothing is left in the sources."""
-    folder = tmp_path_factory.mktemp("wheel")
+def built(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Folder of wheel and source distribution.
+
+    Built from a copy of the tracked kinds of files, so that nothing is left in the sources.
+    """
+    folder = tmp_path_factory.mktemp("built")
     source = folder / "source"
     for path in sorted(ROOT.rglob("*")):
         name = path.relative_to(ROOT)
-        if name.parts[0] not in KINDS or "__pycache__" in name.parts or not path.is_file():
+        if name.parts[0] not in KINDS or not path.is_file() or path.suffix in (".pyc", ".so"):
             continue
         (source / name).parent.mkdir(parents=True, exist_ok=True)
         (source / name).write_bytes(path.read_bytes())
     build = [
         sys.executable, "-c",
-        "import sys; from setuptools import build_meta; build_meta.build_wheel(sys.argv[1])",
+        "import sys; from setuptools import build_meta; folder = sys.argv[1]\n"
+        "build_meta.build_sdist(folder); build_meta.build_wheel(folder)",
     ]  # fmt: skip
     done = subprocess.run(
         [*build, str(folder)], cwd=source, capture_output=True, text=True, timeout=300
     )
     assert done.returncode == 0, done.stdout + done.stderr
-    (built,) = folder.glob("*.whl")
-    return built
+    return folder
+
+
+@pytest.fixture(scope="module")
+def wheel(built: Path) -> Path:
+    (found,) = built.glob("*.whl")
+    return found
 
 
 KINDS = (
     "physim", "controllers", "worlds", "tests", "benchmarks", "media",
-    "pyproject.toml", "README.md", "LICENSE", "MANIFEST.in", "CHANGELOG.md",
+    "pyproject.toml", "setup.py", "README.md", "LICENSE", "MANIFEST.in", "CHANGELOG.md",
 )  # fmt: skip
 
 
-KEPT = (".py", ".pyi", ".yaml", ".md", ".json", ".typed", ".js", ".css", ".html")
+KEPT = (".py", ".pyi", ".pxi", ".yaml", ".md", ".json", ".typed", ".js", ".css", ".html")
 
 
 def expected() -> set[str]:
@@ -61,13 +71,25 @@ def expected() -> set[str]:
 def test_wheel_holds_the_sources_and_nothing_beside_physim(wheel: Path) -> None:
     names = zipfile.ZipFile(wheel).namelist()
     inside = {name for name in names if ".dist-info/" not in name}
-    assert inside == expected()
+    assert inside == expected() | {"physim/_kernels.abi3.so"}
+    assert wheel.name.startswith("physim-0.1.0-cp311-abi3-")
     assert {"physim/py.typed", "physim/controllers/NOTATION.md"} <= inside
     assert {f"physim/drawing/page/assets/{name}" for name in ("page.html", "main.js")} <= inside
     assert any(name.startswith("physim/worlds/") and name.endswith(".yaml") for name in inside)
     tops = {name.split("/")[0] for name in names}
     assert "physim" in tops
     assert [top for top in tops - {"physim"} if not top.endswith(".dist-info")] == []
+
+
+def test_source_distribution_holds_what_the_wheel_is_built_from(built: Path) -> None:
+    (packed,) = built.glob("*.tar.gz")
+    with tarfile.open(packed) as archive:
+        names = {name.partition("/")[2] for name in archive.getnames()}
+    assert {"setup.py", "pyproject.toml", "physim/kernels.pxi", "LICENSE"} <= names
+    for folder in ("physim", "controllers", "worlds"):
+        files = {path for path in (ROOT / folder).rglob("*") if path.suffix in KEPT}
+        assert {path.relative_to(ROOT).as_posix() for path in files} <= names
+    assert [name for name in names if name.endswith((".so", ".c", ".pyx"))] == []
 
 
 def test_wheel_says_what_it_offers(wheel: Path) -> None:

@@ -69,7 +69,7 @@ def record(asked: dict[str, Any]) -> dict[str, Any]:
                 else:
                     for _ in range(asked["steps"]):
                         running.step()
-                if repeat:  # the first time kernels are compiled
+                if repeat:  # the first is no measurement
                     spent[is_recorded].append(time.process_time() - began)
         running.restore(start)
         began = time.process_time()
@@ -208,7 +208,7 @@ def parts(asked: dict[str, Any]) -> dict[str, Any]:
             whole = time.process_time() - began
             running.restore(start)
             decide, physics, taken, step = (spent[name] for name in timed)
-            if repeat:  # the first time kernels are compiled
+            if repeat:  # the first is no measurement
                 runs.append({
                     "decide": decide, "physics": physics,
                     "record": whole - once - (step - taken),

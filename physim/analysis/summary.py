@@ -69,7 +69,8 @@ class Summary:
         """Whose, what came of it, and whether that was expected; `table` shows all of it."""
         record, count = self.run.record, self.value("contacts")
         contacts = "contacts not recorded" if count is None else f"contacts: {count}"
-        end = f"ended {describe(record.ended)} after {self.value('simulated_time'):g} s"
+        begun, at = (f"begun at {record.begun:g} s, ", "at") if record.begun_at else ("", "after")
+        end = f"{begun}ended {describe(record.ended)} {at} {self.value('simulated_time'):g} s"
         kept = ", as expected" if self.held else ", not as expected"
         kept = kept if self.expectations else ""
         name = describe(record.name)
@@ -237,8 +238,8 @@ def table(summary: Summary, brief: bool = False) -> str:
 def table_rows(summary: Summary, brief: bool = False) -> Rows:
     """Label and text of each line of the table, for whoever sets it out otherwise."""
     s, run, record = summary, summary.run, summary.run.record
-    begun = f"begun at {record.begun:.2f} s, " if record.begun_at else ""
-    end = f"{begun}{ENDED.get(record.ended, record.ended)} after {s.value('simulated_time'):.2f} s"
+    begun, at = (f"begun at {record.begun:.2f} s, ", "at") if record.begun_at else ("", "after")
+    end = f"{begun}{ENDED.get(record.ended, record.ended)} {at} {s.value('simulated_time'):.2f} s"
     factor = record.wall_clock.get("factor")
     computes = s.value("collision_time_evaluations") is not None
     none = "none" if computes else "n/a (the controller computes none)"
@@ -396,11 +397,9 @@ def _each_controller(summary: Summary) -> Rows:
     """A line for each controller, where there are several."""
     rows: Rows = []
     for one in summary.controllers:
-        names = summary.names_of(*one.robots[:SHOWN_ROBOTS])
-        more = len(one.robots) - len(names)
         met = "n/a" if one.contacts is None else str(one.contacts)
         share = "n/a" if one.danger_share is None else percent(one.danger_share)
-        who = ", ".join(names) + (f" and {more} more" if more else "")
+        who = summary.run.record.setup.who(one.robots)
         did = f"{one.arrived} of {len(one.robots)} arrived, contacts {met}, danger mode {share}"
         rows.append(("" if rows else "by controller", f"{one.controller}: {did} ({who})"))
     return rows

@@ -25,7 +25,7 @@ from physim.parts.registry import made_controller
 from physim.record import Record
 from physim.simulation.arrival import still_distances, still_steps
 from physim.simulation.loop import Simulation
-from physim.simulation.run import is_warm, record_run
+from physim.simulation.run import record_run
 from physim.world.checks.room import inscribed_radius
 from physim.world.faults import describe
 from physim.world.layout.scene_builder import scene_of
@@ -73,9 +73,6 @@ def try_world(
     """
     if why := _too_long(laid):
         return Trial(f"not tried: {why} take long; physim run shows if all arrive")
-    if not is_warm():
-        why = "nothing is compiled yet; physim run does it, and shows if all arrive"
-        return Trial(f"not tried: {why}")
     try:
         controller = made_controller(laid.world, trusted)
         simulation = Simulation(scene_of(laid), controller=controller)

@@ -22,7 +22,7 @@ from physim.parts.registry import made_controller
 from physim.parts.user_code import broken_by
 from physim.record import Record
 from physim.simulation.loop import Simulation
-from physim.simulation.run import record_run, simulate, warm_up
+from physim.simulation.run import record_run, simulate
 from physim.world import World
 from physim.world.file.loading import load_world, parse_world
 from physim.world.layout.scene_builder import build_scene, reseeded
@@ -100,9 +100,8 @@ def take(
 
 @functools.cache
 def ready() -> None:
-    """Load the kernels into this process, or compile them, by a run that is thrown away."""
+    """Load into this process what runs need, by one that is thrown away."""
     world = load_world(READY_WORLD, overrides=[f"time.duration={READY_SECONDS}"])
-    warm_up(build_scene(world), made_controller(world))
     with simulate(world) as record:
         figures(record)
 

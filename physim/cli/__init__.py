@@ -63,8 +63,8 @@ def _ended_by(error: BaseException) -> tuple[int, str]:
     if isinstance(error, OSError) and not isinstance(error, BrokenPipeError):  # of a worker
         if error.filename is not None:
             return 2, f"{os.fsdecode(error.filename)}: cannot be read or written ({error.strerror})"
-        if error.errno in UNWRITTEN:  # numba tells no file
-            return 2, f"a file (of numba's cache, perhaps): cannot be written ({error.strerror})"
+        if error.errno in UNWRITTEN:  # a library tells no file
+            return 2, f"a file cannot be written ({error.strerror})"
     import traceback
 
     lines = traceback.format_exception(error)

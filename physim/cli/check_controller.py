@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Annotated
 
 from physim.cli.options import JsonFlag, Out, kind, quoted, real
 from physim.cli.progress import Bar
-from physim.cli.simulating import compile_once
 from physim.errors import PhysimError, WorldError, plain_key, plural
 from physim.json_text import json_text
 
@@ -35,9 +34,9 @@ def check_controller(
       CONTROLLER  a registered controller (physim list) or your own as module:Class
 
     options:
-      --world WORLD  a world file; the name of a shipped world, or of one in worlds/; or the
-          record.h5 of a run, whose world is taken; instead of all shipped ones of up to 100 robots
-          (may be repeated)
+      --world WORLD  a world file; the name of a shipped world, or of one in worlds/; or a run, its
+          folder or its record.h5, whose world is taken; instead of all shipped ones of up to 100
+          robots (may be repeated)
       --seconds S  simulated time of each world [s] (2)
       --set KEY=VALUE  a setting of the controller, instead of those in the worlds, e.g.
           controller.look_ahead=3.0 (may be repeated)
@@ -54,7 +53,7 @@ def check_controller(
       forms        decide and decide_all, where there are both, decide alike, bit for bit or
                    within the agreement that the class declares
       portions     decide_all decides alike for some robots, or one, as for all that are due
-      sight        it goes by nothing that a robot may not know
+      sight        it goes by nothing that a robot may not know: robots and walls out of range
 
     situations beside the worlds: nobody in sight, no wall in sight, at the end of the path, facing
     backwards, overlapping
@@ -75,7 +74,6 @@ def check_controller(
 
     chosen = _chosen(controller, set)
     worlds = worlds_to_try(world or None)
-    compile_once(quiet=False)
     parts: list[WorldResult] = []
     with Bar("check", len(worlds) + len(SITUATIONS), "worlds", quiet=False) as bar:
 

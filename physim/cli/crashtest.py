@@ -9,7 +9,7 @@ from typing import Annotated
 
 from physim.cli.options import JsonFile, Out, Output, Whole, kind, whole
 from physim.cli.output import Target, check_json, remove, write_json
-from physim.cli.progress import Bar, announce_compiling
+from physim.cli.progress import Bar
 from physim.terminal import INTERRUPTED, interrupts
 
 DISAGREE = 3
@@ -49,7 +49,6 @@ def crashtest(
       physim crashtest --cases 100000 --seed 1 --json crashtest.json
     """
     from physim.analysis.crashtest import crash_test
-    from physim.analysis.crashtest.prediction import is_warm
     from physim.analysis.crashtest.report import text
 
     folder = output or Path(f"crashtest-{seed}")
@@ -57,8 +56,6 @@ def crashtest(
     earlier = [file for file in sorted(folder.glob("case-*.yaml")) if CASE.fullmatch(file.name)]
     Target(folder, force).folder(earlier, "worlds of an earlier crash test")
     remove(earlier)
-    if not is_warm():
-        announce_compiling("the collision checks", quiet)
     with interrupts() as interrupt, Bar("crash test", cases, "cases", quiet) as bar:
         report = crash_test(cases, seed, folder=folder, progress=bar.update, stop=interrupt)
     write_json(json, report.to_json(), out)

@@ -23,7 +23,7 @@ from physim.cli.output import FILES as OF_RUN
 from physim.cli.output import Target, alone, check_json, inputs, remove, write_json
 from physim.cli.pictures import files_written, write_video
 from physim.cli.progress import Bar
-from physim.cli.simulating import compile_once, tell
+from physim.cli.simulating import tell
 from physim.errors import PhysimError
 from physim.files import write_text
 from physim.terminal import INTERRUPTED, interrupts
@@ -117,7 +117,6 @@ def falsify(
     files = [folder / name for name in names]
     check_json(json, force, files)
     Target(folder, force, inputs(world)).folder(files, "an earlier search")
-    compile_once(quiet, checks=True)
     if not quiet:
         print("varied:\n" + "\n".join(f"  {line}" for line in space.lines()), flush=True)
     typed = ["physim", "falsify", world, "--budget", str(budget), "--vary", ",".join(vary)]

@@ -152,8 +152,8 @@ def words(text: str) -> tuple[str, ...]:
 
 
 WORLD_HELP = (
-    "a world file; the name of a shipped world, or of one in worlds/; or the record.h5 of a run, "
-    "whose world is taken"
+    "a world file; the name of a shipped world, or of one in worlds/; or a run, its folder or its "
+    "record.h5, whose world is taken"
 )
 
 Whole = Annotated[int, kind(WHOLE)]

@@ -11,7 +11,6 @@ from cyclopts import Parameter
 
 from physim.cli.options import Output, RecordFile
 from physim.cli.output import PAGE, Target
-from physim.cli.progress import announce_compiling
 from physim.cli.simulating import tell
 
 if TYPE_CHECKING:
@@ -64,14 +63,12 @@ def page(
 def make_page(
     records: Sequence[Record], output: Path, quiet: bool, found: Validation | None = None
 ) -> None:
-    """Write the page of some records, and say so where something is to be compiled first.
+    """Write the page of some records.
 
     ``found`` is the validation of the one record, where it was validated.
     """
-    from physim.drawing.page import drawn_between, is_warm, write_page
+    from physim.drawing.page import drawn_between, write_page
 
-    if any(len(record.contacts) for record in records) and not is_warm():
-        announce_compiling("what is said of contacts", quiet)
     write_page(records, output, found)
     if between := drawn_between(records):
         tell([f"{output}: {between}: contacts may lie beside them"])

@@ -1,8 +1,7 @@
-"""While a command works: progress bars, files that are watched, kernels that are compiled."""
+"""While a command works: progress bars, files that are watched."""
 
 from __future__ import annotations
 
-import subprocess
 import sys
 import time
 from collections.abc import Callable, Sequence
@@ -16,17 +15,8 @@ if TYPE_CHECKING:
     from physim.simulation.loop import Simulation
 
 REFRESH_SECONDS = 0.1
-COMPILING = 25
-"""[s] about, on two quiet cores"""
 EVERY = 0.15
 """[s] between two looks at a file that is watched"""
-MOTION = """\
-from physim import build_scene, load_world
-from physim.simulation.run import warm_up_motion
-world = load_world("three_robots").changed(controller={"type": "constant"})
-warm_up_motion(build_scene(world))
-"""
-"""Compiles what moves robots; the controller makes no decision that would have to be compiled"""
 
 
 class Bar:
@@ -112,28 +102,3 @@ def _state(path: Path) -> tuple[int, ...]:
     except (OSError, ValueError):
         return ()
     return status.st_mtime_ns, status.st_size, status.st_ino
-
-
-def announce_compiling(what: str, quiet: bool) -> None:
-    """Print one line on standard error."""
-    if not quiet:
-        text = f"compiling {what} (once after an installation or an edit, about {COMPILING} s) ..."
-        print(text, file=sys.stderr, flush=True)
-
-
-def compiled_beside() -> Callable[[], object]:
-    """Begin to compile in another process what a run needs beside its decisions.
-
-    Returns what waits for it. Where it fails, or has no second core, the run compiles it all the
-    same.
-    """
-    nowhere = subprocess.DEVNULL
-    return subprocess.Popen([sys.executable, "-Pc", MOTION], stdout=nowhere, stderr=nowhere).wait
-
-
-def checks_ready(quiet: bool) -> None:
-    """Say so where the kernels of a validation are to be compiled."""
-    from physim.analysis import validation
-
-    if not validation.is_warm():
-        announce_compiling("the checks of the validation", quiet)

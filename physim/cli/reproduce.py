@@ -9,7 +9,7 @@ from pathlib import Path
 from physim.cli.options import Output, Workers
 from physim.cli.output import Target, alone, remove, writing
 from physim.cli.pictures import files_written
-from physim.cli.progress import Bar, announce_compiling
+from physim.cli.progress import Bar
 from physim.errors import PhysimError
 from physim.files import write_text
 from physim.terminal import INTERRUPTED, interrupts
@@ -66,7 +66,7 @@ def reproduce(
     from physim.campaigns.pool import worker_count
     from physim.record.lock import check_unwritten
     from physim.reproduction.page import JSON, PAGES, pages, verdicts
-    from physim.reproduction.run import PICTURES, is_warm, make_plan, warm_up
+    from physim.reproduction.run import PICTURES, make_plan
     from physim.reproduction.run import reproduce as run_all
 
     given = [("--figure", figure), ("--study", study)]
@@ -81,9 +81,6 @@ def reproduce(
         with writing(output):
             for name in (PICTURES, *plan.worlds):
                 (output / name).mkdir(exist_ok=True)
-        if not is_warm():  # once, before workers would each do so
-            announce_compiling("controller, distances and collision times", quiet)
-            warm_up()
         with Bar("reproduce", 1.0, "jobs", quiet) as bar:
             report = run_all(
                 plan, output, workers=workers or worker_count(), stop=interrupt,

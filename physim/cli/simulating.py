@@ -1,4 +1,4 @@
-"""Runs on the command line: kernels loaded or compiled, a progress bar, Ctrl-C, warnings."""
+"""Runs on the command line: a progress bar, Ctrl-C, warnings."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from physim.cli.options import Changes
-from physim.cli.progress import Bar, announce_compiling, compiled_beside
+from physim.cli.progress import Bar
 from physim.errors import WorldError
 from physim.terminal import interrupts
 
@@ -27,17 +27,15 @@ def tell(lines: Iterable[str]) -> None:
 
 
 def ready(given: str, changes: Changes, quiet: bool, path: Path | None = None) -> Simulation:
-    """Simulation of a world with changes, with the kernels loaded or compiled.
+    """Simulation of a world with changes.
 
-    A run too large for the disk of ``path``, or, where that is None, for memory, is refused before
-    anything is compiled. A robot that counts from the start as beyond a wall is told of: it might
-    be said to have arrived.
+    A run too large for the disk of ``path``, or, where that is None, for memory, is refused. A
+    robot that counts from the start as beyond a wall is told of: it might be said to have arrived.
     """
     from physim.parts.declarations import Declared
     from physim.parts.registry import made_controller
     from physim.simulation.loop import Simulation
     from physim.simulation.recorder import check_room
-    from physim.simulation.run import is_warm, warm_up
     from physim.world.checks.starts import check_walled_off
     from physim.world.file import read_world
     from physim.world.layout.scene_builder import build_scene
@@ -55,14 +53,6 @@ def ready(given: str, changes: Changes, quiet: bool, path: Path | None = None) -
 
     Declared.of(controller())  # refuses what cannot be
     check_room(scene, world.time.record_every, path)
-    if is_warm():
-        warm_up(scene, controller())
-    else:
-        announce_compiling("controller and distances", quiet)
-        seconds = warm_up(scene, controller(), compiled_beside())
-        if not quiet:
-            text = f"compiled in {seconds:.0f} s and kept for later runs"
-            print(text, file=sys.stderr, flush=True)
     return Simulation(scene, controller=controller())
 
 
@@ -81,21 +71,3 @@ def to_the_end(run: Callable[..., Found], title: str, seconds: float, quiet: boo
     if interrupt():
         raise KeyboardInterrupt
     return found
-
-
-def compile_once(quiet: bool, checks: bool = False) -> None:
-    """See that the kernels of runs, and of ``checks`` of them, are on disk before workers begin:
-    each would compile them."""
-    from physim.analysis import validation
-    from physim.campaigns.one_run import ready as compile_runs
-    from physim.simulation.run import is_warm, simulate
-    from physim.world.file import load_world
-
-    if not is_warm():
-        announce_compiling("controller and distances", quiet)
-        compile_runs()
-    if checks and not validation.is_warm():
-        announce_compiling("the checks of the validation", quiet)
-        world = load_world("three_robots", overrides=["time.duration=0.2"])
-        with simulate(world.changed(controller={"type": "constant"})) as record:
-            validation.validate(record, rerun=False)

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from physim.cli.options import Out, Output, Seeds, Words, Workers, Worlds, kind, real
 from physim.cli.progress import Bar
-from physim.cli.simulating import compile_once, tell
+from physim.cli.simulating import tell
 from physim.errors import PhysimError, plural
 from physim.json_text import json_text
 from physim.terminal import INTERRUPTED, interrupts
@@ -133,8 +133,6 @@ def sweep(
     if fixed and seeds is not None and not quiet:
         cells = ", ".join(f"{world} ({plural(n, 'cell')})" for world, n in sorted(fixed.items()))
         print(f"Nothing random in {cells}, run once each; {TO_DRAW}.", file=sys.stderr)
-    if scheduler is None:
-        compile_once(quiet, checks=validate)
     decisions: dict[Label, Decision] = {}
     with interrupts() as interrupt, Bar("sweep", len(grid), "runs", quiet) as bar:
         team = partial(executor, workers, scheduler)

@@ -13,7 +13,6 @@ from cyclopts import Parameter
 from physim.cli.options import AS_IT_IS, Changes, File, JsonFile, Out, record_file
 from physim.cli.output import PAGE, Target, check_json, inputs, write_json
 from physim.cli.page import make_page
-from physim.cli.progress import announce_compiling
 from physim.cli.simulating import ready, tell, to_the_end
 from physim.errors import PhysimError
 
@@ -68,7 +67,6 @@ def validate(
     from physim.analysis.validation import report as report_text
     from physim.analysis.validation.origin import check_made_from
     from physim.analysis.validation.validation import NOT_ASKED, json_of_validation, missing
-    from physim.cli.progress import checks_ready
     from physim.record import Record
     from physim.simulation.recorder import SaveAt
     from physim.simulation.run import record_run
@@ -95,7 +93,6 @@ def validate(
             if world is not None:
                 check_made_from(record, read_world(world, **changes.reading)[0], world)
             again = _run_again(record, file, changes, quiet) if rerun else NOT_ASKED
-        checks_ready(quiet)
         if isinstance(again, str):
             whole, found = record, judge(record, None, again, source=source)
         else:
@@ -134,7 +131,6 @@ def _run_again(record: Record, file: Path, changes: Changes, quiet: bool) -> Rec
     from physim.analysis.validation.rerun import AgainError, run_again, simulation_again
     from physim.analysis.validation.validation import missing
     from physim.parts.registry import made_controller
-    from physim.simulation.run import is_warm
     from physim.world.file import read_world
 
     controller = None
@@ -144,8 +140,6 @@ def _run_again(record: Record, file: Path, changes: Changes, quiet: bool) -> Rec
         controller = made_controller(world, trusted=True)
     try:
         simulation = simulation_again(record, controller=controller)
-        if not is_warm():
-            announce_compiling("controller and distances", quiet)
         title = f"{record.name}, seed {record.seed}"
         run = partial(run_again, record, simulation)
         return to_the_end(run, title, record.steps_run * record.dt, quiet)

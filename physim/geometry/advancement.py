@@ -254,7 +254,7 @@ def face_step(P: Part, m: int, Q: Part, r: Relative, spare: float) -> float:
     twist = r.other_spin - r.spin
     best = 0.0
     most = math.pi / abs(r.spin)
-    for _ in range(2):
+    for again in range(2):  # noqa: B007
         found = most
         for j in range(Q.first, Q.end):
             at = above(P, m, nx, ny, Q, j, r)

@@ -20,7 +20,7 @@ import numpy as np
 
 from physim.compiled import compiled
 from physim.geometry.convex import Frame, Witness, frame_at, part_gap, part_witness
-from physim.geometry.shapes import FloatArray, IntArray, Part, Shapes
+from physim.geometry.shapes import FloatArray, IntRows2, Part, Rows3, Rows5, Shapes
 
 BOUND_MARGIN = 1e-9
 """[m] A bound must beat the best distance by this, so that rounding of the bound cannot matter."""
@@ -77,7 +77,8 @@ def point_segment(x: float, y: float, ax: float, ay: float, bx: float, by: float
     along = 0.0
     if square > 0.0:
         along = min(max(((x - ax) * dx + (y - ay) * dy) / square, 0.0), 1.0)
-    return math.hypot(x - ax - along * dx, y - ay - along * dy)
+    distance: float = np.hypot(x - ax - along * dx, y - ay - along * dy)
+    return distance
 
 
 @compiled
@@ -176,7 +177,7 @@ def body_separation(
     ox, oy = -(f.c * f.tx + f.s * f.ty), f.s * f.tx - f.c * f.ty
     near = nearly_nearest(shapes_a.radius[i], shapes_b, j, ox, oy)
     parts_a = shapes_a.body_start[i + 1] - shapes_a.body_start[i]
-    only = parts_a == 1 and shapes_b.body_start[j + 1] - shapes_b.body_start[j] == 1
+    only: bool = parts_a == 1 and shapes_b.body_start[j + 1] - shapes_b.body_start[j] == 1
     V, start = shapes_a.vertices, shapes_a.part_start
     W, w_start = shapes_b.vertices, shapes_b.part_start
     found = Witness(np.inf, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
@@ -188,7 +189,8 @@ def body_separation(
                 continue
             if only or part_gap(P, Q, f, found.distance) < found.distance:
                 found = part_witness(P, Q, f)
-    d, nx, ny, ax, ay, bx, by = found
+    d, nx, ny = found.distance, found.nx, found.ny
+    ax, ay, bx, by = found.ax, found.ay, found.bx, found.by
     x, y, ca, sa = pose_a[0], pose_a[1], math.cos(pose_a[2]), math.sin(pose_a[2])
     return Witness(
         d,
@@ -216,22 +218,18 @@ def describe_pair(
     The point [m] lies midway between the deepest points of either body within the other, or
     midway between the nearest points where they are apart; the unit normal leads from a to b.
     """
-    d, nx, ny, ax, ay, bx, by = body_separation(shapes_a, a, pose_a, shapes_b, b, pose_b)
-    out[0] = 0.5 * (ax + bx)
-    out[1] = 0.5 * (ay + by)
-    out[2] = nx
-    out[3] = ny
-    out[4] = d
+    found = body_separation(shapes_a, a, pose_a, shapes_b, b, pose_b)
+    out[0] = 0.5 * (found.ax + found.bx)
+    out[1] = 0.5 * (found.ay + found.by)
+    out[2], out[3], out[4] = found.nx, found.ny, found.distance
 
 
 @compiled
-def describe_pairs(shapes: Shapes, pose: FloatArray, pairs: IntArray) -> FloatArray:
-    """Return (M, 5) for pairs (M, 2) of bodies at ``pose`` (B, 3): rows of `describe_pair`."""
-    out = np.empty((len(pairs), 5))
-    for k in range(len(pairs)):
+def describe_pairs(shapes: Shapes, pose: Rows3, pairs: IntRows2, many: int, out: Rows5) -> None:
+    """Write rows of `describe_pair` of pairs (M, 2) of bodies at ``pose`` (B, 3) into ``out``."""
+    for k in range(many):
         a, b = pairs[k, 0], pairs[k, 1]
         describe_pair(shapes, a, pose[a], shapes, b, pose[b], out[k])
-    return out
 
 
 @compiled
@@ -242,15 +240,16 @@ def describe_contact(
     pose_a: FloatArray,
     b: int,
     pose_b: FloatArray,
+    w: int,
     out: FloatArray,
 ) -> None:
-    """`describe_pair` for a contact, whose normal is across the faces that wall b is part of.
+    """`describe_pair` for a contact, whose normal is across the faces that wall w, body b, is part
+    of; w < 0: b is no wall.
 
     ``shapes`` are those of robots and walls; ``faces`` has for each wall what of the solid that it
     is part of goes along it, nothing for a wall on its own.
     """
     describe_pair(shapes, a, pose_a, shapes, b, pose_b, out)
-    w = b - (len(shapes.body_start) - len(faces.body_start))
     if w >= 0 and faces.body_start[w + 1] > faces.body_start[w]:
         own = np.empty(5)
         describe_pair(shapes, a, pose_a, faces, w, pose_b, own)
@@ -259,11 +258,12 @@ def describe_contact(
 
 @compiled
 def describe_contacts(
-    shapes: Shapes, faces: Shapes, pose: FloatArray, pairs: IntArray
-) -> FloatArray:
-    """Return (M, 5) for pairs (M, 2) of bodies at ``pose`` (B, 3): rows of `describe_contact`."""
-    out = np.empty((len(pairs), 5))
-    for k in range(len(pairs)):
+    shapes: Shapes, faces: Shapes, robots: int, pose: Rows3, pairs: IntRows2, many: int, out: Rows5
+) -> None:
+    """Write rows of `describe_contact` of pairs (M, 2) of bodies at ``pose`` (B, 3) into ``out``.
+
+    Bodies from ``robots`` on are walls.
+    """
+    for k in range(many):
         a, b = pairs[k, 0], pairs[k, 1]
-        describe_contact(shapes, faces, a, pose[a], b, pose[b], out[k])
-    return out
+        describe_contact(shapes, faces, a, pose[a], b, pose[b], b - robots, out[k])

@@ -12,6 +12,7 @@ import numpy as np
 from physim.compiled import compiled
 from physim.geometry.convex import frame_at
 from physim.geometry.neighbours import (
+    BoundingDiscs,
     Neighbours,
     bounding_discs,
     farthest_pair,
@@ -19,7 +20,7 @@ from physim.geometry.neighbours import (
     neighbours,
     set_frames,
 )
-from physim.geometry.shapes import FloatArray, IntArray, Shapes, locked, part_bodies
+from physim.geometry.shapes import FloatArray, IntArray, Rows3, Shapes, part_bodies
 from physim.geometry.walls import NearestWalls, Sight, WallTree, nearest_seen, nearest_walls
 
 
@@ -47,8 +48,7 @@ class ClearanceFinder:
 
     def __init__(self, shapes: Shapes, wall_tree: WallTree) -> None:
         robots = len(shapes.body_start) - 1
-        # Read-only, whoever asks: for arrays that may be written to, kernels are compiled anew.
-        self._world = (locked(shapes), locked(wall_tree), locked(part_bodies(wall_tree.walls)))
+        self._world = shapes, wall_tree, part_bodies(wall_tree.walls), bounding_discs(shapes)
         self._known = neighbours(robots), nearest_walls(robots)
         self.measured = 0
         """distances of two robots that were worked out for ``clearance``, over all blocks"""
@@ -65,8 +65,9 @@ class ClearanceFinder:
             np.empty(samples, dtype=np.int64),
             np.empty(samples, dtype=np.int64),
         )
-        poses = locked(np.ascontiguousarray(poses))
-        self.measured += fill(poses, *self._world, *self._known, out)
+        flat = Clearances._make(array.reshape(-1) for array in out)
+        rows = np.ascontiguousarray(poses).reshape(-1, 3)
+        self.measured += fill_clearances(rows, samples, *self._world, *self._known, flat)
         return out
 
 
@@ -76,35 +77,36 @@ def clearances(poses: FloatArray, shapes: Shapes, wall_tree: WallTree) -> Cleara
 
 
 @compiled
-def fill(
-    poses: FloatArray,
+def fill_clearances(
+    poses: Rows3,
+    samples: int,
     shapes: Shapes,
     wall_tree: WallTree,
     part_body: IntArray,
+    discs: BoundingDiscs,
     known: Neighbours,
     nearest: NearestWalls,
     out: Clearances,
 ) -> int:
-    """Write `clearances` into ``out``; ``part_body`` (P,) names the body of each wall part.
+    """Write `clearances` of poses (B N, 3) into ``out``.
 
-    ``known`` and ``nearest`` go from block to block. Returns how many distances of two
-    robots were worked out for ``clearance``.
+    ``part_body`` (P,) names the body of each wall part; ``known`` and ``nearest`` go from block to
+    block. Returns how many distances of two robots were worked out for ``clearance``.
     """
-    robots = poses.shape[1]
-    discs = bounding_discs(shapes)
-    frame = np.empty((robots, 6))
-    spread, rim = np.empty(robots), np.empty(robots, dtype=np.int64)
+    robots, measured = discs.robots, 0
+    frame, spread, rim = np.empty((robots, 6)), np.empty(robots), np.empty(robots, np.int64)
     sight = Sight(wall_tree, 0.0, 0.0, np.inf, nearest)
-    measured = 0
-    for b in range(len(poses)):
-        set_frames(poses[b], discs, frame)
-        measured += nearest_others(shapes, discs, frame, known, out.clearance[b], out.other[b])
+    for b in range(samples):
+        row = robots * b
+        set_frames(poses[row:], discs, frame)
+        measured += nearest_others(
+            shapes, discs, frame, known, out.clearance[row:], out.other[row:]
+        )
         out.farthest[b], out.farthest_a[b], out.farthest_b[b] = farthest_pair(
             shapes, discs, frame, spread, rim
         )
         for i in range(robots):
             f = frame_at(frame[i, 2], frame[i, 3], frame[i, 0], frame[i, 1])
-            gap, part = nearest_seen(shapes, i, f, sight)
-            out.boundary_clearance[b, i] = gap
-            out.boundary_other[b, i] = robots + part_body[part] if part >= 0 else -1
+            out.boundary_clearance[row + i], part = nearest_seen(shapes, i, f, sight)
+            out.boundary_other[row + i] = robots + part_body[part] if part >= 0 else -1
     return measured

@@ -29,12 +29,11 @@ from physim.geometry.bodies import point_gap
 from physim.geometry.convex import Frame, edge_normal, frame_at, part_gap, support_gap
 from physim.geometry.motion import (
     Course,
-    Pose,
     arc_course,
     is_still,
     moves_straight,
 )
-from physim.geometry.shapes import Part, Shapes
+from physim.geometry.shapes import FloatArray, Part, Shapes
 from physim.tolerances import CONTACT
 
 BOUND_MARGIN = 1e-8
@@ -84,7 +83,8 @@ class Times(NamedTuple):
 @compiled
 def clip(times: Times, gap: float, rate: float, least: float) -> Times:
     """Cut the times of overlap down to those with ``gap + rate * t <= 0`` (or <= CONTACT)."""
-    first, last, near_first, near_last = times
+    first, last = times.first, times.last
+    near_first, near_last = times.near_first, times.near_last
     if abs(rate) <= least:
         if gap > 0.0:
             last = -np.inf
@@ -128,8 +128,14 @@ def clip_directions(times: Times, P: Part, Q: Part, motion: Straight, least: flo
     py = V[P.end - 1, 1] - V[P.first, 1]
     qx = W[Q.end - 1, 0] - W[Q.first, 0]
     qy = W[Q.end - 1, 1] - W[Q.first, 1]
-    axes = ((px, py), (f.c * qx - f.s * qy, f.s * qx + f.c * qy), (wx, wy), (-wy, wx))
-    for ax, ay in axes:
+    for axis in range(4):
+        ax, ay = px, py
+        if axis == 1:
+            ax, ay = f.c * qx - f.s * qy, f.s * qx + f.c * qy
+        elif axis == 2:
+            ax, ay = wx, wy
+        elif axis == 3:
+            ax, ay = -wy, wx
         size = math.sqrt(ax * ax + ay * ay)
         if size > 0.0:
             for sign in (1.0, -1.0):
@@ -147,7 +153,7 @@ def translation_times(P: Part, a: Course, Q: Part, b: Course, horizon: float) ->
     Of times that do not come within [0, horizon] only that is sure: they do not.
     """
     motion = straight_motion(a, b)
-    f, vx, vy = motion
+    f, vx, vy = motion.f, motion.vx, motion.vy
     least = PARALLEL * math.sqrt(vx * vx + vy * vy)
     times = Times(-np.inf, np.inf, -np.inf, np.inf)
     times = clip_normals(times, P, Q, motion, least)
@@ -170,7 +176,8 @@ def translation_time(P: Part, a: Course, Q: Part, b: Course, horizon: float) -> 
     times = translation_times(P, a, Q, b, horizon)
     if times.near_last < 0.0 or times.near_first > min(times.near_last, horizon):
         return np.inf
-    f, vx, vy = straight_motion(a, b)
+    motion = straight_motion(a, b)
+    f, vx, vy = motion.f, motion.vx, motion.vy
     if times.near_first <= 0.0 and part_gap(P, Q, f, np.inf) <= CONTACT:
         return 0.0
     xi = max(times.first, 0.0)
@@ -201,15 +208,19 @@ def stays(a: Course) -> bool:
 
 
 @compiled
-def nearest_pass(x: float, y: float, vx: float, vy: float, horizon: float) -> float:
-    """Smallest distance from the origin of a point that starts at (x, y) and moves with v."""
-    square = vx * vx + vy * vy
-    t = 0.0
-    if square > 0.0:
-        t = min(max(-(x * vx + y * vy) / square, 0.0), horizon)
-    x += t * vx
-    y += t * vy
-    return math.sqrt(x * x + y * y)
+def passes_by(x: float, y: float, vx: float, vy: float, horizon: float, room: float) -> bool:
+    """Whether a point that starts at (x, y) and moves with v stays farther from the origin.
+
+    Farther than ``room`` [m] up to the horizon.
+    """
+    toward, square = -(x * vx + y * vy), vx * vx + vy * vy
+    if 0.0 < toward < square * horizon:
+        across = x * vy - y * vx
+        return across * across > room * room * square
+    if toward > 0.0:
+        x += horizon * vx
+        y += horizon * vy
+    return x * x + y * y > room * room
 
 
 @compiled
@@ -218,10 +229,11 @@ def never_meet(a: Course, b: Course, horizon: float) -> bool:
     x = b.x - a.x
     y = b.y - a.y
     room = a.radius + b.radius + BOUND_MARGIN
-    if math.sqrt(x * x + y * y) > room + (a.speed + b.speed) * horizon:
+    far = room + (a.speed + b.speed) * horizon
+    if x * x + y * y > far * far:
         return True
     if a.turn == 0.0 and b.turn == 0.0:
-        return nearest_pass(x, y, b.vx - a.vx, b.vy - a.vy, horizon) > room
+        return passes_by(x, y, b.vx - a.vx, b.vy - a.vy, horizon, room)
     if (a.turn != 0.0 and not stays(a)) or (b.turn != 0.0 and not stays(b)):
         return False  # it turns so slowly that neither a disc nor a straight line bounds its way
     ax, ay, ra = swept_disc(a)
@@ -232,8 +244,8 @@ def never_meet(a: Course, b: Course, horizon: float) -> bool:
             x = bx - ax
             y = by - ay
             return math.sqrt(x * x + y * y) > room
-        return nearest_pass(b.x - ax, b.y - ay, b.vx, b.vy, horizon) > room
-    return nearest_pass(a.x - bx, a.y - by, a.vx, a.vy, horizon) > room
+        return passes_by(b.x - ax, b.y - ay, b.vx, b.vy, horizon, room)
+    return passes_by(a.x - bx, a.y - by, a.vx, a.vy, horizon, room)
 
 
 @compiled
@@ -319,18 +331,19 @@ def until_all_repeats(a: Course, horizon: float) -> float:
 def collision_time_pair(
     shapes_a: Shapes,
     i: int,
-    pose_i: Pose,
-    twist_i: Twist,
+    pose_i: FloatArray,
+    twist_i: FloatArray,
     shapes_b: Shapes,
     j: int,
-    pose_j: Pose,
-    twist_j: Twist,
+    pose_j: FloatArray,
+    twist_j: FloatArray,
     horizon: float,
 ) -> float:
     """Collision time (11) [s] of bodies i and j, each on its arc; inf if none.
 
     A wall is a body that stands at the origin; it comes first.
     """
-    a = arc_course(pose_i, twist_i[0], twist_i[1], shapes_a.radius[i])
-    b = arc_course(pose_j, twist_j[0], twist_j[1], shapes_b.radius[j])
+    radius_a, radius_b = shapes_a.radius[i], shapes_b.radius[j]
+    a = arc_course(pose_i[0], pose_i[1], pose_i[2], twist_i[0], twist_i[1], radius_a)
+    b = arc_course(pose_j[0], pose_j[1], pose_j[2], twist_j[0], twist_j[1], radius_b)
     return bodies_time(shapes_a, i, a, shapes_b, j, b, horizon)

@@ -287,7 +287,7 @@ def face_witness(
             along = ex * dx + ey * dy
             low = min(low, along)
             high = max(high, along)
-    hit = low <= length and high >= 0.0
+    hit: bool = low <= length and high >= 0.0
     middle = 0.5 * (min(max(low, 0.0), length) + max(min(high, length), 0.0))
     return hit, V[k, 0] + middle * ex, V[k, 1] + middle * ey, nx, ny
 

@@ -13,14 +13,11 @@ from typing import NamedTuple
 import numpy as np
 
 from physim.compiled import compiled
-from physim.geometry.shapes import FloatArray
+from physim.geometry.shapes import FloatArray, Rows2, Rows3
 
 NO_TURN = 1e-100
 """[rad/s] A body that turns more slowly is taken for one that does not: in no time does it turn by
 as much as rounding, and bounds that are divided by rates as small as this would overflow."""
-
-Pose = FloatArray | tuple[float, float, float]
-"""(3,) x, y [m], heading [rad], world frame"""
 
 
 @compiled
@@ -32,25 +29,23 @@ def chord_factor(h: float) -> float:
 
 
 @compiled
-def arc(pose: Pose, v: float, omega: float, t: float) -> tuple[float, float, float]:
+def arc(
+    x: float, y: float, heading: float, v: float, omega: float, t: float
+) -> tuple[float, float, float]:
     """Return (x, y, heading) [m, m, rad] after time t [s] at constant (v, omega), equation (1).
 
-    ``pose`` is (3,), world frame; the heading is not wrapped; t may be negative.
+    World frame; the heading is not wrapped; t may be negative.
     """
     h = 0.5 * omega * t
     length = v * t * chord_factor(h)
-    direction = pose[2] + h
-    return (
-        pose[0] + length * math.cos(direction),
-        pose[1] + length * math.sin(direction),
-        pose[2] + omega * t,
-    )
+    direction = heading + h
+    return x + length * math.cos(direction), y + length * math.sin(direction), heading + omega * t
 
 
 @compiled
 def move(pose: FloatArray, v: float, omega: float, t: float, out: FloatArray) -> None:
     """Write the pose (3,) after time t [s] by `arc` into ``out``."""
-    out[0], out[1], out[2] = arc((pose[0], pose[1], pose[2]), v, omega, t)
+    out[0], out[1], out[2] = arc(pose[0], pose[1], pose[2], v, omega, t)
 
 
 @compiled
@@ -61,22 +56,27 @@ def chord_velocity(heading: float, v: float, omega: float, dt: float) -> tuple[f
     return speed * math.cos(heading + h), speed * math.sin(heading + h)
 
 
-@compiled
 def arcs(pose: FloatArray, command: FloatArray, t: float) -> FloatArray:
     """Poses (N, 3) after time t [s] of robots at poses (N, 3) with commands (N, 2) (v, omega)."""
     out = np.empty((len(pose), 3))
-    for i in range(len(pose)):
-        move(pose[i], command[i, 0], command[i, 1], t, out[i])
+    put_arcs(pose, command, len(pose), t, out)
     return out
 
 
 @compiled
-def chord_velocities(pose: FloatArray, command: FloatArray, dt: float, out: FloatArray) -> None:
-    """Write the chord velocity of each robot, and its omega, into ``out`` (N, 3).
+def put_arcs(pose: Rows3, command: Rows2, robots: int, t: float, out: Rows3) -> None:
+    """Write `arcs` into ``out`` (N, 3)."""
+    for i in range(robots):
+        move(pose[i], command[i, 0], command[i, 1], t, out[i])
+
+
+@compiled
+def chord_velocities(pose: Rows3, command: Rows2, robots: int, dt: float, out: Rows3) -> None:
+    """Write the chord velocity of each of N ``robots``, and its omega, into ``out`` (N, 3).
 
     ``pose`` is (N, 3), ``command`` (N, 2): v [m/s] and omega [rad/s].
     """
-    for i in range(len(pose)):
+    for i in range(robots):
         vx, vy = chord_velocity(pose[i, 2], command[i, 0], command[i, 1], dt)
         out[i, 0] = vx
         out[i, 1] = vy
@@ -106,9 +106,9 @@ class Course(NamedTuple):
 
 
 @compiled
-def arc_course(pose: Pose, v: float, omega: float, radius: float) -> Course:
+def arc_course(x: float, y: float, heading: float, v: float, omega: float, radius: float) -> Course:
     """Course of a body with the twist (v, omega) in its own frame: an arc."""
-    return facing_course(pose[0], pose[1], math.cos(pose[2]), math.sin(pose[2]), v, omega, radius)
+    return facing_course(x, y, math.cos(heading), math.sin(heading), v, omega, radius)
 
 
 @compiled
@@ -121,25 +121,31 @@ def facing_course(
     return Course(x, y, c, s, v * c, v * s, omega, omega, abs(v), radius)
 
 
-@compiled
 def facings(pose: FloatArray) -> FloatArray:
     """Cosine and sine (N, 2) of the headings of poses (N, 3)."""
     out = np.empty((len(pose), 2))
-    for i in range(len(pose)):
-        out[i, 0] = math.cos(pose[i, 2])
-        out[i, 1] = math.sin(pose[i, 2])
+    put_facings(pose, len(pose), out)
     return out
 
 
 @compiled
-def straight_course(pose: Pose, vx: float, vy: float, omega: float, radius: float) -> Course:
+def put_facings(pose: Rows3, robots: int, out: Rows2) -> None:
+    """Write `facings` into ``out`` (N, 2)."""
+    for i in range(robots):
+        out[i, 0] = math.cos(pose[i, 2])
+        out[i, 1] = math.sin(pose[i, 2])
+
+
+@compiled
+def straight_course(
+    x: float, y: float, heading: float, vx: float, vy: float, omega: float, radius: float
+) -> Course:
     """Course of a body with the twist (vx, vy, omega) in the world frame: a straight line."""
-    c = math.cos(pose[2])
-    s = math.sin(pose[2])
+    c, s = math.cos(heading), math.sin(heading)
     speed = math.sqrt(vx * vx + vy * vy)
     if abs(omega) < NO_TURN:
         omega = 0.0
-    return Course(pose[0], pose[1], c, s, vx, vy, 0.0, omega, speed, radius)
+    return Course(x, y, c, s, vx, vy, 0.0, omega, speed, radius)
 
 
 @compiled

@@ -14,7 +14,7 @@ import numpy as np
 from physim.compiled import compiled
 from physim.geometry.bodies import body_gap, point_gap
 from physim.geometry.convex import frame_at
-from physim.geometry.shapes import FloatArray, IntArray, Part, Shapes
+from physim.geometry.shapes import FloatArray, IntArray, Part, Rows3, Rows6, Shapes
 
 MARGIN = 1e-9
 """[m] Bounds must win by this, so that their rounding cannot matter; of a window of places it is
@@ -23,8 +23,7 @@ also the share of the range."""
 
 @compiled
 def put_in_order(values: IntArray, count: int) -> None:
-    """Sort the first ``count`` values in place, by ever smaller steps: numba's own sort would take
-    long to compile."""
+    """Sort the first ``count`` values in place, by ever smaller steps."""
     step = 1
     while step < count // 3:
         step = 3 * step + 1
@@ -45,13 +44,21 @@ class BoundingDiscs(NamedTuple):
     y: FloatArray
     inner: FloatArray
     outer: FloatArray
+    robots: int
+
+
+def bounding_discs(shapes: Shapes) -> BoundingDiscs:
+    """Middle of the first part of each robot, and discs about it inside and around the shape."""
+    robots = len(shapes.radius)
+    x, y, inner, outer = np.empty((4, robots))
+    discs = BoundingDiscs(x, y, inner, outer, robots)
+    put_discs(shapes, robots, discs)
+    return discs
 
 
 @compiled
-def bounding_discs(shapes: Shapes) -> BoundingDiscs:
-    """Middle of the first part of each robot, and discs about it inside and around the shape."""
-    robots = len(shapes.body_start) - 1
-    discs = BoundingDiscs(np.empty(robots), np.empty(robots), np.empty(robots), np.empty(robots))
+def put_discs(shapes: Shapes, robots: int, discs: BoundingDiscs) -> None:
+    """Write `bounding_discs`."""
     V = shapes.vertices
     for i in range(robots):
         part = shapes.body_start[i]
@@ -68,14 +75,13 @@ def bounding_discs(shapes: Shapes) -> BoundingDiscs:
         if p1 - p0 > 2:
             discs.inner[i] = max(0.0, -point_gap(Part(V, p0, p1), x, y))
         for k in range(p0, shapes.part_start[shapes.body_start[i + 1]]):
-            discs.outer[i] = max(discs.outer[i], math.hypot(V[k, 0] - x, V[k, 1] - y))
-    return discs
+            discs.outer[i] = max(discs.outer[i], np.hypot(V[k, 0] - x, V[k, 1] - y))
 
 
 @compiled
-def set_frames(pose: FloatArray, discs: BoundingDiscs, frame: FloatArray) -> None:
+def set_frames(pose: Rows3, discs: BoundingDiscs, frame: Rows6) -> None:
     """Write x, y, cos, sin of each robot and the middle of its discs, world frame."""
-    for i in range(len(pose)):
+    for i in range(discs.robots):
         c = math.cos(pose[i, 2])
         s = math.sin(pose[i, 2])
         frame[i, 0] = pose[i, 0]
@@ -87,7 +93,7 @@ def set_frames(pose: FloatArray, discs: BoundingDiscs, frame: FloatArray) -> Non
 
 
 @compiled
-def pair_distance(shapes: Shapes, i: int, j: int, frame: FloatArray) -> float:
+def pair_distance(shapes: Shapes, i: int, j: int, frame: Rows6) -> float:
     """Signed distance [m] of robots i and j; the same whichever comes first."""
     if j < i:
         i, j = j, i
@@ -120,7 +126,7 @@ def neighbours(robots: int) -> Neighbours:
 def nearest_others(
     shapes: Shapes,
     discs: BoundingDiscs,
-    frame: FloatArray,
+    frame: Rows6,
     known: Neighbours,
     gap: FloatArray,
     other: IntArray,
@@ -131,9 +137,9 @@ def nearest_others(
     along the longer side of where the robots are, as far as one could be as near. Returns how many
     distances were worked out.
     """
-    robots = len(frame)
-    gap[:] = np.inf
-    other[:] = -1
+    robots = discs.robots
+    for i in range(robots):
+        gap[i], other[i] = np.inf, -1
     if robots < 2:
         return 0
     order, last, outer = known.order, known.last, discs.outer
@@ -143,7 +149,7 @@ def nearest_others(
         if last[j] != i or i < j:
             note_distance(shapes, i, j, frame, gap, other)
             measured += 1
-    low_x, low_y, high_x, high_y = box_of_middles(frame)
+    low_x, low_y, high_x, high_y = box_of_middles(frame, robots)
     axis = 4 if high_x - low_x >= high_y - low_y else 5
     for p in range(1, robots):  # by insertion: little has changed
         row, q = order[p], p
@@ -151,10 +157,13 @@ def nearest_others(
             order[q] = order[q - 1]
             q -= 1
         order[q] = row
-    largest = outer.max()
+    largest = 0.0
+    for i in range(robots):
+        largest = max(largest, outer[i])
     for p in range(robots):
         i = order[p]
-        for way in (-1, 1):
+        for side in range(2):
+            way = 2 * side - 1
             q = p + way
             while 0 <= q < robots:
                 j = order[q]
@@ -176,7 +185,7 @@ def nearest_others(
 
 @compiled
 def note_distance(
-    shapes: Shapes, i: int, j: int, frame: FloatArray, gap: FloatArray, other: IntArray
+    shapes: Shapes, i: int, j: int, frame: Rows6, gap: FloatArray, other: IntArray
 ) -> None:
     """Measure robots i and j, and note it for each that has none as near."""
     d = pair_distance(shapes, i, j, frame)
@@ -187,7 +196,7 @@ def note_distance(
 
 
 @compiled
-def line_gap(shapes: Shapes, i: int, j: int, frame: FloatArray) -> float:
+def line_gap(shapes: Shapes, i: int, j: int, frame: Rows6) -> float:
     """Lower bound [m] of `pair_distance`: the gap along the line of the discs' middles."""
     ux = frame[j, 4] - frame[i, 4]
     uy = frame[j, 5] - frame[i, 5]
@@ -202,7 +211,7 @@ def line_gap(shapes: Shapes, i: int, j: int, frame: FloatArray) -> float:
 
 
 @compiled
-def extent(shapes: Shapes, i: int, frame: FloatArray, ux: float, uy: float) -> float:
+def extent(shapes: Shapes, i: int, frame: Rows6, ux: float, uy: float) -> float:
     """How far robot i reaches along (ux, uy) from its reference point [m]."""
     V, start, c, s = shapes.vertices, shapes.part_start, frame[i, 2], frame[i, 3]
     bx, by = c * ux + s * uy, c * uy - s * ux
@@ -213,11 +222,11 @@ def extent(shapes: Shapes, i: int, frame: FloatArray, ux: float, uy: float) -> f
 
 
 @compiled
-def box_of_middles(frame: FloatArray) -> tuple[float, float, float, float]:
+def box_of_middles(frame: Rows6, robots: int) -> tuple[float, float, float, float]:
     """Box around the robots' middles: least x, y, greatest x, y."""
     low_x, high_x = frame[0, 4], frame[0, 4]
     low_y, high_y = frame[0, 5], frame[0, 5]
-    for i in range(len(frame)):
+    for i in range(robots):
         low_x, high_x = min(low_x, frame[i, 4]), max(high_x, frame[i, 4])
         low_y, high_y = min(low_y, frame[i, 5]), max(high_y, frame[i, 5])
     return low_x, low_y, high_x, high_y
@@ -225,7 +234,7 @@ def box_of_middles(frame: FloatArray) -> tuple[float, float, float, float]:
 
 @compiled
 def farthest_pair(
-    shapes: Shapes, discs: BoundingDiscs, frame: FloatArray, spread: FloatArray, rim: IntArray
+    shapes: Shapes, discs: BoundingDiscs, frame: Rows6, spread: FloatArray, rim: IntArray
 ) -> tuple[float, int, int]:
     """Largest distance between the shapes of two robots, and which; (-inf, -1, -1) if none.
 
@@ -233,24 +242,25 @@ def farthest_pair(
     rim can be of the pair. Of equal ones the first pair. ``spread`` (N,) and ``rim`` (N,) are room
     for work.
     """
-    robots = len(frame)
+    robots = discs.robots
     if robots < 2:
         return -np.inf, -1, -1
     inner = discs.inner
-    low_x, low_y, high_x, high_y = box_of_middles(frame)
+    low_x, low_y, high_x, high_y = box_of_middles(frame, robots)
     x, y = 0.5 * (low_x + high_x), 0.5 * (low_y + high_y)
-    first = farthest_from(frame, x, y, spread)
+    first = farthest_from(frame, robots, x, y, spread)
     widest = spread[first]
     # The robot at the rim and the one farthest from it are a good start: few pairs can beat it.
-    second = farthest_from(frame, frame[first, 4], frame[first, 5], spread)
+    second = farthest_from(frame, robots, frame[first, 4], frame[first, 5], spread)
     if second == first:
         second = 1 if first == 0 else 0
     if second < first:
         first, second = second, first
     best = pair_distance(shapes, first, second, frame)
-    farthest_from(frame, x, y, spread)
-    smallest = inner.min()
-    count = 0
+    farthest_from(frame, robots, x, y, spread)
+    smallest, count = np.inf, 0
+    for i in range(robots):
+        smallest = min(smallest, inner[i])
     for i in range(robots):
         if spread[i] + widest + 2.0 * MARGIN >= best + smallest + inner[i]:
             rim[count] = i
@@ -272,10 +282,10 @@ def farthest_pair(
 
 
 @compiled
-def farthest_from(frame: FloatArray, x: float, y: float, apart: FloatArray) -> int:
+def farthest_from(frame: Rows6, robots: int, x: float, y: float, apart: FloatArray) -> int:
     """Write the distance of each robot's middle from a point; which is the farthest."""
     most = 0
-    for i in range(len(frame)):
+    for i in range(robots):
         dx = frame[i, 4] - x
         dy = frame[i, 5] - y
         apart[i] = np.sqrt(dx * dx + dy * dy)

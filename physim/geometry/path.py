@@ -13,7 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import hypot, tan
+from math import tan
 
 import numpy as np
 
@@ -22,6 +22,7 @@ from physim.geometry.shapes import (
     FloatArray,
     IntArray,
     Polylines,
+    Rows3,
     locked,
     pack_polylines,
     read_only,
@@ -104,7 +105,7 @@ def project(
         ox, oy = dx - along * tx, dy - along * ty
         square = ox * ox + oy * oy
         if square * MORE + TINY < best or (  # plainly nearer; else the distances themselves decide
-            square <= best * MORE + TINY and hypot(ox, oy) < hypot(bx, by)
+            square <= best * MORE + TINY and np.hypot(ox, oy) < np.hypot(bx, by)
         ):
             best, bx, by, is_left = square, ox, oy, tx * dy - ty * dx >= 0.0
             station = min(max(s0 + along, low), high)  # rounding must not leave the stretch
@@ -113,7 +114,7 @@ def project(
             elif along <= 0.0 and a > first:
                 is_left = (tx + row[a - 1, 2]) * oy - (ty + row[a - 1, 3]) * ox >= 0.0
         a += 1
-    gap = hypot(bx, by)
+    gap = np.hypot(bx, by)
     return station, gap if is_left else -gap, near
 
 
@@ -132,13 +133,16 @@ def track(
     all at once: within what the robot moves the projection would stay on the first leg for good. So
     as much as that is looked at where it is more, for the sharpest turn of a road.
     """
+    goes_on = False
     low, high = previous - window, previous + window
     station, deviation, near = project(lines, k, x, y, low, high, near)
     wide = CORNER * abs(deviation)
     if wide > window:
         row, first, last = lines.row, lines.start[k], lines.start[k + 1] - 2
-        goes_on = near > first and previous - wide < row[near, 4]
-        goes_on = goes_on or (near < last and previous + wide > row[near + 1, 4])
+        if near > first and previous - wide < row[near, 4]:
+            goes_on = True
+        if near < last and previous + wide > row[near + 1, 4]:
+            goes_on = True
         if goes_on or not low < station < high:  # else all of it is one segment, and known
             return project(lines, k, x, y, previous - wide, previous + wide, near)
     return station, deviation, near
@@ -246,7 +250,11 @@ class Tracking:
         Returns (K, N, 3): station, deviation and reference station [m] at each.
         """
         found = np.empty((len(poses), *self.stations.shape))
-        track_course(*self.lines, self.last, poses, self.windows, self.stations, found)
+        robots = len(self.windows)
+        track_course(
+            self.lines, robots, self.last.reshape(-1), poses.reshape(-1, 3), len(poses),
+            self.windows, self.stations.reshape(-1), found.reshape(-1),
+        )  # fmt: skip
         if len(found):
             self.stations = read_only(found[-1].copy())
         return found.transpose(0, 2, 1)
@@ -261,50 +269,50 @@ class Tracking:
 
     def _projected(self, pose: FloatArray, windows: FloatArray, before: FloatArray) -> FloatArray:
         after = np.empty(before.shape)
-        track_all(*self.lines, self.last, pose, windows, before, after)
+        track_all(
+            self.lines, len(pose), self.last.reshape(-1), pose, windows, before.reshape(-1),
+            after.reshape(-1),
+        )  # fmt: skip
         return read_only(after)
 
 
 @compiled
 def track_all(
-    start: IntArray,
-    row: FloatArray,
+    lines: Polylines,
+    robots: int,
     last: IntArray,
-    pose: FloatArray,
+    pose: Rows3,
     windows: FloatArray,
     before: FloatArray,
     after: FloatArray,
 ) -> None:
     """Move every robot's projections on its own path and on s* along with its pose.
 
-    ``start`` and ``row`` are `Polylines` of the N own paths and s*; ``before`` and ``after``
-    (3, N): station, deviation, reference station. ``last`` (2, N) rows are where searches begin
-    and end.
+    ``lines`` are the N own paths and s*; ``before`` and ``after`` (3 N,): N stations, deviations,
+    reference stations. ``last`` (2 N,) rows are where searches begin and end.
     """
-    robots, lines = len(pose), Polylines(start, row)
+    far = 2 * robots
     for i in range(robots):
         x, y, window = pose[i, 0], pose[i, 1], windows[i]
-        after[0, i], after[1, i], last[0, i] = track(
-            lines, i, x, y, before[0, i], window, last[0, i]
+        after[i], after[robots + i], last[i] = track(lines, i, x, y, before[i], window, last[i])
+        after[far + i], _, last[robots + i] = track(
+            lines, robots, x, y, before[far + i], window, last[robots + i]
         )
-        after[2, i], _, last[1, i] = track(
-            lines, robots, x, y, before[2, i], window, last[1, i]
-        )  # fmt: skip
 
 
 @compiled
 def track_course(
-    start: IntArray,
-    row: FloatArray,
+    lines: Polylines,
+    robots: int,
     last: IntArray,
-    poses: FloatArray,
+    poses: Rows3,
+    many: int,
     windows: FloatArray,
     before: FloatArray,
     out: FloatArray,
 ) -> None:
-    """Run `track_all` over poses (K, N, 3), one after the other; ``out`` (K, 3, N) takes all."""
-    for k in range(len(poses)):
-        if k == 0:
-            track_all(start, row, last, poses[k], windows, before, out[k])
-        else:
-            track_all(start, row, last, poses[k], windows, out[k - 1], out[k])
+    """Run `track_all` over ``many`` poses of all, (K N, 3); ``out`` (3 N K,) takes its results."""
+    for k in range(many):
+        found = out[3 * robots * k :]
+        earlier = before if k == 0 else out[3 * robots * (k - 1) :]
+        track_all(lines, robots, last, poses[robots * k :], windows, earlier, found)

@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 
 from physim.compiled import compiled
 from physim.errors import PhysimError
-from physim.geometry.shapes import FloatArray
+from physim.geometry.shapes import FloatArray, Rows2
 from physim.tolerances import FLAT, LENGTH
 
 MOST_TRIALS = 8
@@ -116,18 +116,19 @@ def _cut(points: FloatArray, first: int = 0) -> list[FloatArray]:
 
 
 @compiled
-def is_convex_part(points: FloatArray) -> bool:
+def is_convex_part(points: Rows2, count: int) -> bool:
     """Whether a polygon (n, 2), n >= 3, surely is what `convex_parts` makes of it.
 
     Every corner turns to the left by clearly more than ``FLAT``, all of them together once round,
     and no two neighbours are one corner. No says nothing. What is asked of a part at every
     decision would otherwise cost far more than its collision time.
     """
-    count, turned = len(points), 0.0
+    turned = 0.0
     for k in range(count):
-        a, b, c = points[k - 2], points[k - 1], points[k]
-        ux, uy, wx, wy = b[0] - a[0], b[1] - a[1], c[0] - b[0], c[1] - b[1]
-        before, after = math.hypot(ux, uy), math.hypot(wx, wy)
+        a, b = (k + count - 2) % count, (k + count - 1) % count
+        ux, uy = points[b, 0] - points[a, 0], points[b, 1] - points[a, 1]
+        wx, wy = points[k, 0] - points[b, 0], points[k, 1] - points[b, 1]
+        before, after = np.hypot(ux, uy), np.hypot(wx, wy)
         cross = ux * wy - uy * wx
         if not (after > 2.0 * LENGTH and cross > 2.0 * FLAT * before * after):
             return False

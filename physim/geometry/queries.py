@@ -34,7 +34,7 @@ from physim.geometry.motion import (
     straight_course,
 )
 from physim.geometry.polygon import convex_parts, is_convex_part
-from physim.geometry.shapes import FloatArray, IntArray, Part, Shapes, locked, pack_parts
+from physim.geometry.shapes import FloatArray, IntArray, Part, Rows3, Shapes, locked, pack_parts
 from physim.tolerances import CONTACT
 
 ShapeLike = ArrayLike | Sequence[ArrayLike]
@@ -83,7 +83,7 @@ def parts_of(shape: Any, what: str) -> tuple[FloatArray, ...]:
     parts: list[FloatArray] = []
     for item in items:
         points = points_of(item, what)
-        if len(points) < 3 or is_convex_part(points):
+        if len(points) < 3 or is_convex_part(points, len(points)):
             parts.append(points)
             continue
         try:
@@ -241,7 +241,11 @@ def _two_bodies(
     shapes = pack_parts(parts)
     a = rows_of(pose_a, "pose_a", 1), rows_of(twist_a, "twist_a", 1)
     b = rows_of(pose_b, "pose_b", 1), rows_of(twist_b, "twist_b", 1)
-    return shapes, course_at(*a, 0, shapes.radius[0]), course_at(*b, 0, shapes.radius[1])
+    one, other = (
+        course_of(pose[0], twist[0], twist.shape[1], radius)
+        for (pose, twist), radius in zip((a, b), shapes.radius, strict=True)
+    )
+    return shapes, one, other
 
 
 @dataclass(frozen=True)
@@ -372,7 +376,7 @@ def shortest_distances(
     i, p = indices_of(index_a, "index_a", shapes_a, count), rows_of(pose_a, "pose_a", count)
     j, q = indices_of(index_b, "index_b", shapes_b, count), rows_of(pose_b, "pose_b", count)
     out = np.empty(count)
-    fill_distances(locked(shapes_a), i, p, locked(shapes_b), j, q, out)
+    fill_distances(shapes_a, i, p, shapes_b, j, q, count, out)
     return out
 
 
@@ -402,7 +406,9 @@ def collision_times(
     j, q = indices_of(index_b, "index_b", shapes_b, count), rows_of(pose_b, "pose_b", count)
     u, w = rows_of(twist_a, "twist_a", count), rows_of(twist_b, "twist_b", count)
     out = np.empty(count)
-    fill_times(locked(shapes_a), i, p, u, locked(shapes_b), j, q, w, until, out)
+    axes = u.shape[1], w.shape[1]
+    u, w = u.reshape(-1), w.reshape(-1)
+    fill_times(shapes_a, i, p, u, axes[0], shapes_b, j, q, w, axes[1], until, count, out)
     return out
 
 
@@ -410,44 +416,51 @@ def collision_times(
 def fill_distances(
     shapes_a: Shapes,
     index_a: IntArray,
-    pose_a: FloatArray,
+    pose_a: Rows3,
     shapes_b: Shapes,
     index_b: IntArray,
-    pose_b: FloatArray,
+    pose_b: Rows3,
+    many: int,
     out: FloatArray,
 ) -> None:
     """Write `shortest_distances` into ``out`` (M,)."""
-    for k in range(len(out)):
+    for k in range(many):
         d = body_distance(shapes_a, index_a[k], pose_a[k], shapes_b, index_b[k], pose_b[k])
         out[k] = max(0.0, d)
 
 
 @compiled
-def course_at(pose: FloatArray, twist: FloatArray, k: int, radius: float) -> Course:
-    """Course of row k; twists (M, 2) or (M, 3). Rows as tuples: quicker than slices of arrays."""
-    start = (pose[k, 0], pose[k, 1], pose[k, 2])
-    if twist.shape[1] == 2:
-        return arc_course(start, twist[k, 0], twist[k, 1], radius)
-    return straight_course(start, twist[k, 0], twist[k, 1], twist[k, 2], radius)
+def course_of(pose: FloatArray, twist: FloatArray, axes: int, radius: float) -> Course:
+    """Course of a body at a pose (3,) with a twist of so many ``axes``, 2 or 3."""
+    x, y, heading = pose[0], pose[1], pose[2]
+    if axes == 2:
+        return arc_course(x, y, heading, twist[0], twist[1], radius)
+    return straight_course(x, y, heading, twist[0], twist[1], twist[2], radius)
 
 
 @compiled
 def fill_times(
     shapes_a: Shapes,
     index_a: IntArray,
-    pose_a: FloatArray,
+    pose_a: Rows3,
     twist_a: FloatArray,
+    axes_a: int,
     shapes_b: Shapes,
     index_b: IntArray,
-    pose_b: FloatArray,
+    pose_b: Rows3,
     twist_b: FloatArray,
+    axes_b: int,
     horizon: float,
+    many: int,
     out: FloatArray,
 ) -> None:
-    """Write `collision_times` into ``out`` (M,)."""
-    for k in range(len(out)):
+    """Write `collision_times` into ``out`` (M,).
+
+    Twists have so many ``axes``, 2 or 3, one after the other.
+    """
+    for k in range(many):
         i = index_a[k]
         j = index_b[k]
-        a = course_at(pose_a, twist_a, k, shapes_a.radius[i])
-        b = course_at(pose_b, twist_b, k, shapes_b.radius[j])
+        a = course_of(pose_a[k], twist_a[axes_a * k :], axes_a, shapes_a.radius[i])
+        b = course_of(pose_b[k], twist_b[axes_b * k :], axes_b, shapes_b.radius[j])
         out[k] = bodies_time(shapes_a, i, a, shapes_b, j, b, horizon)

@@ -15,6 +15,23 @@ from numpy.typing import ArrayLike, NDArray
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
+# In kernels the name of an array says how many numbers stand in a row: those above are (n,).
+Rows2 = FloatArray
+"""(n, 2)"""
+Rows3 = FloatArray
+Rows4 = FloatArray
+Rows5 = FloatArray
+Rows6 = FloatArray
+Rows7 = FloatArray
+Rows9 = FloatArray
+IntRows2 = IntArray
+"""(n, 2)"""
+IntRows3 = IntArray
+IntRows8 = IntArray
+Flags = NDArray[np.bool_]
+"""(n,)"""
+ContactRows = NDArray[np.void]
+"""(n,) rows of `physim.contacts.CONTACT_ROW`"""
 
 
 def read_only(array: NDArray[Any]) -> NDArray[Any]:
@@ -24,10 +41,7 @@ def read_only(array: NDArray[Any]) -> NDArray[Any]:
 
 
 def locked(value: Any) -> Any:
-    """A read-only view of an array, or of all arrays of a named tuple; anything else as it is.
-
-    Kernels are compiled anew for arrays that may be written to.
-    """
+    """A read-only view of an array, or of all arrays of a named tuple; anything else as it is."""
     if isinstance(value, tuple):
         return type(value)(*map(locked, value))
     return read_only(value.view()) if isinstance(value, np.ndarray) else value
@@ -40,7 +54,7 @@ class Shapes(NamedTuple):
     ``body_start[i]`` to ``body_start[i + 1] - 1``.
     """
 
-    vertices: FloatArray
+    vertices: Rows2
     """(V, 2) [m]"""
     part_start: IntArray
     """(P + 1,)"""
@@ -53,7 +67,7 @@ class Shapes(NamedTuple):
 class Part(NamedTuple):
     """One part: the vertices ``vertices[first:end]``."""
 
-    vertices: FloatArray
+    vertices: Rows2
     first: int
     end: int
 
@@ -63,7 +77,7 @@ class Polylines(NamedTuple):
 
     start: IntArray
     """(K + 1,) polyline k has the rows ``start[k]:start[k + 1]``"""
-    row: FloatArray
+    row: Rows6
     """(V, 6) x, y [m], unit direction and station [m] of each point, and the length [m] of the
     segment that begins there; the last point of a polyline has no direction and no length"""
 

@@ -39,12 +39,9 @@ MOST_LOOKS = 20 * MOST_STEPS
 def step_course(start: FloatArray, end: FloatArray, dt: float, radius: float) -> Course:
     """Course of a body from one sample to the next: straight, while turning evenly."""
     return straight_course(
-        start,
-        (end[0] - start[0]) / dt,
-        (end[1] - start[1]) / dt,
-        (end[2] - start[2]) / dt,
-        radius,
-    )
+        start[0], start[1], start[2],
+        (end[0] - start[0]) / dt, (end[1] - start[1]) / dt, (end[2] - start[2]) / dt, radius,
+    )  # fmt: skip
 
 
 @compiled
@@ -121,7 +118,7 @@ def least_of_parts(P: Part, a: Course, Q: Part, b: Course, dt: float, best: Leas
     Of a level between the least value that was found and a bound below all it is asked whether and
     when the distance falls to it, and so on by halves.
     """
-    high, bound, at = best
+    high, bound, at = best.distance, best.bound, best.time
     middle = look_at(P, a, Q, b, 0.5 * dt).distance
     low = middle - 0.5 * dt * top_speed(a, b) - CONTACT
     if low > high:

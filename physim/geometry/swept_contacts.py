@@ -10,7 +10,6 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from physim.compiled import compiled
 from physim.geometry.bodies import body_gap, describe_pair, relative_frame
@@ -23,10 +22,19 @@ from physim.geometry.neighbours import (
     put_in_order,
     set_frames,
 )
-from physim.geometry.shapes import FloatArray, IntArray, Shapes
+from physim.geometry.shapes import (
+    Flags,
+    FloatArray,
+    IntArray,
+    IntRows2,
+    Rows3,
+    Rows5,
+    Shapes,
+)
 from physim.geometry.swept import least_gap, swept_time
 from physim.geometry.walls import (
     NearestWalls,
+    Parts,
     Sight,
     WallTree,
     nearest_seen,
@@ -46,117 +54,136 @@ AHEAD = 16.0
 """Steps for which robots are measured ahead, so that most steps need no search."""
 
 
-class Room(NamedTuple):
+class KnownRoom(NamedTuple):
     """Lower bounds of how far each of N robots is from others, and what a search knows of them."""
 
-    bound: FloatArray
-    """(2, N) [m] distance from other robots, and from walls; 0 or less: not known"""
+    apart: FloatArray
+    """(N,) [m] distance from other robots; 0 or less: not known"""
+    from_walls: FloatArray
+    """(N,) likewise from walls"""
     reach: FloatArray
-    """(2, N) [m] how much a robot's own part in a step changes that distance, at most"""
+    """(N,) [m] how much a robot's own part in a step changes its distance from others, at most"""
+    wall_reach: FloatArray
+    """(N,) likewise from walls"""
     discs: BoundingDiscs
     order: IntArray
     """(N,) robots by the x of the middles of their discs"""
     walls: NearestWalls
+    robots: int
 
 
-def no_room(shapes: Shapes) -> Room:
+def no_room(shapes: Shapes) -> KnownRoom:
     """Nothing is known of the robots of these shapes."""
     robots = len(shapes.radius)
-    bound, reach = np.zeros((2, robots)), np.zeros((2, robots))
-    return Room(bound, reach, bounding_discs(shapes), np.arange(robots), nearest_walls(robots))
+    apart, from_walls, reach, wall_reach = np.zeros((4, robots))
+    return KnownRoom(
+        apart, from_walls, reach, wall_reach, bounding_discs(shapes), np.arange(robots),
+        nearest_walls(robots), robots,
+    )  # fmt: skip
 
 
 @compiled
 def wear_off(
-    old: FloatArray,
-    now: FloatArray,
-    dt: float,
-    radius: FloatArray,
-    bound: FloatArray,
-    reach: FloatArray,
-    velocity: FloatArray,
+    old: Rows3, now: Rows3, dt: float, radius: FloatArray, room: KnownRoom, velocity: Rows3
 ) -> bool:
-    """Take from the bounds of a `Room` what a step may have taken; whether one is used up.
+    """Take from the bounds of ``room`` what a step may have taken; whether one is used up.
 
     Poses (N, 3) at both samples, headings unwrapped; ``radius`` (N,) [m] about the reference
     points. ``velocity`` (N, 3) takes that of the step [m/s, rad/s]. What is farther apart at either
-    sample than ``reach`` of the two does not touch in between. That of robots among themselves
+    sample than the reach of the two does not touch in between. That of robots among themselves
     counts from how they moved on average: who drives side by side does not meet.
     """
-    robots = len(old)
+    robots, reach, wall_reach = room.robots, room.reach, room.wall_reach
     mean_x, mean_y, most = 0.0, 0.0, 0.0
     for i in range(robots):
         dx, dy, turn = now[i, 0] - old[i, 0], now[i, 1] - old[i, 1], now[i, 2] - old[i, 2]
         velocity[i, 0], velocity[i, 1], velocity[i, 2] = dx / dt, dy / dt, turn / dt
         mean_x += dx
         mean_y += dy
-        reach[0, i] = radius[i] * abs(turn) + MARGIN
-        reach[1, i] = reach[0, i] + math.sqrt(dx * dx + dy * dy)
+        reach[i] = radius[i] * abs(turn) + MARGIN
+        wall_reach[i] = reach[i] + math.sqrt(dx * dx + dy * dy)
     mean_x, mean_y = mean_x / robots, mean_y / robots
     for i in range(robots):
         dx, dy = now[i, 0] - old[i, 0] - mean_x, now[i, 1] - old[i, 1] - mean_y
-        reach[0, i] += math.sqrt(dx * dx + dy * dy)
-        most = max(most, reach[0, i])
+        reach[i] += math.sqrt(dx * dx + dy * dy)
+        most = max(most, reach[i])
     is_used_up = False
     for i in range(robots):
-        bound[0, i] -= reach[0, i] + most
-        bound[1, i] -= reach[1, i]
-        is_used_up |= bound[0, i] <= 0.0 or bound[1, i] <= 0.0
+        room.apart[i] -= reach[i] + most
+        room.from_walls[i] -= wall_reach[i]
+        if room.apart[i] <= 0.0 or room.from_walls[i] <= 0.0:
+            is_used_up = True
     return is_used_up
+
+
+class SweptRows(NamedTuple):
+    """Where rows of contacts are written."""
+
+    who: IntRows2
+    """(C, 2) bodies a < b"""
+    values: Rows5
+    """(C, 5) what `describe_pair` gives"""
+    room: int
+    """C"""
 
 
 @compiled
 def find_swept_contacts(
-    old: FloatArray,
-    now: FloatArray,
+    old: Rows3,
+    now: Rows3,
     shapes: Shapes,
     wall_tree: WallTree,
-    room: Room,
+    room: KnownRoom,
     dt: float,
-    who: IntArray,
-    values: FloatArray,
+    out: SweptRows,
 ) -> int:
     """Write a row for each pair that is apart at both samples of a step and touches in between.
 
-    Poses (N, 3); robots whose bound in ``room`` is used up are measured anew. ``who`` (C, 2) takes
-    the bodies a < b (walls from N on), ``values`` (C, 5) what `describe_pair` gives. Returns how
-    many, or FULL.
+    Poses (N, 3); robots whose bound in ``room`` is used up are measured anew. Walls are bodies from
+    N on. Returns how many, or FULL.
     """
-    robots, reach, still, count, m = len(old), room.reach, np.zeros(3), 0, 0
+    robots, still, count, m = room.robots, np.zeros(3), 0, 0
+    stretch = np.zeros(2, np.int64)
     walls, ends = wall_tree.walls, wall_tree.walls.body_start
-    pairs, near = pairs_in_reach(now, shapes, room), walls_in_reach(now, shapes, wall_tree, room)
+    near, at, there = np.zeros(robots, np.bool_), np.zeros(3), np.zeros(3)
+    pairs = pairs_in_reach(now, shapes, room)
+    put_walls_in_reach(now, shapes, wall_tree, room, near)
     for a in range(robots):
-        while m < len(pairs) and pairs[m] // robots == a:
-            b, most = pairs[m] % robots, reach[0, a] + reach[0, pairs[m] % robots]
+        while m < pairs.size and pairs.number[m] // robots == a:
+            b = pairs.number[m] % robots
+            most = room.reach[a] + room.reach[b]
             m += 1
             if not grazes(shapes, a, old[a], now[a], shapes, b, old[b], now[b], most, dt):
                 continue
-            if count == len(who):
+            if count == out.room:
                 return FULL
-            time = least_gap(shapes, a, old[a], now[a], shapes, b, old[b], now[b], dt).time
-            who[count, 0], who[count, 1] = a, b
-            describe_pair(
-                shapes, a, between(old[a], now[a], time / dt),
-                shapes, b, between(old[b], now[b], time / dt), values[count],
-            )  # fmt: skip
+            least = least_gap(shapes, a, old[a], now[a], shapes, b, old[b], now[b], dt)
+            put_between(old[a], now[a], least.time / dt, at)
+            put_between(old[b], now[b], least.time / dt, there)
+            out.who[count, 0], out.who[count, 1] = a, b
+            describe_pair(shapes, a, at, shapes, b, there, out.values[count])
             count += 1
-        if near[a]:
-            last, w, most = -1, 0, reach[1, a]
-            for part in parts_near(wall_tree, now[a, 0], now[a, 1], shapes.radius[a] + most):
-                while ends[w + 1] <= part:
-                    w += 1
-                if w == last:
-                    continue
-                last = w
-                if not grazes(walls, w, still, still, shapes, a, old[a], now[a], most, dt):
-                    continue
-                if count == len(who):
-                    return FULL
-                time = least_gap(walls, w, still, still, shapes, a, old[a], now[a], dt).time
-                who[count, 0], who[count, 1] = a, robots + w
-                at = between(old[a], now[a], time / dt)
-                describe_pair(shapes, a, at, walls, w, still, values[count])
-                count += 1
+        if not near[a]:
+            continue
+        n, w, most = 0, 0, room.wall_reach[a]
+        found = parts_near(wall_tree, now[a, 0], now[a, 1], shapes.radius[a] + most, room.walls)
+        while n < found.size:  # of one wall after the other what lies about the robot
+            while ends[w + 1] <= found.number[n]:
+                w += 1
+            stretch[0] = found.number[n]
+            while n < found.size and found.number[n] < ends[w + 1]:
+                stretch[1] = found.number[n] + 1
+                n += 1
+            some = Shapes(walls.vertices, walls.part_start, stretch, walls.radius[w:])
+            if not grazes(some, 0, still, still, shapes, a, old[a], now[a], most, dt):
+                continue
+            if count == out.room:
+                return FULL
+            least = least_gap(some, 0, still, still, shapes, a, old[a], now[a], dt)
+            put_between(old[a], now[a], least.time / dt, at)
+            out.who[count, 0], out.who[count, 1] = a, robots + w
+            describe_pair(shapes, a, at, walls, w, still, out.values[count])
+            count += 1
     return count
 
 
@@ -185,18 +212,27 @@ def grazes(
 
 
 @compiled
-def pairs_in_reach(now: FloatArray, shapes: Shapes, room: Room) -> IntArray:
+def pairs_in_reach(now: Rows3, shapes: Shapes, room: KnownRoom) -> Parts:
     """Pairs that may touch within a step, apart at its end: a N + b with a < b, increasing.
 
     Robots whose bounds are used up are measured against those about them.
     """
-    robots, discs, order = len(now), room.discs, room.order
-    bound, reach = room.bound[0], room.reach[0]
-    pairs, count = np.empty(16, dtype=np.int64), 0
-    if not (bound <= 0.0).any():
-        return pairs[:0]
-    frame, far = np.empty((robots, 6)), AHEAD * 2.0 * reach.max()
-    is_due = bound <= 0.25 * far  # and those that would be soon: together it costs less
+    robots, discs, order, bound, reach = room.robots, room.discs, room.order, room.apart, room.reach
+    size, count, is_used_up, widest, largest = 16, 0, False, 0.0, 0.0
+    pairs, is_due, frame = (
+        np.empty(size, np.int64),
+        np.zeros(robots, np.bool_),
+        np.empty((robots, 6)),
+    )
+    for i in range(robots):
+        widest, largest = max(widest, reach[i]), max(largest, discs.outer[i])
+        if bound[i] <= 0.0:
+            is_used_up = True
+    if not is_used_up:
+        return Parts(pairs, 0)
+    far = AHEAD * 2.0 * widest
+    for i in range(robots):  # and those that would be soon: together it costs less
+        is_due[i] = bound[i] <= 0.25 * far
     set_frames(now, discs, frame)
     for p in range(1, robots):  # by insertion: little has changed
         row, q = order[p], p
@@ -207,7 +243,6 @@ def pairs_in_reach(now: FloatArray, shapes: Shapes, room: Room) -> IntArray:
     for i in range(robots):
         if is_due[i]:
             bound[i] = far
-    largest = discs.outer.max()
     for p in range(robots):
         i = order[p]
         for q in range(p + 1, robots):
@@ -223,35 +258,42 @@ def pairs_in_reach(now: FloatArray, shapes: Shapes, room: Room) -> IntArray:
             if line_gap(shapes, i, j, frame) >= enough:
                 continue
             gap = pair_distance(shapes, i, j, frame)
-            for k in (i, j):
-                if is_due[k]:
-                    bound[k] = min(bound[k], gap)
+            if is_due[i]:
+                bound[i] = min(bound[i], gap)
+            if is_due[j]:
+                bound[j] = min(bound[j], gap)
             if is_due[i] and is_due[j] and CONTACT < gap <= most:
-                if count == len(pairs):
-                    pairs = np.concatenate((pairs, pairs))
+                if count == size:
+                    size *= 2
+                    more = np.empty(size, np.int64)
+                    for k in range(count):
+                        more[k] = pairs[k]
+                    pairs = more
                 pairs[count] = min(i, j) * robots + max(i, j)
                 count += 1
     put_in_order(pairs, count)
-    return pairs[:count]
+    return Parts(pairs, count)
 
 
 @compiled
-def walls_in_reach(
-    now: FloatArray, shapes: Shapes, wall_tree: WallTree, room: Room
-) -> NDArray[np.bool_]:
-    """(N,) who may touch a wall within a step; who has used up its bound is measured anew."""
-    bound, reach = room.bound[1], room.reach[1]
-    near = np.zeros(len(now), dtype=np.bool_)
+def put_walls_in_reach(
+    now: Rows3, shapes: Shapes, wall_tree: WallTree, room: KnownRoom, near: Flags
+) -> None:
+    """Write into ``near`` (N,) who may touch a wall within a step.
+
+    Who has used up its bound is measured anew.
+    """
+    bound, reach = room.from_walls, room.wall_reach
     sight = Sight(wall_tree, 0.0, 0.0, np.inf, room.walls)
-    for i in range(len(now)):
+    for i in range(room.robots):
         if bound[i] <= 4.0 * reach[i]:
             f = frame_at(math.cos(now[i, 2]), math.sin(now[i, 2]), now[i, 0], now[i, 1])
-            bound[i] = nearest_seen(shapes, i, f, sight)[0]
+            bound[i], _ = nearest_seen(shapes, i, f, sight)
             near[i] = bound[i] <= reach[i]
-    return near
 
 
 @compiled
-def between(start: FloatArray, end: FloatArray, share: float) -> FloatArray:
-    """Pose (3,) at a share of the way from one sample to the next."""
-    return start + share * (end - start)
+def put_between(start: FloatArray, end: FloatArray, share: float, out: FloatArray) -> None:
+    """Write the pose (3,) at a share of the way from one sample to the next."""
+    for k in range(3):
+        out[k] = start[k] + share * (end[k] - start[k])

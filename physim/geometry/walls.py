@@ -21,7 +21,7 @@ from physim.geometry.collision import stays, swept_disc, until_all_repeats, wall
 from physim.geometry.convex import Frame, frame_at
 from physim.geometry.motion import Course, chord_factor, still_course
 from physim.geometry.neighbours import put_in_order
-from physim.geometry.shapes import FloatArray, IntArray, Part, Shapes
+from physim.geometry.shapes import FloatArray, IntArray, IntRows8, Part, Rows4, Rows9, Shapes
 
 LEAF = 4
 """Parts of a leaf."""
@@ -46,7 +46,9 @@ class WallTree(NamedTuple):
     walls: Shapes
     part: IntArray
     """(P,)"""
-    box: FloatArray
+    parts: int
+    """P"""
+    box: Rows4
     """(2 leaves, 4) [m] least x, y, greatest x, y of each node; row 0 is not used"""
     leaves: int
     """a power of two"""
@@ -55,11 +57,11 @@ class WallTree(NamedTuple):
 class NearestWalls(NamedTuple):
     """Parts of walls about each of N robots, from the last search: they only save time."""
 
-    part: IntArray
+    part: IntRows8
     """(N, LISTED) the nearest first; -1: no more"""
-    at: FloatArray
+    at: Rows4
     """(N, 4) x, y [m], cosine and sine of the heading at that search"""
-    gap: FloatArray
+    gap: Rows9
     """(N, LISTED + 1) [m] how far each of them was then, at least, and every other part"""
 
 
@@ -89,7 +91,7 @@ def build_wall_tree(walls: Shapes) -> WallTree:
         leaves *= 2
     box = np.tile([np.inf, np.inf, -np.inf, -np.inf], (2 * leaves, 1))
     if not count:
-        return WallTree(walls, np.zeros(0, dtype=np.int64), box, leaves)
+        return WallTree(walls, np.zeros(0, dtype=np.int64), 0, box, leaves)
     first = walls.part_start[:-1]
     low = np.minimum.reduceat(walls.vertices, first)
     high = np.maximum.reduceat(walls.vertices, first)
@@ -103,7 +105,7 @@ def build_wall_tree(walls: Shapes) -> WallTree:
         box[row : 2 * row, :2] = level[..., :2].min(axis=1)
         box[row : 2 * row, 2:] = level[..., 2:].max(axis=1)
         row //= 2
-    return WallTree(walls, order.astype(np.int64), box, leaves)
+    return WallTree(walls, order.astype(np.int64), count, box, leaves)
 
 
 def _z_codes(points: FloatArray) -> IntArray:
@@ -119,7 +121,7 @@ def _z_codes(points: FloatArray) -> IntArray:
 
 
 @compiled
-def beyond(box: FloatArray, node: int, x: float, y: float, distance: float) -> bool:
+def beyond(box: Rows4, node: int, x: float, y: float, distance: float) -> bool:
     """Whether the box of a node is surely farther from (x, y) than ``distance`` [m]."""
     dx = max(box[node, 0] - x, x - box[node, 2], 0.0)
     dy = max(box[node, 1] - y, y - box[node, 3], 0.0)
@@ -152,54 +154,75 @@ def leaf_after(tree: WallTree, before: int, x: float, y: float, distance: float)
 @compiled
 def is_seen(sight: Sight, wall: Part) -> bool:
     """Whether the robot sees a part."""
+    dx, dy = wall.vertices[wall.first, 0] - sight.x, wall.vertices[wall.first, 1] - sight.y
+    surely = sight.reach - MARGIN
+    if surely > 0.0 and dx * dx + dy * dy < surely * surely:
+        return True  # no point of it need be nearer than its first corner
     return outline_distance(wall, sight.x, sight.y) <= sight.reach
 
 
+class Parts(NamedTuple):
+    """Some parts of walls, increasing."""
+
+    number: IntArray
+    size: int
+
+
 @compiled
-def parts_seen(sight: Sight, x: float, y: float, within: float) -> IntArray:
-    """Parts in sight that come within ``within`` [m] of (x, y), increasing.
+def parts_seen(sight: Sight, x: float, y: float, within: float) -> Parts:
+    """Parts in sight that come within ``within`` [m] of (x, y).
 
     Of parts just farther than that it may give some, too, up to MARGIN.
     """
     tree, W, start = sight.tree, sight.tree.walls.vertices, sight.tree.walls.part_start
-    found = np.empty(16, dtype=np.int64)
-    count = 0
+    room, count = 16, 0
+    found = np.empty(room, np.int64)
     leaf = leaf_after(tree, 0, x, y, within)
     while leaf:
         first = (leaf - tree.leaves) * LEAF
-        for k in range(first, min(first + LEAF, len(tree.part))):
+        for k in range(first, min(first + LEAF, tree.parts)):
             part = tree.part[k]
             wall = Part(W, start[part], start[part + 1])
             if outline_distance(wall, x, y) <= within + MARGIN and is_seen(sight, wall):
-                if count == len(found):
-                    more = np.empty(2 * count, dtype=np.int64)
-                    for m in range(count):  # a slice would take long to compile
+                if count == room:
+                    room *= 2
+                    more = np.empty(room, np.int64)
+                    for m in range(count):
                         more[m] = found[m]
                     found = more
                 found[count] = part
                 count += 1
         leaf = leaf_after(tree, leaf, x, y, within)
     put_in_order(found, count)
-    return found[:count]
+    return Parts(found, count)
 
 
 @compiled
-def parts_near(tree: WallTree, x: float, y: float, within: float) -> IntArray:
-    """Parts that come within ``within`` [m] of (x, y), increasing; up to MARGIN farther, some."""
-    nothing = np.empty((0, 4))
-    known = NearestWalls(np.empty((0, LISTED), dtype=np.int64), nothing, nothing)
+def parts_near(tree: WallTree, x: float, y: float, within: float, known: NearestWalls) -> Parts:
+    """Parts that come within ``within`` [m] of (x, y); up to MARGIN farther, some."""
     return parts_seen(Sight(tree, x, y, np.inf, known), x, y, within)
 
 
 @compiled
-def all_seen(sight: Sight) -> IntArray:
-    """All parts in sight, increasing."""
+def all_seen(sight: Sight) -> Parts:
+    """All parts in sight."""
     return parts_seen(sight, sight.x, sight.y, sight.reach)
 
 
 def parts_within(tree: WallTree, x: float, y: float, reach: float) -> IntArray:
     """Parts that come within ``reach`` [m] of a place, increasing."""
-    return all_seen(Sight(tree, x, y, reach, nearest_walls(0)))
+    found = np.empty(tree.parts, np.int64)
+    sight = Sight(tree, x, y, reach, nearest_walls(0))
+    return found[: put_all_seen(sight, found)]
+
+
+@compiled
+def put_all_seen(sight: Sight, out: IntArray) -> int:
+    """Write all parts in sight into ``out``; how many."""
+    found = all_seen(sight)
+    for k in range(found.size):
+        out[k] = found.number[k]
+    return found.size
 
 
 @compiled
@@ -209,7 +232,7 @@ def comes_near(sight: Sight, x: float, y: float, distance: float) -> bool:
     leaf = leaf_after(tree, 0, x, y, distance)
     while leaf:
         first = (leaf - tree.leaves) * LEAF
-        for k in range(first, min(first + LEAF, len(tree.part))):
+        for k in range(first, min(first + LEAF, tree.parts)):
             part = tree.part[k]
             wall = Part(W, start[part], start[part + 1])
             if outline_distance(wall, x, y) < distance and is_seen(sight, wall):
@@ -280,7 +303,7 @@ def nearest_seen(shapes: Shapes, i: int, f: Frame, sight: Sight) -> tuple[float,
     leaf = leaf_after(tree, 0, f.tx, f.ty, min(best + spare + radius, seen))
     while leaf:
         first = (leaf - tree.leaves) * LEAF
-        for k in range(first, min(first + LEAF, len(tree.part))):
+        for k in range(first, min(first + LEAF, tree.parts)):
             part, enough = tree.part[k], best + spare
             wall = Part(W, start[part], start[part + 1])
             if part == tried or segment_bound(wall, shapes, i, f) > enough + MARGIN:
@@ -290,16 +313,20 @@ def nearest_seen(shapes: Shapes, i: int, f: Frame, sight: Sight) -> tuple[float,
                 best, nearest = gap, part
             place = count
             if count == LISTED:
-                place = int(gaps[:LISTED].argmax())
+                place = 0
+                for m in range(1, LISTED):
+                    if gaps[m] > gaps[place]:
+                        place = m
                 others = min(others, max(gap, gaps[place]))
             if count < LISTED or gap < gaps[place]:
                 listed[place], gaps[place], count = part, gap, min(count + 1, LISTED)
             if best < np.inf:
                 spare = max(0.0, min(spare, others - best))
         leaf = leaf_after(tree, leaf, f.tx, f.ty, min(best + spare + radius, seen))
-    listed[count:] = -1
-    for m in range(count):
-        if listed[m] == nearest:
+    for m in range(LISTED):
+        if m >= count:
+            listed[m] = -1
+        elif listed[m] == nearest:
             listed[0], listed[m] = listed[m], listed[0]
             gaps[0], gaps[m] = gaps[m], gaps[0]
     at[0], at[1], at[2], at[3] = f.tx, f.ty, f.c, f.s
@@ -318,7 +345,9 @@ def seen_distance(shapes: Shapes, i: int, pose: FloatArray, sight: Sight) -> flo
 def reached_disc(a: Course, time: float) -> tuple[float, float, float]:
     """Return (x, y, radius) of a disc that a body does not leave up to a time [s]."""
     if not time < np.inf:
-        return swept_disc(a) if stays(a) else (a.x, a.y, np.inf)
+        if stays(a):
+            return swept_disc(a)
+        return a.x, a.y, np.inf
     # No point of its way is farther from the middle of it than half its length.
     half, h = 0.5 * a.speed * time, 0.25 * a.turn * time
     c, s, way = math.cos(h), math.sin(h), 0.5 * time * chord_factor(h)
@@ -339,7 +368,7 @@ def seen_time(shapes: Shapes, i: int, a: Course, sight: Sight, horizon: float) -
     leaf = leaf_after(tree, 0, x, y, radius)
     while leaf:
         first = (leaf - tree.leaves) * LEAF
-        for k in range(first, min(first + LEAF, len(tree.part))):
+        for k in range(first, min(first + LEAF, tree.parts)):
             wall = Part(W, start[tree.part[k]], start[tree.part[k] + 1])
             if is_seen(sight, wall):
                 time = wall_time(wall, still_course(), shapes, i, a, min(xi, until))

@@ -24,8 +24,9 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple, Protocol, runtime_ch
 import numpy as np
 from numpy.typing import NDArray
 
+from physim.errors import nearest
 from physim.escaping import escaped
-from physim.geometry.shapes import FloatArray, IntArray
+from physim.geometry.shapes import FloatArray, IntArray, Rows2
 from physim.parts.declarations import NO_NUMBER, Column, Mode, Rule
 
 if TYPE_CHECKING:
@@ -132,7 +133,8 @@ class Observation:
     others: tuple[ObservedRobot, ...]
     """robots within ``range``, by index"""
     walls: tuple[Wall, ...]
-    """pieces of boundaries and obstacles within ``range``, in the world's order"""
+    """pieces of boundaries and obstacles within ``range`` of the reference point, in the world's
+    order"""
     range: float
     """[m]"""
     dt: float
@@ -144,18 +146,18 @@ class Observation:
     """rotational speeds set for this robot in the world [rad/s]; None: the controller's"""
 
     @classmethod
-    def partly(cls, values: dict[str, Any], view: View, row: int) -> Observation:
-        """Return one with these fields already; ``view``, in which it has a ``row`` of its own,
-        makes each of the others, and is kept."""
+    def partly(cls, values: dict[str, Any], view: View) -> Observation:
+        """Return one with these fields already; ``view`` makes each of the others, and is kept."""
         one = cls.__new__(cls)
-        one.__dict__.update(values, _view=view, _row=row)
+        one.__dict__.update(values, _view=view)
         return one
 
     def __getattr__(self, name: str) -> Any:
         """Make a field that is not there yet, and keep it."""
         if name not in LATER or "_view" not in self.__dict__:
-            raise AttributeError(f"Observation has no attribute {name!r}")
-        value = self.__dict__[name] = self._view.later(self.index, self._row, name)
+            names = [one.name for one in fields(self)]
+            raise AttributeError(f"Observation has no attribute {name!r}{nearest(name, names)}")
+        value = self.__dict__[name] = self._view.later(self.index, name)
         return value
 
     def __getstate__(self) -> dict[str, Any]:
@@ -228,8 +230,9 @@ class DecidesAll(Protocol):
     def decide_all(self, view: View, due: IntArray, memory: dict[str, NDArray[Any]]) -> Decisions:
         """Decide for robots ``due`` (increasing indices) from what each may know; write ``memory``.
 
-        Robot i may know ``view.rows(i)`` within ``view.scene.sensing_range``, and of its formation
-        neighbours the stations. Its rows of memory are its own.
+        Robot i may know the rows ``view.own_row(i)`` and ``view.others(i)``, of its formation
+        neighbours, ``view.neighbours(i)``, the stations, and the pieces ``view.walls(i)`` of walls.
+        Its rows of memory are its own. Keys of ``memory`` are those that ``start`` gave.
         """
         ...
 
@@ -313,7 +316,7 @@ class Decisions(NamedTuple):
     """Decisions of the robots that were due, one row each, in the order of ``robot``."""
 
     robot: IntArray
-    command: FloatArray
+    command: Rows2
     """(M, 2) nominal"""
     hold: FloatArray
     """(M,) [s]"""

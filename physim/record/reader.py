@@ -108,10 +108,16 @@ class Record(layout.Layout):
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> Record:
-        """Open a record file. Raises RecordError with one line that says what is wrong with it."""
-        file = open_record(Path(path))
+        """Open a record file, or that of the folder of a run.
+
+        Raises RecordError with one line that says what is wrong with it.
+        """
+        path = Path(path)
+        if os.path.isdir(path):
+            path /= "record.h5"
+        file = open_record(path)
         try:
-            record = cls(file, Path(path))
+            record = cls(file, path)
             record._check_values()
             return record
         except BaseException:

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from physim.errors import plural
 from physim.units import joined
 from physim.world.group import drivers_of
 from physim.world.kinds import MOST_ROBOTS
@@ -18,6 +17,10 @@ if TYPE_CHECKING:
 STAGES = {"sensing": ("sensing", "stages"), "filters": ("filters",),
           "disturbances": ("disturbances",)}  # fmt: skip
 """What the stages are called, and where the world names them."""
+
+
+SHOWN_ROBOTS = 12
+"""Robots of a controller that are listed one by one"""
 
 
 @dataclass(frozen=True)
@@ -61,6 +64,8 @@ class Setup:
     """parts that came from Python, such as ``filter my_module:Slow (share 0.5)``"""
     versions: dict[str, str]
     """of physim and its libraries; empty where the record does not say"""
+    names: tuple[str, ...] = ()
+    """of the robots"""
 
     @property
     def controller(self) -> Part:
@@ -72,12 +77,18 @@ class Setup:
         """Names of the controllers, in words, each once."""
         return joined(dict.fromkeys(part.name for part, _ in self.controllers))
 
+    def who(self, robots: Sequence[int]) -> str:
+        """Robots, given by index, in words: names, of many the first ones."""
+        names = [self.names[k] for k in robots[:SHOWN_ROBOTS] if k < len(self.names)]
+        more = len(robots) - len(names)
+        return ", ".join(names) + (f" and {more} more" if more else "")
+
     def lines(self) -> list[tuple[str, str]]:
         """Label and text of controller and stages; none for a stage that there is not."""
         stages = [(word, ", ".join(map(str, parts))) for word, parts in self.stages.items()]
         controllers = str(self.controller)
         if len(self.controllers) > 1:
-            each = (f"{part} for {plural(len(some), 'robot')}" for part, some in self.controllers)
+            each = (f"{part} for {self.who(some)}" for part, some in self.controllers)
             controllers = "; ".join(each)
         found = [("controller", controllers), *stages, ("from Python", ", ".join(self.others))]
         return [(word, text) for word, text in found if text]
@@ -133,6 +144,7 @@ def setup_of(record: Record) -> Setup:
         stages=stages,
         others=tuple(f"{kind} {part}" for kind, part in parts if kind != "controller"),
         versions=record.versions,
+        names=record.names,
     )
 
 

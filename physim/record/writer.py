@@ -39,7 +39,7 @@ if TYPE_CHECKING:
     from physim.geometry.clearance import Clearances
 
 NOTHING = Declared()
-LIBRARIES = ("physim", "numpy", "pymunk", "numba", "shapely", "h5py")
+LIBRARIES = ("physim", "numpy", "pymunk", "shapely", "h5py")
 CHUNK_BYTES = 1 << 18
 BUFFER_BYTES = 1 << 21
 
@@ -359,11 +359,9 @@ def _rings(rings: Sequence[ArrayLike]) -> SimpleNamespace:
 def _versions() -> dict[str, str]:
     """Versions of the libraries that made a record; looked up once, for it takes 2 ms.
 
-    And the processor: kernels are compiled for it, so the same bits are due on its kind alone.
+    And the kind of processor: the same bits are due on that kind alone.
     """
-    from llvmlite.binding import get_host_cpu_name
-
-    found = {"processor": f"{platform.machine()}-{get_host_cpu_name()}"}
+    found = {"processor": platform.machine()}
     for library in LIBRARIES:
         try:
             found[library] = version(library)

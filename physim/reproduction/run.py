@@ -11,14 +11,10 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from physim._version import __version__
-from physim.analysis.metrics.distances import shortest_pair_collision_time
 from physim.campaigns.pool import Job, Stop, do_all
-from physim.compiled import is_cached
 from physim.drawing.plots.map import trajectories
 from physim.drawing.plots.pictures import PICTURES as PLOTS
 from physim.errors import PhysimError, nearest, plural
-from physim.geometry.queries import fill_times
-from physim.parts.registry import made_controller
 from physim.record import Record
 from physim.reproduction.claims import parts
 from physim.reproduction.measures import Measures, measures
@@ -34,11 +30,8 @@ from physim.reproduction.model import (
 from physim.reproduction.pictures import pair_times, picture, study_plot
 from physim.reproduction.studies import studies
 from physim.reproduction.study import Runs, Study
-from physim.simulation.run import is_warm as runs_are_warm
 from physim.simulation.run import simulate
-from physim.simulation.run import warm_up as warm_up_runs
 from physim.world.file import load_world
-from physim.world.layout.scene_builder import build_scene
 
 Found = Mapping[Any, "MeasuredRun"]
 """Runs that are done, by the keys of their jobs."""
@@ -209,19 +202,6 @@ def _figure(figure: str, chosen: tuple[Part, ...]) -> tuple[Part, ...]:
             + nearest(name[:100], known)
         )
     return tuple(found)
-
-
-def is_warm() -> bool:
-    """Whether all kernels lie compiled on disk."""
-    return runs_are_warm() and is_cached(fill_times)
-
-
-def warm_up() -> None:
-    """Take a run that is thrown away."""
-    world = load_world("three_robots", overrides=["time.duration=0.2"])
-    warm_up_runs(build_scene(world), made_controller(world))
-    with simulate(world) as record:
-        shortest_pair_collision_time(record)
 
 
 def reproduce(

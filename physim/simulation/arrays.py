@@ -14,12 +14,22 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import DTypeLike, NDArray
 
-from physim.compiled import compiled, direct
+from physim.compiled import compiled
 from physim.errors import PhysimError
 from physim.geometry.bodies import body_gap, frame_from, outline_distance, wall_gap
 from physim.geometry.convex import frame_at
 from physim.geometry.path import point_at
-from physim.geometry.shapes import FloatArray, IntArray, Part, Polylines, Shapes
+from physim.geometry.shapes import (
+    Flags,
+    FloatArray,
+    IntArray,
+    Part,
+    Polylines,
+    Rows2,
+    Rows3,
+    Rows7,
+    Shapes,
+)
 from physim.geometry.walls import LEAF, WallTree, leaf_after
 from physim.parts.controller import Sensed
 from physim.world.scene import Scene
@@ -37,26 +47,30 @@ MOST = 1000
 class Arrays(NamedTuple):
     """What each of N robots may know, in fixed sizes; rows that there are not are 0.
 
-    The arrays are the caller's own.
+    The arrays are the caller's own. All is in the robot's body frame: origin at its reference point
+    as it senses it, x forward, y to the left. Angles are counter-clockwise.
+
+    ``own`` (N, 9 + 2 A): what it did over the last step, ``vx``, ``vy`` [m/s] and ``omega``
+    [rad/s]; the command that it holds, ``held_v`` [m/s], ``held_omega`` [rad/s]; its limits
+    ``limit_v``, ``limit_omega``; way ``left`` along its path to its stop [m], negative past it;
+    ``deviation`` [m] from the path, to the left positive; then x, y [m] of the A points ahead on
+    its path.
+
+    ``others`` (N, K, 7): the nearest robots within range, by the distance of reference points, the
+    nearest first: ``x``, ``y`` [m] of that point; ``cos``, ``sin`` of its heading less the own;
+    ``vx``, ``vy`` [m/s], its velocity less the own; ``gap`` [m], signed distance of the footprints,
+    negative where they overlap. ``others_mask`` (N, K): which rows there are; these are first.
+
+    ``walls`` (N, M, 3): the nearest pieces of walls within range of the reference point, the
+    nearest first: ``x``, ``y`` [m] of the point of each that is nearest to the reference point;
+    ``gap`` [m], signed distance of the footprint from the piece. ``walls_mask`` (N, M): as above.
     """
 
     own: NDArray[Any]
-    """(N, 9 + 2 A): what it did over the last step, ``vx``, ``vy`` [m/s] in its body frame and
-    ``omega`` [rad/s]; the command that it holds, ``held_v``, ``held_omega``; its limits
-    ``limit_v``, ``limit_omega``; way ``left`` along its path to its stop [m]; ``deviation`` [m]
-    from the path, to the left positive; then x, y [m] of the A points ahead on its path"""
     others: NDArray[Any]
-    """(N, K, 7): the nearest robots within range, by the distance of reference points: ``x``, ``y``
-    [m] of that point; ``cos``, ``sin`` of its heading less the own; ``vx``, ``vy`` [m/s], its
-    velocity less the own; ``gap``, signed distance of the footprints [m]. All in the body frame"""
     others_mask: NDArray[np.bool_]
-    """(N, K) which rows there are; these are first"""
     walls: NDArray[Any]
-    """(N, M, 3): the nearest parts of walls within range: ``x``, ``y`` [m] of the point of each
-    that is nearest to the reference point, in the body frame; ``gap``, signed distance of the
-    footprint from the part [m]"""
     walls_mask: NDArray[np.bool_]
-    """(N, M)"""
 
 
 class Layout(NamedTuple):
@@ -97,85 +111,95 @@ class Unchanging(NamedTuple):
     shapes: Shapes
     walls: WallTree
     paths: Polylines
-    limits: FloatArray
+    limits: Rows2
     stop_station: FloatArray
     reach: float
 
 
-def unchanging(scene: Scene) -> tuple[Any, Any]:
-    """The kernel, and what it is handed at every step of a scene."""
-    from physim.kept import kept  # which imports numba: not before a run
-
-    one = Unchanging(
+def unchanging(scene: Scene) -> Unchanging:
+    """What the kernel is handed at every step of a scene."""
+    return Unchanging(
         scene.shapes, scene.wall_tree, scene.paths, scene.limits, scene.stop_station,
         scene.sensing_range,
     )  # fmt: skip
-    return direct(fill), kept(one)
 
 
-def arrays_of(prepared: tuple[Any, Any], sensed: Sensed, layout: Layout) -> Arrays:
-    """Arrays of what is sensed; ``prepared`` is what `unchanging` gave."""
-    kernel, scene = prepared
+def arrays_of(scene: Unchanging, sensed: Sensed, layout: Layout) -> Arrays:
+    """Arrays of what is sensed; ``scene`` is what `unchanging` gave."""
     robots, (others, walls, ahead, dtype) = len(sensed.station), layout
     own = np.zeros((robots, len(OWN) + 2 * len(ahead)))
     near, met = np.zeros((robots, others, len(OTHER))), np.zeros((robots, walls, len(WALL)))
     near_mask, met_mask = np.zeros((robots, others), np.bool_), np.zeros((robots, walls), np.bool_)
-    kernel(
-        scene, sensed.robot, sensed.pose, sensed.command, sensed.velocity, sensed.first, sensed.end,
-        sensed.station, ahead, own, near, near_mask, met, met_mask,
+    out = Written(
+        own.reshape(-1), own.shape[1], near.reshape(-1, len(OTHER)), near_mask.reshape(-1), others,
+        met.reshape(-1, len(WALL)), met_mask.reshape(-1), walls,
+    )  # fmt: skip
+    fill_arrays(
+        scene, robots, sensed.robot, sensed.pose, sensed.command, sensed.velocity, sensed.first,
+        sensed.end, sensed.station, ahead, len(ahead), out,
     )  # fmt: skip
     if dtype != own.dtype:
         own, near, met = own.astype(dtype), near.astype(dtype), met.astype(dtype)
     return Arrays(own, near, near_mask, met, met_mask)
 
 
+class Written(NamedTuple):
+    """The fields of `Arrays`, robot by robot, and how many rows or numbers each has."""
+
+    own: FloatArray
+    columns: int
+    others: Rows7
+    others_mask: Flags
+    most_others: int
+    walls: Rows3
+    walls_mask: Flags
+    most_walls: int
+
+
 @compiled
-def fill(
-    kept: list[Unchanging],
+def fill_arrays(
+    scene: Unchanging,
+    robots: int,
     robot: IntArray,
-    pose: FloatArray,
-    command: FloatArray,
-    velocity: FloatArray,
+    pose: Rows3,
+    command: Rows2,
+    velocity: Rows3,
     first: IntArray,
     end: IntArray,
     station: FloatArray,
     ahead: FloatArray,
-    own: FloatArray,
-    others: FloatArray,
-    others_mask: NDArray[np.bool_],
-    walls: FloatArray,
-    walls_mask: NDArray[np.bool_],
+    points: int,
+    out: Written,
 ) -> None:
-    """Write `Arrays` of all robots from the fields of `Sensed`."""
-    scene = kept[0]
-    most = max(others.shape[1], walls.shape[1])
-    which, far = np.empty(most, dtype=np.int64), np.empty(most)
-    for i in range(len(station)):
+    """Write `Arrays` of all robots from the fields of `Sensed`; so many ``points`` are ahead."""
+    most = max(out.most_others, out.most_walls)
+    which, far = np.empty(most, np.int64), np.empty(most)
+    for i in range(robots):
         me = first[i]
         while robot[me] != i:
             me += 1
         c, s = math.cos(pose[me, 2]), math.sin(pose[me, 2])
-        put_own(scene, i, pose[me], c, s, command[me], velocity[me], station[i], ahead, own[i])
-        count = 0
+        row = out.own[out.columns * i :]
+        put_own(scene, i, pose[me], c, s, command[me], velocity[me], station[i], ahead, points, row)
+        count, begin = 0, out.most_others * i
         for j in range(first[i], end[i]):
             dx, dy = pose[j, 0] - pose[me, 0], pose[j, 1] - pose[me, 1]
             square = dx * dx + dy * dy
             if j != me and square <= scene.reach * scene.reach:
-                count = keep_nearest(j, square, which[: others.shape[1]], far, count)
+                count = keep_nearest(j, square, which, far, count, out.most_others)
         for k in range(count):
-            j, row = which[k], others[i, k]
+            j = which[k]
             dx, dy = pose[j, 0] - pose[me, 0], pose[j, 1] - pose[me, 1]
             vx, vy = velocity[j, 0] - velocity[me, 0], velocity[j, 1] - velocity[me, 1]
             f = frame_from(pose[me], c, s, pose[j])
-            row[0], row[1] = c * dx + s * dy, c * dy - s * dx
-            row[2], row[3] = f.c, f.s
-            row[4], row[5] = c * vx + s * vy, c * vy - s * vx
-            row[6] = body_gap(scene.shapes, i, scene.shapes, robot[j], f)
-            others_mask[i, k] = True
-        if walls.shape[1]:
-            put_walls(
-                scene, i, pose[me], c, s, which[: walls.shape[1]], far, walls[i], walls_mask[i]
-            )
+            other = out.others[begin + k]
+            other[0], other[1] = c * dx + s * dy, c * dy - s * dx
+            other[2], other[3] = f.c, f.s
+            other[4], other[5] = c * vx + s * vy, c * vy - s * vx
+            other[6] = body_gap(scene.shapes, i, scene.shapes, robot[j], f)
+            out.others_mask[begin + k] = True
+        if out.most_walls > 0:
+            put_walls(scene, i, pose[me], c, s, which, far, out)
 
 
 @compiled
@@ -189,6 +213,7 @@ def put_own(
     velocity: FloatArray,
     station: float,
     ahead: FloatArray,
+    points: int,
     row: FloatArray,
 ) -> None:
     """Write the row of `Arrays.own` of Robot i; (c, s) are cosine and sine of its heading."""
@@ -199,21 +224,23 @@ def put_own(
     row[7] = scene.stop_station[i] - station
     x, y, tx, ty = point_at(scene.paths, i, station)
     row[8] = tx * (pose[1] - y) - ty * (pose[0] - x)
-    for k in range(len(ahead)):
+    for k in range(points):
         x, y, _, _ = point_at(scene.paths, i, station + ahead[k])
         dx, dy = x - pose[0], y - pose[1]
         row[9 + 2 * k], row[10 + 2 * k] = c * dx + s * dy, c * dy - s * dx
 
 
 @compiled
-def keep_nearest(one: int, far: float, which: IntArray, fars: FloatArray, count: int) -> int:
-    """Put one among the nearest so far, in their order; how many there are then.
+def keep_nearest(
+    one: int, far: float, which: IntArray, fars: FloatArray, count: int, most: int
+) -> int:
+    """Put one among the nearest so far, ``most`` at most, in their order; how many there are then.
 
     Of equally far ones the lower number is nearer.
     """
-    if count == len(which):
+    if count == most:
         if (
-            not count
+            count == 0
             or far > fars[count - 1]
             or (far == fars[count - 1] and one > which[count - 1])
         ):
@@ -236,8 +263,7 @@ def put_walls(
     s: float,
     which: IntArray,
     far: FloatArray,
-    rows: FloatArray,
-    mask: NDArray[np.bool_],
+    out: Written,
 ) -> None:
     """Write the rows of `Arrays.walls` of Robot i; ``which`` (M,) and ``far`` are room for work."""
     tree, W, start = scene.walls, scene.walls.walls.vertices, scene.walls.walls.part_start
@@ -245,22 +271,23 @@ def put_walls(
     leaf = leaf_after(tree, 0, pose[0], pose[1], reach)
     while leaf:
         begin = (leaf - tree.leaves) * LEAF
-        for k in range(begin, min(begin + LEAF, len(tree.part))):
+        for k in range(begin, min(begin + LEAF, tree.parts)):
             part = tree.part[k]
             apart = outline_distance(Part(W, start[part], start[part + 1]), pose[0], pose[1])
             if apart <= reach:
-                count = keep_nearest(part, apart, which, far, count)
-                if count == len(which):
+                count = keep_nearest(part, apart, which, far, count, out.most_walls)
+                if count == out.most_walls:
                     reach = far[count - 1]
         leaf = leaf_after(tree, leaf, pose[0], pose[1], reach)
     f = frame_at(c, s, pose[0], pose[1])
     for k in range(count):
         wall = Part(W, start[which[k]], start[which[k] + 1])
         x, y = nearest_point(wall, pose[0], pose[1])
-        rows[k, 0] = c * (x - pose[0]) + s * (y - pose[1])
-        rows[k, 1] = c * (y - pose[1]) - s * (x - pose[0])
-        rows[k, 2] = wall_gap(wall, scene.shapes, i, f, np.inf)
-        mask[k] = True
+        at = out.most_walls * i + k
+        out.walls[at, 0] = c * (x - pose[0]) + s * (y - pose[1])
+        out.walls[at, 1] = c * (y - pose[1]) - s * (x - pose[0])
+        out.walls[at, 2] = wall_gap(wall, scene.shapes, i, f, np.inf)
+        out.walls_mask[at] = True
 
 
 @compiled

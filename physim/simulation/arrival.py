@@ -15,9 +15,19 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from physim.compiled import compiled, direct
+from physim.compiled import compiled
 from physim.geometry.path import Tracking, track_all
-from physim.geometry.shapes import FloatArray, IntArray, Shapes, read_only
+from physim.geometry.shapes import (
+    Flags,
+    FloatArray,
+    IntArray,
+    Polylines,
+    Rows2,
+    Rows3,
+    Rows4,
+    Shapes,
+    read_only,
+)
 from physim.tolerances import LENGTH
 
 if TYPE_CHECKING:
@@ -61,8 +71,9 @@ class Arrivals:
         stop, tolerance = scene.stop_station, scene.arrival_tolerance
         beside = most_beside(scene.shapes, tracking.deviation) + LENGTH
         near = still_distances(scene.shapes.radius)
-        self.bounds = np.stack((stop - tolerance, stop + tolerance, beside**2, near**2))
-        """(4, N) least and greatest station [m], squares of how far beside and how far moved"""
+        bounds = stop - tolerance, stop + tolerance, beside**2, near**2
+        self.bounds = np.stack(bounds, axis=1)
+        """(N, 4) least and greatest station [m], squares of how far beside and how far moved"""
         self.lines = tracking.lines
         self.trail = np.zeros((still_steps(scene.dt) + 1, scene.robots, 2))
         """(W + 1, N, 2) places of the last samples, sample k in row k % (W + 1)"""
@@ -71,14 +82,14 @@ class Arrivals:
         """(N,) who has arrived at the present sample"""
         self.all = False
         """whether all have"""
-        self._judge = direct(judge)
 
     def follow(self, tracking: Tracking, step: int, pose: FloatArray) -> None:
         """Judge the sample after the last one, to which ``tracking`` follows."""
         stations, arrived = np.empty((3, len(pose))), np.empty(len(pose), np.bool_)
-        self.all = self._judge(
-            *self.lines, tracking.last, pose, tracking.windows, tracking.stations, stations,
-            step, self.bounds, self.trail, arrived,
+        self.all = judge_arrivals(
+            self.lines, len(pose), tracking.last.reshape(-1), pose, tracking.windows,
+            tracking.stations.reshape(-1), stations.reshape(-1), step, self.bounds,
+            self.trail.reshape(-1, 2), len(self.trail), arrived,
         )  # fmt: skip
         tracking.stations, self.arrived = read_only(stations), read_only(arrived)
 
@@ -89,43 +100,43 @@ class Arrivals:
 
 
 @compiled
-def judge(
-    start: IntArray,
-    row: FloatArray,
+def judge_arrivals(
+    lines: Polylines,
+    robots: int,
     last: IntArray,
-    pose: FloatArray,
+    pose: Rows3,
     windows: FloatArray,
     before: FloatArray,
     stations: FloatArray,
     step: int,
-    bounds: FloatArray,
-    trail: FloatArray,
-    arrived: NDArray[np.bool_],
+    bounds: Rows4,
+    trail: Rows2,
+    length: int,
+    arrived: Flags,
 ) -> bool:
     """Follow the robots to ``pose`` (N, 3), sample ``step``, by `track_all`: are all there?
 
-    Writes ``stations`` (3, N) and who has ``arrived`` (N,). Stations end with the path: past that
-    the path goes straight on. This sample is added to ``trail``; it and ``bounds`` are those of
-    `Arrivals`. ``start`` and ``row`` are those of the paths: one by one they are handed over in a
-    third of the time.
+    Writes ``stations`` (3 N,) and who has ``arrived`` (N,). Stations end with the path: past that
+    the path goes straight on. This sample is added to ``trail`` of so many samples; it and
+    ``bounds`` are those of `Arrivals`.
     """
-    track_all(start, row, last, pose, windows, before, stations)
-    length = len(trail)
-    now = step % length
-    everybody = True
-    for i in range(len(pose)):
+    track_all(lines, robots, last, pose, windows, before, stations)
+    row, now, everybody = lines.row, step % length, True
+    for i in range(robots):
         x, y = pose[i, 0], pose[i, 1]
-        trail[now, i, 0], trail[now, i, 1] = x, y
-        along, beside, end, past = stations[0, i], stations[1, i], start[i + 1] - 1, 0.0
+        trail[robots * now + i, 0], trail[robots * now + i, 1] = x, y
+        along, beside = stations[i], stations[robots + i]
+        end, past = lines.start[i + 1] - 1, 0.0
         if along >= row[end, 4] - LENGTH:
             past = (x - row[end, 0]) * row[end - 1, 2] + (y - row[end, 1]) * row[end - 1, 3]
             past = max(past, 0.0)
-        still = bounds[0, i] <= along + past <= bounds[1, i] and step + 1 >= length
-        still = still and beside * beside - past * past <= bounds[2, i]
+        still = bounds[i, 0] <= along + past <= bounds[i, 1] and step + 1 >= length
+        still = still and beside * beside - past * past <= bounds[i, 2]
         k = 1  # the oldest first: of a robot that moves it is the farthest
         while still and k < length:
-            dx, dy = trail[(now + k) % length, i, 0] - x, trail[(now + k) % length, i, 1] - y
-            still = dx * dx + dy * dy <= bounds[3, i]
+            then = robots * ((now + k) % length) + i
+            dx, dy = trail[then, 0] - x, trail[then, 1] - y
+            still = dx * dx + dy * dy <= bounds[i, 3]
             k += 1
         arrived[i] = still
         everybody = everybody and still

@@ -52,6 +52,10 @@ def branch_of(
     elif controller is None:
         own = parts.all[0]
         controller = own.made if own.from_python else None
+    free = {key.partition(".")[0] for key in FREE}
+    for key in changes:
+        if key in World.model_fields and key not in free:
+            raise PhysimError(f"branch: {key} cannot change in mid-run; allowed: {', '.join(FREE)}")
     world: World | Scene = scene
     if changes or isinstance(controller, str):
         world = scene.world.changed(**changes)

@@ -13,9 +13,9 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from physim.compiled import compiled, direct
+from physim.compiled import compiled
 from physim.errors import ControllerError, plural
-from physim.geometry.shapes import FloatArray, IntArray, read_only
+from physim.geometry.shapes import FloatArray, IntArray, Rows2, read_only
 from physim.parts.controller import LONGEST_HOLD, Decisions, Sensed
 from physim.parts.declarations import NO_NUMBER, Declared
 from physim.parts.user_code import kind_of
@@ -74,7 +74,7 @@ def taken_commands(
                 f"commands have the shape {commands.shape}; it must be {limits.shape}"
             )
         read_only(commands)
-    place = beyond(limits, commands)
+    place = command_fault(limits, commands, len(limits))
     if place >= 0:
         raise ControllerError(
             f"{scene.names[place // 2]}: {_beyond(commands.flat[place], limits.flat[place], place)}"
@@ -83,9 +83,9 @@ def taken_commands(
 
 
 @compiled
-def beyond(limits: FloatArray, command: FloatArray) -> int:
+def command_fault(limits: Rows2, command: Rows2, robots: int) -> int:
     """Place, counted row by row, of the first number that is not finite and within; or -1."""
-    for i in range(len(limits)):
+    for i in range(robots):
         for column in range(2):
             if not abs(command[i, column]) <= limits[i, column] * (1.0 + SHARE):
                 return 2 * i + column
@@ -144,8 +144,8 @@ def next_steps(scene: Scene, step: int, d: Decisions, declared: Declared) -> Int
     """
     steps = np.empty(len(d.robot), np.int64)
     modes, rules = len(declared.modes), len(declared.rules)
-    allowed = Allowed(scene.limits, modes, rules, scene.dt)
-    what, k, column = direct(decision_fault)(allowed, d, step, steps)
+    allowed = Allowed(scene.limits, scene.robots, modes, rules, scene.dt)
+    what, k, column = decision_fault(d, len(d.robot), len(d.considered), allowed, step, steps)
     if not what:
         return steps
     robot = d.robot[k]
@@ -171,33 +171,31 @@ def next_steps(scene: Scene, step: int, d: Decisions, declared: Declared) -> Int
 
 
 class Allowed(NamedTuple):
-    """What decisions are held against."""
+    """What decisions of a scene may be."""
 
-    limits: FloatArray
+    limits: Rows2
     """(N, 2)"""
+    robots: int
     modes: int
-    """how many are declared"""
     rules: int
     dt: float
 
 
 @compiled
 def decision_fault(
-    allowed: Allowed, d: Decisions, step: int, next_step: IntArray
+    d: Decisions, many: int, listed: int, allowed: Allowed, step: int, next_step: IntArray
 ) -> tuple[int, int, int]:
     """What is wrong first, 0 where nothing is, in which row, and column of the command.
 
-    Writes ``next_step`` (M,).
+    Of so ``many`` decisions, which list so many robots considered. Writes ``next_step`` (M,).
     """
-    limits, due, considered, considered_start = (
-        allowed.limits, d.robot, d.considered, d.considered_start
-    )  # fmt: skip
-    if considered_start[0] != 0 or considered_start[-1] != len(considered):
+    start, limits = d.considered_start, allowed.limits
+    if start[0] != 0 or start[many] != listed:
         return PARTED, 0, 0
-    seen = np.full(len(limits), -1)  # the row that considered each robot last
-    for k in range(len(due)):
+    seen = np.full(allowed.robots, -1, np.int64)  # the row that considered each robot last
+    for k in range(many):
         for column in range(2):
-            if not abs(d.command[k, column]) <= limits[due[k], column] * (1.0 + SHARE):
+            if not abs(d.command[k, column]) <= limits[d.robot[k], column] * (1.0 + SHARE):
                 return COMMANDED, k, column
         if not d.hold[k] >= 0.0:
             return HELD, k, 0
@@ -206,12 +204,12 @@ def decision_fault(
         if not NO_NUMBER <= d.rule[k] < allowed.rules:
             return RULE, k, 0
         held = min(max(np.floor(d.hold[k] / allowed.dt + SHARE), 1.0), LONGEST_HOLD)
-        next_step[k] = step + np.int64(held)
-        first, end = considered_start[k], considered_start[k + 1]
-        if not 0 <= first <= end <= len(considered):
+        next_step[k] = step + int(held)
+        if not 0 <= start[k] <= start[k + 1] <= listed:
             return PARTED, k, 0
-        for j in considered[first:end]:
-            if not 0 <= j < len(limits) or j == due[k] or seen[j] == k:
+        for m in range(start[k], start[k + 1]):
+            j = d.considered[m]
+            if not 0 <= j < allowed.robots or j == d.robot[k] or seen[j] == k:
                 return CONSIDERED, k, 0
             seen[j] = k
     return 0, 0, 0
@@ -266,7 +264,7 @@ def taken_sensed(found: object, given: Sensed, scene: Scene) -> Sensed:
         raise ControllerError(
             f"robot holds an index that does not exist; allowed: 0 to {robots - 1}"
         )
-    i, j = rows_fault(robot, sensed.first, sensed.end)
+    i, j = rows_fault(robot, len(robot), sensed.first, sensed.end, robots)
     if i < 0:
         return sensed
     if j < 0:
@@ -281,17 +279,19 @@ def taken_sensed(found: object, given: Sensed, scene: Scene) -> Sensed:
 
 
 @compiled
-def rows_fault(robot: IntArray, first: IntArray, end: IntArray) -> tuple[int, int]:
+def rows_fault(
+    robot: IntArray, rows: int, first: IntArray, end: IntArray, robots: int
+) -> tuple[int, int]:
     """First observer whose rows are wrong: (i, -1) they are not there, (i, i) it has not one of
     itself, (i, j) it has several of another; (-1, -1) where none is."""
-    seen = np.full(len(first), -1)
-    for i in range(len(first)):
-        if not 0 <= first[i] <= end[i] <= len(robot):
+    seen = np.full(robots, -1, np.int64)
+    for i in range(robots):
+        if not 0 <= first[i] <= end[i] <= rows:
             return i, -1
-        for j in robot[first[i] : end[i]]:
-            if seen[j] == i:
-                return i, j
-            seen[j] = i
+        for m in range(first[i], end[i]):
+            if seen[robot[m]] == i:
+                return i, robot[m]
+            seen[robot[m]] = i
         if seen[i] != i:
             return i, i
     return -1, -1

@@ -12,7 +12,7 @@ from physim.parts.controller import Controller, DecidesAll, Decisions
 from physim.parts.declarations import Declared
 from physim.parts.user_code import broken_by, is_shipped, naming
 from physim.simulation.checks import next_steps, taken_decisions
-from physim.simulation.forms import Memory, together
+from physim.simulation.forms import Memory, asked_together, together
 from physim.simulation.observation import View
 
 NOBODY = read_only(np.zeros(0, dtype=np.int64))
@@ -63,7 +63,7 @@ def answered(asked: Asked, view: View, due: IntArray, memory: Memory) -> tuple[D
         decisions = form.decide_all(view, due, memory)
     else:
         with naming(f"controller {name} at {view.time:g} s", form.decide_all):
-            answer = form.decide_all(view, due, memory)
+            answer = asked_together(form, view, due, memory)
             decisions = taken_decisions(answer, due, len(asked.declared.columns))
     try:
         return decisions, next_steps(view.scene, view.sensed.step, decisions, asked.declared)

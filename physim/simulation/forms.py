@@ -78,6 +78,18 @@ def first_memory(form: DecidesAll, scene: Scene) -> Memory:
         return {str(name): array.copy() for name, array in given.items()}
 
 
+def asked_together(form: DecidesAll, view: View, due: IntArray, memory: Memory) -> Decisions:
+    """What a form of a user's answers, unchecked. Raises ControllerError for new memory."""
+    known = set(memory)
+    answer = form.decide_all(view, due, memory)
+    if new := [name for name in memory if name not in known]:
+        raise ControllerError(
+            f"decide_all puts a new {new[0]!r} into memory; give it at the start: def start(self, "
+            f"scene): return {{{new[0]!r}: np.zeros(scene.robots)}}, a row for each robot"
+        )
+    return answer
+
+
 class OneByOne:
     """A plain controller, asked for each robot that is due."""
 
@@ -141,7 +153,7 @@ class AskedAlone:
         for name, row in (memory or {}).items():
             whole[name][i : i + 1] = row
         due = np.array([i])
-        answer = self.controller.decide_all(view, due, whole)
+        answer = asked_together(self.controller, view, due, whole)
         d = taken_decisions(answer, due, len(declared.columns))
         next_steps(view.scene, view.sensed.step, d, declared)
         mode, rule = int(d.mode[0]), int(d.rule[0])

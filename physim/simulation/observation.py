@@ -44,8 +44,9 @@ class View:
     """What is known at one step: the ``scene``, the ``sensed`` rows of it, and the ``time`` [s].
 
     Observer i has ``rows(i)`` of the sensed ones, one of itself among them. It may use those of
-    ``others(i)``, which are within range, and of ``neighbours(i)`` the stations along the reference
-    path; ``observation(i)`` is just that. Nothing may be written to.
+    ``others(i)``, which are within range, of ``neighbours(i)`` the stations along the reference
+    path, and of the scene's walls the pieces ``walls(i)``; ``observation(i)`` is just that. Nothing
+    may be written to.
     """
 
     def __init__(self, scene: Scene, sensed: Sensed, like: View | None = None) -> None:
@@ -92,6 +93,12 @@ class View:
         near[own - rows.start] = False
         return np.asarray(rows.start + near.nonzero()[0])
 
+    def walls(self, i: int) -> IntArray:
+        """Numbers of the pieces of walls within range of its reference point, where it senses that
+        to be; increasing, as ``observation(i).walls``."""
+        x, y, _ = self.sensed.pose[self.own_row(i)]
+        return parts_within(self.scene.wall_tree, x, y, self.scene.sensing_range)
+
     def prepared(self, make: Callable[[Scene], T]) -> T:
         """What ``make(scene)`` gives, made once for all steps of a run and every robot.
 
@@ -137,17 +144,16 @@ class View:
         values["velocity"] = read_only(sensed.velocity[own].copy())
         values["station"] = sensed.station.item(i)
         values["reference_station"] = sensed.reference_station.item(own)
-        return Observation.partly(values, self, own)
+        return Observation.partly(values, self)
 
-    def later(self, i: int, own: int, field: str) -> Any:
-        """A field of `physim.parts.controller.LATER`, of Robot i, which has the row ``own``."""
+    def later(self, i: int, field: str) -> Any:
+        """A field of `physim.parts.controller.LATER`, of Robot i."""
         if field == "footprint":
             return self._shared.footprint(i)
         if field == "path":
             return self._shared.path(i)
         if field == "walls":
-            x, y, _ = self.sensed.pose[own]
-            return self._shared.walls_near(x, y)
+            return tuple(map(self._shared.wall, self.walls(i).tolist()))
         if field == "others":
             return tuple(map(self._robot, self.others(i).tolist()))
         return tuple(map(self._neighbour, self.neighbours(i).tolist()))
@@ -224,12 +230,6 @@ class _SceneFacts:
         before, after = (None if one < 0 else one for one in self.scene.pieces.joins[part].tolist())
         free = SIDES[self.scene.pieces.free[part]]
         return Wall(part, _part(self.scene.walls, part), before, after, free)
-
-    def walls_near(self, x: float, y: float) -> tuple[Wall, ...]:
-        """Pieces of walls within range of a place."""
-        scene = self.scene
-        parts = parts_within(scene.wall_tree, x, y, scene.sensing_range)
-        return tuple(map(self.wall, parts.tolist()))
 
 
 def _part(shapes: Shapes, part: int) -> FloatArray:

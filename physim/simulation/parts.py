@@ -36,16 +36,20 @@ def driven_by(world: World, controller: Controller | str | None) -> World:
 
     Settings of the world belong to the type beside them: that one keeps them, another goes without,
     which a `Notice` tells. Where the world names no type they are for whatever runs. Raises
-    WorldError.
+    WorldError, and ControllerError for an unknown controller.
     """
     if not isinstance(controller, str):
         return world
+    find_part(CONTROLLER, controller, trusted=True)  # an unknown one is refused before a notice
     own = world.controller
     mine = own.type == controller or "type" not in own.model_fields_set
     if own.settings and not mine:
         left = unused_settings([*own.settings], own.type, controller)
-        advice = f'(changed(controller={{"type": "{controller}", …}}) gives it its own)'
-        text = f"world {world.name}: controller: {left} {advice}"
+        advice = f'changed(controller={{"type": "{controller}", …}}) gives it its own'
+        if ":" in controller:  # which no world may name
+            kind = controller.rpartition(":")[2]
+            advice = f"with settings of its own give it as an object, controller={kind}(…)"
+        text = f"world {world.name}: controller: {left} ({advice})"
         warnings.warn(text, Notice, stacklevel=4)
     return world.changed(controller={**(own.settings if mine else {}), "type": controller})
 

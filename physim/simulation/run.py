@@ -1,7 +1,4 @@
-"""Run a world to its end and record it: `simulate`.
-
-`warm_up` compiles or loads every kernel that a run needs, so that no run waits in its middle.
-"""
+"""Run a world to its end and record it: `simulate`."""
 
 from __future__ import annotations
 
@@ -9,31 +6,21 @@ import os
 import time
 from collections.abc import Callable, Sequence
 from contextlib import suppress
-from types import SimpleNamespace
-from typing import cast
 
 import numpy as np
 
-from physim.compiled import is_cached
 from physim.errors import ControllerError, PhysimError, RecordError
-from physim.geometry.clearance import clearances
-from physim.geometry.path import Tracking
-from physim.geometry.shapes import read_only
-from physim.geometry.swept_contacts import find_swept_contacts
 from physim.parts.controller import Controller
 from physim.parts.declarations import kept_distance
 from physim.parts.stages import Disturbance, Filter, Observer, SensingStage
 from physim.parts.user_code import folder_kept, naming
 from physim.record import Record, RecordWriter
-from physim.simulation.engine import Physics
 from physim.simulation.kept_states import packed
 from physim.simulation.loop import LOOK_ON, Simulation
 from physim.simulation.parts import listed
 from physim.simulation.recorder import Recorder, SaveAt, check_room
 from physim.simulation.state import SimulationState
-from physim.simulation.swept_contacts import SweptContactFinder
 from physim.world import World
-from physim.world.scene import Scene
 
 EVERYTHING = SaveAt()
 
@@ -197,52 +184,3 @@ def _loop(
         if stop is not None and stop():
             return "interrupted"
     return "duration"
-
-
-def is_warm() -> bool:
-    """Whether the kernels of a run lie compiled on disk.
-
-    `warm_up` compiles the swept contacts last: when they are there, so is the rest.
-    """
-    return is_cached(find_swept_contacts)
-
-
-class Unmoved(Simulation):
-    """A simulation without an engine, which has to be compiled before it can be made."""
-
-    def _host(self) -> None:
-        self.physics = cast(Physics, SimpleNamespace(pose=self.scene.start.copy()))
-
-
-def warm_up_motion(scene: Scene, controller: Controller | None = None) -> None:
-    """Compile or load what a run and its summary need beside decisions and swept contacts."""
-    simulation = Simulation(scene, controller=controller)
-    simulation.step(np.zeros((scene.robots, 2)))
-    start = scene.start.copy()
-    start[0, :2] = scene.walls.vertices[0]  # what only a contact needs
-    Physics(scene.shapes, scene.walls, start, scene.mass, scene.dt)
-    clearances(simulation.pose[None], scene.shapes, scene.wall_tree)
-    # its record is followed in one go
-    tracking = Tracking(scene.paths, scene.reference, scene.shapes.radius, read_only(scene.start))
-    tracking.course(read_only(simulation.pose[None]))
-
-
-def warm_up(
-    scene: Scene,
-    controller: Controller | None = None,
-    wait: Callable[[], object] = lambda: None,
-) -> float:
-    """Compile or load all that a run needs; returns the seconds it took.
-
-    ``controller`` should be one of its own, since it is asked once. ``wait`` is called when what it
-    needs is there: another process may compile the rest meanwhile.
-    """
-    from physim.frontend import without_collector
-
-    started = time.perf_counter()
-    with folder_kept(), without_collector():
-        Unmoved(scene, controller=controller)._decide()
-        wait()
-        warm_up_motion(scene, controller)
-        SweptContactFinder(scene).search(scene.start, scene.start)  # nobody moves
-    return time.perf_counter() - started

@@ -8,11 +8,11 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from physim.compiled import direct
 from physim.contacts import CONTACT_ROW, Kind, Phase
 from physim.geometry.shapes import FloatArray, read_only
 from physim.geometry.swept_contacts import (
     FULL,
+    SweptRows,
     find_swept_contacts,
     no_room,
     wear_off,
@@ -21,7 +21,7 @@ from physim.world.scene import Scene
 
 NO_ROWS = read_only(np.zeros(0, CONTACT_ROW))
 ROOM = 64
-"""Rows that the search has room for at first."""
+"""SweptRows that the search has room for at first."""
 
 
 class SweptContactFinder:
@@ -29,7 +29,6 @@ class SweptContactFinder:
 
     def __init__(self, scene: Scene) -> None:
         self._scene = scene
-        self._wear_off = direct(wear_off)
         self._pose: FloatArray | None = None
         self._room = no_room(scene.shapes)
         """at ``_pose``"""
@@ -43,11 +42,10 @@ class SweptContactFinder:
         its step; point, normal and depth are those of the instant at which the two are closest.
         """
         scene, velocity = self._scene, np.empty(old.shape)
-        bound, reach = self._room.bound, self._room.reach
         if old is not self._pose:
-            bound[:] = 0.0
+            self._forget()
         self._pose = now
-        if not self._wear_off(old, now, scene.dt, scene.shapes.radius, bound, reach, velocity):
+        if not wear_off(old, now, scene.dt, scene.shapes.radius, self._room, velocity):
             return velocity, NO_ROWS
         who, values = self.search(old, now)
         if not len(who):
@@ -62,13 +60,17 @@ class SweptContactFinder:
 
     def search(self, old: FloatArray, now: FloatArray) -> tuple[NDArray[np.int64], FloatArray]:
         """Output of `find_swept_contacts`, with as much room as it needs."""
-        scene, known, room = self._scene, self._room, ROOM
+        scene, room = self._scene, ROOM
         while True:
-            who, values = np.empty((room, 2), dtype=np.int64), np.empty((room, 5))
+            out = SweptRows(np.empty((room, 2), dtype=np.int64), np.empty((room, 5)), room)
             count = find_swept_contacts(
-                old, now, scene.shapes, scene.wall_tree, known, scene.dt, who, values
+                old, now, scene.shapes, scene.wall_tree, self._room, scene.dt, out
             )
             if count != FULL:
-                return who[:count], values[:count]
-            known.bound[:] = 0.0
+                return out.who[:count], out.values[:count]
+            self._forget()
             room *= 4
+
+    def _forget(self) -> None:
+        """Let all robots be measured anew."""
+        self._room.apart[:] = self._room.from_walls[:] = 0.0

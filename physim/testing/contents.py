@@ -22,8 +22,8 @@ from physim.parts.controller import Controller
 Contents = dict[str, Any]
 """Leaves by place, to compare with ``==``."""
 
-KERNELS = "physim.compiled"
-"""Module of functions that are compiled: no more than names."""
+COMPILED = "cython_function_or_method"
+"""Type of functions that Cython compiled: no more than names."""
 WIDEST = 40
 """Characters of a value that are shown."""
 MOST = 5000
@@ -136,7 +136,7 @@ def _leaf(value: Any) -> Any:
         return value
     if isinstance(value, np.generic):
         return value.item()
-    if isinstance(value, NAMED) or kind.__module__ == KERNELS:
+    if isinstance(value, NAMED) or kind.__name__ == COMPILED:
         return Label(getattr(value, "__qualname__", getattr(value, "__name__", kind.__name__)))
     return None
 

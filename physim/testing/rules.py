@@ -16,12 +16,13 @@ from typing import Any
 import numpy as np
 
 from physim.errors import ControllerError
-from physim.geometry.shapes import IntArray
+from physim.geometry.shapes import IntArray, read_only
+from physim.geometry.walls import build_wall_tree
 from physim.parts.controller import DecidesAll, DecidesOne, Sensed
 from physim.parts.declarations import Declared, agreement_of
 from physim.parts.user_code import broken_by, place_of
 from physim.simulation.checks import next_steps, taken_decisions
-from physim.simulation.forms import AskedAlone, first_memory
+from physim.simulation.forms import AskedAlone, asked_together, first_memory
 from physim.simulation.observation import View
 from physim.testing.contents import (
     Contents,
@@ -71,8 +72,8 @@ class Rule(StrEnum):
     PORTIONS = "portions"
     """`decide_all` decides alike in whatever portions and order it is asked for the robots due"""
     SIGHT = "sight"
-    """it goes by nothing that a robot may not know: what is out of range, but for the stations of
-    formation neighbours"""
+    """it goes by nothing that a robot may not know: robots and walls out of range, but for the
+    stations of formation neighbours"""
 
 
 @dataclass(frozen=True)
@@ -277,7 +278,8 @@ def check_all(trial: Trial, controller: DecidesAll, found: FindingLog) -> None:
     by_more = f" by more than {agreement:g}, its agreement," if agreement else ""
     forms = _Asking(trial, controller, found, Rule.FORMS if has_both else Rule.PORTIONS)
     portions = _Asking(trial, controller, found, Rule.PORTIONS)
-    sight = _Asking(trial, controller, found, Rule.SIGHT)
+    in_sight = replace(trial, scene=without_unseen_walls(trial))
+    sight = _Asking(in_sight, controller, found, Rule.SIGHT)
     rng = np.random.default_rng(0)
     for step in trial.steps:
         rows = forms.decide(step, [step.due])
@@ -299,10 +301,34 @@ def check_all(trial: Trial, controller: DecidesAll, found: FindingLog) -> None:
                 portions.report(f"{text}: {change}", i)
             if seen and (change := other_answer(row, seen[i], agreement)):
                 text = (
-                    "without what the robot may not know (view.others(i) are within range, of "
-                    "view.neighbours(i) it knows the stations) decide_all decides differently"
+                    "without what the robot may not know (view.others(i) and view.walls(i) are "
+                    "within range, of view.neighbours(i) it knows the stations) decide_all decides "
+                    "differently"
                 )
                 sight.report(f"{text}{by_more}: {change}", i)
+
+
+def without_unseen_walls(trial: Trial) -> Scene:
+    """The scene with pieces of walls that no robot saw in the whole trial beyond all that is there.
+
+    Their numbers, and what joins where, are as before: the pieces in sight tell that.
+    """
+    scene, walls, x = trial.scene, trial.scene.walls, [trial.scene.start[:, 0]]
+    hidden, view = np.ones(len(walls.part_start) - 1, np.bool_), None
+    for step in trial.steps:
+        view = View(scene, step.sensed, view)
+        x.append(step.sensed.pose[:, 0])
+        for i in range(scene.robots):
+            hidden[view.walls(i)] = False
+    every = np.concatenate([*x, walls.vertices[:, 0]])
+    vertices = walls.vertices.copy()
+    vertices[np.repeat(hidden, np.diff(walls.part_start)), 0] += (
+        np.ptp(every) + scene.sensing_range + 10.0
+    )
+    elsewhere = walls._replace(vertices=read_only(vertices))
+    moved = replace(scene, walls=elsewhere, wall_tree=build_wall_tree(elsewhere))
+    vars(moved)["pieces"] = scene.pieces
+    return moved
 
 
 def what_each_may_know(scene: Scene, sensed: Sensed, rng: np.random.Generator) -> Sensed:
@@ -373,7 +399,7 @@ class _Asking:
         sensed, asked, scene = own_arrays(step.sensed), due.copy(), self.trial.scene
         self.view = View(scene, sensed, self.view)
         try:
-            decisions = self.controller.decide_all(self.view, asked, self.memory)
+            decisions = asked_together(self.controller, self.view, asked, self.memory)
         except KeyboardInterrupt:
             raise
         except BaseException as error:

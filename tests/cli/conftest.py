@@ -1,4 +1,4 @@
-"""Kernels are compiled before any command runs, so that none says that it compiles."""
+"""A folder to run commands in."""
 
 from __future__ import annotations
 
@@ -6,17 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from physim import build_scene
-from physim.world.file import parse_world
 from tests.cli.commands import SMALL
-from tests.helpers import inside
-
-warm_up = inside("physim.simulation", "warm_up")
-
-
-@pytest.fixture(scope="session", autouse=True)
-def _warm() -> None:
-    warm_up(build_scene(parse_world(SMALL)))
 
 
 @pytest.fixture

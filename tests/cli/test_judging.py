@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import re
 from pathlib import Path
-from typing import Any
 
 import pytest
 
@@ -23,7 +22,6 @@ Bar = inside("physim.cli", "Bar")
 
 BROKEN = "tests.testing.broken"
 STRAIGHT = ("--world", "straight", "--seconds", 0.3)
-LINE = r"compiling (.+) \(.*\babout \d+ s\) \.\.\."
 
 
 def test_definitions_tell_every_metric(capsys) -> None:
@@ -152,26 +150,3 @@ def test_a_disagreement_ends_with_3_and_worlds_that_run_replays(
     assert run == (0, "", "")
     with Record.load("again/record.h5") as record:
         assert record.contacts["step"].min() == hit["physical_sample"]
-
-
-@pytest.mark.parametrize(
-    ("arguments", "at", "what"),
-    [
-        pytest.param(
-            ("run", "small.yaml", "--no-video", "--set", "time.duration=0.1"),
-            "physim.simulation.run", ("controller", "distances"), marks=pytest.mark.deep,
-        ),
-        (("validate", "small.yaml"), "physim.analysis.validation", ("validation",)),
-        (("crashtest", "--cases", 5), "physim.analysis.crashtest.prediction", ("collision",)),
-        (("check-controller", "constant", *STRAIGHT), "physim.simulation.run", ("controller",)),
-    ],
-)  # fmt: skip
-def test_each_command_says_what_it_compiles(
-    arguments: tuple[Any, ...], at: str, what: tuple[str, ...], here: Path, monkeypatch, capsys
-) -> None:
-    crash_test(11)
-    monkeypatch.setattr(f"{at}.is_warm", lambda: False)
-    told = physim(*arguments, capture=capsys).err.splitlines()
-    found = re.fullmatch(LINE, told[0])
-    assert found is not None
-    assert re.search(facts(*what), found[1])

@@ -11,7 +11,7 @@ import pytest
 from tests.cli.commands import physim, started
 from tests.helpers import inside
 
-Report, warm_up = inside("physim.reproduction", "Report", "warm_up")
+Report = inside("physim.reproduction", "Report")
 
 QUICK = ("reproduce", "--quick", "--no-video")
 PAGES = ("REPRODUCTION.md", "reproduction.html", "reproduction.json")
@@ -24,7 +24,6 @@ def contents(folder: Path) -> dict[str, bytes]:
 
 def test_one_figure(tmp_path: Path, capsys) -> None:
     out = tmp_path / "a folder & more"
-    warm_up()  # a cold start says that it compiles
     given = (*QUICK, "--figure", "1", "--workers", "1", "-o", out)
     done = physim(*given, capture=capsys)
     assert (done.code, done.err) == (0, "")

@@ -23,13 +23,13 @@ is_neighbour = inside("physim.controllers", "is_neighbour")
 formation_errors = inside("physim.simulation", "formation_errors")
 
 FAR = float("inf")
-EVERY_ONE = np.zeros((0, 0), dtype=np.int64)
+EVERY_ONE = np.zeros(0, dtype=np.int64)
 
 
 def test_a_robot_that_lags_speeds_up_and_one_in_the_lead_slows_down() -> None:
     station, lead = np.array([0.0, 5.0]), np.array([0.0, 3.0])
-    behind = formation_sum(0, np.arange(2), np.array([1]), station, lead)
-    ahead = formation_sum(1, np.arange(2), np.array([0]), station, lead)
+    behind = formation_sum(0, np.arange(2), np.array([1]), 1, station, lead)
+    ahead = formation_sum(1, np.arange(2), np.array([0]), 1, station, lead)
     assert behind == pytest.approx(2.0)
     assert ahead == pytest.approx(-2.0)
     assert formation_speed(1.0, 0.05, 0.8, 1.3, behind) == pytest.approx(1.1)
@@ -47,7 +47,8 @@ def test_speed_by_7_is_that_of_the_sums() -> None:
         i = int(rng.integers(n))
         mates = [j for j in range(n) if j != i and rng.random() < 0.6]
         nu_0, alpha = float(rng.uniform(0.5, 1.2)), float(rng.choice([0.005, 0.05]))
-        total = formation_sum(i, np.arange(n), np.array(mates, dtype=np.int64), station, lead)
+        rows = np.array(mates, dtype=np.int64)
+        total = formation_sum(i, np.arange(n), rows, len(rows), station, lead)
         found = formation_speed(nu_0, alpha, 0.8, 1.3, total)
         pairs = [(station[j], lead[j]) for j in mates]
         expected = oracle.speed(station[i], lead[i], pairs, nu_0, alpha, 0.8, 1.3)
@@ -73,13 +74,13 @@ def test_neighbours_are_those_listed_or_within_range_along_the_reference_path() 
         upper = np.triu(rng.integers(0, 2, (n, n)), 1)
         listed = None if rng.random() < 0.5 else upper + upper.T
         cluster = dataclasses.replace(history.cluster, range=reach, adjacency=listed)
-        adjacency = EVERY_ONE if listed is None else listed
+        adjacency = (EVERY_ONE, 0) if listed is None else (listed.ravel(), n)
         scene = scene_of(dataclasses.replace(history, cluster=cluster, moments=[robots]))
         view = View(scene, sensed_at(robots, 0))
         for i in range(n):
             expected = neighbours(robots, cluster, i)
             found = [
-                j for j in range(n) if is_neighbour(i, j, station[i], station[j], adjacency, reach)
+                j for j in range(n) if is_neighbour(i, j, station[i], station[j], *adjacency, reach)
             ]
             assert found == expected
             assert [one.index for one in view.observation(i).neighbours] == expected
@@ -113,11 +114,9 @@ def test_energy_identity_10_for_robots_that_all_update_every_step(
     station, lead = np.array(values), rng.uniform(-5.0, 5.0, n)
     adjacency = np.triu(rng.integers(0, 2, (n, n)), 1)
     adjacency = adjacency + adjacency.T
+    mates = [np.flatnonzero(row) for row in adjacency]
     inner = np.array(
-        [
-            formation_sum(i, np.arange(n), np.flatnonzero(adjacency[i]), station, lead)
-            for i in range(n)
-        ]
+        [formation_sum(i, np.arange(n), m, len(m), station, lead) for i, m in enumerate(mates)]
     )
     speed = np.array([formation_speed(1.0, alpha, -FAR, FAR, s) for s in inner])
     before = formation_energy(station, lead, adjacency)

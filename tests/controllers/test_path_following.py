@@ -17,7 +17,8 @@ from tests.oracles.tolerances import ROUNDING
 
 Aim, best_plan = inside("physim.controllers", "Aim", "best_plan")
 judging_time = inside("physim.controllers", "judging_time")
-speed_pairs, target_energy = inside("physim.controllers", "speed_pairs", "target_energy")
+speed_pairs, SpeedPairs = inside("physim.controllers", "speed_pairs", "SpeedPairs")
+target_energy = inside("physim.controllers", "target_energy")
 target_on_path = inside("physim.controllers", "target_on_path")
 pack_polylines, Tracking = inside("physim.geometry", "pack_polylines", "Tracking")
 
@@ -45,7 +46,7 @@ def test_energy_4_is_half_the_squared_distance() -> None:
 def test_pairs_are_all_of_both_sets_in_their_order() -> None:
     found = speed_pairs(np.array([-1.0, 0.5]), 0.8, np.array([0.0, -1.0, 2.0]))
     expected = [(-0.8, 0.0), (-0.8, -1.0), (-0.8, 2.0), (0.4, 0.0), (0.4, -1.0), (0.4, 2.0)]
-    assert found.tolist() == [list(pair) for pair in expected]
+    assert found.each.tolist() == [list(pair) for pair in expected]
 
 
 def test_plans_are_judged_no_further_than_to_the_last_waypoint() -> None:
@@ -68,7 +69,7 @@ def test_best_plan_is_that_of_trying_all(dwells: int) -> None:
         pose = np.array([*rng.uniform(-20.0, 20.0, 2), rng.uniform(-9.0, 9.0)])
         target = pose[:2] + rng.normal(0.0, rng.choice([0.05, 2.0]), 2)
         ahead = float(rng.choice([0.0, 0.5, 1.0]))
-        plan = best_plan(pose, pairs, dwell, Aim(*target, ahead))
+        plan = best_plan(pose, SpeedPairs(pairs, len(pairs)), dwell, Aim(*target, ahead))
         sequences = path_following.plans(pairs, dwell)
         right, _ = smallest(path_following.judgements(pose, sequences, dwell, ahead, target))
         assert any(np.array_equal(plan, sequences[c]) for c in right)
@@ -96,7 +97,7 @@ def test_of_mirror_images_the_first_in_the_order_of_the_sets_is_taken(dwells: in
         pose = np.array([*rng.uniform(-5.0, 5.0, 2), rng.uniform(-3.0, 3.0)])
         gap = rng.uniform(0.05, 1.0) * dwell.sum()
         target = pose[:2] + gap * np.array([np.cos(pose[2]), np.sin(pose[2])])
-        plan = best_plan(pose, pairs, dwell, Aim(*target, 0.0))
+        plan = best_plan(pose, SpeedPairs(pairs, len(pairs)), dwell, Aim(*target, 0.0))
         sequences = path_following.plans(pairs, dwell)
         keys = path_following.judgements(pose, sequences, dwell, 0.0, target)
         right, settled = smallest(keys)

@@ -14,7 +14,7 @@ from tests.oracles.safe_area import Place
 from tests.oracles.tolerances import ROUNDING
 from tests.oracles.view import shape
 
-safe_target = inside("physim.controllers", "safe_target")
+Point, Target, safe_target = inside("physim.controllers", "Point", "Target", "safe_target")
 build_wall_tree, nearest_walls, pack_parts = inside(
     "physim.geometry", "build_wall_tree", "nearest_walls", "pack_parts"
 )
@@ -44,11 +44,10 @@ def random_place(rng: np.random.Generator) -> tuple[Place, np.ndarray]:
 def moved(where: Place, robot: np.ndarray) -> np.ndarray:
     tree = build_wall_tree(pack_parts([[part] for part in where.walls]))
     sight = Sight(tree, robot[0], robot[1], np.inf, nearest_walls(1))
-    found = safe_target(
-        sight, tuple(where.target), tuple(where.ahead), where.outside, tuple(robot),
-        where.look_ahead, where.safe_distance,
-    )  # fmt: skip
-    return np.array(found)
+    target = Target(Point(*where.target), Point(*where.ahead), where.outside)
+    return np.array(
+        safe_target(sight, target, Point(*robot), where.look_ahead, where.safe_distance)
+    )
 
 
 def test_targets_agree_with_the_oracle() -> None:

@@ -92,10 +92,10 @@ def test_walls_against_marching(seed):
     starts = walls.part_start
     parts = [walls.vertices[starts[k] : starts[k + 1]] for k in range(len(starts) - 1)]
     pose = np.array([rng.uniform(5, 35), rng.uniform(-2, 2), rng.uniform(-4, 4)])
-    twist = (float(rng.uniform(-1.5, 1.5)), float(rng.choice(OMEGAS)))
+    twist = np.array([rng.uniform(-1.5, 1.5), rng.choice(OMEGAS)])
 
     def time(some):
-        still = np.zeros(3), (0.0, 0.0)
+        still = np.zeros(3), np.zeros(2)
         return min(
             collision_time_pair(some, w, *still, shapes, 0, pose, twist, HORIZON)
             for w in range(len(some.body_start) - 1)
@@ -180,8 +180,8 @@ def test_two_derivations_agree_in_translation(seed):
     rng = np.random.default_rng(seed)
     P, Q = random_convex(rng), random_convex(rng)
     pose_a, pose_b = (np.array([*rng.uniform(-3, 3, 2), rng.uniform(-4, 4)]) for _ in range(2))
-    a = arc_course(pose_a, rng.uniform(-1, 1), 0.0, 3.0)
-    b = arc_course(pose_b, rng.uniform(-1, 1), 0.0, 3.0)
+    a = arc_course(*pose_a, rng.uniform(-1, 1), 0.0, 3.0)
+    b = arc_course(*pose_b, rng.uniform(-1, 1), 0.0, 3.0)
     parts = Part(P, 0, len(P)), a, Part(Q, 0, len(Q)), b
     closed = part_time(*parts, HORIZON)
     marched, d, _ = advancement_time(*parts, HORIZON)

@@ -35,14 +35,14 @@ def turned(pose, v, omega, t):
 def test_arc_is_the_circle_about_its_centre(v, omega, heading, t):
     pose = np.array([1.0, -2.0, heading])
     for w in (omega, -omega):
-        assert arc(pose, v, w, t) == pytest.approx(turned(pose, v, w, t), abs=1e-12)
+        assert arc(*pose, v, w, t) == pytest.approx(turned(pose, v, w, t), abs=1e-12)
 
 
 def test_arc_solves_equation_1():
     pose, v, omega, h = np.array([0.3, 0.4, 0.5]), 1.3, -0.7, 1e-5
     for t in (0.0, 0.4, 3.0):
-        before, after = (np.array(arc(pose, v, omega, t + k * h)) for k in (-1, 1))
-        heading = arc(pose, v, omega, t)[2]
+        before, after = (np.array(arc(*pose, v, omega, t + k * h)) for k in (-1, 1))
+        heading = arc(*pose, v, omega, t)[2]
         rate = (after - before) / (2 * h)
         assert rate == pytest.approx(
             [v * math.cos(heading), v * math.sin(heading), omega], abs=1e-9
@@ -52,7 +52,7 @@ def test_arc_solves_equation_1():
 @pytest.mark.parametrize("omega", [0.0, 1e-300, 1e-16, 1e-12, 1e-9, -1e-8, 1e-6, 1e-4])
 def test_arc_near_straight(omega):
     t, v = 10.0, 1.5
-    x, y, heading = arc(np.zeros(3), v, omega, t)
+    x, y, heading = arc(0.0, 0.0, 0.0, v, omega, t)
     angle = omega * t  # series of sin(angle) / omega and (1 - cos(angle)) / omega
     assert x == pytest.approx(v * t * (1 - angle**2 / 6), rel=1e-15)
     assert y == pytest.approx(v * t * (angle / 2 - angle**3 / 24), rel=1e-15)
@@ -63,10 +63,10 @@ def test_arc_near_straight(omega):
 @given(SPEEDS, st.floats(-2.0, 2.0), ANGLES, st.floats(0.01, 5.0), st.floats(0.01, 5.0))
 def test_two_arcs_in_a_row_are_one(v, omega, heading, t1, t2):
     pose = np.array([3.0, 1.0, heading])
-    middle = arc(pose, v, omega, t1)
-    twice = arc(middle, v, omega, t2)
-    assert twice == pytest.approx(arc(pose, v, omega, t1 + t2), abs=1e-12)
-    assert arc(twice, v, omega, -t1 - t2) == pytest.approx(tuple(pose), abs=1e-12)
+    middle = arc(*pose, v, omega, t1)
+    twice = arc(*middle, v, omega, t2)
+    assert twice == pytest.approx(arc(*pose, v, omega, t1 + t2), abs=1e-12)
+    assert arc(*twice, v, omega, -t1 - t2) == pytest.approx(tuple(pose), abs=1e-12)
 
 
 def test_chords_follow_the_arc_for_100_s():
@@ -75,26 +75,26 @@ def test_chords_follow_the_arc_for_100_s():
     for _ in range(2000):
         vx, vy = chord_velocity(pose[2], v, omega, dt)
         pose += [vx * dt, vy * dt, omega * dt]
-    assert tuple(pose) == pytest.approx(arc(np.array([0.0, 0.0, 0.2]), v, omega, 100.0), abs=1e-11)
+    assert tuple(pose) == pytest.approx(arc(0.0, 0.0, 0.2, v, omega, 100.0), abs=1e-11)
 
 
 def test_array_forms_equal_single_ones():
     rng = np.random.default_rng(1)
     pose, command = rng.uniform(-3, 3, (7, 3)), rng.uniform(-1, 1, (7, 2))
     out = np.empty((7, 3))
-    chord_velocities(pose, command, 0.1, out)
+    chord_velocities(pose, command, 7, 0.1, out)
     after = arcs(pose, command, 0.7)
     for i in range(7):
         v, omega = command[i]
         assert tuple(out[i]) == (*chord_velocity(pose[i, 2], v, omega, 0.1), omega)
-        assert tuple(after[i]) == arc(pose[i], v, omega, 0.7)
+        assert tuple(after[i]) == arc(*pose[i], v, omega, 0.7)
 
 
 @examples(25, deep=100)
 @given(SPEEDS, st.floats(-2.0, 2.0), ANGLES, st.floats(0.0, 10.0))
 def test_course_is_the_arc(v, omega, heading, t):
     pose = np.array([1.0, 2.0, heading])
-    x, y, c, s, vx, vy = along_course(arc_course(pose, v, omega, 1.0), t)
-    px, py, end = arc(pose, v, omega, t)
+    x, y, c, s, vx, vy = along_course(arc_course(*pose, v, omega, 1.0), t)
+    px, py, end = arc(*pose, v, omega, t)
     expected = (px, py, math.cos(end), math.sin(end), v * math.cos(end), v * math.sin(end))
     assert (x, y, c, s, vx, vy) == pytest.approx(expected, abs=1e-13)

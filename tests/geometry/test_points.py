@@ -37,7 +37,9 @@ def test_distance_of_a_point_from_a_convex_part(seed: int) -> None:
 def test_a_pair_is_described_midway_between_its_nearest_points() -> None:
     shapes = pack_parts([[BOX], [BOX]])
     pose = np.array([(0.0, 0.0, 0.0), (1.4, 2.0, math.pi / 2)])
-    x, y, nx, ny, gap = describe_pairs(shapes, pose, np.array([[0, 1]]))[0]
+    found = np.empty(5)
+    describe_pairs(shapes, pose, np.array([[0, 1]]), 1, found.reshape(1, 5))
+    x, y, nx, ny, gap = found
     corners = np.array([(0.5, 0.3), (1.1, 1.5)])  # of either box
     assert (x, y) == pytest.approx(tuple(corners.mean(axis=0)))
     assert (nx, ny) == pytest.approx(tuple((corners[1] - corners[0]) / gap))
@@ -49,8 +51,8 @@ def test_a_bar_that_turns_in_place_meets_the_corner_of_a_box() -> None:
     bar = [(-1.0, -0.1), (1.0, -0.1), (1.0, 0.1), (-1.0, 0.1)]
     box = [(-0.1, -0.1), (0.1, -0.1), (0.1, 0.1), (-0.1, 0.1)]
     shapes = pack_parts([[bar], [box]])
-    here, there = np.zeros(3), np.array([0.0, 1.0, 0.0])
-    other = shapes, 1, there, (0.0, 0.0)
-    time = collision_time_pair(shapes, 0, here, (0.0, 1.0), *other, 5.0)
+    turning = shapes, 0, np.zeros(3), np.array([0.0, 1.0])
+    other = shapes, 1, np.array([0.0, 1.0, 0.0]), np.zeros(2)
+    time = collision_time_pair(*turning, *other, 5.0)
     touch = math.atan2(0.9, 0.1) - math.asin(0.1 / math.hypot(0.9, 0.1))
     assert time == pytest.approx(touch, abs=1e-4)

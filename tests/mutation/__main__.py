@@ -25,13 +25,13 @@ from pathlib import Path
 from typing import Any
 
 from tests.helpers import inside
-from tests.mutation.children import first_red, first_red_with, forked, uncompiled, watched
+from tests.mutation.children import first_red, first_red_with, forked, plain_kernels, watched
 from tests.mutation.mutants import Mutant, drawn, mutants_of
 from tests.mutation.rooms import EQUIVALENT, ROOMS, ROOT, sources_of, tests_of
 
 CACHE = Path(os.environ.get("XDG_CACHE_HOME", Path.home() / ".cache"), "physim-mutation")
 """What is known of the tests of these very sources"""
-SLACK, COMPILING = 5.0, 900.0
+SLACK = 5.0
 """s of CPU that a test may take beyond ten times what it took unmutated"""
 
 
@@ -41,7 +41,6 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("--room", choices=ROOMS, required=True)
     parser.add_argument("--sample", type=int, default=40, help="how many mutants (%(default)s)")
     parser.add_argument("--seed", type=int, default=1, help="draws them (%(default)s)")
-    parser.add_argument("--compiled", action="store_true", help="a dozen of kernels, compiled")
     parser.add_argument("--list", action="store_true", help="only name the mutants")
     parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1)
     parser.add_argument("--slow", type=float, default=4.0, help="s of CPU that a test may take")
@@ -50,9 +49,7 @@ def main(arguments: list[str] | None = None) -> int:
     sources = sources_of(room)
     every = [one for file in sources for one in mutants_of(file, ROOT)]
     every = [one for one in every if (one.function, one.operator, one.change) not in EQUIVALENT]
-    if options.compiled:
-        every = [one for one in every if one.is_kernel]
-    sample = drawn(every, options.seed, min(options.sample, 12 if options.compiled else len(every)))
+    sample = drawn(every, options.seed, min(options.sample, len(every)))
     if options.list:
         print(*sample, sep="\n")
         return 0
@@ -61,15 +58,13 @@ def main(arguments: list[str] | None = None) -> int:
     log.write_bytes(b"")
     in_forks = functools.partial(forked, jobs=options.jobs, log=log)
     tests = Known(sources, tests_of(room), options.slow, in_forks)
-    survivors = judge(sample, tests, options.compiled, in_forks)
-    if not options.compiled:
-        survivors += judge_rules(options.room, tests, in_forks)
+    survivors = judge(sample, tests, in_forks) + judge_rules(options.room, tests, in_forks)
     print(f"{time.monotonic() - began:.0f} s; {log} tells the rest")
     return 1 if survivors else 0
 
 
 class Known:
-    """The tests of a room: how long they take uncompiled, and what they execute."""
+    """The tests of a room: how long they take, and what they execute."""
 
     def __init__(
         self, sources: list[str], files: list[str], slow: float, in_forks: Callable[..., Any]
@@ -109,7 +104,7 @@ class Known:
         first, last = mutant.lines
         return set().union(*(self._by_line[mutant.file, k] for k in range(first, last + 1)))
 
-    def in_order(self, tests: set[str], compiles: bool = False) -> dict[str, float]:
+    def in_order(self, tests: set[str]) -> dict[str, float]:
         """Tests, the quickest first, and s that each may take.
 
         After them come the others of their files: they may use what the first of them made and
@@ -122,20 +117,20 @@ class Known:
             return name not in tests, size, name.partition("::")[0]
 
         return {
-            name: 10.0 * self.seconds[name] + (COMPILING if compiles else SLACK)
+            name: 10.0 * self.seconds[name] + SLACK
             for name in sorted(self.seconds, key=order)
-            if name.partition("::")[0] in files and (compiles or name not in self.left_out)
+            if name.partition("::")[0] in files and name not in self.left_out
         }
 
 
-def judge(sample: list[Mutant], tests: Known, compiles: bool, in_forks: Callable[..., Any]) -> int:
+def judge(sample: list[Mutant], tests: Known, in_forks: Callable[..., Any]) -> int:
     """Run the tests of each mutant; returns how many survive."""
     reaching = {one: tests.reaching(one) for one in sample}
-    left_out = set() if compiles else set(tests.left_out)
+    left_out = set(tests.left_out)
 
     def run(mutant: Mutant) -> str:
-        limits = tests.in_order(reaching[mutant], compiles)
-        red = first_red_with(mutant.file, mutant.text(), limits, compiles)
+        limits = tests.in_order(reaching[mutant])
+        red = first_red_with(mutant.file, mutant.text(), limits)
         print(f"{mutant}: {red or 'SURVIVES'}")
         return red
 
@@ -164,7 +159,7 @@ def judge_rules(room: str, tests: Known, in_forks: Callable[..., Any]) -> int:
         return {name: breaks for place, name, breaks in every if place in names_of_room}
 
     def run(name: str) -> str:
-        uncompiled()
+        plain_kernels()
         rules()[name]()
         return first_red(tests.in_order(set(tests.seconds)))
 

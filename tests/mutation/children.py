@@ -7,7 +7,6 @@ import importlib
 import json
 import os
 import runpy
-import shutil
 import signal
 import sys
 import tempfile
@@ -19,7 +18,6 @@ from typing import Any, NoReturn, TypeVar
 
 import coverage
 import hypothesis
-import numba
 import pytest
 
 from tests.mutation.rooms import ROOT
@@ -93,10 +91,9 @@ def _child(task: T, run: Callable[[T], Any], answer: Path, log: Path) -> NoRetur
     os._exit(code)
 
 
-def uncompiled() -> None:
+def plain_kernels() -> None:
     """Let kernels be plain functions from now on."""
-    os.environ["NUMBA_DISABLE_JIT"] = "1"
-    numba.config.DISABLE_JIT = 1  # type: ignore[attr-defined]
+    os.environ["PHYSIM_KERNELS"] = "plain"
 
 
 def limit(seconds: float, action: Any) -> None:
@@ -126,11 +123,6 @@ class Tests:
         """Run files of tests; returns the exit code of pytest."""
         options += (f"--rootdir={ROOT}", "-q", "-p", "no:cacheprovider", "-p", "no:xdist")
         return pytest.main([*dict.fromkeys(files), "-o", "addopts=", *options], plugins=[self])
-
-    @pytest.hookimpl(tryfirst=True)
-    def pytest_configure(self, config: pytest.Config) -> None:
-        """Pass for a worker, for whom others have compiled: a fork needs no kernels, or mutants."""
-        config.workerinput = {}  # type: ignore[attr-defined]
 
     def pytest_sessionstart(self) -> None:
         """Let hypothesis not look for a simpler failure."""
@@ -174,7 +166,7 @@ class Tests:
 
 def watched(file: str, sources: list[str], slow: float) -> dict[str, Any]:
     """Run a file of tests: seconds of tests, why some did not pass, which executes what lines."""
-    uncompiled()
+    plain_kernels()
     tests, include = Tests(None, slow), [str(ROOT / one) for one in sources]
     tests.coverage = coverage.Coverage(data_file=None, include=include, config_file=False)
     with tests.coverage.collect():
@@ -193,19 +185,12 @@ def first_red(limits: dict[str, float]) -> str:
     return red[0] if red else "no test is left" if code else ""
 
 
-def first_red_with(file: str, text: str, limits: dict[str, float], compiles: bool) -> str:
+def first_red_with(file: str, text: str, limits: dict[str, float]) -> str:
     """`first_red` where a source file has another text."""
     swap = Path(__file__).parent / "swap"
     os.environ["PHYSIM_MUTATED_FILE"], os.environ["PHYSIM_MUTATED_TEXT"] = str(ROOT / file), text
     paths = [str(swap), *filter(None, [os.environ.get("PYTHONPATH")])]
     os.environ["PYTHONPATH"] = os.pathsep.join(paths)
     runpy.run_path(str(swap / "sitecustomize.py"))
-    if not compiles:
-        uncompiled()
-        return first_red(limits)
-    folder = tempfile.mkdtemp()
-    os.environ["NUMBA_CACHE_DIR"] = numba.config.CACHE_DIR = folder  # type: ignore[attr-defined]
-    try:
-        return first_red(limits)
-    finally:
-        shutil.rmtree(folder, ignore_errors=True)
+    plain_kernels()
+    return first_red(limits)

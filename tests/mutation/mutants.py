@@ -43,7 +43,6 @@ class Mutant(NamedTuple):
     """which of the changes by this operator in this function"""
     lines: tuple[int, int] | None
     """first and last of the lines that a test executes where it reaches the change; None: import"""
-    is_kernel: bool
     tree: ast.Module
     parent: ast.AST
     field: str
@@ -73,7 +72,7 @@ def mutants_of(file: str, root: Path) -> list[Mutant]:
     tree, count = ast.parse((root / file).read_text(encoding="utf-8")), Counter[tuple[str, str]]()
 
     def below(
-        parent: ast.AST, scope: str, function: ast.FunctionDef | None, kernel: bool, stmt: Any
+        parent: ast.AST, scope: str, function: ast.FunctionDef | None, stmt: Any
     ) -> Iterator[Mutant]:
         for field, value in ast.iter_fields(parent):
             for place, node in enumerate(value) if isinstance(value, list) else [(None, value)]:
@@ -86,18 +85,15 @@ def mutants_of(file: str, root: Path) -> list[Mutant]:
                     number = count[name, operator]
                     count[name, operator] += 1
                     yield Mutant(
-                        file, name, operator, number, lines, kernel,
-                        tree, parent, field, place, node, new,
+                        file, name, operator, number, lines, tree, parent, field, place, node, new,
                     )  # fmt: skip
                 if isinstance(node, ast.FunctionDef | ast.ClassDef):
-                    marks = " ".join(map(ast.unparse, node.decorator_list))
-                    is_kernel = kernel or "compiled" in marks or "callback" in marks
                     inner = node if isinstance(node, ast.FunctionDef) else function
-                    yield from below(node, f"{scope}.{node.name}".lstrip("."), inner, is_kernel, at)
+                    yield from below(node, f"{scope}.{node.name}".lstrip("."), inner, at)
                 else:
-                    yield from below(node, scope, function, kernel, at)
+                    yield from below(node, scope, function, at)
 
-    return list(below(tree, "", None, False, None))
+    return list(below(tree, "", None, None))
 
 
 def drawn(mutants: Iterable[Mutant], seed: int, count: int) -> list[Mutant]:

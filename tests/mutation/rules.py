@@ -4,7 +4,7 @@ Operators (another comparison, sign, bound or constant, a term or call left out)
 mutations; the rules here are broken in ways that no operator finds: another quantity, another
 formula, another order. Each is a function that patches physim in this process, until
 `undo` is called: `replaced` and what is built on it put an object in the place of another in every
-namespace of physim that holds it. Kernels must run uncompiled: compiled ones keep what they call.
+namespace of physim that holds it. Kernels must run plain: compiled ones keep what they call.
 
 `RULES` are all of them: (room whose tests must notice, name, function).
 """
@@ -90,7 +90,7 @@ def called(where: str, instead: Callable[..., Any], *, here: bool = False) -> No
 
             return instead(again, a)
 
-        new.py_func = new.whole = new  # type: ignore[attr-defined]  # what a kernel has
+        new.py_func = new  # type: ignore[attr-defined]  # what a kernel has
         return staticmethod(new) if isinstance(old, staticmethod) else new
 
     replaced(where, make, here=here)

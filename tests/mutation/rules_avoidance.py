@@ -141,19 +141,21 @@ def interval_goes_by_the_safe_command() -> None:
 @rule("controllers")
 def roomiest_point_replaces_every_target() -> None:
     """A target in the danger area goes to the roomiest point, though a safe one is near."""
-    found(SAFE_AREA + "nearest_safe_point", lambda value, a: (False, *value[1:]), here=True)
+    found(
+        SAFE_AREA + "nearest_safe_point", lambda value, a: value._replace(is_found=False), here=True
+    )
 
 
 @rule("controllers")
 def no_target_is_moved() -> None:
     """The danger area along the boundaries does not matter to the target."""
-    instead(SAFE_AREA + "safe_target", lambda a: a.target)
+    instead(SAFE_AREA + "safe_target", lambda a: a.target.at)
 
 
 @rule("controllers")
 def safe_point_from_the_robot() -> None:
     """The safe point is that next to the robot, not that next to the target."""
-    given(SAFE_AREA + "safe_target", target=lambda a: a.position)
+    given(SAFE_AREA + "safe_target", target=lambda a: a.target._replace(at=a.position))
 
 
 @rule("controllers")
@@ -171,7 +173,7 @@ def safe_points_behind_serve() -> None:
 @rule("controllers")
 def roomiest_point_is_the_target() -> None:
     """In a narrow place the target stays, wherever in the cross-section it is."""
-    instead(SAFE_AREA + "roomiest_point", lambda a: a.target)
+    instead(SAFE_AREA + "roomiest_point", lambda a: a.place.target)
 
 
 @rule("controllers")

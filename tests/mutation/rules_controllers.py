@@ -108,13 +108,13 @@ def energy_is_a_distance() -> None:
 @rule("controllers")
 def heading_decides_before_distance() -> None:
     """Ties of (12) and (13) go to the smaller heading error first, then to the distance."""
-    found(FOLLOWING + "judge", lambda value, a: (value[1], value[0], value[2]))
+    found(FOLLOWING + "judged", lambda value, a: type(value)(value.error, value.gap, value.turning))
 
 
 @rule("controllers")
 def plan_is_judged_by_its_first_pair() -> None:
     """(5) looks at a plan as if its first speed pair were held throughout."""
-    given(FOLLOWING + "plan_end", plan=lambda a: np.tile(a.plan[0], (len(a.plan), 1)))
+    given(FOLLOWING + "plan_end", plan=lambda a: np.tile(a.plan[0], (a.dwells, 1)))
 
 
 @rule("controllers")
@@ -123,9 +123,9 @@ def plan_moves_along_the_first_heading() -> None:
     instead(
         FOLLOWING + "arc",
         lambda a: (
-            a.pose[0] + a.v * a.t * math.cos(a.pose[2]),
-            a.pose[1] + a.v * a.t * math.sin(a.pose[2]),
-            a.pose[2] + a.omega * a.t,
+            a.x + a.v * a.t * math.cos(a.heading),
+            a.y + a.v * a.t * math.sin(a.heading),
+            a.heading + a.omega * a.t,
         ),
         here=True,
     )
@@ -170,16 +170,18 @@ def no_desired_distances() -> None:
 @rule("controllers")
 def formation_takes_the_mean() -> None:
     """(7) adds the gain times the mean over N_i, not times the sum."""
-    found(FORMATION + "formation_sum", lambda value, a: value / max(1, len(a.neighbours)))
+    found(FORMATION + "formation_sum", lambda value, a: value / max(1, a.many))
 
 
 @rule("controllers")
 def formation_looks_ahead_only() -> None:
     """N_i holds only who is ahead, so it is not symmetric, and (10) does not hold."""
-    given(
-        FORMATION + "formation_sum",
-        neighbours=lambda a: [j for j in a.neighbours if a.station[j] > a.station[a.me]],
-    )
+
+    def ahead(old: Any, a: Any) -> float:
+        those = [j for j in a.neighbours[: a.many] if a.station[j] > a.station[a.me]]
+        return float(old(neighbours=those, many=len(those)))
+
+    called(FORMATION + "formation_sum", ahead)
 
 
 @rule("controllers")

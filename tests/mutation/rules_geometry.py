@@ -21,9 +21,9 @@ def arc_is_its_tangent() -> None:
     instead(
         MOTION + "arc",
         lambda a: (
-            a.pose[0] + a.v * a.t * math.cos(a.pose[2]),
-            a.pose[1] + a.v * a.t * math.sin(a.pose[2]),
-            a.pose[2] + a.omega * a.t,
+            a.x + a.v * a.t * math.cos(a.heading),
+            a.y + a.v * a.t * math.sin(a.heading),
+            a.heading + a.omega * a.t,
         ),
     )
 
@@ -101,7 +101,7 @@ def clearance_to_the_nearest_middle() -> None:
 
     def nearest(old: Any, a: Any) -> Any:
         answer = old()
-        place = a.frame[:, :2]
+        place = a.frame[: a.discs.robots, :2]
         apart = np.hypot(*(place[:, None] - place).transpose(2, 0, 1))
         np.fill_diagonal(apart, np.inf)
         if len(place) > 1:
@@ -137,7 +137,8 @@ def headings_are_kept_in_11() -> None:
     """A collision time takes both bodies as not turning."""
     given(
         COLLISION + "collision_time_pair",
-        twist_i=lambda a: (a.twist_i[0], 0.0), twist_j=lambda a: (a.twist_j[0], 0.0),
+        twist_i=lambda a: np.array((a.twist_i[0], 0.0)),
+        twist_j=lambda a: np.array((a.twist_j[0], 0.0)),
     )  # fmt: skip
 
 

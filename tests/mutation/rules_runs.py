@@ -31,7 +31,7 @@ def holds_are_rounded_up() -> None:
 def limits_bind_speeds_forward_alone() -> None:
     """A robot may turn as fast as its controller likes."""
     half = np.array((1.0, 0.0))
-    given(CHECKS + "beyond", command=lambda a: a.command * half)
+    given(CHECKS + "command_fault", command=lambda a: a.command * half)
     given(CHECKS + "decision_fault", d=lambda a: a.d._replace(command=a.d.command * half))
 
 
@@ -54,10 +54,10 @@ def bounded(**rows: float) -> None:
     def others(a: Any) -> Any:
         bounds = a.bounds.copy()
         for name, value in rows.items():
-            bounds[names.index(name)] = value
+            bounds[:, names.index(name)] = value
         return bounds
 
-    given(ARRIVAL + "judge", bounds=others)
+    given(ARRIVAL + "judge_arrivals", bounds=others)
 
 
 @rule("simulation")
@@ -196,18 +196,19 @@ def width_is_twice_the_nearer_side() -> None:
 def predictions_go_straight() -> None:
     """The analysis foresees straight motion where the robots go on arcs (1)."""
 
-    def straight(a: Any) -> Any:
+    def straight(a: Any) -> int:
         some = slice(*a.batch.first_robot[a.k : a.k + 2])
         pose, command = a.batch.start[some].copy(), a.batch.command[some]
         pose[:, 0] += a.t * command[:, 0] * np.cos(pose[:, 2])
         pose[:, 1] += a.t * command[:, 0] * np.sin(pose[:, 2])
         pose[:, 2] += a.t * command[:, 1]
-        return pose
+        a.pose[: len(pose)] = pose
+        return len(pose)
 
-    instead(CRASH + "prediction:poses_at", straight)
+    instead(CRASH + "prediction:put_poses", straight)
 
 
 @rule("crashtest")
 def closing_is_that_of_reference_points() -> None:
     """How fast a gap closes goes by how robots move, not by how their nearest points do."""
-    given(CRASH + "prediction:point_speed", x=lambda a: a.pose[0], y=lambda a: a.pose[1])
+    given(CRASH + "prediction:closing_speed", x=lambda a: a.pose[0], y=lambda a: a.pose[1])

@@ -302,6 +302,14 @@ class Few(Together):
         return {"count": np.zeros(scene.robots + 1)}
 
 
+class Remembers(Together):
+    """It puts a row into its memory that it did not begin with."""
+
+    def decide_all(self, view: Any, due: Any, memory: Any) -> Decisions:
+        memory["waited"] = np.zeros(view.scene.robots)
+        return super().decide_all(view, due, memory)
+
+
 class NoMemories(Text):
     def start(self, scene: Any) -> Any:
         return {"r1": 0}
@@ -320,6 +328,7 @@ def a_function() -> None: ...
     [
         (Together(), Together.decide_all),
         (Few(), Few.start),
+        (Remembers(), Remembers.decide_all),
         (NoMemories(), NoMemories.start),
         (OldBatch(), OldBatch),
         (f"{__name__}:a_function", a_function),

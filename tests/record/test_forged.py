@@ -199,8 +199,7 @@ def test_a_command_says_so_in_one_line(made: Path, tmp_path: Path) -> None:
     bad = altered(made, tmp_path, put("/steps/pose", (70, 1, 0), NAN))
     done = said("validate", str(bad))
     assert done.code == 2
-    lines = [line for line in done.err.splitlines(True) if not line.startswith("compiling ")]
-    check_error("".join(lines), f"{bad}:", "/steps/pose", "row 70", "[1, 0]", "nan")
+    check_error(done.err, f"{bad}:", "/steps/pose", "row 70", "[1, 0]", "nan")
 
 
 @pytest.mark.parametrize("path", TABLE)
@@ -240,8 +239,7 @@ def test_what_is_no_record_is_refused(made: Path, tmp_path: Path) -> None:
         file["x"] = 1
     for path, words in [
         (tmp_path / "none.h5", "no such file"),
-        (tmp_path, "is no file"),
-        (made.parent, "record.h5"),
+        (tmp_path, "record.h5: no such file"),
         (tmp_path / "text.h5", "not an HDF5 file"),
         (tmp_path / "other.h5", "not a record of physim"),
     ]:

@@ -220,7 +220,8 @@ def test_stages_of_a_branch_may_be_objects() -> None:
     ("changes", "key"),
     [
         ({"seed": 4}, "seed"),
-        ({"physics": {"friction": 0.3}}, "physics.friction"),
+        ({"physics": {"friction": 0.3}}, "physics"),
+        ({"corridor": {"width": 6.0}}, "corridor"),
         ({"time": {"step": 0.02}}, "time.step"),
         ({"robots": WORLD.robots[:2]}, "robots.2"),
         (

@@ -251,6 +251,27 @@ def test_pictures_tell_controllers_and_modes_apart(mixed: Record) -> None:
     prose = {one["name"]: one["prose"] for one in told["rules"]}
     assert "deaf" in prose["path_following_3"]
     assert "deaf" not in prose["path_following"]
+    assert timeline.marks == ["·A", "·B", "·C", "·C"]
+    assert [one.words for one in timeline.drivers] == [
+        "A mode_switching: a",
+        "B constant: b",
+        "C path_following: g3, g4",
+    ]
+    given = [[mixed.modes[k].name for k in one.modes] for one in timeline.drivers]
+    paper = [mode.name for mode in physim.PAPER_MODES]
+    assert given == [paper, [], ["safe", "arrived"]]
+    ground, signs = inside("physim.drawing.video", "ground", "signs")
+    assert {"safe area of A", "danger area of A"} <= set(signs(timeline, ground(timeline)))
+    (axis,) = (figure := inside("physim.drawing.plots", "modes")(mixed)).axes
+    assert [one.get_text() for one in axis.get_yticklabels()] == ["a·A", "b·B", "g3·C", "g4·C"]
+    assert [one.xy[1] for one in axis.texts if one.get_gid() == "share"] == [0]
+    assert re.search(facts("out of danger", "A 100 %"), axis.get_title("right"))
+    legend = [text.get_text() for text in figure.legends[0].get_texts()]
+    first, *_, last = (legend.index(one.words) for one in timeline.drivers)
+    assert "safe" in legend[first:last]
+    assert "safe" in legend[last:]
+    text = inside("physim.analysis.validation", "report")(validate(mixed, rerun=False), False)
+    assert re.search(facts("path_following (speed 0.6) for g3, g4"), " ".join(text.split()))
 
 
 ACROSS = """

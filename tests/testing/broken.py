@@ -10,7 +10,6 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
-import numba
 import numpy as np
 from pydantic import BaseModel
 
@@ -18,7 +17,7 @@ from physim import Column, Decision, Decisions, Mode, Observation, Scene, View
 from tests.helpers import inside
 
 ModeSwitching = inside("physim.controllers", "ModeSwitching")
-IntArray = inside("physim.geometry", "IntArray")
+IntArray, chord_factor = inside("physim.geometry", "IntArray", "chord_factor")
 
 HOLD = 0.1
 """[s]"""
@@ -45,13 +44,8 @@ def half(speed: float) -> float:
     return 0.5 * speed
 
 
-@numba.njit
-def third(share: float) -> float:
-    return share / 3.0
-
-
 class WorksOutOnce:
-    """Keeps what never changes again: a table by robot, cached values, a compiled function."""
+    """Keeps what never changes again: a table by robot, cached values, a kernel."""
 
     def __init__(self) -> None:
         self.lengths: dict[int, float] = {}
@@ -64,7 +58,7 @@ class WorksOutOnce:
     def decide(self, observation: Observation, memory: Any) -> Decision:
         self.lengths.setdefault(observation.index, observation.path.length)
         self.log.debug("%s m, half of %s", self.lengths, half(observation.limits[0]))
-        return steady(observation, share=third(self.share))
+        return steady(observation, share=chord_factor(self.share))
 
 
 # raises
@@ -380,6 +374,15 @@ def all_behind_the_first(view: View, due: IntArray) -> Decisions:
         rows = view.rows(i)
         here = sensed.pose[view.own_row(i), :2]
         gap = np.hypot(*(sensed.pose[rows, :2] - here).T).max()
+        found.command[k, 0] /= 1.0 + gap
+    return found
+
+
+def mind_every_wall(view: View, due: IntArray) -> Decisions:
+    """The slower the farther the farthest corner of a wall is away."""
+    found, sensed = steadily(view, due), view.sensed
+    for k, i in enumerate(due.tolist()):
+        gap = np.hypot(*(view.scene.walls.vertices - sensed.pose[view.own_row(i), :2]).T).max()
         found.command[k, 0] /= 1.0 + gap
     return found
 

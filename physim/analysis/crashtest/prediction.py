@@ -11,12 +11,12 @@ from typing import NamedTuple
 import numpy as np
 
 from physim.analysis.crashtest.drafts import STEPS, Case
-from physim.compiled import compiled, is_cached
+from physim.compiled import compiled
 from physim.geometry.bodies import body_separation
 from physim.geometry.collision import collision_time_pair
 from physim.geometry.convex import Witness
-from physim.geometry.motion import arc
-from physim.geometry.shapes import FloatArray, IntArray, Shapes, pack_parts
+from physim.geometry.motion import move
+from physim.geometry.shapes import FloatArray, IntArray, Rows2, Rows3, Shapes, pack_parts
 from physim.geometry.swept import swept_time
 from physim.tolerances import CONTACT, ROUNDING
 
@@ -31,9 +31,9 @@ class Packed(NamedTuple):
     """of the N robots"""
     walls: Shapes
     """of all cases, world frame"""
-    start: FloatArray
+    start: Rows3
     """(N, 3)"""
-    command: FloatArray
+    command: Rows2
     """(N, 2)"""
     mass: FloatArray
     """(N,) [kg]"""
@@ -88,62 +88,60 @@ class Approach(NamedTuple):
 
 
 @compiled
-def poses_at(batch: Packed, k: int, t: float) -> FloatArray:
-    """Poses of the robots of case k on their arcs."""
+def put_poses(batch: Packed, k: int, t: float, pose: Rows3) -> int:
+    """Write the poses of the robots of case k on their arcs into ``pose``; how many they are."""
     first, last = batch.first_robot[k], batch.first_robot[k + 1]
-    pose = np.empty((last - first, 3))
     for i in range(first, last):
-        pose[i - first] = arc(batch.start[i], batch.command[i, 0], batch.command[i, 1], t)
-    return pose
+        move(batch.start[i], batch.command[i, 0], batch.command[i, 1], t, pose[i - first])
+    return int(last - first)
 
 
 @compiled
-def point_speed(
-    pose: FloatArray, command: FloatArray, x: float, y: float, nx: float, ny: float
+def closing_speed(
+    pose: FloatArray, command: FloatArray, x: float, y: float, found: Witness
 ) -> float:
-    """Speed [m/s] along (nx, ny) of the point (x, y) fixed to a robot."""
-    v = command[0]
-    omega = command[1]
+    """Speed [m/s] along a normal of the point (x, y) fixed to a robot."""
+    v, omega = command[0], command[1]
     vx = v * math.cos(pose[2]) - omega * (y - pose[1])
     vy = v * math.sin(pose[2]) + omega * (x - pose[0])
-    return float(vx * nx + vy * ny)
+    return float(vx * found.nx + vy * found.ny)
 
 
 @compiled
 def state_at(batch: Packed, k: int, t: float) -> tuple[float, float]:
     """Signed distance [m] of case k, and closing speed [m/s] of its closest points."""
     shapes, command, i = batch.shapes, batch.command, batch.first_robot[k]
-    pose = poses_at(batch, k, t)
-    if len(pose) == 1:
+    pose = np.empty((2, 3))
+    if put_poses(batch, k, t, pose) == 1:
         found = Witness(np.inf, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
         for w in range(batch.first_wall[k], batch.first_wall[k + 1]):
             other = body_separation(shapes, i, pose[0], batch.walls, w, np.zeros(3))
             if other.distance < found.distance:
                 found = other
-        d, nx, ny, ax, ay, _, _ = found
-        return d, point_speed(pose[0], command[i], ax, ay, nx, ny)
-    d, nx, ny, ax, ay, bx, by = body_separation(shapes, i, pose[0], shapes, i + 1, pose[1])
-    closing = point_speed(pose[0], command[i], ax, ay, nx, ny)
-    return d, closing - point_speed(pose[1], command[i + 1], bx, by, nx, ny)
+        return found.distance, closing_speed(pose[0], command[i], found.ax, found.ay, found)
+    found = body_separation(shapes, i, pose[0], shapes, i + 1, pose[1])
+    closing = closing_speed(pose[0], command[i], found.ax, found.ay, found)
+    closing -= closing_speed(pose[1], command[i + 1], found.bx, found.by, found)
+    return found.distance, closing
 
 
 @compiled
 def time_from(batch: Packed, k: int, since: float, horizon: float) -> float:
     """Collision time [s] of case k counted from ``since``, up to the horizon."""
     shapes, command, i = batch.shapes, batch.command, batch.first_robot[k]
-    pose = poses_at(batch, k, since)
-    twist = (command[i, 0], command[i, 1])
-    if len(pose) == 1:
-        xi, still, none = np.inf, np.zeros(3), (0.0, 0.0)
+    pose = np.empty((2, 3))
+    if put_poses(batch, k, since, pose) == 1:
+        xi, still = np.inf, np.zeros(3)
         for w in range(batch.first_wall[k], batch.first_wall[k + 1]):
             until = min(xi, horizon)
             time = collision_time_pair(
-                batch.walls, w, still, none, shapes, i, pose[0], twist, until
+                batch.walls, w, still, still, shapes, i, pose[0], command[i], until
             )
             xi = min(xi, time)
         return xi
-    other = (command[i + 1, 0], command[i + 1, 1])
-    return collision_time_pair(shapes, i, pose[0], twist, shapes, i + 1, pose[1], other, horizon)
+    return collision_time_pair(
+        shapes, i, pose[0], command[i], shapes, i + 1, pose[1], command[i + 1], horizon
+    )
 
 
 @compiled
@@ -164,9 +162,9 @@ def collision_time_of(batch: Packed, k: int, horizon: float) -> tuple[float, int
 def swept_step(batch: Packed, k: int, step: int) -> float:
     """Time of the first contact in a step [s after its first sample], inf when there is none."""
     shapes, i = batch.shapes, batch.first_robot[k]
-    a = poses_at(batch, k, step * batch.dt)
-    b = poses_at(batch, k, (step + 1) * batch.dt)
-    if len(a) == 1:
+    a, b = np.zeros((2, 3)), np.zeros((2, 3))
+    put_poses(batch, k, (step + 1) * batch.dt, b)
+    if put_poses(batch, k, step * batch.dt, a) == 1:
         t, still = np.inf, np.zeros(3)
         for w in range(batch.first_wall[k], batch.first_wall[k + 1]):
             t = min(t, swept_time(batch.walls, w, still, still, shapes, i, a[0], b[0], batch.dt))
@@ -174,28 +172,44 @@ def swept_step(batch: Packed, k: int, step: int) -> float:
     return swept_time(shapes, i, a[0], b[0], shapes, i + 1, a[1], b[1], batch.dt)
 
 
-@compiled
 def predict(batch: Packed) -> Prediction:
     """Collision time and distances of every case."""
     cases = len(batch.first_robot) - 1
-    time = np.empty(cases)
-    renewed = np.empty(cases, np.int64)
-    distance = np.empty((cases, STEPS + 1))
-    for k in range(cases):
-        time[k], renewed[k] = collision_time_of(batch, k, STEPS * batch.dt)
-        for n in range(STEPS + 1):
-            distance[k, n] = state_at(batch, k, n * batch.dt)[0]
-    return Prediction(time, renewed, distance)
+    found = Prediction(np.empty(cases), np.empty(cases, np.int64), np.empty((cases, STEPS + 1)))
+    put_prediction(batch, cases, *found[:2], found.distance.reshape(-1))
+    return found
 
 
 @compiled
+def put_prediction(
+    batch: Packed, cases: int, time: FloatArray, renewed: IntArray, distance: FloatArray
+) -> None:
+    """Write the arrays of a `Prediction`."""
+    for k in range(cases):
+        time[k], renewed[k] = collision_time_of(batch, k, STEPS * batch.dt)
+        for n in range(STEPS + 1):
+            distance[(STEPS + 1) * k + n] = state_at(batch, k, n * batch.dt)[0]
+
+
 def approach(batch: Packed, time: FloatArray) -> Approach:
     """How every case stands at its time [s] (M,); nothing where that is inf."""
     cases = len(time)
-    gap = np.full(cases, np.nan)
-    closing = np.full(cases, np.nan)
-    swept = np.full(cases, np.inf)
-    swept_gap = np.full(cases, np.nan)
+    found = Approach(*(np.full(cases, value) for value in (np.nan, np.nan, np.inf, np.nan)))
+    put_approach(batch, cases, time, *found)
+    return found
+
+
+@compiled
+def put_approach(
+    batch: Packed,
+    cases: int,
+    time: FloatArray,
+    gap: FloatArray,
+    closing: FloatArray,
+    swept: FloatArray,
+    swept_gap: FloatArray,
+) -> None:
+    """Write the arrays of an `Approach`, where there is something to write."""
     for k in range(cases):
         if not time[k] < np.inf:
             continue
@@ -208,9 +222,3 @@ def approach(batch: Packed, time: FloatArray) -> Approach:
                 swept_gap[k], later = state_at(batch, k, swept[k])
                 closing[k] = min(speed, later)
                 break
-    return Approach(gap, closing, swept, swept_gap)
-
-
-def is_warm() -> bool:
-    """Whether the kernels of a crash test lie compiled on disk; `approach` comes last."""
-    return is_cached(approach)

@@ -9,7 +9,6 @@ the step, so a leap in a forged record makes dear the steps it is in, and no oth
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import partial
@@ -20,7 +19,16 @@ from numpy.typing import NDArray
 from physim.compiled import compiled
 from physim.errors import RecordError
 from physim.geometry.bodies import body_distance, point_gap
-from physim.geometry.shapes import FloatArray, IntArray, Part, Shapes, read_only
+from physim.geometry.shapes import (
+    FloatArray,
+    IntArray,
+    IntRows3,
+    Part,
+    Rows2,
+    Rows3,
+    Shapes,
+    read_only,
+)
 from physim.geometry.swept import swept_time
 from physim.record import Record
 from physim.tolerances import CONTACT
@@ -32,7 +40,7 @@ FULL = -1
 @compiled
 def travel_bound(start: FloatArray, end: FloatArray, radius: float) -> float:
     """Upper bound [m] on how far any point of a body moves in one step."""
-    travel = math.hypot(end[0] - start[0], end[1] - start[1])
+    travel = np.hypot(end[0] - start[0], end[1] - start[1])
     return float(travel + radius * abs(end[2] - start[2]))
 
 
@@ -50,32 +58,36 @@ def touch_in_step(before: float, now: float, moved: float) -> bool:
 
 @compiled
 def scan_robots(
-    poses: FloatArray,
+    poses: Rows3,
+    samples: int,
+    robots: int,
     first: int,
     shapes: Shapes,
     reach: float,
     dt: float,
-    who: IntArray,
-    values: FloatArray,
+    room: int,
+    who: IntRows3,
+    values: Rows2,
 ) -> int:
     """Write a row for each pair of robots nearer than ``reach`` [m]; returns how many, or FULL.
 
     A pair that is farther apart has a row if it touches in the step that ends there.
-    ``poses`` (B, N, 3), samples from ``first`` (0 or 1) on are looked at. ``who`` (C, 3) takes the
-    sample's number in the block and robots a < b, ``values`` (C, 2) the signed distance [m] and
-    the time since the sample before [s] at which a contact begins (NaN: none begins).
+    ``poses`` (B N, 3) are those of N ``robots`` at B ``samples``, which are looked at from
+    ``first`` (0 or 1) on. ``who`` (C, 3), C being the ``room``, takes the sample's number in the
+    block and robots a < b, ``values`` (C, 2) the signed distance [m] and the time since the sample
+    before [s] at which a contact begins (NaN: none begins).
     """
     count = 0
-    robots = poses.shape[1]
     order = np.arange(robots)
     travel = np.zeros(robots)
-    largest = shapes.radius[:robots].max()
-    for k in range(first, len(poses)):
-        now = poses[k]
-        old = poses[max(0, k - 1)]
+    largest = 0.0
+    for i in range(robots):
+        largest = max(largest, shapes.radius[i])
+    for k in range(first, samples):
+        now, old, farthest = poses[robots * k :], poses[robots * max(0, k - 1) :], 0.0
         for i in range(robots):
             travel[i] = travel_bound(old[i], now[i], shapes.radius[i])
-        farthest = travel.max()
+            farthest = max(farthest, travel[i])
         for m in range(1, robots):
             i = order[m]
             place = m
@@ -90,9 +102,9 @@ def scan_robots(
                 if dx > max(reach, travel[order[m]] + farthest) + shapes.radius[order[m]] + largest:
                     break
                 moved = travel[a] + travel[b]
-                room = max(reach, moved) + shapes.radius[a] + shapes.radius[b]
+                far = max(reach, moved) + shapes.radius[a] + shapes.radius[b]
                 dy = now[b, 1] - now[a, 1]
-                if dx * dx + dy * dy > room * room:
+                if dx * dx + dy * dy > far * far:
                     continue
                 d = body_distance(shapes, a, now[a], shapes, b, now[b])
                 entry = np.nan
@@ -102,7 +114,7 @@ def scan_robots(
                         entry = swept_time(shapes, a, old[a], now[a], shapes, b, old[b], now[b], dt)
                 if d > reach and not np.isfinite(entry):
                     continue
-                if count == len(who):
+                if count == room:
                     return FULL
                 who[count, 0], who[count, 1], who[count, 2] = k, a, b
                 values[count, 0], values[count, 1] = d, entry
@@ -111,54 +123,54 @@ def scan_robots(
 
 
 @compiled
-def stretch_of_wall(walls: Shapes, w: int, x: float, y: float, reach: float) -> tuple[bool, Shapes]:
-    """Wall w as a body of its own, without what lies at its ends beyond ``reach`` [m] of a place.
-
-    Whether anything of it is left comes first.
-    """
-    start, low, high = walls.part_start, walls.body_start[w + 1], walls.body_start[w]
-    for p in range(walls.body_start[w], walls.body_start[w + 1]):
-        if point_gap(Part(walls.vertices, start[p], start[p + 1]), x, y) <= reach:
-            low, high = min(low, p), p + 1
-    some = Shapes(walls.vertices, start, np.array([low, high]), walls.radius[w : w + 1])
-    return low < high, some
-
-
-@compiled
 def scan_walls(
-    poses: FloatArray,
+    poses: Rows3,
+    samples: int,
+    robots: int,
     first: int,
     shapes: Shapes,
     walls: Shapes,
+    boundaries: int,
     reach: float,
     dt: float,
-    who: IntArray,
-    values: FloatArray,
+    room: int,
+    who: IntRows3,
+    values: Rows2,
 ) -> int:
-    """`scan_robots` for each robot and each boundary or obstacle, whose id is N + its index."""
+    """`scan_robots` for each robot and each boundary or obstacle, whose id is N + its index.
+
+    Of a wall the parts at its ends are left out that are farther from all poses than they reach.
+    """
     count = 0
-    robots = poses.shape[1]
-    still = np.zeros(3)
+    still, ends = np.zeros(3), np.zeros(2, np.int64)
     for i in range(robots):
-        radius = shapes.radius[i]
-        low_x, high_x = poses[:, i, 0].min(), poses[:, i, 0].max()
-        low_y, high_y = poses[:, i, 1].min(), poses[:, i, 1].max()
+        radius, low_x, low_y, high_x, high_y = shapes.radius[i], np.inf, np.inf, -np.inf, -np.inf
+        for k in range(samples):
+            px, py = poses[robots * k + i, 0], poses[robots * k + i, 1]
+            low_x, low_y = min(low_x, px), min(low_y, py)
+            high_x, high_y = max(high_x, px), max(high_y, py)
         x, y = 0.5 * (low_x + high_x), 0.5 * (low_y + high_y)
-        near = math.hypot(high_x - x, high_y - y) + radius + reach + 1e-6
-        for w in range(len(walls.body_start) - 1):
-            is_near, wall = stretch_of_wall(walls, w, x, y, near)
-            if not is_near:
+        near = np.hypot(high_x - x, high_y - y) + radius + reach + 1e-6
+        for w in range(boundaries):
+            ends[0], ends[1] = walls.body_start[w + 1], walls.body_start[w]
+            for p in range(walls.body_start[w], walls.body_start[w + 1]):
+                part = Part(walls.vertices, walls.part_start[p], walls.part_start[p + 1])
+                if point_gap(part, x, y) <= near:
+                    ends[0], ends[1] = min(ends[0], p), p + 1
+            if ends[0] >= ends[1]:
                 continue
+            wall = Shapes(walls.vertices, walls.part_start, ends, walls.radius[w:])
             spare = 0.0  # the wall is farther than `reach` by that: no contact before it is used up
-            for k in range(first, len(poses)):
+            for k in range(first, samples):
+                end = poses[robots * k + i]
+                start = poses[robots * max(0, k - 1) + i]
                 if spare > 0.0:
-                    spare -= travel_bound(poses[k - 1, i], poses[k, i], radius)
+                    spare -= travel_bound(start, end, radius)
                     if spare > 0.0:
                         continue
-                d = body_distance(wall, 0, still, shapes, i, poses[k, i])
+                d = body_distance(wall, 0, still, shapes, i, end)
                 entry = np.nan
                 if k > 0:
-                    start, end = poses[k - 1, i], poses[k, i]
                     moved = travel_bound(start, end, radius)
                     if d <= CONTACT or d <= moved:
                         before = body_distance(wall, 0, still, shapes, i, start)
@@ -168,7 +180,7 @@ def scan_walls(
                     spare = d - reach - CONTACT
                     if not np.isfinite(entry):
                         continue
-                if count == len(who):
+                if count == room:
                     return FULL
                 who[count, 0], who[count, 1], who[count, 2] = k, i, robots + w
                 values[count, 0], values[count, 1] = d, entry
@@ -280,13 +292,13 @@ class Room:
         self.rows = 1024
 
     def filled(
-        self, scan: Callable[[IntArray, FloatArray], int], columns: int
+        self, scan: Callable[[int, IntArray, FloatArray], int], columns: int
     ) -> tuple[IntArray, FloatArray]:
-        """Output of a scan, (C, 3) and (C, ``columns``), with as much room as it needs."""
+        """Output of a scan with as much room as it needs: (C, 3), and (C, ``columns``) or (C,)."""
         while True:
             who = np.empty((self.rows, 3), dtype=np.int64)
-            values = np.empty((self.rows, columns))
-            count = scan(who, values)
+            values = np.empty((self.rows, columns) if columns > 1 else self.rows)
+            count = scan(self.rows, who, values)
             if count != FULL:
                 return who[:count], values[:count]
             self.rows *= 4
@@ -306,9 +318,12 @@ def near_rows(
     The other blocks begin with a sample that has been looked at already.
     """
     first = 0 if start == 0 else 1
+    (samples, robots), flat = poses.shape[:2], poses.reshape(-1, 3)
     scans = (
-        partial(scan_robots, poses, first, shapes, reach, dt),
-        partial(scan_walls, poses, first, shapes, walls, reach, dt),
+        partial(scan_robots, flat, samples, robots, first, shapes, reach, dt),
+        partial(
+            scan_walls, flat, samples, robots, first, shapes, walls, len(walls.radius), reach, dt
+        ),
     )
     found = [room.filled(scan, 2) for scan in scans]
     rows = np.zeros(sum(len(who) for who, _ in found), NEAR)

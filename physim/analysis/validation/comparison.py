@@ -218,7 +218,8 @@ def _exact(record: Record, rows: Rows) -> dict[str, FloatArray]:
         edges = np.flatnonzero(np.diff(step[first:last], prepend=-1)) + first
         for low, high in zip(edges, [*edges[1:], last], strict=True):
             pose[: record.robots] = poses[step[low] - start]
-            found[low:high] = describe_contacts(shapes, faces, pose, pairs[low:high])
+            some = found[low:high]
+            describe_contacts(shapes, faces, record.robots, pose, pairs[low:high], high - low, some)
     return dict(zip(("x", "y", "nx", "ny", "depth"), (*found.T[:4], -found[:, 4]), strict=True))
 
 

@@ -11,7 +11,6 @@ from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
-from numpy.typing import NDArray
 
 from physim.analysis.metrics import Figures, Moment
 from physim.analysis.metrics.distances import near_wall
@@ -26,7 +25,7 @@ from physim.analysis.validation.decisions import DecisionTable
 from physim.analysis.validation.responsibility import has_priority
 from physim.compiled import compiled
 from physim.geometry.collision import collision_time_pair
-from physim.geometry.shapes import FloatArray, IntArray, Shapes, read_only
+from physim.geometry.shapes import FloatArray, IntArray, IntRows3, Rows2, Rows3, Shapes, read_only
 from physim.record import Record
 
 MOST_LISTED = 10
@@ -102,48 +101,50 @@ def _near_miss(table: DecisionTable, step: int, a: int, b: int, value: float) ->
 
 @compiled
 def decision_times(
-    rows: NDArray[np.void],
-    poses: FloatArray,
+    step: IntArray,
+    robot: IntArray,
+    decisions: int,
+    poses: Rows3,
+    robots: int,
     start: int,
-    command: FloatArray,
+    command: Rows2,
     shapes: Shapes,
     walls: Shapes,
+    boundaries: int,
     horizon: float,
-    who: IntArray,
+    room: int,
+    who: IntRows3,
     values: FloatArray,
 ) -> int:
-    """Write step, bodies a < b (C, 3) and collision time [s] (C, 1) of every pair that meets.
+    """Write step, bodies a < b (C, 3) and collision time [s] (C,) of every pair that meets.
 
-    ``rows`` are those of `DECIDED` in the order of steps, ``poses`` (B, N, 3) those from step
-    ``start`` on, ``command`` (B, N, 2) what drives the robots from there on. Returns how many, or
-    FULL.
+    Decisions are of a ``robot`` at a ``step`` each, in the order of steps; ``poses`` (B N, 3) are
+    those of N ``robots`` from step ``start`` on, ``command`` (B N, 2) what drives them from there
+    on. Returns how many, or FULL.
     """
-    robots = poses.shape[1]
     still = np.zeros(3)
     count = 0
-    for k in range(len(rows)):
-        at, i = rows[k]["step"] - start, rows[k]["robot"]
-        pose, held = poses[at], command[at]
-        mine = (held[i, 0], held[i, 1])
-        for j in range(robots + len(walls.body_start) - 1):
+    for k in range(decisions):
+        at, i = robots * (step[k] - start), robot[k]
+        pose, held = poses[at:], command[at:]
+        for j in range(robots + boundaries):
             if j == i:
                 continue
             if j < robots:
-                theirs = (held[j, 0], held[j, 1])
                 xi = collision_time_pair(
-                    shapes, i, pose[i], mine, shapes, j, pose[j], theirs, horizon
+                    shapes, i, pose[i], held[i], shapes, j, pose[j], held[j], horizon
                 )
             else:
                 xi = collision_time_pair(
-                    walls, j - robots, still, (0.0, 0.0), shapes, i, pose[i], mine, horizon
+                    walls, j - robots, still, still, shapes, i, pose[i], held[i], horizon
                 )
             if xi <= horizon:
-                if count == len(who):
+                if count == room:
                     return FULL
-                who[count, 0] = rows[k]["step"]
+                who[count, 0] = step[k]
                 who[count, 1] = min(i, j)
                 who[count, 2] = max(i, j)
-                values[count, 0] = xi
+                values[count] = xi
                 count += 1
     return count
 
@@ -153,15 +154,17 @@ def _times(record: Record) -> tuple[IntArray, FloatArray]:
     decided = np.zeros(len(record.updates), dtype=DECIDED)
     for name in DECIDED.names or ():
         decided[name] = record.updates[name]
-    found, room = [(np.zeros((0, 3), dtype=np.int64), np.zeros((0, 1)))], Room()
+    found, room = [(np.zeros((0, 3), dtype=np.int64), np.zeros(0))], Room()
     for poses, start in pose_blocks(record):
         end = start + len(poses) - 1
         rows = decided[slice(*np.searchsorted(decided["step"], [start, end]))]
         command = read_only(record.commands_over("applied", start, end))
+        step, robot = (rows[name].astype(np.int64) for name in ("step", "robot"))
         scan = partial(
-            decision_times, rows, poses, start, command, record.shapes, record.walls, LOOK
-        )
+            decision_times, step, robot, len(rows), poses.reshape(-1, 3), record.robots, start,
+            command.reshape(-1, 2), record.shapes, record.walls, len(record.walls.radius), LOOK,
+        )  # fmt: skip
         found.append(room.filled(scan, 1))
     who, values = (np.concatenate(some) for some in zip(*found, strict=True))
-    least = least_of_pairs(who[:, 1], who[:, 2], values[:, 0])
-    return who[least], values[least, 0]
+    least = least_of_pairs(who[:, 1], who[:, 2], values)
+    return who[least], values[least]

@@ -87,12 +87,11 @@ def pair_time(
     twist_b: tuple[float, float],
 ) -> float:
     """Collision time (11) [s] of bodies a < b at ``pose`` (N, 3) under constant commands."""
-    shapes = record.shapes
+    shapes, mine, theirs = record.shapes, np.array(twist_a), np.array(twist_b)
     if b < record.robots:
-        one = shapes, b, pose[b], twist_b
-        return float(collision_time_pair(shapes, a, pose[a], twist_a, *one, HORIZON))
-    wall = record.walls, b - record.robots, np.zeros(3), (0.0, 0.0)
-    return float(collision_time_pair(*wall, shapes, a, pose[a], twist_a, HORIZON))
+        return collision_time_pair(shapes, a, pose[a], mine, shapes, b, pose[b], theirs, HORIZON)
+    still, wall = np.zeros(3), b - record.robots
+    return collision_time_pair(record.walls, wall, still, still, shapes, a, pose[a], mine, HORIZON)
 
 
 class Predictor:
@@ -115,7 +114,8 @@ class Predictor:
             later = k * HORIZON
             pose = start.copy()
             for i in (i for i in held if k and i < self.record.robots):
-                pose[i] = arc(tuple(start[i]), *held[i], later)
+                (x, y, heading), (v, omega) = start[i], held[i]
+                pose[i] = arc(x, y, heading, v, omega, later)
             found = pair_time(self.record, a, b, pose, held[a], held[b])
             if math.isfinite(found):
                 return later + found
@@ -156,7 +156,8 @@ class Predictor:
     def _as_commanded(self, robot: int, start: int, end: int) -> bool:
         v, omega = self.table.held(robot, start)
         before, now = (self.record.pose_at(step)[robot] for step in (start, end))
-        goal = arc(tuple(before), v, omega, (end - start) * self.record.dt)
+        x, y, heading = before
+        goal = arc(x, y, heading, v, omega, (end - start) * self.record.dt)
         return bool(np.abs(np.array(goal) - now).max() <= AS_COMMANDED)
 
     def _is_near(self, a: int, b: int, step: int, predicted: float, gap: float) -> bool:

@@ -70,6 +70,7 @@ def _head(validation: Validation, full: bool) -> list[str]:
     (kind, controller), *stages = run.setup.lines()
     if kind in dict(run.given) and len(run.setup.controllers) == 1:  # else the module tells
         controller += ", given from Python"
+    begun = f"begun at {run.begun:.2f} s, " if run.begun else ""
     lines = [
         "COLLISION SAFETY REPORT",
         f"  run         {run.name}, seed {run.seed}: {plural(run.robots, 'robot')}, {walls}",
@@ -79,8 +80,8 @@ def _head(validation: Validation, full: bool) -> list[str]:
             for label, text in ((kind, controller), *stages)
             for line in wrapped(f"{label:<11} {text}", "  ", 14 * " ")
         ),
-        f"  time        {run.seconds:.2f} s of at most {run.planned:g} s, step {run.dt:g} s; "
-        f"{ENDS.get(run.ended, run.ended)}",
+        f"  time        {begun}{run.seconds:.2f} s of at most {run.planned:g} s, step "
+        f"{run.dt:g} s; {ENDS.get(run.ended, run.ended)}",
     ]
     made = run.setup.made_with
     return [*lines, f"  made by     {made}"] if made and full else lines

@@ -67,10 +67,12 @@ class Run:
     dt: float
     """[s]"""
     samples: int
+    begun: float
+    """[s] time of its first sample"""
     seconds: float
-    """[s] simulated"""
+    """[s] simulated from there"""
     planned: float
-    """[s]"""
+    """[s] from there"""
     ended: str
     versions: dict[str, str]
     given: tuple[tuple[str, str], ...]
@@ -287,8 +289,9 @@ def _run(record: Record, whole: Record, source: str) -> Run:
         controller = record.setup.controller_names
     return Run(
         record.name, source, record.seed, controller, record.bodies, record.robots, record.dt,
-        whole.samples, whole.steps_run * record.dt, record.steps_planned * record.dt, record.ended,
-        record.versions, record.given, record.setup,
+        whole.samples, record.begun, whole.steps_made * record.dt,
+        (record.steps_planned - record.begun_at) * record.dt, record.ended, record.versions,
+        record.given, record.setup,
     )  # fmt: skip
 
 

@@ -24,7 +24,7 @@ import numpy as np
 
 from physim.compiled import compiled
 from physim.geometry.bodies import body_distance
-from physim.geometry.shapes import FloatArray, IntArray, Shapes
+from physim.geometry.shapes import FloatArray, IntArray, Rows3, Shapes
 from physim.tolerances import SETTLED_DEPTH
 
 NARROWINGS = 60
@@ -40,42 +40,48 @@ class Moves(NamedTuple):
 
     shapes: Shapes
     """of robots and walls"""
-    end: FloatArray
+    end: Rows3
     """(B, 3) poses of all bodies at the end of the whole step, robots first"""
-    way: FloatArray
+    way: Rows3
     """(N, 3) how the robots come there from the sample before, easing included"""
     share: FloatArray
     """(N,) of which each goes so much: 1, or up to where it stops"""
+    robots: int
+    bodies: int
 
 
 @compiled
-def cut_short(key: IntArray, moves: Moves, deepest: float) -> None:
-    """Stop robots of the pairs ``key`` (K,) that come deeper than ``deepest`` [m].
+def cut_short(key: IntArray, pairs: int, moves: Moves, deepest: float) -> None:
+    """Stop robots of so many ``pairs``, known by ``key``, that come deeper than ``deepest`` [m].
 
     Writes their ``share``: up to where they touch others at the depth at which contacts settle, or
     no deeper than before. A pair that does not come deeper is let go. Robots stop one pair after
     the other, the earliest first, so that each of them is met by what moves on where it then
     stands; two that others stop while they pass each other, too deep, stop where they meet.
     """
-    share, bodies, robots = moves.share, len(moves.end), len(moves.way)
-    stops = np.zeros(bodies, np.int64)
-    stops[robots:] = 1
-    share[:] = 1.0
-    due = np.empty(len(key))  # when each pair stops; above 1: never
-    for k in range(len(key)):
+    share, bodies, robots = moves.share, moves.bodies, moves.robots
+    stops = np.full(bodies, 1, np.int64)
+    for i in range(robots):
+        stops[i], share[i] = 0, 1.0
+    due = np.empty(pairs)  # when each pair stops; above 1: never
+    for k in range(pairs):
         due[k] = stop_time(key[k], 0.0, moves, deepest, stops)
     now = 0.0
-    while len(key):
-        first = np.argmin(due)
+    while pairs > 0:
+        first = 0
+        for k in range(pairs):
+            if due[k] < due[first]:
+                first = k
         if due[first] > 1.0:
             return
         now = max(now, due[first])
         a, b = key[first] // bodies, key[first] % bodies
-        for i in (a, b):
+        for end in range(2):
+            i = b if end else a
             if i < robots:
                 share[i] = 0.0 if stops[i] >= MOST_STOPS else min(share[i], due[first])
                 stops[i] += 1
-        for k in range(len(key)):
+        for k in range(pairs):
             c, d = key[k] // bodies, key[k] % bodies
             if c == a or d == a or (b < robots and (c == b or d == b)):
                 due[k] = stop_time(key[k], now, moves, deepest, stops)
@@ -84,7 +90,7 @@ def cut_short(key: IntArray, moves: Moves, deepest: float) -> None:
 @compiled
 def stop_time(key: int, now: float, moves: Moves, deepest: float, stops: IntArray) -> float:
     """Share of the step, from ``now`` on, at which a pair stops; 2 where it goes on to the end."""
-    a, b = key // len(moves.end), key % len(moves.end)
+    a, b = key // moves.bodies, key % moves.bodies
     after = depth(a, b, 1.0, moves)
     if after <= deepest:
         return 2.0
@@ -118,8 +124,9 @@ def stop_time(key: int, now: float, moves: Moves, deepest: float, stops: IntArra
 def depth(a: int, b: int, time: float, moves: Moves) -> float:
     """Depth [m] of a pair after a share ``time`` of the step, each no farther than it goes."""
     at = np.empty((2, 3))
-    for row, i in enumerate((a, b)):
-        left = 1.0 - min(time, moves.share[i]) if i < len(moves.way) else 0.0
+    for row in range(2):
+        i = b if row else a
+        left = 1.0 - min(time, moves.share[i]) if i < moves.robots else 0.0
         for k in range(3):
             at[row, k] = moves.end[i, k]
             if left > 0.0:

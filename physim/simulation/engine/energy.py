@@ -8,10 +8,9 @@ robot of 150 kg was given 1e76 m/s.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from physim.compiled import compiled
-from physim.geometry.shapes import FloatArray, IntArray
+from physim.geometry.shapes import Flags, IntArray, Rows3
 from physim.simulation.engine.pairs import Pairs
 
 OF_PUSHES, OF_IMPACTS = 1.01, 4.0
@@ -24,22 +23,24 @@ TINY = 1e-12
 @compiled
 def failures(
     pairs: Pairs,
-    inertia: FloatArray,
-    given: FloatArray,
-    found: FloatArray,
+    inertia: Rows3,
+    given: Rows3,
+    found: Rows3,
+    robots: int,
     bodies: int,
     gain: float,
-) -> NDArray[np.bool_]:
-    """(N,) the robots in contact to which the solver gave energy; (0,) where there are none.
+    failed: Flags,
+) -> bool:
+    """Write into ``failed`` (N,) to which robots in contact the solver gave energy; if to any.
 
     ``pairs`` of so many ``bodies`` touch, ``inertia`` (N, 3) is mass [kg] twice and moment
     [kg m^2], ``given`` and ``found`` (N, 3) velocities before and after. Robots that touch each
     other are one group, in which energy may go from one to another: to ``gain`` times what it had.
     Sets the impulse of their pairs to the momentum that the group had.
     """
-    robots = len(given)
     group = np.arange(robots)
-    for key in pairs.key:
+    for m in range(pairs.size):
+        key = pairs.key[m]
         a, b = key // bodies, key % bodies
         if b < robots:
             group[root(group, a)] = root(group, b)
@@ -47,21 +48,21 @@ def failures(
     for i in range(robots):
         of = root(group, i)
         for k in range(3):
-            before[of] += inertia[i, k] * (given[i, k] ** 2 + TINY)
-            after[of] += inertia[i, k] * found[i, k] ** 2
+            before[of] += inertia[i, k] * (given[i, k] * given[i, k] + TINY)
+            after[of] += inertia[i, k] * (found[i, k] * found[i, k])
         momentum[of] += inertia[i, 0] * np.hypot(given[i, 0], given[i, 1])
-    failed, has_failed = np.empty(robots, np.bool_), False
+    has_failed = False
     for i in range(robots):
         of = root(group, i)
         failed[i] = not after[of] <= gain * before[of]
-        has_failed |= failed[i]
+        has_failed = has_failed or failed[i]
     if not has_failed:
-        return failed[:0]
-    for m in range(len(pairs.key)):
+        return False
+    for m in range(pairs.size):
         a = pairs.key[m] // bodies
         if failed[a]:
             pairs.impulse[m] = momentum[root(group, a)]
-    return failed
+    return True
 
 
 @compiled

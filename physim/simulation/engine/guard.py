@@ -20,9 +20,17 @@ from numpy.typing import NDArray
 from pymunk._chipmunk_cffi import ffi, lib
 from pymunk.batch import ArbiterFields, BodyFields
 
-from physim.c_calls import array_at, call, pointer
-from physim.compiled import callback, compiled
+from physim.compiled import address_of, compiled
 from physim.geometry.shapes import FloatArray, IntArray, Shapes
+from physim.natives import (
+    call2,
+    call3,
+    doubles_at,
+    int_rows2_at,
+    integers_at,
+    put_short,
+    rows2_at,
+)
 from physim.simulation.engine.meeting import Spot, ruling
 from physim.simulation.engine.space import Hosted
 from physim.simulation.engine.verdict import APART, LEFT, Links, Meeting, segment_links
@@ -57,89 +65,103 @@ NOTHING = Touches(np.zeros((0, 2), dtype=np.int64), np.zeros(0))
 @compiled
 def parts_of(table: IntArray, arbiter: int) -> tuple[int, int]:
     """Part numbers of a contact, in the engine's order."""
-    scratch = array_at(pointer(table[SCRATCH]), (2,), np.int64)
-    call(table[SHAPES_OF], (arbiter, table[SCRATCH], table[SCRATCH] + 8))
-    handles = array_at(pointer(table[HANDLES]), (table[PARTS],), np.int64)
-    parts = array_at(pointer(table[PART_OF_HANDLE]), (table[PARTS],), np.int64)
-    one, other = np.searchsorted(handles, scratch[0]), np.searchsorted(handles, scratch[1])
-    return int(parts[one]), int(parts[other])
+    scratch = integers_at(table[SCRATCH], 2)
+    call3(table[SHAPES_OF], arbiter, table[SCRATCH], table[SCRATCH] + 8)
+    handles = integers_at(table[HANDLES], table[PARTS])
+    parts = integers_at(table[PART_OF_HANDLE], table[PARTS])
+    one = place_of(handles, table[PARTS], scratch[0])
+    return parts[one], parts[place_of(handles, table[PARTS], scratch[1])]
+
+
+@compiled
+def place_of(handles: IntArray, count: int, handle: int) -> int:
+    """Where a handle stands among others, sorted."""
+    low, high = 0, count - 1
+    while low < high:
+        middle = (low + high) // 2
+        if handles[middle] < handle:
+            low = middle + 1
+        else:
+            high = middle
+    return low
 
 
 @compiled
 def asked(table: IntArray, function: int, what: int, fields: int) -> FloatArray:
     """What the engine says of a body or a contact: the numbers (8,); whole ones lie at INTS."""
-    array_at(pointer(table[FLOAT_COUNT]), (1,), np.int32)[0] = 0
-    array_at(pointer(table[INT_COUNT]), (1,), np.int32)[0] = 0
-    call(table[function], (what, table[fields]))
-    found: FloatArray = array_at(pointer(table[FLOATS]), (8,), np.float64)
-    return found
+    put_short(table[FLOAT_COUNT], 0)
+    put_short(table[INT_COUNT], 0)
+    call2(table[function], what, table[fields])
+    return doubles_at(table[FLOATS], 8)
 
 
 @compiled
-def pose_of(table: IntArray, part: int) -> FloatArray:
-    """Pose (3,) of the body of a part."""
-    bodies = array_at(pointer(table[BODY_OF_PART]), (table[PARTS],), np.int64)
-    return asked(table, GET_BODY, bodies[part], BODY_FIELDS)[:3].copy()
+def put_pose(table: IntArray, part: int, out: FloatArray) -> None:
+    """Write the pose (3,) of the body of a part."""
+    bodies = integers_at(table[BODY_OF_PART], table[PARTS])
+    found = asked(table, GET_BODY, bodies[part], BODY_FIELDS)
+    out[0], out[1], out[2] = found[0], found[1], found[2]
 
 
-@callback(3)
-def judge(arbiter: int, space: int, data: int) -> None:
+@compiled
+def judge_contact(arbiter: int, space: int, data: int) -> None:
     """Let a contact act, as it is to, or keep it out; the engine calls this before it solves."""
-    table = array_at(pointer(data), (SLOTS,), np.int64)
+    table = integers_at(data, SLOTS)
     table[REPORTED] += 1
-    if not table[CHECKS]:
+    if table[CHECKS] == 0:
         return
-    parts, ends = table[PARTS], (table[PARTS], 2)
     shapes = Shapes(
-        array_at(pointer(table[VERTEX]), (table[VERTICES], 2), np.float64),
-        array_at(pointer(table[PART_START]), (parts + 1,), np.int64),
-        array_at(pointer(table[BODY_START]), (table[BODIES] + 1,), np.int64),
-        array_at(pointer(table[RADIUS]), (table[BODIES],), np.float64),
+        rows2_at(table[VERTEX], table[VERTICES]),
+        integers_at(table[PART_START], table[PARTS] + 1),
+        integers_at(table[BODY_START], table[BODIES] + 1),
+        doubles_at(table[RADIUS], table[BODIES]),
     )
     links = Links(
-        array_at(pointer(table[LINK_PART]), ends, np.int64),
-        array_at(pointer(table[LINK_END]), ends, np.int64),
+        int_rows2_at(table[LINK_PART], table[PARTS]), int_rows2_at(table[LINK_END], table[PARTS])
     )
     one, other = parts_of(table, arbiter)
     p, q, is_swapped = min(one, other), max(one, other), one > other
-    meeting = Meeting(shapes, links, p, pose_of(table, p), q, pose_of(table, q))
+    pose_p, pose_q = np.zeros(3), np.zeros(3)
+    put_pose(table, p, pose_p)
+    put_pose(table, q, pose_q)
+    meeting = Meeting(shapes, links, p, pose_p, q, pose_q)
     found = asked(table, GET_ARBITER, arbiter, POINT_FIELDS)
-    ax, ay, bx, by = found[0], found[1], found[2], found[3]
-    points = array_at(pointer(table[INTS]), (1,), np.int64)[0]
-    spot = Spot(bx, by, ax, ay) if is_swapped else Spot(ax, ay, bx, by)
+    points = integers_at(table[INTS], 1)[0]
+    spot = Spot(found[0], found[1], found[2], found[3])
+    if is_swapped:
+        spot = Spot(found[2], found[3], found[0], found[1])
     rules = ruling(meeting, points, spot)
-    call(table[PROCESS], (arbiter, np.int64(rules.verdict not in (APART, LEFT))))
+    acts = rules.verdict != APART and rules.verdict != LEFT
+    call2(table[PROCESS], arbiter, 1 if acts else 0)
     if rules.verdict == APART:
-        call(table[APPEND], (table[KEPT_OUT], np.int64(one)))
-        call(table[APPEND], (table[KEPT_OUT], np.int64(other)))
+        call2(table[APPEND], table[KEPT_OUT], one)
+        call2(table[APPEND], table[KEPT_OUT], other)
     if rules.is_put:  # for all the points that it has, one of either part
-        put = array_at(pointer(table[POINTS]), (13,), np.float64)
-        array_at(pointer(table[POINTS]), (1,), np.int32)[0] = points
-        px, py, qx, qy = rules.spot
-        for k in (3, 8):
-            if is_swapped:
-                put[1], put[2] = rules.nx, rules.ny
-                put[k], put[k + 1], put[k + 2], put[k + 3] = qx, qy, px, py
-            else:
-                put[1], put[2] = -rules.nx, -rules.ny
-                put[k], put[k + 1], put[k + 2], put[k + 3] = px, py, qx, qy
-        call(table[SET_POINTS], (arbiter, table[POINTS]))
+        put, at = doubles_at(table[POINTS], 13), rules.spot
+        put_short(table[POINTS], points)
+        put[1], put[2] = -rules.nx, -rules.ny
+        if is_swapped:
+            put[1], put[2] = rules.nx, rules.ny
+            at = Spot(at.qx, at.qy, at.px, at.py)
+        for point in range(2):
+            k = 3 + 5 * point
+            put[k], put[k + 1], put[k + 2], put[k + 3] = at.px, at.py, at.qx, at.qy
+        call2(table[SET_POINTS], arbiter, table[POINTS])
 
 
-@callback(3)
-def note(arbiter: int, space: int, data: int) -> None:
+@compiled
+def note_contact(arbiter: int, space: int, data: int) -> None:
     """Take down a contact that acted; the engine calls this when it has solved."""
-    table = array_at(pointer(data), (SLOTS,), np.int64)
+    table = integers_at(data, SLOTS)
     one, other = parts_of(table, arbiter)
     found = asked(table, GET_ARBITER, arbiter, IMPULSE_FIELDS)
     # As Python's x**2 does it. The exponent comes from memory: as a constant the compiler would
     # make a product of it, which now and then is another number.
-    scratch = array_at(pointer(table[SCRATCH]), (4,), np.float64)
-    size = math.sqrt(math.pow(found[0], scratch[2]) + math.pow(found[1], scratch[2]))
-    scratch[3] = size
-    bits = array_at(pointer(table[SCRATCH]), (4,), np.int64)[3]
-    for number in (np.int64(one), np.int64(other), bits):
-        call(table[APPEND], (table[FOUND], number))
+    scratch = doubles_at(table[SCRATCH], 4)
+    scratch[3] = math.sqrt(math.pow(found[0], scratch[2]) + math.pow(found[1], scratch[2]))
+    call2(table[APPEND], table[FOUND], one)
+    call2(table[APPEND], table[FOUND], other)
+    call2(table[APPEND], table[FOUND], integers_at(table[SCRATCH], 4)[3])
 
 
 class Guard:
@@ -198,8 +220,8 @@ class Guard:
         hosted.space.on_collision(None, None, pre_solve=_nothing, post_solve=_nothing)
         handler = hosted.space._handlers[None, None]._handler
         handler.userData = ffi.cast("void *", self._keep(table))
-        handler.preSolveFunc = ffi.cast("cpCollisionPreSolveFunc", judge.address)
-        handler.postSolveFunc = ffi.cast("cpCollisionPostSolveFunc", note.address)
+        handler.preSolveFunc = ffi.cast("cpCollisionPreSolveFunc", address_of(judge_contact))
+        handler.postSolveFunc = ffi.cast("cpCollisionPostSolveFunc", address_of(note_contact))
 
     def take(self) -> Touches:
         """Return the true contacts since the last call."""

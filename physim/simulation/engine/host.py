@@ -8,7 +8,6 @@ import numpy as np
 from numpy.typing import NDArray
 from pymunk._chipmunk_cffi import lib
 
-from physim.compiled import direct
 from physim.contacts import CONTACT_ROW, FALSE_CONTACT_ROW, allowed_depth
 from physim.errors import PhysimError
 from physim.geometry.bodies import describe_pairs
@@ -22,11 +21,19 @@ from physim.geometry.shapes import (
     joined_shapes,
     part_bodies,
 )
-from physim.geometry.walls import build_wall_tree
+from physim.geometry.walls import build_wall_tree, nearest_walls
 from physim.simulation.engine.cutting import Moves, cut_short
 from physim.simulation.engine.energy import OF_IMPACTS, OF_PUSHES, failures
 from physim.simulation.engine.guard import Guard, Touches
-from physim.simulation.engine.pairs import Bodies, Pairs, contact_rows, hold_back, pairs_of, split
+from physim.simulation.engine.pairs import (
+    Among,
+    Pairs,
+    contact_rows,
+    hold_back,
+    pairs_of,
+    put_solid_keys,
+    split,
+)
 from physim.simulation.engine.space import BodyArrays, build_space
 from physim.simulation.engine.state import ContactMemory, PhysicsState
 from physim.tolerances import CONTACT
@@ -87,10 +94,11 @@ class Physics:
         self.dt = dt
         solids = solids_of(walls)
         all_shapes, joined = joined_shapes(shapes, walls), joined_shapes(shapes, solids.shapes)
-        self._among = Bodies(
-            all_shapes, joined, part_bodies(joined), solids, build_wall_tree(walls)
-        )
         self._robots, self._bodies = len(start), len(all_shapes.body_start) - 1
+        self._among = Among(
+            all_shapes, joined, part_bodies(joined), solids, build_wall_tree(walls),
+            nearest_walls(0), self._robots, self._bodies,
+        )  # fmt: skip
         self._solid = np.concatenate((np.arange(len(start)), len(start) + solids.of))
         self._solids = len(joined.body_start) - 1
         self._allowed_depth = allowed_depth(shapes, dt)
@@ -110,9 +118,8 @@ class Physics:
         inertia = [(m, m, moment(body_parts(shapes, i), m)) for i, m in enumerate(mass)]
         self._inertia = np.array(inertia, dtype=np.float64).reshape(-1, 3)
         self._drive_per_speed = self._inertia / dt
-        self._chord_velocities = direct(chord_velocities)
         self._placed = np.zeros((self._bodies, 3))
-        self._no_pairs = Pairs(np.zeros(0, dtype=np.int64), np.zeros(0))
+        self._no_pairs = Pairs(np.zeros(0, dtype=np.int64), np.zeros(0), 0)
         self._no_contacts = np.zeros(0, CONTACT_ROW)
         self._no_false = np.zeros(0, FALSE_CONTACT_ROW)
         self._begin(start)
@@ -132,7 +139,7 @@ class Physics:
     def step(self, command: FloatArray) -> None:
         """Advance one step under commands (N, 2): v [m/s], omega [rad/s], each along its arc."""
         before, start = self._pairs, self._arrays.pose.copy()
-        self._chord_velocities(self._arrays.pose, command, self.dt, self._arrays.velocity)
+        chord_velocities(self._arrays.pose, command, self._robots, self.dt, self._arrays.velocity)
         self.step_number += 1
         pushes, to_solve = self._no_pairs, self._to_solve(before.key)
         if to_solve:
@@ -162,7 +169,7 @@ class Physics:
         self._recall(state.pose, self._to_solve(before), state)
         if self._arrays.pose.tobytes() != state.pose.tobytes():
             raise PhysimError("the state is of another scene: its steps lead to other poses")
-        self._pairs = Pairs(touching, np.zeros(len(touching)))
+        self._pairs = Pairs(touching, np.zeros(len(touching)), len(touching))
         self.step_number = int(state.step)
         self.contacts, self.false_contacts = state.contacts, state.false_contacts
 
@@ -188,8 +195,6 @@ class Physics:
         self._pairs = self._no_pairs
         self.contacts, self.false_contacts = self._no_contacts, self._no_false
         self._move(self._no_pairs, self._no_pairs, 0)
-        if self._is_deep():  # none is stopped: compiles what a run may need
-            self._cut_short(pose, self._no_pairs, self._no_pairs, 0)
 
     # A step
 
@@ -215,7 +220,7 @@ class Physics:
         if len(failed):
             self._recall(arrays.pose.copy(), to_solve)
             arrays.velocity[:] = np.where(failed[:, None], 0.0, wanted)
-        hold_back(pushes.key, self._bodies, arrays.velocity, wanted)
+        hold_back(pushes.key, pushes.size, self._bodies, arrays.velocity, self._robots, wanted)
         arrays.velocity[:] = wanted
         return pushes
 
@@ -230,14 +235,16 @@ class Physics:
         if self._guard.reported and len(parts := self._guard.take_rejected()):
             reported = self._gather(Touches(parts, np.zeros(len(parts))))
             pairs = split(reported.key, self._bodies)
-            distance = describe_pairs(self._among.shapes, self._placed, pairs)[:, 4]
+            told = np.empty((len(pairs), 5))
+            describe_pairs(self._among.shapes, self._placed, pairs, len(pairs), told)
+            distance = told[:, 4]
             apart = distance > CONTACT  # of other pairs other parts do touch
             self.false_contacts = np.zeros(int(apart.sum()), FALSE_CONTACT_ROW)
             self.false_contacts["step"] = self.step_number
             self.false_contacts["a"], self.false_contacts["b"] = pairs[apart].T
             self.false_contacts["distance"] = distance[apart]
         self._pairs = now
-        if not len(before.key) and not len(now.key):
+        if not before.size and not now.size:
             self.contacts = self._no_contacts
             return
         given = arrays.velocity.copy()
@@ -247,20 +254,20 @@ class Physics:
         arrays.velocity[:] = given
         self._placed[: self._robots] = arrays.pose
         self.contacts = contact_rows(
-            self.step_number, before.key, now, pushes, self._among.shapes,
-            self._among.solids.faces, self._placed,
-        )  # fmt: skip
+            self.step_number, before.key, now, pushes, self._among, self._placed
+        )
 
     def _cut_short(self, start: FloatArray, before: Pairs, pushes: Pairs, to_solve: int) -> None:
         """Do the step from poses (N, 3) again; bodies that came too deep stop where they touch."""
         arrays, robots = self._arrays, self._robots
         velocity, end = arrays.velocity.copy(), self._placed[: self._solids].copy()
         last, share = np.ones((2, robots))
-        moves = Moves(self._among.joined, end, end[:robots] - start, share)
+        way = end[:robots] - start
+        moves = Moves(self._among.joined, end, way, share, robots, self._solids)
         keys = self._solid_keys(before.key)
         while True:  # what stops may be met by what passed it before
             keys = np.union1d(keys, self._solid_keys(self._pairs.key))
-            cut_short(keys, moves, self._allowed_depth)
+            cut_short(keys, len(keys), moves, self._allowed_depth)
             if np.array_equal(share, last):
                 return
             last[:] = share
@@ -321,7 +328,9 @@ class Physics:
     def _failures(self, pairs: Pairs, given: FloatArray, gain: float) -> NDArray[np.bool_]:
         """On which robots (N,) the solver failed, (0,) for none; sets the impulses of pairs."""
         found = self._arrays.velocity
-        return failures(pairs, self._inertia, given, found, self._bodies, gain)
+        robots, failed = self._robots, np.empty(self._robots, dtype=np.bool_)
+        any_has = failures(pairs, self._inertia, given, found, robots, self._bodies, gain, failed)
+        return failed if any_has else failed[:0]
 
     def _to_solve(self, key: IntArray) -> int:
         """How many contacts of robots and solids the engine has to solve where pairs touch."""
@@ -329,4 +338,5 @@ class Physics:
 
     def _solid_keys(self, key: IntArray) -> IntArray:
         """Keys of pairs in the numbering of robots and solids."""
-        return np.unique(self._solid[split(key, self._bodies)] @ (self._solids, 1))
+        keys, pairs = np.empty_like(key), len(key)
+        return keys[: put_solid_keys(key, pairs, self._bodies, self._solid, self._solids, keys)]

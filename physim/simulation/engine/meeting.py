@@ -19,7 +19,7 @@ from typing import NamedTuple
 import numpy as np
 
 from physim.compiled import compiled
-from physim.geometry.shapes import FloatArray, Shapes
+from physim.geometry.shapes import FloatArray, Rows2, Shapes
 from physim.simulation.engine.verdict import ACTS, SIDE, Meeting, classify, onward, touch
 
 MISLED = 1e-3
@@ -158,7 +158,7 @@ def deepest_point(m: Meeting, nx: float, ny: float) -> tuple[bool, Spot]:
 
 
 @compiled
-def cut_off(part: FloatArray, count: int, at: float, sign: float, out: FloatArray) -> int:
+def cut_off(part: Rows2, count: int, at: float, sign: float, out: Rows2) -> int:
     """Write a polygon, the first ``count`` rows, without what lies where sign * x < sign * at.
 
     Returns how many rows of ``out`` that takes.

@@ -9,14 +9,19 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from physim.compiled import compiled
 from physim.contacts import CONTACT_ROW, Kind, Phase
-from physim.geometry.bodies import body_distance, describe_contact, point_gap, relative_frame
-from physim.geometry.convex import part_witness
-from physim.geometry.shapes import FloatArray, IntArray, Part, Shapes
-from physim.geometry.walls import WallTree, parts_near
+from physim.geometry.bodies import (
+    describe_contact,
+    point_gap,
+    relative_frame,
+    wall_gap,
+)
+from physim.geometry.convex import frame_at, part_witness
+from physim.geometry.neighbours import put_in_order
+from physim.geometry.shapes import ContactRows, FloatArray, IntArray, IntRows2, Part, Rows3, Shapes
+from physim.geometry.walls import NearestWalls, WallTree, parts_near
 from physim.tolerances import CONTACT
 from physim.world.ground.solids import Solids
 
@@ -30,9 +35,11 @@ class Pairs(NamedTuple):
     """(K,) increasing, without repetition"""
     impulse: FloatArray
     """(K,) [N s]"""
+    size: int
+    """K"""
 
 
-class Bodies(NamedTuple):
+class Among(NamedTuple):
     """Robots among walls, and among the solids that these make up, in one numbering each."""
 
     shapes: Shapes
@@ -43,6 +50,30 @@ class Bodies(NamedTuple):
     """(P,) robot or solid of each part of ``joined``"""
     solids: Solids
     wall_tree: WallTree
+    known: NearestWalls
+    """of nobody"""
+    robots: int
+    bodies: int
+    """robots and walls"""
+
+
+@compiled
+def put_solid_keys(
+    key: IntArray, pairs: int, bodies: int, solid: IntArray, solids: int, out: IntArray
+) -> int:
+    """Write the keys of so many ``pairs`` of ``bodies`` in the numbering of robots and ``solids``.
+
+    ``solid`` (B,) is that of each body. Increasing, each once; returns how many.
+    """
+    for m in range(pairs):
+        out[m] = solid[key[m] // bodies] * solids + solid[key[m] % bodies]
+    put_in_order(out, pairs)
+    count = 0
+    for m in range(pairs):
+        if count == 0 or out[count - 1] != out[m]:
+            out[count] = out[m]
+            count += 1
+    return count
 
 
 def split(key: IntArray, bodies: int) -> IntArray:
@@ -50,23 +81,46 @@ def split(key: IntArray, bodies: int) -> IntArray:
     return np.stack(np.divmod(key, bodies), axis=1)
 
 
-@compiled
-def pairs_of(part: IntArray, impulse: FloatArray, among: Bodies, pose: FloatArray) -> Pairs:
+def pairs_of(part: IntRows2, impulse: FloatArray, among: Among, pose: Rows3) -> Pairs:
     """Pairs of robots and walls that touch, by contacts of parts (M, 2) of robots and solids.
 
     ``pose`` (B, 3) has all robots first. What a robot exchanges with a solid of several walls it
     does with the one of those it touches that the contact's point on the solid lies on. The others
     that it touches have a contact without impulse.
     """
-    shapes, solids, owner = among.shapes, among.solids, among.owner
-    robots = len(pose) - len(solids.of)
-    room = 0
-    for m in range(len(part)):
-        s = max(owner[part[m, 0]], owner[part[m, 1]]) - robots
-        room += 1 if s < 0 else 1 + solids.start[s + 1] - solids.start[s]
+    room = most_pairs(part, len(part), among)
+    key, total = np.empty(room, np.int64), np.zeros(room)
+    count = put_pairs_of(part, impulse, len(part), among, pose, room, key, total)
+    return Pairs(key[:count], total[:count], count)
+
+
+@compiled
+def most_pairs(part: IntRows2, many: int, among: Among) -> int:
+    """How many pairs so ``many`` contacts may be of."""
+    most, start = many, among.solids.start
+    for m in range(many):
+        s = max(among.owner[part[m, 0]], among.owner[part[m, 1]]) - among.robots
+        if s >= 0:
+            most += start[s + 1] - start[s]
+    return int(most)
+
+
+@compiled
+def put_pairs_of(
+    part: IntRows2,
+    impulse: FloatArray,
+    many: int,
+    among: Among,
+    pose: Rows3,
+    room: int,
+    key: IntArray,
+    total: FloatArray,
+) -> int:
+    """Write `pairs_of` so ``many`` contacts into ``key`` and ``total`` (room,); how many."""
+    shapes, solids, owner, robots = among.shapes, among.solids, among.owner, among.robots
     body, given = np.empty((room, 2), np.int64), np.zeros(room)
     count = 0
-    for m in range(len(part)):
+    for m in range(many):
         p, q = part[m, 0], part[m, 1]
         if owner[p] > owner[q]:
             p, q = q, p
@@ -77,20 +131,25 @@ def pairs_of(part: IntArray, impulse: FloatArray, among: Bodies, pose: FloatArra
         count += 1
         if s < 0:
             continue
-        walls = solids.wall[solids.start[s] : solids.start[s + 1]]
-        body[first, 1] = robots + walls[0]
-        if len(walls) == 1:
+        body[first, 1] = robots + solids.wall[solids.start[s]]
+        if solids.start[s + 1] - solids.start[s] == 1:
             continue
         x, y = on_solid(among.joined, p, pose[a], q)
-        nearest, last, w, tree = np.inf, -1, 0, among.wall_tree
-        for k in parts_near(tree, pose[a, 0], pose[a, 1], shapes.radius[a] + CONTACT):
-            while tree.walls.body_start[w + 1] <= k:
+        nearest, w, n, walls = np.inf, 0, 0, among.wall_tree.walls
+        reach = shapes.radius[a] + CONTACT
+        found = parts_near(among.wall_tree, pose[a, 0], pose[a, 1], reach, among.known)
+        f = frame_at(np.cos(pose[a, 2]), np.sin(pose[a, 2]), pose[a, 0], pose[a, 1])
+        while n < found.size:  # the parts of one wall after the other
+            while walls.body_start[w + 1] <= found.number[n]:
                 w += 1
-            if w == last or solids.of[w] != s:
-                continue
-            last = w
-            d = body_distance(shapes, a, pose[a], shapes, robots + w, pose[robots + w])
-            if d > CONTACT:
+            is_met = False
+            while n < found.size and found.number[n] < walls.body_start[w + 1]:
+                k = found.number[n]
+                wall = Part(walls.vertices, walls.part_start[k], walls.part_start[k + 1])
+                if not is_met and wall_gap(wall, shapes, a, f, np.inf) <= CONTACT:
+                    is_met = True
+                n += 1
+            if solids.of[w] != s or not is_met:
                 continue
             body[count, 0], body[count, 1] = a, robots + w
             count += 1
@@ -98,11 +157,11 @@ def pairs_of(part: IntArray, impulse: FloatArray, among: Bodies, pose: FloatArra
             if gap < nearest:
                 nearest, body[first, 1] = gap, robots + w
         if nearest == np.inf:  # it touches the outline alone
-            for w in walls:
-                gap = gap_to(shapes, robots + w, x, y)
+            for n in range(solids.start[s], solids.start[s + 1]):
+                gap = gap_to(shapes, robots + solids.wall[n], x, y)
                 if gap < nearest:
-                    nearest, body[first, 1] = gap, robots + w
-    return gather(body[:count], given[:count], len(pose))
+                    nearest, body[first, 1] = gap, robots + solids.wall[n]
+    return gather(body, given, count, among.bodies, key, total)
 
 
 @compiled
@@ -122,40 +181,37 @@ def on_solid(joined: Shapes, p: int, pose: FloatArray, q: int) -> tuple[float, f
     P, Q = Part(v, start[p], start[p + 1]), Part(v, start[q], start[q + 1])
     found = part_witness(P, Q, relative_frame(pose, np.zeros(3)))
     cp, sp = np.cos(pose[2]), np.sin(pose[2])
-    x, y = found[5], found[6]
+    x, y = found.bx, found.by
     return pose[0] + cp * x - sp * y, pose[1] + sp * x + cp * y
 
 
 @compiled
-def gather(body: IntArray, impulse: FloatArray, bodies: int) -> Pairs:
-    """Gather contacts of bodies (M, 2), in any order, into `Pairs`: impulses (M,) are added."""
-    count = len(body)
+def gather(
+    body: IntRows2, impulse: FloatArray, count: int, bodies: int, key: IntArray, total: FloatArray
+) -> int:
+    """Gather ``count`` contacts of ``body`` (M, 2), in any order, into `Pairs`; how many.
+
+    Their impulses (M,) are added.
+    """
     # One number for pair and place: those of a pair stay in their order, in which they are added.
     places = np.empty(count, np.int64)
     for m in range(count):
         a, b = body[m, 0], body[m, 1]
         places[m] = (min(a, b) * bodies + max(a, b)) * count + m
-    places.sort()
-    key, total = np.empty(count, np.int64), np.empty(count)
+    put_in_order(places, count)
     pairs = 0
-    for place in places:
+    for m in range(count):
+        place = places[m]
         if pairs == 0 or key[pairs - 1] != place // count:
             key[pairs], total[pairs] = place // count, 0.0
             pairs += 1
         total[pairs - 1] += impulse[place % count]
-    return Pairs(key[:pairs], total[:pairs])
+    return pairs
 
 
-@compiled
 def contact_rows(
-    step: int,
-    before: IntArray,
-    now: Pairs,
-    pushes: Pairs,
-    shapes: Shapes,
-    faces: Shapes,
-    pose: FloatArray,
-) -> NDArray[np.void]:
+    step: int, before: IntArray, now: Pairs, pushes: Pairs, among: Among, pose: Rows3
+) -> ContactRows:
     """Return the contact rows of a sample, sorted by pair.
 
     ``before`` are the keys of the pairs that touched at the sample before, ``now`` those that
@@ -163,41 +219,62 @@ def contact_rows(
     all bodies, at ``pose`` (B, 3), ``faces`` those of `Solids`. Of a pair that has ended the depth
     is minus the distance; a pair that touches, by its tolerance, has no depth below 0.
     """
-    bodies, found = len(pose), np.empty(5)
-    rows = np.empty(len(before) + len(now.key), CONTACT_ROW)
-    i, j, k, count = 0, 0, 0, 0
-    while i < len(before) or j < len(now.key):
-        if j == len(now.key) or (i < len(before) and before[i] < now.key[j]):
-            key = before[i]
-        else:
-            key = now.key[j]
-        touched = i < len(before) and before[i] == key
-        touches = j < len(now.key) and now.key[j] == key
-        while k < len(pushes.key) and pushes.key[k] < key:
-            k += 1
-        impulse = pushes.impulse[k] if k < len(pushes.key) and pushes.key[k] == key else 0.0
-        if touches:
-            impulse += now.impulse[j]
-        a, b = key // bodies, key % bodies
-        describe_contact(shapes, faces, a, pose[a], b, pose[b], found)
-        row = rows[count]
-        row["step"], row["a"], row["b"], row["kind"] = step, a, b, PHYSICAL
-        row["x"], row["y"], row["nx"], row["ny"] = found[0], found[1], found[2], found[3]
-        row["phase"] = (STAYS if touched else BEGAN) if touches else ENDED
-        row["depth"] = -found[4] if found[4] < 0.0 or not touches else 0.0  # and not -0.0
-        row["impulse"] = impulse
-        i, j, count = i + touched, j + touches, count + 1
+    rows = np.empty(len(before) + now.size, CONTACT_ROW)
+    count = put_contact_rows(step, before, len(before), now, pushes, among, pose, rows)
     return rows[:count].copy()
 
 
 @compiled
-def hold_back(key: IntArray, bodies: int, allowed: FloatArray, wanted: FloatArray) -> None:
-    """Give every robot of the pairs ``key`` its velocity of ``allowed`` (N, 3) as the wanted one.
+def put_contact_rows(
+    step: int,
+    before: IntArray,
+    earlier: int,
+    now: Pairs,
+    pushes: Pairs,
+    among: Among,
+    pose: Rows3,
+    rows: ContactRows,
+) -> int:
+    """Write `contact_rows` into ``rows``, the first of ``before`` being ``earlier``; how many."""
+    bodies, found = among.bodies, np.empty(5)
+    i, j, k, count = 0, 0, 0, 0
+    while i < earlier or j < now.size:
+        if j == now.size or (i < earlier and before[i] < now.key[j]):
+            key = before[i]
+        else:
+            key = now.key[j]
+        touched = i < earlier and before[i] == key
+        touches = j < now.size and now.key[j] == key
+        while k < pushes.size and pushes.key[k] < key:
+            k += 1
+        impulse = pushes.impulse[k] if k < pushes.size and pushes.key[k] == key else 0.0
+        if touches:
+            impulse += now.impulse[j]
+        a, b = key // bodies, key % bodies
+        describe_contact(
+            among.shapes, among.solids.faces, a, pose[a], b, pose[b], b - among.robots, found
+        )
+        rows[count]["step"], rows[count]["a"], rows[count]["b"] = step, a, b
+        rows[count]["kind"] = PHYSICAL
+        rows[count]["x"], rows[count]["y"] = found[0], found[1]
+        rows[count]["nx"], rows[count]["ny"], rows[count]["impulse"] = found[2], found[3], impulse
+        rows[count]["phase"] = (STAYS if touched else BEGAN) if touches else ENDED
+        rows[count]["depth"] = -found[4] if found[4] < 0.0 or not touches else 0.0  # and not -0.0
+        i, j, count = i + touched, j + touches, count + 1
+    return count
+
+
+@compiled
+def hold_back(
+    key: IntArray, pairs: int, bodies: int, allowed: Rows3, robots: int, wanted: Rows3
+) -> None:
+    """Give every robot of so many ``pairs`` its velocity of ``allowed`` (N, 3) as the wanted one.
 
     Bodies from N on are walls.
     """
-    for one in key:
-        for i in (one // bodies, one % bodies):
-            if i < len(wanted):
+    for m in range(pairs):
+        for end in range(2):
+            i = key[m] % bodies if end else key[m] // bodies
+            if i < robots:
                 for k in range(3):
                     wanted[i, k] = allowed[i, k]

@@ -26,7 +26,7 @@ import numpy as np
 from physim.compiled import compiled
 from physim.geometry.bodies import relative_frame
 from physim.geometry.convex import part_gap, part_witness
-from physim.geometry.shapes import FloatArray, IntArray, Part, Shapes
+from physim.geometry.shapes import FloatArray, IntRows2, Part, Shapes
 from physim.tolerances import CONTACT
 
 APART = 0
@@ -45,9 +45,9 @@ SIDE_ANGLE = 1e-6
 class Links(NamedTuple):
     """What meets each part at its first and second end; only segments have ends."""
 
-    part: IntArray
+    part: IntRows2
     """(P, 2) the segment that goes on there, the straightest of several; or -1"""
-    end: IntArray
+    end: IntRows2
     """(P, 2) which end of that segment"""
 
 
@@ -96,7 +96,8 @@ def touch(m: Meeting) -> tuple[float, float, float]:
     P, Q = Part(v, start[m.p], start[m.p + 1]), Part(v, start[m.q], start[m.q + 1])
     found = part_witness(P, Q, relative_frame(m.pose_p, m.pose_q))
     cp, sp = np.cos(m.pose_p[2]), np.sin(m.pose_p[2])
-    return found[0], -(cp * found[1] - sp * found[2]), -(sp * found[1] + cp * found[2])
+    nx, ny = found.nx, found.ny
+    return found.distance, -(cp * nx - sp * ny), -(sp * nx + cp * ny)
 
 
 @compiled
@@ -115,7 +116,9 @@ def leans_on(m: Meeting, nx: float, ny: float) -> tuple[int, int]:
     if m.links.part[m.q, end] < 0:
         return -1, 0
     ox, oy = onward(m, end)
-    return (m.links.part[m.q, end], end) if nx * ox + ny * oy > 0.0 else (-1, 0)
+    if not nx * ox + ny * oy > 0.0:
+        return -1, 0
+    return m.links.part[m.q, end], end
 
 
 @compiled
@@ -173,9 +176,9 @@ def classify(m: Meeting) -> tuple[int, float, float]:
         return SIDE, mx, my
     apart, ox, oy = touch(near)
     if apart > CONTACT:
-        out = m.pose_p.copy()
-        out[0] -= distance * nx
-        out[1] -= distance * ny
+        out = np.empty(3)
+        out[0], out[1] = m.pose_p[0] - distance * nx, m.pose_p[1] - distance * ny
+        out[2] = m.pose_p[2]
         is_out = touch(Meeting(m.shapes, m.links, m.p, out, other, m.pose_q))[0] >= -CONTACT
         return (ACTS, nx, ny) if is_out else (SIDE, mx, my)
     third = leans_on(near, ox, oy)[0]

@@ -44,7 +44,8 @@ def shipped_worlds() -> dict[str, str]:
 def find_world(given: str | os.PathLike[str]) -> Path:
     """Path of a world given as a file, by the name of one in ``worlds/``, or of a shipped one.
 
-    A file goes first, then ``worlds/NAME.yaml`` of the working directory.
+    A file goes first, then ``worlds/NAME.yaml`` of the working directory. Of the folder of a run it
+    is the record.
 
     Raises WorldError when there is neither, with the nearest names.
     """
@@ -57,7 +58,8 @@ def find_world(given: str | os.PathLike[str]) -> Path:
         if given in shipped:
             return shipped_folder() / f"{given}.yaml"
     if not plain or path.exists():
-        return path  # reading says what is wrong with it
+        run = path / RECORD
+        return run if is_record(run) else path  # reading says what is wrong with it
     message = f'{given}: no such file, and no shipped world is called "{given}"'
     near = _nearest(path, shipped) or f"; shipped: {', '.join(shipped)}"
     raise WorldError([Fault((), message + near)])

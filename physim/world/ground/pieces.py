@@ -18,12 +18,15 @@ ASIDE = 1e3 * LENGTH
 
 
 class Pieces(NamedTuple):
-    """What the P parts of walls are to each other; nothing may be written to."""
+    """What the P parts of walls are to each other; nothing may be written to.
+
+    ``joins`` (P, 2): which part joins at the first and at the last end of a boundary's segment; -1:
+    none, as of all parts of obstacles. ``free`` (P,): where robots may be: 0 on both sides, 1 left
+    or 2 right of the way from the first end of a segment to its last, 3 outside a solid part.
+    """
 
     joins: IntArray
-    """(P, 2) which part joins at the first and at the last end of a boundary's segment, -1: none"""
     free: IntArray
-    """(P,) LEFT or RIGHT of the way from the first end to the last, BOTH, or OUTSIDE a solid one"""
 
 
 def pieces_of(walls: Shapes, area: Area) -> Pieces:

@@ -9,8 +9,8 @@ from tests.helpers import inside
 
 NEVER, Verdict, classify = inside("physim.analysis.crashtest", "NEVER", "Verdict", "classify")
 first_sample = inside("physim.analysis.crashtest", "first_sample")
-FloatArray, arc = inside("physim.geometry", "FloatArray", "arc")
-point_speed = inside("physim.analysis.crashtest", "point_speed")
+FloatArray, Witness, arc = inside("physim.geometry", "FloatArray", "Witness", "arc")
+closing_speed = inside("physim.analysis.crashtest", "closing_speed")
 
 STEP = 0.1
 INF, NAN = float("inf"), float("nan")
@@ -103,10 +103,11 @@ def test_the_speed_of_a_point_is_that_of_its_arc(case: int) -> None:
     normal = np.array([np.cos(angle), np.sin(angle)])
 
     def place(t: float) -> np.ndarray:
-        x, y, heading = arc(tuple(pose), command[0], command[1], t)
+        x, y, heading = arc(*pose, *command, t)
         c, s = np.cos(heading), np.sin(heading)
         return np.array([x + c * arm[0] - s * arm[1], y + s * arm[0] + c * arm[1]])
 
     velocity = (place(SHORT) - place(-SHORT)) / (2.0 * SHORT)
-    found = point_speed(pose, command, *place(0.0), *normal)
+    witness = Witness(0.0, *normal, 0.0, 0.0, 0.0, 0.0)
+    found = closing_speed(pose, command, *place(0.0), witness)
     assert found == pytest.approx(float(velocity @ normal), abs=1e-8)

@@ -25,7 +25,9 @@ def test_the_distance_to_a_boundary_is_that_to_its_nearest_segment(pose):
     shapes = pack_parts([[BOX]])
     walls = pack_parts([[np.array(segment) for segment in CORNER]])
     who, values = np.zeros((4, 3), dtype=np.int64), np.zeros((4, 2))
-    count = scan_walls(np.array([[pose]]), 0, shapes, walls, 3.0, 0.01, who, values)
+    count = scan_walls(
+        np.array([pose]), 1, 1, 0, shapes, walls, 1, 3.0, 0.01, len(who), who, values
+    )
     body = affinity.rotate(shapely.Polygon(BOX), pose[2], origin=(0, 0), use_radians=True)
     body = affinity.translate(body, *pose[:2])
     assert (count, who[0].tolist()) == (1, [0, 0, 1])

@@ -116,7 +116,8 @@ def test_rows_are_those_of_sets_and_of_the_exact_geometry(kind):
         now = exact(scene.robots, scene.walls, physics.pose)
         pairs = np.array(sorted(before | now), dtype=np.int64).reshape(-1, 2)
         pose[: len(scene.robots)] = physics.pose
-        found, rows = describe_pairs(shapes, pose, pairs), physics.contacts
+        found, rows = np.empty((len(pairs), 5)), physics.contacts
+        describe_pairs(shapes, pose, pairs, len(pairs), found)
         phases = [
             (Phase.STAYS if pair in before else Phase.BEGAN) if pair in now else Phase.ENDED
             for pair in map(tuple, pairs.tolist())
@@ -220,7 +221,7 @@ for kind, steps in (("abreast", 30), ("wall_ends", 16)):
 def test_compiled_callbacks_do_what_they_do_as_plain_python():
     done = subprocess.run(
         [sys.executable, "-c", PLAIN], cwd=Path(__file__).parents[3], capture_output=True,
-        text=True, env={**os.environ, "NUMBA_DISABLE_JIT": "1"},
+        text=True, env={**os.environ, "PHYSIM_KERNELS": "plain"},
     )  # fmt: skip
     assert done.returncode == 0, done.stderr
     runs = ((crowd(kind, 1), steps) for kind, steps in (("abreast", 30), ("wall_ends", 16)))

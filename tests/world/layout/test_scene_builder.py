@@ -12,7 +12,7 @@ from physim import build_scene
 from physim.world import World
 from tests.helpers import BOX, inside, road
 
-formation_neighbours = inside("physim.controllers", "formation_neighbours")
+is_neighbour = inside("physim.controllers", "is_neighbour")
 outline_distance, Part = inside("physim.geometry", "outline_distance", "Part")
 parts_within = inside("physim.geometry", "parts_within")
 DENSITY = inside("physim.world", "DENSITY")
@@ -53,13 +53,9 @@ def test_listed_neighbours_are_mutual() -> None:
 def test_all_are_neighbours_however_far_apart_and_no_table_says_so() -> None:
     """What a table of all pairs would say, without N x N numbers."""
     plan = build_scene(in_formation(neighbours="all", range=1.0)).formation
-    number = np.arange(3)
-    station = np.array([0.0, -1e6, 1e6])
-    table = np.ones((3, 3), dtype=np.int64)
-    for me in number:
-        near = formation_neighbours(me, number, station, plan.adjacency, plan.range)
-        assert near.tolist() == formation_neighbours(me, number, station, table, 1.0).tolist()
-        assert len(near) == 2
+    for i, j in itertools.permutations(range(3), 2):
+        assert is_neighbour(i, j, -1e6 * i, 1e6 * j, plan.adjacency, 0, plan.range)
+        assert not is_neighbour(i, j, -1e6 * i, 1e6 * j, plan.adjacency, 0, 1.0)
     assert plan.adjacency.size == 0
 
 

@@ -4,10 +4,11 @@ They are compiled by the machine's C compiler. Where there is none, the build as
 ``ziglang``, which holds one, in the environment of the build alone. What MSVC is told is untried.
 """
 
+import importlib
 import shutil
 import sys
 from pathlib import Path
-from runpy import run_path
+from types import ModuleType
 
 from setuptools import Extension, setup
 from setuptools.command.build_ext import build_ext
@@ -34,7 +35,9 @@ class BuildKernels(build_ext):
         folder = Path(self.build_temp)
         folder.mkdir(parents=True, exist_ok=True)
         source = folder / "_kernels.pyx"
-        join = run_path(str(HERE / "physim" / "joining.py"))["joined"]
+        sys.modules["physim"] = package = ModuleType("physim")  # whose kernels are not there yet
+        package.__path__ = [str(HERE / "physim")]
+        join = importlib.import_module("physim.joining").joined
         try:
             text = join({"physim": HERE / "physim", "physim.controllers": HERE / "controllers"})
         except ValueError as error:

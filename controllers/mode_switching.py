@@ -485,15 +485,13 @@ class ModeSwitching:
             reach=scene.sensing_range,
         )
         pairs = int((np.diff(cluster.speeds.start) * np.diff(cluster.omegas.start)).max())
-        room = Room(
-            np.empty((pairs, 2)), np.ones(1), ranking_of(scene.robots), np.array([scene.robots]),
-            nearest_walls(scene.robots),
-        )  # fmt: skip
+        many, ranking, nearest = scene.robots, ranking_of(scene.robots), nearest_walls(scene.robots)
+        room = Room(np.empty((pairs, 2)), np.ones(1), ranking, np.array([many]), nearest)
         return cluster, rules, room
 
 
 def _starts(each: Sequence[Sized]) -> IntArray:
-    return np.cumsum([0, *map(len, each)]).astype(np.int64)
+    return np.cumsum([0, *map(len, each)], dtype=np.int64)
 
 
 def _sets(each: Sequence[Sequence[float]]) -> Sets:

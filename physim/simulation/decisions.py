@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -72,3 +72,10 @@ def answered(asked: Asked, view: View, due: IntArray, memory: Memory) -> tuple[D
         method = own.decide_all if isinstance(own, DecidesAll) else own.decide
         told = broken_by(error, method)
         raise ControllerError(f"controller {name}, {told}") from None
+
+
+def replaced(array: IntArray, at: IntArray, values: Any) -> IntArray:
+    """Copy of an array with other values in some places."""
+    new = array.copy()
+    new[at] = values
+    return read_only(new)

@@ -45,7 +45,7 @@ from physim.simulation.arrays import Arrays
 from physim.simulation.arrival import Arrivals
 from physim.simulation.branching import branch_of
 from physim.simulation.checks import taken_commands, taken_sensed
-from physim.simulation.decisions import Asked, Decided, decide
+from physim.simulation.decisions import Asked, Decided, decide, replaced
 from physim.simulation.engine import Physics
 from physim.simulation.forms import first_memory
 from physim.simulation.observation import View
@@ -309,8 +309,8 @@ class Simulation:
         due = read_only((self.next_decision <= self.now.step).nonzero()[0])
         decided = decide(self._asked, self.view, due, self.now.command, self.memory)
         if decided.decisions is not None:
-            self.mode = _replaced(self.mode, due, decided.decisions.mode)
-        self.next_decision = _replaced(self.next_decision, due, decided.next_step)
+            self.mode = replaced(self.mode, due, decided.decisions.mode)
+        self.next_decision = replaced(self.next_decision, due, decided.next_step)
         self._next_due = int(np.minimum.reduce(self.next_decision))
         return decided
 
@@ -386,19 +386,7 @@ class Simulation:
         Raises PhysimError for a state of another world, seed, controller or stage, or of a part
         with other settings; TypeError for what is no state.
         """
-        if not isinstance(state, SimulationState):
-            raise TypeError(f"a state is needed, such as `state` is, not {type(state).__name__}")
-        if state.parts != self.parts.names:
-            raise PhysimError(
-                f"the state is of a run with {', '.join(state.parts)}; this one has "
-                f"{', '.join(self.parts.names)}"
-            )
-        if other := self.parts.set_otherwise(state.settings):
-            raise PhysimError(f"the state is of a run in which {other}; give it the same")
-        if state.scene != self._digest:
-            raise PhysimError("the state is of another world or seed; restore it in its own")
-        if wrong := self.state.misfit(state):
-            raise PhysimError(f"the state is damaged: {wrong} is not as in a state of this world")
+        self.state.refuse_other(state, self.parts)
         self.physics.restore(state.physics)
         for array in (*state.now[1:], state.mode, state.next_decision):
             read_only(array)  # which unpickled arrays are not
@@ -420,9 +408,8 @@ class Simulation:
         of keys that move and reshape no body (`physim.simulation.branching.FREE`); stages may be
         objects, which take the place of those that were given. A stage that is changed, too, begins
         anew; all else is kept, so that without changes what follows is bit for bit what follows
-        here. Observers stay behind; `physim.record_run` records
-        the branch. Raises PhysimError for a key that cannot change in mid-run, and what
-        `Simulation` raises.
+        here. Observers stay behind; `physim.record_run` records the branch. Raises PhysimError for
+        a key that cannot change in mid-run, and what `Simulation` raises.
         """
         return branch_of(self, controller, changes)
 
@@ -510,10 +497,3 @@ class Simulation:
         other = copy.copy(self)  # by __getstate__
         memo[id(self)] = other
         return other
-
-
-def _replaced(array: NDArray[np.int64], at: NDArray[np.int64], values: Any) -> NDArray[np.int64]:
-    """Copy of an array with other values in some places."""
-    new = array.copy()
-    new[at] = values
-    return read_only(new)

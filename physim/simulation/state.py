@@ -3,15 +3,19 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from physim.errors import PhysimError
 from physim.geometry.shapes import FloatArray, IntArray
 from physim.parts.controller import Snapshot
 from physim.parts.given import GivenSettings
 from physim.simulation.engine import PhysicsState
+
+if TYPE_CHECKING:
+    from physim.simulation.parts import Parts
 
 VARYING = frozenset(
     f"physics.{name}" for name in ("part", "feature", "impulse", "contacts", "false_contacts")
@@ -50,7 +54,27 @@ class SimulationState:
     physics: PhysicsState
     """of the engine"""
 
-    def misfit(self, other: SimulationState) -> str:
+    def refuse_other(self, state: object, parts: Parts) -> None:
+        """Refuse what a simulation with some parts, of this state, cannot be restored to.
+
+        Raises PhysimError for a state of another run, or one that is damaged; TypeError for what is
+        no state.
+        """
+        if not isinstance(state, SimulationState):
+            raise TypeError(f"a state is needed, such as `state` is, not {type(state).__name__}")
+        if state.parts != self.parts:
+            raise PhysimError(
+                f"the state is of a run with {', '.join(state.parts)}; this one has "
+                f"{', '.join(self.parts)}"
+            )
+        if other := parts.set_otherwise(state.settings):
+            raise PhysimError(f"the state is of a run in which {other}; give it the same")
+        if state.scene != self.scene:
+            raise PhysimError("the state is of another world or seed; restore it in its own")
+        if wrong := self._misfit(state):
+            raise PhysimError(f"the state is damaged: {wrong} is not as in a state of this world")
+
+    def _misfit(self, other: SimulationState) -> str:
         """What has another form in ``other``, or is not finite there; empty where all fits.
 
         A state may come from a stranger's record, and compiled code trusts the forms of arrays.
@@ -71,6 +95,7 @@ class SimulationState:
                 not isinstance(found, np.ndarray)
                 or (found.dtype, found.ndim) != (array.dtype, array.ndim)
                 or found.shape[first:] != array.shape[first:]
+                or not (found.flags.c_contiguous and found.flags.aligned)
                 or (name.endswith(".pose") and not np.isfinite(found).all())
             ):
                 return name

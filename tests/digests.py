@@ -94,6 +94,12 @@ def copy_commit(commit: str, target: Path) -> None:
         files.extractall(target, filter="data")
     for link, to in LINKS.items():
         (target / link).symlink_to(to, target_is_directory=True)
+    if (target / "setup.py").exists():
+        command = python("setup.py", "-q", "build_ext", "-i")
+        built = subprocess.run(command, cwd=target, capture_output=True, text=True)
+        if built.returncode:
+            reason = built.stderr.strip().splitlines()[-1:]
+            raise CheckoutError(f"--against {commit}: its kernels cannot be built: {reason}")
 
 
 def compared(one: Run, other: Run) -> str:

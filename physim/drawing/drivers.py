@@ -7,15 +7,17 @@ is its own: its modes, and the safe area. A run with one controller has none of 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from pydantic import ValidationError
 
 from physim.errors import PhysimError
 from physim.parts.declarations import NO_NUMBER
-from physim.record import Record
-from physim.record.setup import Part
+
+if TYPE_CHECKING:
+    from physim.record import Record
+    from physim.record.setup import Part
 
 MOST_DRIVERS = 6
 """Controllers that a legend lists"""

@@ -210,11 +210,11 @@ def test_what_cannot_be_written_is_refused(name: str, tmp_path: Path) -> None:
 
 
 @pytest.mark.deep
-def test_no_kernel_engine_or_video_is_loaded(tmp_path: Path) -> None:
+def test_no_engine_record_or_video_is_loaded(tmp_path: Path) -> None:
     script = (
         "import sys; from physim.cli import main\n"
         f"main(['preview', 'ten_robots', '-o', {str(tmp_path / 'a.png')!r}])\n"
-        "heavy = 'physim._kernels', 'pymunk', 'h5py', 'cv2', 'av', 'scipy'\n"
+        "heavy = 'pymunk', 'h5py', 'cv2', 'av', 'scipy'\n"
         "print([module for module in heavy if module in sys.modules])"
     )
     done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True)

@@ -24,6 +24,13 @@ class PhysimError(Exception):
         return "\n".join(escaped(str(line)) for line in self.args)
 
 
+class MissingExtra(PhysimError):
+    """A package that only some need is not installed: says what needs it, and what to install."""
+
+    def __init__(self, what: str, extra: str) -> None:
+        super().__init__(f'{what} needs an extra: pip install "physim[{extra}]"')
+
+
 class Notice(UserWarning):
     """What a user should know of what was read, though it could be; a line in the command line."""
 

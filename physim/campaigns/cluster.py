@@ -20,7 +20,7 @@ from physim._version import __version__
 from physim.campaigns.pool import Job, Processes, Workers, worker_count
 from physim.campaigns.sources import Source, is_installed, source_hash
 from physim.campaigns.spec import engine
-from physim.errors import PhysimError
+from physim.errors import MissingExtra, PhysimError
 
 CONNECT_SECONDS = 5
 """[s] in which a scheduler must answer"""
@@ -117,9 +117,7 @@ def _client(address: str) -> Iterator[Any]:
     try:
         from distributed import Client
     except ImportError:
-        raise PhysimError(
-            "--scheduler: needs the package distributed (pip install 'physim[dask]')"
-        ) from None
+        raise MissingExtra("--scheduler", "dask") from None
     found = ADDRESS.fullmatch(address)
     if found is None or not 0 < int(found[1]) < 65536:
         raise PhysimError(

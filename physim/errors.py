@@ -24,7 +24,7 @@ class PhysimError(Exception):
         return "\n".join(escaped(str(line)) for line in self.args)
 
 
-class MissingExtra(PhysimError):
+class MissingExtraError(PhysimError):
     """A package that only some need is not installed: says what needs it, and what to install."""
 
     def __init__(self, what: str, extra: str) -> None:

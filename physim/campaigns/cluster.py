@@ -20,7 +20,7 @@ from physim._version import __version__
 from physim.campaigns.pool import Job, Processes, Workers, worker_count
 from physim.campaigns.sources import Source, is_installed, source_hash
 from physim.campaigns.spec import engine
-from physim.errors import MissingExtra, PhysimError
+from physim.errors import MissingExtraError, PhysimError
 
 CONNECT_SECONDS = 5
 """[s] in which a scheduler must answer"""
@@ -117,7 +117,7 @@ def _client(address: str) -> Iterator[Any]:
     try:
         from distributed import Client
     except ImportError:
-        raise MissingExtra("--scheduler", "dask") from None
+        raise MissingExtraError("--scheduler", "dask") from None
     found = ADDRESS.fullmatch(address)
     if found is None or not 0 < int(found[1]) < 65536:
         raise PhysimError(

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from physim.contacts import Kind, Phase
-from physim.errors import MissingExtra, PhysimError
+from physim.errors import MissingExtraError, PhysimError
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -27,7 +27,7 @@ def frame(record: Record, table: str) -> pd.DataFrame:
     try:
         import pandas as pd
     except ImportError:
-        raise MissingExtra("to_pandas", "study") from None
+        raise MissingExtraError("to_pandas", "study") from None
     if table == "steps":
         columns = _steps(record)
     else:

@@ -1,4 +1,4 @@
-"""docs/explanation/reproduction.md, and the count in the README: ``python -m tests.reproduction_docs [DIR]``.
+"""docs/explanation/reproduction.md and its count: ``python -m tests.reproduction_docs [DIR]``.
 
 Without DIR everything is run, which takes about half an hour on two cores; DIR is what
 ``physim reproduce -o DIR`` wrote.

@@ -3,7 +3,8 @@
 python -m benchmarks.safety DIR [DIR ...] [--write]
 
 Reads folders of `physim sweep` and prints docs/explanation/safety.md, or writes it with
-``--write``; the commands that fill the folders stand at the head of the page. Exit codes: 0 fine, 2 bad input.
+``--write``; the commands that fill the folders stand at the head of the page. Exit codes:
+0 fine, 2 bad input.
 """
 
 from __future__ import annotations

@@ -110,7 +110,7 @@ def test_the_site_builds_without_a_warning(tmp_path: Path) -> None:
         assert loaded == [], page  # nothing is loaded from elsewhere
 
 
-@pytest.mark.deep
+@pytest.mark.deep(each=True)
 @pytest.mark.parametrize(
     "page",
     RUN_HERE,

@@ -124,7 +124,7 @@ def test_every_block_of_a_page_does_what_it_says(page: Path, tmp_path: Path) -> 
         if block.title is not None:
             (tmp_path / block.title).parent.mkdir(parents=True, exist_ok=True)
             (tmp_path / block.title).write_text(block.text, encoding="utf-8")
-        elif block.language == "text":
+        elif block.language == "text" and not block.skipped:
             lines = [line.rstrip() for line in block.text.splitlines() if "…" not in line]
             missing = [line for line in lines if line not in map(str.rstrip, printed.splitlines())]
             assert missing == [], printed

@@ -102,8 +102,8 @@ def text(store: Store, peers: Mapping[str, Environment]) -> str:
 INTRODUCTION = """\
 The first table is by the wall clock and depends on the network: a new environment, `pip install`,
 and a film of ten robots in the corridor for 30 s, the same for all. From its sources physim
-compiles its kernels, too. In the second, seconds are processor time. Frames: H.264, physim 1280 × 720 without
-the simulation, IR-SIM and navground as they make them, with it.
+compiles its kernels, too. In the second, seconds are processor time. Frames: H.264, physim
+1280 × 720 without the simulation, IR-SIM and navground as they make them, with it.
 
 """
 

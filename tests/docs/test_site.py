@@ -8,6 +8,7 @@ below a line ``<!-- not run: why -->`` is not run.
 
 from __future__ import annotations
 
+import json
 import os
 import re
 import shlex
@@ -136,6 +137,18 @@ def test_every_block_of_a_page_does_what_it_says(page: Path, tmp_path: Path) -> 
             printed = done.stdout + done.stderr
             assert done.returncode == 0, f"{block.text}\n{printed}"
             assert "Traceback" not in printed
+
+
+@pytest.mark.deep
+def test_every_notebook_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("MPLBACKEND", "Agg")
+    for book in DOCS.rglob("*.ipynb"):
+        cells = json.loads(book.read_text("utf-8"))["cells"]
+        code = "\n".join("".join(one["source"]) for one in cells if one["cell_type"] == "code")
+        done = subprocess.run([sys.executable, "-c", code], cwd=tmp_path, capture_output=True)
+        assert done.returncode == 0, done.stderr
+        shown = [t for one in cells for o in one.get("outputs", ()) for t in o.get("text", ())]
+        assert "".join(shown) == done.stdout.decode()  # what the page shows is what it prints
 
 
 def checked(text: str) -> str:

@@ -190,7 +190,7 @@ def fields(module: str, name: str) -> str:
         if key.startswith("_"):
             continue
         is_typed = one.annotation is not None
-        written = re.sub(r"^Annotated\[(\w+),.*", r"\1", str(one.annotation)).replace("|", "\\|")
+        written = re.sub(r"^Annotated\[(\w+),.*", r"\1", str(one.annotation)).replace(" | ", " or ")
         written = "str" if written in ("Name", "Words") else written
         called = f"`{key}`" if is_typed else f"`{one.value}`".replace("'", "")
         words = "" if one.docstring is None else prose(one.docstring.value)

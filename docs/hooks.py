@@ -27,7 +27,7 @@ from physim.record.layout import TABLE, Attributes, AttributesModel
 MARK = re.compile(r"^<!-- generated: (?P<name>\w+)(?P<words>[^>]*) -->$", re.MULTILINE)
 FARTHEST = 1.0e6
 """Bounds of numbers that the page states once, for all lengths and coordinates"""
-JOBS = {"run": "Run", "judge": "Judge", "author": "Author worlds", "study": "Study many runs"}
+JOBS = {"run": "Run worlds", "judge": "Judge runs", "author": "Author worlds", "study": "Many runs"}
 
 
 def on_page_markdown(markdown: str, **_: object) -> str:

@@ -200,7 +200,7 @@ class Formation(Model):
     )
     range: Length = Field(
         default=10.0,
-        description="[m] along the reference path within which robots are formation neighbours; "
+        description="[m] distance along the reference path within which robots are neighbours; "
         "also the sensing range, unless sensing.range is given",
     )
     neighbours: Annotated[

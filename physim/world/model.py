@@ -88,7 +88,7 @@ Road = Annotated[
 class World(Model):
     """Everything that its author says about a run. Lengths [m], times [s], angles [rad].
 
-    Raises `physim.errors.WorldError`, with every fault found, when made with bad values.
+    Raises `physim.WorldError`, with every fault found, when made with bad values.
     """
 
     model_config = ConfigDict(

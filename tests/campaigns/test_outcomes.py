@@ -107,7 +107,7 @@ def test_a_run_is_named_by_as_many_digits_as_it_takes() -> None:
     assert named == {"abcdef00", "abcdef01", "abcdef1", "123456789", "f00000"}
 
 
-TEXT = (Path(__file__).parents[2] / "docs/CAMPAIGNS.md").read_text(encoding="utf-8")
+TEXT = (Path(__file__).parents[2] / "docs/how-to/many-runs.md").read_text(encoding="utf-8")
 
 
 def test_every_column_is_told() -> None:

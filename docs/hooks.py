@@ -17,6 +17,7 @@ import griffe
 from pydantic import BaseModel
 
 import physim.world
+from physim import campaigns
 from physim.analysis.metrics import DEFINITIONS
 from physim.cli.commands import GROUPS, app_of
 from physim.cli.help import overview, page
@@ -179,6 +180,12 @@ def columns() -> str:
     return table(("column", "meaning", "unit"), rows)
 
 
+def results() -> str:
+    """Columns of the results of a sweep."""
+    rows = [(f"`{name}`", prose(meaning), unit) for name, unit, meaning in campaigns.columns()]
+    return table(("column", "meaning", "unit"), rows)
+
+
 def fields(module: str, name: str) -> str:
     """Table of the attributes of a class, as they are annotated and told where they are defined.
 
@@ -198,4 +205,5 @@ def fields(module: str, name: str) -> str:
     return table(("name", "meaning", "type")[: 2 + is_typed], rows)
 
 
-GENERATED = {one.__name__: one for one in (keys, commands, record, metrics, columns, fields)}
+TABLES = (keys, commands, record, metrics, columns, results, fields)
+GENERATED = {one.__name__: one for one in TABLES}

@@ -180,8 +180,8 @@ def test_floods_of_keys_and_faults_end_early():
 def test_faults_of_one_cause_are_one_line():
     """Each of a hundred robots that a script writes has the same two faults; some have a third."""
     robots = "".join(
-        f'- {{name: r{k}, footprint: {{length: "1.{k}", width: 1.0}}, pose: [0, 0, 0], headng: 1'
-        + (", mass: -1}\n" if k % 10 == 3 else "}\n")
+        f'- {{name: r{k}, footprint: {{length: "1.{k}", width: 1.0}}, pose: [0, 0, 0], headng: 1, '
+        f"mass: {-1 if k % 10 == 3 else 1}, path: [[0, 0], [9, 0]]}}\n"
         for k in range(100)
     )
     with pytest.raises(WorldError) as caught:

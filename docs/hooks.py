@@ -17,6 +17,7 @@ import griffe
 from pydantic import BaseModel
 
 import physim.world
+from physim import campaigns
 from physim.analysis.metrics import DEFINITIONS
 from physim.cli.commands import GROUPS, app_of
 from physim.cli.help import overview, page
@@ -27,7 +28,7 @@ from physim.record.layout import TABLE, Attributes, AttributesModel
 MARK = re.compile(r"^<!-- generated: (?P<name>\w+)(?P<words>[^>]*) -->$", re.MULTILINE)
 FARTHEST = 1.0e6
 """Bounds of numbers that the page states once, for all lengths and coordinates"""
-JOBS = {"run": "Run", "judge": "Judge", "author": "Author worlds", "study": "Study many runs"}
+JOBS = {"run": "Run worlds", "judge": "Judge runs", "author": "Author worlds", "study": "Many runs"}
 
 
 def on_page_markdown(markdown: str, **_: object) -> str:
@@ -179,6 +180,12 @@ def columns() -> str:
     return table(("column", "meaning", "unit"), rows)
 
 
+def results() -> str:
+    """Columns of the results of a sweep."""
+    rows = [(f"`{name}`", prose(meaning), unit) for name, unit, meaning in campaigns.columns()]
+    return table(("column", "meaning", "unit"), rows)
+
+
 def fields(module: str, name: str) -> str:
     """Table of the attributes of a class, as they are annotated and told where they are defined.
 
@@ -190,7 +197,7 @@ def fields(module: str, name: str) -> str:
         if key.startswith("_"):
             continue
         is_typed = one.annotation is not None
-        written = re.sub(r"^Annotated\[(\w+),.*", r"\1", str(one.annotation)).replace("|", "\\|")
+        written = re.sub(r"^Annotated\[(\w+),.*", r"\1", str(one.annotation)).replace(" | ", " or ")
         written = "str" if written in ("Name", "Words") else written
         called = f"`{key}`" if is_typed else f"`{one.value}`".replace("'", "")
         words = "" if one.docstring is None else prose(one.docstring.value)
@@ -198,4 +205,5 @@ def fields(module: str, name: str) -> str:
     return table(("name", "meaning", "type")[: 2 + is_typed], rows)
 
 
-GENERATED = {one.__name__: one for one in (keys, commands, record, metrics, columns, fields)}
+TABLES = (keys, commands, record, metrics, columns, results, fields)
+GENERATED = {one.__name__: one for one in TABLES}

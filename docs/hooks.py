@@ -1,1 +1,201 @@
-"""What the site's pages take from the code when it is built."""
+"""What the site's pages take from the code when it is built.
+
+A line ``<!-- generated: NAME WORD … -->`` of a page becomes what the function of that name in
+`GENERATED` makes of the words. What has no description raises ValueError, which ends the build.
+"""
+
+from __future__ import annotations
+
+import html
+import re
+from collections.abc import Iterable, Sequence
+from importlib import import_module
+from pathlib import Path
+from typing import Any, get_type_hints
+
+import griffe
+from pydantic import BaseModel
+
+import physim.world
+from physim.analysis.metrics import DEFINITIONS
+from physim.cli.commands import GROUPS, app_of
+from physim.cli.help import overview, page
+from physim.parts.declarations import STANDARD_COLUMNS
+from physim.parts.registry import CONTROLLER, find_part, settings_model
+from physim.record.layout import TABLE, Attributes, AttributesModel
+
+MARK = re.compile(r"^<!-- generated: (?P<name>\w+)(?P<words>[^>]*) -->$", re.MULTILINE)
+FARTHEST = 1.0e6
+"""Bounds of numbers that the page states once, for all lengths and coordinates"""
+JOBS = {"run": "Run", "judge": "Judge", "author": "Author worlds", "study": "Study many runs"}
+
+
+def on_page_markdown(markdown: str, **_: object) -> str:
+    """Put what the code knows in the place of the marks of a page."""
+    return MARK.sub(lambda mark: GENERATED[mark["name"]](*mark["words"].split()), markdown)
+
+
+def table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+    """A table in Markdown. Raises ValueError for a row without a meaning."""
+    rows, told = list(rows), head.index("meaning")
+    if missing := [cells[0] for cells in rows if not cells[told].strip()]:
+        raise ValueError(f"{missing[0]} has no description")
+    lines = [head, ["---"] * len(head), *rows]
+    return "\n".join(f"| {' | '.join(cells)} |" for cells in lines) + "\n"
+
+
+def prose(text: str) -> str:
+    """Plain text of the code, on one line, so that Markdown shows it as it is; code stays code."""
+    text = html.escape(" ".join(text.split()), quote=False).replace("``", "`")
+    return re.sub(r"([|*])", r"\\\1", text)
+
+
+# Keys of a world
+
+
+def keys(name: str, controller: str = "") -> str:
+    """Table of the keys of a model of `physim.world`, or of the ``settings`` of a controller."""
+    if name == "settings":
+        model = settings_model(find_part(CONTROLLER, controller))
+        assert model is not None
+    else:
+        model = getattr(physim.world, name)
+    properties = model.model_json_schema()["properties"]
+    rows = []
+    for key, field in model.model_fields.items():
+        unit, text = re.match(r"(?:\[(.+?)\] )?(.*)", field.description or "").groups()  # type: ignore[union-attr]
+        default = "required" if field.is_required() else default_of(field.get_default())
+        rows.append((f"`{key}`", prose(text), unit or "", default, kind(properties[key])))
+    head = ("key", "meaning", "unit", "default", "type and bounds")
+    return f'<a id="key-{controller or slug(name)}"></a>\n\n{table(head, rows)}'
+
+
+def slug(name: str) -> str:
+    """``RandomRoad`` as ``random-road``."""
+    return re.sub(r"(?<!^)(?=[A-Z])", "-", name).lower()
+
+
+def default_of(value: Any) -> str:
+    """A default as it is written in a world."""
+    if value is None or value in ("", ()):
+        return "none"
+    if isinstance(value, BaseModel):
+        return "its defaults"
+    if isinstance(value, list | tuple):
+        return f"`[{', '.join(v if isinstance(v, str) else f'{v:.5g}' for v in value)}]`"
+    return f"`{str(value).lower() if isinstance(value, bool) else value}`"
+
+
+def kind(schema: dict[str, Any], s: str = "") -> str:
+    """What a key takes, by its JSON Schema: ``number > 0``, a link to a mapping; many with an s."""
+    if "$ref" in schema:
+        name = slug(schema["$ref"].rpartition("/")[2])
+        return f"[{name.replace('-', ' ')}{s}](#key-{name})"
+    if options := schema.get("anyOf") or schema.get("oneOf"):
+        return " or ".join(kind(one, s) for one in options if one.get("type") != "null")
+    if words := schema.get("enum") or ("const" in schema and [schema["const"]]):
+        return " or ".join(f"`{one}`" for one in words)
+    if schema["type"] != "array":
+        named = {"integer": f"whole number{s}", "boolean": "`true` or `false`", "string": "text"}
+        return named.get(schema["type"], f"{schema['type']}{s}") + bounds(schema)
+    if items := schema.get("prefixItems"):
+        if all(one.get("maximum") == FARTHEST for one in items):
+            return f"point{s}"
+        alike = not s and all(one == items[0] for one in items)
+        listed = f"[{', '.join(map(kind, items))}]"
+        return f"{len(items)} {kind(items[0], 's')}" if alike else listed
+    least, most = schema.get("minItems", 0), schema.get("maxItems")
+    many = f"{least:,} to {most:,} " if least and most else f"up to {most:,} " if most else ""
+    return f"list{s} of {many}{kind(schema['items'], 's')}"
+
+
+def bounds(schema: dict[str, Any]) -> str:
+    """Least and greatest value of a number; empty where they are those of `FARTHEST`."""
+    least, above = schema.get("minimum"), schema.get("exclusiveMinimum")
+    most, below = schema.get("maximum"), schema.get("exclusiveMaximum")
+    if most == FARTHEST:
+        most, least = None, None if least == -FARTHEST else least
+    if least is not None and most is not None:
+        return f" {plain(least)} to {plain(most)}"
+    signs = {"&gt;": above, "≥": least, "&lt;": below, "≤": most}
+    told = ", ".join(f"{sign} {plain(x)}" for sign, x in signs.items() if x is not None)
+    return f" {told}" if told else ""
+
+
+def plain(number: float) -> str:
+    """A number without an exponent, as it may stand in a world, but for commas."""
+    return f"{number:,.6f}".rstrip("0").rstrip(".").replace("-", "−")
+
+
+# Other tables
+
+
+def commands() -> str:
+    """All commands on a screen, then the help of each, by job."""
+    text = f"```text\n{overview()}```\n"
+    for job, group in GROUPS.items():
+        text += f"\n## {JOBS[job]}\n"
+        for name in group:
+            app = app_of(name)
+            for one in app.assemble_argument_collection():
+                if one.parse and not one.children and not one.parameter.help:
+                    raise ValueError(f"physim {name}: {one.name} has no description")
+            text += f"\n### {name}\n\n```text\n{page(name, app)}```\n"
+    return text
+
+
+def record() -> str:
+    """Attributes of a record, its datasets, and the columns of its tables."""
+    attributes = []
+    for name, hint in get_type_hints(Attributes, include_extras=True).items():
+        key = AttributesModel.model_fields[name].alias or name
+        attributes.append((f"`{key}`", prose(hint.__metadata__[-1]), f"`{name}`"))
+    datasets = [
+        (f"`{one.path}`", prose(one.words), f"({', '.join(one.shape)})", one.unit, f"`{one.name}`")
+        for one in TABLE.values()
+    ]
+    text = f"## Attributes\n\n{table(('attribute', 'meaning', '`Record` has it as'), attributes)}"
+    head = ("dataset", "meaning", "shape", "unit", "`Record` has it as")
+    text += f"\n## Datasets\n\n{table(head, datasets)}\n## Columns\n"
+    for one in TABLE.values():
+        if one.fields[0].name:
+            rows = [(f"`{f.name}`", prose(f.words), f.unit) for f in one.fields]
+            text += f"\n### {one.path}\n\n{table(('column', 'meaning', 'unit'), rows)}"
+    return text
+
+
+def metrics() -> str:
+    """Every metric of a run."""
+    rows = [
+        (f"`{one.name}`", prose(one.meaning), one.unit.replace("^2", "²"), one.source.strip("-"))
+        for one in DEFINITIONS.values()
+    ]
+    return table(("metric", "meaning", "unit", "in the paper"), rows)
+
+
+def columns() -> str:
+    """Columns that a controller may declare, whose meaning is fixed."""
+    rows = [(f"`{one.name}`", prose(one.words), one.unit) for one in STANDARD_COLUMNS]
+    return table(("column", "meaning", "unit"), rows)
+
+
+def fields(module: str, name: str) -> str:
+    """Table of the attributes of a class, as they are annotated and told where they are defined.
+
+    Of an enumeration the values, and what they are.
+    """
+    path = Path(import_module(module).__file__ or "")
+    rows, is_typed = [], True
+    for key, one in griffe.visit(module, path, path.read_text("utf-8"))[name].attributes.items():
+        if key.startswith("_"):
+            continue
+        is_typed = one.annotation is not None
+        written = re.sub(r"^Annotated\[(\w+),.*", r"\1", str(one.annotation)).replace("|", "\\|")
+        written = "str" if written in ("Name", "Words") else written
+        called = f"`{key}`" if is_typed else f"`{one.value}`".replace("'", "")
+        words = "" if one.docstring is None else prose(one.docstring.value)
+        rows.append((called, words, f"`{written}`") if is_typed else (called, words))
+    return table(("name", "meaning", "type")[: 2 + is_typed], rows)
+
+
+GENERATED = {one.__name__: one for one in (keys, commands, record, metrics, columns, fields)}

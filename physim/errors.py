@@ -40,7 +40,9 @@ class Fault:
     """One thing wrong with a world: where in it, and what to do about it (one line)."""
 
     location: Location
+    """where in the world, e.g. ``("robots", 2, "pose", 0)``; ``()`` is the whole world"""
     message: str
+    """one line"""
     severity: Literal["error", "warning"] = "error"
     """a warning: what may be meant so, but is seldom"""
     of_key: bool = False

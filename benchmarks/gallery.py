@@ -66,7 +66,7 @@ SHOTS = {
     "u_turn": Shot(6.0, 42.0, 3.0, 28.0),
     "roundabout": Shot(20.0, 60.0, 4.0, 40.0),
     "warehouse": Shot(4.0, 60.0, 5.0, 40.0),
-    "jam": Shot(4.0, 40.0, 3.6, 24.0),
+    "jam": Shot(8.0, 28.0, 2.0, 24.0),
     "hundred_robots": Shot(24.0, 54.0, 3.0, 46.0),
     "thousand_robots": Shot(23.0, 43.0, 2.0, 40.0),
 }

@@ -18,6 +18,7 @@ import griffe
 from pydantic import BaseModel
 
 import physim.world
+from physim import campaigns
 from physim.analysis.metrics import DEFINITIONS
 from physim.cli.commands import GROUPS, app_of
 from physim.cli.help import overview, page
@@ -30,7 +31,7 @@ from physim.world.file.files import shipped_worlds
 MARK = re.compile(r"^<!-- generated: (?P<name>\w+)(?P<words>[^>]*) -->$", re.MULTILINE)
 FARTHEST = 1.0e6
 """Bounds of numbers that the page states once, for all lengths and coordinates"""
-JOBS = {"run": "Run", "judge": "Judge", "author": "Author worlds", "study": "Study many runs"}
+JOBS = {"run": "Run worlds", "judge": "Judge runs", "author": "Author worlds", "study": "Many runs"}
 
 
 def on_page_markdown(markdown: str, **_: object) -> str:
@@ -182,6 +183,12 @@ def columns() -> str:
     return table(("column", "meaning", "unit"), rows)
 
 
+def results() -> str:
+    """Columns of the results of a sweep."""
+    rows = [(f"`{name}`", prose(meaning), unit) for name, unit, meaning in campaigns.columns()]
+    return table(("column", "meaning", "unit"), rows)
+
+
 def fields(module: str, name: str) -> str:
     """Table of the attributes of a class, as they are annotated and told where they are defined.
 
@@ -193,7 +200,7 @@ def fields(module: str, name: str) -> str:
         if key.startswith("_"):
             continue
         is_typed = one.annotation is not None
-        written = re.sub(r"^Annotated\[(\w+),.*", r"\1", str(one.annotation)).replace("|", "\\|")
+        written = re.sub(r"^Annotated\[(\w+),.*", r"\1", str(one.annotation)).replace(" | ", " or ")
         written = "str" if written in ("Name", "Words") else written
         called = f"`{key}`" if is_typed else f"`{one.value}`".replace("'", "")
         words = "" if one.docstring is None else prose(one.docstring.value)
@@ -287,6 +294,5 @@ def rate(runs: int, seeds: int) -> str:
     return f"{runs} of {seeds}<br>({low:.1f}–{high:.1f} %)"
 
 
-GENERATED = {
-    one.__name__: one for one in (keys, commands, record, metrics, columns, fields, gallery)
-}
+MADE = (keys, commands, record, metrics, columns, results, fields, gallery)
+GENERATED = {one.__name__: one for one in MADE}

@@ -208,7 +208,6 @@ def fields(module: str, name: str) -> str:
     return table(("name", "meaning", "type")[: 2 + is_typed], rows)
 
 
-<<<<<<< HEAD
 def notebook(name: str) -> str:
     """Cells of a notebook in the folder of the pages, with what they printed and drew."""
     text = ""
@@ -225,9 +224,6 @@ def notebook(name: str) -> str:
     return text
 
 
-MAKERS = (keys, commands, record, metrics, columns, fields, notebook)
-GENERATED = {one.__name__: one for one in MAKERS}
-=======
 # Gallery
 
 
@@ -314,6 +310,5 @@ def rate(runs: int, seeds: int) -> str:
     return f"{runs} of {seeds}<br>({low:.1f}–{high:.1f} %)"
 
 
-MADE = (keys, commands, record, metrics, columns, results, fields, gallery)
+MADE = (keys, commands, record, metrics, columns, results, fields, notebook, gallery)
 GENERATED = {one.__name__: one for one in MADE}
->>>>>>> main

@@ -123,7 +123,7 @@ def test_the_commands_of_a_projects_readme_run(tmp_path: Path) -> None:
     readme = (project / "README.md").read_text()
     assert len(readme.splitlines()) <= 40
     blocks = re.findall(r"```sh\n(.*?)```", readme, flags=re.DOTALL)
-    lines = "".join(blocks).replace("\\\n", "").replace("--seeds 1:21", "--seeds 1:5")
+    lines = "".join(blocks).replace("\\\n", "")
     commands = [shlex.split(line)[1:] for line in lines.splitlines()]
     names = ["check", "preview", "run", "sweep", "report", "compare"]
     assert [command[0] for command in commands] == names
@@ -132,7 +132,7 @@ def test_the_commands_of_a_projects_readme_run(tmp_path: Path) -> None:
         done = shell(*command, folder=project)
         assert done.code == 0, done.out + done.err
     assert re.search("no difference shown|is better in", done.out)
-    assert re.search(facts("mode_switching", "controllers.cautious:Cautious", "4 seeds"), done.out)
+    assert re.search(facts("mode_switching", "controllers.cautious:Cautious", "20 seeds"), done.out)
     made = {name for name in set(tree(project)) - before if "__pycache__" not in name}
     assert {"corridor.png", "runs/cautious/page.html", "sweeps/first/report.html"} <= made
     with Record.load(project / "runs/cautious/record.h5") as record:

@@ -3,7 +3,7 @@
 python -m benchmarks.avoidance [WORLD ...] [--seeds A:B] [--jobs N] [--check | --write]
 
 Prints a table: contact-free and finished with avoidance and without, the share of decisions by (12)
-and (13), distances, and what contacts there are. ``--write`` puts it into worlds/README.md;
+and (13), distances, and what contacts there are. ``--write`` puts it into docs/reference/worlds.md;
 ``--check`` compares it with the one that stands there, and holds the worlds that claim to show
 avoidance to their claim: contacts without it in at least half of their seeds, none with it in at
 least 95 %. Exit codes: 0 fine, 1 a claim or the table does not hold, 2 bad input, 130 interrupted.
@@ -41,7 +41,7 @@ SHOWS_AVOIDANCE = ("ten_robots", "crowded_start", "three_robots", "nonconvex", "
 WITHOUT = "controller.avoidance=none"
 CONTACTS_WITHOUT, FREE_WITH = 0.5, 0.95
 """[-] What such a world must reach: shares of its seeds"""
-README = Path(__file__).parents[1] / "worlds" / "README.md"
+README = Path(__file__).parents[1] / "docs/reference/worlds.md"
 BEGIN, END = "<!-- avoidance -->\n", "<!-- end of avoidance -->"
 HEADER = (
     "| world | seeds | contact-free, with and without | finished, with and without "
@@ -144,7 +144,7 @@ def _counts(line: str) -> tuple[str, str, str]:
 
 
 def written(text: str) -> dict[str, str]:
-    """Rows by world of the table in worlds/README.md."""
+    """Rows by world of the table in docs/reference/worlds.md."""
     lines = text.split(BEGIN)[1].split(END)[0].splitlines()
     return {line.split("`")[1]: line for line in lines if line.startswith("| `")}
 
@@ -164,8 +164,8 @@ def main() -> int:
     parser.add_argument("--seeds", type=seed_range, default=(0, 100), metavar="A:B")
     parser.add_argument("--jobs", type=int, default=len(os.sched_getaffinity(0)))
     what = parser.add_mutually_exclusive_group()
-    what.add_argument("--check", action="store_true", help="against worlds/README.md")
-    what.add_argument("--write", action="store_true", help="into worlds/README.md")
+    what.add_argument("--check", action="store_true", help="against docs/reference/worlds.md")
+    what.add_argument("--write", action="store_true", help="into docs/reference/worlds.md")
     options = parser.parse_args()
     names = options.worlds or list(shipped_worlds())
     text = README.read_text(encoding="utf-8")
@@ -185,7 +185,7 @@ def main() -> int:
     if options.check:
         known = written(text)
         wrong += [
-            f"worlds/README.md: {known.get(n)}\nmeasured: {r}"
+            f"docs/reference/worlds.md: {known.get(n)}\nmeasured: {r}"
             for n, r in rows.items()
             if known.get(n) != r
         ]

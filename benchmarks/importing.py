@@ -13,8 +13,8 @@ import tempfile
 import time
 from pathlib import Path
 
-import cv2
 import numpy as np
+from PIL import Image
 
 CELLS = 1000
 RESOLUTION = 0.05
@@ -46,12 +46,14 @@ def building(noise: int) -> np.ndarray:
 def main() -> None:
     for name, noise, turned in (("rooms", 0, False), ("rooms with 3,000 specks", 3000, False),
                                 ("the same, turned by 20 degrees", 3000, True)):  # fmt: skip
-        pixels = building(noise)
-        if turned:
-            matrix = cv2.getRotationMatrix2D((CELLS / 2, CELLS / 2), 20.0, 0.7)
-            pixels = cv2.warpAffine(pixels, matrix, (CELLS, CELLS), flags=cv2.INTER_NEAREST)
+        image = Image.fromarray(building(noise))
+        if turned:  # and shrunk to 0.7 of its size
+            small, margin = round(CELLS * 0.7), round(CELLS * 0.15)
+            shrunk = Image.new("L", (CELLS, CELLS))
+            shrunk.paste(image.resize((small, small), Image.Resampling.NEAREST), (margin, margin))
+            image = shrunk.rotate(20.0)
         with tempfile.TemporaryDirectory() as folder:
-            cv2.imwrite(f"{folder}/map.pgm", pixels)
+            image.save(f"{folder}/map.pgm")
             text = f"image: map.pgm\nresolution: {RESOLUTION}\norigin: [0.0, 0.0, 0.0]\nnegate: 0\n"
             Path(folder, "map.yaml").write_text(text)
             command = [sys.executable, "-m", "physim", "import", "map.yaml", "-o", "world.yaml",

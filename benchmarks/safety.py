@@ -2,8 +2,9 @@
 
 python -m benchmarks.safety DIR [DIR ...] [--write]
 
-Reads folders of `physim sweep` and prints docs/SAFETY.md, or writes it with ``--write``; the
-commands that fill the folders stand at the head of the page. Exit codes: 0 fine, 2 bad input.
+Reads folders of `physim sweep` and prints docs/explanation/safety.md, or writes it with
+``--write``; the commands that fill the folders stand at the head of the page. Exit codes:
+0 fine, 2 bad input.
 """
 
 from __future__ import annotations
@@ -25,7 +26,7 @@ from physim.units import interval
 from physim.world.file.files import find_world
 from physim.world.layout.scene_builder import is_random
 
-PAGE = Path(__file__).parents[1] / "docs" / "SAFETY.md"
+PAGE = Path(__file__).parents[1] / "docs/explanation/safety.md"
 MANY = "hundred_robots", "thousand_robots"
 """Worlds that get few seeds."""
 SEEDS, FEW = "0:23", "0:2"

@@ -1,7 +1,8 @@
 """Try the oldest libraries that pyproject.toml admits: ``python -m tests.lowest FOLDER``.
 
-Makes a new environment in FOLDER (which must not be there yet) with every dependency at its lower
-bound, all from a package registry, and uses each command once. Exit code 1 where one fails.
+Makes a new environment in FOLDER (which must not be there yet) with every dependency, and those of
+`physim[import]`, at its lower bound, all from a package registry, and uses each command once.
+Exit code 1 where one fails.
 """
 
 from __future__ import annotations
@@ -35,8 +36,9 @@ COMMANDS = (
 
 
 def lowest(project: Path = ROOT / "pyproject.toml") -> list[str]:
-    """``NAME==VERSION`` for the lower bound of every dependency."""
-    wanted = tomllib.loads(project.read_text())["project"]["dependencies"]
+    """``NAME==VERSION`` for the lower bound of every dependency, those of ``import`` too."""
+    told = tomllib.loads(project.read_text())["project"]
+    wanted = [*told["dependencies"], *told["optional-dependencies"]["import"]]
     found = [re.match(r"([\w.-]+)>=([\w.]+)", one) for one in wanted]
     return [f"{one[1]}=={one[2]}" for one in found if one]
 
@@ -50,7 +52,7 @@ def main() -> int:
     made = folder / "env"
     subprocess.run([sys.executable, "-m", "venv", made], check=True)
     pip = [made / "bin" / "python", "-m", "pip", "install", "--quiet"]
-    subprocess.run([*pip, ROOT, *lowest()], check=True, cwd=folder)
+    subprocess.run([*pip, f"{ROOT}[import]", *lowest()], check=True, cwd=folder)
     failed = 0
     for command in COMMANDS:
         words = command.format(samples=ROOT / "tests/authoring/importing/samples").split()

@@ -1,4 +1,4 @@
-"""docs/REPRODUCTION.md, and the count in the README: ``python -m tests.reproduction_docs [DIR]``.
+"""docs/explanation/reproduction.md and its count: ``python -m tests.reproduction_docs [DIR]``.
 
 Without DIR everything is run, which takes about half an hour on two cores; DIR is what
 ``physim reproduce -o DIR`` wrote.
@@ -19,8 +19,8 @@ Report, JSON, markdown = inside("physim.reproduction", "Report", "JSON", "markdo
 Outcome = inside("physim.reproduction", "Outcome")
 
 DOCS = Path(__file__).parents[1] / "docs"
-PAGE = DOCS / "REPRODUCTION.md"
-PICTURES = DOCS / "reproduction"
+PAGE = DOCS / "explanation/reproduction.md"
+PICTURES = PAGE.parent / "reproduction"
 REPORT = PICTURES / JSON
 README = DOCS.parent / "README.md"
 BEGIN, END = "<!-- claims -->\n", "<!-- end of claims -->"

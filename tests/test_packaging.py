@@ -73,7 +73,7 @@ def test_wheel_holds_the_sources_and_nothing_beside_physim(wheel: Path) -> None:
     inside = {name for name in names if ".dist-info/" not in name}
     assert inside == expected() | {"physim/_kernels.abi3.so"}
     assert wheel.name.startswith("physim-0.1.0-cp311-abi3-")
-    assert {"physim/py.typed", "physim/controllers/NOTATION.md"} <= inside
+    assert {"physim/py.typed", "physim/worlds/world.schema.json"} <= inside
     assert {f"physim/drawing/page/assets/{name}" for name in ("page.html", "main.js")} <= inside
     assert any(name.startswith("physim/worlds/") and name.endswith(".yaml") for name in inside)
     tops = {name.split("/")[0] for name in names}

@@ -1,4 +1,4 @@
-"""worlds/README.md says what the models say."""
+"""docs/reference/worlds.md says what the models say."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from .worlds_readme import key_tables
 
 shipped_worlds = inside("physim.world.file", "shipped_worlds")
 
-README = Path(__file__).parents[1] / "worlds" / "README.md"
+README = Path(__file__).parents[1] / "docs/reference/worlds.md"
 
 
 def test_every_key_stands_in_the_readme_with_its_unit_and_default() -> None:

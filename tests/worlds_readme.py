@@ -1,4 +1,4 @@
-"""The tables of keys in worlds/README.md, made from the models that check a world."""
+"""The tables of keys in docs/reference/worlds.md, made from the models that check a world."""
 
 from __future__ import annotations
 
@@ -73,8 +73,8 @@ def _shown(value: Any) -> str:
 
 
 def main() -> None:
-    """Write the tables into worlds/README.md."""
-    readme = Path(__file__).parents[1] / "worlds" / "README.md"
+    """Write the tables into docs/reference/worlds.md."""
+    readme = Path(__file__).parents[1] / "docs/reference/worlds.md"
     text = readme.read_text(encoding="utf-8")
     before, rest = text.split("<!-- keys -->\n")
     after = rest.split("<!-- end of keys -->")[1]

@@ -77,7 +77,8 @@ def import_world(
     formats, by suffix:
       track     centreline and widths, columns x_m, y_m, w_tr_right_m, w_tr_left_m (.csv)
       ros-map   map.yaml with its image, PGM or PNG (.yaml)
-      svg       drawing with layers or ids boundary, obstacle, path, robot (.svg)
+      svg       drawing with layers or ids boundary, obstacle, path, robot (.svg); needs
+                pip install "physim[import]"
       wkt       polygons and lines as well-known text (.wkt)
       geojson   the same as GeoJSON in metres (.geojson, .json)
 

@@ -57,7 +57,7 @@ def listing(
         for name, line in entries.items():
             print(f"  {name:<{width}}  {line}")
     if none := [title for title, entries in found.items() if not entries]:
-        print(f"none of your own: {', '.join(none)} (docs/EXTENDING.md)")
+        print(f"none of your own: {', '.join(none)} (docs/how-to/extend.md)")
     return 0
 
 

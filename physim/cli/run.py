@@ -58,7 +58,7 @@ def run(
     --controller names another; without a type, or by --set controller.KEY=VALUE, they are for
     whatever runs
 
-    keys for --set: worlds/README.md lists them all; physim new writes a world with each explained
+    keys for --set: physim new writes a world with every key explained
 
     examples:
       physim run ten_robots

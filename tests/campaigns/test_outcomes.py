@@ -103,7 +103,7 @@ def test_a_sweep_names_contacts_then_failures_then_what_did_not_finish() -> None
     assert re.search(facts("15", "physim report out"), said.splitlines()[-2])
 
 
-TEXT = (Path(__file__).parents[2] / "docs/CAMPAIGNS.md").read_text(encoding="utf-8")
+TEXT = (Path(__file__).parents[2] / "docs/how-to/many-runs.md").read_text(encoding="utf-8")
 
 
 def test_every_column_is_told() -> None:

@@ -1,4 +1,4 @@
-"""docs/EXTENDING.md: every example, installed without a line of physim changed, does what it says.
+"""docs/how-to/extend.md: every example, installed with no line of physim changed, does as it says.
 
 Each is run by the page's own command. What it did is read from its record, and held against the
 same run without it.

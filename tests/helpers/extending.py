@@ -1,4 +1,4 @@
-"""The examples of docs/EXTENDING.md, installed as somebody's distribution would be."""
+"""The examples of docs/how-to/extend.md, installed as somebody's distribution would be."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import tomllib
 from pathlib import Path
 from typing import NamedTuple
 
-PAGE = Path(__file__).parents[2] / "docs" / "EXTENDING.md"
+PAGE = Path(__file__).parents[2] / "docs/how-to/extend.md"
 
 
 class Block(NamedTuple):

@@ -1,4 +1,4 @@
-"""docs/RECORD.md lists what the table of the record has, word for word.
+"""docs/reference/record.md lists what the table of the record has, word for word.
 
 ``python -m tests.record.test_layout`` prints the list.
 """
@@ -16,7 +16,7 @@ from tests.helpers.records import make_record
 Attributes, AttributesModel, TABLE = inside(
     "physim.record", "Attributes", "AttributesModel", "TABLE"
 )
-PAGE = Path(__file__).parents[2] / "docs" / "RECORD.md"
+PAGE = Path(__file__).parents[2] / "docs/reference/record.md"
 
 
 def listed() -> str:

@@ -1,4 +1,4 @@
-"""docs/REPRODUCTION.md is what the code computes: written from its report, and a run agrees.
+"""docs/explanation/reproduction.md is what the code computes: made from its report; a run agrees.
 
 Runs are chaotic: on another machine rounding may change when a robot switches its mode, and with
 that the extremes of a run. So what a robot does over its whole way is compared within `STEADY`, an

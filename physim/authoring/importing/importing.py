@@ -22,7 +22,7 @@ from physim.authoring.importing.options import Options, check_options
 from physim.authoring.importing.paths import drawn_paths
 from physim.authoring.importing.size import Size, check_way, size_as_drawn, size_of
 from physim.authoring.importing.source import FORMATS, format_of
-from physim.errors import WorldError, plural
+from physim.errors import MissingExtraError, WorldError, plural
 from physim.escaping import escaped
 from physim.geometry.shapes import FloatArray
 from physim.world import World
@@ -74,14 +74,19 @@ def import_world(source: str | os.PathLike[str], options: Options | None = None)
     """Make a world of a race-track CSV, ROS map, SVG drawing, WKT or GeoJSON file.
 
     Its scene has been built, so `physim run` takes it. Raises ImportSourceError, which says what is
-    wrong with the source and where.
+    wrong with the source and where; MissingExtraError for an SVG drawing without `physim[import]`.
     """
     source, options = Path(source), options or Options()
     try:
         form = options.format or format_of(source)
         check_options(source, form, options)
         module, name = FORMATS[form].reader.split(".")
-        found = import_module(f"physim.authoring.importing.{module}")
+        try:
+            found = import_module(f"physim.authoring.importing.{module}")
+        except ModuleNotFoundError:
+            if form != "svg":
+                raise
+            raise MissingExtraError("an SVG drawing", "import") from None
         reader: Callable[[Path, Options], Drawing] = getattr(found, name)
         return _made(reader(source, options), options)
     except shapely.errors.GEOSException as error:  # whichever of many calls it was

@@ -15,10 +15,10 @@ from math import cos, sin, tau
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-import cv2
 import numpy as np
 import shapely
 from pydantic import BeforeValidator, Field
+from scipy import ndimage
 
 from physim.authoring.importing.area import MOST_OBSTACLES, SMALLEST, Clearance
 from physim.authoring.importing.drawing import DIGITS, Drawing, Shape, listed, place, refused
@@ -187,15 +187,15 @@ def _outlined(
             "is it noise? Smooth the image or make its cells larger"
         )
     specks = SPECK * cell * cell if options.specks is None else options.specks
-    _, labels, area, middles = _patches(~free, 8, cell)
+    labels, area = _patches(~free, 8, cell)
     small = (area > 0.0) & (area <= specks * (1.0 + 1e-9))
-    free |= small[labels] & ~free
-    drawing.changes += listed(
-        sorted(np.flatnonzero(small), key=lambda k: -area[k]),
-        lambda k: (
-            f"speck of {area[k]:.4g} m² at {place(placed(middles[k] + 0.5))}: left out (--specks)"
-        ),
-    )
+
+    def speck(k: int) -> str:
+        middle = np.argwhere(labels == k).mean(axis=0)[::-1]
+        return f"speck of {area[k]:.4g} m² at {place(placed(middle + 0.5))}: left out (--specks)"
+
+    drawing.changes += listed(sorted(np.flatnonzero(small), key=lambda k: -area[k]), speck)
+    free |= small[labels]
     at = None
     if options.origin is not None:
         at = np.floor(turn @ (np.array(options.origin) - (x, y)) / cell).astype(int)
@@ -220,14 +220,12 @@ def _outlined(
     return simple
 
 
-def _patches(cells: Any, connectivity: int, cell: float) -> tuple[int, Any, Any, Any]:
-    """Count and labels of connected cells, from 1, their areas [m²], and middles [cells]."""
-    count, labels, stats, middles = cv2.connectedComponentsWithStats(
-        cells.astype(np.uint8), connectivity=connectivity
-    )
-    area = stats[:, cv2.CC_STAT_AREA] * cell * cell
+def _patches(cells: Any, connectivity: Literal[4, 8], cell: float) -> tuple[Any, Any]:
+    """Labels of connected cells, from 1, and the area [m²] of each label; that of 0 is 0."""
+    labels, _ = ndimage.label(cells, ndimage.generate_binary_structure(2, connectivity // 4))
+    area = np.bincount(labels.ravel()) * cell * cell
     area[0] = 0.0
-    return count, labels, area, middles
+    return labels, area
 
 
 def _region(drawing: Drawing, free: Any, cell: float, placed: Any, at: Any) -> Any:
@@ -235,14 +233,17 @@ def _region(drawing: Drawing, free: Any, cell: float, placed: Any, at: Any) -> A
 
     Refused where it may be another that is meant: the margin round a track may be the largest.
     """
-    count, labels, area, _ = _patches(free, 4, cell)
-    order = np.argsort(-area, kind="stable")[: count - 1]
+    labels, area = _patches(free, 4, cell)
+    order = np.argsort(-area, kind="stable")[:-1]
 
     def told(k: int) -> str:
-        own = np.pad((labels == k).astype(np.uint8), 1)  # the edge of the image is a wall
-        inner = cv2.distanceTransform(own, cv2.DIST_L2, 3)[1:-1, 1:-1]
+        own = labels == k
+        rows, columns = ndimage.find_objects(own.view(np.int8))[0]
+        walled = np.pad(own[rows, columns], 1)  # the edge of the image is a wall
+        inner = ndimage.distance_transform_cdt(walled)[1:-1, 1:-1]
         row, column = np.unravel_index(np.argmax(inner), inner.shape)
-        return f"{area[k]:.4g} m² about {place(placed(np.array([column, row]) + 0.5))}"
+        deepest = np.array([columns.start + column, rows.start + row])
+        return f"{area[k]:.4g} m² about {place(placed(deepest + 0.5))}"
 
     chosen = int(order[0])
     if at is not None:

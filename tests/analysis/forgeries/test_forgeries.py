@@ -43,7 +43,7 @@ def test_the_page_lists_all_of_them():
     names = [forgery.name for forgery in FORGERIES]
     assert len(set(names)) == len(names) == 100
     assert set(names) > FAST
-    page = (ROOT / "docs" / "VALIDATION.md").read_text(encoding="utf-8")
+    page = (ROOT / "docs/explanation/validation.md").read_text(encoding="utf-8")
     assert f"edit records in {len(FORGERIES)} ways" in page
     for run in RUNS:
         listed = re.search(rf"^\| {run} \| (\d+) \| (.*) \|$", page, re.M)

@@ -1,4 +1,4 @@
-"""The example of docs/VALIDATION.md is what the command prints."""
+"""The example of docs/explanation/validation.md is what the command prints."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ def test_the_example_is_what_the_command_prints(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     """All but the versions that made it, and the digest, which goes with them."""
-    page = (ROOT / "docs/VALIDATION.md").read_text()
+    page = (ROOT / "docs/explanation/validation.md").read_text()
     command = r"`physim (run .*)`, then\n`physim (validate .*)`:\n\n"
     found = re.search(command + r"```text\n(.*?)```", page, re.S)
     assert found

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import re
 import shutil
+import subprocess
+import sys
 from pathlib import Path
 from typing import get_args
 
@@ -46,6 +48,26 @@ def test_samples(name: str, here: Path, capture: pytest.CaptureFixture[str]) -> 
     world = load_world(here / "w.yaml")
     assert world.name == Path(name).stem
     assert world.to_yaml() == import_world(str(here / name), Options(robot="fit")).world.to_yaml()
+
+
+WITHOUT = """
+import sys
+sys.modules["lxml"] = sys.modules["svgelements"] = None
+from physim.cli import main
+sys.exit(main(["import", sys.argv[1], "-o", "w.yaml", "--robot", "fit", "--quiet"]))
+"""
+
+
+def test_only_drawings_need_the_extra(here: Path) -> None:
+    (here / "plan.svg").write_text(svg(""))
+    for name, code in (("plan.svg", 2), ("track.csv", 0), ("office.yaml", 0)):
+        (here / "w.yaml").unlink(missing_ok=True)
+        done = subprocess.run(
+            [sys.executable, "-c", WITHOUT, name], capture_output=True, text=True, cwd=here
+        )
+        assert (done.returncode, (here / "w.yaml").exists()) == (code, code == 0), done.stderr
+        wanted = 'an SVG drawing needs an extra: pip install "physim[import]"\n' if code else ""
+        assert done.stderr == wanted
 
 
 @pytest.fixture

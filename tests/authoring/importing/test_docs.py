@@ -1,4 +1,4 @@
-"""The output shown in docs/IMPORTING.md is what the commands print."""
+"""The output shown in docs/how-to/import-a-map.md is what the commands print."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ import pytest
 from tests.authoring.importing.plans import SAMPLES
 from tests.cli.commands import physim
 
-TEXT = (Path(__file__).parents[3] / "docs" / "IMPORTING.md").read_text(encoding="utf-8")
+TEXT = (Path(__file__).parents[3] / "docs/how-to/import-a-map.md").read_text(encoding="utf-8")
 SHOWN = re.findall(r"```text\n\$ physim (.*)\n((?:.*\n)*?)```", TEXT)
 
 

@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
+import io
 import struct
 import zlib
 from pathlib import Path
 from typing import Any
 
-import cv2
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from PIL import Image
 
 from physim.authoring.importing import ImportSourceError, Options, import_world
 from physim.errors import PhysimError, WorldError
@@ -97,7 +98,9 @@ def huge_png(width: int, height: int) -> bytes:
 
 def maps() -> dict[str, tuple[str, bytes | None, str]]:
     good = pgm(np.full((40, 60), 254))
-    png = cv2.imencode(".png", np.random.default_rng(1).integers(0, 255, (40, 60)))[1].tobytes()
+    noise = np.random.default_rng(1).integers(0, 255, (40, 60), dtype=np.uint8)
+    Image.fromarray(noise).save(written := io.BytesIO(), "png")
+    png = written.getvalue()
     yaml = map_yaml("map.pgm", 0.05, (0, 0))
     return {
         "missing image": (yaml.replace("map.pgm", "mop.pgm"), good, ':1: … image: … "mop.pgm"'),

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
+import io
 import re
 from pathlib import Path
 from typing import Any
 
-import cv2
 import numpy as np
 import pytest
 import shapely
 import shapely.affinity
+from PIL import Image
 
 from physim.authoring.importing import ImportSourceError, Options, import_world
 from tests.authoring.importing.plans import (
@@ -84,7 +85,9 @@ def test_thresholds_and_modes(
             image = image.astype(np.uint16) * 257
         elif kind == "colour":
             image = np.stack([image, image, image, np.full_like(image, 255)], axis=2)
-        data = cv2.imencode(".png", image)[1].tobytes()
+        written = io.BytesIO()
+        Image.fromarray(image).save(written, "png")
+        data = written.getvalue()
     (tmp_path / "map.img").write_bytes(data)
     (tmp_path / "map.yaml").write_text(map_yaml("map.img", 0.5, (0, 0), **more))
     imported = import_world(tmp_path / "map.yaml", Options(tolerance=0.1))
@@ -101,7 +104,7 @@ def test_thresholds_and_modes(
 def test_transparent_cells_are_unknown(tmp_path: Path) -> None:
     image = np.full((40, 80, 4), 255, dtype=np.uint8)
     image[:, 40:, 3] = 0
-    cv2.imwrite(str(tmp_path / "map.png"), image)
+    Image.fromarray(image).save(tmp_path / "map.png")
     for mode, width in (("scale", 20.0), ("trinary", 20.0), ("raw", None)):
         (tmp_path / "map.yaml").write_text(map_yaml("map.png", 0.5, (0, 0), mode=mode))
         if width is None:  # 255 is unknown in percent

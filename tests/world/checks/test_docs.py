@@ -1,4 +1,4 @@
-"""The examples of docs/CHECKING.md are what the command prints."""
+"""The examples of docs/reference/checks.md are what the command prints."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import pytest
 from physim.world.checks import check_world
 
 text_of = importlib.import_module("physim.cli.check").text_of
-DOCS = Path(__file__).parents[3] / "docs" / "CHECKING.md"
+DOCS = Path(__file__).parents[3] / "docs/reference/checks.md"
 
 MY_WORLD = """\
 name: my world

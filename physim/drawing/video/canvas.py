@@ -88,7 +88,7 @@ class Lens(NamedTuple):
 
 
 AS_IS, NOWHERE = np.eye(3), np.zeros((1, 2))
-TURNS = np.linspace(0.0, 2.0 * np.pi, 48)
+TURNS = np.linspace(0.0, 2.0 * np.pi, 33)
 
 
 class Line(NamedTuple):
@@ -299,6 +299,7 @@ class Fleet:
     """All robots: paths to draw, and their vertices, which are placed in one go a frame."""
 
     def __init__(self, shapes: Sequence[Shape]) -> None:
+        self.shapes = shapes
         each = {id(one): (joined(one.rings, True), joined([one.mark], True)) for one in shapes}
         self.paths = [each[id(one)] for one in shapes]
         """of each robot its outline and its mark, in its frame"""
@@ -351,7 +352,7 @@ def draw_robots(
         [path for robot in robots.tolist() for path in fleet.paths[robot]],
         np.stack((colour, np.full_like(colour, 255)), axis=1).reshape(-1, 3),
         np.repeat(edges, 2, axis=0),
-        np.stack((np.where(firm, 3.0, 1.0), np.zeros(len(robots))), axis=1).ravel(),
+        np.stack((np.where(firm, 4.0, 1.0), np.zeros(len(robots))), axis=1).ravel(),
         turned=np.repeat(turned, 2, axis=0),
         lens=lens.matrix(),
     )
@@ -388,8 +389,8 @@ def draw_targets(canvas: Canvas, robots: FloatArray, targets: FloatArray) -> Non
 
 def draw_closest(canvas: Canvas, points: FloatArray) -> None:
     """Join the closest points (2, 2) [px] of two bodies."""
-    canvas.lines(points[None], palette.WHITE, 5.0)
-    canvas.lines(points[None], palette.INK, 2.0)
+    canvas.lines(points[None], palette.WHITE, 6.0)
+    canvas.lines(points[None], palette.INK, 3.0)
     canvas.discs(points, 3.0, palette.INK)
 
 
@@ -407,14 +408,14 @@ def draw_contacts(
     Of those that are too ``deep`` to be physical the cross is white on a disc.
     """
     centres = centres[np.isfinite(centres).all(axis=1)]
-    shape, arm, width = ARMS, 4.0 if small else 7.0, 2.0 if small else 4.0
+    shape, arm, width = ARMS, 4.0 if small else 7.0, 2.5 if small else 4.5
     colours = [(palette.WHITE, width + 3.0), (palette.CONTACT, width)]
     if deep:
         canvas.discs(centres, 13.0, palette.WHITE)
         canvas.discs(centres, 11.0, palette.CONTACT)
         arm, colours = 5.0, [(palette.WHITE, 3.0)]
     elif swept:
-        shape, arm, width = CORNERS[None], 5.0 if small else 9.0, 2.0 if small else 3.0
+        shape, arm, width = CORNERS[None], 5.0 if small else 9.0, 2.5 if small else 3.5
         colours = [(palette.WHITE, width + 3.0), (palette.CONTACT, width)]
     lines = (centres[:, None, None] + arm * shape).reshape(-1, *shape.shape[1:])
     for colour, width in colours:

@@ -275,7 +275,7 @@ class Animation(Film):
 
     def write(self, frame: Image) -> None:
         """Take one frame, which may be changed afterwards."""
-        packed = zlib.compress(resized(picture_of(frame), self._size).tobytes(), 1)
+        packed = zlib.compress(resized(picture_of(frame), self._size).tobytes("raw", "RGB"), 1)
         if self._packed and packed == self._packed[-1]:
             self.hold()
             return
@@ -345,7 +345,7 @@ class Table:
 def picture_of(frame: Image) -> PIL.Image.Image:
     """Return a frame (h, w, 4) as a picture, which shows what it holds now or later."""
     high, wide = frame.shape[:2]
-    return PIL.Image.frombuffer("RGB", (wide, high), frame, "raw", "RGBX", 0, 1)
+    return PIL.Image.frombuffer("RGBX", (wide, high), frame, "raw", "RGBX", 0, 1)
 
 
 def rgb_of(frame: Image) -> Image:

@@ -74,15 +74,15 @@ def draw_ground(canvas: Canvas, ground: Ground, lens: Lens, small: bool = False)
 
 
 def _draw_lines(canvas: Canvas, item: Item, lens: Lens, width: float) -> None:
+    if item.dash is None:
+        canvas.lines([lens.pixels(line) for line in item.lines], item.colour, width)
+        return
     every = lens.pixels(pieces_of(item.lines))
     edge = canvas.box.size + width + 2
     seen = ((every.max(axis=1) >= -width - 2) & (every.min(axis=1) <= edge)).all(axis=1)
-    pieces = every[seen]
-    if item.dash is not None:
-        length = np.hypot(*(every[:, 1] - every[:, 0]).T)
-        before = np.concatenate(([0.0], np.cumsum(length)[:-1]))  # dashes go on round corners
-        pieces = _dashes(pieces, before[seen], item.dash, edge)
-    canvas.lines(pieces, item.colour, width)
+    length = np.hypot(*(every[:, 1] - every[:, 0]).T)
+    before = np.concatenate(([0.0], np.cumsum(length)[:-1]))  # dashes go on round corners
+    canvas.lines(_dashes(every[seen], before[seen], item.dash, edge), item.colour, width)
 
 
 def _dashes(

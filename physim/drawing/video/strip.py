@@ -98,7 +98,7 @@ class Strip:
     def _draw_curves(self, canvas: Canvas, times: FloatArray, values: FloatArray) -> None:
         """Draw values (N, T) of the robots, a line each or, of many, bands."""
         colours = self._curves.colours
-        lines = [(line, colour, 2) for line, colour in zip(values, colours, strict=True)]
+        lines = [(line, colour, 2.5) for line, colour in zip(values, colours, strict=True)]
         if not self._each:
             found = quantiles(values.T)
             for low, high, share in ((1, -2, OUTER), (2, -3, INNER)):
@@ -107,7 +107,7 @@ class Strip:
                 for below, above in zip(*pieces, strict=True):
                     canvas.fill([np.concatenate((below, above[::-1]))], colour)
             ink, band = palette.INK, palette.BAND
-            lines = [(found[0], ink, 1), (found[-1], ink, 1), (found[3], band, 2)]
+            lines = [(found[0], ink, 1.0), (found[-1], ink, 1.0), (found[3], band, 2.5)]
         for line, colour, wide in lines:
             for piece in self._pieces(times, line):
                 canvas.lines(piece[None], colour, wide)

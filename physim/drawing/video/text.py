@@ -23,8 +23,8 @@ from physim.drawing import palette
 from physim.drawing.labels import shortened
 from physim.drawing.palette import Colour
 
-TEXT, SMALL, TITLE = 13, 12, 15
-"""Font sizes; the second is the least used anywhere"""
+TEXT, SMALL, NAME, TITLE = 13, 12, 14, 16
+"""Font sizes; the second is the least used anywhere, the third is that of names in the view"""
 NORMAL, BOLD = "DejaVuSans", "DejaVuSans-Bold"
 """Fonts."""
 LEFT, ABOVE, BELOW = 4, 2, 8
@@ -104,18 +104,22 @@ class Piece(NamedTuple):
     """to the next piece [px]"""
 
 
-def _pieces(text: str, size: int, weight: str) -> list[Piece]:
-    """Digits one by one, since numbers change from frame to frame, and what is between them."""
-    return [
-        _piece("".join(run), file, size)
+@functools.lru_cache(maxsize=512)
+def _pieces(text: str, size: int, weight: str) -> tuple[Piece, ...]:
+    """Digits one by one, since numbers change from frame to frame, and what is between them.
+
+    Bold letters are wider, so they are a size smaller.
+    """
+    return tuple(
+        _piece("".join(run), file, size, size - (weight == BOLD))
         for part in re.findall(r"[0-9]|[^0-9]+", text)
         for file, run in groupby(part, lambda character: _file(character, weight))
-    ]
+    )
 
 
 @functools.lru_cache(maxsize=2048)
-def _piece(text: str, file: str, size: int) -> Piece:
-    font = _font(file, size)
+def _piece(text: str, file: str, size: int, letters: int) -> Piece:
+    font = _font(file, letters)
     advance = font.getlength(text)
     picture = Image.new("L", (math.ceil(advance) + 2 * LEFT, size + ABOVE + BELOW))
     ImageDraw.Draw(picture).text((LEFT, size + ABOVE), text, fill=255, font=font, anchor="ls")

@@ -39,7 +39,7 @@ from physim.drawing.video.canvas import (
 )
 from physim.drawing.video.ground import Background, Ground, Whole, notes, write_corner
 from physim.drawing.video.names import Labels
-from physim.drawing.video.text import BOLD, TEXT, Sprite, shorten, sprite
+from physim.drawing.video.text import BOLD, NAME, Sprite, shorten, sprite
 from physim.geometry.shapes import FloatArray, IntArray
 from physim.units import amount
 
@@ -52,7 +52,7 @@ ALL = 30.0
 """[px] a world in which every robot is drawn at least this long is shown whole"""
 LONG, SHORT, LARGE = 35.0, 18.0, 84.0
 """[px] length of the smallest robot: wanted at least, never below, never above"""
-TRAIL_BANDS = 70
+TRAIL_BANDS = 50
 """Steps in which trails fade, over all robots."""
 TRAIL_STEPS, SHORT_STEPS = 21, 6
 """Most places of a trail, and of one in a crowd."""
@@ -200,7 +200,7 @@ class View:
             line for item in world.items if item.level == Level.WALL for line in item.lines
         )
         self._names = [
-            shorten(name, TEXT, 110) + mark
+            shorten(name, NAME, 110, BOLD) + mark
             for name, mark in zip(timeline.record.names, timeline.marks, strict=True)
         ]
         self._crowd = timeline.robots > NAMED
@@ -319,11 +319,11 @@ class View:
             text = amount(pair.distance, "m") if pair.distance > 0.0 else "contact"
             key = -1 - pair.a * self.timeline.robots - pair.b  # another pair chooses anew
             x, y = lens.pixels(pair.points).mean(axis=0)
-            pictures[key] = sprite(text, TEXT, palette.INK, BOLD, halo=True)
+            pictures[key] = sprite(text, NAME, palette.INK, BOLD, halo=True)
             labels[key] = Label((x, y), min(max(span * 0.2, 8.0), 30.0), pictures[key].size)
         middles = (boxes[:, :2] + boxes[:, 2:]) / 2.0
         for robot, shape in shapes.items():
-            pictures[robot] = sprite(self._names[robot], TEXT, palette.INK, BOLD, halo=True)
+            pictures[robot] = sprite(self._names[robot], NAME, palette.INK, BOLD, halo=True)
             (x, y), around = middles[robot].tolist(), shape - middles[robot]
             reach = math.sqrt(float((around * around).sum(axis=1).max()))
             labels[robot] = Label((x, y), reach, pictures[robot].size, around)

@@ -9,6 +9,7 @@ set of colours.
 from __future__ import annotations
 
 import os
+import re
 import subprocess
 import tempfile
 import zlib
@@ -247,8 +248,10 @@ class VideoFile(Film):
         """What the encoder, which has ended, said last."""
         self._errors.seek(0)
         said = self._errors.read().decode(errors="replace").strip().splitlines()
-        reason = said[-1] if said else f"it ended with {self._encoder.returncode}"
-        return RecordError(f"{self.path}: cannot write it: ffmpeg: {reason}")
+        reason = f" ended with code {self._encoder.returncode}"
+        if said:  # without the part of ffmpeg that says it
+            reason = ": " + re.sub(r"^\[.*?\] ", "", said[-1])
+        return RecordError(f"{self.path}: cannot write it: ffmpeg{reason}")
 
 
 SAMPLES = 40
